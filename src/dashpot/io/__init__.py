@@ -1,0 +1,1 @@
+"""One format, one file: read; and the archive of dashpot's own JSON."""

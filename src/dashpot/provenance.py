@@ -1,0 +1,42 @@
+"""Where numbers came from: the file, its hash, and each step taken since."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Source:
+    """The file a record was read from.
+
+    Attributes
+    ----------
+    file : str
+        File name without its folder.
+    sha256 : str
+        Hash of the raw bytes, hexadecimal.
+    reader : str
+        Name of the reader, such as ``"text"``.
+    columns : tuple of str
+        One line per column used: role, name found, unit found.
+    notes : tuple of str
+        What the reader noticed or changed, one sentence each.
+    simulated : bool
+        True if the file says that it was made by the virtual rig or hammer.
+    """
+
+    file: str
+    sha256: str
+    reader: str = "text"
+    columns: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+    simulated: bool = False
+
+
+@dataclass(frozen=True)
+class Step:
+    """One processing step: its name, its parameters as text, what it did in a sentence."""
+
+    name: str
+    parameters: tuple[tuple[str, str], ...] = ()
+    says: str = ""

@@ -1,0 +1,1 @@
+"""The bench half: from a raw relaxation test to a fitted solid."""

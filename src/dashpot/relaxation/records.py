@@ -1,0 +1,152 @@
+"""Relaxation tests, raw and prepared."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from dashpot._arrays import ByValue, FloatArray, increasing, same_length, samples
+from dashpot.checks import Check
+from dashpot.errors import DataError
+from dashpot.provenance import Source, Step
+
+
+@dataclass(frozen=True)
+class Specimen:
+    """What was tested.
+
+    Attributes
+    ----------
+    length : float or None
+        Contact length of the seal under the plate, m.
+    height : float or None
+        Free height of the section, m.
+    temperature : float or None
+        Test temperature, K.
+    notes : str
+        Anything else worth keeping: material, fixing, load history.
+    """
+
+    length: float | None = None
+    height: float | None = None
+    temperature: float | None = None
+    notes: str = ""
+
+    def __post_init__(self) -> None:
+        for name in ("length", "height", "temperature"):
+            value = getattr(self, name)
+            if value is not None and not (np.isfinite(value) and value > 0):
+                raise DataError(f"specimen {name} = {value!r}; expected a number > 0 in SI units")
+
+
+@dataclass(frozen=True, eq=False)
+class RelaxationTest(ByValue):
+    """A relaxation test as the machine wrote it, in SI units.
+
+    Attributes
+    ----------
+    time : array, shape (n,)
+        s, strictly increasing; any sampling.
+    displacement : array, shape (n,)
+        m, sign and zero as recorded.
+    force : array, shape (n,)
+        N, sign and zero as recorded.
+    specimen : Specimen
+    source : Source or None
+        The file it came from; None for arrays made in memory.
+
+    Raises
+    ------
+    DataError
+        If the arrays differ in length, hold fewer than 8 samples, are not finite, or time stalls.
+    """
+
+    time: FloatArray
+    displacement: FloatArray
+    force: FloatArray
+    specimen: Specimen = field(default_factory=Specimen)
+    source: Source | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("time", "displacement", "force"):
+            object.__setattr__(self, name, samples(name, getattr(self, name), minimum=8))
+        same_length(time=self.time, displacement=self.displacement, force=self.force)
+        increasing("time", self.time)
+
+
+@dataclass(frozen=True, eq=False)
+class RampHold(ByValue):
+    """A prepared relaxation test: the ramp and the hold known, compression positive, tared.
+
+    Made by :func:`dashpot.relaxation.preparation.prepare`; `fit` takes nothing else.
+
+    Attributes
+    ----------
+    time : array, shape (n,)
+        s, on the clock of the raw record.
+    displacement : array, shape (n,)
+        Compression of the seal from first contact, m: what the fit takes as its input.
+        Zero before contact; positive is compression.
+    force : array, shape (n,)
+        Compressive force less the tare, N; positive is compression. Not filtered by default.
+    onset, ramp_end, hold_end : float
+        First contact, end of the ramp and end of the hold, s on the same clock. With several
+        ramps, the first ramp and the last hold.
+    depth : float
+        Compression held, m: the mean displacement over the hold.
+    preload : float
+        Force, N, carried at the first sample if the record starts in contact; else 0.
+    force_noise, displacement_noise : float
+        Standard deviation of the sample-to-sample scatter of each channel, N and m.
+    specimen, source
+        As in the raw test.
+    steps : tuple of Step
+        What preparation did, in order.
+    checks : tuple of Check
+        What preparation noticed.
+    """
+
+    time: FloatArray
+    displacement: FloatArray
+    force: FloatArray
+    onset: float
+    ramp_end: float
+    hold_end: float
+    depth: float
+    preload: float = 0.0
+    force_noise: float = 0.0
+    displacement_noise: float = 0.0
+    specimen: Specimen = field(default_factory=Specimen)
+    source: Source | None = None
+    steps: tuple[Step, ...] = ()
+    checks: tuple[Check, ...] = ()
+
+    def __post_init__(self) -> None:
+        for name in ("time", "displacement", "force"):
+            object.__setattr__(self, name, samples(name, getattr(self, name), minimum=8))
+        same_length(time=self.time, displacement=self.displacement, force=self.force)
+        increasing("time", self.time)
+        if not self.onset < self.ramp_end < self.hold_end:
+            raise DataError(
+                f"the ramp must start, end and be held in that order, found onset "
+                f"{self.onset:g} s, ramp end {self.ramp_end:g} s, hold end {self.hold_end:g} s"
+            )
+        if not (np.isfinite(self.depth) and self.depth > 0):
+            raise DataError(f"depth = {self.depth!r} m; expected a compression > 0")
+
+    @property
+    def ramp_time(self) -> float:
+        """Duration of the ramp, the paper's c, s."""
+        return self.ramp_end - self.onset
+
+    @property
+    def hold_time(self) -> float:
+        """Duration of the hold, s."""
+        return self.hold_end - self.ramp_end
+
+    @property
+    def hold(self) -> slice:
+        """The samples of the hold, ramp end included."""
+        start, stop = np.searchsorted(self.time, [self.ramp_end, self.hold_end])
+        return slice(int(start), min(int(stop) + 1, len(self.time)))

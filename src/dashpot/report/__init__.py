@@ -1,0 +1,1 @@
+"""A study to one self-contained HTML file."""

@@ -1,0 +1,1 @@
+"""The virtual rig and the virtual hammer."""

@@ -1,0 +1,1 @@
+"""What a viscoelastic part is."""

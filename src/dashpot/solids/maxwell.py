@@ -1,0 +1,256 @@
+"""The generalized Maxwell solid: every linear network of springs and dashpots, in one form."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from dashpot._arrays import ComplexArray, FloatArray, increasing, same_length, samples
+from dashpot.errors import DataError
+
+
+@dataclass(frozen=True)
+class GeneralizedMaxwell:
+    r"""A spring, a dashpot and any number of Maxwell arms in parallel.
+
+    .. math::
+
+        k(t) = k_\infty + \sum_j k_j e^{-t/\tau_j} + b\,\delta(t), \qquad
+        K^*(\omega) = k_\infty + \sum_j k_j \frac{j\omega\tau_j}{1 + j\omega\tau_j} + j\omega b
+
+    ::
+
+            +---[ k_inf ]------------+
+        o---+---[ k_1 ]--( b_1 )-----+---o      b_j = k_j tau_j
+            +---[ k_2 ]--( b_2 )-----+
+            +---( b )----------------+
+
+    Attributes
+    ----------
+    k_inf : float
+        Equilibrium stiffness, N/m, >= 0.
+    k : tuple of float
+        Arm stiffnesses, N/m, > 0.
+    tau : tuple of float
+        Relaxation times, s, > 0; stored ascending, as in the paper's Table 1.
+    b : float
+        Parallel dashpot, N s/m, >= 0: with it Kelvin-Voigt and Maxwell-Voigt are of this type.
+
+    The same mathematics serves a part (N/m) and a material (Pa). Source: paper eqs. (1)-(5);
+    R. S. Lakes, *Viscoelastic Materials*.
+
+    >>> seal = GeneralizedMaxwell(196.5, k=(117.5, 17.8), tau=(0.5021, 16.416))
+    >>> round(seal.loss_factor(2 * np.pi * 12.71), 5)
+    np.float64(0.00887)
+    """
+
+    k_inf: float
+    k: tuple[float, ...] = ()
+    tau: tuple[float, ...] = ()
+    b: float = 0.0
+
+    def __post_init__(self) -> None:
+        k = tuple(float(value) for value in np.atleast_1d(np.asarray(self.k, dtype=float)))
+        tau = tuple(float(value) for value in np.atleast_1d(np.asarray(self.tau, dtype=float)))
+        if len(k) != len(tau):
+            raise DataError(f"every arm needs a k and a tau, found {len(k)} k and {len(tau)} tau")
+        for name, value in (("k_inf", self.k_inf), ("b", self.b)):
+            if not (np.isfinite(value) and value >= 0):
+                raise DataError(f"{name} = {value!r}; a passive solid needs {name} >= 0 and finite")
+        for j, (stiffness, time) in enumerate(zip(k, tau, strict=True), start=1):
+            if not (np.isfinite(stiffness) and stiffness > 0):
+                raise DataError(f"k_{j} = {stiffness!r}; a passive arm needs k > 0 and finite")
+            if not (np.isfinite(time) and time > 0):
+                raise DataError(f"tau_{j} = {time!r}; a passive arm needs tau > 0 and finite")
+        order = sorted(range(len(tau)), key=lambda j: tau[j])
+        object.__setattr__(self, "k_inf", float(self.k_inf))
+        object.__setattr__(self, "b", float(self.b))
+        object.__setattr__(self, "k", tuple(k[j] for j in order))
+        object.__setattr__(self, "tau", tuple(tau[j] for j in order))
+
+    # -- what it is ---------------------------------------------------------------------------
+
+    @property
+    def arms(self) -> int:
+        """Number of Maxwell arms."""
+        return len(self.k)
+
+    @property
+    def arm_b(self) -> tuple[float, ...]:
+        r"""Arm dashpots :math:`b_j = k_j \\tau_j`, N s/m."""
+        return tuple(k * tau for k, tau in zip(self.k, self.tau, strict=True))
+
+    @property
+    def k_0(self) -> float:
+        r"""Instantaneous stiffness :math:`k_\\infty + \\sum k_j`, N/m."""
+        return self.k_inf + sum(self.k)
+
+    # -- algebra ------------------------------------------------------------------------------
+
+    def __add__(self, other: GeneralizedMaxwell) -> GeneralizedMaxwell:
+        """Two solids side by side: stiffnesses add, equal relaxation times merge."""
+        if not isinstance(other, GeneralizedMaxwell):
+            return NotImplemented
+        arms: dict[float, float] = {}
+        for k, tau in zip(self.k + other.k, self.tau + other.tau, strict=True):
+            arms[tau] = arms.get(tau, 0.0) + k
+        return GeneralizedMaxwell(
+            self.k_inf + other.k_inf, tuple(arms.values()), tuple(arms), self.b + other.b
+        )
+
+    def __mul__(self, count: float) -> GeneralizedMaxwell:
+        """`count` equal solids in parallel; a fraction is a shorter piece of seal."""
+        if not isinstance(count, int | float | np.number):
+            return NotImplemented
+        if not (np.isfinite(count) and count > 0):
+            raise DataError(f"cannot take {count!r} solids in parallel; expected a number > 0")
+        return replace(
+            self,
+            k_inf=self.k_inf * count,
+            k=tuple(k * count for k in self.k),
+            b=self.b * count,
+        )
+
+    __rmul__ = __mul__
+
+    def with_length(self, length: float, *, measured_length: float) -> GeneralizedMaxwell:
+        """The same section at another contact length, both in m: stiffness is per length."""
+        for name, value in (("length", length), ("measured_length", measured_length)):
+            if not (np.isfinite(value) and value > 0):
+                raise DataError(f"{name} = {value!r} m; expected a length > 0")
+        return self * (length / measured_length)
+
+    def to_prony(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        r"""Relative moduli :math:`g_j = k_j / k_0` and relaxation times, as FE codes take them.
+
+        Raises
+        ------
+        DataError
+            If there is a parallel dashpot: a Prony series cannot hold one.
+        """
+        if self.b > 0:
+            raise DataError(
+                f"b = {self.b:g} N s/m: a Prony series has no parallel dashpot; "
+                "export the arms, or fit without b"
+            )
+        if self.k_0 == 0:
+            raise DataError("a solid without stiffness has no Prony series")
+        return tuple(k / self.k_0 for k in self.k), self.tau
+
+    # -- time ---------------------------------------------------------------------------------
+
+    def relaxation(self, t: npt.ArrayLike) -> FloatArray:
+        r"""Relaxation stiffness :math:`k_\infty + \sum_j k_j e^{-t/\tau_j}`, N/m, for t > 0 in s.
+
+        The parallel dashpot's impulse at t = 0 is not in it.
+        """
+        t = np.asarray(t, dtype=float)
+        k, tau = self._arms()
+        return np.asarray(self.k_inf + np.exp(-t[..., None] / tau) @ k)
+
+    def creep(self, t: npt.ArrayLike) -> FloatArray:
+        r"""Creep compliance, m/N, for t > 0 in s: the displacement under a unit step of force.
+
+        .. math:: D(t) = D_g + D_f t + \sum_i D_i (1 - e^{-t/\lambda_i})
+
+        where poles and residues of :math:`1 / (s K(s))` give :math:`\lambda_i, D_i` exactly
+        (:func:`dashpot.solids.interconversion.creep_spectrum`).
+        """
+        from dashpot.solids.interconversion import creep_spectrum
+
+        return creep_spectrum(self).compliance(t)
+
+    def ramp_hold_force(self, t: npt.ArrayLike, *, depth: float, ramp_time: float) -> FloatArray:
+        r"""Force, N, under a ramp of `ramp_time` s to `depth` m that is then held (paper eqs. 1-5).
+
+        .. math::
+
+            F = A \left[k_\infty t + \sum_j b_j (1 - e^{-t/\tau_j}) + b\right], \quad t \le c;
+            \qquad
+            F = A \left[k_\infty c + \sum_j b_j e^{-(t-c)/\tau_j} (1 - e^{-c/\tau_j})\right],
+            \quad t > c
+
+        with A = depth / ramp_time and c = ramp_time. Equation (5) as printed holds
+        exp(c/tau), which overflows for tau < c/709; this form cannot.
+        """
+        if not (np.isfinite(ramp_time) and ramp_time > 0):
+            raise DataError(f"ramp_time = {ramp_time!r} s; expected a time > 0")
+        t = np.asarray(t, dtype=float)
+        k, tau = self._arms()
+        b = k * tau
+        loading = np.clip(t, 0.0, ramp_time)[..., None]
+        held = np.clip(t - ramp_time, 0.0, None)[..., None]
+        shape = self.k_inf * loading[..., 0] + (-np.expm1(-loading / tau) * np.exp(-held / tau)) @ b
+        moving = (t > 0) & (t <= ramp_time)
+        return np.asarray(depth / ramp_time * (shape + self.b * moving))
+
+    def force(self, t: npt.ArrayLike, displacement: npt.ArrayLike) -> FloatArray:
+        r"""Force, N, under a displacement history, m, that is straight between its samples.
+
+        Each arm obeys, exactly for a straight segment of length h,
+
+        .. math:: q_i = e^{-h/\tau} q_{i-1} + k\,\frac{1 - e^{-h/\tau}}{h/\tau}\,(x_i - x_{i-1})
+
+        (:mod:`dashpot.solids.history`). The part is taken to be at rest at displacement zero
+        before the first sample; a first sample that is not zero is a step at that instant. The
+        parallel dashpot sees the slope of the segment that ends at a sample.
+
+        Parameters
+        ----------
+        t : array_like, shape (n,)
+            Strictly increasing times, s; any spacing.
+        displacement : array_like, shape (n,)
+            Displacement, m.
+        """
+        from dashpot.solids.history import arm_response
+
+        time = increasing("t", samples("t", t))
+        x = samples("displacement", displacement)
+        same_length(t=time, displacement=x)
+        total = self.k_inf * x
+        for k, tau in zip(self.k, self.tau, strict=True):
+            total = total + k * arm_response(time, x, tau)
+        if self.b > 0 and len(time) > 1:
+            slope = np.diff(x) / np.diff(time)
+            total = total + self.b * np.concatenate(([0.0], slope))
+        return np.asarray(total)
+
+    # -- frequency ----------------------------------------------------------------------------
+
+    def stiffness_at(self, s: npt.ArrayLike) -> ComplexArray:
+        r"""Stiffness on the Laplace plane, N/m: :math:`k_\infty + \sum_j k_j s\tau_j/(1+s\tau_j) + bs`.
+
+        `s` in 1/s; at :math:`s = j\omega` it is the complex stiffness, at :math:`s = j\omega + a`
+        what an exponentially windowed test sees.
+        """  # noqa: E501
+        s = np.asarray(s, dtype=complex)
+        k, tau = self._arms()
+        product = s[..., None] * tau
+        return np.asarray(self.k_inf + (product / (1 + product)) @ k + self.b * s)
+
+    def complex_stiffness(self, omega: npt.ArrayLike) -> ComplexArray:
+        r"""Complex stiffness :math:`K^*(\omega)`, N/m, `omega` in rad/s.
+
+        With x(t) = Re X e^{+j omega t}; a positive imaginary part dissipates.
+        """
+        return self.stiffness_at(1j * np.asarray(omega, dtype=float))
+
+    def storage(self, omega: npt.ArrayLike) -> FloatArray:
+        """Storage stiffness K', N/m, `omega` in rad/s."""
+        return np.asarray(self.complex_stiffness(omega).real)
+
+    def loss(self, omega: npt.ArrayLike) -> FloatArray:
+        """Loss stiffness K'', N/m, `omega` in rad/s."""
+        return np.asarray(self.complex_stiffness(omega).imag)
+
+    def loss_factor(self, omega: npt.ArrayLike) -> FloatArray:
+        """Loss factor K''/K', dimensionless, `omega` in rad/s."""
+        stiffness = self.complex_stiffness(omega)
+        return np.asarray(stiffness.imag / stiffness.real)[()]
+
+    # -- private ------------------------------------------------------------------------------
+
+    def _arms(self) -> tuple[FloatArray, FloatArray]:
+        return np.array(self.k, dtype=float), np.array(self.tau, dtype=float)

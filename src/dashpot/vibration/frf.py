@@ -1,0 +1,192 @@
+"""The frequency response function."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+import numpy as np
+
+from dashpot._arrays import (
+    ByValue,
+    ComplexArray,
+    FloatArray,
+    complex_samples,
+    increasing,
+    same_length,
+    samples,
+)
+from dashpot.checks import Check
+from dashpot.errors import DataError
+from dashpot.provenance import Source, Step
+
+
+class Kind(StrEnum):
+    """What the FRF relates, motion per force or its inverse (ISO 2041 names)."""
+
+    RECEPTANCE = "receptance"  # x / F, m/N
+    MOBILITY = "mobility"  # v / F, m/(N s)
+    ACCELERANCE = "accelerance"  # a / F, 1/kg
+    DYNAMIC_STIFFNESS = "dynamic_stiffness"  # F / x, N/m
+
+
+UNITS = {
+    Kind.RECEPTANCE: "m/N",
+    Kind.MOBILITY: "m/(N s)",
+    Kind.ACCELERANCE: "(m/s^2)/N",
+    Kind.DYNAMIC_STIFFNESS: "N/m",
+}
+
+
+@dataclass(frozen=True)
+class Hit:
+    """One hammer blow and the verdict on it.
+
+    Attributes
+    ----------
+    name : str
+        What the user calls it to accept or reject it by hand, ``"1"``, ``"2"``...
+    time : float
+        When it struck, s on the clock of its record.
+    accepted : bool
+    reasons : tuple of str
+        Why it was rejected, or what is doubtful about it, one sentence each.
+    peak : float
+        Largest force, N.
+    duration : float
+        Pulse width at 10 % of the peak, s.
+    """
+
+    name: str
+    time: float
+    accepted: bool
+    reasons: tuple[str, ...] = ()
+    peak: float = 0.0
+    duration: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class FRF(ByValue):
+    r"""A frequency response function, measured or predicted.
+
+    Sign convention: x(t) = Re X e^{+j omega t}; the receptance of a passive system has a
+    negative imaginary part.
+
+    Attributes
+    ----------
+    frequency : array, shape (n,)
+        Hz, increasing.
+    value : complex array, shape (n,)
+        In the SI unit of `kind`.
+    kind : Kind
+    coherence : array, shape (n,) or None
+        Ordinary coherence; None when predicted or when there was one hit only.
+    sd : array, shape (n,) or None
+        Standard deviation of the real part and of the imaginary part, unit of `value`.
+    shift : float
+        The exponential window's decay a, 1/s, on force and response alike: the FRF is
+        :math:`H(s)` at :math:`s = j\omega + a`. 0 without a window.
+    record : float or None
+        Length of the record after the hit, s, where the response may be cut short; None for
+        a prediction or an untruncated one.
+    averages : int
+        Number of hits averaged; 0 when predicted.
+    hits : tuple of Hit
+        Every hit found, with its verdict.
+    checks, source, steps
+        As in a fit.
+    """
+
+    frequency: FloatArray
+    value: ComplexArray
+    kind: Kind = Kind.ACCELERANCE
+    coherence: FloatArray | None = None
+    sd: FloatArray | None = None
+    shift: float = 0.0
+    record: float | None = None
+    averages: int = 0
+    hits: tuple[Hit, ...] = ()
+    checks: tuple[Check, ...] = ()
+    source: tuple[Source, ...] = ()
+    steps: tuple[Step, ...] = ()
+
+    def __post_init__(self) -> None:
+        frequency = increasing("frequency", samples("frequency", self.frequency))
+        if frequency[0] < 0:
+            raise DataError(f"frequency[0] = {frequency[0]:g} Hz; expected >= 0")
+        object.__setattr__(self, "frequency", frequency)
+        object.__setattr__(self, "value", complex_samples("value", self.value))
+        object.__setattr__(self, "kind", Kind(self.kind))
+        for name in ("coherence", "sd"):
+            values = getattr(self, name)
+            if values is not None:
+                object.__setattr__(self, name, samples(name, values))
+        same_length(
+            frequency=self.frequency, value=self.value, coherence=self.coherence, sd=self.sd
+        )
+
+    @property
+    def omega(self) -> FloatArray:
+        """Angular frequency, rad/s."""
+        return 2 * np.pi * self.frequency
+
+    @property
+    def s(self) -> ComplexArray:
+        r"""Where on the Laplace plane the values were taken: :math:`j\omega + a`, 1/s."""
+        return 1j * self.omega + self.shift
+
+    @property
+    def unit(self) -> str:
+        """The SI unit of `value`."""
+        return UNITS[self.kind]
+
+    def to(self, kind: Kind | str) -> FRF:
+        """The same FRF as receptance, mobility, accelerance or dynamic stiffness.
+
+        Motion is differentiated by a factor s, so a windowed FRF stays exact. The line at
+        frequency 0 is dropped where it would divide by zero.
+        """
+        kind = Kind(kind)
+        if kind is self.kind:
+            return self
+        keep = (np.abs(self.s) > 0) & (np.abs(self.value) > 0)
+        s, value = self.s[keep], self.value[keep]
+        receptance = {
+            Kind.RECEPTANCE: lambda: value,
+            Kind.MOBILITY: lambda: value / s,
+            Kind.ACCELERANCE: lambda: value / s**2,
+            Kind.DYNAMIC_STIFFNESS: lambda: 1 / value,
+        }[self.kind]()
+        out = {
+            Kind.RECEPTANCE: lambda: receptance,
+            Kind.MOBILITY: lambda: receptance * s,
+            Kind.ACCELERANCE: lambda: receptance * s**2,
+            Kind.DYNAMIC_STIFFNESS: lambda: 1 / receptance,
+        }[kind]()
+        sd = None
+        if self.sd is not None:  # a relative error is the same for every kind
+            sd = self.sd[keep] * np.abs(out) / np.abs(value)
+        return replace(
+            self,
+            frequency=self.frequency[keep],
+            value=out,
+            kind=kind,
+            coherence=None if self.coherence is None else self.coherence[keep],
+            sd=sd,
+        )
+
+    def band(self, low: float, high: float) -> FRF:
+        """The lines from `low` to `high`, Hz, both included."""
+        keep = (self.frequency >= low) & (self.frequency <= high)
+        if not keep.any():
+            raise DataError(
+                f"no line between {low:g} and {high:g} Hz; the FRF has "
+                f"{self.frequency[0]:g} to {self.frequency[-1]:g} Hz"
+            )
+        return replace(
+            self,
+            frequency=self.frequency[keep],
+            value=self.value[keep],
+            coherence=None if self.coherence is None else self.coherence[keep],
+            sd=None if self.sd is None else self.sd[keep],
+        )
