@@ -133,7 +133,7 @@ class FRF(ByValue):
     @property
     def s(self) -> ComplexArray:
         r"""Where on the Laplace plane the values were taken: :math:`j\omega + a`, 1/s."""
-        return 1j * self.omega + self.shift
+        return np.asarray(1j * self.omega + self.shift, dtype=complex)
 
     @property
     def unit(self) -> str:
