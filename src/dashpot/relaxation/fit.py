@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import TypedDict
+from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from dashpot.checks import Check
 from dashpot.errors import DataError
 from dashpot.provenance import Source, Step
 from dashpot.solids.maxwell import GeneralizedMaxwell
+
+if TYPE_CHECKING:
+    from dashpot.relaxation.intervals import Estimates
 
 Interval = tuple[float, float]
 
@@ -24,6 +27,15 @@ class Intervals(TypedDict):
     k: tuple[Interval, ...]
     tau: tuple[Interval, ...]
     b: tuple[Interval, ...]
+
+
+class StandardErrors(TypedDict):
+    """Standard errors in SI units, one per parameter of the model."""
+
+    k_inf: float
+    k: tuple[float, ...]
+    tau: tuple[float, ...]
+    b: tuple[float, ...]
 
 
 class Status(Enum):
@@ -115,7 +127,7 @@ class Profile(ByValue):
     Attributes
     ----------
     parameter : str
-        Name as in ``Fit.parameters``, for example ``"ln_tau_2"``.
+        Name as in ``Fit.parameters``, for example ``"ln_tau_2"``; ``"ln_b_2"`` for b = k tau.
     value, deviance : array, shape (m,)
         Trial values, ascending, and ``(SSE(value) - SSE_min) / (kappa * s^2)``: compared
         with the chi-square or F quantile of one degree of freedom.
@@ -138,6 +150,27 @@ class Nuisance:
     value: float
     standard_error: float
     unit: str
+
+
+@dataclass(frozen=True)
+class AtDepth:
+    """The stiffnesses of one test of several that share their relaxation times.
+
+    Attributes
+    ----------
+    depth : float
+        Compression held, m.
+    k_inf, k_inf_se : float
+        Secant equilibrium stiffness at this depth, N/m, and its standard error.
+    k, k_se : tuple of float
+        Arm stiffnesses at this depth, N/m, in the order of the model's arms.
+    """
+
+    depth: float
+    k_inf: float
+    k_inf_se: float
+    k: tuple[float, ...]
+    k_se: tuple[float, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,6 +203,9 @@ class Fit(ByValue):
     source : tuple of Source
     steps : tuple of Step
         Everything done since the raw file, with its parameters.
+    by_depth : tuple of AtDepth
+        One per test where each test has its own stiffnesses (``depth_law=True``), shallowest
+        first; `model` is then the deepest test's.
     """
 
     model: GeneralizedMaxwell
@@ -187,6 +223,7 @@ class Fit(ByValue):
     checks: tuple[Check, ...] = field(default_factory=tuple)
     source: tuple[Source, ...] = ()
     steps: tuple[Step, ...] = ()
+    by_depth: tuple[AtDepth, ...] = ()
 
     def __post_init__(self) -> None:
         covariance = np.asarray(self.covariance, dtype=float)
@@ -202,3 +239,37 @@ class Fit(ByValue):
     def ok(self) -> bool:
         """True if the fit converged and every check passed."""
         return self.status is Status.CONVERGED and all(check.passed for check in self.checks)
+
+    @property
+    def standard_error(self) -> StandardErrors:
+        """Standard errors of k_inf, and of k, tau and b = k tau of each arm, SI units."""
+        from dashpot.relaxation.intervals import standard_errors
+
+        errors = standard_errors(self._estimates())
+        return StandardErrors(k_inf=errors.k_inf, k=errors.k, tau=errors.tau, b=errors.b)
+
+    def intervals(self, level: float = 0.95) -> Intervals:
+        """Confidence intervals at `level`, SI units: Student's, or the profile's where stored.
+
+        An end that the data leave open is 0 or infinite.
+
+        Raises
+        ------
+        DataError
+            If `level` is not between 0 and 1.
+        """
+        from dashpot.relaxation.intervals import intervals
+
+        if not 0.0 < level < 1.0:
+            raise DataError(f"level = {level!r}; expected a coverage between 0 and 1, such as 0.95")
+        profiles = {p.parameter: (p.value, p.deviance) for p in self.profiles}
+        bounds = intervals(self._estimates(), profiles, level=level)
+        return Intervals(k_inf=bounds.k_inf, k=bounds.k, tau=bounds.tau, b=bounds.b)
+
+    def _estimates(self) -> Estimates:
+        from dashpot.relaxation.intervals import Estimates
+
+        model = self.model
+        return Estimates(
+            model.k_inf, model.k, model.tau, self.parameters, self.covariance, self.dof
+        )

@@ -1,0 +1,158 @@
+r"""How well least-squares parameters are known when neighbouring residuals say the same thing.
+
+The covariance of a least-squares estimate whose noise has the autocovariance
+:math:`\gamma_l`, constant in time, is the Toeplitz sandwich
+
+.. math:: C = (J^T J)^{-1} \, J^T \Gamma J \, (J^T J)^{-1}, \qquad \Gamma_{ik} = \gamma_{|i-k|}
+
+The residuals tell their own :math:`\gamma_l`; it is cut where the sum of two neighbouring lags
+first falls to zero (Geyer's initial positive sequence), beyond which it is noise itself.
+Source: C. J. Geyer, Statistical Science 7 (1992) 473.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from dashpot._arrays import FloatArray
+
+# a direction whose share of the information is below this is a rounding error, not knowledge
+_SINGULAR = 1e-13
+
+
+@dataclass(frozen=True, eq=False)
+class Noise:
+    r"""What the residuals of one record say about its noise.
+
+    Attributes
+    ----------
+    samples : int
+        Number of residuals n.
+    autocovariance : array, shape (lags,)
+        :math:`\gamma_0, \gamma_1, \ldots` up to the cut, in the residual's unit squared.
+    kappa : float
+        :math:`1 + 2\sum_{l>0} \gamma_l/\gamma_0`, at least 1: n / kappa residuals are worth
+        independent ones.
+    durbin_watson : float
+        :math:`\sum (r_i - r_{i-1})^2 / \sum r_i^2`: 2 if white, towards 0 if correlated.
+    """
+
+    samples: int
+    autocovariance: FloatArray
+    kappa: float
+    durbin_watson: float
+
+    @property
+    def effective(self) -> float:
+        """Effective number of independent residuals, n / kappa."""
+        return self.samples / self.kappa
+
+
+def noise_of(residual: FloatArray, *, parameters: int = 0) -> Noise:
+    r"""Return what `residual`, shape (n,), says about its noise.
+
+    A fit of p parameters takes p effective samples out of the residuals, so the autocovariance
+    is scaled by :math:`M_\mathrm{eff}/(M_\mathrm{eff} - p)`; for white noise that is the usual
+    :math:`n/(n - p)`.
+    """
+    n = len(residual)
+    gamma = autocovariance(residual)
+    if gamma[0] <= 0.0:
+        return Noise(n, np.zeros(1), 1.0, 2.0)
+    gamma = gamma[: geyer_cut(gamma)]
+    kappa = max(1.0, float(2.0 * gamma.sum() / gamma[0] - 1.0))
+    effective = n / kappa
+    gamma = gamma * (effective / max(effective - parameters, 1.0))
+    steps = np.diff(residual)
+    return Noise(n, gamma, kappa, float(steps @ steps / (residual @ residual)))
+
+
+def autocovariance(residual: FloatArray) -> FloatArray:
+    r"""Return :math:`\gamma_l = \frac1n \sum_i r_i r_{i+l}`, l = 0 .. n - 1, by one FFT."""
+    n = len(residual)
+    size = fast_length(2 * n)
+    spectrum = np.fft.rfft(residual, size)
+    return np.asarray(np.fft.irfft(np.abs(spectrum) ** 2, size)[:n] / n)
+
+
+def geyer_cut(gamma: FloatArray) -> int:
+    r"""Return how many lags to keep: up to the first :math:`\gamma_{2m}+\gamma_{2m+1} \le 0`."""
+    pairs = gamma[: len(gamma) // 2 * 2].reshape(-1, 2).sum(axis=1)
+    falls = np.flatnonzero(pairs <= 0.0)
+    return max(1, 2 * int(falls[0]) if falls.size else len(gamma))
+
+
+def sandwich(jacobians: Sequence[FloatArray], noises: Sequence[Noise]) -> FloatArray:
+    r"""Return the covariance of the parameters, shape (p, p), from one Jacobian per record.
+
+    Each record keeps its own noise: the middle of the sandwich is
+    :math:`\sum_r J_r^T \Gamma_r J_r`. A parameter that the data do not determine has an infinite
+    variance and no correlation.
+    """
+    middle = sum(
+        _toeplitz_form(jacobian, noise.autocovariance)
+        for jacobian, noise in zip(jacobians, noises, strict=True)
+    )
+    information = sum(jacobian.T @ jacobian for jacobian in jacobians)
+    return _covariance(np.asarray(information), np.asarray(middle))
+
+
+def naive(jacobians: Sequence[FloatArray], noises: Sequence[Noise]) -> FloatArray:
+    """Return the covariance as if every residual were independent of its neighbours."""
+    middle = sum(
+        noise.autocovariance[0] * (jacobian.T @ jacobian)
+        for jacobian, noise in zip(jacobians, noises, strict=True)
+    )
+    information = sum(jacobian.T @ jacobian for jacobian in jacobians)
+    return _covariance(np.asarray(information), np.asarray(middle))
+
+
+def fast_length(n: int) -> int:
+    """Return the smallest length >= n of the form 2^a 3^b 5^c that an FFT likes."""
+    best = 1 << max(n - 1, 0).bit_length()
+    for odd in (3, 5, 9, 15, 25, 27, 45, 75, 81, 125):
+        power = max(-(-n // odd) - 1, 0).bit_length()
+        best = min(best, odd << power)
+    return best
+
+
+def _toeplitz_form(jacobian: FloatArray, gamma: FloatArray) -> FloatArray:
+    """Return J' Gamma J through the circulant that contains Gamma: Parseval's sum."""
+    n, _ = jacobian.shape
+    lags = len(gamma)
+    if lags == 1:
+        return np.asarray(gamma[0] * (jacobian.T @ jacobian))
+    size = fast_length(n + lags - 1)
+    circulant = np.zeros(size)
+    circulant[:lags] = gamma
+    circulant[-(lags - 1) :] = gamma[:0:-1]
+    # a cut autocovariance need not be positive definite; a power spectrum must not be negative
+    spectrum = np.maximum(np.fft.rfft(circulant).real, 0.0)
+    columns = np.fft.rfft(jacobian.T, size, axis=1)
+    twice = np.full(len(spectrum), 2.0)
+    twice[0] = 1.0
+    if size % 2 == 0:
+        twice[-1] = 1.0
+    weighted = columns * (spectrum * twice / size)
+    return np.asarray(columns.real @ weighted.real.T + columns.imag @ weighted.imag.T)
+
+
+def _covariance(information: FloatArray, middle: FloatArray) -> FloatArray:
+    """Return H^-1 M H^-1 on unit-diagonal H, infinite where H says nothing."""
+    scale = np.sqrt(np.diag(information))
+    known = scale > 0.0
+    scale = np.where(known, scale, 1.0)
+    values, vectors = np.linalg.eigh(information / np.outer(scale, scale) + np.diag(~known * 1.0))
+    sharp = values > _SINGULAR * values[-1]
+    inverse = (vectors[:, sharp] / values[sharp]) @ vectors[:, sharp].T
+    covariance = inverse @ (middle / np.outer(scale, scale)) @ inverse
+    # what leans on a direction without information is not known at all
+    lost = ~known | (np.abs(vectors[:, ~sharp]).max(axis=1, initial=0.0) > np.sqrt(_SINGULAR))
+    covariance = covariance / np.outer(scale, scale)
+    covariance[lost, :] = 0.0
+    covariance[:, lost] = 0.0
+    covariance[lost, lost] = np.inf
+    return np.asarray(covariance)
