@@ -8,6 +8,7 @@ from dashpot.checks import Check
 from dashpot.comparison import Comparison
 from dashpot.relaxation.fit import Fit
 from dashpot.relaxation.records import RampHold, RelaxationTest
+from dashpot.solids.band import StiffnessBand
 from dashpot.vibration.frf import FRF
 from dashpot.vibration.records import ImpactTest
 
@@ -42,6 +43,9 @@ class Study:
         Relaxation and FRF fitted together.
     joint_prediction : FRF or None
     joint_comparison : Comparison or None
+    parameter_band, unseen_band : StiffnessBand or None
+        Of one seal: what the standard errors of `fit` allow, and what any non-negative
+        spectrum allows that the relaxation test cannot reject.
     checks : tuple of Check
         What only the whole story shows.
     """
@@ -61,4 +65,6 @@ class Study:
     joint: Fit | None = None
     joint_prediction: FRF | None = None
     joint_comparison: Comparison | None = None
+    parameter_band: StiffnessBand | None = None
+    unseen_band: StiffnessBand | None = None
     checks: tuple[Check, ...] = ()
