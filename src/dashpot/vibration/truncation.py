@@ -1,0 +1,53 @@
+"""A mass on a solid, heard for a limited time only."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot._arrays import ComplexArray
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+
+def poles(model: GeneralizedMaxwell, mass: float) -> ComplexArray:
+    r"""Poles of a mass on a solid, 1/s, shape (2 + arms,): roots of :math:`m s^2 + K(s) = 0`.
+
+    Eigenvalues of the state matrix in position, velocity and the elongation of each arm's spring,
+    :math:`\dot q_j = v - q_j/\tau_j`; `model` is all the seals together, `mass` in kg.
+    """
+    size = 2 + model.arms
+    state = np.zeros((size, size))
+    state[0, 1] = 1.0
+    state[1, 0] = -model.k_inf / mass
+    state[1, 1] = -model.b / mass
+    state[1, 2:] = -np.asarray(model.k) / mass
+    state[2:, 1] = 1.0
+    state[2:, 2:] = -np.diag(1 / np.asarray(model.tau))
+    return np.asarray(np.linalg.eigvals(state), dtype=complex)
+
+
+def residues(model: GeneralizedMaxwell, mass: float, at: ComplexArray) -> ComplexArray:
+    r"""Residues of the receptance at its simple poles: :math:`1 / (2 m p + K'(p))`, m/(N s)."""
+    tau = np.asarray(model.tau)
+    slope = (np.asarray(model.k) * tau / (1 + at[:, None] * tau) ** 2).sum(axis=1) + model.b
+    return np.asarray(1 / (2 * mass * at + slope))
+
+
+def cut_accelerance(
+    model: GeneralizedMaxwell, mass: float, s: ComplexArray, record: float
+) -> ComplexArray:
+    r"""Accelerance as the transform of a response cut off `record` s after the hit sees it, 1/kg.
+
+    .. math::
+
+        A_T(s) = \frac{s^2}{m s^2 + K(s)} - \sum_i r_i p_i^2 \frac{e^{(p_i - s) T}}{s - p_i}
+
+    where :math:`r_i` is the residue of the receptance at its pole :math:`p_i`: exact for a short
+    hit. With an exponential window, s = j omega + a, the cut-off part shrinks by e^{-aT}.
+    """
+    whole = s**2 / (mass * s**2 + model.stiffness_at(s))
+    p = poles(model, mass)
+    lost = residues(model, mass, p) * p**2 * np.exp(p * record)
+    live = np.abs(lost) > 0
+    p, lost = p[live], lost[live]
+    tail = (lost * np.exp(-s[:, None] * record) / (s[:, None] - p)).sum(axis=1)
+    return np.asarray(whole - tail)
