@@ -1,1 +1,1 @@
-"""The virtual rig and the virtual hammer."""
+"""The virtual rig and the virtual hammer: records whose truth is known."""

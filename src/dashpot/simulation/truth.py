@@ -1,0 +1,47 @@
+"""What a simulated file says of itself, and the truth that lies beside it."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import fields, is_dataclass
+from typing import Any
+
+import numpy as np
+
+from dashpot._version import __version__
+from dashpot.simulation.hammer import ImpactTruth
+from dashpot.simulation.rig import RelaxationTruth
+
+
+def stamp(truth: RelaxationTruth | ImpactTruth) -> tuple[str, ...]:
+    """Comment lines for the head of a simulated file, without a comment character."""
+    rig = "virtual indentation rig" if isinstance(truth, RelaxationTruth) else "virtual hammer"
+    return (
+        f"simulated by dashpot {__version__}: a {rig}, not a measurement",
+        f"seed {truth.seed}; the truth lies beside this file, in JSON",
+    )
+
+
+def truth_json(truth: RelaxationTruth | ImpactTruth) -> str:
+    """Everything that the record hides, as JSON in SI units; sampled truths are left out.
+
+    The same truth, written twice, is the same text. Complex numbers are ``[re, im]``; what
+    is unlimited is null.
+    """
+    kind = "relaxation" if isinstance(truth, RelaxationTruth) else "impact"
+    body = {"schema": "dashpot/truth@1", "simulated": True, "kind": kind, **_plain(truth)}
+    return json.dumps(body, indent=2, allow_nan=False)
+
+
+def _plain(value: Any) -> Any:
+    if is_dataclass(value):
+        named = {field.name: getattr(value, field.name) for field in fields(value)}
+        return {k: _plain(v) for k, v in named.items() if not isinstance(v, np.ndarray)}
+    if isinstance(value, tuple | list):
+        return [_plain(item) for item in value]
+    if isinstance(value, complex):
+        return [value.real, value.imag]
+    if isinstance(value, float) and math.isinf(value):
+        return None
+    return value
