@@ -160,7 +160,7 @@ class GeneralizedMaxwell:
         """
         from dashpot.solids.interconversion import creep_spectrum
 
-        return creep_spectrum(self).compliance(t)
+        return creep_spectrum(self.k_inf, self.k, self.tau, self.b).compliance(t)
 
     def ramp_hold_force(self, t: npt.ArrayLike, *, depth: float, ramp_time: float) -> FloatArray:
         r"""Force, N, under a ramp of `ramp_time` s to `depth` m that is then held (paper eqs. 1-5).

@@ -1,0 +1,198 @@
+"""From relaxation to creep, exactly, and back."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from dashpot._arrays import ComplexArray, FloatArray
+from dashpot.errors import DataError
+
+_TWINS = 1e-8
+"""Relative distance below which two poles are one at their weighted mean: an error of its square,
+below rounding, where the difference of the two would have lost half its digits."""
+
+
+@dataclass(frozen=True)
+class CreepSpectrum:
+    r"""A solid told by its compliance: what it does under a force.
+
+    .. math::
+
+        D(t) = D_g + D_f t + \sum_i D_i \left(1 - e^{-t/\lambda_i}\right), \qquad
+        \frac{X}{F}(s) = D_g + \frac{D_f}{s} + \sum_i \frac{D_i}{1 + \lambda_i s}
+
+    ::
+
+        o--[ 1/D_g ]--+-[ 1/D_1 ]-+--+-[ 1/D_2 ]-+--( 1/D_f )--o      damper i = lambda_i / D_i
+                      +-(       )-+  +-(       )-+
+
+    Attributes
+    ----------
+    glass : float
+        Instantaneous compliance :math:`D_g`, m/N; 0 with a parallel dashpot.
+    d : tuple of float
+        Retarded compliances :math:`D_i`, m/N.
+    lam : tuple of float
+        Retardation times :math:`\lambda_i`, s, ascending.
+    flow : float
+        Fluidity :math:`D_f`, m/(N s); 0 unless the solid flows (k_inf = 0).
+    """
+
+    glass: float
+    d: tuple[float, ...] = ()
+    lam: tuple[float, ...] = ()
+    flow: float = 0.0
+
+    @property
+    def equilibrium(self) -> float:
+        r"""Compliance at rest :math:`D_e = D_g + \sum_i D_i`, m/N; infinite if the solid flows."""
+        return float("inf") if self.flow > 0 else self.glass + sum(self.d)
+
+    def compliance(self, t: npt.ArrayLike) -> FloatArray:
+        """Creep compliance D(t), m/N, for t > 0 in s."""
+        t = np.asarray(t, dtype=float)
+        rise = -np.expm1(-t[..., None] / np.array(self.lam, dtype=float))
+        return np.asarray(self.glass + self.flow * t + rise @ np.array(self.d, dtype=float))
+
+    def compliance_at(self, s: npt.ArrayLike) -> ComplexArray:
+        """Compliance on the Laplace plane X/F, m/N, `s` in 1/s: the inverse of K(s)."""
+        s = np.asarray(s, dtype=complex)
+        retarded = (1 / (1 + s[..., None] * np.array(self.lam, dtype=float))) @ np.array(self.d)
+        flow = self.flow / s if self.flow > 0 else 0.0
+        return np.asarray(self.glass + flow + retarded)
+
+
+def creep_spectrum(
+    k_inf: float, k: Sequence[float], tau: Sequence[float], b: float = 0.0
+) -> CreepSpectrum:
+    r"""The creep of a generalized Maxwell solid, from poles and residues of 1/(s K(s)).
+
+    With :math:`r_0 = 0, k_0 = k_\infty, r_j = 1/\tau_j`,
+
+    .. math:: \frac{K(s)}{s} = b + \sum_{j \ge 0} \frac{k_j}{s + r_j}
+
+    has one zero :math:`-x_i` between each two neighbouring poles, and one beyond the last if
+    b > 0. Each is a retardation: :math:`\lambda_i = 1/x_i` and
+    :math:`D_i = 1 / \left(x_i^2 \sum_j k_j / (r_j - x_i)^2\right)`.
+
+    Raises
+    ------
+    DataError
+        If there is neither stiffness nor viscosity: nothing bounds the creep.
+    """
+    if k_inf <= 0 and b <= 0 and not len(k):
+        raise DataError(
+            "a part with neither stiffness nor viscosity has no creep; give it a spring, "
+            "a dashpot or an arm"
+        )
+    rates, weights = 1 / np.array(tau, dtype=float), np.array(k, dtype=float)
+    if k_inf > 0:
+        rates, weights = np.append(0.0, rates), np.append(k_inf, weights)
+    rates, weights = merge_twins(rates, weights)
+    zeros, slopes = secular_zeros(rates, weights, b)
+    viscosity = b + float(np.sum(np.asarray(k, dtype=float) * np.asarray(tau, dtype=float)))
+    order = np.argsort(zeros)[::-1]
+    return CreepSpectrum(
+        glass=0.0 if b > 0 else 1 / float(weights.sum()),
+        d=tuple((1 / (zeros**2 * slopes))[order].tolist()),
+        lam=tuple((1 / zeros)[order].tolist()),
+        flow=0.0 if k_inf > 0 else 1 / viscosity,
+    )
+
+
+def relaxation_spectrum(
+    creep: CreepSpectrum,
+) -> tuple[float, tuple[float, ...], tuple[float, ...], float]:
+    r"""The generalized Maxwell solid ``(k_inf, k, tau, b)`` of a creep spectrum.
+
+    The same mathematics the other way: the compliance
+    :math:`D_g + D_f/s + \sum_i D_i x_i/(s + x_i)` has zeros :math:`-\rho_j` between its poles,
+    and each is an arm, :math:`\tau_j = 1/\rho_j`,
+    :math:`k_j = 1 / \left(\rho_j \sum_i w_i / (x_i - \rho_j)^2\right)` with
+    :math:`w_i = D_i x_i`.
+
+    Raises
+    ------
+    DataError
+        If there is no compliance at all: a rigid link is no solid.
+    """
+    rates = 1 / np.array(creep.lam, dtype=float)
+    weights = np.array(creep.d, dtype=float) * rates
+    if creep.flow > 0:
+        rates, weights = np.append(0.0, rates), np.append(creep.flow, weights)
+    if creep.glass <= 0 and not len(rates):
+        raise DataError("a link without any compliance is rigid; it has no relaxation spectrum")
+    rates, weights = merge_twins(rates, weights)
+    zeros, slopes = secular_zeros(rates, weights, creep.glass)
+    order = np.argsort(zeros)[::-1]
+    k = (1 / (zeros * slopes))[order]
+    held = k > 0  # an arm too weak for a double is no arm
+    return (
+        0.0 if creep.flow > 0 else 1 / creep.equilibrium,
+        tuple(k[held].tolist()),
+        tuple((1 / zeros)[order][held].tolist()),
+        0.0 if creep.glass > 0 else 1 / float(weights.sum()),
+    )
+
+
+def merge_twins(rates: FloatArray, weights: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Rates ascending, those closer than rounding can tell made one at their weighted mean."""
+    if not len(rates):
+        return rates, weights
+    order = np.argsort(rates)
+    rates, weights = rates[order], weights[order]
+    first = np.flatnonzero(np.append(True, np.diff(rates) > _TWINS * rates[1:]))
+    merged = np.add.reduceat(weights, first)
+    shift = np.add.reduceat(
+        weights * (rates - np.repeat(rates[first], np.diff([*first, len(rates)]))), first
+    )
+    return rates[first] + shift / merged, merged
+
+
+def secular_zeros(
+    poles: FloatArray, weights: FloatArray, constant: float
+) -> tuple[FloatArray, FloatArray]:
+    r"""Zeros of :math:`g(x) = c + \sum_j w_j / (p_j - x)`, and g' there.
+
+    `poles` ascending and >= 0, `weights` > 0, `constant` >= 0. g rises from -inf to +inf between
+    neighbouring poles, so each gap holds one zero; beyond the last pole it rises to c, so
+    there is one more if c > 0. In each gap the unknown is the distance to the nearer pole: the
+    small differences that carry all the digits are then formed without cancellation, and
+    zeros are right to the last digits however many decades the poles span. The distance is
+    bisected over the floats themselves, whose bit patterns are ordered as the numbers are:
+    64 steps reach the last bit whatever its size.
+    """
+    if not len(poles):
+        return np.empty(0), np.empty(0)
+    gaps = np.diff(poles)
+    anchor, side, reach = poles[:-1].copy(), np.ones(len(gaps)), gaps / 2
+    middle = anchor + reach
+    above = _secular(poles, weights, constant, anchor, middle - anchor)[0] < 0
+    anchor[above], side[above] = poles[1:][above], -1.0
+    if constant > 0:
+        # the zero beyond the last pole is no further from it than all weights over c
+        anchor = np.append(anchor, poles[-1])
+        side = np.append(side, 1.0)
+        reach = np.append(reach, 2 * weights.sum() / constant)
+    low = np.full(len(anchor), np.finfo(float).tiny).view(np.int64)
+    high = np.array(np.maximum(reach, np.finfo(float).tiny)).view(np.int64)
+    for _ in range(64):
+        trial = low + (high - low) // 2
+        g = _secular(poles, weights, constant, anchor, side * trial.view(np.float64))[0]
+        inside = side * g < 0  # the zero lies further from the anchor
+        low, high = np.where(inside, trial, low), np.where(inside, high, trial)
+    offset = side * high.view(np.float64)
+    return anchor + offset, _secular(poles, weights, constant, anchor, offset)[1]
+
+
+def _secular(
+    poles: FloatArray, weights: FloatArray, constant: float, anchor: FloatArray, offset: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Values and slopes of g at anchor + offset, each of shape (zeros,)."""
+    distance = (poles[None, :] - anchor[:, None]) - offset[:, None]
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+        return constant + (1 / distance) @ weights, (1 / distance**2) @ weights
