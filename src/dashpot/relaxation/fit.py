@@ -12,6 +12,7 @@ from dashpot._arrays import ByValue, FloatArray, frozen
 from dashpot.checks import Check
 from dashpot.errors import DataError
 from dashpot.provenance import Source, Step
+from dashpot.relaxation.records import Specimen
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 if TYPE_CHECKING:
