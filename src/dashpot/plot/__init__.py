@@ -1,1 +1,26 @@
-"""Results to Axes."""
+"""Results to figures, in two layers: results to figures here, arrays to axes in `panels`.
+
+Every function returns a :class:`matplotlib.figure.Figure` that no global state knows of;
+:func:`save` writes it. matplotlib is loaded when the first figure is drawn.
+"""
+
+from dashpot.plot.files import save, to_svg
+from dashpot.plot.impact import hits
+from dashpot.plot.picture import hero
+from dashpot.plot.relaxation import fit, segments
+from dashpot.plot.solid import spectrum, stiffness
+from dashpot.plot.vibration import comparison, frf, nyquist
+
+__all__ = [
+    "comparison",
+    "fit",
+    "frf",
+    "hero",
+    "hits",
+    "nyquist",
+    "save",
+    "segments",
+    "spectrum",
+    "stiffness",
+    "to_svg",
+]

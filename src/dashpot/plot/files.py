@@ -1,0 +1,79 @@
+"""A figure to a file, or to SVG text for a page."""
+
+from __future__ import annotations
+
+import io
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from dashpot.errors import ExportError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+FORMATS = ("pdf", "png", "svg")
+
+
+def save(figure: Figure, path: str | Path, *, dpi: float = 300.0) -> None:
+    """Write `figure` to `path`; the suffix says how: .pdf, .png or .svg.
+
+    No date is written, so the same figure gives the same bytes. A PDF embeds TrueType fonts,
+    as journals ask; an SVG draws its letters as paths, so that it looks alike everywhere.
+
+    Raises
+    ------
+    ExportError
+        If the suffix names none of these, or the file cannot be written.
+    """
+    from matplotlib import rc_context
+
+    target = Path(path)
+    kind = target.suffix.lower().lstrip(".")
+    if kind not in FORMATS:
+        raise ExportError(
+            f"{target.name}: a figure is written as .pdf, .png or .svg, found "
+            f"'{target.suffix or 'no suffix'}'"
+        )
+    try:
+        if kind == "svg":
+            target.write_text(to_svg(figure), encoding="utf-8")
+            return
+        with rc_context({"pdf.fonttype": 42}):
+            date = {"CreationDate": None} if kind == "pdf" else {}
+            figure.savefig(target, format=kind, dpi=dpi, metadata=date)
+    except OSError as error:
+        reason = error.strerror or error
+        raise ExportError(f"{target}: the figure cannot be written: {reason}") from error
+
+
+def to_svg(figure: Figure, *, name: str = "figure", title: str = "") -> str:
+    """The figure as SVG text without XML header, to be placed inside an HTML page.
+
+    The same figure always gives the same text. Every id begins with `name`, so that several
+    figures live in one page as long as their names differ.
+
+    Parameters
+    ----------
+    figure : Figure
+    name : str
+        Letters, digits and hyphens.
+    title : str
+        What a screen reader says in place of the picture.
+    """
+    from html import escape
+
+    from matplotlib import rc_context
+
+    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9-]*", name):
+        raise ExportError(f"'{name}' cannot begin an SVG id; use letters, digits and hyphens")
+    buffer = io.StringIO()
+    with rc_context({"svg.hashsalt": "dashpot", "svg.fonttype": "path", "svg.id": None}):
+        metadata = {"Date": None, "Creator": None, "Format": None, "Type": None}
+        figure.savefig(buffer, format="svg", metadata=metadata)
+    text = buffer.getvalue()
+    text = text[text.index("<svg") :].rstrip()
+    text = re.sub(r"\s*<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
+    text = re.sub(r'(\bid="|url\(#|href="#)', rf"\g<1>{name}-", text)
+    label = f' role="img" aria-label="{escape(title)}"' if title else ' aria-hidden="true"'
+    return text.replace("<svg", f"<svg{label}", 1)

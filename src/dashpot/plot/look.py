@@ -1,0 +1,142 @@
+"""One look for every figure: sizes, pens, and how axes are dressed.
+
+Everything is set on the artists themselves, so no global setting of matplotlib is read for a
+choice made here and none is touched. Colours are those of Okabe and Ito (2008), which readers
+with any colour vision tell apart; every pen also has its own dashes, for a grey print.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, TypeAlias
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
+    from matplotlib.figure import Figure
+    from matplotlib.typing import LineStyleType
+
+MM = 1 / 25.4
+"""One millimetre in matplotlib's inches."""
+
+COLUMN, PAGE = 88.0, 180.0
+"""Widths of one and of two columns of a journal, mm."""
+
+SMALL, NORMAL = 7.0, 7.5
+"""Sizes of tick labels and legends, and of axis labels, points."""
+
+BLACK, GREY, PALE = "#000000", "#767676", "#d9d9d9"
+ORANGE, SKY, GREEN, YELLOW = "#E69F00", "#56B4E9", "#009E73", "#F0E442"
+BLUE, VERMILLION, PURPLE = "#0072B2", "#D55E00", "#CC79A7"
+
+Which: TypeAlias = Literal["x", "y"]
+
+
+@dataclass(frozen=True)
+class Pen:
+    """How one kind of curve is drawn, in every figure alike."""
+
+    color: str
+    dashes: LineStyleType = "-"
+    width: float = 1.1
+
+
+MEASURED = Pen(BLACK, "-", 0.9)
+CHOSEN = Pen(BLUE, "-", 1.3)
+SIMPLER = Pen(ORANGE, (0, (4.0, 1.4)), 1.3)
+JOINT = Pen(VERMILLION, (0, (7.0, 1.2, 1.2, 1.2)), 1.3)
+OTHERS = (
+    Pen(GREEN, (0, (1.2, 1.0)), 1.3),
+    Pen(PURPLE, (0, (5.0, 1.0, 1.0, 1.0, 1.0, 1.0)), 1.3),
+    SIMPLER,
+    Pen(SKY, (0, (2.5, 1.0)), 1.3),
+)
+REJECTED = Pen(VERMILLION, (0, (3.0, 1.5)), 0.8)
+
+
+def pen_of_arms(arms: int, chosen: int) -> Pen:
+    """The pen of a fit with that many arms: the chosen one is blue, one arm is orange."""
+    if arms == chosen:
+        return CHOSEN
+    return SIMPLER if arms == 1 else OTHERS[arms % 2]
+
+
+def figure(width: float, height: float) -> Figure:
+    """An empty figure of `width` by `height`, mm, that lays its axes out by itself."""
+    from matplotlib.figure import Figure
+
+    made = Figure(figsize=(width * MM, height * MM), layout="constrained", facecolor="white")
+    engine = made.get_layout_engine()
+    if engine is not None:
+        engine.set(w_pad=0.02, h_pad=0.02, wspace=0.02, hspace=0.03)
+    return made
+
+
+def dress(ax: Axes, *, x: str = "", y: str = "", title: str = "") -> Axes:
+    """Give the axes their labels, quiet spines and a pale grid."""
+    ax.set_xlabel(x, fontsize=NORMAL)
+    ax.set_ylabel(y, fontsize=NORMAL)
+    if title:
+        ax.set_title(title, fontsize=NORMAL, loc="left", fontweight="bold")
+    ax.tick_params(which="both", labelsize=SMALL, color=GREY, direction="out")
+    ax.tick_params(which="major", length=3.0, width=0.6)
+    ax.tick_params(which="minor", length=1.6, width=0.4)
+    for spine in ax.spines.values():
+        spine.set_linewidth(0.6)
+        spine.set_color(GREY)
+    ax.grid(visible=True, which="major", linewidth=0.4, color="#e6e6e6")
+    ax.set_axisbelow(True)
+    return ax
+
+
+def log_axis(ax: Axes, which: Which) -> None:
+    """Make an axis logarithmic with plain numbers on it: 0.1, 1, 10, not powers of ten."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    if which == "x":
+        ax.set_xscale("log")
+    else:
+        ax.set_yscale("log")
+    axis: Axis = ax.xaxis if which == "x" else ax.yaxis
+    low, high = sorted(ax.get_xlim() if which == "x" else ax.get_ylim())
+    decades = high / low if low > 0 else 1e3
+    subs = (1.0, 2.0, 5.0) if decades < 200 else (1.0,)
+    axis.set_major_locator(LogLocator(base=10, subs=subs, numticks=15))
+    axis.set_minor_locator(LogLocator(base=10, subs=range(1, 10), numticks=100))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def legend(ax: Axes, *, loc: str = "best", columns: int = 1) -> None:
+    """A small legend of what is labelled on these axes, if anything is."""
+    if ax.get_legend_handles_labels()[0]:
+        made = ax.legend(
+            loc=loc,
+            ncols=columns,
+            fontsize=SMALL,
+            handlelength=2.6,
+            frameon=True,
+            framealpha=0.9,
+            edgecolor="none",
+            borderpad=0.3,
+            labelspacing=0.3,
+            columnspacing=1.2,
+        )
+        made.set_zorder(10)
+
+
+def note(
+    ax: Axes,
+    text: str,
+    at: tuple[float, float],
+    *,
+    ha: Literal["left", "center", "right"] = "left",
+    va: Literal["top", "center", "bottom"] = "top",
+    color: str = "#333333",
+) -> None:
+    """A few words at a place given in fractions of the axes."""
+    ax.text(
+        *at, text, transform=ax.transAxes, ha=ha, va=va, fontsize=SMALL, color=color, zorder=6,
+        bbox={"boxstyle": "round,pad=0.15", "facecolor": "white", "edgecolor": "none",
+              "alpha": 0.8},
+    )  # fmt: skip

@@ -1,0 +1,1 @@
+"""Arrays to Axes: one panel each, knowing no result."""

@@ -1,0 +1,35 @@
+"""A relaxation spectrum as stems."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from dashpot.plot.look import SKY
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+def stems(
+    ax: Axes,
+    tau: tuple[float, ...],
+    k: tuple[float, ...],
+    color: str,
+    *,
+    tau_range: tuple[tuple[float, float], ...] = (),
+    k_range: tuple[tuple[float, float], ...] = (),
+    label: str = "",
+) -> None:
+    """One stem per arm, with the intervals of its stiffness and of its relaxation time."""
+    ax.vlines(tau, 0.0, k, color=color, linewidth=1.8, label=label or None)
+    ax.plot(tau, k, "o", color=color, markersize=4)
+    for place, height, (low, high) in zip(tau, k, k_range, strict=False):
+        ax.plot([place, place], [low, high], color=color, linewidth=3.5, alpha=0.35)
+        ax.plot([place], [height], "o", color=color, markersize=4)
+    for height, (low, high) in zip(k, tau_range, strict=False):
+        ax.plot([low, high], [height, height], color=color, linewidth=3.5, alpha=0.35)
+
+
+def window(ax: Axes, low: float, high: float) -> None:
+    """Shade the relaxation times that the test can inform."""
+    ax.axvspan(low, high, color=SKY, alpha=0.16, linewidth=0, zorder=0)

@@ -1,0 +1,181 @@
+"""Figures of the fitted solid: its relaxation spectrum, its stiffness against frequency."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dashpot._arrays import FloatArray
+from dashpot.plot.look import (
+    BLUE,
+    CHOSEN,
+    COLUMN,
+    GREY,
+    JOINT,
+    MEASURED,
+    PAGE,
+    PURPLE,
+    SMALL,
+    dress,
+    figure,
+    legend,
+    log_axis,
+)
+from dashpot.plot.panels import frequency as panel
+from dashpot.plot.panels import stems as spectrum_panel
+from dashpot.relaxation.fit import Fit
+from dashpot.solids.band import StiffnessBand
+from dashpot.vibration.frf import FRF
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+FREQUENCY = "frequency, Hz"
+
+
+def spectrum(fit: Fit, *, joint: Fit | None = None) -> Figure:
+    """Relaxation spectrum: one stem per arm, 95 % intervals, the identified window shaded.
+
+    The dashed line is the equilibrium stiffness. A relaxation time outside the window is one
+    that the test could not have told from its neighbours.
+    """
+    made = figure(COLUMN, 66)
+    ax = made.subplots()
+    low, high = (1 / (2 * np.pi * f) for f in reversed(fit.band))
+    spectrum_panel.window(ax, low, high)
+    _stems(ax, fit, CHOSEN.color, "relaxation" if joint else "")
+    if joint is not None:
+        _stems(ax, joint, JOINT.color, "relaxation and FRF")
+    k_inf = 1e-3 * fit.model.k_inf
+    ax.axhline(k_inf, color=CHOSEN.color, linewidth=0.9, linestyle=(0, (4, 2)))
+    shown = [*fit.model.tau, *(joint.model.tau if joint else ())]
+    ax.set_xlim(min(low, *shown) / 4, max(high, *shown) * 4)
+    ax.set_ylim(0, None)
+    log_axis(ax, "x")
+    dress(ax, x="relaxation time τ, s", y="stiffness k, N/mm")
+    ax.annotate(
+        "k∞", (0.02, k_inf), xycoords=("axes fraction", "data"), xytext=(0, 2),
+        textcoords="offset points", fontsize=SMALL, color=CHOSEN.color, va="bottom",
+    )  # fmt: skip
+    ax.set_title("shaded: what this test can tell", fontsize=SMALL, loc="right", color=GREY)
+    legend(ax, loc="upper right")
+    return made
+
+
+def stiffness(
+    fit: Fit,
+    *,
+    parameter_band: StiffnessBand | None = None,
+    unseen_band: StiffnessBand | None = None,
+    joint: Fit | None = None,
+    measured: FRF | None = None,
+    mark: float | None = None,
+) -> Figure:
+    """Storage stiffness, loss stiffness and loss factor of one seal against frequency.
+
+    Solid where the relaxation test informs the model, dashed where it is extrapolated.
+
+    Parameters
+    ----------
+    fit : Fit
+    parameter_band, unseen_band : StiffnessBand, optional
+        What the standard errors allow; what any spectrum allows that the test cannot reject.
+    joint : Fit, optional
+        The fit to relaxation and FRF together.
+    measured : FRF, optional
+        Dynamic stiffness of one seal from the FRF, drawn as points with two standard deviations.
+    mark : float, optional
+        A frequency to point at, such as the measured resonance, Hz.
+    """
+    made = figure(PAGE, 74)
+    axes = made.subplots(1, 3)
+    f = _frequencies(fit, measured, unseen_band, mark)
+    names = ("storage", "loss", "loss_factor")
+    labels = ("storage stiffness K′, N/mm", "loss stiffness K″, N/mm", "loss factor K″/K′")
+    for ax, name, label in zip(axes, names, labels, strict=True):
+        factor = 1.0 if name == "loss_factor" else 1e-3
+        panel.identified(ax, fit.band)
+        if unseen_band is not None:
+            panel.limits(ax, unseen_band.frequency, factor * getattr(unseen_band, name), PURPLE,
+                         label="arms the test cannot see", alpha=0.25)  # fmt: skip
+        if parameter_band is not None:
+            panel.limits(ax, parameter_band.frequency, factor * getattr(parameter_band, name),
+                         BLUE, label="standard errors (95 %)", alpha=0.35)  # fmt: skip
+        curve = factor * getattr(fit.model, name)(2 * np.pi * f)
+        panel.known_and_extrapolated(ax, f, curve, CHOSEN, known=fit.band, label="relaxation fit")
+        if joint is not None:
+            ax.plot(f, factor * getattr(joint.model, name)(2 * np.pi * f), color=JOINT.color,
+                    linestyle=JOINT.dashes, linewidth=JOINT.width, label="joint fit")  # fmt: skip
+        if measured is not None:
+            _points(ax, measured, name, factor)
+        if mark is not None:
+            ax.axvline(mark, color=GREY, linewidth=0.8, linestyle=(0, (1, 1.5)))
+        ax.set_xlim(f[0], f[-1])
+        if name != "storage":
+            _from_smallest(ax, curve)
+            log_axis(ax, "y")
+        log_axis(ax, "x")
+        dress(ax, x=FREQUENCY, y=label)
+    handles, texts = axes[0].get_legend_handles_labels()
+    made.legend(
+        handles, texts, loc="outside upper center", ncols=len(texts), fontsize=SMALL,
+        frameon=False, handlelength=2.6,
+    )  # fmt: skip
+    return made
+
+
+def _stems(ax: Axes, one: Fit, color: str, label: str) -> None:
+    bounds = one.intervals(level=0.95)
+    low, high = (1 / (2 * np.pi * f) for f in reversed(one.band))
+    spectrum_panel.stems(
+        ax,
+        one.model.tau,
+        tuple(1e-3 * k for k in one.model.k),
+        color,
+        # an open end is drawn to the edge of what could matter
+        tau_range=tuple((max(a, low / 10), min(b, high * 10)) for a, b in bounds["tau"]),
+        k_range=tuple((1e-3 * a, 1e-3 * min(b, one.model.k_0)) for a, b in bounds["k"]),
+        label=label,
+    )
+
+
+def _frequencies(
+    fit: Fit, measured: FRF | None, unseen: StiffnessBand | None, mark: float | None
+) -> FloatArray:
+    low, high = fit.band[0] / 3, max(fit.band[1] * 30, 30.0)
+    if mark is not None:
+        high = max(high, 3 * mark)
+    if unseen is not None:
+        high = max(high, float(unseen.frequency[-1]))
+    if measured is not None:
+        high = max(high, float(measured.frequency[-1]))
+    return np.geomspace(low, high, 400)
+
+
+def _points(ax: Axes, measured: FRF, name: str, factor: float) -> None:
+    value = measured.value
+    pick = {"storage": value.real, "loss": value.imag, "loss_factor": value.imag / value.real}
+    sd = measured.sd
+    if sd is not None and name == "loss_factor":
+        sd = sd / np.abs(value.real)
+    y = factor * pick[name]
+    good = np.isfinite(y) & (y > 0)
+    ax.errorbar(
+        measured.frequency[good],
+        y[good],
+        yerr=None if sd is None else 2 * factor * sd[good],
+        fmt=".",
+        markersize=2,
+        elinewidth=0.4,
+        color=MEASURED.color,
+        label="from the FRF",
+        zorder=1,
+    )
+
+
+def _from_smallest(ax: Axes, curve: FloatArray) -> None:
+    """Keep a log axis from diving after a lower limit that touches zero."""
+    top = ax.get_ylim()[1]
+    ax.set_ylim(0.5 * float(np.min(curve)), max(top, 2 * float(np.max(curve))))
