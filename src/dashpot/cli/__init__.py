@@ -1,1 +1,41 @@
 """One command, one file: read, call, write."""
+
+from __future__ import annotations
+
+from importlib import import_module
+
+import click
+
+COMMANDS = (
+    "inspect", "fit", "predict", "impact", "compare", "identify", "report", "export",
+    "simulate", "plan", "demo",
+)  # fmt: skip
+
+
+class _Lazy(click.Group):
+    """A group whose commands are imported when they are asked for."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in COMMANDS:
+            return None
+        command: click.Command = import_module(f"dashpot.cli.{cmd_name}").command
+        return command
+
+
+@click.group(cls=_Lazy, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="dashpot", prog_name="dashpot")
+def main() -> None:
+    """From the relaxation test of a seal to a validated vibration model.
+
+    \b
+    dashpot demo                                       see the whole story on simulated tests
+    dashpot inspect seal.csv                           what is in a file
+    dashpot fit seal.csv                               the solid, and how well it is known
+    dashpot report seal.csv --impact hammer.csv --mass 104g --seals 2 -o report.html
+
+    Quantities carry their unit: 104g, 8mm, 12.71Hz, 1:50Hz. Every command that reports takes
+    --json. Exit codes: 0 done, 1 a check failed under --strict, 2 bad input or usage.
+    """

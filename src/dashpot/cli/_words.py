@@ -1,0 +1,141 @@
+"""Results as text for people: N/mm, mm, Hz, and no more digits than are known."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+from dashpot.cli._shell import failed
+
+if TYPE_CHECKING:
+    from dashpot.relaxation.fit import Fit
+    from dashpot.vibration.frf import FRF
+    from dashpot.vibration.modes import Mode
+
+
+def rounded(value: float, error: float | None = None, *, digits: int = 4) -> str:
+    """Return `value` with no more digits than its error supports (two of the error's)."""
+    if not math.isfinite(value):
+        return str(value)
+    if error is None or not math.isfinite(error) or error <= 0:
+        return f"{value:.{digits}g}"
+    decimals = 1 - math.floor(math.log10(error))
+    if decimals <= 0:
+        return f"{round(value, decimals):.0f}"
+    return f"{value:.{min(decimals, 12)}f}"
+
+
+def table(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Return rows of cells as lines with aligned columns; the first column to the left."""
+    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
+    lines = []
+    for row in rows:
+        cells = [
+            cell.ljust(width) if i == 0 else cell.rjust(width)
+            for i, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ]
+        lines.append(("  " + "  ".join(cells)).rstrip())
+    return lines
+
+
+def hertz(band: tuple[float, float]) -> str:
+    """Return a band as text."""
+    return f"{band[0]:.3g} to {band[1]:.3g} Hz"
+
+
+def fit(found: Fit) -> str:
+    """Return a fit as the paper's Table 1 with intervals, and what it must not be asked."""
+    files = ", ".join(source.file for source in found.source) or "arrays in memory"
+    head = f"{files}: {found.model.arms} Maxwell arm{'s' * (found.model.arms != 1)}, "
+    lines = [head + f"method {found.method}", *_parameters(found), ""]
+    residual = found.residual
+    lines.append(f"  status      {found.status.value}")
+    lines.append(
+        f"  residual    {residual.rms * 1e3:.3g} mN rms over {residual.n} samples "
+        f"(each worth 1/{residual.kappa:.3g})"
+    )
+    lines.append(f"  informed    {hertz(found.band)}; outside it the model is an extrapolation")
+    if found.certificate:
+        lines.append(f"  certificate {found.certificate.says}")
+    if found.nuisance:
+        listed = "; ".join(
+            f"{item.name} {rounded(item.value, item.standard_error)} ± "
+            f"{item.standard_error:.2g} {item.unit}"
+            for item in found.nuisance
+        )
+        lines.append(f"  nuisance    {listed}")
+    lines += _orders(found)
+    bad = failed(found.checks)
+    passed = sum(check.passed for check in found.checks)
+    lines.append(f"  checks      {passed} of {len(found.checks)} passed")
+    return "\n".join(lines + bad)
+
+
+def _parameters(found: Fit) -> list[str]:
+    model, error, interval = found.model, found.standard_error, found.intervals(level=0.95)
+    rows = [["", "value", "± SE", "95 % interval", "unit"]]
+
+    def row(
+        name: str, value: float, se: float, ends: tuple[float, float] | None, scale: float, unit: str
+    ) -> None:
+        between = ""
+        if ends:
+            low, high = (rounded(end * scale, se * scale) for end in ends)
+            between = f"{low} to {high}"
+        rows.append([name, rounded(value * scale, se * scale), f"{se * scale:.2g}", between, unit])
+
+    row("k_inf", model.k_inf, error["k_inf"], interval["k_inf"], 1e-3, "N/mm")
+    for j in range(model.arms):
+        arm = error["arms"][j]
+        row(f"k_{j + 1}", model.k[j], arm["k"], interval["k"][j], 1e-3, "N/mm")
+        row(f"tau_{j + 1}", model.tau[j], arm["tau"], interval["tau"][j], 1.0, "s")
+        row(f"b_{j + 1}", model.arm_b[j], arm["b"], None, 1e-3, "N s/mm")
+    if model.b > 0 or "b" in found.parameters:
+        row("b", model.b, error.get("b", math.nan), None, 1e-3, "N s/mm")
+    return table(rows)
+
+
+def _orders(found: Fit) -> list[str]:
+    if len(found.orders) < 2:
+        return []
+    best = min(order.bic for order in found.orders)
+    rows = [["  arms", "SSE", "BIC - best", "all arms significant"]]
+    rows += [
+        [
+            f"  {order.arms}{' <' if order.arms == found.model.arms else ''}",
+            f"{order.sse:.6g}",
+            f"{order.bic - best:.1f}",
+            "yes" if order.significant else "no",
+        ]
+        for order in found.orders
+    ]
+    return table(rows)
+
+
+def prediction(
+    found: Fit,
+    frf: FRF,
+    modes: Iterable[Mode],
+    *,
+    peak: tuple[float, float],
+    mass: float,
+    seals: float,
+) -> str:
+    """Return a prediction's peak and modes, and whether the test supports them."""
+    lines = [
+        f"{mass * 1e3:.6g} g on {seals:g} seal{'s' * (seals != 1)}: "
+        f"{frf.kind} peaks at {peak[0]:.5g} Hz with {peak[1]:.5g} {frf.unit}"
+    ]
+    for mode in modes:
+        lines.append(
+            f"  mode  {mode.frequency:.6g} Hz, damping ratio {100 * mode.damping_ratio:.4g} %"
+        )
+    low, high = found.band
+    if not low <= peak[0] <= high:
+        lines.append(
+            f"  ! extrapolated: the relaxation test informs {hertz(found.band)}, the peak is at "
+            f"{peak[0]:.4g} Hz (a factor {max(peak[0] / high, low / peak[0]):.3g} away); the "
+            "damping there is not known from this test"
+        )
+    return "\n".join(lines)

@@ -1,0 +1,74 @@
+"""dashpot compare: predicted against measured."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from dashpot.cli._hammer import Hammer, hammer
+from dashpot.cli._reading import reading
+from dashpot.cli._shell import Outcome, Quantity, Range, failed, reports
+
+if TYPE_CHECKING:
+    from dashpot.io.options import ReadOptions
+
+
+@click.command("compare", short_help="The predicted FRF against a measured one.")
+@click.argument("fit")
+@click.argument("measured", nargs=-1, required=True, metavar="IMPACT|FRF...")
+@click.option("--mass", type=Quantity("mass"), help="Block mass; inferred, and said so, if missing.")
+@click.option("--seals", type=float, default=1.0, show_default=True, help="Seals in parallel.")
+@click.option("--band", type=Range("frequency"), help="Lines compared, e.g. 5:40Hz.")
+@click.option("--plot", "picture", metavar="FILE", help="Save the figure (png, svg, pdf).")
+@hammer
+@reading
+@reports
+def command(
+    fit: str,
+    measured: tuple[str, ...],
+    mass: float | None,
+    seals: float,
+    band: tuple[float, float] | None,
+    picture: str | None,
+    hammer: Hammer,
+    options: ReadOptions,
+) -> Outcome:
+    """Hold the prediction of FIT against the hits or the FRF in IMPACT|FRF.
+
+    \b
+    dashpot compare fit.json hammer.csv --mass 104g --seals 2
+    dashpot compare fit.json frf.uff --mass 104g --seals 2 --json
+    """
+    from dashpot.archive import document
+    from dashpot.cli._inputs import read_fit
+    from dashpot.comparison import compare
+    from dashpot.identification import infer_mass
+    from dashpot.vibration.prediction import predict_frf
+
+    found = read_fit(fit)
+    _, frf = hammer.read(measured, options=options, mass=mass)
+    inferred = mass is None
+    if mass is None:
+        mass, _ = infer_mass(seals * found.model, frf)
+    predicted = predict_frf(
+        seals * found.model,
+        mass=mass,
+        frequency=frf.frequency,
+        kind=frf.kind,
+        shift=frf.shift,
+    )
+    result = compare(predicted, frf, fit=found, mass=mass, seals=seals, band=band)
+    if picture:
+        from dashpot import plot
+
+        plot.save(plot.comparison(result), picture)
+    lines = [str(result)]
+    if inferred:
+        lines.append(
+            f"  mass        {mass * 1e3:.5g} g, inferred from the measured FRF: the agreement in "
+            "frequency then proves nothing; give --mass to test it"
+        )
+    checks = (*result.checks, *frf.checks)
+    content = document(result) | {"mass": mass, "mass_inferred": inferred, "seals": seals}
+    return Outcome(content, "\n".join(lines + failed(frf.checks)), checks)

@@ -1,0 +1,75 @@
+"""dashpot fit: the solid behind one or several relaxation tests."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from dashpot.cli._reading import reading
+from dashpot.cli._shell import Arms, Outcome, reports, write
+from dashpot.cli._specimen import specimen
+
+if TYPE_CHECKING:
+    from dashpot.io.options import ReadOptions
+    from dashpot.relaxation.records import Specimen
+
+
+@click.command("fit", short_help="The solid behind a relaxation test, and how well it is known.")
+@click.argument("files", nargs=-1, required=True, metavar="FILE...")
+@click.option("--arms", type=Arms(), default="auto", show_default=True, help="Maxwell arms.")
+@click.option(
+    "--method",
+    type=click.Choice(["full", "hold"]),
+    default="full",
+    show_default=True,
+    help="full: the recorded displacement; hold: the paper's eq. 5.",
+)
+@click.option("--depth-law", is_flag=True, help="Several depths: shared times, k for each depth.")
+@click.option("--thorough", is_flag=True, help="Add quasi-random starts.")
+@click.option("--filter", "filter_", metavar="SPEC", help="E.g. lowpass:10Hz; off by default.")
+@click.option("--plot", "picture", metavar="FILE", help="Save the figure (png, svg, pdf).")
+@click.option("-o", "--output", metavar="FILE", help="Write the fit as JSON; - is stdout.")
+@specimen
+@reading
+@reports
+def command(
+    files: tuple[str, ...],
+    arms: int | str,
+    method: str,
+    depth_law: bool,
+    thorough: bool,
+    filter_: str | None,
+    picture: str | None,
+    output: str | None,
+    specimen: Specimen,
+    options: ReadOptions,
+) -> Outcome:
+    """Fit a generalized Maxwell solid to the ramp and hold in FILE; several files fit together.
+
+    \b
+    dashpot fit seal_8mm.csv
+    dashpot fit seal_8mm.csv --arms 2 --method hold -o fit.json --plot fit.png
+    dashpot fit seal_4mm.csv seal_8mm.csv --depth-law
+    """
+    import json
+
+    from dashpot.archive import document
+    from dashpot.cli import _words
+    from dashpot.io.read import read_relaxation
+    from dashpot.relaxation.fitting import fit
+    from dashpot.relaxation.preparation import prepare
+
+    prepared = [
+        prepare(read_relaxation(path, options=options, specimen=specimen), filter=filter_)
+        for path in files
+    ]
+    found = fit(prepared, arms=arms, method=method, depth_law=depth_law, thorough=thorough)
+    if picture:
+        from dashpot import plot
+
+        plot.save(plot.fit(found, prepared[0]), picture)
+    content = document(found)
+    if output:
+        write(output, json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
+    return Outcome(content, "" if output == "-" else _words.fit(found), found.checks)

@@ -1,0 +1,98 @@
+"""dashpot identify: Maxwell parameters from vibration, alone or with a relaxation test."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from dashpot.cli._hammer import Hammer, hammer
+from dashpot.cli._reading import reading
+from dashpot.cli._shell import Arms, Outcome, Quantity, Range, reports, write
+
+if TYPE_CHECKING:
+    from dashpot.io.options import ReadOptions
+    from dashpot.relaxation.fit import Fit
+    from dashpot.relaxation.records import RampHold
+
+
+@click.command("identify", short_help="Maxwell parameters from vibration, alone or jointly.")
+@click.argument("measured", nargs=-1, required=True, metavar="IMPACT|FRF...")
+@click.option("--with", "together", metavar="FIT|RELAXATION", multiple=True, help="Fit together.")
+@click.option("--mass", type=Quantity("mass"), required=True, help="Block mass, e.g. 104g.")
+@click.option("--mass-sd", type=Quantity("mass"), help="How well the mass is known.")
+@click.option("--seals", type=float, default=1.0, show_default=True, help="Seals in parallel.")
+@click.option("--arms", type=Arms(), default="auto", show_default=True, help="Maxwell arms.")
+@click.option("--parallel-dashpot", is_flag=True, help="A dashpot b beside the arms.")
+@click.option("--static-stiffness", type=Quantity("stiffness"), help="One seal, known.")
+@click.option("--natural-frequency", type=Quantity("frequency"), help="Known; constrains the fit.")
+@click.option("--damping-ratio", type=float, help="Known; constrains the fit.")
+@click.option("--band", type=Range("frequency"), help="Lines fitted, e.g. 5:40Hz.")
+@click.option("-o", "--output", metavar="FILE", help="Write the fit as JSON; - is stdout.")
+@hammer
+@reading
+@reports
+def command(
+    measured: tuple[str, ...],
+    together: tuple[str, ...],
+    mass: float,
+    mass_sd: float | None,
+    seals: float,
+    arms: int | str,
+    parallel_dashpot: bool,
+    static_stiffness: float | None,
+    natural_frequency: float | None,
+    damping_ratio: float | None,
+    band: tuple[float, float] | None,
+    output: str | None,
+    hammer: Hammer,
+    options: ReadOptions,
+) -> Outcome:
+    """Identify the solid under a mass from the hits or the FRF in IMPACT|FRF.
+
+    With a relaxation test (or its fit) both speak at once: the test tells the slow arms, the
+    hammer the fast ones, and the result says which parameters moved.
+
+    \b
+    dashpot identify hammer.csv --mass 104g --seals 2 --arms 2
+    dashpot identify hammer.csv --with seal_8mm.csv --mass 104g --seals 2 -o joint.json
+    """
+    import json
+
+    from dashpot.archive import document
+    from dashpot.cli import _words
+    from dashpot.identification import identify
+
+    _, frf = hammer.read(measured, options=options, mass=mass)
+    tests, fits = _partners(together)
+    found = identify(
+        frf.band(*band) if band else frf,
+        tests=tests,
+        fit=fits[0] if fits else None,
+        mass=mass,
+        mass_sd=mass_sd,
+        seals=seals,
+        arms=arms,
+        parallel_dashpot=parallel_dashpot,
+        static_stiffness=static_stiffness,
+        natural_frequency=natural_frequency,
+        damping_ratio=damping_ratio,
+    )
+    content = document(found)
+    if output:
+        write(output, json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
+    return Outcome(content, "" if output == "-" else _words.fit(found), found.checks)
+
+
+def _partners(paths: tuple[str, ...]) -> tuple[list[RampHold], list[Fit]]:
+    """Return the relaxation tests and the fits among the files given with ``--with``."""
+    from dashpot.cli._inputs import looks_like_json, read_fit
+    from dashpot.errors import ReadError
+    from dashpot.io.read import read_relaxation
+    from dashpot.relaxation.preparation import prepare
+
+    fits = [read_fit(path) for path in paths if looks_like_json(path)]
+    tests = [prepare(read_relaxation(path)) for path in paths if not looks_like_json(path)]
+    if len(fits) > 1 or (fits and tests):
+        raise ReadError("--with takes relaxation tests or one fit, not both: leave the fit out")
+    return tests, fits

@@ -1,0 +1,101 @@
+"""dashpot predict: the FRF of a mass on the fitted seal."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from dashpot.cli._shell import Outcome, Quantity, Range, reports, write
+
+if TYPE_CHECKING:
+    from dashpot.solids.maxwell import GeneralizedMaxwell
+    from dashpot.vibration.frf import FRF
+
+
+@click.command("predict", short_help="The FRF of a mass on the fitted seal.")
+@click.argument("fit")
+@click.option("--mass", type=Quantity("mass"), required=True, help="Block mass, e.g. 104g.")
+@click.option("--seals", type=float, default=1.0, show_default=True, help="Seals in parallel.")
+@click.option(
+    "--band", type=Range("frequency"), default="1:50Hz", show_default=True, help="Frequencies."
+)
+@click.option("--lines", type=click.IntRange(2), default=2001, show_default=True)
+@click.option(
+    "--kind",
+    type=click.Choice(["accelerance", "mobility", "receptance", "dynamic_stiffness"]),
+    default="accelerance",
+    show_default=True,
+)
+@click.option("--plot", "picture", metavar="FILE", help="Save the figure (png, svg, pdf).")
+@click.option("-o", "--output", metavar="FILE", help="Write the FRF as CSV; - is stdout.")
+@reports
+def command(
+    fit: str,
+    mass: float,
+    seals: float,
+    band: tuple[float, float],
+    lines: int,
+    kind: str,
+    picture: str | None,
+    output: str | None,
+) -> Outcome:
+    """Predict the frequency response of a mass on the seal of FIT (a fit's JSON file).
+
+    \b
+    dashpot predict fit.json --mass 104g --seals 2
+    dashpot predict fit.json --mass 104g --seals 2 --band 1:50Hz -o frf.csv
+    """
+    import numpy as np
+
+    from dashpot.cli import _words
+    from dashpot.cli._inputs import read_fit
+    from dashpot.io.write import write_frf
+    from dashpot.vibration.modes import model_modes
+    from dashpot.vibration.prediction import predict_frf
+
+    found = read_fit(fit)
+    solid = seals * found.model
+    frf = predict_frf(solid, mass=mass, frequency=np.linspace(*band, lines), kind=kind)
+    modes = model_modes(solid, mass)
+    if picture:
+        from dashpot import plot
+
+        plot.save(plot.frf(frf), picture)
+    if output:
+        write(output, write_frf(frf))
+    peak = _peak(solid, mass, frf)
+    extrapolated = [
+        mode.frequency for mode in modes if not found.band[0] <= mode.frequency <= found.band[1]
+    ]
+    document = {
+        "schema": "dashpot/prediction@1",
+        "mass": mass,
+        "seals": seals,
+        "kind": str(frf.kind),
+        "unit": frf.unit,
+        "peak": {"frequency_hz": peak[0], "value": peak[1]},
+        "modes": [
+            {"frequency_hz": mode.frequency, "damping_ratio": mode.damping_ratio} for mode in modes
+        ],
+        "band_hz": list(found.band),
+        "extrapolated": bool(extrapolated),
+        "frequency_hz": frf.frequency.tolist(),
+        "real": frf.value.real.tolist(),
+        "imag": frf.value.imag.tolist(),
+    }
+    text = _words.prediction(found, frf, modes, peak=peak, mass=mass, seals=seals)
+    return Outcome(document, "" if output == "-" else text)
+
+
+def _peak(solid: GeneralizedMaxwell, mass: float, frf: FRF) -> tuple[float, float]:
+    """Return frequency and height of the largest magnitude, between the lines of the grid too."""
+    import numpy as np
+
+    from dashpot.vibration.prediction import predict_frf
+
+    top = int(np.abs(frf.value).argmax())
+    low, high = frf.frequency[max(top - 1, 0)], frf.frequency[min(top + 1, len(frf.value) - 1)]
+    fine = predict_frf(solid, mass=mass, frequency=np.linspace(low, high, 2001), kind=frf.kind)
+    height = np.abs(fine.value)
+    return float(fine.frequency[height.argmax()]), float(height.max())

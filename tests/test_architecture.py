@@ -1,0 +1,71 @@
+"""The house keeps its shape: layers, light imports, one home for each public name."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import dashpot
+
+ROOT = Path(__file__).resolve().parents[1]
+HEAVY = {
+    "matplotlib", "jinja2", "pandas", "polars", "pyarrow", "starlette", "uvicorn", "pint",
+    "scipy.optimize", "scipy.signal", "scipy.stats", "msgspec", "nptdms", "pyuff", "h5py",
+}  # fmt: skip
+
+
+def modules_after(code: str) -> set[str]:
+    """Return the names of all modules loaded by a fresh interpreter that runs `code`."""
+    done = subprocess.run(
+        [sys.executable, "-c", f"{code}\nimport sys; print('\\n'.join(sys.modules))"],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return set(done.stdout.split())
+
+
+def test_layers():
+    done = subprocess.run(
+        [Path(sys.executable).with_name("lint-imports"), "--no-cache"],
+        capture_output=True,
+        text=True,
+        cwd=ROOT,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_import_loads_nothing_heavy():
+    assert not modules_after("import dashpot; dashpot.GeneralizedMaxwell") & HEAVY
+
+
+def test_help_loads_click_and_no_numbers():
+    loaded = modules_after(
+        "from click.testing import CliRunner; from dashpot.cli import main;"
+        "result = CliRunner().invoke(main, ['--help']); assert result.exit_code == 0, result"
+    )
+    assert "click" in loaded
+    assert not loaded & (HEAVY | {"numpy"})
+
+
+def test_fitting_a_text_file_loads_numpy_only(tmp_path):
+    code = (
+        "import dashpot as dp\n"
+        f"p = {str(tmp_path / 'seal.csv')!r}\n"
+        "from dashpot.simulation.rig import simulate_relaxation\n"
+        "from dashpot.simulation.seals import PAPER\n"
+        "from dashpot.io.write import write_relaxation\n"
+        "made = simulate_relaxation(PAPER, hold_time=5.0)\n"
+        "open(p, 'w').write(write_relaxation(made.test))\n"
+        "dp.fit(dp.prepare(dp.read_relaxation(p)), arms=1).intervals()\n"
+    )
+    assert not modules_after(code) & (HEAVY - {"msgspec"})
+
+
+@pytest.mark.parametrize("name", dashpot.__all__)
+def test_every_public_name_has_a_home_and_says_what_it_is(name):
+    thing = getattr(dashpot, name)
+    assert isinstance(thing, str) or thing.__doc__
