@@ -1,0 +1,265 @@
+"""Before a test: what it will tell at a frequency, and what to change."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from dashpot.checks import Check
+from dashpot.errors import DataError
+from dashpot.planning.bench import Bench, expected_error
+from dashpot.planning.hammer import half_sine, mass_for_peak, record_need
+from dashpot.planning.records import ExpectedError, Plan, Pulse, RecordNeed
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+# the seal of the paper's Table 1, where the user knows nothing better yet
+USUAL_SEAL = GeneralizedMaxwell(196.5, (117.5, 17.8), (59.0 / 117.5, 292.2 / 17.8))
+# an arm of this part of the instantaneous stiffness is what sponge rubber may hide
+USUAL_PART = 0.1
+# an arm of the model this near, as a factor in time, already stands for the unseen one
+NEAR = 3.0
+WANTED = 0.1
+FASTER = (1 / 3, 1 / 10, 1 / 30)
+TIP_LIMIT_DB = -10.0
+
+
+def plan(
+    *,
+    depth: float,
+    ramp_time: float,
+    hold_time: float,
+    rate: float,
+    noise: float,
+    at: float,
+    model: GeneralizedMaxwell | None = None,
+    method: str = "full",
+    arm: tuple[float, float] | None = None,
+    drift: bool = False,
+    mass: float | None = None,
+    seals: float = 1.0,
+    record: float | None = None,
+    pulse: float | None = None,
+    wanted: float = WANTED,
+) -> Plan:
+    r"""Tell what a test will tell at a frequency, before it is run.
+
+    Supposes that the seal has an arm at :math:`\tau = 1/\omega`, where it matters most for
+    damping, and asks the Cramer-Rao bound how well the relaxation test would know storage
+    stiffness and loss factor there (:mod:`dashpot.planning.bench`). For the hammer test, how long
+    the record must be and what the tip excites.
+
+    Parameters
+    ----------
+    depth, ramp_time, hold_time : float
+        m, s, s.
+    rate : float
+        Samples per second, Hz.
+    noise : float
+        Standard deviation of a force sample, N; multiply by the square root of the correlation
+        (``fit.residual.kappa``) if samples are filtered.
+    at : float
+        The frequency that matters, Hz.
+    model : GeneralizedMaxwell, optional
+        A guess at one seal; the paper's Table 1 by default.
+    method : str
+        ``"full"`` fits ramp and hold, ``"hold"`` the hold alone.
+    arm : (float, float), optional
+        Stiffness, N/m, and relaxation time, s, of the unseen arm. By default 10 % of the
+        instantaneous stiffness at 1/omega, unless the model has an arm within a factor of 3.
+    drift : bool
+        Fit offset and linear drift of the force too.
+    mass : float, optional
+        kg, of the block on `seals` seals; by default the one that puts the peak at `at`.
+    record : float, optional
+        Length of the planned impact record, s.
+    pulse : float, optional
+        Duration of the hammer pulse, s: soft rubber tips give 10 to 20 ms.
+    wanted : float
+        The relative standard deviation of the loss factor that would do.
+
+    Raises
+    ------
+    DataError
+        If a number is not positive or the method unknown.
+    """
+    _positive(depth=depth, ramp_time=ramp_time, hold_time=hold_time, rate=rate, noise=noise, at=at)
+    _positive(mass=mass, seals=seals, record=record, pulse=pulse, wanted=wanted)
+    if method not in {"full", "hold"}:
+        raise DataError(f'method = {method!r}; expected "full" or "hold"')
+    seal = USUAL_SEAL if model is None else model
+    supposed, arm = _with_arm(seal, arm, at)
+    index = None if arm is None else supposed.tau.index(arm[1])
+    bench = Bench(depth, ramp_time, hold_time, rate, noise, method, drift)
+    expected = expected_error(supposed, bench, at, index)
+    alternatives = tuple(expected_error(supposed, b, at, index) for b in _others(bench))
+    total = seals * seal
+    weight = mass_for_peak(total, at) if mass is None else mass
+    need = record_need(total, weight, record)
+    tip = None if pulse is None else half_sine(pulse, at)
+    band = (1 / (2 * np.pi * hold_time), 1 / (np.pi * ramp_time))
+    checks = _checks(expected, band, need, tip, at=at, wanted=wanted)
+    return Plan(
+        at=at,
+        model=supposed,
+        arm=arm,
+        expected=expected,
+        alternatives=alternatives,
+        band=band,
+        record=need,
+        pulse=tip,
+        checks=checks,
+        advice=_advice(expected, alternatives, checks, need, tip, at=at, wanted=wanted),
+    )
+
+
+def _positive(**named: float | None) -> None:
+    for name, value in named.items():
+        if value is not None and not (np.isfinite(value) and value > 0):
+            raise DataError(f"{name} = {value!r}; expected a number > 0 in SI units")
+
+
+def _with_arm(
+    model: GeneralizedMaxwell, arm: tuple[float, float] | None, at: float
+) -> tuple[GeneralizedMaxwell, tuple[float, float] | None]:
+    if arm is None:
+        tau = 1 / (2 * np.pi * at)
+        if any(1 / NEAR < own / tau < NEAR for own in model.tau):
+            return model, None
+        arm = (USUAL_PART * model.k_0, tau)
+    return model + GeneralizedMaxwell(0.0, (arm[0],), (arm[1],)), arm
+
+
+def _others(bench: Bench) -> list[Bench]:
+    other = "hold" if bench.method == "full" else "full"
+    faster = [
+        replace(bench, method="full", ramp_time=bench.ramp_time * part)
+        for part in FASTER
+        if bench.ramp_time * part * bench.rate >= 5
+    ]
+    return [replace(bench, method=other), *faster]
+
+
+# -- words ------------------------------------------------------------------------------------
+
+
+def _checks(
+    expected: ExpectedError,
+    band: tuple[float, float],
+    need: RecordNeed,
+    tip: Pulse | None,
+    *,
+    at: float,
+    wanted: float,
+) -> tuple[Check, ...]:
+    found = [
+        Check(
+            "loss_factor_known",
+            expected.loss_factor_sd <= wanted,
+            f"the loss factor at {at:g} Hz would be known to {_percent(expected.loss_factor_sd)} "
+            f"(one standard deviation); {_percent(wanted)} is wanted",
+            expected.loss_factor_sd,
+            wanted,
+        ),
+        Check(
+            "inside_identified_band",
+            band[0] <= at <= band[1],
+            f"this relaxation test informs {band[0]:.2g} to {band[1]:.2g} Hz; {at:g} Hz is "
+            f"{'inside' if band[0] <= at <= band[1] else 'outside'}",
+            at,
+            band[1] if at > band[1] else band[0],
+        ),
+    ]
+    longest = max(need.for_decay, need.for_lines)
+    if need.record is not None and need.peak_error is not None:
+        found.append(
+            Check(
+                "record_long_enough",
+                need.record >= longest,
+                f"a record of {need.record:g} s reads the peak up to "
+                f"{100 * need.peak_error:+.0f} % wrong off its lines; {need.for_decay:.3g} s hold "
+                f"six time constants, {need.for_lines:.3g} s put five lines into the peak",
+                need.record,
+                longest,
+            )
+        )
+    if tip is not None:
+        found.append(
+            Check(
+                "tip_excites",
+                tip.level_db >= TIP_LIMIT_DB,
+                f"a {1e3 * tip.duration:g} ms pulse is {tip.level_db:.3f} dB down at {at:g} Hz and "
+                f"useful to {tip.band_10db:.3g} Hz (-10 dB)",
+                tip.level_db,
+                TIP_LIMIT_DB,
+            )
+        )
+    return tuple(found)
+
+
+def _advice(
+    expected: ExpectedError,
+    alternatives: Sequence[ExpectedError],
+    checks: Sequence[Check],
+    need: RecordNeed,
+    tip: Pulse | None,
+    *,
+    at: float,
+    wanted: float,
+) -> tuple[str, ...]:
+    words = []
+    if expected.loss_factor_sd > wanted:
+        words.append(_ramp_advice(expected, alternatives, at=at, wanted=wanted))
+    if need.record is None:
+        words.append(
+            f"Record each hit for {max(need.for_decay, need.for_lines):.3g} s: "
+            f"{need.for_decay:.3g} s hold six time constants, {need.for_lines:.3g} s put five "
+            "lines into the half-power band; with an exponential window on both channels and the "
+            "model taken at s = jw + a a shorter record does."
+        )
+    failed = {check.name for check in checks if not check.passed}
+    if "record_long_enough" in failed:
+        words.append(
+            f"Record each hit for {max(need.for_decay, need.for_lines):.3g} s instead of "
+            f"{need.record:g} s, or fit the model to the cut or windowed record."
+        )
+    if tip is not None and "tip_excites" in failed:
+        words.append(
+            f"Use a harder tip: the pulse must be shorter than {1e3 * _pulse_for(at):.3g} ms to "
+            f"lose less than 10 dB at {at:g} Hz."
+        )
+    if not words:
+        words.append(f"This test will do: it knows the loss factor at {at:g} Hz well enough.")
+    return tuple(words)
+
+
+def _ramp_advice(
+    expected: ExpectedError, alternatives: Sequence[ExpectedError], *, at: float, wanted: float
+) -> str:
+    good = [e for e in alternatives if e.loss_factor_sd <= wanted]
+    start = (
+        f"The loss factor at {at:g} Hz would be known to {_percent(expected.loss_factor_sd)} only"
+    )
+    if not good:
+        return (
+            f"{start}, and no faster ramp tried here brings it to {_percent(wanted)}: test the "
+            "damping with a hammer test and fit both together (identify)."
+        )
+    best = max(good, key=lambda e: e.ramp_time)
+    how = f"ramp in {best.ramp_time:.3g} s" if best.ramp_time < expected.ramp_time else ""
+    fit = "fit ramp and hold together" if best.method != expected.method else ""
+    change = " and ".join(part for part in (how, fit) if part)
+    return (
+        f"{start}: {change} ({_percent(best.loss_factor_sd)}), or test the damping with a hammer "
+        "test and fit both together (identify)."
+    )
+
+
+def _pulse_for(at: float) -> float:
+    # the spectrum depends on f T alone
+    return half_sine(1.0, at).band_10db / at
+
+
+def _percent(value: float) -> str:
+    return "more than 1000 %" if value > 10 else f"{100 * value:.3g} %"
