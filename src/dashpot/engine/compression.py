@@ -1,0 +1,205 @@
+r"""Many samples of a decaying signal as a few hundred weighted ones, on which a fit is the same.
+
+A sum of exponentials is smooth on every block [a, 2a) counted from the first sample. On a
+block of m samples with weights, let P_0 ... P_12 be the polynomials orthonormal over the
+samples, and x_i, w_i the nodes and weights of the Gauss rule of that discrete measure. Then
+
+.. math:: \sum_{s \in block} w_s (y_s - F(s))^2
+          = \underbrace{|y - PP'y|^2}_{\mathrm{floor}}
+          + \sum_{i} \bigl(z_i - \sqrt{w_i} F(x_i)\bigr)^2 + O(10^{-11} |F|),
+          \qquad z_i = \sqrt{w_i} \sum_p P_p(x_i)\, (P'y)_p
+
+for every smooth F at once. The floor is summed from explicit residuals, never as a difference
+of large numbers. Golub and Welsch, *Math. Comp.* 23 (1969), give nodes and weights from the
+Jacobi matrix P' x P.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from dashpot._arrays import FloatArray
+
+NODES = 13
+SUB_NODES = 8
+SMALL = 300
+#: relative accuracy of a compressed model's columns
+ACCURACY = 1e-11
+
+
+@dataclass(frozen=True, eq=False)
+class _Section:
+    """Samples start:stop, cut into equal pieces, each projected on the same orthonormal basis."""
+
+    start: int
+    stop: int
+    basis: FloatArray  # (length of a piece, points of a piece)
+
+
+@dataclass(frozen=True, eq=False)
+class Compression:
+    """What a sampling needs to be compressed: made once, used for every record on it.
+
+    Attributes
+    ----------
+    nodes : array, shape (n,)
+        Positions of the pseudo-samples, in the unit of the sampling.
+    root_weight : array, shape (n,)
+        Square roots of their weights: the columns of a model F are root_weight * F(nodes).
+    """
+
+    nodes: FloatArray
+    root_weight: FloatArray
+    stages: tuple[tuple[_Section, ...], ...]
+
+    def project(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Compress weighted values, shape (..., M), to z (..., n) and floor (...)."""
+        floor = np.zeros(values.shape[:-1])
+        for sections in self.stages:
+            parts = []
+            for section in sections:
+                piece = values[..., section.start : section.stop]
+                length, points = section.basis.shape
+                if length == points == 1:
+                    parts.append(piece)
+                    continue
+                shaped = piece.reshape(*values.shape[:-1], -1, length)
+                z = shaped @ section.basis
+                rest = shaped - z @ section.basis.T
+                floor = floor + np.einsum("...ij,...ij->...", rest, rest)
+                parts.append(z.reshape(*values.shape[:-1], -1))
+            values = np.concatenate(parts, axis=-1)
+        return values, floor
+
+
+def compression(position: FloatArray, weights: FloatArray | None = None) -> Compression:
+    """Plan the compression of a sampling, positions ascending from where the decay starts.
+
+    Parameters
+    ----------
+    position : array, shape (M,)
+        Times, s, any spacing.
+    weights : array, shape (M,), optional
+        1/sd of each sample, > 0; values must be multiplied by them before `project`.
+    """
+    step = uniform_step(position)
+    if len(position) <= SMALL:
+        root = np.ones(len(position)) if weights is None else weights
+        return Compression(position, root, ())
+    if weights is None and step is not None:
+        counted = _uniform(len(position))
+        return Compression(position[0] + step * counted.nodes, counted.root_weight, counted.stages)
+    root = np.ones(len(position)) if weights is None else weights
+    nodes, root, sections = _blocks(position - position[0], root)
+    return Compression(position[0] + nodes, root, (sections,))
+
+
+def uniform_step(position: FloatArray) -> float | None:
+    """Return the sample interval if the samples stand on a uniform grid up to rounding."""
+    if len(position) < 2:
+        return None
+    step = float(position[-1] - position[0]) / (len(position) - 1)
+    grid = position[0] + step * np.arange(len(position))
+    tolerance = max(1e-9 * step, 8e-16 * float(np.abs(position).max()))
+    return step if float(np.abs(position - grid).max()) <= tolerance else None
+
+
+@lru_cache(maxsize=32)
+def _uniform(count: int) -> Compression:
+    """Plan for samples 0, 1, 2, ... in two stages: short equal pieces, then doubling blocks."""
+    edges = _doubling(count)
+    sections: list[_Section] = []
+    position: list[FloatArray] = [np.zeros(0)]
+    weight: list[FloatArray] = [np.zeros(0)]
+    for first, stop in zip(edges[:-1], edges[1:], strict=True):
+        length, start = _power_of_two(first // NODES), first
+        while start < stop:
+            pieces = (stop - start) // length
+            if pieces:
+                nodes, root, basis = _piece(length)
+                offset = start + length * np.arange(pieces)
+                position.append((offset[:, None] + nodes).ravel())
+                weight.append(np.tile(root, pieces))
+                sections.append(_Section(start, start + pieces * length, basis))
+            start += pieces * length
+            length //= 2
+            length = length if length > 2 * SUB_NODES else 1
+    at, root = np.concatenate(position), np.concatenate(weight)
+    nodes, root, second = _blocks(at, root, np.searchsorted(at, np.array(edges[1:-1]) - 0.5))
+    return Compression(nodes, root, (tuple(sections), second))
+
+
+@lru_cache(maxsize=32)
+def _piece(length: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Nodes, root weights and basis of one short piece of equal samples."""
+    if length == 1:
+        return np.zeros(1), np.ones(1), np.ones((1, 1))
+    return gauss(np.arange(float(length)), np.ones(length), SUB_NODES)
+
+
+def _power_of_two(value: int) -> int:
+    length = 1 << max(value.bit_length() - 1, 0)
+    return length if length > 2 * SUB_NODES else 1
+
+
+def _doubling(count: int) -> list[int]:
+    """Edges 0, 13, 26, 52, ... count; a last block that would be short joins its neighbour."""
+    edges = [0, NODES]
+    while 2 * edges[-1] < count:
+        edges.append(2 * edges[-1])
+    if count - edges[-1] < edges[-1] // 8 and len(edges) > 2:
+        edges.pop()
+    return [*edges, count]
+
+
+def _blocks(
+    position: FloatArray, root_weight: FloatArray, cuts: FloatArray | None = None
+) -> tuple[FloatArray, FloatArray, tuple[_Section, ...]]:
+    """Gauss nodes of every block; cuts are the indices where a new block starts."""
+    if cuts is None:
+        first = position[NODES]
+        doublings = int(np.ceil(np.log2(position[-1] / first)))
+        cuts = np.searchsorted(position, first * 2.0 ** np.arange(doublings))
+    edges = np.unique(np.concatenate(([0], cuts, [len(position)]))).astype(int)
+    nodes, roots, sections = [], [], []
+    for start, stop in zip(edges[:-1], edges[1:], strict=True):
+        here = slice(int(start), int(stop))
+        if here.stop - here.start <= NODES:
+            nodes.append(position[here])
+            roots.append(root_weight[here])
+            sections.append(_Section(here.start, here.stop, np.ones((1, 1))))
+            continue
+        node, root, basis = gauss(position[here], root_weight[here], NODES)
+        nodes.append(node)
+        roots.append(root)
+        sections.append(_Section(here.start, here.stop, basis))
+    return np.concatenate(nodes), np.concatenate(roots), tuple(sections)
+
+
+def gauss(
+    position: FloatArray, root_weight: FloatArray, count: int
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    r"""Return nodes, root weights and basis W (m, count) of a discrete measure.
+
+    W is orthonormal and spans the weighted polynomials of degree < count; W'y are the
+    pseudo-samples z. The QR of a Chebyshev basis is graded by degree, so its columns are the
+    orthonormal polynomials P, and the eigenvectors of P'xP turn them into W.
+    """
+    middle = 0.5 * (position[0] + position[-1])
+    half = 0.5 * (position[-1] - position[0])
+    u = (position - middle) / half
+    chebyshev = np.empty((len(u), count))
+    chebyshev[:, 0] = root_weight
+    chebyshev[:, 1] = root_weight * u
+    for p in range(2, count):
+        chebyshev[:, p] = 2 * u * chebyshev[:, p - 1] - chebyshev[:, p - 2]
+    q, r = np.linalg.qr(chebyshev)
+    q = q * np.sign(np.diagonal(r))
+    jacobi = q.T @ (u[:, None] * q)
+    value, vector = np.linalg.eigh(0.5 * (jacobi + jacobi.T))
+    vector = vector * np.where(vector[0] < 0, -1.0, 1.0)
+    total = float(np.linalg.norm(root_weight))
+    return middle + half * value, total * vector[0], q @ vector

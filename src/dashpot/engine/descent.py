@@ -1,0 +1,237 @@
+r"""From one start to the nearest optimum in ln tau, linear parameters solved exactly on the way."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot._arrays import BoolArray, FloatArray
+from dashpot.engine.blocks import Block
+from dashpot.engine.nnls import nonnegative_columns
+
+LONGEST_STEP = 1.5
+TAIL = 1e-5
+FINISHED = 1e-10
+
+
+class Rows(NamedTuple):
+    """A whole stack at one ln tau: y (n,), Phi (n, p), and dPhi/d ln tau of the arms' columns."""
+
+    target: FloatArray
+    phi: FloatArray
+    slope: FloatArray
+
+
+class Stack:
+    """Blocks on top of each other, their columns matched by name and group.
+
+    The linear parameters stand as all fixed names, then the arms of the first group, of the
+    second, and so on: p = q + G N.
+    """
+
+    def __init__(self, blocks: Sequence[Block]) -> None:
+        self.blocks = tuple(blocks)
+        self.names = tuple(dict.fromkeys(n for block in blocks for n in block.fixed_names))
+        self.groups = tuple(dict.fromkeys(block.arm_group for block in blocks))
+        self.floor = float(sum(block.floor for block in blocks))
+        self.samples = sum(block.samples for block in blocks)
+        shortest = min(block.window[0] for block in blocks)
+        longest = max(block.window[1] for block in blocks)
+        self.bounds = (float(np.log(shortest)), float(np.log(longest)))
+        #: sum of squares below which a residual is rounding
+        self.grain = float(sum(block.grain for block in blocks))
+
+    def restricted(self, arms: int, *, signed: bool) -> BoolArray:
+        """Which linear parameters must not be negative, shape (p,)."""
+        fixed = [name.partition("@")[0] in {"k_inf", "b"} for name in self.names]
+        every = np.array(fixed + [True] * (arms * len(self.groups)), dtype=bool)
+        return every & (not signed)
+
+    def evaluate(self, log_tau: FloatArray, *, derivative: bool = True) -> Rows:
+        """Return the stacked target, design matrix and slopes."""
+        if len(self.blocks) == 1:
+            one = self.blocks[0].evaluate(log_tau, derivative)
+            return Rows(one.target, np.concatenate((one.fixed, one.arms), axis=1), one.d_arms)
+        parts = [block.evaluate(log_tau, derivative) for block in self.blocks]
+        rows = sum(len(part.target) for part in parts)
+        arms, q = len(log_tau), len(self.names)
+        phi = np.zeros((rows, q + arms * len(self.groups)))
+        slope = np.zeros((rows, arms * len(self.groups)))
+        first = 0
+        for block, part in zip(self.blocks, parts, strict=True):
+            here = slice(first, first + len(part.target))
+            group = arms * self.groups.index(block.arm_group)
+            phi[here, [self.names.index(name) for name in block.fixed_names]] = part.fixed
+            phi[here, q + group : q + group + arms] = part.arms
+            slope[here, group : group + arms] = part.d_arms
+            first = here.stop
+        return Rows(np.concatenate([part.target for part in parts]), phi, slope)
+
+
+class Point(NamedTuple):
+    r"""One trial of ln tau with everything linear solved.
+
+    `gradient` is J'r and `curvature` J'J of the reduced residual, both per ln tau; `sse` is
+    without the stack's floor.
+    """
+
+    log_tau: FloatArray
+    beta: FloatArray
+    residual: FloatArray
+    sse: float
+    gradient: FloatArray
+    curvature: FloatArray
+
+
+class Local(NamedTuple):
+    """Where a descent ended."""
+
+    point: Point
+    evaluations: int
+    converged: bool
+
+
+def point_at(
+    stack: Stack, log_tau: FloatArray, *, restricted: BoolArray | None = None
+) -> Point | None:
+    r"""Solve the linear parameters at ln tau and differentiate the residual left over.
+
+    With Phi = QR, r = (I - QQ')y and beta = R^{-1}Q'y, the derivative of r by ln tau_j is
+
+    .. math:: J_j = -(I - QQ') D_j \beta_j - Q R^{-T} e_j (D_j' r)
+
+    (G. H. Golub and V. Pereyra, *SIAM J. Numer. Anal.* 10, 1973); arms shared by several
+    groups add up. The two terms are orthogonal, and only the first meets r.
+
+    With `restricted`, those coefficients are kept >= 0 and the others' derivatives stay.
+    Returns None if the columns are dependent to 13 digits.
+    """
+    rows = stack.evaluate(log_tau)
+    y, phi, slope = rows
+    arms = len(log_tau)
+    q_fixed = phi.shape[1] - slope.shape[1]
+    if restricted is not None:
+        active = nonnegative_columns(phi, y, restricted)
+    else:
+        active = None
+    used = phi if active is None else phi[:, active]
+    q, r = np.linalg.qr(used)
+    pivot = np.abs(np.diagonal(r))
+    if (pivot * pivot <= 1e-26 * (r * r).sum(axis=0)).any():
+        return None
+    right = np.linalg.solve(r, np.concatenate(((q.T @ y)[:, None], np.eye(len(r))), axis=1))
+    residual = y - q @ (q.T @ y)
+    residual -= q @ (q.T @ residual)
+    if active is None:
+        beta, inverse = right[:, 0], right[q_fixed:, 1:]
+    else:
+        beta = np.zeros(phi.shape[1])
+        beta[active] = right[:, 0]
+        inverse = np.zeros((phi.shape[1], len(r)))
+        inverse[active] = right[:, 1:]
+        inverse = inverse[q_fixed:]
+    k = beta[q_fixed:]
+    leaned = slope.T @ residual
+    inside = inverse * leaned[:, None]
+    outside = (slope - q @ (q.T @ slope)) * k
+    groups = len(k) // arms if arms else 0
+    if groups > 1:
+        leaned = (k * leaned).reshape(groups, arms).sum(axis=0)
+        inside = inside.reshape(groups, arms, -1).sum(axis=0)
+        outside = outside.reshape(len(y), groups, arms).sum(axis=1)
+    else:
+        leaned = k * leaned
+    return Point(
+        log_tau,
+        beta,
+        residual,
+        float(residual @ residual),
+        -leaned,
+        outside.T @ outside + inside @ inside.T,
+    )
+
+
+def descend(
+    stack: Stack,
+    start: FloatArray,
+    *,
+    restricted: BoolArray | None = None,
+    rivals: Sequence[FloatArray] = (),
+    finished: float = FINISHED,
+    limit: int = 60,
+) -> Local | None:
+    r"""Levenberg-Marquardt in ln tau with steps of at most 1.5, inside the stack's window.
+
+    Far away a step must lower the SSE; within 1e-5 the SSE is flat to its last digits, so the
+    undamped step itself decides: the descent ends when it falls below `finished`.
+    Returns None when it runs into one of the `rivals` (optima already known) or when the
+    start cannot be evaluated.
+    """
+    low, high = stack.bounds
+    here = point_at(stack, np.clip(np.sort(start), low, high), restricted=restricted)
+    if here is None:
+        return None
+    grain = stack.grain
+    damping = 1e-3
+    for count in range(2, limit + 2):
+        step = _step(here, damping, low, high)
+        trial = np.clip(here.log_tau + step, low, high)
+        moved = float(np.abs(trial - here.log_tau).max(initial=0.0))
+        if moved <= finished:
+            return Local(here, count, True)
+        new = point_at(stack, trial, restricted=restricted)
+        tail = moved < TAIL
+        if new is not None and (
+            new.sse < here.sse or (tail and new.sse <= here.sse * (1 + 1e-8) + grain)
+        ):
+            here = new
+            damping = 0.0 if tail else 0.1 * damping
+            if new.sse <= grain:
+                return Local(here, count, True)
+        else:
+            if tail and damping == 0.0:
+                return Local(here, count, True)
+            damping = 10 * max(damping, 1e-6)
+            if damping > 1e9:
+                return Local(here, count, False)
+        if rivals and any(np.abs(np.sort(here.log_tau) - rival).max() < 1e-2 for rival in rivals):
+            return None
+    return Local(here, limit, False)
+
+
+def _step(point: Point, damping: float, low: float, high: float) -> FloatArray:
+    """The damped step, with arms held that press against the window or carry nothing."""
+    gradient, curvature = point.gradient, point.curvature
+    scale = np.diagonal(curvature)
+    free = scale > 0
+    free &= ~((point.log_tau <= low) & (gradient > 0))
+    free &= ~((point.log_tau >= high) & (gradient < 0))
+    step = np.zeros(len(gradient))
+    if not free.any():
+        return step
+    if free.all():
+        index: slice | FloatArray = slice(None)
+        part = curvature.copy()
+    else:
+        index = np.flatnonzero(free)
+        part = curvature[np.ix_(index, index)]
+    part.ravel()[:: len(part) + 1] += max(damping, 1e-15) * scale[index]
+    try:
+        step[index] = -np.linalg.solve(part, gradient[index])
+    except np.linalg.LinAlgError:
+        step[index] = -gradient[index] / scale[index]
+    longest = float(np.abs(step).max())
+    return step if longest <= LONGEST_STEP else np.clip(step, -LONGEST_STEP, LONGEST_STEP)
+
+
+def relative_offset(point: Point, sse: float) -> float:
+    r"""The length of the residual that a Gauss-Newton step would still remove, over |r|.
+
+    The criterion of D. M. Bates and D. G. Watts, *Technometrics* 23 (1981).
+    """
+    if not len(point.gradient) or sse <= 0:
+        return 0.0
+    step = np.linalg.lstsq(point.curvature, point.gradient, rcond=1e-14)[0]
+    return float(np.sqrt(abs(point.gradient @ step) / sse))

@@ -1,0 +1,154 @@
+"""Where to start: peaks of the best positive spectrum, and insertions where the residual leans."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+
+from dashpot._arrays import FloatArray
+from dashpot.engine.descent import Point, Stack
+from dashpot.engine.nnls import nonnegative
+
+GRID = 72
+MOST_PEAKS = 9
+
+
+class Grid:
+    """All the stack's columns on a grid of ln tau, free of the fixed columns, of unit length.
+
+    Attributes
+    ----------
+    log_tau : array, shape (m,)
+    columns : array, shape (n, G m)
+        Group by group.
+    length : array, shape (G m,)
+        Norms before they were made one.
+    """
+
+    def __init__(self, stack: Stack, size: int = GRID) -> None:
+        self.log_tau = np.linspace(*stack.bounds, size)
+        self.groups = len(stack.groups)
+        rows = stack.evaluate(self.log_tau, derivative=False)
+        q = len(stack.names)
+        self.fixed, self.target = rows.phi[:, :q], rows.target
+        columns = rows.phi[:, q:]
+        if q:
+            basis = np.linalg.qr(self.fixed)[0]
+            raw = np.linalg.norm(columns, axis=0)
+            columns = columns - basis @ (basis.T @ columns)
+            self.swept = self.target - basis @ (basis.T @ self.target)
+        else:
+            raw = np.linalg.norm(columns, axis=0)
+            self.swept = self.target
+        left = np.linalg.norm(columns, axis=0)
+        # a column that the fixed ones explain to seven digits points nowhere
+        self.length = np.where(left > 1e-7 * raw, left, np.inf)
+        self.columns = columns / self.length
+        self.gram = self.columns.T @ self.columns
+        self.moment = self.columns.T @ self.swept
+
+    def spectrum(self) -> FloatArray:
+        """Best non-negative spectrum on the grid, in unit columns, shape (G, m)."""
+        return nonnegative(self.gram, self.moment, limit=40).reshape(self.groups, -1)
+
+    def lean(self, point: Point, *, signed: bool) -> FloatArray:
+        r"""How much of the residual one more arm at each grid point would remove, shape (m,).
+
+        :math:`D(\tau) = \hat\varphi_\perp' r`, with the columns of the point swept out of
+        phi; negative where only a negative coefficient would help. Groups add as squares.
+        """
+        if len(point.log_tau):
+            phi = self._current(point)
+            basis = np.linalg.qr(phi)[0]
+            along = basis.T @ self.columns
+            left = np.sqrt(np.maximum(1.0 - (along * along).sum(axis=0), 0.0))
+            lean = (self.columns.T @ point.residual) / np.where(left > 1e-4, left, np.inf)
+        else:
+            lean = self.moment
+        lean = np.where(np.isfinite(self.length), lean, 0.0).reshape(self.groups, -1)
+        if signed:
+            return np.asarray(np.sqrt((lean * lean).sum(axis=0)))
+        push = np.maximum(lean, 0.0)
+        return np.where(push.any(axis=0), np.sqrt((push * push).sum(axis=0)), lean.max(axis=0))
+
+    def _current(self, point: Point) -> FloatArray:
+        # between grid points a column is the mean of its neighbours: enough to choose a start
+        m = len(self.log_tau)
+        place = np.clip(np.searchsorted(self.log_tau, point.log_tau), 1, m - 1)
+        step = self.log_tau[1] - self.log_tau[0]
+        part = (point.log_tau - self.log_tau[place - 1]) / step
+        full = (self.columns * np.where(np.isfinite(self.length), self.length, 0.0)).reshape(
+            len(self.columns), self.groups, m
+        )
+        mixed = full[:, :, place - 1] * (1 - part) + full[:, :, place] * part
+        return np.asarray(mixed.reshape(len(self.columns), -1))
+
+
+def inserted(grid: Grid, point: Point, *, signed: bool, count: int = 2) -> list[FloatArray]:
+    """Starts with one arm more than the point, at the highest maxima of its lean."""
+    lean = grid.lean(point, signed=signed)
+    padded = np.concatenate(([-np.inf], lean, [-np.inf]))
+    peaks = np.flatnonzero((lean >= padded[:-2]) & (lean > padded[2:]) & (lean > 0))
+    best = peaks[np.argsort(-lean[peaks], kind="stable")][:count]
+    return [np.sort(np.append(point.log_tau, grid.log_tau[i])) for i in best]
+
+
+def peaks_of(grid: Grid, spectrum: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Positions in ln tau and weights of the spectrum's peaks, neighbours merged."""
+    weight = spectrum.sum(axis=0)
+    support = np.flatnonzero(weight > 1e-9 * weight.max(initial=0.0))
+    if not len(support):
+        return np.zeros(0), np.zeros(0)
+    runs = np.split(support, np.flatnonzero(np.diff(support) > 1) + 1)
+    mass = np.array([weight[run].sum() for run in runs])
+    place = np.array([weight[run] @ grid.log_tau[run] for run in runs]) / mass
+    keep = np.sort(np.argsort(-mass, kind="stable")[:MOST_PEAKS])
+    return place[keep], mass[keep]
+
+
+def partitioned(
+    grid: Grid, place: FloatArray, mass: FloatArray, arms: int, count: int = 2
+) -> list[FloatArray]:
+    """Starts from the peaks: contiguous groups merged, or some peaks alone; best by one LSQ."""
+    m = len(place)
+    if m < arms:
+        return []
+    candidates: dict[tuple[int, ...], FloatArray] = {}
+    weighed = np.concatenate(([0.0], np.cumsum(mass * place)))
+    total = np.concatenate(([0.0], np.cumsum(mass)))
+    step = grid.log_tau[1] - grid.log_tau[0]
+    for cuts in combinations(range(1, m), arms - 1):
+        edge = np.array((0, *cuts, m))
+        start = np.diff(weighed[edge]) / np.diff(total[edge])
+        candidates.setdefault(tuple(np.rint((start - grid.log_tau[0]) / step).astype(int)), start)
+    for chosen in combinations(range(m), arms):
+        start = place[list(chosen)]
+        candidates.setdefault(tuple(np.rint((start - grid.log_tau[0]) / step).astype(int)), start)
+    distinct = [key for key in candidates if len(set(key)) == arms]
+    if not distinct:
+        return []
+    index = np.array(distinct)
+    index = (index[:, None, :] + len(grid.log_tau) * np.arange(grid.groups)[:, None]).reshape(
+        len(distinct), -1
+    )
+    gram = grid.gram[index[:, :, None], index[:, None, :]] + 1e-12 * np.eye(index.shape[1])
+    moment = grid.moment[index]
+    beta = np.linalg.solve(gram, moment[..., None])[..., 0]
+    # negative coefficients count for nothing in the ranking
+    gain = np.where((beta > 0).all(axis=1), 1.0, 0.5) * (moment * beta).sum(axis=1)
+    order = np.argsort(-gain, kind="stable")[:count]
+    return [candidates[distinct[int(i)]] for i in order]
+
+
+def scattered(stack: Stack, arms: int, count: int, seed: int) -> list[FloatArray]:
+    """Quasi-random starts that fill the window: a Kronecker sequence, shifted by the seed."""
+    # the generalized golden ratio: the real root of x^(d+1) = x + 1
+    ratio = 2.0
+    for _ in range(60):
+        ratio = (1 + ratio) ** (1 / (arms + 1))
+    shift = np.random.default_rng(seed).random(arms)
+    steps = ratio ** -np.arange(1, arms + 1)
+    unit = (shift + np.arange(1, count + 1)[:, None] * steps) % 1.0
+    low, high = stack.bounds
+    return [np.sort(low + (high - low) * row) for row in unit]
