@@ -11,6 +11,7 @@ import numpy as np
 
 from dashpot.comparison import Comparison
 from dashpot.errors import DataError, ReadError
+from dashpot.planning import Plan
 from dashpot.relaxation.fit import Fit, Status
 from dashpot.relaxation.records import RampHold, RelaxationTest
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -26,6 +27,7 @@ SCHEMAS: dict[str, type] = {
     "dashpot/impact-test@1": ImpactTest,
     "dashpot/frf@1": FRF,
     "dashpot/comparison@1": Comparison,
+    "dashpot/plan@1": Plan,
     "dashpot/study@1": Study,
 }
 """What each versioned schema name holds."""

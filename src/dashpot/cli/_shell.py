@@ -68,7 +68,9 @@ class Arms(click.ParamType):
         if value == "auto" or isinstance(value, int):
             return value
         if not value.isdecimal():
-            self.fail(f"'{value}' is not a number of arms; expected 'auto', 0, 1, 2, ...", param, ctx)
+            self.fail(
+                f"'{value}' is not a number of arms; expected 'auto', 0, 1, 2, ...", param, ctx
+            )
         return int(value)
 
 

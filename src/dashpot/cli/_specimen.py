@@ -16,9 +16,13 @@ T = TypeVar("T")
 def specimen(function: Callable[..., T]) -> Callable[..., T]:
     """Give a command the options that describe the specimen; it receives one ``specimen``."""
 
-    @click.option("--length", type=Quantity("length"), help="Contact length of the seal, e.g. 50mm.")
+    @click.option(
+        "--length", type=Quantity("length"), help="Contact length of the seal, e.g. 50mm."
+    )
     @click.option("--height", type=Quantity("length"), help="Free height of the section.")
-    @click.option("--temperature", type=Quantity("temperature"), help="Test temperature, e.g. 23degC.")
+    @click.option(
+        "--temperature", type=Quantity("temperature"), help="Test temperature, e.g. 23degC."
+    )
     @click.option("--notes", default="", help="Material, fixing, load history.")
     @functools.wraps(function)
     def command(

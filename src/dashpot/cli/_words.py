@@ -77,7 +77,12 @@ def _parameters(found: Fit) -> list[str]:
     rows = [["", "value", "± SE", "95 % interval", "unit"]]
 
     def row(
-        name: str, value: float, se: float, ends: tuple[float, float] | None, scale: float, unit: str
+        name: str,
+        value: float,
+        se: float,
+        ends: tuple[float, float] | None,
+        scale: float,
+        unit: str,
     ) -> None:
         between = ""
         if ends:

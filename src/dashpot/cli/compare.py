@@ -17,7 +17,9 @@ if TYPE_CHECKING:
 @click.command("compare", short_help="The predicted FRF against a measured one.")
 @click.argument("fit")
 @click.argument("measured", nargs=-1, required=True, metavar="IMPACT|FRF...")
-@click.option("--mass", type=Quantity("mass"), help="Block mass; inferred, and said so, if missing.")
+@click.option(
+    "--mass", type=Quantity("mass"), help="Block mass; inferred, and said so, if missing."
+)
 @click.option("--seals", type=float, default=1.0, show_default=True, help="Seals in parallel.")
 @click.option("--band", type=Range("frequency"), help="Lines compared, e.g. 5:40Hz.")
 @click.option("--plot", "picture", metavar="FILE", help="Save the figure (png, svg, pdf).")
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
 @reading
 @reports
 def command(
+    *,
     fit: str,
     measured: tuple[str, ...],
     mass: float | None,

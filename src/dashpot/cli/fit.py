@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 @reading
 @reports
 def command(
+    *,
     files: tuple[str, ...],
     arms: int | str,
     method: str,

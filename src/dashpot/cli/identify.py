@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 @reading
 @reports
 def command(
+    *,
     measured: tuple[str, ...],
     together: tuple[str, ...],
     mass: float,

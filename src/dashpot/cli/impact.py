@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 @reading
 @reports
 def command(
+    *,
     files: tuple[str, ...],
     mass: float | None,
     band: tuple[float, float] | None,

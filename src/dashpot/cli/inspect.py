@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 @click.option("--save-profile", metavar="FILE", help="Keep the options given here as a profile.")
 @reading
 @reports
-def command(files: tuple[str, ...], save_profile: str | None, options: ReadOptions) -> Outcome:
+def command(*, files: tuple[str, ...], save_profile: str | None, options: ReadOptions) -> Outcome:
     """Show what dashpot understands of each FILE, and what it needs to be told.
 
     \b

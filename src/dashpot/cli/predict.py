@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 @click.option("-o", "--output", metavar="FILE", help="Write the FRF as CSV; - is stdout.")
 @reports
 def command(
+    *,
     fit: str,
     mass: float,
     seals: float,

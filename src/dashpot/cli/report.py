@@ -19,7 +19,9 @@ if TYPE_CHECKING:
 @click.command("report", short_help="The main job: both tests in, one report out.")
 @click.argument("relaxation")
 @click.option("--impact", multiple=True, metavar="FILE", help="Hits, or an FRF; repeat for more.")
-@click.option("--mass", type=Quantity("mass"), help="Block mass; inferred, and said so, if missing.")
+@click.option(
+    "--mass", type=Quantity("mass"), help="Block mass; inferred, and said so, if missing."
+)
 @click.option("--seals", type=float, default=1.0, show_default=True, help="Seals in parallel.")
 @click.option("--arms", type=Arms(), default="auto", show_default=True, help="Maxwell arms.")
 @click.option("--band", type=Range("frequency"), help="Lines compared, e.g. 5:40Hz.")
@@ -31,6 +33,7 @@ if TYPE_CHECKING:
 @reading
 @reports
 def command(
+    *,
     relaxation: str,
     impact: tuple[str, ...],
     mass: float | None,

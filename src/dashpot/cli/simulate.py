@@ -23,7 +23,9 @@ from dashpot.cli._shell import Outcome, Quantity, reports, said, write
 @click.option("--depth", type=Quantity("length"), default="8mm", show_default=True)
 @click.option("--ramp", type=Quantity("time"), default="1s", show_default=True)
 @click.option("--hold", type=Quantity("time"), default="40s", show_default=True)
-@click.option("--rate", type=Quantity("frequency"), help="Sampling rate; else the instrument's own.")
+@click.option(
+    "--rate", type=Quantity("frequency"), help="Sampling rate; else the instrument's own."
+)
 @click.option("--mass", type=Quantity("mass"), help="Block mass; else what peaks at 12.71 Hz.")
 @click.option("--seals", type=float, default=2.0, show_default=True, help="Seals under the block.")
 @click.option("--hits", type=click.IntRange(1), default=5, show_default=True)
@@ -31,6 +33,7 @@ from dashpot.cli._shell import Outcome, Quantity, reports, said, write
 @click.option("-o", "--output", metavar="FILE", required=True, help="CSV; - is stdout.")
 @reports
 def command(
+    *,
     what: str,
     model: str,
     seed: int,
