@@ -80,9 +80,10 @@ def _parameters(found: Fit) -> list[str]:
         name: str,
         value: float,
         se: float,
-        ends: tuple[float, float] | None,
-        scale: float,
+        *,
         unit: str,
+        ends: tuple[float, float] | None = None,
+        scale: float = 1e-3,
     ) -> None:
         between = ""
         if ends:
@@ -90,14 +91,14 @@ def _parameters(found: Fit) -> list[str]:
             between = f"{low} to {high}"
         rows.append([name, rounded(value * scale, se * scale), f"{se * scale:.2g}", between, unit])
 
-    row("k_inf", model.k_inf, error["k_inf"], interval["k_inf"], 1e-3, "N/mm")
+    row("k_inf", model.k_inf, error["k_inf"], ends=interval["k_inf"], unit="N/mm")
     for j in range(model.arms):
         arm = error["arms"][j]
-        row(f"k_{j + 1}", model.k[j], arm["k"], interval["k"][j], 1e-3, "N/mm")
-        row(f"tau_{j + 1}", model.tau[j], arm["tau"], interval["tau"][j], 1.0, "s")
-        row(f"b_{j + 1}", model.arm_b[j], arm["b"], None, 1e-3, "N s/mm")
+        row(f"k_{j + 1}", model.k[j], arm["k"], ends=interval["k"][j], unit="N/mm")
+        row(f"tau_{j + 1}", model.tau[j], arm["tau"], ends=interval["tau"][j], unit="s", scale=1)
+        row(f"b_{j + 1}", model.arm_b[j], arm["b"], unit="N s/mm")
     if model.b > 0 or "b" in found.parameters:
-        row("b", model.b, error.get("b", math.nan), None, 1e-3, "N s/mm")
+        row("b", model.b, error.get("b", math.nan), unit="N s/mm")
     return table(rows)
 
 
