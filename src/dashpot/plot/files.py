@@ -75,5 +75,11 @@ def to_svg(figure: Figure, *, name: str = "figure", title: str = "") -> str:
     text = text[text.index("<svg") :].rstrip()
     text = re.sub(r"\s*<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
     text = re.sub(r'(\bid="|url\(#|href="#)', rf"\g<1>{name}-", text)
+    text = re.sub(r' d="[^"]*"', _rounded, text)
     label = f' role="img" aria-label="{escape(title)}"' if title else ' aria-hidden="true"'
     return text.replace("<svg", f"<svg{label}", 1)
+
+
+def _rounded(path: re.Match[str]) -> str:
+    """A path's coordinates to a hundredth of a point, finer than any printer."""
+    return re.sub(r"(\.\d\d)\d+", r"\1", path[0])

@@ -46,13 +46,32 @@ def hits(impact: ImpactTest, frf: FRF) -> Figure:
     _spectra(made.add_subplot(grid[0, 3:]), judged)
     wide = 6 // channels
     first: Axes | None = None
+    end = max(decay_time(blow) for blow, _ in judged)
     for i in range(channels):
         ax = made.add_subplot(grid[1, wide * i : wide * (i + 1)], sharey=first)
         first = first or ax
         for blow, hit in judged:
-            panel.trace(ax, _clock(blow), blow.acceleration[i], _pen(hit))
+            time = _clock(blow)
+            seen = time <= 1.25 * end
+            panel.trace(ax, time[seen], blow.acceleration[i, seen], _pen(hit))
         dress(ax, x="time after the hit, s", y="acceleration, m/s²", title=impact.channels[i])
+    note(first or ax, _decay_words(judged), (0.97, 0.95), ha="right")
     return made
+
+
+def decay_time(blow: Blow) -> float:
+    """When the acceleration falls below 1 % of its peak for good, s after the hit."""
+    size = np.max(np.abs(blow.acceleration), axis=0)
+    loud = np.flatnonzero(size > 0.01 * np.max(size))
+    return float(_clock(blow)[loud[-1]])
+
+
+def _decay_words(judged: Sequence[Judged]) -> str:
+    longest = max(decay_time(blow) for blow, _ in judged)
+    record = min(float(_clock(blow)[-1]) for blow, _ in judged)
+    if longest > 0.98 * record:
+        return f"above 1 % of the peak at the end, {record:.3g} s"
+    return f"below 1 % of the peak after {longest:.2g} s of {record:.3g} s"
 
 
 def force_spectrum(blow: Blow) -> tuple[FloatArray, FloatArray]:
@@ -62,10 +81,9 @@ def force_spectrum(blow: Blow) -> tuple[FloatArray, FloatArray]:
     """
     pulse = blow.force[blow.pulse(0.02)]
     size = max(1 << 14, len(pulse))
-    level = np.abs(np.fft.rfft(pulse, size))
-    return np.fft.rfftfreq(size, 1 / blow.rate), 20 * np.log10(
-        np.maximum(level, 1e-12) / max(float(level[0]), 1e-12)
-    )
+    level = np.maximum(np.abs(np.fft.rfft(pulse, size)), 1e-12)
+    frequency = np.asarray(np.fft.rfftfreq(size, 1 / blow.rate), dtype=float)
+    return frequency, np.asarray(20 * np.log10(level / level[0]), dtype=float)
 
 
 def _accepted(hit: Hit | None) -> bool:
@@ -82,15 +100,22 @@ def _clock(blow: Blow) -> FloatArray:
 
 def _pulses(ax: Axes, judged: Sequence[Judged]) -> None:
     width = max(blow.width(0.1) for blow, _ in judged)
+    end = max(_last_pulse(blow) for blow, _ in judged) + 0.6 * width
     for blow, hit in judged:
         time = _clock(blow)
-        near = (time > -width) & (time < 3 * width)
+        near = (time > -0.6 * width) & (time < end)
         label = f"hit {hit.name}: rejected" if hit and not hit.accepted else ""
         panel.pulse(ax, 1e3 * time[near], blow.force[near], _pen(hit), label=label)
     accepted = sum(_accepted(hit) for _, hit in judged)
     dress(ax, x="time after the hit, ms", y="hammer force, N",
           title=f"{accepted} of {len(judged)} hits accepted")  # fmt: skip
     legend(ax, loc="upper right")
+
+
+def _last_pulse(blow: Blow) -> float:
+    """When the force last falls below a tenth of its peak, s: a double hit shows its second."""
+    above = np.flatnonzero(blow.force > 0.1 * blow.peak)
+    return float(_clock(blow)[above[-1]])
 
 
 def _spectra(ax: Axes, judged: Sequence[Judged]) -> None:
@@ -109,4 +134,4 @@ def _spectra(ax: Axes, judged: Sequence[Judged]) -> None:
         note(ax, f"usable to {usable:.0f} Hz (−{USABLE:.0f} dB)", (0.97, 0.95), ha="right")
         ax.set_xlim(0, 2.2 * usable)
     ax.set_ylim(-50, 5)
-    dress(ax, x="frequency, Hz", y="force spectrum, dB re 0 Hz", title="Hammer force spectra")
+    dress(ax, x="frequency, Hz", y="force, dB re 0 Hz", title="Force spectra")

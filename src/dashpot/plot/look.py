@@ -7,11 +7,13 @@ with any colour vision tell apart; every pen also has its own dashes, for a grey
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.axes._secondary_axes import SecondaryAxis
     from matplotlib.axis import Axis
     from matplotlib.figure import Figure
     from matplotlib.typing import LineStyleType
@@ -30,6 +32,9 @@ ORANGE, SKY, GREEN, YELLOW = "#E69F00", "#56B4E9", "#009E73", "#F0E442"
 BLUE, VERMILLION, PURPLE = "#0072B2", "#D55E00", "#CC79A7"
 
 Which: TypeAlias = Literal["x", "y"]
+Corner: TypeAlias = Literal[
+    "best", "upper right", "upper left", "lower right", "lower left", "center left"
+]
 
 
 @dataclass(frozen=True)
@@ -64,12 +69,10 @@ def pen_of_arms(arms: int, chosen: int) -> Pen:
 def figure(width: float, height: float) -> Figure:
     """An empty figure of `width` by `height`, mm, that lays its axes out by itself."""
     from matplotlib.figure import Figure
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-    made = Figure(figsize=(width * MM, height * MM), layout="constrained", facecolor="white")
-    engine = made.get_layout_engine()
-    if engine is not None:
-        engine.set(w_pad=0.02, h_pad=0.02, wspace=0.02, hspace=0.03)
-    return made
+    engine = ConstrainedLayoutEngine(w_pad=0.02, h_pad=0.02, wspace=0.02, hspace=0.03)
+    return Figure(figsize=(width * MM, height * MM), layout=engine, facecolor="white")
 
 
 def dress(ax: Axes, *, x: str = "", y: str = "", title: str = "") -> Axes:
@@ -107,12 +110,11 @@ def log_axis(ax: Axes, which: Which) -> None:
     axis.set_minor_formatter(NullFormatter())
 
 
-def legend(ax: Axes, *, loc: str = "best", columns: int = 1) -> None:
+def legend(ax: Axes, *, loc: Corner = "best") -> None:
     """A small legend of what is labelled on these axes, if anything is."""
     if ax.get_legend_handles_labels()[0]:
         made = ax.legend(
             loc=loc,
-            ncols=columns,
             fontsize=SMALL,
             handlelength=2.6,
             frameon=True,
@@ -120,9 +122,30 @@ def legend(ax: Axes, *, loc: str = "best", columns: int = 1) -> None:
             edgecolor="none",
             borderpad=0.3,
             labelspacing=0.3,
-            columnspacing=1.2,
         )
         made.set_zorder(10)
+
+
+def legend_above(figure: Figure, ax: Axes, *, columns: int) -> None:
+    """A legend of what is labelled on these axes, above all axes of the figure."""
+    handles, texts = ax.get_legend_handles_labels()
+    if handles:
+        figure.legend(
+            handles, texts, loc="outside upper left", ncols=columns, fontsize=SMALL,
+            frameon=False, handlelength=2.6, labelspacing=0.25, columnspacing=1.4,
+        )  # fmt: skip
+
+
+def right_axis(
+    ax: Axes, label: str, to: Callable[[Any], Any], back: Callable[[Any], Any]
+) -> SecondaryAxis:
+    """The y axis in another unit on the right-hand side."""
+    right = ax.secondary_yaxis("right", functions=(to, back))
+    right.set_ylabel(label, fontsize=SMALL)
+    right.tick_params(labelsize=SMALL, color=GREY, length=3.0, width=0.6)
+    right.spines["right"].set_linewidth(0.6)
+    right.spines["right"].set_color(GREY)
+    return right
 
 
 def note(

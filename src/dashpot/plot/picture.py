@@ -4,20 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Protocol
 
+import numpy as np
+
 from dashpot.comparison import Comparison
 from dashpot.plot import relaxation, vibration
-from dashpot.plot.look import (
-    CHOSEN,
-    JOINT,
-    MEASURED,
-    NORMAL,
-    PAGE,
-    SMALL,
-    dress,
-    figure,
-    legend,
-)
-from dashpot.plot.panels import frequency as panel
+from dashpot.plot.look import NORMAL, PAGE, dress, figure, legend
 from dashpot.relaxation.fit import Fit
 from dashpot.relaxation.records import RampHold
 
@@ -28,16 +19,13 @@ if TYPE_CHECKING:
 class Story(Protocol):
     """What the picture needs of a study."""
 
-    @property
-    def prepared(self) -> RampHold: ...
-    @property
-    def fit(self) -> Fit: ...
-    @property
-    def alternatives(self) -> tuple[Fit, ...]: ...
-    @property
-    def comparison(self) -> Comparison | None: ...
-    @property
-    def joint_comparison(self) -> Comparison | None: ...
+    prepared: RampHold
+    fit: Fit
+    alternatives: tuple[Fit, ...]
+    seals: float
+    mass: float | None
+    comparison: Comparison | None
+    joint_comparison: Comparison | None
 
 
 def hero(study: Story) -> Figure:
@@ -45,42 +33,39 @@ def hero(study: Story) -> Figure:
 
     Without a comparison, the fits alone.
     """
-    made = figure(PAGE, 88)
+    made = figure(PAGE, 92)
     if study.comparison is None:
         _bench(made, study)
         return made
-    left, right = made.subfigures(1, 2, width_ratios=(1.0, 1.12))
+    left, right = np.asarray(made.subfigures(1, 2, width_ratios=(1.0, 1.08)))
     _bench(left, study)
-    _hammer(right, study.comparison, study.joint_comparison)
+    _hammer(right, study, study.comparison)
     return made
 
 
 def _bench(made: Figure | SubFigure, study: Story) -> None:
-    upper, lower = made.subplots(2, 1, sharex=True, height_ratios=(2.6, 1.0))
+    upper, lower = made.subplots(2, 1, sharex=True, height_ratios=(2.8, 1.0))
     shown = relaxation.fits_to_show(study.fit, study.alternatives)
     relaxation.draw_fits(upper, shown, study.prepared, chosen=study.fit)
-    dress(upper, y="force, N", title="Relaxation test: ramp and hold")
+    test = study.prepared
+    dress(upper, y="force, N",
+          title=f"Relaxation test: {1e3 * test.depth:.3g} mm in {test.ramp_time:.3g} s, "
+                f"held {test.hold_time:.3g} s")  # fmt: skip
     legend(upper, loc="lower right")
     relaxation.draw_residual(lower, study.fit, study.prepared, chosen=study.fit)
     lower.set_xlabel(f"{relaxation.FROM_CONTACT} (log)", fontsize=NORMAL)
     made.align_ylabels([upper, lower])
 
 
-def _hammer(made: Figure | SubFigure, comparison: Comparison, joint: Comparison | None) -> None:
-    upper, lower = made.subplots(2, 1, sharex=True, height_ratios=(2.6, 1.0))
-    curves = [
-        (comparison.measured, "measured (hammer)", MEASURED),
-        (comparison.predicted, "predicted from the relaxation test", CHOSEN),
-    ]
-    if joint is not None:
-        curves.append((joint.predicted, "joint fit of both tests", JOINT))
+def _hammer(made: Figure | SubFigure, study: Story, comparison: Comparison) -> None:
+    upper, lower = made.subplots(2, 1, sharex=True, height_ratios=(2.8, 1.0))
+    curves = vibration.curves_of(comparison, study.joint_comparison)
     vibration.draw_magnitude(upper, curves)
-    upper.set_title("Frequency response of the mass on its seals", fontsize=NORMAL, loc="left",
+    mass = "" if study.mass is None else f"{1e3 * study.mass:.3g} g on "
+    upper.set_title(f"Hammer test: {mass}{study.seals:g} seals", fontsize=NORMAL, loc="left",
                     fontweight="bold")  # fmt: skip
-    vibration.name_peaks(upper, comparison, joint)
-    for one, _, pen in curves:
-        panel.phase(lower, one.frequency, one.value, pen)
-    dress(lower, x=vibration.FREQUENCY, y="phase, °")
-    handles, labels = upper.get_legend_handles_labels()
-    upper.legend(handles, labels, loc="lower right", fontsize=SMALL, frameon=False)
+    vibration.mark_peaks(upper, comparison, study.joint_comparison)
+    legend(upper, loc="lower right")
+    vibration.draw_phase(lower, curves, spread=False)
+    lower.set_xlabel(vibration.FREQUENCY, fontsize=NORMAL)
     made.align_ylabels([upper, lower])

@@ -9,7 +9,6 @@ import numpy as np
 
 from dashpot._arrays import FloatArray
 from dashpot.plot.look import (
-    CHOSEN,
     MEASURED,
     NORMAL,
     PAGE,
@@ -28,6 +27,9 @@ from dashpot.relaxation.records import RampHold
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+DATA = Pen("#9a9a9a", "-", 1.7)
+"""The measured force, wide and pale, so that the fits upon it leave it visible."""
 
 FROM_CONTACT = "time from first contact, s"
 
@@ -76,15 +78,22 @@ def fit(fit: Fit, prepared: RampHold, *, alternatives: Sequence[Fit] = ()) -> Fi
         Others to hold against it, such as one arm against two.
     """
     shown = fits_to_show(fit, alternatives)
-    made = figure(PAGE, 62 + 24 * len(shown))
-    axes = made.subplots(1 + len(shown), 1, sharex=True, height_ratios=(2.6, *[1.0] * len(shown)))
-    draw_fits(axes[0], shown, prepared, chosen=fit)
-    dress(axes[0], y="force, N")
-    legend(axes[0], loc="lower right")
-    for ax, one in zip(axes[1:], shown, strict=True):
+    made = figure(PAGE, 64 + 24 * len(shown))
+    grid = made.add_gridspec(
+        1 + len(shown), 2, height_ratios=(2.6, *[1.0] * len(shown)), width_ratios=(1.0, 1.5)
+    )
+    hold, whole = made.add_subplot(grid[0, 0]), made.add_subplot(grid[0, 1])
+    draw_fits(hold, shown, prepared, chosen=fit, hold_only=True)
+    dress(hold, x=FROM_CONTACT, y="force, N", title="hold, linear time")
+    draw_fits(whole, shown, prepared, chosen=fit)
+    dress(whole, x=FROM_CONTACT, y="force, N", title="ramp and hold, log time")
+    legend(whole, loc="lower right")
+    panels = [made.add_subplot(row) for row in (grid[i, :] for i in range(1, 1 + len(shown)))]
+    for ax, one in zip(panels, shown, strict=True):
         draw_residual(ax, one, prepared, chosen=fit)
-    axes[-1].set_xlabel(f"{FROM_CONTACT} (log)", fontsize=NORMAL)
-    made.align_ylabels(list(axes))
+        ax.tick_params(labelbottom=ax is panels[-1])
+    panels[-1].set_xlabel(f"{FROM_CONTACT} (log)", fontsize=NORMAL)
+    made.align_ylabels([hold, *panels])
     return made
 
 
@@ -94,35 +103,39 @@ def fits_to_show(fit: Fit, alternatives: Sequence[Fit]) -> list[Fit]:
     return [by_arms[arms] for arms in sorted(by_arms)]
 
 
-def draw_fits(ax: Axes, shown: Sequence[Fit], prepared: RampHold, *, chosen: Fit) -> None:
-    """Force against log time with the fitted curves over it."""
+def draw_fits(
+    ax: Axes, shown: Sequence[Fit], prepared: RampHold, *, chosen: Fit, hold_only: bool = False
+) -> None:
+    """Force with the fitted curves over it: on log time, or the hold alone on linear time."""
     t = prepared.time - prepared.onset
-    panel.trace(ax, t, prepared.force, Pen("#8c8c8c", "-", 0.8), log=True, label="measured")
+    end = prepared.hold_end - prepared.onset
+    start = prepared.ramp_time if hold_only else _log_start(prepared)
+    seen = (t >= start) & (t <= end)
+    panel.trace(ax, t[seen], prepared.force[seen], DATA, log=not hold_only, label="measured")
     for one in shown:
-        pen = pen_of_arms(one.model.arms, chosen.model.arms)
         when, force = fitted_force(one, prepared)
-        panel.trace(ax, when, force, pen, log=True, label=name_of(one))
+        drawn = (when >= start) & (when <= end)
+        pen = pen_of_arms(one.model.arms, chosen.model.arms)
+        panel.trace(ax, when[drawn], force[drawn], pen, log=not hold_only, label=name_of(one))
     panel.segments(ax, _bounds(prepared))
-    start = _log_start(prepared)
-    ax.set_xlim(start, prepared.hold_end - prepared.onset)
-    held = prepared.force[t > start]
-    ax.set_ylim(*panel.outer_limits(held))
-    log_axis(ax, "x")
+    ax.set_xlim(start, end)
+    ax.set_ylim(*panel.outer_limits(prepared.force[seen]))
+    if not hold_only:
+        log_axis(ax, "x")
 
 
 def draw_residual(ax: Axes, one: Fit, prepared: RampHold, *, chosen: Fit) -> None:
     """Measured less fitted force against log time."""
     when, force = fitted_force(one, prepared)
-    measured = np.interp(when, prepared.time - prepared.onset, prepared.force)
+    start, end = _log_start(prepared), prepared.hold_end - prepared.onset
+    seen = (when >= start) & (when <= end)
+    when = when[seen]
+    left = np.interp(when, prepared.time - prepared.onset, prepared.force) - force[seen]
     pen = pen_of_arms(one.model.arms, chosen.model.arms)
-    panel.residual(
-        ax, when, measured - force, pen, noise=prepared.force_noise, what=short_name_of(one)
-    )
+    panel.residual(ax, when, left, pen, noise=prepared.force_noise, what=short_name_of(one))
     panel.segments(ax, _bounds(prepared))
-    start = _log_start(prepared)
-    seen = 1e3 * (measured - force)[when > start]
-    ax.set_ylim(*panel.outer_limits(seen, margin=0.08))
-    ax.set_xlim(start, prepared.hold_end - prepared.onset)
+    ax.set_ylim(*panel.outer_limits(1e3 * left, margin=0.08))
+    ax.set_xlim(start, end)
     log_axis(ax, "x")
     note(ax, f"RMS {_milli(one.residual.rms)} mN", (0.995, 0.95), ha="right")
 
@@ -146,7 +159,8 @@ def fitted_force(one: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
 def name_of(one: Fit) -> str:
     """What the legend calls a fit."""
     arms = one.model.arms
-    return f"N = {arms}: {arms} Maxwell arm{'' if arms == 1 else 's'}"
+    word = {0: "no", 1: "one", 2: "two", 3: "three", 4: "four"}.get(arms, str(arms))
+    return f"{word} Maxwell arm{'' if arms == 1 else 's'} (N = {arms})"
 
 
 def short_name_of(one: Fit) -> str:
@@ -159,9 +173,9 @@ def _bounds(prepared: RampHold) -> tuple[float, float, float]:
 
 
 def _log_start(prepared: RampHold) -> float:
-    """Where log time begins: a small part of the ramp, but not between two samples."""
+    """Where log time begins: a tenth of the ramp, but not between two samples."""
     step = float(np.median(np.diff(prepared.time)))
-    return max(0.05 * prepared.ramp_time, 2 * step)
+    return max(0.1 * prepared.ramp_time, 2 * step)
 
 
 def _zoom(ax: Axes, t: FloatArray, values: FloatArray, prepared: RampHold) -> None:
@@ -184,25 +198,27 @@ def _hold(ax: Axes, t: FloatArray, values: FloatArray, prepared: RampHold) -> No
 
 def _name_segments(ramp: Axes, hold: Axes, prepared: RampHold) -> None:
     top = 1e3 * prepared.depth
-    style = {"fontsize": NORMAL, "va": "center", "ha": "center", "color": "#333333"}
     low, _ = ramp.get_xlim()
     c = prepared.ramp_time
-    if low < -0.2 * c:
-        ramp.text(low / 2, 0.5 * top, "baseline", **style)
-    ramp.text(0.72 * c, 0.22 * top, f"ramp\n{c:.4g} s", **style)
-    ramp.text(1.5 * c, 0.5 * top, "hold", **style)
     middle = float(np.sqrt(c * (prepared.hold_end - prepared.onset)))
-    hold.text(middle, 0.5 * top, f"hold\n{prepared.hold_time:.4g} s at {top:.4g} mm", **style)
+    words = [
+        (ramp, 0.72 * c, 0.22 * top, f"ramp\n{c:.3g} s"),
+        (ramp, 1.5 * c, 0.5 * top, "hold"),
+        (hold, middle, 0.5 * top, f"hold\n{prepared.hold_time:.3g} s at {top:.3g} mm"),
+    ]
+    if low < -0.2 * c:
+        words.append((ramp, low / 2, 0.5 * top, "baseline"))
+    for ax, x, y, text in words:
+        ax.text(x, y, text, fontsize=NORMAL, va="center", ha="center", color="#333333")
 
 
 def _say_force(ax: Axes, prepared: RampHold) -> None:
     held = prepared.force[prepared.hold]
-    peak, last = float(held[0]), float(np.mean(held[-max(1, len(held) // 100) :]))
+    peak, last = float(np.max(held)), float(np.mean(held[-max(1, len(held) // 100) :]))
     note(
         ax,
-        f"{peak:.3g} N at the end of the ramp, {last:.3g} N at the end of the hold: "
-        f"{100 * (1 - last / peak):.0f} % relaxed",
-        (0.98, 0.06),
+        f"highest {peak:.3g} N, last {last:.3g} N: {100 * (1 - last / peak):.0f} % relaxed",
+        (0.97, 0.06),
         ha="right",
         va="bottom",
     )

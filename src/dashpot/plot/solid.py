@@ -19,7 +19,7 @@ from dashpot.plot.look import (
     SMALL,
     dress,
     figure,
-    legend,
+    legend_above,
     log_axis,
 )
 from dashpot.plot.panels import frequency as panel
@@ -41,26 +41,25 @@ def spectrum(fit: Fit, *, joint: Fit | None = None) -> Figure:
     The dashed line is the equilibrium stiffness. A relaxation time outside the window is one
     that the test could not have told from its neighbours.
     """
-    made = figure(COLUMN, 66)
+    made = figure(COLUMN, 72)
     ax = made.subplots()
     low, high = (1 / (2 * np.pi * f) for f in reversed(fit.band))
-    spectrum_panel.window(ax, low, high)
-    _stems(ax, fit, CHOSEN.color, "relaxation" if joint else "")
+    spectrum_panel.window(ax, low, high, label="seen by the relaxation test")
+    _stems(ax, fit, CHOSEN.color, "relaxation fit, k and τ with 95 % intervals")
     if joint is not None:
-        _stems(ax, joint, JOINT.color, "relaxation and FRF")
+        _stems(ax, joint, JOINT.color, "joint fit")
     k_inf = 1e-3 * fit.model.k_inf
     ax.axhline(k_inf, color=CHOSEN.color, linewidth=0.9, linestyle=(0, (4, 2)))
     shown = [*fit.model.tau, *(joint.model.tau if joint else ())]
     ax.set_xlim(min(low, *shown) / 4, max(high, *shown) * 4)
-    ax.set_ylim(0, None)
+    ax.set_ylim(0, 1.12 * ax.get_ylim()[1])
     log_axis(ax, "x")
     dress(ax, x="relaxation time τ, s", y="stiffness k, N/mm")
     ax.annotate(
-        "k∞", (0.02, k_inf), xycoords=("axes fraction", "data"), xytext=(0, 2),
+        "k∞", (0.02, k_inf), xycoords=("axes fraction", "data"), xytext=(0, 1.5),
         textcoords="offset points", fontsize=SMALL, color=CHOSEN.color, va="bottom",
     )  # fmt: skip
-    ax.set_title("shaded: what this test can tell", fontsize=SMALL, loc="right", color=GREY)
-    legend(ax, loc="upper right")
+    legend_above(made, ax, columns=1)
     return made
 
 
@@ -89,17 +88,17 @@ def stiffness(
     mark : float, optional
         A frequency to point at, such as the measured resonance, Hz.
     """
-    made = figure(PAGE, 74)
+    made = figure(PAGE, 78)
     axes = made.subplots(1, 3)
     f = _frequencies(fit, measured, unseen_band, mark)
     names = ("storage", "loss", "loss_factor")
-    labels = ("storage stiffness K′, N/mm", "loss stiffness K″, N/mm", "loss factor K″/K′")
+    labels = ("storage stiffness K′, N/mm", "loss stiffness K″, N/mm", "loss factor K″/K′, –")
     for ax, name, label in zip(axes, names, labels, strict=True):
         factor = 1.0 if name == "loss_factor" else 1e-3
-        panel.identified(ax, fit.band)
+        panel.identified(ax, fit.band, label="seen by the relaxation test")
         if unseen_band is not None:
             panel.limits(ax, unseen_band.frequency, factor * getattr(unseen_band, name), PURPLE,
-                         label="arms the test cannot see", alpha=0.25)  # fmt: skip
+                         label="room for arms it cannot see", alpha=0.25)  # fmt: skip
         if parameter_band is not None:
             panel.limits(ax, parameter_band.frequency, factor * getattr(parameter_band, name),
                          BLUE, label="standard errors (95 %)", alpha=0.35)  # fmt: skip
@@ -111,18 +110,15 @@ def stiffness(
         if measured is not None:
             _points(ax, measured, name, factor)
         if mark is not None:
-            ax.axvline(mark, color=GREY, linewidth=0.8, linestyle=(0, (1, 1.5)))
+            ax.axvline(mark, color=GREY, linewidth=0.8, linestyle=(0, (1, 1.5)),
+                       label=f"resonance, {mark:.4g} Hz")  # fmt: skip
         ax.set_xlim(f[0], f[-1])
         if name != "storage":
             _from_smallest(ax, curve)
             log_axis(ax, "y")
         log_axis(ax, "x")
         dress(ax, x=FREQUENCY, y=label)
-    handles, texts = axes[0].get_legend_handles_labels()
-    made.legend(
-        handles, texts, loc="outside upper center", ncols=len(texts), fontsize=SMALL,
-        frameon=False, handlelength=2.6,
-    )  # fmt: skip
+    legend_above(made, axes[0], columns=4)
     return made
 
 

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 import numpy as np
+import numpy.typing as npt
 
 from dashpot._arrays import FloatArray
+
+IndexArray: TypeAlias = npt.NDArray[np.intp]
 
 
 def extremes(
@@ -43,7 +48,7 @@ def _positive(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
     return x[first:], y[first:]
 
 
-def _binned(x: FloatArray, bins: int, log: bool) -> tuple[FloatArray, FloatArray]:
+def _binned(x: FloatArray, bins: int, log: bool) -> tuple[IndexArray, IndexArray]:
     """Number the bin of every sample 0, 1, 2..., empty bins left out; where each bin starts."""
     scale = np.log(x) if log else x
     span = scale[-1] - scale[0] or 1.0
@@ -52,7 +57,7 @@ def _binned(x: FloatArray, bins: int, log: bool) -> tuple[FloatArray, FloatArray
     return np.cumsum(fresh) - 1, np.flatnonzero(fresh)
 
 
-def _first_equal(y: FloatArray, extreme: FloatArray, label: FloatArray) -> FloatArray:
+def _first_equal(y: FloatArray, extreme: FloatArray, label: IndexArray) -> IndexArray:
     hits = np.flatnonzero(y == extreme[label])
     _, first = np.unique(label[hits], return_index=True)
     return hits[first]

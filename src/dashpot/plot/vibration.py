@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dashpot._arrays import FloatArray
+from dashpot._arrays import ComplexArray, FloatArray
 from dashpot.comparison import Comparison
 from dashpot.plot.look import (
     CHOSEN,
@@ -23,6 +23,7 @@ from dashpot.plot.look import (
     dress,
     figure,
     legend,
+    legend_above,
     log_axis,
 )
 from dashpot.plot.panels import frequency as panel
@@ -71,15 +72,29 @@ def comparison(comparison: Comparison, *, joint: Comparison | None = None) -> Fi
     joint : Comparison, optional
         The joint fit against the same FRF: what changes once the hammer is believed.
     """
+    made = _bode(curves_of(comparison, joint))
+    mark_peaks(made.axes[0], comparison, joint)
+    return made
+
+
+def curves_of(comparison: Comparison, joint: Comparison | None) -> list[tuple[FRF, str, Pen]]:
+    """The curves of a comparison, measured first."""
     curves = [
-        (comparison.measured, "measured (±2 SD)", MEASURED),
+        (comparison.measured, "measured", MEASURED),
         (comparison.predicted, "predicted from relaxation", CHOSEN),
     ]
     if joint is not None:
-        curves.append((joint.predicted, "joint fit, relaxation + FRF", JOINT))
-    made = _bode(curves)
-    name_peaks(made.axes[0], comparison, joint)
-    return made
+        curves.append((joint.predicted, "joint fit", JOINT))
+    return curves
+
+
+def peaks_of(comparison: Comparison, joint: Comparison | None) -> list[tuple[float, float]]:
+    """Frequency and height of the peak of each of these curves."""
+    c = comparison
+    peaks = [(c.measured_hz, c.measured_peak), (c.predicted_hz, c.predicted_peak)]
+    if joint is not None:
+        peaks.append((joint.predicted_hz, joint.predicted_peak))
+    return peaks
 
 
 def nyquist(measured: FRF, *others: FRF, labels: Sequence[str] = ()) -> Figure:
@@ -87,27 +102,24 @@ def nyquist(measured: FRF, *others: FRF, labels: Sequence[str] = ()) -> Figure:
     unit, scale, _ = SHOWN[measured.kind]
     made = figure(COLUMN, 84)
     ax = made.subplots()
-    names = [*labels, *[""] * (1 + len(others) - len(labels))]
-    for i, (one, name) in enumerate(
-        zip([measured, *(other.to(measured.kind) for other in others)], names, strict=True)
-    ):
-        pen = [MEASURED, CHOSEN, JOINT, *OTHERS][i]
-        value = scale * one.value
-        panel.nyquist(ax, value, pen, label=name, markers=i == 0 and one.averages > 0)
-        marks = panel.half_power(one.frequency, value)
+    same = [measured, *(other.to(measured.kind) for other in others)]
+    names = [*labels, *[""] * (len(same) - len(labels))]
+    for one, name, pen in zip(same, names, [MEASURED, CHOSEN, JOINT, *OTHERS], strict=False):
+        f, value = smooth(one)
+        value = scale * value
+        marks = panel.half_power(value)
+        ends = " and ".join(f"{f[i]:.2f}" for i in marks)
+        label = f"{name} (○ {ends} Hz)" if name and ends else name
+        panel.nyquist(ax, value, pen, label=label, markers=one.averages > 0)
         ax.plot(value[marks].real, value[marks].imag, "o", markerfacecolor="none", markersize=6,
                 markeredgecolor=pen.color, markeredgewidth=0.9)  # fmt: skip
-        for line in marks:
-            ax.annotate(
-                f"{one.frequency[line]:.4g} Hz", (value[line].real, value[line].imag),
-                xytext=(5, 3), textcoords="offset points", fontsize=SMALL, color=pen.color,
-            )  # fmt: skip
     ax.axhline(0, color=GREY, linewidth=0.5)
     ax.axvline(0, color=GREY, linewidth=0.5)
     ax.set_aspect("equal", adjustable="datalim")
+    ax.margins(0.08)
     what = measured.kind.value.replace("_", " ")
     dress(ax, x=f"real part of {what}, {unit}", y=f"imaginary part of {what}, {unit}")
-    legend(ax, loc="best")
+    legend_above(made, ax, columns=1)
     return made
 
 
@@ -115,50 +127,74 @@ def draw_magnitude(ax: Axes, curves: Sequence[tuple[FRF, str, Pen]]) -> None:
     """Magnitudes of FRFs of one kind, log-log, with decibels on the right."""
     unit, scale, reference = SHOWN[curves[0][0].kind]
     for one, label, pen in curves:
-        sd = None if one.sd is None else scale * one.sd
-        panel.magnitude(ax, one.frequency, scale * one.value, pen, sd=sd, label=label)
+        if one.sd is not None:
+            panel.band(ax, one.frequency, scale * one.value, scale * one.sd, pen)
+        f, value = smooth(one)
+        panel.magnitude(ax, f, scale * value, pen, label=label)
     first = curves[0][0].frequency
     ax.set_xlim(max(first[0], 1e-3 * first[-1]), first[-1])
-    ax.set_ylim(*_decent(np.concatenate([scale * np.abs(one.value) for one, _, _ in curves])))
+    ax.set_ylim(*_decent(np.concatenate([scale * np.abs(smooth(one)[1]) for one, _, _ in curves])))
     log_axis(ax, "x")
     log_axis(ax, "y")
     dress(ax, y=f"{curves[0][0].kind.value.replace('_', ' ')}, {unit}")
     panel.decibels(ax, reference)
 
 
-def name_peaks(ax: Axes, comparison: Comparison, joint: Comparison | None) -> None:
-    """Write frequency and height beside the peak of every curve."""
-    peaks = [
-        (comparison.measured_hz, comparison.measured_peak, MEASURED.color, "measured"),
-        (comparison.predicted_hz, comparison.predicted_peak, CHOSEN.color, "predicted"),
-    ]
-    if joint is not None:
-        peaks.append((joint.predicted_hz, joint.predicted_peak, JOINT.color, "joint"))
-    for hz, height, color, _ in peaks:
-        ax.plot([hz], [height], "o", markersize=3.5, color=color, zorder=7)
-    text = [f"{name}: {hz:.2f} Hz, {height:.3g} (m/s²)/N" for hz, height, _, name in peaks]
-    for i, (line, (_, _, color, _)) in enumerate(zip(text, peaks, strict=True)):
-        ax.text(0.015, 0.96 - 0.085 * i, line, transform=ax.transAxes, fontsize=SMALL,
-                color=color, va="top")  # fmt: skip
+def draw_phase(ax: Axes, curves: Sequence[tuple[FRF, str, Pen]], *, spread: bool = True) -> None:
+    """Phases of FRFs, on the part of the circle that they use."""
+    lowest = panel.phase_axis(ax, np.concatenate([one.value for one, _, _ in curves]))
+    for one, _, pen in curves:
+        if one.sd is not None and spread:
+            panel.phase(ax, one.frequency, one.value, pen, lowest=lowest, sd=one.sd)
+        else:
+            f, value = smooth(one)
+            panel.phase(ax, f, value, pen, lowest=lowest)
+    dress(ax, y="phase, °")
+
+
+def smooth(one: FRF) -> tuple[FloatArray, ComplexArray]:
+    """A predicted FRF on denser lines, densest near its peak; a measured one as it is.
+
+    A sharp resonance between two lines is drawn round: not the FRF but its inverse is joined by
+    straight lines, which is smooth where the FRF peaks (it is the dynamic mass m + K/s^2).
+    """
+    if one.averages > 0 or len(one.frequency) < 2 or bool((one.value == 0).any()):
+        return one.frequency, one.value
+    size = np.abs(one.value)
+    parts = np.where(np.maximum(size[:-1], size[1:]) > 0.2 * size.max(), 48, 3)
+    start = np.repeat(np.arange(len(parts)), parts)
+    within = np.arange(len(start)) - np.repeat(np.cumsum(parts) - parts, parts)
+    place = np.append(start + within / np.repeat(parts, parts), len(parts))
+    lines = np.arange(len(size))
+    inverse = 1 / one.value
+    real, imag = (np.interp(place, lines, part) for part in (inverse.real, inverse.imag))
+    return np.interp(place, lines, one.frequency), np.asarray(1 / (real + 1j * imag))
+
+
+def mark_peaks(ax: Axes, comparison: Comparison, joint: Comparison | None) -> None:
+    """A dot at the peak of every curve, its frequency and height in the corner."""
+    peaks = zip(peaks_of(comparison, joint), (MEASURED, CHOSEN, JOINT), strict=False)
+    for i, ((hz, height), pen) in enumerate(peaks):
+        ax.plot([hz], [height], "o", markersize=3.5, color=pen.color, zorder=7)
+        ax.annotate(
+            f"{hz:.2f} Hz, {height:.3g} (m/s²)/N", (0.985, 0.97), xycoords="axes fraction",
+            xytext=(0, -1.45 * SMALL * i), textcoords="offset points", ha="right", va="top",
+            fontsize=SMALL, color=pen.color,
+        )  # fmt: skip
 
 
 def _bode(curves: Sequence[tuple[FRF, str, Pen]]) -> Figure:
     measured = curves[0][0]
-    scale = SHOWN[measured.kind][1]
     strip = measured.coherence is not None
+    rows = 3 if strip else 2
     made = figure(PAGE, 118 if strip else 100)
-    axes = made.subplots(
-        3 if strip else 2, 1, sharex=True, height_ratios=(2.6, 1.1, 0.55)[: 3 if strip else 2]
-    )
+    axes = made.subplots(rows, 1, sharex=True, height_ratios=(2.6, 1.0, 0.6)[:rows])
     draw_magnitude(axes[0], curves)
-    legend(axes[0], loc="upper right")
-    for one, _, pen in curves:
-        sd = None if one.sd is None else scale * one.sd
-        panel.phase(axes[1], one.frequency, scale * one.value, pen, sd=sd)
-    dress(axes[1], y="phase, °")
+    legend(axes[0], loc="lower right")
+    draw_phase(axes[1], curves)
     if measured.coherence is not None:
         panel.coherence(axes[2], measured.frequency, measured.coherence, MEASURED)
-        dress(axes[2], y="coherence, 1")
+        dress(axes[2], y="coherence, –")
     axes[-1].set_xlabel(FREQUENCY, fontsize=NORMAL)
     made.align_ylabels(list(axes))
     return made

@@ -7,28 +7,25 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dashpot._arrays import BoolArray, ComplexArray, FloatArray
-from dashpot.plot.look import GREY, SKY, SMALL, Pen
+from dashpot.plot.look import GREY, SKY, Pen, right_axis
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
 def magnitude(
-    ax: Axes,
-    frequency: FloatArray,
-    value: ComplexArray,
-    pen: Pen,
-    *,
-    sd: FloatArray | None = None,
-    label: str = "",
+    ax: Axes, frequency: FloatArray, value: ComplexArray, pen: Pen, *, label: str = ""
 ) -> None:
-    """Magnitude with a band of two standard deviations; axes are made logarithmic elsewhere."""
+    """Magnitude; axes are made logarithmic elsewhere."""
+    _line(ax, frequency, np.abs(value), pen, label)
+
+
+def band(ax: Axes, frequency: FloatArray, value: ComplexArray, sd: FloatArray, pen: Pen) -> None:
+    """Two standard deviations on either side of the magnitude."""
     size = np.abs(value)
-    if sd is not None:
-        # a magnitude has no negative side: the band is cut well below the curve
-        low, high = np.maximum(size - 2 * sd, 0.02 * size), size + 2 * sd
-        ax.fill_between(frequency, low, high, color=pen.color, alpha=0.18, linewidth=0)
-    _line(ax, frequency, size, pen, label)
+    # a magnitude has no negative side: the band is cut well below the curve
+    low, high = np.maximum(size - 2 * sd, 0.02 * size), size + 2 * sd
+    ax.fill_between(frequency, low, high, color=pen.color, alpha=0.18, linewidth=0)
 
 
 def phase(
@@ -37,41 +34,52 @@ def phase(
     value: ComplexArray,
     pen: Pen,
     *,
+    lowest: float = -180.0,
     sd: FloatArray | None = None,
 ) -> None:
-    """Phase in degrees from -180 to 180, the line broken where it wraps."""
-    degrees = np.degrees(np.angle(value))
+    """Phase in degrees from `lowest` up to a full turn more, the line broken where it wraps."""
+    degrees = turned(value, lowest)
+    breaks = np.flatnonzero(np.abs(np.diff(degrees)) > 180) + 1
+    x = np.insert(frequency, breaks, np.nan)
+    y = np.insert(degrees, breaks, np.nan)
     if sd is not None:
         half = np.degrees(np.arcsin(np.minimum(2 * sd / np.abs(value), 1.0)))
-        ax.fill_between(
-            frequency, degrees - half, degrees + half, color=pen.color, alpha=0.18, linewidth=0
-        )
-    wraps = np.flatnonzero(np.abs(np.diff(degrees)) > 180) + 1
-    _line(ax, np.insert(frequency, wraps, np.nan), np.insert(degrees, wraps, np.nan), pen, "")
-    ax.set_ylim(-190, 190)
-    ax.set_yticks([-180, -90, 0, 90, 180])
+        half = np.insert(half, breaks, np.nan)
+        ax.fill_between(x, y - half, y + half, color=pen.color, alpha=0.18, linewidth=0)
+    _line(ax, x, y, pen, "")
+
+
+def turned(value: ComplexArray, lowest: float) -> FloatArray:
+    """Phase in degrees within one turn from `lowest`."""
+    return np.asarray((np.degrees(np.angle(value)) - lowest) % 360 + lowest)
+
+
+def phase_axis(ax: Axes, values: ComplexArray) -> float:
+    """Choose where the turn begins for all `values`, set the axis, and return it, degrees.
+
+    From -180 as usual; from -90 where that would cut through the data, as the noise of an
+    accelerance below its resonance does.
+    """
+    usual = turned(values, -180.0)
+    lowest = -90.0 if bool(np.mean(np.abs(usual) > 165) > 0.02) else -180.0
+    degrees = turned(values, lowest)
+    first = 90 * np.floor((np.percentile(degrees, 1) + 20) / 90)
+    last = 90 * np.ceil((np.percentile(degrees, 99) - 20) / 90)
+    ax.set_yticks(np.arange(first, max(last, first + 90) + 1, 90))
+    ax.set_ylim(first - 15, max(last, first + 90) + 15)
+    return lowest
 
 
 def decibels(ax: Axes, reference: str) -> None:
     """The same magnitudes in dB on the right-hand side."""
-
-    def to_db(y: FloatArray) -> FloatArray:
-        return 20 * np.log10(np.maximum(y, 1e-300))
-
-    def from_db(y: FloatArray) -> FloatArray:
-        return np.power(10.0, np.asarray(y) / 20)
-
-    right = ax.secondary_yaxis("right", functions=(to_db, from_db))
-    right.set_ylabel(f"dB re {reference}", fontsize=SMALL)
-    right.tick_params(labelsize=SMALL, color=GREY, length=3.0, width=0.6)
-    right.spines["right"].set_linewidth(0.6)
-    right.spines["right"].set_color(GREY)
-    _decibel_ticks(right, ax)
-
-
-def _decibel_ticks(right: Axes, ax: Axes) -> None:
     from matplotlib.ticker import MultipleLocator, NullLocator, ScalarFormatter
 
+    right = right_axis(
+        ax,
+        f"dB re {reference}",
+        lambda y: 20 * np.log10(np.maximum(y, 1e-300)),
+        lambda y: np.power(10.0, np.asarray(y) / 20),
+    )
     low, high = ax.get_ylim()
     span = 20 * np.log10(high / low)
     right.yaxis.set_major_locator(MultipleLocator(20 if span > 50 else 10 if span > 22 else 5))
@@ -121,9 +129,9 @@ def limits(
         ax.plot(frequency, edge, color=color, linewidth=0.5, alpha=min(1.0, 2 * alpha))
 
 
-def identified(ax: Axes, band: tuple[float, float]) -> None:
+def identified(ax: Axes, band: tuple[float, float], *, label: str = "") -> None:
     """Shade the frequencies that the test can inform."""
-    ax.axvspan(*band, color=SKY, alpha=0.16, linewidth=0, zorder=0)
+    ax.axvspan(*band, color=SKY, alpha=0.2, linewidth=0, zorder=0, label=label or None)
 
 
 def nyquist(ax: Axes, value: ComplexArray, pen: Pen, *, label: str, markers: bool = False) -> None:
@@ -140,7 +148,7 @@ def nyquist(ax: Axes, value: ComplexArray, pen: Pen, *, label: str, markers: boo
     )
 
 
-def half_power(frequency: FloatArray, value: ComplexArray) -> list[int]:
+def half_power(value: ComplexArray) -> list[int]:
     """The lines nearest to the half-power points on either side of the largest magnitude."""
     size = np.abs(value)
     peak = int(np.argmax(size))

@@ -21,7 +21,7 @@ def stems(
     label: str = "",
 ) -> None:
     """One stem per arm, with the intervals of its stiffness and of its relaxation time."""
-    ax.vlines(tau, 0.0, k, color=color, linewidth=1.8, label=label or None)
+    ax.vlines(tau, 0.0, k, color=color, linewidth=1.8, label=label)
     ax.plot(tau, k, "o", color=color, markersize=4)
     for place, height, (low, high) in zip(tau, k, k_range, strict=False):
         ax.plot([place, place], [low, high], color=color, linewidth=3.5, alpha=0.35)
@@ -30,6 +30,6 @@ def stems(
         ax.plot([low, high], [height, height], color=color, linewidth=3.5, alpha=0.35)
 
 
-def window(ax: Axes, low: float, high: float) -> None:
+def window(ax: Axes, low: float, high: float, *, label: str) -> None:
     """Shade the relaxation times that the test can inform."""
-    ax.axvspan(low, high, color=SKY, alpha=0.16, linewidth=0, zorder=0)
+    ax.axvspan(low, high, color=SKY, alpha=0.2, linewidth=0, zorder=0, label=label)

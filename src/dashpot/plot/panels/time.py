@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dashpot._arrays import FloatArray
-from dashpot.plot.look import GREY, PALE, SKY, SMALL, YELLOW, Pen, dress
+from dashpot.plot.look import GREY, PALE, SKY, YELLOW, Pen, dress, right_axis
 from dashpot.plot.thinning import extremes, means
 
 if TYPE_CHECKING:
@@ -42,13 +42,8 @@ def residual(
     ax.axhline(0.0, color=GREY, linewidth=0.5, zorder=2)
     dress(ax, y=f"{what}\nresidual, mN")
     if noise > 0:
-        sigma = ax.secondary_yaxis(
-            "right", functions=(lambda y: y / (1e3 * noise), lambda y: y * (1e3 * noise))
-        )
-        sigma.set_ylabel("in noise SD", fontsize=SMALL)
-        sigma.tick_params(labelsize=SMALL, color=GREY, length=3.0, width=0.6)
-        sigma.spines["right"].set_linewidth(0.6)
-        sigma.spines["right"].set_color(GREY)
+        unit = 1e3 * noise
+        right_axis(ax, "in noise SD", lambda y: y / unit, lambda y: y * unit)
 
 
 def segments(ax: Axes, bounds: tuple[float, float, float], *, before: float | None = None) -> None:
