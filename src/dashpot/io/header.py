@@ -1,0 +1,156 @@
+"""Names and units from the lines above a table."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from dashpot import units
+from dashpot.io import cells as cell
+from dashpot.io import vocabulary
+from dashpot.io.dialect import Dialect
+from dashpot.io.table import Column
+
+_COMMENT = re.compile(r"^\s*(?:#+|%+|//+|\$+|!+|\*+|'+|--+|>+|@+)\s*")
+_BRACKETS = re.compile(
+    r"^(.*?)\s*[\[(<{]\s*([^\[\](){}<>]*(?:\([^()]*\))?[^\[\](){}<>]*?)\s*[\])>}]\s*$", re.DOTALL
+)
+_MANGLED = re.compile(r"^(.*?)_+([^\W_]+(?:_[^\W_]+)?)_+$")
+_TAIL = re.compile(r"^(.*?)(?:\s*[,/:]\s*|\s+in\s+|[\s_.\-]+)([^\s,:_]+)$")
+_REACH = 6
+
+
+def uncomment(line: str, delimiter: str) -> str:
+    """Drop a comment mark from the start of a line."""
+    text = _COMMENT.sub("", line, count=1)
+    if delimiter != ";" and text.lstrip().startswith(";"):
+        text = text.lstrip()[1:]
+    return text
+
+
+def name_columns(lines: Sequence[str], dialect: Dialect) -> tuple[Column, ...]:
+    """Return the columns with the names and units found in the lines above the table."""
+    width = len(dialect.contents)
+    rows = [_cells(line, dialect) for line in lines if re.search(r"\w|%|\"", line) is not None][
+        -_REACH:
+    ]
+    names, words = _pick(rows, width)
+    columns = []
+    for i, content in enumerate(dialect.contents):
+        name = names[i] if i < len(names) else ""
+        word = words[i] if i < len(words) else None
+        columns.append(_column(name, word, content))
+    return tuple(columns)
+
+
+def _column(name: str, word: str | None, content: str) -> Column:
+    if word is not None and word.strip(" -[]()<>{}"):
+        stem, inner = part_unit(name)
+        same = inner is not None and units.find(inner) == units.find(_strip(word))
+        return Column(stem if same else name, _strip(word), content, "units row")  # type: ignore[arg-type]
+    stem, unit = part_unit(name)
+    if content == "clock" and unit is None:
+        return Column(stem, "s", content, "clock times")  # type: ignore[arg-type]
+    return Column(stem, unit, content, "name" if unit is not None else "")  # type: ignore[arg-type]
+
+
+def _strip(word: str) -> str:
+    return word.strip().strip("\"'").strip().lstrip("[({<").rstrip("])}>").strip()
+
+
+def _cells(line: str, dialect: Dialect) -> list[str]:
+    """A header line cut into cells: by the table's delimiter, or by one that fits better."""
+    text = uncomment(line, dialect.delimiter)
+    width = len(dialect.contents)
+    found = cell.split(text, dialect.delimiter)
+    if abs(len(found) - width) <= 1 and len(found) > 1:
+        return found
+    for other in ("\t", ";", ",", "|"):
+        if other in text and other != dialect.delimiter:
+            again = cell.split(text, other)
+            if len(again) == width:
+                return again
+    wide = [part.strip() for part in re.split(r"\s{2,}|\t", text.strip())]
+    if len(wide) == width:
+        return wide
+    quoted = re.findall(r'"([^"]*)"', text)
+    return quoted if len(quoted) == width else found
+
+
+def _pick(rows: Sequence[list[str]], width: int) -> tuple[list[str], list[str]]:
+    """The row of names and the row of units among the last lines above the table."""
+    words: list[str] = []
+    for row in reversed(rows):
+        if not any(row):
+            continue
+        if not words and _is_units(row, width):
+            words = row
+            continue
+        if _is_names(row, width):
+            return row, words
+        if words or len(row) >= max(2, width - 1):
+            break
+    return [], words
+
+
+def _is_units(row: Sequence[str], width: int) -> bool:
+    """Whether a row holds units: most filled cells are unit words, and it is about as wide."""
+    filled = [_strip(text) for text in row if text.strip(" -[]()")]
+    if not filled or not width - 1 <= len(row) <= width + 2:
+        return (
+            width > 1
+            and bool(filled)
+            and len(filled) == len(row) >= 2
+            and all(units.find(word) for word in filled)
+            and len(row) <= width
+        )
+    known = sum(units.find(word) is not None or _unit_shape(word) for word in filled)
+    names = sum(bool(vocabulary.FIRST.get(vocabulary.plain(word))) for word in filled)
+    bracketed = sum(text.strip()[:1] in "[(" and text.strip()[-1:] in "])" for text in row if text)
+    return names == 0 and (known >= 0.6 * len(filled) or bracketed == len(filled))
+
+
+def _unit_shape(word: str) -> bool:
+    """Whether an unknown word is built like a unit: ``1/MPa``, ``Pa.s``, ``g²/Hz``."""
+    parts = [part for part in re.split(r"[/*·.^²³\d\s-]+", word) if part]
+    return bool(parts) and len(parts) > 1 and all(units.find(part) for part in parts)
+
+
+def _is_names(row: Sequence[str], width: int) -> bool:
+    filled = [text for text in row if text]
+    if not filled or len(row) > width + 2 or len(row) < min(width, max(1, width - 2)):
+        return False
+    letters = sum(re.search(r"[^\W\d_]", text) is not None for text in filled)
+    return letters >= 0.6 * len(filled) and len(filled) >= 0.5 * width
+
+
+def part_unit(name: str) -> tuple[str, str | None]:
+    """Return a header cell as its name and its unit, None if it has none.
+
+    >>> part_unit("Force (N)"), part_unit("Load__kN_"), part_unit("Kraft_N"), part_unit("time")
+    (('Force', 'N'), ('Load', 'kN'), ('Kraft', 'N'), ('time', None))
+    """
+    text = name.strip().strip("\"'").strip()
+    match = _BRACKETS.match(text)
+    if match and match[2].strip():
+        return match[1].strip() or text, match[2].strip()
+    if match:
+        return match[1].strip(), None
+    match = _MANGLED.match(text)
+    if match and _says(match[1], match[2].replace("_", "/")):
+        return match[1].strip("_ "), match[2].replace("_", "/")
+    match = _TAIL.match(text)
+    if match and match[1] and _says(match[1], match[2]):
+        return match[1].strip(" _,/:"), match[2]
+    return text, None
+
+
+def _says(stem: str, word: str) -> bool:
+    """Whether a trailing word is the unit of what the stem names: Kraft_N, not Channel_1."""
+    for role in vocabulary.matches(stem):
+        dimension = vocabulary.DIMENSION.get(role)
+        if dimension is not None:
+            unit = units.find(word, dimension)
+            if unit is not None and unit.word != "1":
+                return True
+    return False

@@ -1,0 +1,89 @@
+"""The bytes of a file, or of stdin, and their hash."""
+
+from __future__ import annotations
+
+import hashlib
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from io import BytesIO
+from pathlib import Path
+from typing import BinaryIO
+
+from dashpot.errors import ReadError
+
+BLOCK = 1 << 20
+
+
+@dataclass(frozen=True)
+class Raw:
+    """A file that can be opened again and again; stdin is kept in memory."""
+
+    name: str
+    path: Path | None
+    held: bytes = b""
+
+    def open(self) -> BinaryIO:
+        """The bytes from the start."""
+        return BytesIO(self.held) if self.path is None else self.path.open("rb")
+
+    def head(self, size: int) -> bytes:
+        """The first `size` bytes, or fewer."""
+        with self.open() as stream:
+            return stream.read(size)
+
+    def blocks(self) -> Iterator[bytes]:
+        """All bytes, a block at a time."""
+        with self.open() as stream:
+            while block := stream.read(BLOCK):
+                yield block
+
+    @cached_property
+    def size(self) -> int:
+        """Bytes in all."""
+        return len(self.held) if self.path is None else self.path.stat().st_size
+
+    @cached_property
+    def sha256(self) -> str:
+        """Hash of the raw bytes."""
+        with self.open() as stream:
+            return hashlib.file_digest(stream, "sha256").hexdigest()
+
+    @property
+    def suffix(self) -> str:
+        """Extension in lower case, with its dot."""
+        return Path(self.name).suffix.lower()
+
+    def on_disk(self) -> Path:
+        """The path, for readers that need one."""
+        if self.path is None:
+            raise ReadError(
+                "stdin holds a binary format that must be read from a file; give its path"
+            )
+        return self.path
+
+
+def open_raw(path: str | Path) -> Raw:
+    """Return the file at `path`, or stdin for ``-``.
+
+    Raises
+    ------
+    ReadError
+        If there is no such file, it cannot be read, or it is empty.
+    """
+    if str(path) == "-":
+        raw = Raw("stdin", None, sys.stdin.buffer.read())
+    else:
+        path = Path(path)
+        try:
+            if path.is_dir():
+                raise ReadError(f"{path} is a folder; give the file to read")
+            with path.open("rb"):
+                raw = Raw(path.name, path)
+        except (OSError, ValueError) as error:
+            reason = getattr(error, "strerror", None) or error
+            raise ReadError(f"{path}: cannot be read: {reason}") from None
+    if raw.size == 0:
+        raise ReadError(f"{raw.name} is empty (0 bytes); export the test again")
+    return raw

@@ -1,0 +1,210 @@
+"""What a reader cannot know and a user can say: columns, units, marks, encoding."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import Any
+
+from dashpot.errors import DataError, ReadError
+from dashpot.units import parse_quantity
+
+ROLES = (
+    "time", "displacement", "force", "acceleration",
+    "frequency", "storage", "loss", "temperature",
+)  # fmt: skip
+"""Every role that a column can be given by name."""
+
+_DELIMITERS = {
+    "tab": "\t", "\\t": "\t", "comma": ",", "semicolon": ";", "space": " ", "spaces": " ",
+    "pipe": "|", "colon": ":", "fixed": "fixed",
+}  # fmt: skip
+_DECIMALS = {"point": ".", "dot": ".", "comma": ","}
+
+
+@dataclass(frozen=True)
+class ReadOptions:
+    """Answers to what a file leaves open; everything None is found in the file.
+
+    Attributes
+    ----------
+    time, displacement, force, frequency, storage, loss, temperature : str or None
+        The column that plays this role: its name in the file, or its number counted from 1.
+        In an impact test `force` is the hammer.
+    acceleration : tuple of str
+        The acceleration columns of an impact test, in the order wanted.
+    units : mapping or tuple of (str, str)
+        Unit by role or by column name: ``{"force": "N"}``. Wins over what the file says.
+    rate : float or None
+        Sampling rate, Hz, of a file without a (good) time column; replaces the time column.
+    delimiter, decimal, encoding : str or None
+        ``"tab"``, ``"space"``, ``"fixed"`` or the character; ``"."`` or ``","``; a codec name.
+    skip_rows : int
+        Lines to pass over before anything is looked at.
+    segment : int or None
+        The segment to read, counted from 1, where a file has several.
+    sheet : str or None
+        The sheet of a workbook, group of a TDMS file or HDF5 file, by name.
+    calibration : str or None
+        Path of an ATI ``.cal`` file that turns six gauge voltages into the force.
+    axis : str
+        The axis of the calibrated transducer that is the force.
+    """
+
+    time: str | None = None
+    displacement: str | None = None
+    force: str | None = None
+    acceleration: tuple[str, ...] = ()
+    frequency: str | None = None
+    storage: str | None = None
+    loss: str | None = None
+    temperature: str | None = None
+    units: Mapping[str, str] | tuple[tuple[str, str], ...] = ()
+    rate: float | None = None
+    delimiter: str | None = None
+    decimal: str | None = None
+    encoding: str | None = None
+    skip_rows: int = 0
+    segment: int | None = None
+    sheet: str | None = None
+    calibration: str | None = None
+    axis: str = "Fz"
+
+    def __post_init__(self) -> None:
+        pairs = self.units.items() if isinstance(self.units, Mapping) else self.units
+        object.__setattr__(self, "units", tuple((str(a), str(b)) for a, b in pairs))
+        names = (self.acceleration,) if isinstance(self.acceleration, str) else self.acceleration
+        object.__setattr__(self, "acceleration", tuple(names))
+        if self.rate is not None and not self.rate > 0:
+            raise DataError(f"rate = {self.rate!r} Hz; expected a sampling rate > 0")
+        if self.skip_rows < 0:
+            raise DataError(f"skip_rows = {self.skip_rows}; expected a number of lines >= 0")
+        if self.segment is not None and self.segment < 1:
+            raise DataError(f"segment = {self.segment}; segments are counted from 1")
+        if self.delimiter is not None:
+            mark = _DELIMITERS.get(self.delimiter.lower(), self.delimiter)
+            if len(mark) != 1 and mark != "fixed":
+                words = ", ".join(_DELIMITERS)
+                raise DataError(f"delimiter '{self.delimiter}'; expected one character or {words}")
+            object.__setattr__(self, "delimiter", mark)
+        if self.decimal is not None:
+            mark = _DECIMALS.get(self.decimal.lower(), self.decimal)
+            if mark not in {".", ","}:
+                raise DataError(f"decimal mark '{self.decimal}'; expected '.' or ','")
+            object.__setattr__(self, "decimal", mark)
+
+    def unit_of(self, role: str, column: str) -> str | None:
+        """The unit given for a column, by its name or by its role, or None."""
+        given = {name.strip().casefold(): unit for name, unit in self.units}
+        return given.get(column.strip().casefold(), given.get(role))
+
+    def over(self, profile: ReadOptions) -> ReadOptions:
+        """These options, and the profile's wherever these say nothing."""
+        default = ReadOptions()
+        said = {
+            field.name: getattr(self, field.name)
+            for field in fields(self)
+            if getattr(self, field.name) != getattr(default, field.name)
+        }
+        said["units"] = {**dict(profile.units), **dict(self.units)}
+        return replace(profile, **said)
+
+
+def parse_units(text: str) -> dict[str, str]:
+    """Return ``{"force": "N", "displacement": "mm"}`` from ``"force=N, displacement=mm"``."""
+    units = {}
+    for part in text.split(","):
+        name, equals, unit = part.rpartition("=")
+        if not (equals and name.strip() and unit.strip()):
+            raise DataError(
+                f"--units \"{text}\": '{part.strip()}' is not 'role=unit'; "
+                'write for example --units "force=N,displacement=mm"'
+            )
+        units[name.strip()] = unit.strip()
+    return units
+
+
+_SECTIONS = {
+    "columns": ROLES,
+    "text": ("delimiter", "decimal", "encoding", "skip_rows"),
+    "part": ("segment", "sheet"),
+    "transducer": ("calibration", "axis"),
+}
+
+
+def dump_profile(options: ReadOptions) -> str:
+    """Return the options as a profile: TOML that :func:`load_profile` reads back."""
+    default = ReadOptions()
+    lines = ["# dashpot reading profile"]
+    if options.rate is not None:
+        lines.append(f'rate = "{options.rate!r} Hz"')
+    for section, names in _SECTIONS.items():
+        said = [
+            f"{name} = {_toml(getattr(options, name))}"
+            for name in names
+            if getattr(options, name) != getattr(default, name)
+        ]
+        lines += ["", f"[{section}]", *said] if said else []
+    if options.units:
+        lines += [
+            "",
+            "[units]",
+            *(f"{_toml(a)} = {_toml(b)}" for a, b in dict(options.units).items()),
+        ]
+    return "\n".join(lines) + "\n"
+
+
+def load_profile(path: str | Path) -> ReadOptions:
+    """Return the reading options of a profile, a TOML file.
+
+    Raises
+    ------
+    ReadError
+        If the file is missing, is not TOML, or holds a word that no reader knows.
+    """
+    path = Path(path)
+    try:
+        content = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+    except OSError as error:
+        raise ReadError(f"{path}: cannot read the profile: {error.strerror}") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ReadError(f"{path}: not a profile: {error}; expected TOML in UTF-8") from None
+    try:
+        return _from_toml(content)
+    except (DataError, TypeError, ValueError, AttributeError) as error:
+        raise ReadError(f"{path}: {error}") from None
+
+
+def _from_toml(content: dict[str, Any]) -> ReadOptions:
+    said: dict[str, Any] = {}
+    for section, entries in content.items():
+        if section == "rate":
+            said["rate"] = (
+                parse_quantity(entries, "frequency") if isinstance(entries, str) else float(entries)
+            )
+        elif section == "units":
+            said["units"] = {str(name): str(unit) for name, unit in entries.items()}
+        elif section in _SECTIONS:
+            for name, value in entries.items():
+                if name not in _SECTIONS[section]:
+                    known = ", ".join(_SECTIONS[section])
+                    raise DataError(f"[{section}] {name} is unknown; known are {known}")
+                if name == "acceleration":
+                    said[name] = (value,) if isinstance(value, str) else tuple(map(str, value))
+                else:
+                    said[name] = int(value) if name in {"skip_rows", "segment"} else str(value)
+        else:
+            known = ", ".join(["rate", "units", *_SECTIONS])
+            raise DataError(f"'{section}' is unknown in a profile; known are {known}")
+    return ReadOptions(**said)
+
+
+def _toml(value: object) -> str:
+    if isinstance(value, tuple):
+        return "[" + ", ".join(_toml(entry) for entry in value) + "]"
+    if isinstance(value, int):
+        return str(value)
+    return json.dumps(str(value), ensure_ascii=True).replace("\x7f", "\\u007F")

@@ -1,0 +1,215 @@
+"""The numbers of a text table, block by block: fast where rows are plain, patient where not."""
+
+from __future__ import annotations
+
+import io
+import re
+import warnings
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from dashpot._arrays import FloatArray
+from dashpot.errors import ReadError
+from dashpot.io import cells as cell
+from dashpot.io.dialect import Dialect
+from dashpot.io.table import Loaded
+
+_PATIENT = 64
+
+
+@dataclass
+class _Gathered:
+    """What has been read so far."""
+
+    parts: list[FloatArray] = field(default_factory=list)
+    rows: int = 0
+    starts: list[int] = field(default_factory=lambda: [0])
+    segments: list[str] = field(default_factory=lambda: [""])
+    lines: list[tuple[int, int]] = field(default_factory=list)
+    words: dict[str, list[str]] = field(default_factory=dict)
+    between: list[tuple[int, str]] = field(default_factory=list)
+    short: int = 0
+
+    def add(self, values: FloatArray, line: int) -> None:
+        if self.between and self.rows:
+            self.starts.append(self.rows)
+            self.segments.append(_title([text for _, text in self.between]))
+        self.between.clear()
+        known = self.lines[-1] if self.lines else (0, line)
+        if not self.lines or known[1] + self.rows - known[0] != line:
+            self.lines.append((self.rows, line))
+        self.parts.append(values)
+        self.rows += len(values)
+
+
+def load_rows(
+    blocks: Iterator[str], dialect: Dialect, indexes: Sequence[int], *, name: str
+) -> Loaded:
+    """Return the columns `indexes` of the table, from blocks of whole lines.
+
+    Raises
+    ------
+    ReadError
+        If a line holds more numbers than there are columns.
+    """
+    got = _Gathered()
+    reader = _Reader(dialect, tuple(indexes), name)
+    line = 1
+    skipped = dialect.first
+    for block in blocks:
+        text = block
+        if skipped:
+            cut = _after_lines(text, skipped)
+            passed = text.count("\n", 0, cut)
+            skipped -= passed
+            line += passed
+            text = text[cut:]
+        if text:
+            reader.read(text, line, got)
+            line += text.count("\n")
+    values = np.concatenate(got.parts) if got.parts else np.empty((0, len(indexes)))
+    notes = []
+    for word, places in got.words.items():
+        many = f" and {len(places) - 3} more" if len(places) > 3 else ""
+        notes.append(f"'{word}' stands for a missing number at {', '.join(places[:3])}{many}")
+    if got.between and got.rows:
+        first, text = got.between[0]
+        notes.append(
+            f"{len(got.between)} lines after the table are no rows and were passed over, "
+            f"from line {first}: '{text.strip()[:40]}'"
+        )
+    return Loaded(values, tuple(got.starts), tuple(got.segments), tuple(got.lines), tuple(notes))
+
+
+def _after_lines(text: str, count: int) -> int:
+    position = 0
+    for _ in range(count):
+        position = text.find("\n", position) + 1
+        if position == 0:
+            return len(text)
+    return position
+
+
+def _title(lines: Sequence[str]) -> str:
+    """A segment's name from the lines above it: ``# segment: pause`` is "pause"."""
+    for line in lines:
+        match = re.match(
+            r"\W*(?:segment|step|schritt|test|run|block|record)\w*\s*[:=\t]\s*(.+)", line, re.I
+        )
+        if match and "index" not in line.casefold():
+            return match[1].strip().strip('"')[:60]
+    first = next((line.strip(' \t#;,"[]%$') for line in lines if line.strip()), "")
+    return first[:60]
+
+
+class _Reader:
+    """Reads blocks of lines for one dialect and one choice of columns."""
+
+    def __init__(self, dialect: Dialect, indexes: tuple[int, ...], name: str) -> None:
+        self.dialect = dialect
+        self.indexes = indexes
+        self.name = name
+        sign = dialect.delimiter
+        self.plain = not sign.startswith("fixed") and not any(
+            dialect.contents[i] == "clock" for i in indexes
+        )
+        self.swaps_comma = dialect.mark != "."
+        if self.swaps_comma and sign == ",":
+            self.plain = False
+        if len(sign) == 1 and sign != " ":
+            s = re.escape(sign)
+            # a blank cell becomes nan, whether alone, quoted or padded
+            self.blank = re.compile(rf"(?:(?<={s})|(?<=\n)|\A)[ ]*(?={s}|\n)")
+
+    def read(self, text: str, line: int, got: _Gathered) -> None:
+        """Read whole lines; a block that is not plain is halved until the odd lines are alone."""
+        values = self._fast(text) if self.plain else None
+        if values is not None:
+            got.add(values, line)
+            return
+        count = text.count("\n")
+        if self.plain and count > _PATIENT:
+            cut = _after_lines(text, count // 2)
+            self.read(text[:cut], line, got)
+            self.read(text[cut:], line + count // 2, got)
+            return
+        for number, row in enumerate(text.split("\n")[:-1], start=line):
+            self._patient(row, number, got)
+
+    def _fast(self, text: str) -> FloatArray | None:
+        sign = self.dialect.delimiter
+        if '"' in text:
+            if sign == " " or (self.swaps_comma and sign == ","):
+                return None
+            text = text.replace('"', "")
+        if self.swaps_comma:
+            if "." in text and self.dialect.mark == ",":  # points group the thousands
+                return None
+            text = text.replace(",", ".")
+        if sign != " " and not self._same_width(text):
+            return None
+        values = self._parse(text)
+        if values is None and sign != " " and self.blank.search(text):
+            values = self._parse(self.blank.sub("nan", text))
+        return values
+
+    def _same_width(self, text: str) -> bool:
+        """Whether every line has as many delimiters as the table needs, or one at its end."""
+        codes = np.frombuffer(text.encode("latin-1", "replace"), dtype=np.uint8)
+        ends = np.flatnonzero(codes == 10)
+        signs = np.flatnonzero(codes == ord(self.dialect.delimiter))
+        counts = np.diff(np.searchsorted(signs, ends), prepend=0)
+        return (
+            len(counts) > 0
+            and bool((counts == counts[0]).all())
+            and counts[0] >= len(self.dialect.contents) - 1
+        )
+
+    def _parse(self, text: str) -> FloatArray | None:
+        sign = self.dialect.delimiter
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # "no data": a block of blank lines
+            try:
+                values = np.loadtxt(
+                    io.StringIO(text),
+                    delimiter=None if sign == " " else sign,
+                    comments=None,
+                    ndmin=2,
+                    usecols=None if sign == " " else self.indexes,
+                )
+            except (ValueError, IndexError, OverflowError):
+                return None
+        if len(values) != text.count("\n"):  # blank lines: the line numbers would be wrong
+            return None
+        if sign == " ":
+            if values.shape[1] != len(self.dialect.contents):
+                return None
+            values = values[:, list(self.indexes)]
+        return values
+
+    def _patient(self, line: str, number: int, got: _Gathered) -> None:
+        row = self.dialect.row(line)
+        if row is None:
+            if re.search(r"\w", line):
+                self._refuse_wide(line, number, got)
+                got.between.append((number, line))
+            return
+        values = np.empty((1, len(self.indexes)))
+        for j, i in enumerate(self.indexes):
+            value = self.dialect.value(row[i], i)
+            values[0, j] = np.nan if value is None else value
+            if value is None and row[i]:
+                got.words.setdefault(row[i][:20], []).append(f"line {number}")
+        got.add(values, number)
+
+    def _refuse_wide(self, line: str, number: int, got: _Gathered) -> None:
+        cells = cell.split(line, self.dialect.delimiter)
+        width = len(self.dialect.contents)
+        found = cell.numeric(cells, self.dialect.mark)
+        if got.rows and len(cells) > width and sum(found) > len(self.dialect.numbers):
+            raise ReadError(
+                f"{self.name}: line {number} has {len(cells)} cells where the table has {width}: "
+                f"'{line.strip()[:60]}'; the table changes there, split the file at that line"
+            )

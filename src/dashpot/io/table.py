@@ -1,0 +1,82 @@
+"""A table of named columns as a file holds it: what every reader returns."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+from dashpot._arrays import FloatArray
+
+Content: TypeAlias = Literal["number", "clock", "text", "blank"]
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column: its name as found ("" if none), its unit as found (None if none)."""
+
+    name: str
+    unit: str | None = None
+    content: Content = "number"
+    unit_from: str = ""
+
+    def label(self, number: int) -> str:
+        """How to speak of it to a user: its name, else its number counted from 1."""
+        return self.name or str(number)
+
+
+@dataclass(frozen=True, eq=False)
+class Loaded:
+    """The numbers of chosen columns.
+
+    Attributes
+    ----------
+    values : array, shape (rows, columns)
+        NaN where the cell is blank or says that it holds no number.
+    starts : tuple of int
+        First row of each segment.
+    segments : tuple of str
+        Name of each segment, "" if it has none.
+    lines : tuple of (row, line)
+        First row of each unbroken run and its line in the file; empty for binary files.
+    notes : tuple of str
+    """
+
+    values: FloatArray
+    starts: tuple[int, ...] = (0,)
+    segments: tuple[str, ...] = ("",)
+    lines: tuple[tuple[int, int], ...] = ()
+    notes: tuple[str, ...] = ()
+
+    def where(self, row: int) -> str:
+        """Where a row is: "line 12" of a text file, "row 3" of another."""
+        if not self.lines:
+            return f"row {row + 1}"
+        first, line = self.lines[bisect_right(self.lines, row, key=lambda run: run[0]) - 1]
+        return f"line {line + row - first}"
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """A table found in a file; `load` reads the numbers of the columns asked for, by index."""
+
+    format: str
+    columns: tuple[Column, ...]
+    load: Callable[[Sequence[int]], Loaded]
+    encoding: str = ""
+    delimiter: str = ""
+    decimal: str = ""
+    header: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+    simulated: bool = False
+    doubts: tuple[str, ...] = ()
+    """Questions that must be answered before the numbers can be trusted, each with its option."""
+
+
+def in_memory(
+    values: FloatArray, starts: tuple[int, ...] = (0,), segments: tuple[str, ...] = ()
+) -> Callable[[Sequence[int]], Loaded]:
+    """Return the `load` of a table that is already read."""
+    names = segments or ("",) * len(starts)
+    return lambda indexes: Loaded(values[:, list(indexes)], starts, names)
