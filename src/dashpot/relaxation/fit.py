@@ -154,6 +154,29 @@ class Nuisance:
 
 
 @dataclass(frozen=True)
+class Moved:
+    """What a further test did to one parameter of the solid.
+
+    Attributes
+    ----------
+    name : str
+        As in ``Fit.parameters``, of the arm's place in the new model: ``"k_1"``, ``"tau_1"``.
+    before, before_se : float or None
+        Value and standard error without the further test; None for a new arm.
+    after, after_se : float
+        With it.
+    unit : str
+    """
+
+    name: str
+    before: float | None
+    before_se: float | None
+    after: float
+    after_se: float
+    unit: str
+
+
+@dataclass(frozen=True)
 class AtDepth:
     """The stiffnesses of one test of several that share their relaxation times.
 
@@ -207,6 +230,8 @@ class Fit(ByValue):
     by_depth : tuple of AtDepth
         One per test where each test has its own stiffnesses (``depth_law=True``), shallowest
         first; `model` is then the deepest test's.
+    moved : tuple of Moved
+        What a further test changed, where there was an earlier fit.
     """
 
     model: GeneralizedMaxwell
@@ -225,6 +250,7 @@ class Fit(ByValue):
     source: tuple[Source, ...] = ()
     steps: tuple[Step, ...] = ()
     by_depth: tuple[AtDepth, ...] = ()
+    moved: tuple[Moved, ...] = ()
 
     def __post_init__(self) -> None:
         covariance = np.asarray(self.covariance, dtype=float)
