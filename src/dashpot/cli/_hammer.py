@@ -4,57 +4,13 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import click
 
 from dashpot.cli._shell import Quantity
 
-if TYPE_CHECKING:
-    from dashpot.io.options import ReadOptions
-    from dashpot.vibration.frf import FRF
-    from dashpot.vibration.records import ImpactTest
-
 T = TypeVar("T")
-
-
-@dataclass(frozen=True)
-class Hammer:
-    """How hits are found, judged, windowed and averaged."""
-
-    estimator: str
-    window: str
-    combine: str
-    accept: tuple[str, ...]
-    reject: tuple[str, ...]
-    record: float | None
-
-    def frf(self, impact: ImpactTest, *, mass: float | None) -> FRF:
-        """Return the FRF of an impact test under these choices."""
-        from dashpot.vibration.impact import estimate_frf
-
-        return estimate_frf(
-            impact,
-            estimator=self.estimator,
-            window=self.window,
-            combine=self.combine,
-            accept=self.accept,
-            reject=self.reject,
-            record=self.record,
-            mass=mass,
-        )
-
-    def read(
-        self, paths: tuple[str, ...], *, options: ReadOptions, mass: float | None
-    ) -> tuple[ImpactTest | None, FRF]:
-        """Return the hits, if the files hold hits, and their FRF; or the FRF a file holds."""
-        from dashpot.io.read import inspect_file, read_frf, read_impact
-
-        if len(paths) == 1 and inspect_file(paths[0], options=options).kind == "frf":
-            return None, read_frf(paths[0])
-        impact = read_impact(list(paths), options=options)
-        return impact, self.frf(impact, mass=mass)
 
 
 def hammer(function: Callable[..., T]) -> Callable[..., T]:
@@ -92,7 +48,9 @@ def hammer(function: Callable[..., T]) -> Callable[..., T]:
         record: float | None,
         **arguments: Any,
     ) -> T:
-        chosen = Hammer(estimator, window, combine, accept, reject, record)
+        from dashpot.job import HammerChoices
+
+        chosen = HammerChoices(estimator, window, combine, accept, reject, record)
         return function(hammer=chosen, **arguments)
 
     return command

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 def read_text(path: str) -> str:
     """Return the text of a file; ``-`` is stdin."""
     if path == "-":
-        return click.get_text_stream("stdin", encoding="utf-8").read()
+        return click.get_binary_stream("stdin").read().decode()
     try:
         return Path(path).read_text(encoding="utf-8")
     except UnicodeDecodeError:

@@ -27,7 +27,7 @@ class Outcome:
     checks: tuple[Check, ...] = ()
 
 
-class Quantity(click.ParamType):
+class Quantity(click.ParamType[Any]):
     """A number with its unit, such as ``104g``; the value passed on is in SI."""
 
     def __init__(self, dimension: Dimension) -> None:
@@ -59,7 +59,7 @@ class Range(Quantity):
             self.fail(str(error), param, ctx)
 
 
-class Arms(click.ParamType):
+class Arms(click.ParamType[Any]):
     """A number of Maxwell arms, or ``auto``."""
 
     name = "auto|N"

@@ -10,6 +10,7 @@ from dashpot.cli._shell import failed
 
 if TYPE_CHECKING:
     from dashpot.relaxation.fit import Fit
+    from dashpot.study import Study
     from dashpot.vibration.frf import FRF
     from dashpot.vibration.modes import Mode
 
@@ -26,13 +27,13 @@ def rounded(value: float, error: float | None = None, *, digits: int = 4) -> str
     return f"{value:.{min(decimals, 12)}f}"
 
 
-def table(rows: Sequence[Sequence[str]]) -> list[str]:
-    """Return rows of cells as lines with aligned columns; the first column to the left."""
+def table(rows: Sequence[Sequence[str]], *, left: bool = False) -> list[str]:
+    """Return rows of cells as lines of aligned columns: the first, or all, to the left."""
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
     lines = []
     for row in rows:
         cells = [
-            cell.ljust(width) if i == 0 else cell.rjust(width)
+            cell.ljust(width) if left or i == 0 else cell.rjust(width)
             for i, (cell, width) in enumerate(zip(row, widths, strict=True))
         ]
         lines.append(("  " + "  ".join(cells)).rstrip())
@@ -93,12 +94,18 @@ def _parameters(found: Fit) -> list[str]:
 
     row("k_inf", model.k_inf, error["k_inf"], ends=interval["k_inf"], unit="N/mm")
     for j in range(model.arms):
-        arm = error["arms"][j]
-        row(f"k_{j + 1}", model.k[j], arm["k"], ends=interval["k"][j], unit="N/mm")
-        row(f"tau_{j + 1}", model.tau[j], arm["tau"], ends=interval["tau"][j], unit="s", scale=1)
-        row(f"b_{j + 1}", model.arm_b[j], arm["b"], unit="N s/mm")
-    if model.b > 0 or "b" in found.parameters:
-        row("b", model.b, error.get("b", math.nan), unit="N s/mm")
+        row(f"k_{j + 1}", model.k[j], error["k"][j], ends=interval["k"][j], unit="N/mm")
+        row(
+            f"tau_{j + 1}",
+            model.tau[j],
+            error["tau"][j],
+            ends=interval["tau"][j],
+            unit="s",
+            scale=1,
+        )
+        row(f"b_{j + 1}", model.arm_b[j], error["b"][j], unit="N s/mm")
+    if model.b > 0:
+        rows.append(["b", rounded(model.b * 1e-3), "", "", "N s/mm"])
     return table(rows)
 
 
@@ -119,6 +126,45 @@ def _orders(found: Fit) -> list[str]:
     return table(rows)
 
 
+def impact(frf: FRF, modes: Iterable[Mode], *, estimator: str) -> str:
+    """Return the hits with their verdicts, the modes, and what the record cannot support."""
+    used = f"{frf.averages} of {len(frf.hits)} hit{'s' * (len(frf.hits) != 1)} averaged"
+    lines = [f"{used}, {estimator}, {frf.frequency[1] - frf.frequency[0]:.4g} Hz between lines"]
+    rows = [["hit", "time, s", "peak, N", "pulse, ms", "verdict"]]
+    rows += [
+        [
+            hit.name,
+            f"{hit.time:.3f}",
+            f"{hit.peak:.3g}",
+            f"{hit.duration * 1e3:.3g}",
+            "accepted" if hit.accepted else "REJECTED",
+        ]
+        for hit in frf.hits
+    ]
+    lines += table(rows)
+    lines += [f"    {hit.name}: {reason}" for hit in frf.hits for reason in hit.reasons]
+    for mode in modes:
+        lines.append(
+            f"  mode  {rounded(mode.frequency, mode.frequency_se)} ± {mode.frequency_se:.2g} Hz, "
+            f"damping ratio {rounded(100 * mode.damping_ratio, 100 * mode.damping_ratio_se)} ± "
+            f"{100 * mode.damping_ratio_se:.2g} % ({mode.method})"
+        )
+    return "\n".join(lines + failed(frf.checks))
+
+
+def study(found: Study) -> str:
+    """Return the whole story in a screenful."""
+    lines = [fit(found.fit)]
+    if found.mass is not None and found.comparison is not None:
+        inferred = " (inferred from the FRF)" if found.mass_inferred else ""
+        lines += ["", f"{found.mass * 1e3:.6g} g{inferred} on {found.seals:g} seals"]
+        lines.append(str(found.comparison))
+    if found.joint is not None and found.joint_comparison is not None:
+        lines += ["", "relaxation and hammer fitted together", fit(found.joint)]
+        lines.append(str(found.joint_comparison))
+    return "\n".join(lines + failed(found.checks))
+
+
 def prediction(
     found: Fit,
     frf: FRF,
@@ -130,8 +176,10 @@ def prediction(
 ) -> str:
     """Return a prediction's peak and modes, and whether the test supports them."""
     lines = [
-        f"{mass * 1e3:.6g} g on {seals:g} seal{'s' * (seals != 1)}: "
-        f"{frf.kind} peaks at {peak[0]:.5g} Hz with {peak[1]:.5g} {frf.unit}"
+        (
+            f"{mass * 1e3:.6g} g on {seals:g} seal{'s' * (seals != 1)}: "
+            f"{frf.kind} peaks at {peak[0]:.5g} Hz with {peak[1]:.5g} {frf.unit}"
+        )
     ]
     for mode in modes:
         lines.append(

@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from dashpot.cli._hammer import Hammer, hammer
+from dashpot.cli._hammer import hammer
 from dashpot.cli._reading import reading
 from dashpot.cli._shell import Outcome, Quantity, Range, failed, reports
 
 if TYPE_CHECKING:
     from dashpot.io.options import ReadOptions
+    from dashpot.job import HammerChoices
 
 
 @click.command("compare", short_help="The predicted FRF against a measured one.")
@@ -23,9 +24,9 @@ if TYPE_CHECKING:
 @click.option("--seals", type=float, default=1.0, show_default=True, help="Seals in parallel.")
 @click.option("--band", type=Range("frequency"), help="Lines compared, e.g. 5:40Hz.")
 @click.option("--plot", "picture", metavar="FILE", help="Save the figure (png, svg, pdf).")
+@reports
 @hammer
 @reading
-@reports
 def command(
     *,
     fit: str,
@@ -34,7 +35,7 @@ def command(
     seals: float,
     band: tuple[float, float] | None,
     picture: str | None,
-    hammer: Hammer,
+    hammer: HammerChoices,
     options: ReadOptions,
 ) -> Outcome:
     """Hold the prediction of FIT against the hits or the FRF in IMPACT|FRF.
@@ -47,10 +48,11 @@ def command(
     from dashpot.cli._inputs import read_fit
     from dashpot.comparison import compare
     from dashpot.identification import infer_mass
+    from dashpot.job import read_measured
     from dashpot.vibration.prediction import predict_frf
 
     found = read_fit(fit)
-    _, frf = hammer.read(measured, options=options, mass=mass)
+    _, frf = read_measured(measured, choices=hammer, options=options, mass=mass)
     inferred = mass is None
     if mass is None:
         mass, _ = infer_mass(seals * found.model, frf)

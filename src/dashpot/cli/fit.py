@@ -30,9 +30,9 @@ if TYPE_CHECKING:
 @click.option("--filter", "filter_", metavar="SPEC", help="E.g. lowpass:10Hz; off by default.")
 @click.option("--plot", "picture", metavar="FILE", help="Save the figure (png, svg, pdf).")
 @click.option("-o", "--output", metavar="FILE", help="Write the fit as JSON; - is stdout.")
+@reports
 @specimen
 @reading
-@reports
 def command(
     *,
     files: tuple[str, ...],

@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from dashpot.cli._hammer import Hammer, hammer
+from dashpot.cli._hammer import hammer
 from dashpot.cli._reading import reading
 from dashpot.cli._shell import Arms, Outcome, Quantity, Range, reports, write
 
 if TYPE_CHECKING:
     from dashpot.io.options import ReadOptions
+    from dashpot.job import HammerChoices
     from dashpot.relaxation.fit import Fit
     from dashpot.relaxation.records import RampHold
 
@@ -29,9 +30,9 @@ if TYPE_CHECKING:
 @click.option("--damping-ratio", type=float, help="Known; constrains the fit.")
 @click.option("--band", type=Range("frequency"), help="Lines fitted, e.g. 5:40Hz.")
 @click.option("-o", "--output", metavar="FILE", help="Write the fit as JSON; - is stdout.")
+@reports
 @hammer
 @reading
-@reports
 def command(
     *,
     measured: tuple[str, ...],
@@ -46,7 +47,7 @@ def command(
     damping_ratio: float | None,
     band: tuple[float, float] | None,
     output: str | None,
-    hammer: Hammer,
+    hammer: HammerChoices,
     options: ReadOptions,
 ) -> Outcome:
     """Identify the solid under a mass from the hits or the FRF in IMPACT|FRF.
@@ -63,8 +64,9 @@ def command(
     from dashpot.archive import document
     from dashpot.cli import _words
     from dashpot.identification import identify
+    from dashpot.job import read_measured
 
-    _, frf = hammer.read(measured, options=options, mass=mass)
+    _, frf = read_measured(measured, choices=hammer, options=options, mass=mass)
     tests, fits = _partners(together)
     found = identify(
         frf.band(*band) if band else frf,

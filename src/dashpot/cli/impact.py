@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from dashpot.cli._hammer import Hammer, hammer
+from dashpot.cli._hammer import hammer
 from dashpot.cli._reading import reading
 from dashpot.cli._shell import Outcome, Quantity, Range, reports, said, write
 
 if TYPE_CHECKING:
     from dashpot.io.options import ReadOptions
+    from dashpot.job import HammerChoices
     from dashpot.vibration.frf import FRF
     from dashpot.vibration.modes import Mode
 
@@ -22,9 +23,9 @@ if TYPE_CHECKING:
 @click.option("--band", type=Range("frequency"), help="Where to look for modes, e.g. 5:40Hz.")
 @click.option("--plot", "picture", metavar="FILE", help="Save the figure (png, svg, pdf).")
 @click.option("-o", "--output", metavar="FILE", help="Write the FRF: .csv, .uff, or - for stdout.")
+@reports
 @hammer
 @reading
-@reports
 def command(
     *,
     files: tuple[str, ...],
@@ -32,7 +33,7 @@ def command(
     band: tuple[float, float] | None,
     picture: str | None,
     output: str | None,
-    hammer: Hammer,
+    hammer: HammerChoices,
     options: ReadOptions,
 ) -> Outcome:
     """Cut the records in FILE into hits, judge each, and average them into an FRF.
@@ -45,9 +46,10 @@ def command(
     from dashpot.cli import _words
     from dashpot.errors import DataError
     from dashpot.io.read import read_impact
+    from dashpot.job import average
 
     impact = read_impact(list(files), options=options)
-    frf = hammer.frf(impact, mass=mass)
+    frf = average(impact, choices=hammer, mass=mass)
     try:
         modes = frf.modes(band=band)
     except DataError as error:
@@ -76,7 +78,7 @@ def write_frf_file(frf: FRF, path: str) -> None:
 
 
 def impact_document(
-    frf: FRF, modes: tuple[Mode, ...], *, hammer: Hammer, file: str | None
+    frf: FRF, modes: tuple[Mode, ...], *, hammer: HammerChoices, file: str | None
 ) -> dict[str, Any]:
     """Return the contract's document of an impact test."""
     import numpy as np

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 @click.command("inspect", short_help="What is in a file: columns, units, sampling, segments.")
 @click.argument("files", nargs=-1, required=True, metavar="FILE...")
 @click.option("--save-profile", metavar="FILE", help="Keep the options given here as a profile.")
-@reading
 @reports
+@reading
 def command(*, files: tuple[str, ...], save_profile: str | None, options: ReadOptions) -> Outcome:
     """Show what dashpot understands of each FILE, and what it needs to be told.
 
@@ -25,16 +25,22 @@ def command(*, files: tuple[str, ...], save_profile: str | None, options: ReadOp
     dashpot inspect seal_8mm.csv
     dashpot inspect raw.txt --force Kraft --units "force=N" --save-profile lab.toml
     """
-    from dashpot.cli._inspection import document, text
+    from dashpot.cli import _inspection
     from dashpot.io.options import dump_profile
     from dashpot.io.read import inspect_file
 
     found = [inspect_file(path, options=options) for path in files]
+    tests = [
+        _inspection.prepared(item, path, options) for item, path in zip(found, files, strict=True)
+    ]
     if save_profile:
         write(save_profile, dump_profile(options))
-    documents = [document(item) for item in found]
+    pairs = list(zip(found, tests, strict=True))
     return Outcome(
-        {"schema": "dashpot/inspection@1", "files": documents},
-        "\n\n".join(text(item) for item in found),
-        tuple(check for item in found for check in _checks(item)),
+        {
+            "schema": "dashpot/inspection@1",
+            "files": [_inspection.document(item, test) for item, test in pairs],
+        },
+        "\n\n".join(_inspection.text(item, test) for item, test in pairs),
+        tuple(check for _, test in pairs for check in _inspection.checks(test)),
     )

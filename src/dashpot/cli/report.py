@@ -6,13 +6,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from dashpot.cli._hammer import Hammer, hammer
+from dashpot.cli._hammer import hammer
 from dashpot.cli._reading import reading
-from dashpot.cli._shell import Arms, Outcome, Quantity, Range, failed, reports, write
+from dashpot.cli._shell import Arms, Outcome, Quantity, Range, reports, write
 from dashpot.cli._specimen import specimen
 
 if TYPE_CHECKING:
     from dashpot.io.options import ReadOptions
+    from dashpot.job import HammerChoices
     from dashpot.relaxation.records import Specimen
 
 
@@ -28,10 +29,10 @@ if TYPE_CHECKING:
 @click.option("--filter", "filter_", metavar="SPEC", help="E.g. lowpass:10Hz; off by default.")
 @click.option("--no-joint", is_flag=True, help="Leave out the joint fit.")
 @click.option("-o", "--output", metavar="FILE", default="report.html", show_default=True)
+@reports
 @specimen
 @hammer
 @reading
-@reports
 def command(
     *,
     relaxation: str,
@@ -44,7 +45,7 @@ def command(
     no_joint: bool,
     output: str,
     specimen: Specimen,
-    hammer: Hammer,
+    hammer: HammerChoices,
     options: ReadOptions,
 ) -> Outcome:
     """Characterise the seal of RELAXATION and check it against the hammer; write one HTML file.
@@ -56,28 +57,25 @@ def command(
     from dashpot.archive import document
     from dashpot.cli import _words
     from dashpot.io.options import ReadOptions
-    from dashpot.io.read import read_relaxation
+    from dashpot.job import Job, run
     from dashpot.report import html
-    from dashpot.study import characterise
 
-    test = read_relaxation(relaxation, options=options, specimen=specimen)
-    record = measured = None
-    if impact:
-        # the answers given for the bench file need not fit the hammer's: units may, columns do not
-        own = ReadOptions(units=options.units, acceleration=options.acceleration)
-        record, measured = hammer.read(impact, options=own, mass=mass)
-    study = characterise(
-        test,
-        measured,
-        impact=record,
+    job = Job(
+        relaxation=relaxation,
+        impact=impact,
         mass=mass,
         seals=seals,
         arms=arms,
         band=band,
         filter=filter_,
         joint=not no_joint,
+        specimen=specimen,
+        reading=options,
+        # columns named for the bench file need not exist in the hammer's; units do no harm
+        reading_impact=ReadOptions(units=options.units, acceleration=options.acceleration),
+        hammer=hammer,
     )
+    study = run(job)
     write(output, html(study))
     content = document(study) | {"report": output}
-    text = "" if output == "-" else _words.study(study)
-    return Outcome(content, text, study.checks)
+    return Outcome(content, "" if output == "-" else _words.study(study), study.checks)
