@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,6 +20,9 @@ from dashpot._arrays import (
 from dashpot.checks import Check
 from dashpot.errors import DataError
 from dashpot.provenance import Source, Step
+
+if TYPE_CHECKING:
+    from dashpot.vibration.modes import Mode
 
 
 class Kind(StrEnum):
@@ -89,6 +93,8 @@ class FRF(ByValue):
     record : float or None
         Length of the record after the hit, s, where the response may be cut short; None for
         a prediction or an untruncated one.
+    pulse : float
+        Rms width of the hammer's pulse, s; the record begins at its middle.
     averages : int
         Number of hits averaged; 0 when predicted.
     hits : tuple of Hit
@@ -104,6 +110,7 @@ class FRF(ByValue):
     sd: FloatArray | None = None
     shift: float = 0.0
     record: float | None = None
+    pulse: float = 0.0
     averages: int = 0
     hits: tuple[Hit, ...] = ()
     checks: tuple[Check, ...] = ()
@@ -189,4 +196,56 @@ class FRF(ByValue):
             value=self.value[keep],
             coherence=None if self.coherence is None else self.coherence[keep],
             sd=None if self.sd is None else self.sd[keep],
+        )
+
+    def modes(
+        self,
+        *,
+        method: str = "rational",
+        band: tuple[float, float] | None = None,
+        count: int | None = None,
+    ) -> tuple[Mode, ...]:
+        r"""Natural frequencies, damping ratios and residues, each with its uncertainty.
+
+        The mode that carries most motion (largest residue of the receptance) comes first. All
+        methods allow for an exponential window: the poles are those of the structure.
+
+        Parameters
+        ----------
+        method : str
+            ``"rational"`` fits poles and residues, by least squares weighted by `sd`, to what a
+            record of finite length shows (:mod:`dashpot.vibration.rational`). The others look at
+            the highest peak: ``"peak"`` (parabola), ``"half-power"`` (width at
+            :math:`1/\sqrt2`), ``"circle"`` (Nyquist circle of the mobility) and ``"decrement"``
+            (decay of the impulse response).
+        band : (float, float), optional
+            Hz; by default two octaves to either side of the highest peak of the receptance.
+        count : int, optional
+            Exactly this many modes (``"rational"`` only); by default those that matter.
+
+        Returns
+        -------
+        tuple of Mode
+            Empty if nothing oscillates in the band.
+
+        Raises
+        ------
+        DataError
+            If the method is unknown or the band holds too few lines.
+        FitError
+            If the lines cannot support the method: fewer than 5 in the half-power band.
+        """
+        from dashpot.vibration.modes import find_modes
+
+        measured = self.to(Kind.ACCELERANCE)  # what was recorded, and cut at its end
+        return find_modes(
+            measured.frequency,
+            measured.value,
+            sd=measured.sd,
+            record=measured.record,
+            pulse=measured.pulse,
+            shift=measured.shift,
+            method=method,
+            band=band,
+            count=count,
         )

@@ -1,0 +1,336 @@
+"""From hammer blows to a frequency response function."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from dashpot._arrays import BoolArray, FloatArray
+from dashpot.errors import DataError
+from dashpot.provenance import Step
+from dashpot.vibration.blows import Blow, cut_blows
+from dashpot.vibration.estimators import Estimator, coherence, estimate, random_error
+from dashpot.vibration.frf import FRF, Hit, Kind
+from dashpot.vibration.modes import mount_band
+from dashpot.vibration.quality import Verdict, judge, remaining
+from dashpot.vibration.rational import Lines
+from dashpot.vibration.records import ImpactTest
+from dashpot.vibration.rocking import Combination, null_rocking
+from dashpot.vibration.stack import Stack
+from dashpot.vibration.verdicts import agreement, checks_of
+from dashpot.vibration.windows import force_window, parse_window, window_decay
+
+FORCE_LEFT = 0.1  # -20 dB: where the force has fallen this far, the FRF ends
+ALIAS_FREE = 0.4  # of the sampling rate
+CLEAR = 0.5  # of all motion must go one way to tell the polarity of an accelerometer
+
+
+def estimate_frf(
+    tests: ImpactTest | Sequence[ImpactTest],
+    *,
+    estimator: Estimator | str = Estimator.H1,
+    window: str = "none",
+    accept: Sequence[str] = (),
+    reject: Sequence[str] = (),
+    record: float | None = None,
+    pretrigger: float | None = None,
+    combine: str = "mean",
+    mass: float | None = None,
+    polarity: Sequence[int] | None = None,
+    band: tuple[float, float] | None = None,
+) -> FRF:
+    r"""Estimate the accelerance a/F from hammer blows.
+
+    Every blow is found, cut out with some quiet before it, judged, and averaged with the others:
+
+    .. math:: H(s) = \frac{\mathcal{L}\{w a\}}{\mathcal{L}\{w F\}}, \qquad s = j\omega + a
+
+    with w = 1 and a = 0, or :math:`w = e^{-at}` on force *and* response, so that the ratio is the
+    true H on a shifted line for every linear solid; a is the result's `shift`. Offsets are taken
+    from the pretrigger, before any window. There is no Hann window: it would erase the pulse.
+
+    Parameters
+    ----------
+    tests : ImpactTest or sequence of ImpactTest
+        With one or many blows in each continuous record.
+    estimator : {"H1", "H2", "Hv", "Hs"}
+        See :func:`dashpot.vibration.estimators.estimate`.
+    window : str
+        ``"none"``, ``"force"``, ``"exponential"`` (as gentle as leaves 1 % at the end of the
+        record), ``"exponential:0.01"`` (the window itself ends at 0.01), or
+        ``"force+exponential"``.
+    accept, reject : sequence of str
+        Names of hits to take or leave whatever the verdict, as in the result's `hits`.
+    record, pretrigger : float, optional
+        Length of a block, and of the quiet in it before the blow, s.
+    combine : str
+        Accelerometers as one: ``"mean"`` as in the paper, ``"weighted"`` so that the rocking mode
+        cancels, or the name of one channel.
+    mass : float, optional
+        Weighed mass of the block, kg, to check the calibration against the mass line.
+    polarity : sequence of +1 and -1, optional
+        Sign of each accelerometer; by default found from the direction in which a blow sets it
+        moving.
+    band : (float, float), optional
+        Lines to keep, Hz; by default up to where the force spectrum has fallen by 20 dB.
+
+    Returns
+    -------
+    FRF
+        Accelerance, 1/kg, with coherence, random error, hits, checks and steps.
+
+    Raises
+    ------
+    DataError
+        If there is no blow, none is accepted, names or channels are unknown, or accelerometers
+        contradict each other in sign.
+
+    References
+    ----------
+    ISO 7626-5:2019; D. J. Ewins, *Modal Testing*; paper, "Experimental setup".
+    """
+    tests = (tests,) if isinstance(tests, ImpactTest) else tuple(tests)
+    estimator = _estimator(estimator)
+    windows_force, exponential, end = parse_window(window)
+    blows = cut_blows(tests, record=record, pretrigger=pretrigger)
+    verdicts = [judge(blow, windowed=exponential) for blow in blows]
+    taken = _taken(blows, verdicts, accept, reject)
+    channels = tests[0].channels
+    _known(combine, channels)
+
+    decay = 0.0
+    if exponential:
+        left = max(remaining(b) for b, t in zip(blows, taken, strict=True) if t)
+        decay = window_decay(left, blows[0].length, end)
+    stack = _transform(blows, channels, decay, windows_force).band(
+        *(band or _excited([b for b, t in zip(blows, taken, strict=True) if t]))
+    )
+    stack = stack.turned(_signs(stack.only(taken), polarity))
+    weights, rocking = _combine(stack.only(taken), combine)
+    verdicts, taken = agreement(stack.weighted(weights), verdicts, taken, accept)
+    stack = stack.only(taken)
+    chosen = stack.weighted(weights)
+    value = estimate(chosen, estimator)
+    frf = FRF(
+        frequency=stack.frequency,
+        value=value,
+        kind=Kind.ACCELERANCE,
+        coherence=coherence(chosen),
+        sd=random_error(chosen, value),
+        shift=decay,
+        record=stack.record,
+        pulse=stack.pulse,
+        averages=chosen.averages,
+        hits=_hits(blows, verdicts, taken),
+        source=tuple(dict.fromkeys(source for test in tests for source in test.source)),
+        steps=(
+            _cut_step(blows),
+            *_window_steps(decay, windows_force=windows_force, exponential=exponential),
+            *_sign_steps(blows, stack),
+            *_combine_steps(channels, weights),
+            Step("estimate", (("estimator", estimator.value),), f"{estimator.value}, linear mean"),
+        ),
+    )
+    return replace(frf, checks=checks_of(frf, chosen, estimator, rocking, mass))
+
+
+def _estimator(name: Estimator | str) -> Estimator:
+    try:
+        return Estimator(name)
+    except ValueError:
+        raise DataError(
+            f"estimator {name!r} is unknown; expected one of {', '.join(Estimator)}"
+        ) from None
+
+
+def _known(combine: str, channels: Sequence[str]) -> None:
+    if combine not in ("mean", "weighted", *channels):
+        raise DataError(
+            f"combine = {combine!r}; expected 'mean', 'weighted' or a channel: "
+            f"{', '.join(channels)}"
+        )
+
+
+def _taken(
+    blows: Sequence[Blow],
+    verdicts: Sequence[Verdict],
+    accept: Sequence[str],
+    reject: Sequence[str],
+) -> BoolArray:
+    names = [blow.name for blow in blows]
+    unknown = [name for name in (*accept, *reject) if name not in names]
+    if unknown:
+        raise DataError(f"there is no hit {unknown[0]!r}; the hits are {', '.join(names)}")
+    taken = [
+        name in accept or (name not in reject and not verdict.faults)
+        for name, verdict in zip(names, verdicts, strict=True)
+    ]
+    if not any(taken):
+        why = "; ".join(
+            f"hit {name}: {' '.join(verdict.faults) or 'rejected by name'}"
+            for name, verdict in zip(names, verdicts, strict=True)
+        )
+        raise DataError(f"no hit is left to average. {why}. To use one anyway, accept it by name")
+    return np.array(taken)
+
+
+def _transform(
+    blows: Sequence[Blow], channels: tuple[str, ...], decay: float, windows_force: bool
+) -> Stack:
+    rate = blows[0].rate
+    fade = np.exp(-decay * np.arange(len(blows[0].force)) / rate)
+    force = [b.force * fade * (force_window(b) if windows_force else 1.0) for b in blows]
+    response = np.array([b.acceleration * fade for b in blows]).swapaxes(0, 1)
+    return Stack(
+        frequency=np.asarray(np.fft.rfftfreq(len(fade), 1 / rate), dtype=np.float64),
+        force=np.fft.rfft(force, axis=-1) / rate,
+        response=np.fft.rfft(response, axis=-1) / rate,
+        blows=tuple(blows),
+        channels=channels,
+        signs=np.ones(len(channels)),
+        shift=decay,
+    )
+
+
+def _excited(blows: Sequence[Blow]) -> tuple[float, float]:
+    """Lines above 0 Hz that the hammer excites: up to where its spectrum falls by 20 dB."""
+    rate, n = blows[0].rate, len(blows[0].force)
+    power = (np.abs(np.fft.rfft([b.force * force_window(b) for b in blows])) ** 2).mean(axis=0)
+    weak = np.flatnonzero(power < FORCE_LEFT**2 * power[: max(n // 500, 2)].max())
+    top = float(weak[0]) if weak.size else np.inf
+    return 0.5 * rate / n, min(max(top - 0.5, 8.5), ALIAS_FREE * n) * rate / n
+
+
+def _signs(stack: Stack, polarity: Sequence[int] | None) -> FloatArray:
+    """Sign of each accelerometer: a blow sets a block moving in its own direction."""
+    count = len(stack.channels)
+    if polarity is not None:
+        if len(polarity) != count or any(abs(sign) != 1 for sign in polarity):
+            raise DataError(
+                f"polarity = {tuple(polarity)}; expected +1 or -1 for each of the {count} "
+                f"accelerometers ({', '.join(stack.channels)})"
+            )
+        return np.array(polarity, dtype=float)
+    near = stack.band(*_mounts(stack))
+    h = np.array([estimate(spectra) for spectra in near.each()])
+    # the real part of the mobility, summed, is the velocity just after the blow
+    mobility = (h / (2j * np.pi * near.frequency + near.shift)).real
+    kick = mobility.sum(axis=1) / np.abs(mobility).sum(axis=1)
+    if kick.min() < -CLEAR and kick.max() > CLEAR:
+        along = [name for name, k in zip(stack.channels, kick, strict=True) if k > 0]
+        against = [name for name, k in zip(stack.channels, kick, strict=True) if k < 0]
+        raise DataError(
+            f"accelerometers of opposite polarity: a blow moves {', '.join(along)} along with it "
+            f"but {', '.join(against)} against it; check the mounting and give the polarity, such "
+            f"as {tuple(1 if k > 0 else -1 for k in kick)}"
+        )
+    return np.full(count, -1.0 if kick.min() < -CLEAR else 1.0)
+
+
+def _combine(stack: Stack, combine: str) -> tuple[FloatArray, Combination | None]:
+    """Weights of the accelerometers, and what is known of rocking."""
+    count = len(stack.channels)
+    mean = np.full(count, 1 / count)
+    if combine in stack.channels:
+        return np.array([float(name == combine) for name in stack.channels]), None
+    if count < 2:
+        return mean, None
+    near = stack.band(*_mounts(stack))
+    values = np.array([estimate(spectra) for spectra in near.each()])
+    errors = [
+        random_error(spectra, value) for spectra, value in zip(near.each(), values, strict=True)
+    ]
+    found = null_rocking(
+        Lines.measured(
+            near.frequency,
+            values,
+            None if near.averages < 2 else np.array(errors),
+            record=near.record,
+            pulse=near.pulse,
+            shift=near.shift,
+        )
+    )
+    return (mean if combine == "mean" or found is None else np.array(found.weights)), found
+
+
+def _mounts(stack: Stack) -> tuple[float, float]:
+    """The band in which the block moves on its mounts, from the accelerometer that moves most."""
+    values = [estimate(spectra) for spectra in stack.each()]
+    return mount_band(stack.frequency, max(values, key=lambda h: float((np.abs(h) ** 2).sum())))
+
+
+def _hits(blows: Sequence[Blow], verdicts: Sequence[Verdict], taken: BoolArray) -> tuple[Hit, ...]:
+    return tuple(
+        Hit(
+            name=blow.name,
+            time=blow.time,
+            accepted=bool(good),
+            reasons=verdict.reasons,
+            peak=blow.peak,
+            duration=blow.width(0.1),
+        )
+        for blow, verdict, good in zip(blows, verdicts, taken, strict=True)
+    )
+
+
+def _cut_step(blows: Sequence[Blow]) -> Step:
+    length, before = blows[0].length, blows[0].onset / blows[0].rate
+    return Step(
+        "cut",
+        (
+            ("blows", str(len(blows))),
+            ("record", f"{length:.9g} s"),
+            ("pretrigger", f"{before:.9g} s"),
+        ),
+        f"{len(blows)} blows in blocks of {length:.4g} s, {1000 * before:.3g} ms of each before "
+        "the blow, from where the offsets were taken",
+    )
+
+
+def _sign_steps(blows: Sequence[Blow], stack: Stack) -> tuple[Step, ...]:
+    steps = []
+    if any(blow.turned for blow in blows):
+        steps.append(
+            Step("hammer_sign", (), "the hammer was recorded negative; now pushing is positive")
+        )
+    turned = [name for name, sign in zip(stack.channels, stack.signs, strict=True) if sign < 0]
+    if turned:
+        steps.append(
+            Step("polarity", (("turned", ", ".join(turned)),), f"{', '.join(turned)}: sign turned")
+        )
+    return tuple(steps)
+
+
+def _window_steps(decay: float, *, windows_force: bool, exponential: bool) -> tuple[Step, ...]:
+    steps = []
+    if windows_force:
+        steps.append(Step("force_window", (), "after the pulse the force was faded to zero"))
+    if decay > 0:
+        steps.append(
+            Step(
+                "exponential_window",
+                (("decay", f"{decay:.9g} 1/s"),),
+                f"force and response were multiplied by exp(-{decay:.4g} t / s): the FRF is H at "
+                f"s = j omega + {decay:.4g} 1/s",
+            )
+        )
+    elif exponential:
+        steps.append(
+            Step("exponential_window", (), "not needed: the response decays within the record")
+        )
+    return tuple(steps)
+
+
+def _combine_steps(channels: Sequence[str], weights: FloatArray) -> tuple[Step, ...]:
+    if len(channels) < 2:
+        return ()
+    parts = [f"{w:.4g} {name}" for name, w in zip(channels, weights, strict=True) if w]
+    return (
+        Step(
+            "combine",
+            tuple((name, f"{w:.9g}") for name, w in zip(channels, weights, strict=True)),
+            f"response = {' + '.join(parts)}",
+        ),
+    )

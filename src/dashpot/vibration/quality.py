@@ -1,0 +1,248 @@
+"""The verdict on each hammer blow, after the practice of ISO 7626-5."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dashpot._arrays import FloatArray
+from dashpot.vibration.blows import Blow
+
+REBOUND = 0.05  # of the peak: a second pulse this high is a second blow
+FEWEST_SAMPLES = 5  # that a pulse must hold to be known in shape
+DECAYED = 0.01  # of the response may be left at the end of a record without a window
+DECAYED_WITH_WINDOW = 0.25
+FLAT = 0.38  # width at 95 % over width at 50 % of the peak; a half-sine has 0.30
+UNDERSHOOT = 0.05  # of the pulse's impulse given back after it
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What makes a blow useless and what makes it doubtful, one sentence each."""
+
+    faults: tuple[str, ...] = ()
+    doubts: tuple[str, ...] = ()
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """Faults first."""
+        return self.faults + self.doubts
+
+
+def judge(blow: Blow, *, windowed: bool = False) -> Verdict:
+    """Judge one blow by itself.
+
+    A fault makes the FRF wrong and rejects the blow; a doubt costs accuracy and is only said.
+    """
+    faults = (
+        _cut_short(blow),
+        _no_pretrigger(blow),
+        _double(blow),
+        _clipped(blow),
+        _response_clipped(blow),
+    )
+    doubts = (
+        _no_quiet(blow),
+        _undersampled(blow),
+        _not_decayed(blow, windowed),
+        _ringing(blow),
+        _undershoot(blow),
+    )
+    return Verdict(tuple(filter(None, faults)), tuple(filter(None, doubts)))
+
+
+def remaining(blow: Blow) -> float:
+    """Part of the response that is left at the end of the block, noise taken off; 0 to 1."""
+    length = max(len(blow.force) // 16, 4)
+    left = []
+    for row, noise in zip(blow.acceleration, blow.noise[1:], strict=True):
+        start = row[blow.onset : blow.onset + (len(row) - blow.onset) // length * length]
+        power = start.reshape(-1, length).var(axis=1)
+        # the decay of what rings longest: the loudest sixteenth may hold what dies at once
+        last = max(power[-1] - noise**2, 0.0)
+        left.append(np.sqrt(last / max(power.max(), 1e-300)))
+    return float(min(max(left), 1.0))
+
+
+def second_pulse(blow: Blow) -> tuple[float, float]:
+    """Largest second rise of the force: its height over the peak, and s from the peak.
+
+    How far the force rises again after it fell from its peak, or before it rose to it. The single
+    hump of a soft tip, however long, does not rise twice.
+    """
+    f, top, at = blow.force, blow.peak, blow.peak_at
+    inside = blow.pulse(0.05)
+    best, where = 0.0, 0
+    for step in (1, -1):
+        walk = f[at::step] if step > 0 else f[at::-1]
+        rise = walk - np.minimum(np.minimum.accumulate(walk), top)
+        # what starts below the base line rings; only what stands above it pushes
+        rise = np.minimum(rise, walk)
+        # ringing of filters about a short pulse dies within a few samples
+        near = np.arange(len(rise)) < (inside.stop - inside.start) + 6
+        rise = np.where(near & (rise < 4 * REBOUND * top), 0.0, rise)
+        i = int(np.argmax(rise))
+        if rise[i] > best:
+            best, where = float(rise[i]), step * i
+    return best / top, where / blow.rate
+
+
+def _cut_short(blow: Blow) -> str:
+    if not blow.missing:
+        return ""
+    have = (len(blow.force) - blow.missing) / blow.rate
+    return (
+        f"the recording ends {have:.3g} s into a block of {len(blow.force) / blow.rate:.3g} s; "
+        "record on, or ask for a shorter record"
+    )
+
+
+def _no_pretrigger(blow: Blow) -> str:
+    if blow.onset >= 2 or blow.force[0] <= 0.05 * blow.peak:
+        return ""
+    return (
+        f"the recording begins inside the pulse, at {100 * blow.force[0] / blow.peak:.0f} % of its "
+        "peak; set a pretrigger"
+    )
+
+
+def _no_quiet(blow: Blow) -> str:
+    if blow.onset >= 8:
+        return ""
+    return (
+        f"only {blow.onset} samples lie before the pulse, too few to know the offsets; set a "
+        "pretrigger of some 0.1 s"
+    )
+
+
+def _double(blow: Blow) -> str:
+    height, after = second_pulse(blow)
+    if height < REBOUND or height * blow.peak < 8 * blow.noise[0]:
+        return ""
+    return (
+        f"double hit: a second pulse of {100 * height:.0f} % of the peak "
+        f"{1000 * abs(after):.0f} ms {'after' if after > 0 else 'before'} it"
+    )
+
+
+def _clipped(blow: Blow) -> str:
+    if not flat_topped(blow.force[blow.pulse(0.3)], blow.noise[0]):
+        return ""
+    return (
+        f"hammer overload: the pulse is flat at {blow.peak:.4g} N, as if cut off; hit more softly "
+        "or raise the range"
+    )
+
+
+def _response_clipped(blow: Blow) -> str:
+    for number, (row, noise) in enumerate(
+        zip(blow.acceleration, blow.noise[1:], strict=True), start=1
+    ):
+        for signed in (row, -row):
+            top = int(np.argmax(signed))
+            above = signed > 0.3 * signed[top]
+            left = top - int(np.argmin(above[top::-1])) + 1 if not above[: top + 1].all() else 0
+            right = top + int(np.argmin(above[top:])) if not above[top:].all() else len(row)
+            lobe = signed[left:right]
+            run = int(np.count_nonzero(lobe > lobe.max() - max(3 * noise, 1e-6 * lobe.max())))
+            if run >= 4 and flat_topped(lobe, noise):
+                return (
+                    f"acceleration {number} overloads: it is flat at {lobe.max():.4g} m/s^2; hit "
+                    "more softly or raise the range"
+                )
+    return ""
+
+
+def flat_topped(lobe: FloatArray, noise: float) -> bool:
+    """Tell whether a lobe is cut off at its top.
+
+    A half-sine spends 0.30 of its half-height width above 95 % of its peak, a haversine 0.29, a
+    Gaussian 0.27; one cut at 95 % of its height 0.41. The top is taken as the median of the
+    samples about it, so noise on a flat top does not hide it. Lobes of fewer than 8 samples are
+    only called flat when 3 neighbours are equal.
+    """
+    top = int(np.argmax(lobe))
+    peak = float(lobe[top])
+    if len(lobe) < 8:
+        equal = np.abs(np.diff(lobe)) <= 1e-9 * peak
+        high = np.minimum(lobe[1:], lobe[:-1]) >= 0.98 * peak
+        pairs = equal & high
+        return bool((pairs[1:] & pairs[:-1]).any())
+    peak = float(np.median(lobe[lobe >= peak - max(3 * noise, 0.02 * peak)]))
+    if noise > 0.02 * peak:  # the widths drown in noise
+        return False
+    return _width(lobe, 0.95 * peak) > FLAT * _width(lobe, 0.5 * peak)
+
+
+def _width(lobe: FloatArray, level: float) -> float:
+    """Samples between the first and the last crossing of a level, by straight lines."""
+    above = np.flatnonzero(lobe >= level)
+    first, last = int(above[0]), int(above[-1])
+    left, right = float(first), float(last)
+    if first > 0:
+        left -= (lobe[first] - level) / (lobe[first] - lobe[first - 1])
+    if last < len(lobe) - 1:
+        right += (lobe[last] - level) / (lobe[last] - lobe[last + 1])
+    return right - left
+
+
+def _undersampled(blow: Blow) -> str:
+    inside = blow.pulse(0.1)
+    samples = inside.stop - inside.start
+    if samples >= FEWEST_SAMPLES:
+        return ""
+    return (
+        f"the pulse is {samples} sample{'s' if samples > 1 else ''} long, so its height is "
+        f"guesswork; sample at {FEWEST_SAMPLES / samples * blow.rate:.3g} Hz or more, or take a "
+        "softer tip"
+    )
+
+
+def _not_decayed(blow: Blow, windowed: bool) -> str:
+    left = remaining(blow)
+    limit = DECAYED_WITH_WINDOW if windowed else DECAYED
+    if left <= limit or blow.missing:
+        return ""
+    return (
+        f"{100 * left:.2g} % of the response is left at the end of the record (expected "
+        f"{100 * limit:.0f} % {'with' if windowed else 'without'} a window); record longer"
+        + ("" if windowed else ", or use the exponential window")
+    )
+
+
+def _ringing(blow: Blow) -> str:
+    worst = 0.0
+    for row, spread, noise in zip(blow.acceleration, blow.ringing, blow.noise[1:], strict=True):
+        slow = np.sqrt(max(spread**2 - noise**2, 0.0))
+        loud = float(row[blow.onset :][: max(len(row) // 16, 4)].std())
+        if slow > 3 * noise / np.sqrt(max(blow.onset, 1)):
+            worst = max(worst, slow / max(loud, 1e-300))
+    if worst < 0.02:
+        return ""
+    return (
+        f"the block still moves before the blow, by {100 * worst:.0f} % of the response to it; "
+        "wait longer between blows"
+    )
+
+
+def _undershoot(blow: Blow) -> str:
+    """A force channel coupled by a capacitor gives the impulse back after the pulse."""
+    inside = blow.pulse(0.02)
+    end = inside.stop + (inside.stop - inside.start)
+    tail = blow.force[end : len(blow.force) - blow.missing]
+    if blow.onset < 8 or len(tail) < 16:
+        return ""
+    impulse = float(blow.force[inside].sum())
+    given_back = -float(tail.sum()) / impulse
+    # the base line is known only as well as the mean of the samples before the blow
+    doubt = 5 * blow.noise[0] * len(tail) / np.sqrt(blow.onset) / impulse
+    if given_back < max(UNDERSHOOT, doubt):
+        return ""
+    first = tail[: max(len(tail) // 50, 8)]
+    corner = -float(first.mean()) * blow.rate / impulse / (2 * np.pi)
+    return (
+        f"the force stays below its base line after the pulse and gives {100 * given_back:.0f} % "
+        f"of the impulse back, as a channel coupled above {max(corner, 0.0):.2g} Hz does; couple "
+        "it by DC, or trust only frequencies 20 times as high"
+    )

@@ -1,0 +1,286 @@
+r"""Modes as the poles of a rational fraction, fitted to what a record of finite length shows.
+
+The accelerance of lightly coupled modes is, on the Laplace plane,
+
+.. math:: A(s) = \sum_i \left[R_i\,\kappa(s, p_i) + R_i^*\,\kappa(s, p_i^*)\right] + b(s), \qquad
+          \kappa(s, p) = \frac{1 - e^{(p - s) T + \vartheta^2 (p^2 - s^2)/2}}{s - p}
+
+where :math:`\kappa` is the transform of :math:`e^{pt}` over the record alone, T after the middle of
+a pulse of rms width :math:`\vartheta` (its own transform goes as :math:`e^{\vartheta^2 s^2/2}` to
+second order): leakage is part of the model, not an error. Residues and the background b enter
+linearly and are solved for exactly at each trial of the poles (variable projection); b holds the
+mass line, modes above the band and, as slow real poles, relaxation and modes below it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dashpot._arrays import ComplexArray, FloatArray
+
+FLOOR = 1e-3  # relative error below which no line of a measured FRF is trusted
+STEPS = 60
+SMALLEST_MODE = 0.02  # of the largest value in the band
+
+
+@dataclass(frozen=True, eq=False)
+class Lines:
+    """FRF lines to be fitted: one row of `value` and `sd` per channel.
+
+    Attributes
+    ----------
+    s : complex array, shape (n,)
+    value : complex array, shape (channels, n)
+        Accelerance, 1/kg.
+    sd : array, shape (channels, n)
+    record : float or None
+        Length of the record after the blow, s; None if the response was not cut.
+    pulse : float
+        Rms width of the blow, s.
+    """
+
+    s: ComplexArray
+    value: ComplexArray
+    sd: FloatArray
+    record: float | None
+    pulse: float = 0.0
+
+    @classmethod
+    def measured(
+        cls,
+        frequency: FloatArray,
+        value: ComplexArray,
+        sd: FloatArray | None,
+        *,
+        record: float | None,
+        pulse: float = 0.0,
+        shift: float = 0.0,
+    ) -> Lines:
+        """Lines as an FRF holds them; `value` and `sd` of shape (channels, n)."""
+        size = np.abs(value)
+        floor = FLOOR * (size.max(axis=1, keepdims=True) if sd is None else size)
+        error = np.broadcast_to(np.hypot(0.0 if sd is None else sd, floor), size.shape)
+        return cls(np.asarray(2j * np.pi * frequency + shift), value, error, record, pulse)
+
+
+@dataclass(frozen=True, eq=False)
+class PoleFit:
+    """Poles common to all channels, and each channel's residues.
+
+    Attributes
+    ----------
+    poles : complex array, shape (modes,)
+        Upper half of the plane, 1/s.
+    residues : complex array, shape (channels, modes)
+        Of the accelerance.
+    covariance : array, shape (4 modes, 4 modes)
+        Of sigma, omega of each mode, then of real and imaginary residues of the first channel.
+    chi2 : float
+        Weighted sum of squares per degree of freedom.
+    """
+
+    poles: ComplexArray
+    residues: ComplexArray
+    covariance: FloatArray
+    chi2: float
+
+
+def kernel(lines: Lines, p: complex) -> ComplexArray:
+    r"""Transform of :math:`e^{pt}` over the record (module docstring), shape (n,)."""
+    s = lines.s
+    if lines.record is None:
+        return np.asarray(1 / (s - p))
+    return np.asarray(-np.expm1(_lost(lines, p)) / (s - p))
+
+
+def _lost(lines: Lines, p: complex) -> ComplexArray:
+    """Logarithm of the part that the end of the record takes."""
+    T = lines.record or 0.0
+    return np.asarray((p - lines.s) * T + 0.5 * lines.pulse**2 * (p**2 - lines.s**2))
+
+
+def find_poles(lines: Lines, *, most: int, count: int | None = None) -> PoleFit | None:
+    """Add modes, each where the others leave most, until none is left that matters.
+
+    Parameters
+    ----------
+    lines : Lines
+    most : int
+        Largest number of modes.
+    count : int, optional
+        Exactly this many instead of as many as matter.
+
+    Returns
+    -------
+    PoleFit or None
+        None if there is no mode in the lines.
+    """
+    best: PoleFit | None = None
+    theta = np.empty(0)
+    cost = _solve(lines, theta)[0]
+    for number in range(1, (count or most) + 1):
+        start = _next_pole(lines, theta)
+        if start is None:
+            break
+        trial, trial_cost = _refine(lines, np.concatenate((theta, start)))
+        fit = _finish(lines, trial, trial_cost)
+        if count is None and not _matters(lines, fit, cost, trial_cost):
+            break
+        best, theta, cost = fit, trial, trial_cost
+        if number == count:
+            break
+    return best
+
+
+def _poles(theta: FloatArray) -> ComplexArray:
+    return np.asarray(-np.exp(theta[0::2]) + 1j * theta[1::2])
+
+
+def _columns(lines: Lines, theta: FloatArray) -> ComplexArray:
+    """Modes, two real coefficients each, and the background: shape (n, 2 modes + background)."""
+    s = lines.s
+    columns = []
+    for p in _poles(theta):
+        up, down = kernel(lines, p), kernel(lines, p.conjugate())
+        columns += [up + down, 1j * (up - down)]
+    centre = float(np.sqrt(s.imag[0] * s.imag[-1]))
+    top = float(s.imag[-1])
+    columns += [np.ones_like(s), (s / top) ** 2]
+    columns += [kernel(lines, complex(-rate)) * centre for rate in (1e-3 * centre, centre)]
+    return np.array(columns).T
+
+
+def _stack(values: ComplexArray, weight: FloatArray) -> FloatArray:
+    """Real above imaginary parts, weighted."""
+    w = weight if values.ndim == 1 else weight[:, None]
+    return np.concatenate((values.real * w, values.imag * w))
+
+
+def _solve(lines: Lines, theta: FloatArray) -> tuple[float, list[FloatArray], list[FloatArray]]:
+    """Best linear coefficients at given poles: cost, coefficients and residuals by channel."""
+    columns = _columns(lines, theta)
+    cost, coefficients, residuals = 0.0, [], []
+    for value, sd in zip(lines.value, lines.sd, strict=True):
+        rows, y = _stack(columns, 1 / sd), _stack(value, 1 / sd)
+        scale = np.linalg.norm(rows, axis=0)
+        c = np.linalg.lstsq(rows / scale, y, rcond=1e-12)[0] / scale
+        r = y - rows @ c
+        coefficients.append(c)
+        residuals.append(r)
+        cost += float(r @ r)
+    return cost, coefficients, residuals
+
+
+def _slopes(lines: Lines, theta: FloatArray, c: FloatArray) -> ComplexArray:
+    """Derivative of the modes' sum by ln sigma and omega at fixed coefficients, (n, 2 modes)."""
+    columns = []
+    for i, p in enumerate(_poles(theta)):
+        residue = complex(c[2 * i], c[2 * i + 1])
+        up = residue * _kernel_slope(lines, p)
+        down = residue.conjugate() * _kernel_slope(lines, p.conjugate())
+        columns += [p.real * (up + down), 1j * (up - down)]
+    return np.array(columns).T
+
+
+def _kernel_slope(lines: Lines, p: complex) -> ComplexArray:
+    k = kernel(lines, p)
+    if lines.record is None:
+        return k**2
+    later = lines.record + lines.pulse**2 * p
+    return np.asarray((k - later * np.exp(_lost(lines, p))) / (lines.s - p))
+
+
+def _refine(lines: Lines, theta: FloatArray) -> tuple[FloatArray, float]:
+    """Levenberg-Marquardt over the poles, the residues projected out (Kaufman's Jacobian)."""
+    cost, coefficients, residuals = _solve(lines, theta)
+    damping = 1e-3
+    for _ in range(STEPS):
+        columns = _columns(lines, theta)
+        normal, gradient = np.zeros((len(theta),) * 2), np.zeros(len(theta))
+        for c, r, sd in zip(coefficients, residuals, lines.sd, strict=True):
+            basis, _ = np.linalg.qr(_stack(columns, 1 / sd))
+            jacobian = _stack(_slopes(lines, theta, c), 1 / sd)
+            jacobian = jacobian - basis @ (basis.T @ jacobian)
+            normal += jacobian.T @ jacobian
+            gradient += jacobian.T @ r
+        diagonal = np.diag(normal).copy()
+        diagonal[diagonal == 0] = 1.0
+        moved = False
+        while damping < 1e8:
+            step = np.linalg.solve(normal + damping * np.diag(diagonal), gradient)
+            step[0::2] = np.clip(step[0::2], -2.0, 2.0)
+            trial = theta + step
+            if (trial[1::2] > 0).all():
+                trial_cost, trial_c, trial_r = _solve(lines, trial)
+                if trial_cost <= cost:
+                    moved = True
+                    break
+            damping *= 10
+        if not moved:
+            break
+        gain = cost - trial_cost
+        theta, cost, coefficients, residuals = trial, trial_cost, trial_c, trial_r
+        damping = max(damping / 10, 1e-12)
+        if gain <= 1e-13 * cost or np.abs(step).max() < 1e-13:
+            break
+    return theta, cost
+
+
+def _next_pole(lines: Lines, theta: FloatArray) -> FloatArray | None:
+    """Scan frequency and damping about the line that the poles so far explain worst."""
+    _, _, residuals = _solve(lines, theta)
+    n = len(lines.s)
+    left = np.zeros(n)
+    for r, sd in zip(residuals, lines.sd, strict=True):
+        left += (r[:n] ** 2 + r[n:] ** 2) * sd**2
+    omega = lines.s.imag
+    worst, step = float(omega[np.argmax(left)]), float(np.median(np.diff(omega)))
+    best, start = np.inf, None
+    for shift in (-1.5, -1.0, -0.5, 0.0, 0.5, 1.0, 1.5):
+        for ratio in np.geomspace(3e-4, 0.4, 9):
+            trial = np.array([np.log(ratio * worst), max(worst + shift * step, 0.5 * omega[0])])
+            cost = _solve(lines, np.concatenate((theta, trial)))[0]
+            if cost < best:
+                best, start = cost, trial
+    return start
+
+
+def _finish(lines: Lines, theta: FloatArray, cost: float) -> PoleFit:
+    _, coefficients, _ = _solve(lines, theta)
+    modes = len(theta) // 2
+    spare = max(2 * lines.value.size - len(theta) - sum(map(len, coefficients)), 1)
+    sd = lines.sd[0]
+    columns = _stack(_columns(lines, theta), 1 / sd)
+    slopes = _stack(_slopes(lines, theta, coefficients[0]), 1 / sd)
+    slopes[:, 0::2] /= _poles(theta).real  # by p.real = -sigma, so by sigma up to the sign
+    full = np.hstack((slopes, columns))
+    scale = np.linalg.norm(full, axis=0)
+    covariance = np.linalg.pinv((full / scale).T @ (full / scale)) / np.outer(scale, scale)
+    chi2 = cost / spare
+    residues = np.array([c[0 : 2 * modes : 2] + 1j * c[1 : 2 * modes : 2] for c in coefficients])
+    return PoleFit(
+        poles=_poles(theta),
+        residues=residues,
+        covariance=covariance[: 4 * modes, : 4 * modes] * max(chi2, 1.0),
+        chi2=chi2,
+    )
+
+
+def _matters(lines: Lines, fit: PoleFit, before: float, after: float) -> bool:
+    """Tell whether the last mode added is a mode: seen, oscillating, distinct and significant."""
+    p, residue = fit.poles[-1], fit.residues[:, -1]
+    n = 2 * lines.value.size
+    if not lines.s.imag[0] < p.imag < lines.s.imag[-1] or -p.real > 0.6 * abs(p):
+        return False
+    others = fit.poles[:-1]
+    if others.size and np.abs(others - p).min() < 0.5 * min(-p.real, float(-others.real.max())):
+        return False
+    top = np.abs(lines.value).max(axis=1)
+    height = np.abs(residue) * float(np.abs(kernel(lines, p)).max())
+    if (height < SMALLEST_MODE * top).all():
+        return False
+    parameters = 2 + 2 * len(residue)
+    gain = (before - after) / max(fit.chi2, 1e-300)
+    return bool(gain > 3 * parameters * np.log(n))

@@ -1,0 +1,95 @@
+r"""Several accelerometers as one: the mean, or the weights that do not see the block rock.
+
+A block that is struck off its centre bounces and rocks; accelerometer i at :math:`x_i` sees
+:math:`a_i/F = B(s) + q_i R(s)`. The mean is free of rocking if the accelerometers are alike and
+stand symmetrically. Otherwise the weights w that minimise :math:`|\sum_i w_i q_i|` under
+:math:`\sum_i w_i = 1` are, whatever the gains and places.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dashpot._arrays import ComplexArray, FloatArray
+from dashpot.vibration.rational import Lines, find_poles, kernel
+
+
+@dataclass(frozen=True)
+class Combination:
+    """How the accelerometers are weighted, and how much rocking is left.
+
+    Attributes
+    ----------
+    weights : tuple of float
+        Sum 1.
+    rocking_frequency, bounce_frequency : float
+        Hz.
+    mean_ratio, ratio : float
+        Height of the rocking peak over that of the bounce peak, in the plain mean and as weighted.
+    """
+
+    weights: tuple[float, ...]
+    rocking_frequency: float
+    bounce_frequency: float
+    mean_ratio: float
+    ratio: float
+
+
+def null_rocking(lines: Lines) -> Combination | None:
+    """Weights that null the rocking mode, from poles that all accelerometers share.
+
+    Parameters
+    ----------
+    lines : Lines
+        A row for each accelerometer, of the band that holds bounce and rocking.
+
+    Returns
+    -------
+    Combination or None
+        None if no mode moves the accelerometers against each other.
+    """
+    fit = find_poles(lines, most=5)
+    if fit is None:
+        return None
+    # in the receptance the mount's modes stand out
+    shape = fit.residues / fit.poles**2
+    power = (np.abs(shape) ** 2).sum(axis=0)
+    together = np.abs(shape.sum(axis=0)) ** 2 / len(shape)
+    # 1 where all accelerometers move as one, 0 where they cancel
+    unison = together / power
+    if len(unison) < 2 or unison.max() < 0.5 or unison.min() > 0.5:
+        return None
+    bounce = int(np.argmax(np.where(unison >= 0.5, power, 0)))
+    rocking = int(np.argmax(np.where(unison < 0.5, power, 0)))
+    weights = _weights(fit.residues[:, rocking])
+
+    tall = [float(np.abs(kernel(lines, fit.poles[i])).max()) for i in (rocking, bounce)]
+
+    def heights(w: FloatArray) -> tuple[float, float]:
+        return (
+            float(tall[0] * abs(w @ fit.residues[:, rocking])),
+            float(tall[1] * abs(w @ fit.residues[:, bounce])),
+        )
+
+    mean = heights(np.full(len(shape), 1 / len(shape)))
+    nulled = heights(weights)
+    return Combination(
+        weights=tuple(float(w) for w in weights),
+        rocking_frequency=float(abs(fit.poles[rocking])) / (2 * np.pi),
+        bounce_frequency=float(abs(fit.poles[bounce])) / (2 * np.pi),
+        mean_ratio=mean[0] / mean[1],
+        ratio=nulled[0] / nulled[1],
+    )
+
+
+def _weights(shape: ComplexArray) -> FloatArray:
+    """Real weights of sum 1 and, among the best, of least norm, that see least of a shape."""
+    n = len(shape)
+    rows = np.vstack((shape.real, shape.imag)) / np.linalg.norm(shape)
+    mean = np.full(n, 1 / n)
+    # any weights of sum 1 are the mean plus differences
+    differences = np.linalg.svd(np.ones((1, n)))[2][1:].T
+    step, *_ = np.linalg.lstsq(rows @ differences, -rows @ mean, rcond=1e-9)
+    return np.asarray(mean + differences @ step)
