@@ -1,1 +1,86 @@
-"""One target, one file: solid to text."""
+"""Decks: a solid as text for a solver, one target, one file.
+
+Every target is a function ``target(solid, *, units, specimen, allow, form, ...) -> str`` of a
+bare :class:`~dashpot.solids.maxwell.GeneralizedMaxwell` or of a
+:class:`~dashpot.relaxation.fit.Fit`, which brings its pedigree and must be worth exporting.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+
+from dashpot.export import abaqus as _abaqus
+from dashpot.export import adams as _adams
+from dashpot.export import ansys as _ansys
+from dashpot.export import calculix as _calculix
+from dashpot.export import csv as _csv
+from dashpot.export import lsdyna as _lsdyna
+from dashpot.export import nastran as _nastran
+from dashpot.export import opensees as _opensees
+from dashpot.export import radioss as _radioss
+from dashpot.export import statespace as _statespace
+from dashpot.export.deck import PROBLEMS, UNIT_SYSTEMS
+from dashpot.export.sealline import SealLine
+
+_MODULES = {
+    "nastran": _nastran,
+    "abaqus": _abaqus,
+    "ansys": _ansys,
+    "lsdyna": _lsdyna,
+    "calculix": _calculix,
+    "opensees": _opensees,
+    "adams": _adams,
+    "csv": _csv,
+    "radioss": _radioss,
+    "statespace": _statespace,
+}
+FORMS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {name: module.FORMS for name, module in _MODULES.items()}
+)
+"""The forms each target can write; the first is what it writes if not told."""
+
+nastran = _nastran.nastran
+abaqus = _abaqus.abaqus
+ansys = _ansys.ansys
+lsdyna = _lsdyna.lsdyna
+calculix = _calculix.calculix
+opensees = _opensees.opensees
+adams = _adams.adams
+csv = _csv.csv
+radioss = _radioss.radioss
+statespace = _statespace.statespace
+
+TARGETS: Mapping[str, Callable[..., str]] = MappingProxyType(
+    {
+        "nastran": nastran,
+        "abaqus": abaqus,
+        "ansys": ansys,
+        "lsdyna": lsdyna,
+        "calculix": calculix,
+        "opensees": opensees,
+        "adams": adams,
+        "csv": csv,
+        "radioss": radioss,
+        "statespace": statespace,
+    }
+)
+"""Every target by its name on the command line."""
+
+__all__ = [
+    "FORMS",
+    "PROBLEMS",
+    "TARGETS",
+    "UNIT_SYSTEMS",
+    "SealLine",
+    "abaqus",
+    "adams",
+    "ansys",
+    "calculix",
+    "csv",
+    "lsdyna",
+    "nastran",
+    "opensees",
+    "radioss",
+    "statespace",
+]

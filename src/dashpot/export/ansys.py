@@ -1,0 +1,79 @@
+"""Ansys Mechanical APDL input."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Collection
+
+from dashpot.export.deck import Deck, Solid, choose_form, open_deck, text
+from dashpot.relaxation.records import Specimen
+
+FORMS = ("arms", "prony")
+
+
+def ansys(
+    solid: Solid,
+    *,
+    units: str | None = None,
+    specimen: Specimen | None = None,
+    allow: Collection[str] = (),
+    form: str = "arms",
+) -> str:
+    r"""Mechanical APDL commands of a solid.
+
+    ``"arms"`` writes the exact network of COMBIN14 springs and dampers acting along UX, for any
+    analysis; ``"prony"`` a TB,PRONY table of relative shear moduli alpha_j = k_j/k_0 and times,
+    for transient and full harmonic analyses.
+
+    Parameters are those of :func:`dashpot.export.nastran.nastran`.
+    """
+    choose_form(form, FORMS, "ansys")
+    deck = open_deck(solid, units=units, specimen=specimen, allow=allow, prony=form == "prony")
+    return _prony(deck) if form == "prony" else _arms(deck)
+
+
+def _arms(deck: Deck) -> str:
+    header = deck.header(
+        "!",
+        "network of springs and dampers for Ansys Mechanical APDL",
+        remarks=[
+            (
+                "node 1 is the ground side, node 2 the moving side, one inner node in each arm; all "
+                "act along UX of the nodes (KEYOPT(2) = 1), wherever the nodes stand"
+            )
+        ],
+    )
+    nodes = ["N,1,0,0,0", "N,2,0,0,0", *(f"N,{11 + j},0,0,0" for j in range(deck.model.arms))]
+    elements: list[tuple[float, float, int, int]] = []  # K, CV1, I, J
+    if deck.k_inf > 0 or deck.b > 0:
+        elements.append((deck.k_inf, deck.b, 1, 2))
+    for j, (k, _, b) in enumerate(deck.arms):
+        elements += [(k, 0.0, 2, 11 + j), (0.0, b, 11 + j, 1)]
+    lines = [*header, "/PREP7", "ET,1,COMBIN14", "KEYOPT,1,2,1", *nodes, "TYPE,1"]
+    for number, (k, c, i, j) in enumerate(elements, start=1):
+        lines += [f"R,{number},{text(k)},{text(c)}", f"REAL,{number}", f"E,{i},{j}"]
+    return "\n".join([*lines, "FINISH", ""])
+
+
+def _prony(deck: Deck) -> str:
+    header = deck.header(
+        "!",
+        "material of relative moduli for Ansys Mechanical APDL",
+        remarks=[
+            (
+                "alpha_j = k_j / k_0 refers to the instantaneous modulus: the elastic constants of "
+                "material 1 are the instantaneous ones"
+            ),
+            (
+                "repeat the table with BULK in place of SHEAR for a sponge, which keeps its Poisson "
+                "ratio as it relaxes"
+            ),
+        ],
+    )
+    pairs = [(g, tau) for g, (_, tau, _) in zip(deck.relative_moduli, deck.arms, strict=True)]
+    values = [text(value) for value in itertools.chain.from_iterable(pairs)]
+    rows = [
+        f"TBDATA,{start + 1}," + ",".join(values[start : start + 6])
+        for start in range(0, len(values), 6)
+    ]
+    return "\n".join([*header, f"TB,PRONY,1,1,{len(pairs)},SHEAR", *rows, ""])

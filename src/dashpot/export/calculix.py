@@ -1,0 +1,162 @@
+"""CalculiX input."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+import numpy as np
+
+from dashpot.errors import ExportError
+from dashpot.export.abaqus import spring_dashpot_cards
+from dashpot.export.deck import Deck, Solid, choose_form, open_deck, text
+from dashpot.relaxation.records import Specimen
+
+FORMS = ("arms",)
+VERIFIED = (
+    "verified: CalculiX (ccx) runs such a deck in dashpot's tests; its FRF is within 1e-4 of the "
+    "model"
+)
+_PADDING = 100
+_INNER_MASS = 2e-5
+
+
+def calculix(
+    solid: Solid,
+    *,
+    units: str | None = None,
+    specimen: Specimen | None = None,
+    allow: Collection[str] = (),
+    form: str = "arms",
+    mass: float | None = None,
+    frequency_range: tuple[float, float] = (1.0, 100.0),
+    points: int = 400,
+) -> str:
+    r"""CalculiX keywords: the exact network of SPRINGA and DASHPOTA elements.
+
+    With a mass the deck is complete and runs as it stands: the mass on the solid under a unit
+    force, its displacement printed as a real and an imaginary block at each frequency, that is,
+    the receptance. Without one it is the network alone, to be included.
+
+    Three things about ccx shape the deck. Inner nodes need a mass, which is made so small that
+    the arm does not feel it. Its eigensolver returns zeros for models of a few degrees of
+    freedom, so stiff dummies that touch nothing are added. Its modal dynamics step ignores
+    dashpots: use the steady-state step written here, or ``*DYNAMIC`` with small increments.
+
+    Parameters
+    ----------
+    solid, units, specimen, allow
+        As in :func:`dashpot.export.nastran.nastran`.
+    form : str
+        ``"arms"``.
+    mass : float, optional
+        kg.
+    frequency_range : (float, float)
+        Of the steady-state step, Hz; the inner masses are small up to its end.
+    points : int
+        Frequencies in it, evenly spaced.
+    """
+    choose_form(form, FORMS, "calculix")
+    deck = open_deck(solid, units=units, specimen=specimen, allow=allow)
+    low, high = frequency_range
+    if not 0 < low < high:
+        raise ExportError(f"frequency_range = {low:g}:{high:g} Hz; expected 0 < low < high")
+    if mass is not None and not mass > 0:
+        raise ExportError(f"mass = {mass!r} kg; expected a number > 0")
+    network = [
+        "*NODE",
+        "1, 0., 0., 0.",
+        "2, 1., 0., 0.",
+        *(f"{11 + j}, 0.5, 0., 0." for j in range(deck.model.arms)),
+        *spring_dashpot_cards(deck, ground=1, mass=2, first_inner=11, first_element=1, name="SEAL"),
+        *_inner_masses(deck, high),
+        "*BOUNDARY",
+        "1, 1, 3",
+        "2, 2, 3",
+        *(f"{11 + j}, 2, 3" for j in range(deck.model.arms)),
+    ]
+    remarks = [
+        "node 1 is the ground side, node 2 the moving side, one inner node in each arm, along x"
+    ]
+    if mass is None:
+        header = deck.header(
+            "**", "network of springs and dashpots for CalculiX", verified=VERIFIED, remarks=remarks
+        )
+        return "\n".join([*header, *network, ""])
+    header = deck.header(
+        "**",
+        "steady-state response of a mass on the solid for CalculiX",
+        verified=VERIFIED,
+        remarks=[*remarks, ("U1 of node 2 under a unit force: the receptance, real block then "
+                 "imaginary block at each frequency; the dummies only keep the eigensolver busy")],
+    )  # fmt: skip
+    return "\n".join([*header, *network, *_steps(deck, mass, low, high, points), ""])
+
+
+def _inner_masses(deck: Deck, high: float) -> list[str]:
+    cards: list[str] = []
+    omega = 2 * np.pi * high
+    for j, (k, tau) in enumerate(zip(deck.model.k, deck.model.tau, strict=True)):
+        # what the inner node feels at the top frequency: the softer of its spring and dashpot
+        felt = k * min(1.0, omega * tau)
+        value = _INNER_MASS * felt / omega**2 / deck.units.mass
+        cards += [
+            f"*ELEMENT, TYPE=MASS, ELSET=SEAL_M_{j + 1}",
+            f"{201 + j}, {11 + j}",
+            f"*MASS, ELSET=SEAL_M_{j + 1}",
+            text(value),
+        ]
+    return cards
+
+
+def _steps(deck: Deck, mass: float, low: float, high: float, points: int) -> list[str]:
+    units = deck.units
+    value = mass / units.mass
+    # dummies far above every mode of the model, yet not so far that the eigensolver loses digits
+    top = max(
+        [deck.model.k_0 / mass]
+        + [
+            k / (_INNER_MASS * k * min(1.0, 2 * np.pi * high * tau) / (2 * np.pi * high) ** 2)
+            for k, tau in zip(deck.model.k, deck.model.tau, strict=True)
+        ]
+    )
+    dummies = range(1001, 1001 + _PADDING)
+    stiffness = 100 * units.stiffness(mass * top)
+    return [
+        "*ELEMENT, TYPE=MASS, ELSET=BLOCK",
+        "301, 2",
+        "*MASS, ELSET=BLOCK",
+        text(value),
+        "*NODE, NSET=DUMMIES",
+        *(f"{n}, {n - 1000}., 10., 0." for n in dummies),
+        "*NODE",
+        *(f"{n + 1000}, {n - 1000}., 11., 0." for n in dummies),
+        "*NSET, NSET=FIXED, GENERATE",
+        f"{dummies[0] + 1000}, {dummies[-1] + 1000}, 1",
+        "*ELEMENT, TYPE=SPRINGA, ELSET=DUMMY_K",
+        *(f"{n}, {n}, {n + 1000}" for n in dummies),
+        "*SPRING, ELSET=DUMMY_K",
+        "",
+        text(stiffness),
+        "*ELEMENT, TYPE=MASS, ELSET=DUMMY_M",
+        *(f"{n + 1000}, {n}" for n in dummies),
+        "*MASS, ELSET=DUMMY_M",
+        text(value),
+        "*BOUNDARY",
+        "FIXED, 1, 3",
+        "DUMMIES, 1, 1",
+        "DUMMIES, 3, 3",
+        "*NSET, NSET=MOVING",
+        "2",
+        "*STEP",
+        "*FREQUENCY, STORAGE=YES",
+        f"{1 + deck.model.arms}",
+        "*END STEP",
+        "*STEP",
+        "*STEADY STATE DYNAMICS",
+        f"{text(units.frequency(low))}, {text(units.frequency(high))}, {points}, 1.",
+        "*CLOAD",
+        "2, 1, 1.",
+        "*NODE PRINT, NSET=MOVING",
+        "U",
+        "*END STEP",
+    ]

@@ -1,0 +1,143 @@
+"""LS-DYNA keyword input."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from dashpot.errors import ExportError
+from dashpot.export.deck import Deck, Solid, choose_form, open_deck, packed
+from dashpot.export.material import long_term, shear_modulus, shear_terms
+from dashpot.relaxation.records import Specimen
+
+FORMS = ("arms", "prony")
+_MOST_TERMS = 18  # of *MAT_GENERAL_VISCOELASTIC
+
+
+def lsdyna(
+    solid: Solid,
+    *,
+    units: str | None = None,
+    specimen: Specimen | None = None,
+    allow: Collection[str] = (),
+    form: str = "arms",
+    modulus: float | None = None,
+    bulk_modulus: float | None = None,
+    density: float | None = None,
+) -> str:
+    r"""LS-DYNA keywords of a solid.
+
+    ``"arms"`` writes discrete elements in parallel between two nodes: one *MAT_SPRING_ELASTIC,
+    and for each arm one *MAT_SPRING_MAXWELL, whose stiffness decays from k_j to 0 at
+    beta_j = 1/tau_j: the exact network without inner nodes. ``"prony"`` writes
+    *MAT_GENERAL_VISCOELASTIC (076) with absolute shear moduli.
+
+    Parameters
+    ----------
+    solid, units, specimen, allow
+        As in :func:`dashpot.export.nastran.nastran`.
+    form : str
+    modulus, bulk_modulus : float, optional
+        Instantaneous shear modulus and elastic bulk modulus of the rubber, Pa; only and always
+        for ``"prony"``.
+    density : float, optional
+        kg/m^3; only and always for ``"prony"``.
+    """
+    choose_form(form, FORMS, "lsdyna")
+    deck = open_deck(solid, units=units, specimen=specimen, allow=allow, prony=form == "prony")
+    if form == "prony":
+        return _prony(deck, modulus, bulk_modulus, density)
+    if (modulus, bulk_modulus, density) != (None, None, None):
+        raise ExportError(
+            "modulus, bulk_modulus and density belong to the material card; add form='prony', or "
+            "leave them out"
+        )
+    return _arms(deck)
+
+
+def _arms(deck: Deck) -> str:
+    header = deck.header(
+        "$",
+        "discrete springs and dampers for LS-DYNA",
+        remarks=[
+            (
+                "fields of nine columns hold five digits or more; each Maxwell arm is one discrete "
+                "element, all between nodes 1 (ground side) and 2 (moving side)"
+            ),
+        ],
+    )
+    materials: list[tuple[str, list[float]]] = []
+    if deck.k_inf > 0:
+        materials.append(("*MAT_SPRING_ELASTIC", [deck.k_inf]))
+    if deck.b > 0:
+        materials.append(("*MAT_DAMPER_VISCOUS", [deck.b]))
+    for k, tau, _ in deck.arms:
+        # k0, ki, beta, tc, fc, copt: compression incremental, no cut-off
+        materials.append(("*MAT_SPRING_MAXWELL", [k, 0.0, 1 / tau, 0.0, 0.0, 0.0]))
+    lines = [
+        *header,
+        "*KEYWORD",
+        "*NODE",
+        f"{1:>8}{'0.':>16}{'0.':>16}{'0.':>16}",
+        f"{2:>8}{'1.':>16}{'0.':>16}{'0.':>16}",
+        "*SECTION_DISCRETE",
+        "$#   secid       dro        kd        v0        cl        fd",
+        _fields(1, 0, 0.0, 0.0, 0.0, 0.0),
+        "$#     cdl       tdl",
+        _fields(0.0, 0.0),
+    ]
+    for number, (keyword, values) in enumerate(materials, start=1):
+        lines += [
+            keyword,
+            _fields(number, *values),
+            "*PART",
+            f"seal {keyword[5:].lower().replace('_', ' ')} {number}",
+            _fields(number, 1, number),
+            "*ELEMENT_DISCRETE",
+            f"{number:>8}{number:>8}{1:>8}{2:>8}",
+        ]
+    return "\n".join([*lines, "*END", ""])
+
+
+def _prony(
+    deck: Deck, modulus: float | None, bulk_modulus: float | None, density: float | None
+) -> str:
+    G_0 = shear_modulus(modulus, "LS-DYNA")
+    terms = shear_terms(deck, G_0)
+    if bulk_modulus is None or density is None or not (bulk_modulus > 0 and density > 0):
+        raise ExportError(
+            "*MAT_GENERAL_VISCOELASTIC needs bulk_modulus= in Pa and density= in kg/m^3, found "
+            f"{bulk_modulus!r} and {density!r}"
+        )
+    if deck.model.k_inf > 0:
+        # a term that does not decay carries the equilibrium modulus
+        terms = [(long_term(deck, G_0), 0.0), *terms]
+    if len(terms) > _MOST_TERMS:
+        raise ExportError(
+            f"*MAT_GENERAL_VISCOELASTIC holds {_MOST_TERMS} terms, found {len(terms)}; fit fewer "
+            "arms"
+        )
+    header = deck.header(
+        "$",
+        "solid material for LS-DYNA",
+        remarks=["the first term has beta = 0: the equilibrium modulus"],
+    )
+    return "\n".join(
+        [
+            *header,
+            "*KEYWORD",
+            "*MAT_GENERAL_VISCOELASTIC",
+            "$#     mid        ro      bulk       pcf        ef      tref         a         b",
+            _fields(1, deck.units.density(density), deck.units.stress(bulk_modulus)),
+            "$#    lcid        nt    bstart     tramp     lcidk       ntk   bstartk    trampk",
+            _fields(0),
+            "$#      gi     betai",
+            *(_fields(G, beta) for G, beta in terms),
+            "*END",
+            "",
+        ]
+    )
+
+
+def _fields(*values: object) -> str:
+    words = (packed(value, 9) if isinstance(value, float) else str(value) for value in values)
+    return "".join(f"{word:>10}" for word in words)
