@@ -11,6 +11,7 @@ import numpy as np
 
 from dashpot.comparison import Comparison
 from dashpot.errors import DataError, ReadError
+from dashpot.job import Job
 from dashpot.planning import Plan
 from dashpot.relaxation.fit import Fit, Status
 from dashpot.relaxation.records import RampHold, RelaxationTest
@@ -28,6 +29,7 @@ SCHEMAS: dict[str, type] = {
     "dashpot/frf@1": FRF,
     "dashpot/comparison@1": Comparison,
     "dashpot/plan@1": Plan,
+    "dashpot/job@1": Job,
     "dashpot/study@1": Study,
 }
 """What each versioned schema name holds."""
@@ -95,7 +97,7 @@ def _plain(value: Any) -> Any:
     if is_dataclass(value):
         plain = {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
         name = _NAMES.get(type(value))
-        contract = _CONTRACTS.get(type(value), lambda _noun, plain: plain)
+        contract = _CONTRACTS.get(type(value), _as_it_is)
         return ({"schema": name} if name else {}) | contract(value, plain)
     if isinstance(value, np.ndarray):
         if np.iscomplexobj(value):
@@ -116,6 +118,10 @@ def _plain(value: Any) -> Any:
     return value
 
 
+def _as_it_is(_noun: object, plain: dict[str, Any]) -> dict[str, Any]:
+    return plain
+
+
 def _model_contract(model: GeneralizedMaxwell, _plain_model: dict[str, Any]) -> dict[str, Any]:
     arms = zip(model.k, model.tau, model.arm_b, strict=True)
     return {
@@ -133,12 +139,22 @@ def _fit_contract(fit: Fit, plain: dict[str, Any]) -> dict[str, Any]:
         "ok": fit.ok,
         "says": fit.status.value,
         "model": head["model"],
-        "standard_error": _numbers_or_null(fit.standard_error),
+        "standard_error": _standard_error(fit),
         "interval_95": _numbers_or_null(dict(fit.intervals(level=0.95))),
         "residual": head["residual"],
         "band_hz": band,
         **plain,
     }
+
+
+def _standard_error(fit: Fit) -> dict[str, Any]:
+    error = fit.standard_error
+    arms = [
+        {"k": k, "tau": tau, "b": b}
+        for k, tau, b in zip(error["k"], error["tau"], error["b"], strict=True)
+    ]
+    whole: dict[str, Any] = _numbers_or_null({"k_inf": error["k_inf"], "arms": arms})
+    return whole
 
 
 def _comparison_contract(comparison: Comparison, plain: dict[str, Any]) -> dict[str, Any]:

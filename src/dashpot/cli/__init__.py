@@ -8,7 +8,7 @@ import click
 
 COMMANDS = (
     "inspect", "fit", "predict", "impact", "compare", "identify", "report", "export",
-    "simulate", "plan", "demo",
+    "simulate", "plan", "verify", "demo",
 )  # fmt: skip
 
 

@@ -25,6 +25,7 @@ class Outcome:
     document: dict[str, Any]
     text: str
     checks: tuple[Check, ...] = ()
+    must_pass: bool = False  # a failed check is this command's own failure, --strict or not
 
 
 class Quantity(click.ParamType[Any]):
@@ -102,7 +103,7 @@ def reports(function: Callable[..., Outcome]) -> Callable[..., None]:
                 raise
             where = f"{error.filename}: " if error.filename else ""
             fail(f"{where}{error.strerror or error}")
-        if strict and any(not check.passed for check in outcome.checks):
+        if (strict or outcome.must_pass) and any(not check.passed for check in outcome.checks):
             sys.exit(1)
 
     return command

@@ -8,7 +8,7 @@ import click
 
 from dashpot.cli._hammer import hammer
 from dashpot.cli._reading import reading
-from dashpot.cli._shell import Arms, Outcome, Quantity, Range, reports, write
+from dashpot.cli._shell import Arms, Outcome, Quantity, Range, reports, said, write
 from dashpot.cli._specimen import specimen
 
 if TYPE_CHECKING:
@@ -28,7 +28,8 @@ if TYPE_CHECKING:
 @click.option("--band", type=Range("frequency"), help="Lines compared, e.g. 5:40Hz.")
 @click.option("--filter", "filter_", metavar="SPEC", help="E.g. lowpass:10Hz; off by default.")
 @click.option("--no-joint", is_flag=True, help="Leave out the joint fit.")
-@click.option("-o", "--output", metavar="FILE", default="report.html", show_default=True)
+@click.option("--project", metavar="DIR", help="Keep raw files, results and history there.")
+@click.option("-o", "--output", metavar="FILE", help="The report [default: report.html].")
 @reports
 @specimen
 @hammer
@@ -43,7 +44,8 @@ def command(
     band: tuple[float, float] | None,
     filter_: str | None,
     no_joint: bool,
-    output: str,
+    project: str | None,
+    output: str | None,
     specimen: Specimen,
     hammer: HammerChoices,
     options: ReadOptions,
@@ -53,6 +55,7 @@ def command(
     \b
     dashpot report seal_8mm.csv --mass 104g --seals 2 -o report.html
     dashpot report seal_8mm.csv --impact hammer.csv --mass 104g --seals 2 -o report.html
+    dashpot report seal_8mm.csv --impact hammer.csv --mass 104g --seals 2 --project door-seal
     """
     from dashpot.archive import document
     from dashpot.cli import _words
@@ -75,7 +78,16 @@ def command(
         reading_impact=ReadOptions(units=options.units, acceleration=options.acceleration),
         hammer=hammer,
     )
-    study = run(job)
-    write(output, html(study))
-    content = document(study) | {"report": output}
+    if project:
+        from dashpot.project import create, record
+
+        study, place = record(create(project), job)
+        said(f"wrote {place}")
+        written = [str(place)]
+    else:
+        study, written = run(job), []
+    if output or not project:
+        written.append(output or "report.html")
+        write(written[-1], html(study))
+    content = document(study) | {"report": written[-1]}
     return Outcome(content, "" if output == "-" else _words.study(study), study.checks)
