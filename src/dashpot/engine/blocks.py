@@ -50,6 +50,9 @@ class Block(Protocol):
         Sum of squares that no model of the block's family can remove.
     grain : float
         Sum of squares below which a residual is rounding or compression, not data.
+    turning : bool
+        The orthogonal coordinates of `evaluate` depend on the relaxation times, so that only
+        columns evaluated together may be compared.
     samples : int
         Samples of the full data set.
     fixed_names : tuple of str
@@ -67,6 +70,8 @@ class Block(Protocol):
     def floor(self) -> float: ...  # noqa: D102
     @property
     def grain(self) -> float: ...  # noqa: D102
+    @property
+    def turning(self) -> bool: ...  # noqa: D102
     @property
     def samples(self) -> int: ...  # noqa: D102
     @property
@@ -108,6 +113,11 @@ class DesignBlock:
             )
         if not self.samples:
             object.__setattr__(self, "samples", rows)
+
+    @property
+    def turning(self) -> bool:
+        """Rows stay what they are."""
+        return False
 
     @property
     def grain(self) -> float:

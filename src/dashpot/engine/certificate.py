@@ -13,8 +13,9 @@ from dashpot.engine.descent import Stack
 from dashpot.engine.nnls import nonnegative
 from dashpot.engine.separable import Solution
 
-GRID = 240
-CERTAIN = 1e-9
+GRID = 160
+ROUNDS = 4
+CERTAIN = 1e-6
 
 
 @dataclass(frozen=True)
@@ -24,7 +25,7 @@ class Optimality:
     Attributes
     ----------
     optimal : bool
-        No positive spectrum whatever, in the window, has an SSE lower by 1e-9 of it.
+        No positive spectrum whatever, in the window, has an SSE lower by 1e-6 of it.
     gap : float
         (SSE - SSE of the best positive spectrum with any number of arms) / SSE, >= 0.
     lean : float
@@ -50,49 +51,47 @@ def certificate(blocks: Sequence[Block], solution: Solution) -> Optimality:
     ln tau that holds the solution's own arms and is refined where the residual leans.
     """
     stack = Stack(blocks)
-    q = len(stack.names)
-    base = stack.evaluate(solution.log_tau, derivative=False)
-    beta = np.concatenate((solution.fixed, solution.arms.ravel()))
-    residual = base.target - base.phi @ beta
-    sse = stack.floor + float(residual @ residual)
-    grid = np.unique(np.concatenate((np.linspace(*stack.bounds, GRID), solution.log_tau)))
-    fixed = base.phi[:, :q]
-    # k_inf resting at zero is no free direction; its column then cannot be swept out
+    q, groups = len(stack.names), len(stack.groups)
+    # k_inf resting at zero is no free direction: its column then is not swept out
     loose = ~(stack.restricted(0, signed=False) & (solution.fixed == 0))
-    basis = np.linalg.qr(fixed[:, loose])[0]
-    target = base.target - basis @ (basis.T @ base.target)
-    best = np.inf
-    lean, place = -np.inf, 0.0
-    for round_ in range(4):
-        columns = stack.evaluate(grid, derivative=False).phi[:, q:]
-        swept = columns - basis @ (basis.T @ columns)
+    grid = np.linspace(*stack.bounds, GRID)
+    best, left, lean, place = np.inf, 0.0, -np.inf, 0.0
+    for round_ in range(ROUNDS):
+        together = np.concatenate((solution.log_tau, grid))
+        target, phi, _ = stack.evaluate(together, derivative=False)
+        every = phi[:, q:].reshape(len(target), groups, -1)
+        own = every[:, :, : solution.order].reshape(len(target), -1)
+        residual = target - phi[:, :q] @ solution.fixed - own @ solution.arms.ravel()
+        basis = np.linalg.qr(phi[:, :q][:, loose])[0]
+        swept = phi[:, q:] - basis @ (basis.T @ phi[:, q:])
         length = np.linalg.norm(swept, axis=0)
-        length = np.where(length > 1e-7 * np.linalg.norm(columns, axis=0), length, np.inf)
-        swept = swept / length
+        raw = np.linalg.norm(phi[:, q:], axis=0)
+        swept = swept / np.where(length > 1e-7 * raw, length, np.inf)
         if round_ == 0:
-            towards = (swept.T @ residual).reshape(len(stack.groups), -1).max(axis=0)
-            lean, place = float(towards.max()), float(grid[np.argmax(towards)])
-        x = nonnegative(swept.T @ swept, swept.T @ target, limit=200)
-        rest = target - swept @ x
+            left = float(residual @ residual)
+            towards = (swept.T @ residual).reshape(groups, -1).max(axis=0)
+            lean, place = float(towards.max()), float(together[np.argmax(towards)])
+        aim = target - basis @ (basis.T @ target)
+        x = nonnegative(swept.T @ swept, swept.T @ aim, limit=200)
+        rest = aim - swept @ x
         best = min(best, float(rest @ rest))
-        grid = _refined(grid, x.reshape(len(stack.groups), -1).sum(axis=0), round_)
-    norm = np.sqrt(sse) if sse > 0 else 1.0
-    gap = max(0.0, (stack.floor + float(residual @ residual)) - stack.floor - best) / (sse or 1.0)
-    nothing = float(residual @ residual) <= stack.grain
-    gap = 0.0 if nothing else gap
+        grid = _refined(together, x.reshape(groups, -1).sum(axis=0), round_, stack.bounds)
+    sse = stack.floor + left
+    gap = 0.0 if left <= stack.grain else max(0.0, left - best) / sse
     optimal = gap <= CERTAIN
     return Optimality(
         optimal=optimal,
         gap=gap,
-        lean=float(lean / norm),
+        lean=float(lean / np.sqrt(sse)) if sse > 0 else 0.0,
         tau=None if optimal else float(np.exp(place)),
     )
 
 
-def _refined(grid: FloatArray, weight: FloatArray, round_: int) -> FloatArray:
+def _refined(
+    grid: FloatArray, weight: FloatArray, round_: int, bounds: tuple[float, float]
+) -> FloatArray:
     """The support of the spectrum, and a finer grid around each of its points."""
-    support = np.flatnonzero(weight > 0)
-    step = (grid[-1] - grid[0]) / GRID / 8.0**round_
-    near = grid[support][:, None] + step * np.arange(-8, 9) / 8
-    near = np.clip(near, grid[0], grid[-1]).ravel()
-    return np.unique(np.concatenate((near, grid[[0, -1]], grid[support])))
+    support = grid[weight > 0]
+    step = (bounds[1] - bounds[0]) / GRID / 8.0**round_
+    near = support[:, None] + step * np.arange(-8, 9) / 8
+    return np.unique(np.concatenate((np.clip(near, *bounds).ravel(), bounds)))

@@ -40,6 +40,8 @@ class Stack:
         shortest = min(block.window[0] for block in blocks)
         longest = max(block.window[1] for block in blocks)
         self.bounds = (float(np.log(shortest)), float(np.log(longest)))
+        #: the blocks' coordinates depend on tau, so only columns evaluated together compare
+        self.turning = any(block.turning for block in blocks)
         #: sum of squares below which a residual is rounding
         self.grain = float(sum(block.grain for block in blocks))
 

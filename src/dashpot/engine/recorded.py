@@ -1,12 +1,26 @@
-"""Blocks of a recorded displacement, any history on any grid."""
+r"""Blocks of a recorded displacement, any history on any grid.
+
+The force is that of displacement straight between its samples, which the recursion gives
+exactly, with z = h/tau and a = e^{-z}:
+
+.. math:: q_i = a\, q_{i-1} + G\,(x_i - x_{i-1}), \quad G = \frac{1 - e^{-z}}{z}, \qquad
+    p_i = \frac{\partial q_i}{\partial \ln\tau}
+        = a\, p_{i-1} + a z\, q_{i-1} + (G - a)(x_i - x_{i-1})
+
+On a uniform grid without weights the correlation form (:mod:`dashpot.engine.correlation`)
+costs one Fourier transform and then nothing that grows with the record.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
 from dashpot._arrays import FloatArray
-from dashpot.engine.blocks import DesignBlock
+from dashpot.engine.blocks import Block, DesignBlock
+from dashpot.engine.compression import SMALL, uniform_step
+from dashpot.engine.correlation import correlation_block
 from dashpot.engine.holds import window_of
+from dashpot.errors import DataError
 from dashpot.solids.history import decaying_sum
 
 
@@ -21,18 +35,20 @@ def recorded_block(
     drift: str | None = None,
     weights: FloatArray | None = None,
     arm_group: str = "k",
-) -> DesignBlock:
+) -> Block:
     r"""Force under a recorded displacement that is straight between its samples.
 
-    .. math:: F_i = k_\infty x_i + \sum_j k_j q_j(t_i) + F_0 + \dot F (t_i - t_0), \qquad
-        q_i = e^{-z} q_{i-1} + \frac{1 - e^{-z}}{z} (x_i - x_{i-1}), \; z = h_i/\tau
+    .. math:: F_i = k_\infty x_i + \sum_j k_j q_j(t_i) + F_0 + \dot F (t_i - t_w)
+
+    The form is chosen by the record: correlation on a uniform grid, recursion otherwise.
 
     Parameters
     ----------
     time, displacement, force : array, shape (M,)
         Strictly increasing times, any spacing; at rest at displacement zero before the first.
     window : slice
-        The samples whose force is fitted; the displacement before it still acts.
+        The contiguous samples whose force is fitted; the displacement before it still acts.
+        t_w is its first time.
     k_inf, offset, drift : str
         Names of the fixed columns; offset and drift are left out unless named.
     weights : array, shape (M,), optional
@@ -40,20 +56,50 @@ def recorded_block(
     """
     time = np.asarray(time, dtype=float)
     x = np.asarray(displacement, dtype=float)
-    root = (np.ones(len(time)) if weights is None else weights)[window]
-    fixed = {k_inf: x[window]}
+    y = np.asarray(force, dtype=float)
+    if not len(time) == len(x) == len(y):
+        raise DataError(
+            f"time, displacement and force have {len(time)}, {len(x)} and {len(y)} samples; "
+            "expected the same number"
+        )
+    start, stop, stride = window.indices(len(time))
+    if stride != 1 or stop - start < 3:
+        raise DataError("the window must hold at least 3 neighbouring samples")
+    fixed = {k_inf: x[start:stop]}
     if offset is not None:
-        fixed[offset] = np.ones(len(root))
+        fixed[offset] = np.ones(stop - start)
     if drift is not None:
-        fixed[drift] = time[window] - time[window][0]
+        fixed[drift] = time[start:stop] - time[start]
+    exact = recursion_block(
+        time, x, y, window=slice(start, stop), fixed=fixed, weights=weights, arm_group=arm_group
+    )
+    if weights is not None or x[0] != 0 or len(time) <= SMALL or uniform_step(time) is None:
+        return exact
+    return correlation_block(exact, time, x, y, start=start, stop=stop)
+
+
+def recursion_block(
+    time: FloatArray,
+    x: FloatArray,
+    y: FloatArray,
+    *,
+    window: slice,
+    fixed: dict[str, FloatArray],
+    weights: FloatArray | None = None,
+    arm_group: str = "k",
+) -> DesignBlock:
+    """The full record, every sample a row, arms by recursion: any grid, any weights."""
+    root = None if weights is None else weights[window, None]
 
     def columns(tau: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
-        q, p = arm_columns(time, x, tau)
-        return root[:, None] * q[window], root[:, None] * p[window]
+        q, p = arm_columns(time, x, tau, derivative=derivative)
+        q, p = q[window], p[window]
+        return (q, p) if root is None else (root * q, root * p)
 
+    matrix = np.column_stack(list(fixed.values()))
     return DesignBlock(
-        target=root * force[window],
-        fixed=root[:, None] * np.column_stack(list(fixed.values())),
+        target=y[window] if root is None else root[:, 0] * y[window],
+        fixed=matrix if root is None else root * matrix,
         fixed_names=tuple(fixed),
         columns=columns,
         window=window_of(time),
@@ -61,15 +107,44 @@ def recorded_block(
     )
 
 
-def arm_columns(time: FloatArray, x: FloatArray, tau: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Elongations q of unit arms and dq / d ln tau, both (M, N), by the exact recursion."""
-    z = np.diff(time)[:, None] / tau
-    zero = np.zeros((1, len(tau)))
-    decay = np.concatenate((zero, np.exp(-z)))
-    mean = np.concatenate((zero + 1, -np.expm1(-z) / z))
-    moved = np.concatenate((x[:1], np.diff(x)))[:, None]
-    q = decaying_sum(decay, mean * moved)
-    z = np.concatenate((zero, z))
-    before = np.concatenate((zero, q[:-1]))
-    p = decaying_sum(decay, decay * z * before + (mean - decay) * moved * (z > 0))
-    return q, p
+def arm_columns(
+    time: FloatArray, x: FloatArray, tau: FloatArray, *, derivative: bool = True
+) -> tuple[FloatArray, FloatArray]:
+    """Elongations q of unit arms and dq / d ln tau, both (M, N), by the exact recursion.
+
+    Without the derivative the second is the first.
+    """
+    step = uniform_step(time)
+    moved = np.diff(x)[:, None]
+    z = (np.diff(time)[:, None] if step is None else np.array([[step]])) / tau
+    lost = np.expm1(-z)
+    decay, mean = 1 + lost, -lost / z
+    q = _recursion(decay, mean * moved, np.full(len(tau), x[0]))
+    if not derivative:
+        return q, q
+    return q, _recursion(decay, decay * z * q[:-1] + (mean - decay) * moved, np.zeros(len(tau)))
+
+
+def _recursion(decay: FloatArray, increments: FloatArray, first: FloatArray) -> FloatArray:
+    r"""u_0 = first, u_i = decay u_{i-1} + increments_{i-1}, shape (M, N)."""
+    values = np.concatenate((first[None], increments))
+    if len(decay) != 1:
+        return decaying_sum(np.concatenate((np.zeros_like(first)[None], decay)), values)
+    # one decay for all: run many stretches side by side, then pass each one's end on
+    total, arms = values.shape
+    length = int(np.ceil(np.sqrt(total)))
+    stretches = -(-total // length)
+    out = np.zeros((length, stretches, arms))
+    padded = np.zeros((stretches * length, arms))
+    padded[:total] = values
+    by_step = np.ascontiguousarray(padded.reshape(stretches, length, arms).transpose(1, 0, 2))
+    u = np.zeros((stretches, arms))
+    for i in range(length):
+        u = u * decay + by_step[i]
+        out[i] = u
+    carry = np.zeros((stretches, arms))
+    whole = decay[0] ** length
+    for b in range(1, stretches):
+        carry[b] = carry[b - 1] * whole + u[b - 1]
+    out += (decay ** np.arange(1, length + 1)[:, None])[:, None, :] * carry
+    return np.asarray(out.transpose(1, 0, 2).reshape(-1, arms)[:total])

@@ -27,26 +27,25 @@ class Grid:
     """
 
     def __init__(self, stack: Stack, size: int = GRID) -> None:
+        self.stack = stack
         self.log_tau = np.linspace(*stack.bounds, size)
         self.groups = len(stack.groups)
         rows = stack.evaluate(self.log_tau, derivative=False)
         q = len(stack.names)
-        self.fixed, self.target = rows.phi[:, :q], rows.target
-        columns = rows.phi[:, q:]
+        target, columns = rows.target, rows.phi[:, q:]
         if q:
-            basis = np.linalg.qr(self.fixed)[0]
+            basis = np.linalg.qr(rows.phi[:, :q])[0]
             raw = np.linalg.norm(columns, axis=0)
             columns = columns - basis @ (basis.T @ columns)
-            self.swept = self.target - basis @ (basis.T @ self.target)
+            target = target - basis @ (basis.T @ target)
         else:
             raw = np.linalg.norm(columns, axis=0)
-            self.swept = self.target
         left = np.linalg.norm(columns, axis=0)
         # a column that the fixed ones explain to seven digits points nowhere
         self.length = np.where(left > 1e-7 * raw, left, np.inf)
         self.columns = columns / self.length
         self.gram = self.columns.T @ self.columns
-        self.moment = self.columns.T @ self.swept
+        self.moment = self.columns.T @ target
 
     def spectrum(self) -> FloatArray:
         """Best non-negative spectrum on the grid, in unit columns, shape (G, m)."""
@@ -59,11 +58,11 @@ class Grid:
         phi; negative where only a negative coefficient would help. Groups add as squares.
         """
         if len(point.log_tau):
-            phi = self._current(point)
+            columns, residual, phi = self._beside(point)
             basis = np.linalg.qr(phi)[0]
-            along = basis.T @ self.columns
+            along = basis.T @ columns
             left = np.sqrt(np.maximum(1.0 - (along * along).sum(axis=0), 0.0))
-            lean = (self.columns.T @ point.residual) / np.where(left > 1e-4, left, np.inf)
+            lean = (columns.T @ residual) / np.where(left > 1e-4, left, np.inf)
         else:
             lean = self.moment
         lean = np.where(np.isfinite(self.length), lean, 0.0).reshape(self.groups, -1)
@@ -72,17 +71,20 @@ class Grid:
         push = np.maximum(lean, 0.0)
         return np.where(push.any(axis=0), np.sqrt((push * push).sum(axis=0)), lean.max(axis=0))
 
-    def _current(self, point: Point) -> FloatArray:
-        # between grid points a column is the mean of its neighbours: enough to choose a start
-        m = len(self.log_tau)
-        place = np.clip(np.searchsorted(self.log_tau, point.log_tau), 1, m - 1)
-        step = self.log_tau[1] - self.log_tau[0]
-        part = (point.log_tau - self.log_tau[place - 1]) / step
-        full = (self.columns * np.where(np.isfinite(self.length), self.length, 0.0)).reshape(
-            len(self.columns), self.groups, m
-        )
-        mixed = full[:, :, place - 1] * (1 - part) + full[:, :, place] * part
-        return np.asarray(mixed.reshape(len(self.columns), -1))
+    def _beside(self, point: Point) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Grid columns, the point's residual and its columns, in common coordinates."""
+        if not self.stack.turning:
+            return self.columns, point.residual, self.stack.evaluate(point.log_tau).phi
+        arms, q = len(point.log_tau), len(self.stack.names)
+        both = np.concatenate((point.log_tau, self.log_tau))
+        rows = self.stack.evaluate(both, derivative=False)
+        every = rows.phi[:, q:].reshape(len(rows.target), self.groups, -1)
+        fixed = rows.phi[:, :q]
+        phi = np.concatenate((fixed, every[:, :, :arms].reshape(len(fixed), -1)), axis=1)
+        grid = every[:, :, arms:].reshape(len(fixed), -1)
+        basis = np.linalg.qr(fixed)[0]
+        columns = (grid - basis @ (basis.T @ grid)) / self.length
+        return columns, rows.target - phi @ point.beta, phi
 
 
 def inserted(grid: Grid, point: Point, *, signed: bool, count: int = 2) -> list[FloatArray]:
