@@ -77,10 +77,8 @@ def _arms(deck: Deck) -> str:
         "**",
         "network of springs and dashpots for Abaqus",
         remarks=[
-            (
-                "node 1 is the ground side, node 2 the moving side, one inner node in each arm; all "
-                "act along x and only the direction of the axis matters, not its length"
-            ),
+            "node 1 is the ground side, node 2 the moving side, one inner node in each arm; all",
+            "act along x and only the direction of the axis matters, not its length",
             "inner nodes are massless: for Abaqus/Explicit give each a small *MASS",
         ],
     )
@@ -106,14 +104,10 @@ def _prony(deck: Deck) -> str:
         "**",
         "material of relative moduli for Abaqus",
         remarks=[
-            (
-                "g_j = k_j / k_0 refers to the instantaneous modulus: put MODULI=INSTANTANEOUS on the "
-                "*ELASTIC, *HYPERELASTIC or *HYPERFOAM card beside it"
-            ),
-            (
-                "bulk ratios repeat the shear ratios: a sponge keeps its Poisson ratio as it relaxes; "
-                "set the second column to 0 for a nearly incompressible rubber"
-            ),
+            "g_j = k_j / k_0 refers to the instantaneous modulus: put MODULI=INSTANTANEOUS on the",
+            "*ELASTIC, *HYPERELASTIC or *HYPERFOAM card beside it",
+            "bulk ratios repeat the shear ratios: a sponge keeps its Poisson ratio as it relaxes;",
+            "set the second column to 0 for a nearly incompressible rubber",
         ],
     )
     rows = [
@@ -135,10 +129,13 @@ def _connector(deck: Deck, frequency_range: tuple[float, float], tolerance: floa
     header = deck.header(
         "**",
         "frequency-dependent connector behavior for Abaqus",
-        remarks=[table.says, ("acts along component 1 of an AXIAL or CARTESIAN connector, in direct "
-                 "or subspace-based steady-state dynamics; rows after 'EXTRAPOLATED' lie outside "
-                 "the identified band")],
-    )  # fmt: skip
+        remarks=[
+            table.says,
+            "acts along component 1 of an AXIAL or CARTESIAN connector, in direct",
+            "or subspace-based steady-state dynamics; rows after EXTRAPOLATED lie outside",
+            "the identified band",
+        ],
+    )
     storage = [deck.units.stiffness(value) for value in table.storage]
     frequency = [deck.units.frequency(value) for value in table.frequency]
     rows = {"stiffness": storage, "loss": table.damping.tolist()}

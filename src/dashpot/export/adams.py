@@ -57,14 +57,10 @@ def adams(
         "$",
         "transfer function K(s) / k_inf of a frequency-dependent bushing",
         remarks=[
-            (
-                "K(s) = stiffness * product(1 + lambda_i s) / product(1 + tau_j s); the coefficients "
-                "are those of s^0, s^1, ..."
-            ),
-            (
-                "copy the numbers into the property file of your bushing: its layout differs between "
-                "codes and versions, and is not written here"
-            ),
+            "K(s) = stiffness * product(1 + lambda_i s) / product(1 + tau_j s); the coefficients",
+            "are those of s^0, s^1, ...",
+            "copy the numbers into the property file of your bushing: its layout differs between",
+            "codes and versions, and is not written here",
         ],
     )
     lines = [

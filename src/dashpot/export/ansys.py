@@ -37,10 +37,8 @@ def _arms(deck: Deck) -> str:
         "!",
         "network of springs and dampers for Ansys Mechanical APDL",
         remarks=[
-            (
-                "node 1 is the ground side, node 2 the moving side, one inner node in each arm; all "
-                "act along UX of the nodes (KEYOPT(2) = 1), wherever the nodes stand"
-            )
+            "node 1 is the ground side, node 2 the moving side, one inner node in each arm; all",
+            "act along UX of the nodes (KEYOPT(2) = 1), wherever the nodes stand",
         ],
     )
     nodes = ["N,1,0,0,0", "N,2,0,0,0", *(f"N,{11 + j},0,0,0" for j in range(deck.model.arms))]
@@ -60,14 +58,10 @@ def _prony(deck: Deck) -> str:
         "!",
         "material of relative moduli for Ansys Mechanical APDL",
         remarks=[
-            (
-                "alpha_j = k_j / k_0 refers to the instantaneous modulus: the elastic constants of "
-                "material 1 are the instantaneous ones"
-            ),
-            (
-                "repeat the table with BULK in place of SHEAR for a sponge, which keeps its Poisson "
-                "ratio as it relaxes"
-            ),
+            "alpha_j = k_j / k_0 refers to the instantaneous modulus: the elastic constants of",
+            "material 1 are the instantaneous ones",
+            "repeat the table with BULK in place of SHEAR for a sponge, which keeps its Poisson",
+            "ratio as it relaxes",
         ],
     )
     pairs = [(g, tau) for g, (_, tau, _) in zip(deck.relative_moduli, deck.arms, strict=True)]

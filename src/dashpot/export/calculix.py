@@ -86,9 +86,12 @@ def calculix(
         "**",
         "steady-state response of a mass on the solid for CalculiX",
         verified=VERIFIED,
-        remarks=[*remarks, ("U1 of node 2 under a unit force: the receptance, real block then "
-                 "imaginary block at each frequency; the dummies only keep the eigensolver busy")],
-    )  # fmt: skip
+        remarks=[
+            *remarks,
+            "U1 of node 2 under a unit force: the receptance, real block then",
+            "imaginary block at each frequency; the dummies only keep the eigensolver busy",
+        ],
+    )
     return "\n".join([*header, *network, *_steps(deck, mass, low, high, points), ""])
 
 

@@ -59,10 +59,8 @@ def _arms(deck: Deck) -> str:
         "$",
         "discrete springs and dampers for LS-DYNA",
         remarks=[
-            (
-                "fields of nine columns hold five digits or more; each Maxwell arm is one discrete "
-                "element, all between nodes 1 (ground side) and 2 (moving side)"
-            ),
+            "fields of nine columns hold five digits or more; each Maxwell arm is one discrete",
+            "element, all between nodes 1 (ground side) and 2 (moving side)",
         ],
     )
     materials: list[tuple[str, list[float]]] = []

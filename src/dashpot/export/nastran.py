@@ -11,6 +11,7 @@ from dashpot.export.deck import Deck, Solid, choose_form, open_deck, packed
 from dashpot.export.sealline import SealLine
 from dashpot.export.tables import Damping, Table, tabulate
 from dashpot.relaxation.records import Specimen
+from dashpot.solids.maxwell import GeneralizedMaxwell
 
 FORMS = ("table", "viscous-table", "arms")
 _VERIFIED = (
@@ -70,21 +71,30 @@ def nastran(
     scale = _share(deck, line)
     if form == "arms":
         return _arms(deck, scale, line, first_id)
-    return _table(deck, scale, line, first_id, form, frequency_range, tolerance, nominal)
+    return _table(
+        deck,
+        deck.model * scale,
+        line=line,
+        first_id=first_id,
+        damping="loss_factor" if form == "table" else "damping",
+        frequency_range=frequency_range,
+        tolerance=tolerance,
+        nominal=nominal,
+    )
 
 
 def _table(
     deck: Deck,
-    scale: float,
+    model: GeneralizedMaxwell,
+    *,
     line: SealLine | None,
     first_id: int,
-    form: str,
+    damping: Damping,
     frequency_range: tuple[float, float],
     tolerance: float,
     nominal: float | None,
 ) -> str:
-    damping: Damping = "loss_factor" if form == "table" else "damping"
-    model, units = deck.model * scale, deck.units
+    units = deck.units
     table = tabulate(
         model,
         frequency_range=frequency_range,
@@ -98,9 +108,13 @@ def _table(
         "$",
         "frequency-dependent bushing for Nastran and OptiStruct",
         verified=_VERIFIED,
-        remarks=[*_line_remarks(deck, line), table.says, *_marks(deck, table),
-                 f"nominal K and damping: those at {at:.6g} Hz; the bushing acts along its x axis"],
-    )  # fmt: skip
+        remarks=[
+            *_line_remarks(deck, line),
+            table.says,
+            *_marks(deck, table),
+            f"nominal K and damping: those at {at:.6g} Hz; the bushing acts along its x axis",
+        ],
+    )
     K = complex(model.complex_stiffness(2 * np.pi * at))
     if damping == "loss_factor":
         label, nominal_damping, damped = "GE", K.imag / K.real, table.damping.tolist()
@@ -156,11 +170,9 @@ def _line_remarks(deck: Deck, line: SealLine | None) -> list[str]:
         return []
     unit, word = deck.units.length, deck.units.words[0]
     return [
-        (
-            f"seal line: {line.length / unit:.6g} {word} in {line.elements} elements of "
-            f"{line.piece / unit:.6g} {word} each; K of one element = K of the tested piece x "
-            f"{line.piece / (deck.specimen.length or 1.0):.6g}"
-        )
+        f"seal line: {line.length / unit:.6g} {word} in {line.elements} elements of",
+        f"{line.piece / unit:.6g} {word} each; K of one element = K of the tested piece x",
+        f"{line.piece / (deck.specimen.length or 1.0):.6g}",
     ]
 
 
@@ -172,10 +184,8 @@ def _marks(deck: Deck, table: Table) -> list[str]:
     if not outside:
         return []
     return [
-        (
-            f"EXTRAPOLATED: {len(outside)} of {len(table.frequency)} rows, from {min(outside):.6g} to "
-            f"{max(outside):.6g} Hz, lie outside the identified band"
-        )
+        f"EXTRAPOLATED: {len(outside)} of {len(table.frequency)} rows, those from "
+        + f"{min(outside):.6g} to {max(outside):.6g} Hz",
     ]
 
 

@@ -57,9 +57,11 @@ def opensees(
         "#",
         "uniaxial material for OpenSees",
         verified=VERIFIED,
-        remarks=[(f"material {whole} is the solid; in a zeroLength element it acts along one "
-                 "direction, force against displacement")],
-    )  # fmt: skip
+        remarks=[
+            f"material {whole} is the solid; in a zeroLength element it acts along one",
+            "direction, force against displacement",
+        ],
+    )
     if form == "tcl":
         return "\n".join([*header, *(" ".join(command) for command in commands), ""])
     calls = [f"ops.{name}({', '.join([repr(kind), *values])})" for name, kind, *values in commands]

@@ -39,10 +39,8 @@ def radioss(
         "#",
         "viscosity card for Radioss",
         remarks=[
-            (
-                "the card adds to the material law of the same number, whose own shear modulus is the "
-                f"long-term one, {text(long_term(deck, G_0))} {deck.units.words[4]}"
-            ),
+            "the card adds to the material law of the same number, whose own shear modulus is the",
+            f"long-term one, {text(long_term(deck, G_0))} {deck.units.words[4]}",
         ],
     )
     return "\n".join(
