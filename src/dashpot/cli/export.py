@@ -2,11 +2,143 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 import click
 
-from dashpot.cli._shell import Outcome, Quantity, Range, reports, write
+from dashpot.cli._shell import Outcome, Quantity, Range, reports, said, write
+from dashpot.cli._specimen import specimen
 
+if TYPE_CHECKING:
+    from dashpot.export import SealLine
+    from dashpot.relaxation.records import Specimen
+
+# written out, so that --help need not import the decks; a test holds it to export.TARGETS
 TARGETS = (
     "nastran", "abaqus", "ansys", "lsdyna", "radioss", "calculix", "opensees", "adams",
     "statespace", "csv",
 )  # fmt: skip
+
+
+@click.command("export", short_help="The solid as a deck that a solver reads.")
+@click.argument("fit")
+@click.option("--to", "target", type=click.Choice(TARGETS), required=True)
+@click.option("--units", metavar="SI|mm-t-s|mm-kg-ms", help="The deck's unit system; required.")
+@click.option("--form", help="E.g. arms, table, prony; each target has its own.")
+@click.option("--range", "frequency_range", type=Range("frequency"), help="Of a table, 1:100Hz.")
+@click.option("--tolerance", type=float, help="Largest relative FRF error of a table, e.g. 1e-3.")
+@click.option("--mass", type=Quantity("mass"), help="CalculiX: a complete deck with this mass.")
+@click.option(
+    "--line", metavar="FILE", help="Nastran: seal line, CSV with x, y, z columns in units."
+)
+@click.option("--pitch", type=Quantity("length"), help="Distance of elements along the line.")
+@click.option("--seals", type=float, default=1.0, show_default=True, help="Seals in parallel.")
+@click.option("--allow", multiple=True, metavar="PROBLEM", help="Overlook one named problem.")
+@click.option("--force", is_flag=True, help="Overlook every problem; leaves a mark in the deck.")
+@click.option("-o", "--output", metavar="FILE", default="-", help="The deck [default: stdout].")
+@reports
+@specimen
+def command(
+    *,
+    fit: str,
+    target: str,
+    units: str | None,
+    form: str | None,
+    frequency_range: tuple[float, float] | None,
+    tolerance: float | None,
+    mass: float | None,
+    line: str | None,
+    pitch: float | None,
+    seals: float,
+    allow: tuple[str, ...],
+    force: bool,
+    output: str,
+    specimen: Specimen,
+) -> Outcome:
+    """Write the solid of FIT (a fit's JSON file) as a deck.
+
+    A deck is refused if temperature, contact length or units are not stated, or if the data do
+    not determine a parameter; --force writes it all the same and says so in its header.
+
+    \b
+    dashpot export fit.json --to nastran --units mm-t-s --temperature 23degC --length 100mm
+    dashpot export fit.json --to calculix --units mm-t-s --mass 104g --seals 2 --force -o seal.inp
+    """
+    from dataclasses import replace
+
+    from dashpot import export
+    from dashpot.cli._inputs import read_fit
+
+    found = read_fit(fit)
+    if seals != 1:
+        found = replace(found, model=seals * found.model)
+    choices: dict[str, Any] = {
+        "form": form,
+        "frequency_range": frequency_range,
+        "tolerance": tolerance,
+        "mass": mass,
+        "line": None if line is None else _seal_line(line, pitch, units),
+    }
+    deck = export.TARGETS[target](
+        found,
+        units=units,
+        specimen=_described(found.specimen, specimen),
+        allow=("all",) if force else allow,
+        **_taken(target, choices),
+    )
+    write(output, deck)
+    marks = [row for row in deck.splitlines() if "OVERRIDE" in row]
+    for mark in marks:
+        said(mark.strip())
+    document = {
+        "schema": "dashpot/deck@1",
+        "target": target,
+        "units": units,
+        "file": None if output == "-" else output,
+        "overrides": marks,
+    }
+    if output == "-":
+        return Outcome(document | {"deck": deck}, "")
+    return Outcome(document, f"{output}: {target} deck, {units}, {len(deck.splitlines())} lines")
+
+
+def _described(known: Specimen, said_now: Specimen) -> Specimen:
+    """Return what the fit knows of its specimen, and what the user adds now."""
+    from dataclasses import fields, replace
+
+    news = {field.name: getattr(said_now, field.name) for field in fields(said_now)}
+    return replace(known, **{name: value for name, value in news.items() if value})
+
+
+def _taken(target: str, choices: dict[str, Any]) -> dict[str, Any]:
+    """Return the choices that were made, or say that the target has no such choice."""
+    from inspect import signature
+
+    from dashpot import export
+    from dashpot.errors import ExportError
+
+    known = signature(export.TARGETS[target]).parameters
+    made = {name: value for name, value in choices.items() if value is not None}
+    for name in made:
+        if name not in known:
+            raise ExportError(f"{target} decks take no --{name.removeprefix('frequency_')}")
+    return made
+
+
+def _seal_line(path: str, pitch: float | None, units: str | None) -> SealLine:
+    """Return the polyline in a CSV file of x, y, z in the deck's unit of length."""
+    import numpy as np
+
+    from dashpot.errors import ExportError
+    from dashpot.export import UNIT_SYSTEMS, SealLine
+
+    if pitch is None or units is None or units not in UNIT_SYSTEMS:
+        raise ExportError("--line needs --pitch, e.g. 25mm, and --units")
+    try:
+        points = np.genfromtxt(path, delimiter=",", comments="#", dtype=float, ndmin=2)
+    except ValueError as error:
+        raise ExportError(f"{path}: {error}; expected three columns x, y, z") from None
+    if points.shape[1] < 3:
+        raise ExportError(f"{path} has {points.shape[1]} columns; expected x, y, z")
+    named = ~np.isfinite(points[:1]).any()  # a first row of names reads as NaN
+    return SealLine(points[0 if named else 1 :, :3] * UNIT_SYSTEMS[units].length, pitch)
