@@ -121,14 +121,14 @@ def clock_notes(time: FloatArray) -> list[str]:
     return []
 
 
-def swapped(displacement: FloatArray, force: FloatArray) -> str | None:
-    """Return a warning if the 'force' is held and the 'displacement' relaxes."""
+def swapped(displacement: FloatArray, force: FloatArray) -> list[str]:
+    """Return a warning, or none, if the 'force' is held and the 'displacement' relaxes."""
     if _relaxes(displacement) > 0.08 and _relaxes(force) < 0.01:
-        return (
+        return [
             "displacement and force look swapped: the column read as force is held while the one "
             "read as displacement relaxes; name them with --displacement and --force"
-        )
-    return None
+        ]
+    return []
 
 
 def _relaxes(values: FloatArray) -> float:

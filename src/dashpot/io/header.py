@@ -35,6 +35,10 @@ def name_columns(lines: Sequence[str], dialect: Dialect) -> tuple[Column, ...]:
         -_REACH:
     ]
     names, words = _pick(rows, width)
+    names, words = (
+        _labelled(lines, dialect, "name") or names,
+        _labelled(lines, dialect, "unit") or words,
+    )
     columns = []
     for i, content in enumerate(dialect.contents):
         name = names[i] if i < len(names) else ""
@@ -63,6 +67,8 @@ def _cells(line: str, dialect: Dialect) -> list[str]:
     text = uncomment(line, dialect.delimiter)
     width = len(dialect.contents)
     found = cell.split(text, dialect.delimiter)
+    if len(found) == width + 1 and (not found[0] or found[0].endswith(":")):
+        return found[1:]  # a label stands before the row: "Interval data:"
     if abs(len(found) - width) <= 1 and len(found) > 1:
         return found
     for other in ("\t", ";", ",", "|"):
@@ -75,6 +81,26 @@ def _cells(line: str, dialect: Dialect) -> list[str]:
         return wide
     quoted = re.findall(r'"([^"]*)"', text)
     return quoted if len(quoted) == width else found
+
+
+_LABELS = {
+    "name": re.compile(
+        r"(?:columns?|column[ _]names?|names?|fields?|channels?|variables?)\s*[:=]\s*", re.I
+    ),
+    "unit": re.compile(r"(?:column[ _])?units?\s*[:=]\s*", re.I),
+}
+
+
+def _labelled(lines: Sequence[str], dialect: Dialect, what: str) -> list[str]:
+    """The cells of a line such as ``# columns: a b c``, if it has one for each column."""
+    for line in lines:
+        text = uncomment(line, dialect.delimiter)
+        match = _LABELS[what].match(text)
+        if match:
+            found = _cells(text[match.end() :], dialect)
+            if len(found) == len(dialect.contents):
+                return found
+    return []
 
 
 def _pick(rows: Sequence[list[str]], width: int) -> tuple[list[str], list[str]]:

@@ -14,7 +14,8 @@ FileKind: TypeAlias = Literal["relaxation", "impact", "frf", "dma", "not-a-test"
 class InspectedColumn:
     """One column: what it is called, its unit, the role it would play and why.
 
-    `first` holds the first few numbers as they stand, in the file's own unit.
+    `first` holds the first few numbers as they stand, in the file's own unit; None
+    where there is none.
     """
 
     number: int
@@ -22,7 +23,7 @@ class InspectedColumn:
     unit: str | None
     role: str | None
     reason: str
-    first: tuple[float, ...] = ()
+    first: tuple[float | None, ...] = ()
 
 
 @dataclass(frozen=True)

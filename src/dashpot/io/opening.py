@@ -6,7 +6,7 @@ import hashlib
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from io import BytesIO
 from pathlib import Path
 from typing import BinaryIO
@@ -73,7 +73,7 @@ def open_raw(path: str | Path) -> Raw:
         If there is no such file, it cannot be read, or it is empty.
     """
     if str(path) == "-":
-        raw = Raw("stdin", None, sys.stdin.buffer.read())
+        raw = Raw("stdin", None, _piped(sys.stdin.buffer))
     else:
         path = Path(path)
         try:
@@ -87,3 +87,9 @@ def open_raw(path: str | Path) -> Raw:
     if raw.size == 0:
         raise ReadError(f"{raw.name} is empty (0 bytes); export the test again")
     return raw
+
+
+@lru_cache(maxsize=1)
+def _piped(stream: BinaryIO) -> bytes:
+    """What stdin holds; kept, for a pipe can be read only once and a file is looked at twice."""
+    return stream.read()

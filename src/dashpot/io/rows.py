@@ -35,7 +35,7 @@ class _Gathered:
     def add(self, values: FloatArray, line: int) -> None:
         if self.between and self.rows:
             self.starts.append(self.rows)
-            self.segments.append(_title([text for _, text in self.between]))
+            self.segments.append(title([text for _, text in self.between]))
         self.between.clear()
         known = self.lines[-1] if self.lines else (0, line)
         if not self.lines or known[1] + self.rows - known[0] != line:
@@ -45,16 +45,18 @@ class _Gathered:
 
 
 def load_rows(
-    blocks: Iterator[str], dialect: Dialect, indexes: Sequence[int], *, name: str
+    blocks: Iterator[str], dialect: Dialect, indexes: Sequence[int], *, name: str, first: str = ""
 ) -> Loaded:
     """Return the columns `indexes` of the table, from blocks of whole lines.
+
+    `first` is the name of the first segment.
 
     Raises
     ------
     ReadError
         If a line holds more numbers than there are columns.
     """
-    got = _Gathered()
+    got = _Gathered(segments=[first])
     reader = _Reader(dialect, tuple(indexes), name)
     line = 1
     skipped = dialect.first
@@ -92,16 +94,16 @@ def _after_lines(text: str, count: int) -> int:
     return position
 
 
-def _title(lines: Sequence[str]) -> str:
+_TITLE = re.compile(
+    r"\W*(?:segment|step|schritt|stage|test|run|block|record|interval)(?:\s*(?:name|no|nr))?\W*\s*[:=\t]\s*(.+)",
+    re.IGNORECASE,
+)
+
+
+def title(lines: Sequence[str]) -> str:
     """A segment's name from the lines above it: ``# segment: pause`` is "pause"."""
-    for line in lines:
-        match = re.match(
-            r"\W*(?:segment|step|schritt|test|run|block|record)\w*\s*[:=\t]\s*(.+)", line, re.I
-        )
-        if match and "index" not in line.casefold():
-            return match[1].strip().strip('"')[:60]
-    first = next((line.strip(' \t#;,"[]%$') for line in lines if line.strip()), "")
-    return first[:60]
+    named = [match[1] for line in lines if (match := _TITLE.match(line))]
+    return named[-1].strip(' \t",;')[:60] if named else ""
 
 
 class _Reader:

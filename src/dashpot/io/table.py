@@ -51,10 +51,12 @@ class Loaded:
 
     def where(self, row: int) -> str:
         """Where a row is: "line 12" of a text file, "row 3" of another."""
-        if not self.lines:
-            return f"row {row + 1}"
+        return f"line {self.line(row)}" if self.lines else f"row {row + 1}"
+
+    def line(self, row: int) -> int:
+        """The line of a row in its text file, counted from 1."""
         first, line = self.lines[bisect_right(self.lines, row, key=lambda run: run[0]) - 1]
-        return f"line {line + row - first}"
+        return line + row - first
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ from dashpot.io.encoding import decoded, find_encoding
 from dashpot.io.header import name_columns
 from dashpot.io.opening import Raw
 from dashpot.io.options import ReadOptions
-from dashpot.io.rows import load_rows
+from dashpot.io.rows import load_rows, title
 from dashpot.io.table import Loaded, Table
 
 _HEADS = (1 << 16, 1 << 20, 1 << 24)
@@ -89,7 +89,7 @@ def _table(
 
     def load(indexes: Sequence[int]) -> Loaded:
         blocks = decoded(raw.blocks(), encoding, raw.name)
-        return load_rows(blocks, dialect, indexes, name=raw.name)
+        return load_rows(blocks, dialect, indexes, name=raw.name, first=title(header))
 
     return Table(
         format="text",
