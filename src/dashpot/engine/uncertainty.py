@@ -51,8 +51,10 @@ class Noise:
         return self.samples / self.kappa
 
 
-def noise_of(residual: FloatArray, *, parameters: int = 0) -> Noise:
+def noise_of(residual: FloatArray, *, parameters: float = 0.0, rounding: float = 0.0) -> Noise:
     r"""Return what `residual`, shape (n,), says about its noise.
+
+    Residuals of rms below `rounding` are rounding errors, not noise: their pattern says nothing.
 
     A fit of p parameters takes p effective samples out of the residuals, so the autocovariance
     is scaled by :math:`M_\mathrm{eff}/(M_\mathrm{eff} - p)`; for white noise that is the usual
@@ -60,8 +62,8 @@ def noise_of(residual: FloatArray, *, parameters: int = 0) -> Noise:
     """
     n = len(residual)
     gamma = autocovariance(residual)
-    if gamma[0] <= 0.0:
-        return Noise(n, np.zeros(1), 1.0, 2.0)
+    if gamma[0] <= rounding**2:
+        return Noise(n, gamma[:1] * (n / max(n - parameters, 1.0)), 1.0, 2.0)
     gamma = gamma[: geyer_cut(gamma)]
     kappa = max(1.0, float(2.0 * gamma.sum() / gamma[0] - 1.0))
     effective = n / kappa
@@ -100,14 +102,10 @@ def sandwich(jacobians: Sequence[FloatArray], noises: Sequence[Noise]) -> FloatA
     return _covariance(np.asarray(information), np.asarray(middle))
 
 
-def naive(jacobians: Sequence[FloatArray], noises: Sequence[Noise]) -> FloatArray:
-    """Return the covariance as if every residual were independent of its neighbours."""
-    middle = sum(
-        noise.autocovariance[0] * (jacobian.T @ jacobian)
-        for jacobian, noise in zip(jacobians, noises, strict=True)
-    )
-    information = sum(jacobian.T @ jacobian for jacobian in jacobians)
-    return _covariance(np.asarray(information), np.asarray(middle))
+def white(jacobian: FloatArray, variance: float) -> FloatArray:
+    """Return the covariance for independent residuals of this variance, shape (p, p)."""
+    information = jacobian.T @ jacobian
+    return _covariance(information, variance * information)
 
 
 def fast_length(n: int) -> int:

@@ -250,6 +250,7 @@ class Fit(ByValue):
     source: tuple[Source, ...] = ()
     steps: tuple[Step, ...] = ()
     by_depth: tuple[AtDepth, ...] = ()
+    specimen: Specimen = field(default_factory=Specimen)
     moved: tuple[Moved, ...] = ()
 
     def __post_init__(self) -> None:

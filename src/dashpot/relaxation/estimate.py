@@ -1,0 +1,162 @@
+"""How well a solution of the engine is known, from the residuals in their own order."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot._arrays import FloatArray
+from dashpot.engine.blocks import Block
+from dashpot.engine.descent import Stack
+from dashpot.engine.order import bic, significant
+from dashpot.engine.separable import Solution, full_jacobian
+from dashpot.engine.uncertainty import Noise, noise_of, sandwich, white
+
+# a fit that leaves less than this of the largest force has met the rounding of the data
+_ROUNDING = 1e-10
+
+
+class Estimate(NamedTuple):
+    """A solution with its uncertainty.
+
+    Attributes
+    ----------
+    solution : Solution
+    names : tuple of str
+        Rows of `covariance`: fixed columns, stiffnesses group by group, then ln tau.
+    covariance : array, shape (p, p)
+    information : array, shape (p, p)
+        J'J of all samples.
+    residuals : tuple of arrays
+        One per record, N.
+    noises : tuple of Noise
+    """
+
+    solution: Solution
+    names: tuple[str, ...]
+    covariance: FloatArray
+    information: FloatArray
+    residuals: tuple[FloatArray, ...]
+    noises: tuple[Noise, ...]
+
+    @property
+    def effective(self) -> float:
+        """Effective number of independent residuals."""
+        return sum(noise.effective for noise in self.noises)
+
+    @property
+    def dof(self) -> float:
+        """Degrees of freedom left: effective residuals less parameters."""
+        return self.effective - len(self.names)
+
+    @property
+    def sse(self) -> float:
+        """Sum of squared residuals over every sample, N^2."""
+        return float(sum(residual @ residual for residual in self.residuals))
+
+    @property
+    def samples(self) -> int:
+        """Number of residuals."""
+        return sum(noise.samples for noise in self.noises)
+
+    @property
+    def kappa(self) -> float:
+        """Samples per independent residual, over all records."""
+        return self.samples / self.effective
+
+    @property
+    def spread(self) -> float:
+        """Standard deviation of one independent residual, N: the rms times root kappa."""
+        return float(np.sqrt(self.sse / self.effective))
+
+    def with_depth_doubt(self, doubts: Sequence[float], *, shared: bool) -> Estimate:
+        r"""Return the estimate with what the encoder's step leaves unknown of each depth.
+
+        A relative error :math:`\epsilon` of a depth scales every stiffness of its test:
+        :math:`C + \epsilon^2 k k^T`, and :math:`\epsilon/\sqrt n` where n tests share them.
+        """
+        covariance = self.covariance.copy()
+        tests = [""] if shared else [f"@{i}" for i in range(len(doubts))]
+        each = [float(np.sqrt(np.mean(np.square(doubts)) / len(doubts)))] if shared else doubts
+        for suffix, doubt in zip(tests, each, strict=True):
+            scale = doubt * self._stiffnesses(suffix)
+            covariance += np.outer(scale, scale)
+        return self._replace(covariance=covariance)
+
+    def _stiffnesses(self, suffix: str) -> FloatArray:
+        """Return the stiffnesses of one group in their rows, zero elsewhere."""
+        solution = self.solution
+        values = np.zeros(len(self.names))
+        values[self.names.index(f"k_inf{suffix}")] = solution.coefficient(f"k_inf{suffix}")
+        if solution.order:
+            first = self.names.index(f"k_1{suffix}")
+            group = solution.groups.index(f"k{suffix}")
+            values[first : first + solution.order] = solution.arms[group]
+        return values
+
+    def standard_error(self, name: str) -> float:
+        """Standard error of a row."""
+        row = self.names.index(name)
+        return float(np.sqrt(self.covariance[row, row]))
+
+
+class Score(NamedTuple):
+    """One number of arms, judged."""
+
+    solution: Solution
+    bic: float
+    significant: bool
+
+
+def estimated(solution: Solution, every_sample: Sequence[Block], *, peak: float) -> Estimate:
+    """Return the solution's uncertainty from one block per record with a row per sample.
+
+    `peak` is the largest force, N: it sets what rounding alone leaves.
+    """
+    whole = full_jacobian(every_sample, solution)
+    cuts = np.cumsum([block.samples for block in every_sample])[:-1]
+    residuals = tuple(np.split(whole.residual, cuts))
+    jacobians = np.split(whole.matrix, cuts)
+    share = len(whole.names) / len(every_sample)
+    noises = tuple(
+        noise_of(residual, parameters=share, rounding=_ROUNDING * peak) for residual in residuals
+    )
+    covariance = sandwich(jacobians, noises)
+    return Estimate(
+        solution, whole.names, covariance, whole.matrix.T @ whole.matrix, residuals, noises
+    )
+
+
+def scored(solution: Solution, blocks: Sequence[Block], *, effective: float, peak: float) -> Score:
+    """Judge one number of arms by BIC and by the significance of its arms.
+
+    Parameters
+    ----------
+    solution : Solution
+    blocks : sequence of Block
+        The compressed data.
+    effective : float
+        Effective number of residuals, from the largest model tried.
+    peak : float
+        Largest force, N; sets what rounding alone leaves.
+    """
+    jacobian = full_jacobian(blocks, solution)
+    parameters = len(jacobian.names)
+    floor = max(solution.samples * (_ROUNDING * peak) ** 2, Stack(blocks).grain)
+    variance = (solution.sse + floor) / max(effective - parameters, 1.0)
+    error = np.sqrt(np.diag(white(jacobian.matrix, variance)))
+    arms, groups = solution.order, len(solution.groups)
+    first = len(solution.fixed_names)
+    se_k = error[first : first + arms * groups].reshape(groups, arms)
+    # an arm of several tests is there if one of them shows it
+    clearest = np.argmax(solution.arms / np.maximum(se_k, 1e-300), axis=0)
+    column = np.arange(arms)
+    return Score(
+        solution,
+        bic(solution.sse, effective=effective, parameters=parameters, floor=floor),
+        significant(
+            solution.arms[clearest, column], se_k[clearest, column], error[first + arms * groups :]
+        ),
+    )

@@ -1,0 +1,55 @@
+"""The number of arms, by two rules."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from dashpot.engine.order import bic, choose, significant
+
+
+def test_bic_is_its_formula() -> None:
+    assert bic(2.0, effective=100.0, parameters=5) == pytest.approx(
+        100 * np.log(2.0) + 5 * np.log(100.0)
+    )
+
+
+def test_a_gain_below_the_floor_is_no_gain() -> None:
+    few = bic(1e-20, effective=1000.0, parameters=3, floor=1e-16)
+    many = bic(1e-26, effective=1000.0, parameters=5, floor=1e-16)
+    assert few < many
+    assert bic(1e-26, effective=1000.0, parameters=5) < bic(1e-20, effective=1000.0, parameters=3)
+
+
+def test_correlated_residuals_are_less_evidence() -> None:
+    """A gain of 2 % in SSE convinces 10 000 samples and not the 100 they are worth."""
+    for effective, convinced in ((10_000.0, True), (100.0, False)):
+        one = bic(1.0, effective=effective, parameters=3)
+        two = bic(0.98, effective=effective, parameters=5)
+        assert (two < one) is convinced
+
+
+@pytest.mark.parametrize(
+    ("k", "se_k", "se_ln_tau", "expected"),
+    [
+        ([10.0, 5.0], [1.0, 1.0], [0.1, 0.4], True),
+        ([10.0, 2.9], [1.0, 1.0], [0.1, 0.4], False),
+        ([10.0, 5.0], [1.0, 1.0], [0.1, 0.6], False),
+        ([10.0], [np.inf], [np.inf], False),
+        ([], [], [], True),
+    ],
+)
+def test_significance(
+    k: list[float], se_k: list[float], se_ln_tau: list[float], expected: bool
+) -> None:
+    assert significant(np.array(k), np.array(se_k), np.array(se_ln_tau)) is expected
+
+
+def test_the_smaller_answer_is_taken_and_disagreement_kept() -> None:
+    agreed = choose([0, 1, 2, 3], [9.0, 5.0, 1.0, 2.0], [True, True, True, False])
+    assert (agreed.arms, agreed.agreed) == (2, True)
+    cautious = choose([0, 1, 2, 3], [9.0, 5.0, 2.0, 1.0], [True, True, True, False])
+    assert (cautious.arms, cautious.by_bic, cautious.by_significance) == (2, 3, 2)
+    assert not cautious.agreed
+    frugal = choose([0, 1, 2], [9.0, 1.0, 2.0], [True, True, True])
+    assert (frugal.arms, frugal.by_bic, frugal.by_significance) == (1, 1, 2)

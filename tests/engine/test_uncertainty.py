@@ -1,0 +1,145 @@
+"""Covariance under correlated noise against simulation, and Student's t against SciPy."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dashpot.engine.student import central_probability, t_quantile
+from dashpot.engine.uncertainty import (
+    Noise,
+    autocovariance,
+    fast_length,
+    geyer_cut,
+    noise_of,
+    sandwich,
+    white,
+)
+
+
+def autoregressive(rng: np.random.Generator, n: int, rho: float) -> np.ndarray:
+    steps = rng.standard_normal(n) * np.sqrt(1 - rho**2)
+    values = np.empty(n)
+    value = rng.standard_normal()
+    for i in range(n):
+        value = rho * value + steps[i]
+        values[i] = value
+    return values
+
+
+def test_autocovariance_is_the_plain_sum() -> None:
+    r = np.random.default_rng(1).standard_normal(137)
+    plain = [r[: len(r) - lag] @ r[lag:] / len(r) for lag in range(len(r))]
+    np.testing.assert_allclose(autocovariance(r), plain, atol=1e-14)
+
+
+@given(st.integers(1, 10_000))
+def test_fast_length_is_smooth_and_long_enough(n: int) -> None:
+    size = fast_length(n)
+    assert n <= size < 2 * n + 1
+    for prime in (2, 3, 5):
+        while size % prime == 0:
+            size //= prime
+    assert size == 1
+
+
+def test_the_cut_stops_where_a_pair_of_lags_falls_to_zero() -> None:
+    assert geyer_cut(np.array([1.0, 0.5, 0.2, 0.1, -0.2, 0.1, 0.5, 0.5])) == 4
+    assert geyer_cut(np.array([1.0, -2.0, 0.0, 0.0])) == 1
+    assert geyer_cut(np.array([1.0, 0.5, 0.4, 0.3])) == 4
+
+
+def test_kappa_of_white_and_of_autoregressive_noise() -> None:
+    rng = np.random.default_rng(2)
+    assert noise_of(rng.standard_normal(20_000)).kappa == pytest.approx(1.0, abs=0.1)
+    rho = 0.9
+    noise = noise_of(autoregressive(rng, 100_000, rho))
+    assert noise.kappa == pytest.approx((1 + rho) / (1 - rho), rel=0.15)
+    assert noise.durbin_watson == pytest.approx(2 * (1 - rho), rel=0.05)
+    assert noise.effective == pytest.approx(100_000 / noise.kappa)
+
+
+def test_white_noise_scales_by_n_less_p() -> None:
+    r = np.random.default_rng(3).standard_normal(50)
+    noise = noise_of(r, parameters=5)
+    if noise.kappa == 1.0:
+        assert noise.autocovariance[0] == pytest.approx(r @ r / 45)
+
+
+def test_rounding_is_not_noise() -> None:
+    ripple = 1e-16 * np.sin(np.linspace(0, 3, 1000))
+    assert noise_of(ripple).kappa > 100
+    assert noise_of(ripple, rounding=1e-12).kappa == 1.0
+    assert noise_of(np.zeros(10)).kappa == 1.0
+
+
+def test_sandwich_of_white_noise_is_the_textbook_covariance() -> None:
+    jacobian = np.random.default_rng(4).standard_normal((200, 3))
+    noise = Noise(200, np.array([0.3]), 1.0, 2.0)
+    textbook = 0.3 * np.linalg.inv(jacobian.T @ jacobian)
+    np.testing.assert_allclose(sandwich([jacobian], [noise]), textbook, rtol=1e-12)
+    np.testing.assert_allclose(white(jacobian, 0.3), textbook, rtol=1e-12)
+
+
+def test_sandwich_is_the_dense_toeplitz_form() -> None:
+    rng = np.random.default_rng(5)
+    jacobian = np.cumsum(rng.standard_normal((150, 3)), axis=0)
+    gamma = 0.8 ** np.arange(12)
+    lag = np.abs(np.subtract.outer(np.arange(150), np.arange(150)))
+    toeplitz = np.where(lag < 12, gamma[np.minimum(lag, 11)], 0.0)
+    inverse = np.linalg.inv(jacobian.T @ jacobian)
+    dense = inverse @ jacobian.T @ toeplitz @ jacobian @ inverse
+    found = sandwich([jacobian], [Noise(150, gamma, 9.0, 0.4)])
+    np.testing.assert_allclose(found, dense, rtol=2e-2)
+
+
+def test_records_keep_their_own_noise() -> None:
+    rng = np.random.default_rng(6)
+    quiet, loud = rng.standard_normal((2, 100, 2))
+    noises = [Noise(100, np.array([0.01]), 1.0, 2.0), Noise(100, np.array([4.0]), 1.0, 2.0)]
+    h = np.linalg.inv(quiet.T @ quiet + loud.T @ loud)
+    expected = h @ (0.01 * quiet.T @ quiet + 4.0 * loud.T @ loud) @ h
+    np.testing.assert_allclose(sandwich([quiet, loud], noises), expected, rtol=1e-12)
+
+
+def test_what_the_data_do_not_determine_is_infinitely_uncertain() -> None:
+    column = np.random.default_rng(7).standard_normal(100)
+    other = np.random.default_rng(8).standard_normal(100)
+    jacobian = np.column_stack((column, 2 * column, other, 0 * other))
+    covariance = white(jacobian, 1.0)
+    assert np.isinf(np.diag(covariance)[[0, 1, 3]]).all()
+    swept = other - column * (column @ other) / (column @ column)
+    assert covariance[2, 2] == pytest.approx(1 / (swept @ swept))
+
+
+def test_intervals_of_a_mean_cover_under_correlated_noise() -> None:
+    """The mean of AR(1) noise, 400 seeds: naive intervals miss, the sandwich's cover."""
+    rng = np.random.default_rng(9)
+    column = np.ones((2000, 1))
+    hits, naive_hits = 0, 0
+    for _ in range(400):
+        r = autoregressive(rng, 2000, 0.9)
+        mean = r.mean()
+        noise = noise_of(r - mean, parameters=1)
+        error = np.sqrt(sandwich([column], [noise])[0, 0])
+        hits += abs(mean) < t_quantile(0.95, noise.effective - 1) * error
+        naive_hits += abs(mean) < 1.96 * r.std() / np.sqrt(2000)
+    assert 0.92 <= hits / 400 <= 0.98
+    assert naive_hits / 400 < 0.6
+
+
+@pytest.mark.parametrize("dof", [1.0, 1.5, 2.0, 7.3, 46.0, 199.0, 201.0, 4e4, 1e6])
+@pytest.mark.parametrize("level", [0.5, 0.6827, 0.95, 0.99, 0.999])
+def test_student_quantile_is_scipys(dof: float, level: float) -> None:
+    from scipy.stats import t
+
+    assert t_quantile(level, dof) == pytest.approx(t.ppf(0.5 + level / 2, dof), rel=1e-7)
+    assert central_probability(t_quantile(level, dof), dof) == pytest.approx(level, rel=1e-12)
+
+
+def test_below_one_degree_of_freedom_nothing_is_known() -> None:
+    assert t_quantile(0.95, 0.5) == np.inf
+    assert t_quantile(0.95, -3.0) == np.inf
+    assert t_quantile(0.95, np.inf) == pytest.approx(1.959963985, rel=1e-6)
