@@ -18,8 +18,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
+import numpy.typing as npt
 
 from dashpot._arrays import FloatArray
 
@@ -49,11 +51,14 @@ class Compression:
         Positions of the pseudo-samples, in the unit of the sampling.
     root_weight : array, shape (n,)
         Square roots of their weights: the columns of a model F are root_weight * F(nodes).
+    step : float or None
+        The interval of a uniform sampling.
     """
 
     nodes: FloatArray
     root_weight: FloatArray
     stages: tuple[tuple[_Section, ...], ...]
+    step: float | None = None
 
     def project(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Compress weighted values, shape (..., M), to z (..., n) and floor (...)."""
@@ -88,13 +93,14 @@ def compression(position: FloatArray, weights: FloatArray | None = None) -> Comp
     step = uniform_step(position)
     if len(position) <= SMALL:
         root = np.ones(len(position)) if weights is None else weights
-        return Compression(position, root, ())
+        return Compression(position, root, (), step)
     if weights is None and step is not None:
         counted = _uniform(len(position))
-        return Compression(position[0] + step * counted.nodes, counted.root_weight, counted.stages)
+        nodes = position[0] + step * counted.nodes
+        return Compression(nodes, counted.root_weight, counted.stages, step)
     root = np.ones(len(position)) if weights is None else weights
     nodes, root, sections = _blocks(position - position[0], root)
-    return Compression(position[0] + nodes, root, (sections,))
+    return Compression(position[0] + nodes, root, (sections,), step)
 
 
 def uniform_step(position: FloatArray) -> float | None:
@@ -114,7 +120,7 @@ def _uniform(count: int) -> Compression:
     sections: list[_Section] = []
     position: list[FloatArray] = [np.zeros(0)]
     weight: list[FloatArray] = [np.zeros(0)]
-    for first, stop in zip(edges[:-1], edges[1:], strict=True):
+    for first, stop in pairwise(edges):
         length, start = _power_of_two(first // NODES), first
         while start < stop:
             pieces = (stop - start) // length
@@ -156,7 +162,7 @@ def _doubling(count: int) -> list[int]:
 
 
 def _blocks(
-    position: FloatArray, root_weight: FloatArray, cuts: FloatArray | None = None
+    position: FloatArray, root_weight: FloatArray, cuts: npt.NDArray[np.intp] | None = None
 ) -> tuple[FloatArray, FloatArray, tuple[_Section, ...]]:
     """Gauss nodes of every block; cuts are the indices where a new block starts."""
     if cuts is None:
@@ -165,8 +171,8 @@ def _blocks(
         cuts = np.searchsorted(position, first * 2.0 ** np.arange(doublings))
     edges = np.unique(np.concatenate(([0], cuts, [len(position)]))).astype(int)
     nodes, roots, sections = [], [], []
-    for start, stop in zip(edges[:-1], edges[1:], strict=True):
-        here = slice(int(start), int(stop))
+    for start, stop in pairwise(edges.tolist()):
+        here = slice(start, stop)
         if here.stop - here.start <= NODES:
             nodes.append(position[here])
             roots.append(root_weight[here])

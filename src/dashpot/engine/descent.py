@@ -81,7 +81,6 @@ class Point(NamedTuple):
 
     log_tau: FloatArray
     beta: FloatArray
-    residual: FloatArray
     sse: float
     gradient: FloatArray
     curvature: FloatArray
@@ -105,54 +104,54 @@ def point_at(
     .. math:: J_j = -(I - QQ') D_j \beta_j - Q R^{-T} e_j (D_j' r)
 
     (G. H. Golub and V. Pereyra, *SIAM J. Numer. Anal.* 10, 1973); arms shared by several
-    groups add up. The two terms are orthogonal, and only the first meets r.
+    groups add up. The two terms are orthogonal, and only the first meets r. Everything that
+    they need stands in the triangular factor of one QR,
 
-    With `restricted`, those coefficients are kept >= 0 and the others' derivatives stay.
+    .. math:: [\Phi, D, y] \to
+        \begin{bmatrix} R & Q'D & Q'y \\ 0 & D_\perp & r \end{bmatrix}
+
+    where D_perp and r are in coordinates orthogonal to Q.
+
+    With `restricted`, those coefficients are kept >= 0; an arm at zero has no derivative.
     Returns None if the columns are dependent to 13 digits.
     """
-    rows = stack.evaluate(log_tau)
-    y, phi, slope = rows
-    arms = len(log_tau)
-    q_fixed = phi.shape[1] - slope.shape[1]
-    if restricted is not None:
-        active = nonnegative_columns(phi, y, restricted)
-    else:
-        active = None
+    target, phi, slope = stack.evaluate(log_tau)
+    fixed = phi.shape[1] - slope.shape[1]
+    active = None if restricted is None else nonnegative_columns(phi, target, restricted)
     used = phi if active is None else phi[:, active]
-    q, r = np.linalg.qr(used)
-    pivot = np.abs(np.diagonal(r))
-    if (pivot * pivot <= 1e-26 * (r * r).sum(axis=0)).any():
+    p, arms = used.shape[1], len(log_tau)
+    factor = np.linalg.qr(np.concatenate((used, slope, target[:, None]), axis=1), mode="r")
+    r = factor[:p, :p]
+    pivot = np.diagonal(r)
+    if len(factor) < p or (pivot * pivot <= 1e-26 * (r * r).sum(axis=0)).any():
         return None
-    right = np.linalg.solve(r, np.concatenate(((q.T @ y)[:, None], np.eye(len(r))), axis=1))
-    residual = y - q @ (q.T @ y)
-    residual -= q @ (q.T @ residual)
-    if active is None:
-        beta, inverse = right[:, 0], right[q_fixed:, 1:]
-    else:
-        beta = np.zeros(phi.shape[1])
-        beta[active] = right[:, 0]
-        inverse = np.zeros((phi.shape[1], len(r)))
-        inverse[active] = right[:, 1:]
-        inverse = inverse[q_fixed:]
-    k = beta[q_fixed:]
-    leaned = slope.T @ residual
-    inside = inverse * leaned[:, None]
-    outside = (slope - q @ (q.T @ slope)) * k
-    groups = len(k) // arms if arms else 0
-    if groups > 1:
-        leaned = (k * leaned).reshape(groups, arms).sum(axis=0)
-        inside = inside.reshape(groups, arms, -1).sum(axis=0)
-        outside = outside.reshape(len(y), groups, arms).sum(axis=1)
-    else:
-        leaned = k * leaned
+    inverse = np.linalg.inv(r)
+    beta = inverse @ factor[:p, -1]
+    if active is not None:
+        beta, inverse = _spread(active, beta), _spread(active, inverse)
+    k, residual, outside = beta[fixed:], factor[p:, -1], factor[p:, p:-1]
+    lean = residual @ outside
+    inside = inverse[fixed:] * lean[:, None]
+    outside = outside * k
+    lean = k * lean
+    if len(k) > arms:
+        lean = lean.reshape(-1, arms).sum(axis=0)
+        inside = inside.reshape(-1, arms, p).sum(axis=0)
+        outside = outside.reshape(len(outside), -1, arms).sum(axis=1)
     return Point(
         log_tau,
         beta,
-        residual,
         float(residual @ residual),
-        -leaned,
+        -lean,
         outside.T @ outside + inside @ inside.T,
     )
+
+
+def _spread(active: BoolArray, values: FloatArray) -> FloatArray:
+    """Values of the active columns in their places among all, zero elsewhere."""
+    out = np.zeros((len(active), *values.shape[1:]))
+    out[active] = values
+    return out
 
 
 def descend(

@@ -94,7 +94,9 @@ def ramp_hold_block(
     weights: FloatArray | None = None,
     arm_group: str = "k",
 ) -> DesignBlock:
-    r"""An ideal ramp and its hold; on the ramp, with t since its start and A = depth/ramp_time,
+    r"""An ideal ramp and its hold.
+
+    On the ramp, with t since its start and A = depth/ramp_time,
 
     .. math:: F = A \Bigl[k_\infty t + \sum_j k_j \tau_j (1 - e^{-t/\tau_j})\Bigr]
 
@@ -133,11 +135,13 @@ def ramp_hold_block(
     return _block([ramp, hold], data, fixed, columns, time, arm_group)
 
 
-def window_of(time: FloatArray) -> tuple[float, float]:
+def window_of(time: FloatArray, step: float | None = None) -> tuple[float, float]:
     """Relaxation times that a sampling could tell: twice its finest step to ten times its span.
 
     The finest step is the 2 % quantile of all steps: one jittered pair says nothing.
     """
+    if step is not None:
+        return 2 * step, 10 * float(time[-1] - time[0])
     steps = np.diff(time)
     fine = float(np.partition(steps, len(steps) // 50)[len(steps) // 50])
     return 2 * fine, 10 * float(time[-1] - time[0])
@@ -178,7 +182,7 @@ def _block(
         fixed=np.column_stack([root * column for column in fixed.values()]) if fixed else empty,
         fixed_names=tuple(fixed),
         columns=columns,
-        window=window_of(time),
+        window=window_of(time, plans[-1].step),
         floor=floor,
         samples=len(time),
         arm_group=arm_group,
@@ -191,7 +195,7 @@ def _checked(time: FloatArray, values: FloatArray, weights: FloatArray | None) -
     for name, array in (("values", values), ("weights", weights)):
         if array is not None and np.shape(array) != time.shape:
             raise DataError(f"{name} have shape {np.shape(array)}, time has {time.shape}")
-    if len(time) < 3 or time[0] < 0 or (np.diff(time) <= 0).any():
+    if len(time) < 3 or time[0] < 0 or not (time[1:] > time[:-1]).all():
         raise DataError("time must hold at least 3 strictly increasing values from 0 on")
     if weights is not None and not (np.min(weights) > 0):
         raise DataError("weights are 1/sd of each sample: every one must be > 0")

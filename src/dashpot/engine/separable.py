@@ -4,17 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from dashpot._arrays import BoolArray, ByValue, FloatArray, frozen
 from dashpot.engine.blocks import Block
 from dashpot.engine.descent import Local, Point, Stack, descend, point_at, relative_offset
-from dashpot.engine.starts import Grid, inserted, partitioned, peaks_of, scattered
+from dashpot.engine.starts import (
+    Grid,
+    inserted,
+    paired,
+    partitioned,
+    peaks_of,
+    scattered,
+    single,
+)
 from dashpot.errors import FitError
 
 LOOSE = 1e-4
 EXTRA_STARTS = 16
+DOUBT = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,6 +156,8 @@ def solve(
     if log_tau_start is not None:
         return _from_start(stack, np.asarray(log_tau_start, dtype=float), arms, signed=signed)
     chain = _Chain(stack, thorough=thorough, signed=signed, seed=seed)
+    if not (thorough or signed) and chain.leap(arms):
+        return chain.solution(-1, requested=arms)
     chain.extend(arms)
     return chain.solution(chain.reached, requested=arms)
 
@@ -216,13 +228,46 @@ class _Chain:
     def reached(self) -> int:
         return len(self.best) - 1
 
+    @cached_property
+    def grid(self) -> Grid:
+        return Grid(self.stack)
+
+    @cached_property
+    def peaks(self) -> tuple[FloatArray, FloatArray]:
+        return peaks_of(self.grid, self.grid.spectrum())
+
+    def leap(self, arms: int) -> bool:
+        """Go straight to `arms` if the data leave no doubt about every one of them.
+
+        Doubt is a relaxation time that is not known to 10 %, or that sits at the edge of the
+        window, or a coefficient that is not positive. A well-determined optimum that started
+        from the best pair of the whole grid has no rival.
+        """
+        if not 0 < arms <= 2 or len(self.stack.groups) > 1:
+            return False
+        start = paired(self.grid) if arms == 2 else single(self.grid)
+        local = None if start is None else descend(self.stack, start)
+        if local is None or not local.converged:
+            return False
+        self.evaluations += local.evaluations
+        point = local.point
+        low, high = self.stack.bounds
+        spare = self.stack.samples - len(point.beta) - arms
+        if (
+            point.sse <= 100 * self.grain
+            or spare < 10
+            or (point.beta[self.stack.restricted(arms, signed=False)] <= 0).any()
+            or not (low < point.log_tau.min() and point.log_tau.max() < high)
+        ):
+            return False
+        variance = np.diagonal(np.linalg.inv(point.curvature))
+        if not (variance * (self.stack.floor + point.sse) / spare < DOUBT**2).all():
+            return False
+        self.best.append(local)
+        return True
+
     def extend(self, arms: int) -> None:
         """Add orders up to `arms`, or until none is better."""
-        if not arms:
-            return
-        self.grid = Grid(self.stack)
-        if not self.signed:
-            self.peaks = peaks_of(self.grid, self.grid.spectrum())
         while self.reached < arms:
             last = self.best[-1].point
             if last.sse <= self.grain:
@@ -302,8 +347,7 @@ def _without_arms(stack: Stack, *, signed: bool) -> Point:
     nothing = np.zeros(0)
     if not stack.names:
         target = stack.evaluate(nothing, derivative=False).target
-        empty = np.zeros((0, 0))
-        return Point(nothing, nothing, target, float(target @ target), nothing, empty)
+        return Point(nothing, nothing, float(target @ target), nothing, np.zeros((0, 0)))
     restricted = None if signed else stack.restricted(0, signed=False)
     point = point_at(stack, nothing, restricted=restricted)
     if point is None:

@@ -74,7 +74,8 @@ class Grid:
     def _beside(self, point: Point) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Grid columns, the point's residual and its columns, in common coordinates."""
         if not self.stack.turning:
-            return self.columns, point.residual, self.stack.evaluate(point.log_tau).phi
+            rows = self.stack.evaluate(point.log_tau, derivative=False)
+            return self.columns, rows.target - rows.phi @ point.beta, rows.phi
         arms, q = len(point.log_tau), len(self.stack.names)
         both = np.concatenate((point.log_tau, self.log_tau))
         rows = self.stack.evaluate(both, derivative=False)
@@ -85,6 +86,32 @@ class Grid:
         basis = np.linalg.qr(fixed)[0]
         columns = (grid - basis @ (basis.T @ grid)) / self.length
         return columns, rows.target - phi @ point.beta, phi
+
+
+def single(grid: Grid) -> FloatArray | None:
+    """The grid point whose column, with a positive coefficient, fits best; for one group."""
+    best = int(np.argmax(grid.moment))
+    return grid.log_tau[best : best + 1] if grid.moment[best] > 0 else None
+
+
+def paired(grid: Grid) -> FloatArray | None:
+    r"""The two grid points whose columns, both with positive coefficients, fit best.
+
+    All pairs at once: unit columns with cosine c and moments m_1, m_2 explain
+    :math:`(m_1^2 + m_2^2 - 2 c\, m_1 m_2)/(1 - c^2)` of the sum of squares.
+    """
+    cosine, m = grid.gram, grid.moment
+    determinant = 1.0 - cosine * cosine
+    leads = m[:, None] - cosine * m
+    # neighbours that are one column to five digits cannot be told apart from one
+    allowed = (leads > 0) & (leads.T > 0) & (determinant > 1e-10)
+    gain = np.divide(
+        m[:, None] * leads + m * leads.T, determinant, out=np.zeros_like(cosine), where=allowed
+    )
+    best = int(np.argmax(gain))
+    if gain.flat[best] <= 0:
+        return None
+    return grid.log_tau[np.sort(np.unravel_index(best, gain.shape))]
 
 
 def inserted(grid: Grid, point: Point, *, signed: bool, count: int = 2) -> list[FloatArray]:
