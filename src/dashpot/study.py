@@ -3,14 +3,30 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
+import numpy as np
+
+from dashpot._arrays import FloatArray
 from dashpot.checks import Check
-from dashpot.comparison import Comparison
+from dashpot.comparison import Comparison, compare
+from dashpot.errors import DataError, FitError
+from dashpot.identification import identify
+from dashpot.identification.mass import infer_mass
 from dashpot.relaxation.fit import Fit
+from dashpot.relaxation.fitting import fit
+from dashpot.relaxation.preparation import prepare
 from dashpot.relaxation.records import RampHold, RelaxationTest
 from dashpot.solids.band import StiffnessBand
 from dashpot.vibration.frf import FRF
+from dashpot.vibration.prediction import predict_frf
 from dashpot.vibration.records import ImpactTest
+
+COMPARED_ORDERS = (1, 2)
+"""The numbers of arms that the paper's Fig. 4 compares."""
+
+STIFFNESS_LINES = np.geomspace(1e-3, 100.0, 61)
+"""Where the unseen-arm band is drawn, Hz: from the hold to past the hammer."""
 
 
 @dataclass(frozen=True)
@@ -25,8 +41,8 @@ class Study:
         The chosen solid of one seal.
     alternatives : tuple of Fit
         The fits with one and with two arms, as in the paper's Fig. 4.
-    hold_fit : Fit
-        The same number of arms by the paper's eq. (5) on the hold alone.
+    hold_fit : Fit or None
+        The same number of arms by the paper's eq. (5) on the hold alone; None if refused.
     seals : float
         How many such seals (or how many times the tested length) carry the mass.
     mass : float or None
@@ -43,9 +59,8 @@ class Study:
         Relaxation and FRF fitted together.
     joint_prediction : FRF or None
     joint_comparison : Comparison or None
-    parameter_band, unseen_band : StiffnessBand or None
-        Of one seal: what the standard errors of `fit` allow, and what any non-negative
-        spectrum allows that the relaxation test cannot reject.
+    unseen : StiffnessBand or None
+        The widest stiffness and loss over all spectra that the relaxation test cannot reject.
     checks : tuple of Check
         What only the whole story shows.
     """
@@ -65,6 +80,123 @@ class Study:
     joint: Fit | None = None
     joint_prediction: FRF | None = None
     joint_comparison: Comparison | None = None
-    parameter_band: StiffnessBand | None = None
-    unseen_band: StiffnessBand | None = None
+    unseen: StiffnessBand | None = None
     checks: tuple[Check, ...] = ()
+
+
+def characterise(
+    test: RelaxationTest,
+    measured: FRF | None = None,
+    *,
+    impact: ImpactTest | None = None,
+    mass: float | None = None,
+    seals: float = 1.0,
+    arms: int | Literal["auto"] = "auto",
+    band: tuple[float, float] | None = None,
+    filter: str | None = None,
+    joint: bool = True,
+) -> Study:
+    """The main job: prepare, fit, predict, compare, and mend with a joint fit.
+
+    Parameters
+    ----------
+    test : RelaxationTest
+        One seal, ramp and hold.
+    measured : FRF, optional
+        Of a mass on the seals.
+    impact : ImpactTest, optional
+        The hits behind `measured`, kept for the report.
+    mass : float, optional
+        kg; inferred from `measured`, and labelled so, if missing.
+    seals : float
+        How many of the tested seals carry the mass; a fraction is a shorter piece.
+    arms, filter
+        As in :func:`~dashpot.relaxation.fitting.fit` and
+        :func:`~dashpot.relaxation.preparation.prepare`.
+    band : (float, float), optional
+        Lines to compare, Hz.
+    joint : bool
+        Whether to fit relaxation and FRF together, too.
+
+    Raises
+    ------
+    DataError, FitError
+        If a test cannot be prepared, fitted or compared.
+    """
+    prepared = prepare(test, filter=filter)
+    chosen = fit(prepared, arms=arms)
+    inferred = mass is None and measured is not None
+    if mass is None and measured is not None:
+        mass, _ = infer_mass(seals * chosen.model, measured)
+    prediction = comparison = None
+    if mass is not None:
+        prediction, comparison = _predicted(
+            chosen, measured, mass=mass, seals=seals, band=band, depth=prepared.depth
+        )
+    both = mended = agreement = None
+    if joint and measured is not None and mass is not None:
+        both = identify(measured, tests=[prepared], mass=mass, seals=seals, band=band)
+        mended, agreement = _predicted(
+            both, measured, mass=_mass_of(both, mass), seals=seals, band=band, depth=prepared.depth
+        )
+    hold_fit, checks = _by_the_paper(prepared, chosen)
+    return Study(
+        test=test,
+        prepared=prepared,
+        fit=chosen,
+        alternatives=tuple(
+            chosen if chosen.model.arms == n else fit(prepared, arms=n) for n in COMPARED_ORDERS
+        ),
+        hold_fit=hold_fit,
+        seals=seals,
+        mass=mass,
+        mass_inferred=inferred,
+        prediction=prediction,
+        impact=impact,
+        measured=measured,
+        comparison=comparison,
+        joint=both,
+        joint_prediction=mended,
+        joint_comparison=agreement,
+        checks=(*chosen.checks, *checks, *(comparison.checks if comparison else ())),
+    )
+
+
+def _predicted(
+    found: Fit,
+    measured: FRF | None,
+    *,
+    mass: float,
+    seals: float,
+    band: tuple[float, float] | None,
+    depth: float,
+) -> tuple[FRF, Comparison | None]:
+    """Return the FRF that a fit predicts, on the measured lines if there are any."""
+    solid = seals * found.model
+    if measured is None:
+        return predict_frf(solid, mass=mass, frequency=_lines(solid.k_0, mass)), None
+    prediction = predict_frf(
+        solid, mass=mass, frequency=measured.frequency, kind=measured.kind, shift=measured.shift
+    )
+    return prediction, compare(
+        prediction, measured, fit=found, mass=mass, seals=seals, band=band, depth=depth
+    )
+
+
+def _lines(stiffness: float, mass: float) -> FloatArray:
+    """Return lines from a tenth to ten times the highest frequency the peak can have."""
+    top = np.sqrt(stiffness / mass) / (2 * np.pi)
+    return np.geomspace(top / 10, top * 10, 4001)
+
+
+def _mass_of(joint: Fit, mass: float) -> float:
+    """Return the mass that the joint fit settled on."""
+    return next((item.value for item in joint.nuisance if item.name == "mass"), mass)
+
+
+def _by_the_paper(prepared: RampHold, chosen: Fit) -> tuple[Fit | None, tuple[Check, ...]]:
+    """Return the fit of the paper's eq. (5), or the reason why this record does not allow it."""
+    try:
+        return fit(prepared, arms=chosen.model.arms, method="hold"), ()
+    except (DataError, FitError) as error:
+        return None, (Check("hold_fit_possible", False, f"eq. (5) cannot be fitted: {error}"),)

@@ -47,7 +47,7 @@ def command(
     from dashpot.archive import document
     from dashpot.cli._inputs import read_fit
     from dashpot.comparison import compare
-    from dashpot.identification import infer_mass
+    from dashpot.identification.mass import infer_mass
     from dashpot.job import read_measured
     from dashpot.vibration.prediction import predict_frf
 
