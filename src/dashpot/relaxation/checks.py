@@ -19,7 +19,9 @@ MIN_RAMP_SAMPLES = 10
 MIN_TAU_RATIO = 1.5
 MAX_KAPPA = 20.0
 MIN_TAU_OVER_RAMP = 0.1
-MAX_DRIFT_CORRELATION = 0.98
+MAX_DRIFT_CORRELATION = 0.9
+MAX_DRIFT_DOUBT = 0.1
+MAX_WANDER = 4.0
 MAX_METHOD_DIFFERENCE = 0.10
 MAX_STRAIN = 0.20
 MAX_DEPTH_DOUBT = 0.005
@@ -44,7 +46,7 @@ def of_records(tests: Sequence[RampHold], *, method: str) -> tuple[Check, ...]:
 
 
 def force_not_clipped(test: RampHold) -> Check:
-    """Is the peak a peak, or a ceiling that the force stayed at while the seal still moved?."""
+    """The peak is no ceiling at which the force stayed while the seal still moved."""
     top = test.force.max()
     at_top = np.flatnonzero(test.force >= top - 1e-9 * abs(top))
     moved = float(np.ptp(test.displacement[at_top[0] : at_top[-1] + 1])) / test.depth
@@ -61,7 +63,7 @@ def force_not_clipped(test: RampHold) -> Check:
 
 
 def force_resolved(test: RampHold) -> Check:
-    """Is the force many times what the sensor can resolve?."""
+    """The force is many times what the sensor can resolve."""
     peak, step = float(np.ptp(test.force)), quantum(test.force)
     if step == 0.0:
         return Check("force_resolved", True, "the force shows no quantisation", None, MIN_QUANTA)
@@ -77,7 +79,7 @@ def force_resolved(test: RampHold) -> Check:
 
 
 def depth_resolved(test: RampHold) -> Check:
-    """Is the depth known well enough to divide a force by it?."""
+    """The depth is known well enough to divide a force by it."""
     doubt = depth_doubt(test)
     passed = doubt <= MAX_DEPTH_DOUBT
     says = (
@@ -91,7 +93,7 @@ def depth_resolved(test: RampHold) -> Check:
 
 
 def hold_is_still(test: RampHold, *, method: str) -> Check:
-    """Does the plate stand still during the hold?."""
+    """The plate stands still during the hold."""
     creep = hold_creep(test)
     still = abs(creep) <= MAX_CREEP
     says = f"the displacement changes by {100 * creep:.2g} % of the depth during the hold"
@@ -103,7 +105,7 @@ def hold_is_still(test: RampHold, *, method: str) -> Check:
 
 
 def hold_outlasts_ramp(test: RampHold) -> Check:
-    """Is the hold many times the ramp?."""
+    """The hold is many times the ramp."""
     ratio = test.hold_time / test.ramp_time
     passed = ratio >= MIN_HOLD_OVER_RAMP
     says = f"the hold lasts {ratio:.3g} ramps"
@@ -116,7 +118,7 @@ def hold_outlasts_ramp(test: RampHold) -> Check:
 
 
 def ramp_sampled(test: RampHold) -> Check:
-    """Are there samples enough in the ramp to see a fast arm?."""
+    """There are samples enough in the ramp to see a fast arm."""
     inside = (test.time >= test.onset) & (test.time <= test.ramp_end)
     count = int(np.count_nonzero(inside))
     passed = count >= MIN_RAMP_SAMPLES
@@ -130,7 +132,7 @@ def ramp_sampled(test: RampHold) -> Check:
 
 
 def force_relaxes(test: RampHold) -> Check:
-    """Does the force fall during the hold, as the force of every relaxing solid does?."""
+    """The force falls during the hold, as the force of every relaxing solid does."""
     rise, limit = force_rise(test)
     passed = rise <= limit
     if passed:
@@ -145,7 +147,7 @@ def force_relaxes(test: RampHold) -> Check:
 
 
 def strain_small(test: RampHold) -> Check:
-    """Is the compression a small part of the height of the section?."""
+    """The compression is a small part of the height of the section."""
     height = test.specimen.height
     if height is None:
         says = "the height of the section is not given, so its strain is not judged"
@@ -165,7 +167,7 @@ def strain_small(test: RampHold) -> Check:
 
 
 def hold_long_enough(model: GeneralizedMaxwell, tests: Sequence[RampHold]) -> Check:
-    """Did the slowest arm have the time to relax?."""
+    """The slowest arm had the time to relax."""
     hold = max(test.hold_time for test in tests)
     name = "hold_long_enough"
     if not model.arms:
@@ -182,7 +184,7 @@ def hold_long_enough(model: GeneralizedMaxwell, tests: Sequence[RampHold]) -> Ch
 
 
 def arms_distinct(model: GeneralizedMaxwell) -> Check:
-    """Are neighbouring relaxation times far enough apart to be two?."""
+    """Neighbouring relaxation times are far enough apart to be two."""
     ratios = [slow / fast for fast, slow in zip(model.tau, model.tau[1:], strict=False)]
     if not ratios:
         return Check("arms_distinct", True, "there is at most one arm", None, MIN_TAU_RATIO)
@@ -198,7 +200,7 @@ def arms_distinct(model: GeneralizedMaxwell) -> Check:
 
 
 def arms_supported(model: GeneralizedMaxwell, se_k: FloatArray, se_ln_tau: FloatArray) -> Check:
-    """Does every arm stand out of the noise?."""
+    """Every arm stands out of the noise."""
     name = "arms_supported"
     weak = [
         f"arm {j} (k = {1e-3 * k:.3g} N/mm, tau = {tau:.3g} s)"
@@ -222,7 +224,7 @@ def arms_supported(model: GeneralizedMaxwell, se_k: FloatArray, se_ln_tau: Float
 
 
 def tau_inside_window(model: GeneralizedMaxwell, tests: Sequence[RampHold]) -> Check:
-    """Is every relaxation time one that the record could show: two samples to the hold?."""
+    """Every relaxation time is one that the record could show: two samples to the hold."""
     shortest = min(2.0 * float(np.diff(test.time).min()) for test in tests)
     longest = max(test.hold_time for test in tests)
     outside = [tau for tau in model.tau if not shortest < tau < longest]
@@ -238,7 +240,7 @@ def tau_inside_window(model: GeneralizedMaxwell, tests: Sequence[RampHold]) -> C
 
 
 def k_inf_positive(model: GeneralizedMaxwell, se: float) -> Check:
-    """Is there an equilibrium stiffness left?."""
+    """There is an equilibrium stiffness left."""
     passed = model.k_inf > 3.0 * se
     says = f"k_inf = {1e-3 * model.k_inf:.4g} N/mm with a standard error of {1e-3 * se:.2g}"
     if not passed:
@@ -250,7 +252,7 @@ def k_inf_positive(model: GeneralizedMaxwell, se: float) -> Check:
 
 
 def residuals_random(kappa: float, rms: float, noise: float) -> Check:
-    """Are the residuals noise, or is there a curve left in them?."""
+    """The residuals are noise: no curve is left in them."""
     passed = kappa <= MAX_KAPPA
     says = f"the residuals are {1e3 * rms:.3g} mN rms and {kappa:.3g} neighbours say the same"
     if not passed:
@@ -264,7 +266,7 @@ def residuals_random(kappa: float, rms: float, noise: float) -> Check:
 
 
 def step_bias(model: GeneralizedMaxwell, tests: Sequence[RampHold]) -> Check:
-    r"""What would a step have made of this ramp?  (tau/c)(1 - exp(-c/tau)) - 1, the worst arm."""
+    """What a step would have made of this ramp: (tau/c)(1 - exp(-c/tau)) - 1, the worst arm."""
     if not model.arms:
         return Check("step_bias", True, "a spring does not feel the ramp", None, None)
     c = max(test.ramp_time for test in tests)
@@ -278,7 +280,7 @@ def step_bias(model: GeneralizedMaxwell, tests: Sequence[RampHold]) -> Check:
 
 
 def fast_arm_visible(model: GeneralizedMaxwell, tests: Sequence[RampHold]) -> Check:
-    """Is the fastest arm slow enough to be seen after the ramp?."""
+    """The fastest arm is slow enough to be seen after the ramp."""
     c = min(test.ramp_time for test in tests)
     if not model.arms:
         return Check("fast_arm_visible", True, "there is no arm", None, MIN_TAU_OVER_RAMP)
@@ -293,26 +295,52 @@ def fast_arm_visible(model: GeneralizedMaxwell, tests: Sequence[RampHold]) -> Ch
     return Check("fast_arm_visible", passed, says, ratio, MIN_TAU_OVER_RAMP)
 
 
-def drift_told_from_arm(model: GeneralizedMaxwell, correlation: float | None) -> Check:
-    """Can the slowest arm be told from a drifting sensor?."""
-    name, limit = "drift_told_from_arm", MAX_DRIFT_CORRELATION
+def drift_told_from_arm(
+    model: GeneralizedMaxwell, correlation: float | None, se_ln_tau: float
+) -> Check:
+    """The slowest arm can be told from a drifting sensor."""
+    name, limit = "drift_told_from_arm", MAX_DRIFT_DOUBT
     if not model.arms:
         return Check(name, True, "there is no slow arm to be taken for drift", None, limit)
     if correlation is None:
-        says = "eq. 5 has no drift: a drifting sensor changes the slowest arm; see method='full'"
+        says = (
+            "no drift is fitted, so a drifting sensor would be taken for the slowest arm; "
+            "method='full' fits it"
+        )
         return Check(name, True, says, None, limit)
-    passed = correlation <= limit
-    says = f"the slowest arm and the drift of the sensor are correlated by {correlation:.2f}"
+    passed = correlation < MAX_DRIFT_CORRELATION or se_ln_tau <= limit
+    says = (
+        f"the slowest tau and the drift of the sensor are correlated by {correlation:.2f}, and "
+        f"with the drift unknown tau is known to {100 * se_ln_tau:.2g} %"
+    )
     if not passed:
         says += (
-            ": the record cannot tell them apart; record a baseline before contact for as long "
-            "as you can, and hold longer"
+            ": the record cannot tell the arm from drift; record a baseline before contact for "
+            "as long as you can, and hold longer"
         )
-    return Check(name, passed, says, correlation, limit)
+    return Check(name, passed, says, se_ln_tau, limit)
+
+
+def residuals_steady(residuals: Sequence[FloatArray]) -> Check:
+    """The residuals do not wander slowly, as 1/f drift and a missed slow arm do."""
+    name, limit = "residuals_steady", MAX_WANDER
+    ratios = [wander(residual) for residual in residuals if len(residual) >= 800]
+    if not ratios:
+        return Check(name, True, "the record is too short to judge slow wandering", None, limit)
+    ratio = max(ratios)
+    passed = ratio <= limit
+    says = f"slow and medium residuals differ by a factor {ratio:.2g} in power"
+    if not passed:
+        says += (
+            ": the force wanders slowly (1/f drift, temperature, or a missed arm), and no fit "
+            "can tell that from a slow arm; the intervals of k_inf and of the slowest arm are "
+            "too narrow"
+        )
+    return Check(name, passed, says, ratio, limit)
 
 
 def order_agreed(by_bic: int, by_significance: int, chosen: int) -> Check:
-    """Do the two rules for the number of arms agree?."""
+    """The two rules for the number of arms agree."""
     passed = by_bic == by_significance
     if passed:
         says = f"both rules choose {_arms(chosen)}"
@@ -325,7 +353,7 @@ def order_agreed(by_bic: int, by_significance: int, chosen: int) -> Check:
 
 
 def hold_and_full_agree(full: GeneralizedMaxwell, hold: GeneralizedMaxwell | None) -> Check:
-    """Does the paper's eq. 5 on the hold say the same as the recorded motion?."""
+    """The paper's eq. 5 on the hold says the same as the recorded motion."""
     name, limit = "hold_and_full_agree", MAX_METHOD_DIFFERENCE
     if hold is None or hold.arms != full.arms:
         says = "eq. 5 on the hold supports another number of arms, so the two are not compared"
@@ -414,6 +442,13 @@ def force_rise(test: RampHold) -> tuple[float, float]:
     rise = float(tenths[-1] - min(tenths))
     scatter = test.force_noise / np.sqrt(len(force) / 10)
     return rise, float(max(7.0 * scatter, 0.005 * np.abs(force).max()))
+
+
+def wander(residual: FloatArray) -> float:
+    """Return the mean power at 6 to 24 cycles per record over that at 60 to 240."""
+    power = np.abs(np.fft.rfft(residual - residual.mean())) ** 2
+    medium = float(power[60:241].mean())
+    return float(power[6:25].mean()) / medium if medium > 0 else 1.0
 
 
 def _worst(checks: Sequence[Check]) -> Check:

@@ -38,10 +38,13 @@ def compressed(tests: Sequence[RampHold], design: Design) -> tuple[Block, ...]:
     return tuple(make(test, i, design) for i, test in enumerate(tests))
 
 
-def every_sample(tests: Sequence[RampHold], design: Design) -> tuple[Block, ...]:
-    """Return one block per test with one row per sample, for residuals in their own order."""
-    make = _hold_samples if design.method == "hold" else _full_samples
-    return tuple(make(test, i, design) for i, test in enumerate(tests))
+def every_sample(
+    tests: Sequence[RampHold], design: Design, blocks: Sequence[Block]
+) -> tuple[Block, ...]:
+    """Return the blocks of :func:`compressed` with one row per sample, in the record's order."""
+    if design.method == "hold":
+        return tuple(_hold_samples(test, i, design) for i, test in enumerate(tests))
+    return tuple(b.exact if isinstance(b, CorrelationBlock) else b for b in blocks)
 
 
 def eq5_obstacle(test: RampHold) -> str | None:
@@ -108,11 +111,6 @@ def _motion(test: RampHold) -> tuple[FloatArray, FloatArray, FloatArray]:
 
 def _full(test: RampHold, i: int, design: Design) -> Block:
     return recorded_block(*_motion(test), **_names(i, design), **_sensor(i, design))
-
-
-def _full_samples(test: RampHold, i: int, design: Design) -> Block:
-    block = _full(test, i, design)
-    return block.exact if isinstance(block, CorrelationBlock) else block
 
 
 def _hold(test: RampHold, i: int, design: Design) -> Block:

@@ -129,6 +129,19 @@ def estimated(solution: Solution, every_sample: Sequence[Block], *, peak: float)
     )
 
 
+def effective_samples(solution: Solution, every_sample: Sequence[Block], *, peak: float) -> float:
+    """Return the effective number of independent residuals of a solution, over all records."""
+    total = 0.0
+    for block in every_sample:
+        stack = Stack([block])
+        rows = stack.evaluate(solution.log_tau, derivative=False)
+        fixed = [solution.coefficient(name) for name in stack.names]
+        arms = solution.arms[solution.groups.index(block.arm_group)]
+        residual = rows.target - rows.phi @ np.concatenate((fixed, arms))
+        total += noise_of(residual, rounding=_ROUNDING * peak).effective
+    return total
+
+
 def scored(solution: Solution, blocks: Sequence[Block], *, effective: float, peak: float) -> Score:
     """Judge one number of arms by BIC and by the significance of its arms.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 
@@ -25,7 +25,7 @@ from dashpot.relaxation.design import (
     eq5_obstacle,
     every_sample,
 )
-from dashpot.relaxation.estimate import Estimate, Score, estimated, scored
+from dashpot.relaxation.estimate import Estimate, Score, effective_samples, estimated, scored
 from dashpot.relaxation.fit import (
     AtDepth,
     Certificate,
@@ -101,34 +101,26 @@ def fit(
     _checked_method(records, method)
     design = Design(method, depth_law, _checked_nuisance(nuisance))
     peak = max(float(np.abs(record.force).max()) for record in records)
-    blocks, samples = compressed(records, design), every_sample(records, design)
+    blocks = compressed(records, design)
+    samples = every_sample(records, design, blocks)
     trial = _tried(blocks, samples, most, peak=peak, thorough=thorough)
     choice = choose(
-        range(len(trial.scores)),
-        [score.bic for score in trial.scores],
-        [score.significant for score in trial.scores],
+        range(len(trial)),
+        [score.bic for score in trial],
+        [score.significant for score in trial],
     )
-    chosen = choice.arms if arms == "auto" else min(most, len(trial.scores) - 1)
-    solution = trial.scores[chosen].solution
-    largest = chosen == len(trial.scores) - 1
-    estimate = trial.estimate if largest else estimated(solution, samples, peak=peak)
+    chosen = choice.arms if arms == "auto" else min(most, len(trial) - 1)
+    estimate = estimated(trial[chosen].solution, samples, peak=peak)
     return _fit(
         records,
         blocks,
         estimate,
-        trial.scores,
+        trial,
         choice=choice if arms == "auto" else None,
         asked=None if arms == "auto" else most,
         design=design,
         thorough=thorough,
     )
-
-
-class _Trial(NamedTuple):
-    """Every number of arms tried, from none up, and the estimate of the largest."""
-
-    scores: tuple[Score, ...]
-    estimate: Estimate
 
 
 def _records(tests: RampHold | Sequence[RampHold]) -> tuple[RampHold, ...]:
@@ -191,15 +183,13 @@ def _tried(
     *,
     peak: float,
     thorough: bool,
-) -> _Trial:
+) -> tuple[Score, ...]:
+    """Return every number of arms from none up, judged by the residuals of the largest."""
     solutions = [solve(blocks, 0)]
     if most:
         solutions += [s for s in solve_orders(blocks, most, thorough=thorough) if s.order]
-    estimate = estimated(solutions[-1], samples, peak=peak)
-    scores = tuple(
-        scored(solution, blocks, effective=estimate.effective, peak=peak) for solution in solutions
-    )
-    return _Trial(scores, estimate)
+    effective = effective_samples(solutions[-1], samples, peak=peak)
+    return tuple(scored(solution, blocks, effective=effective, peak=peak) for solution in solutions)
 
 
 def _fit(
@@ -383,7 +373,8 @@ def _checks(
         ),
         questions.step_bias(model, records),
         questions.fast_arm_visible(model, records),
-        questions.drift_told_from_arm(model, _drift_correlation(estimate)),
+        questions.drift_told_from_arm(model, _drift_correlation(estimate), float(error[-1])),
+        questions.residuals_steady(estimate.residuals),
     ]
     if choice is not None:
         found.append(questions.order_agreed(choice.by_bic, choice.by_significance, choice.arms))
