@@ -1,0 +1,148 @@
+"""Loadings: what lies between one rest and the return to it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dashpot.errors import DataError
+from dashpot.relaxation.segmentation import Segment
+
+_LEAST_HOLD = 0.2
+"""A stop shorter than this part of the ramp before it is a turning point, not a hold."""
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """One loading of the seal: a rest, at least one ramp, at least one hold.
+
+    Attributes
+    ----------
+    rest : Segment or None
+        The stand before the first ramp; None if the record starts on the ramp.
+    segments : tuple of Segment
+        From the first ramp to the last hold.
+    """
+
+    rest: Segment | None
+    segments: tuple[Segment, ...]
+
+    @property
+    def ramp(self) -> Segment:
+        """The first ramp."""
+        return self.segments[0]
+
+    @property
+    def hold(self) -> Segment:
+        """The last hold."""
+        return self.segments[-1]
+
+    @property
+    def moves(self) -> int:
+        """How many ramps, up or down, lie between the rest and the last hold."""
+        return sum(segment.kind != "hold" for segment in self.segments)
+
+    def words(self) -> str:
+        """Every segment, in words."""
+        return ", ".join(_in_words(segment) for segment in self.segments)
+
+
+def cycles_of(segments: tuple[Segment, ...]) -> tuple[Cycle, ...]:
+    """Return the loadings that hold, in order; whatever follows the last hold is left out.
+
+    A loading ends where the displacement comes back to within 10 % of where it began: there the
+    plate may leave the seal, and no linear solid describes what follows.
+    """
+    found: list[Cycle] = []
+    rest: Segment | None = None
+    current: list[Segment] = []
+    for segment in segments:
+        if not current:
+            if segment.kind == "load":
+                current = [segment]
+            else:
+                rest = segment if segment.kind == "hold" else None
+            continue
+        current.append(segment)
+        begin = current[0].origin
+        top = max(part.level for part in current)
+        if segment.kind == "unload" and segment.level <= begin + 0.1 * (top - begin):
+            found += _closed(rest, current)
+            current, rest = [], None
+    return tuple(found + _closed(rest, current))
+
+
+def choose_cycle(
+    segments: tuple[Segment, ...], number: int | None, *, where: str, swapped: bool
+) -> tuple[int, tuple[Cycle, ...]]:
+    """Return the index of the loading to be used, and all of them.
+
+    Parameters
+    ----------
+    segments : tuple of Segment
+    number : int or None
+        Counted from 1; None takes the longest hold.
+    where : str
+        Name of the record, for the error.
+    swapped : bool
+        True if the force column looks like a displacement that ramps and holds.
+
+    Raises
+    ------
+    DataError
+        If nothing is held, or there is no such loading.
+    """
+    found = cycles_of(segments)
+    if not found:
+        raise DataError(_nothing_held(segments, where=where, swapped=swapped))
+    if number is None:
+        return int(np.argmax([cycle.hold.duration for cycle in found])), found
+    if not 1 <= number <= len(found):
+        raise DataError(
+            f"{where}: cycle {number} was asked for, but the record holds {listed(found)}"
+        )
+    return number - 1, found
+
+
+def listed(cycles: tuple[Cycle, ...]) -> str:
+    """The choices, in words."""
+    parts = [f"cycle {i}: {cycle.words()}" for i, cycle in enumerate(cycles, start=1)]
+    count = f"{len(cycles)} loading{'s' * (len(cycles) > 1)}"
+    return f"{count} ({'; '.join(parts)})"
+
+
+def _closed(rest: Segment | None, parts: list[Segment]) -> list[Cycle]:
+    """A loading up to its last hold, if it has one."""
+    for stop in range(len(parts), 1, -1):
+        hold, before = parts[stop - 1], parts[stop - 2]
+        enough = hold.last - hold.first >= 3 and hold.duration >= _LEAST_HOLD * before.duration
+        if hold.kind == "hold" and enough:
+            return [Cycle(rest, tuple(parts[:stop]))]
+    return []
+
+
+def _in_words(segment: Segment) -> str:
+    if segment.kind == "hold":
+        return f"hold {segment.start:.5g} to {segment.end:.5g} s"
+    verb = "ramp" if segment.kind == "load" else "unloading"
+    moved = 1e3 * (segment.level - segment.origin)
+    return f"{verb} {segment.start:.5g} to {segment.end:.5g} s by {moved:+.4g} mm"
+
+
+def _nothing_held(segments: tuple[Segment, ...], *, where: str, swapped: bool) -> str:
+    if len(segments) == 1 and segments[0].kind == "hold":
+        found = "the displacement never moves by more than its own scatter"
+    else:
+        found = (
+            "no hold after a ramp was found: the displacement shows "
+            + ", ".join(_in_words(segment) for segment in segments[:8])
+            + (", ..." if len(segments) > 8 else "")
+        )
+    advice = (
+        "the force column ramps and rests instead: are force and displacement swapped?"
+        if swapped
+        else "expected a ramp and then a displacement that rests; check the columns and the units, "
+        "or say where it is with onset, ramp_end and hold_end"
+    )
+    return f"{where}: {found}; {advice}"

@@ -1,0 +1,53 @@
+"""The grain of a sampled channel: its scatter from sample to sample, and its quantum."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot._arrays import FloatArray
+
+
+def scatter(time: FloatArray, values: FloatArray) -> float:
+    r"""Standard deviation of the sample-to-sample scatter, whatever the trend and the sampling.
+
+    The residual of each sample from the straight line between its neighbours,
+    :math:`r_i = y_i - w y_{i-1} - (1 - w) y_{i+1}`, has variance
+    :math:`\sigma^2 (1 + w^2 + (1 - w)^2)` for white noise. The largest 2 % are left out:
+    corners and glitches are no scatter.
+    """
+    if len(values) < 5:
+        return 0.0
+    w = (time[2:] - time[1:-1]) / (time[2:] - time[:-2])
+    r = values[1:-1] - w * values[:-2] - (1 - w) * values[2:]
+    squares = np.sort(r**2 / (1 + w**2 + (1 - w) ** 2))
+    return float(np.sqrt(squares[: max(3, int(0.98 * len(squares)))].mean()))
+
+
+def quantum(values: FloatArray) -> float:
+    """The step of which all differences are whole multiples; 0 if there is none to be seen.
+
+    Quantised readings repeat; where every second reading is a new one, no quantum is claimed.
+    """
+    levels = np.unique(values)
+    if not 2 <= len(levels) <= 0.5 * len(values):
+        return 0.0
+    gaps = np.diff(levels)
+    # what arithmetic leaves between two equal readings is no quantum
+    gaps = gaps[gaps > 1e-9 * max(abs(levels[0]), abs(levels[-1]))]
+    if len(gaps) == 0:
+        return 0.0
+    step = float(gaps.min())
+    counts = np.round(gaps / step)
+    off = np.abs(gaps / step - counts) / counts
+    step = float(gaps.sum() / counts.sum())
+    return 0.0 if np.mean(off < 0.02) < 0.98 or _evenly_climbed(values, step) else step
+
+
+def _evenly_climbed(values: FloatArray, step: float) -> bool:
+    """True if the steps are those of a perfect ramp between perfect rests, not of a converter."""
+    moved = np.abs(np.diff(values))
+    moving = moved > 0.5 * step
+    # a converter that counts a ramp in single steps also pauses on it
+    lone = moving[1:-1] & ~(moving[:-2] & moving[2:])
+    single = np.mean(np.abs(moved[moving] / step - 1) < 0.02) > 0.9
+    return bool(single and np.count_nonzero(lone) < 0.1 * np.count_nonzero(moving) + 4)
