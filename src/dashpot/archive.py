@@ -127,7 +127,7 @@ def _model_contract(model: GeneralizedMaxwell, _plain_model: dict[str, Any]) -> 
     return {
         "k_inf": model.k_inf,
         "b": model.b,
-        "arms": [{"k": k, "tau": tau, "b": b} for k, tau, b in arms],
+        "arms": [{"k": k, "tau": tau, "b": _plain(b)} for k, tau, b in arms],
     }
 
 
