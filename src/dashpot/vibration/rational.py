@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dashpot._arrays import ComplexArray, FloatArray
+from dashpot._arrays import BoolArray, ComplexArray, FloatArray
 
 FLOOR = 1e-3  # relative error below which no line of a measured FRF is trusted
 STEPS = 60
@@ -77,14 +77,11 @@ class PoleFit:
         Of the accelerance.
     covariance : array, shape (4 modes, 4 modes)
         Of sigma, omega of each mode, then of real and imaginary residues of the first channel.
-    chi2 : float
-        Weighted sum of squares per degree of freedom.
     """
 
     poles: ComplexArray
     residues: ComplexArray
     covariance: FloatArray
-    chi2: float
 
 
 def kernel(lines: Lines, p: complex) -> ComplexArray:
@@ -117,21 +114,38 @@ def find_poles(lines: Lines, *, most: int, count: int | None = None) -> PoleFit 
     PoleFit or None
         None if there is no mode in the lines.
     """
-    best: PoleFit | None = None
-    theta = np.empty(0)
-    cost = _solve(lines, theta)[0]
-    for number in range(1, (count or most) + 1):
-        start = _next_pole(lines, theta)
-        if start is None:
+    kept, theta = np.empty(0), np.empty(0)
+    before = _misfit(lines, theta)
+    failures = 0
+    for _ in range(count or most):
+        theta = _refine(lines, np.concatenate((theta, _next_pole(lines, theta, before))))
+        after = _misfit(lines, theta)
+        if count is not None or _matters(lines, theta, before, after):
+            kept, failures = theta, 0
+        else:
+            failures += 1  # one of two like modes does not matter before the other is there
+        before = after
+        if failures == 2:
             break
-        trial, trial_cost = _refine(lines, np.concatenate((theta, start)))
-        fit = _finish(lines, trial, trial_cost)
-        if count is None and not _matters(lines, fit, cost, trial_cost):
+    if count is None:
+        kept = _prune(lines, kept)
+    return _finish(lines, kept) if kept.size else None
+
+
+def _prune(lines: Lines, theta: FloatArray) -> FloatArray:
+    """Drop what is no mode, the lowest first, until all are."""
+    while theta.size:
+        c = _solve(lines, theta)[1]
+        bad = [i for i in range(len(theta) // 2) if not _is_mode(lines, theta, c, i)]
+        if not bad:
             break
-        best, theta, cost = fit, trial, trial_cost
-        if number == count:
-            break
-    return best
+        worst = min(bad, key=lambda i: float(np.abs(_residues(c, i)).max()))
+        theta = _refine(lines, np.delete(theta, [2 * worst, 2 * worst + 1]))
+    return theta
+
+
+def _residues(coefficients: list[FloatArray], i: int) -> ComplexArray:
+    return np.array([complex(c[2 * i], c[2 * i + 1]) for c in coefficients])
 
 
 def _poles(theta: FloatArray) -> ComplexArray:
@@ -173,6 +187,19 @@ def _solve(lines: Lines, theta: FloatArray) -> tuple[float, list[FloatArray], li
     return cost, coefficients, residuals
 
 
+def _misfit(lines: Lines, theta: FloatArray) -> FloatArray:
+    """Squared residual of each line over its variance, shape (channels, n)."""
+    _, _, residuals = _solve(lines, theta)
+    return np.array([(r.reshape(2, -1) ** 2).sum(axis=0) for r in residuals])
+
+
+def _near(lines: Lines, p: complex) -> BoolArray:
+    """The lines that decide about a mode: ten to either side, or three half-power widths."""
+    omega = lines.s.imag
+    reach = max(10.5 * float(np.median(np.diff(omega))), -6 * p.real)
+    return np.asarray(np.abs(omega - p.imag) <= reach)
+
+
 def _slopes(lines: Lines, theta: FloatArray, c: FloatArray) -> ComplexArray:
     """Derivative of the modes' sum by ln sigma and omega at fixed coefficients, (n, 2 modes)."""
     columns = []
@@ -192,7 +219,7 @@ def _kernel_slope(lines: Lines, p: complex) -> ComplexArray:
     return np.asarray((k - later * np.exp(_lost(lines, p))) / (lines.s - p))
 
 
-def _refine(lines: Lines, theta: FloatArray) -> tuple[FloatArray, float]:
+def _refine(lines: Lines, theta: FloatArray) -> FloatArray:
     """Levenberg-Marquardt over the poles, the residues projected out (Kaufman's Jacobian)."""
     cost, coefficients, residuals = _solve(lines, theta)
     damping = 1e-3
@@ -225,62 +252,83 @@ def _refine(lines: Lines, theta: FloatArray) -> tuple[FloatArray, float]:
         damping = max(damping / 10, 1e-12)
         if gain <= 1e-13 * cost or np.abs(step).max() < 1e-13:
             break
-    return theta, cost
+    return theta
 
 
-def _next_pole(lines: Lines, theta: FloatArray) -> FloatArray | None:
-    """Scan frequency and damping about the line that the poles so far explain worst."""
-    _, _, residuals = _solve(lines, theta)
-    n = len(lines.s)
-    left = np.zeros(n)
-    for r, sd in zip(residuals, lines.sd, strict=True):
-        left += (r[:n] ** 2 + r[n:] ** 2) * sd**2
+def _next_pole(lines: Lines, theta: FloatArray, misfit: FloatArray) -> FloatArray:
+    """Scan frequency and damping about the line that the poles so far miss by most."""
     omega = lines.s.imag
-    worst, step = float(omega[np.argmax(left)]), float(np.median(np.diff(omega)))
-    best, start = np.inf, None
-    for shift in (-1.5, -1.0, -0.5, 0.0, 0.5, 1.0, 1.5):
-        for ratio in np.geomspace(3e-4, 0.4, 9):
-            trial = np.array([np.log(ratio * worst), max(worst + shift * step, 0.5 * omega[0])])
-            cost = _solve(lines, np.concatenate((theta, trial)))[0]
-            if cost < best:
-                best, start = cost, trial
-    return start
+    missed = (misfit * lines.sd**2).sum(axis=0)
+    worst, step = float(omega[np.argmax(missed)]), float(np.median(np.diff(omega)))
+    trials = [
+        np.concatenate((theta, [np.log(ratio * worst), max(worst + shift * step, omega[0] / 2)]))
+        for shift in (-1.5, -1.0, -0.5, 0.0, 0.5, 1.0, 1.5)
+        for ratio in np.geomspace(3e-4, 0.4, 9)
+    ]
+    return min(trials, key=lambda trial: _solve(lines, trial)[0])[-2:]
 
 
-def _finish(lines: Lines, theta: FloatArray, cost: float) -> PoleFit:
+def _finish(lines: Lines, theta: FloatArray) -> PoleFit:
+    """Residues, and the covariance of the first channel's fit with all parameters in it."""
     _, coefficients, _ = _solve(lines, theta)
-    modes = len(theta) // 2
-    spare = max(2 * lines.value.size - len(theta) - sum(map(len, coefficients)), 1)
+    misfit = _misfit(lines, theta)
+    poles, modes = _poles(theta), len(theta) // 2
     sd = lines.sd[0]
     columns = _stack(_columns(lines, theta), 1 / sd)
     slopes = _stack(_slopes(lines, theta, coefficients[0]), 1 / sd)
-    slopes[:, 0::2] /= _poles(theta).real  # by p.real = -sigma, so by sigma up to the sign
+    slopes[:, 0::2] /= poles.real  # by p.real = -sigma, so by sigma up to the sign
     full = np.hstack((slopes, columns))
     scale = np.linalg.norm(full, axis=0)
     covariance = np.linalg.pinv((full / scale).T @ (full / scale)) / np.outer(scale, scale)
-    chi2 = cost / spare
-    residues = np.array([c[0 : 2 * modes : 2] + 1j * c[1 : 2 * modes : 2] for c in coefficients])
+    # what the model misses about a mode widens that mode's error
+    worse = np.sqrt([max(_chi2(lines, p, misfit), 1.0) for p in poles])
+    widen = np.concatenate((np.repeat(worse, 2), np.repeat(worse, 2)))
     return PoleFit(
-        poles=_poles(theta),
-        residues=residues,
-        covariance=covariance[: 4 * modes, : 4 * modes] * max(chi2, 1.0),
-        chi2=chi2,
+        poles=poles,
+        residues=np.array([_residues(coefficients, i) for i in range(modes)]).T,
+        covariance=covariance[: 4 * modes, : 4 * modes] * np.outer(widen, widen),
     )
 
 
-def _matters(lines: Lines, fit: PoleFit, before: float, after: float) -> bool:
-    """Tell whether the last mode added is a mode: seen, oscillating, distinct and significant."""
-    p, residue = fit.poles[-1], fit.residues[:, -1]
-    n = 2 * lines.value.size
-    if not lines.s.imag[0] < p.imag < lines.s.imag[-1] or -p.real > 0.6 * abs(p):
+def _chi2(lines: Lines, p: complex, misfit: FloatArray) -> float:
+    """Misfit per degree of freedom of the lines about a mode."""
+    near = misfit[:, _near(lines, p)]
+    return float(near.sum()) / max(2 * near.size - _parameters(near), 1)
+
+
+def _parameters(channels: FloatArray) -> int:
+    """Of one mode: its pole, and a residue in each channel."""
+    return 2 + 2 * len(channels)
+
+
+def _matters(lines: Lines, theta: FloatArray, before: FloatArray, after: FloatArray) -> bool:
+    """Tell whether the last mode added is one, and explains more than chance would."""
+    coefficients = _solve(lines, theta)[1]
+    if not _is_mode(lines, theta, coefficients, len(theta) // 2 - 1):
         return False
-    others = fit.poles[:-1]
-    if others.size and np.abs(others - p).min() < 0.5 * min(-p.real, float(-others.real.max())):
+    p = _poles(theta)[-1]
+    near = _near(lines, p)
+    gain = float((before - after)[:, near].sum()) / max(_chi2(lines, p, after), 1e-300)
+    return bool(gain > 3 * _parameters(before) * np.log(2 * lines.value.size))
+
+
+def _is_mode(lines: Lines, theta: FloatArray, coefficients: list[FloatArray], i: int) -> bool:
+    """Tell whether pole i lies in the band, oscillates, decays, is distinct and tall."""
+    poles = _poles(theta)
+    p, others = poles[i], np.delete(poles, i)
+    residue = np.abs(_residues(coefficients, i))
+    omega, record = lines.s.imag, lines.record
+    if not omega[0] < p.imag < omega[-1] or -p.real > 0.6 * abs(p):
         return False
-    top = np.abs(lines.value).max(axis=1)
-    height = np.abs(residue) * float(np.abs(kernel(lines, p)).max())
-    if (height < SMALLEST_MODE * top).all():
+    if record is not None and -p.real * record < 1e-2:
         return False
-    parameters = 2 + 2 * len(residue)
-    gain = (before - after) / max(fit.chi2, 1e-300)
-    return bool(gain > 3 * parameters * np.log(n))
+    taller = np.array(
+        [np.abs(_residues(coefficients, j)).max() > residue.max() for j in range(len(poles))]
+    )
+    nearest = np.abs(others - p)[np.delete(taller, i)]
+    # closer than this no record of such length tells two modes apart
+    apart = max(-0.5 * p.real, 0.0 if record is None else 3 * np.pi / record)
+    if nearest.size and nearest.min() < apart:
+        return False
+    height = residue * float(np.abs(kernel(lines, p)).max())
+    return bool((height >= SMALLEST_MODE * np.abs(lines.value).max(axis=1)).any())

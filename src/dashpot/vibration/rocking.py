@@ -1,9 +1,10 @@
 r"""Several accelerometers as one: the mean, or the weights that do not see the block rock.
 
 A block that is struck off its centre bounces and rocks; accelerometer i at :math:`x_i` sees
-:math:`a_i/F = B(s) + q_i R(s)`. The mean is free of rocking if the accelerometers are alike and
-stand symmetrically. Otherwise the weights w that minimise :math:`|\sum_i w_i q_i|` under
-:math:`\sum_i w_i = 1` are, whatever the gains and places.
+:math:`A_i = B(s) + q_i R(s)`. The mean is free of rocking if the accelerometers are alike and
+stand symmetrically. Otherwise, whatever their gains and places, the weights are that minimise
+:math:`\sum_f |\sum_i w_i A_i(f)|^2` over the lines of the rocking resonance, with
+:math:`\sum_i w_i = 1` so that the bounce is kept.
 """
 
 from __future__ import annotations
@@ -63,7 +64,10 @@ def null_rocking(lines: Lines) -> Combination | None:
         return None
     bounce = int(np.argmax(np.where(unison >= 0.5, power, 0)))
     rocking = int(np.argmax(np.where(unison < 0.5, power, 0)))
-    weights = _weights(fit.residues[:, rocking])
+    p = fit.poles[rocking]
+    step = float(np.median(np.diff(lines.s.imag)))
+    at_peak = np.abs(lines.s.imag - p.imag) <= max(-p.real, 1.5 * step)
+    weights = _weights(lines.value[:, at_peak])
 
     tall = [float(np.abs(kernel(lines, fit.poles[i])).max()) for i in (rocking, bounce)]
 
@@ -84,10 +88,13 @@ def null_rocking(lines: Lines) -> Combination | None:
     )
 
 
-def _weights(shape: ComplexArray) -> FloatArray:
-    """Real weights of sum 1 and, among the best, of least norm, that see least of a shape."""
-    n = len(shape)
-    rows = np.vstack((shape.real, shape.imag)) / np.linalg.norm(shape)
+def _weights(seen: ComplexArray) -> FloatArray:
+    """Real weights of sum 1 that leave least of what is `seen`, shape (channels, lines).
+
+    Among equally good ones, those closest to the mean.
+    """
+    n = len(seen)
+    rows = np.vstack((seen.real.T, seen.imag.T)) / np.linalg.norm(seen)
     mean = np.full(n, 1 / n)
     # any weights of sum 1 are the mean plus differences
     differences = np.linalg.svd(np.ones((1, n)))[2][1:].T
