@@ -13,6 +13,7 @@ import numpy as np
 
 from dashpot.checks import Check
 from dashpot.comparison import compare
+from dashpot.identification.bands import FRFBand, parameter_band
 from dashpot.provenance import Source, Step
 from dashpot.relaxation.fit import Certificate, Fit, Nuisance, OrderScore, Residual, Status
 from dashpot.relaxation.records import RampHold, RelaxationTest, Specimen
@@ -21,7 +22,7 @@ from dashpot.simulation.seals import BROAD, BROAD_MASS
 from dashpot.solids.band import StiffnessBand
 from dashpot.solids.history import arm_response
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.study import Study
+from dashpot.study import STIFFNESS_LINES, Study
 from dashpot.vibration.frf import FRF, Hit
 from dashpot.vibration.prediction import predict_frf
 
@@ -139,7 +140,7 @@ def joint() -> Fit:
         residual=Residual(n=8300, sse=8300.0, rms=0.005), parameters=order,
         covariance=np.diag([0.05**2, *[0.3**2] * 4, *[0.02**2] * 4]), dof=900.0, band=(0.004, 40.0),
         nuisance=(Nuisance("mass", 0.1149, 1e-4, "kg"), Nuisance("delay", 2e-5, 1e-5, "s")),
-        checks=(Check("mass_prior", True, "the mass moved by 0.3 of its standard error", 0.3, 2.0),),
+        checks=(Check("mass_prior", True, "the mass moved by 0.3 standard errors", 0.3, 2.0),),
     )  # fmt: skip
 
 
@@ -190,6 +191,21 @@ def unseen_band() -> StiffnessBand:
 
 
 @cache
+def frf_limits() -> FRFBand:
+    """Limits of the accelerance, narrow by the standard errors and wide by unseen arms."""
+    frequency = measured().frequency
+    size = np.abs(predict_frf(2 * two_arms().model, mass=BROAD_MASS, frequency=frequency).value)
+    near = np.abs(predict_frf(2 * BROAD, mass=BROAD_MASS, frequency=frequency).value)
+    return FRFBand(
+        frequency=frequency,
+        magnitude=size,
+        parameter=np.array([0.97 * size, 1.03 * size]),
+        unseen=np.array([0.6 * np.minimum(size, near), 1.5 * np.maximum(size, near)]),
+        says="every spectrum that the relaxation test does not reject",
+    )
+
+
+@cache
 def study() -> Study:
     """The whole story of the broad seal."""
     fit, target = two_arms(), measured()
@@ -213,8 +229,9 @@ def study() -> Study:
         joint=joint(),
         joint_prediction=after,
         joint_comparison=compare(after, target, fit=joint(), mass=BROAD_MASS, seals=2.0),
-        parameter_band=None,
-        unseen_band=unseen_band(),
+        parameters=parameter_band(fit, STIFFNESS_LINES),
+        unseen=unseen_band(),
+        frf_band=frf_limits(),
         checks=(Check("operating_point", False, "the mass sags 2.9 mm; the test held 8 mm", 2.9),),
     )
 
@@ -224,6 +241,6 @@ def bench_only() -> Study:
     """The same without hammer, mass or joint fit."""
     return replace(
         study(), mass=None, prediction=None, impact=None, measured=None, comparison=None,
-        joint=None, joint_prediction=None, joint_comparison=None, parameter_band=None,
-        unseen_band=None, checks=(), hold_fit=None,
+        joint=None, joint_prediction=None, joint_comparison=None, parameters=None, unseen=None,
+        frf_band=None, checks=(), hold_fit=None,
     )  # fmt: skip

@@ -12,6 +12,7 @@ from dashpot.checks import Check
 from dashpot.comparison import Comparison, compare
 from dashpot.errors import DataError, FitError
 from dashpot.identification import identify
+from dashpot.identification.bands import FRFBand
 from dashpot.identification.mass import infer_mass
 from dashpot.relaxation.fit import Fit
 from dashpot.relaxation.fitting import fit
@@ -61,6 +62,10 @@ class Study:
     joint_comparison : Comparison or None
     unseen : StiffnessBand or None
         The widest stiffness and loss over all spectra that the relaxation test cannot reject.
+    parameters : StiffnessBand or None
+        What the standard errors of `fit` alone allow: the formal band.
+    frf_band : FRFBand or None
+        Both kinds of ignorance as limits of the predicted accelerance.
     checks : tuple of Check
         What only the whole story shows.
     """
@@ -81,6 +86,8 @@ class Study:
     joint_prediction: FRF | None = None
     joint_comparison: Comparison | None = None
     unseen: StiffnessBand | None = None
+    parameters: StiffnessBand | None = None
+    frf_band: FRFBand | None = None
     checks: tuple[Check, ...] = ()
 
 

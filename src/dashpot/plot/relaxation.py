@@ -23,6 +23,7 @@ from dashpot.plot.look import (
 from dashpot.plot.panels import time as panel
 from dashpot.relaxation.fit import Fit
 from dashpot.relaxation.records import RampHold
+from dashpot.solids.maxwell import GeneralizedMaxwell
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -141,19 +142,41 @@ def draw_residual(ax: Axes, one: Fit, prepared: RampHold, *, chosen: Fit) -> Non
 
 
 def fitted_force(one: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
-    """Time from first contact and the force that the fit says, nuisance terms included.
+    """Time from first contact and the force that the fit says at it, N.
 
-    A fit of the hold answers to the ideal ramp of the paper's eq. (5), on the hold only; every
-    other to the recorded displacement.
+    A fit of the hold answers to the ideal ramp of the paper's eq. (5), on the hold only. Every
+    other answers to the recorded displacement, with the offset and drift of the load cell that
+    the fit allowed: given the solid, they are what least squares makes of the rest.
     """
-    t = prepared.time - prepared.onset
-    extra = {term.name: term.value for term in one.nuisance}
+    model = _at_depth(one, prepared.depth)
     if one.method == "hold":
-        t = t[prepared.hold]
-        force = one.model.ramp_hold_force(t, depth=prepared.depth, ramp_time=prepared.ramp_time)
-    else:
-        force = one.model.force(prepared.time, prepared.displacement)
-    return t, force + extra.get("offset", 0.0) + extra.get("drift", 0.0) * t
+        since = prepared.time[prepared.hold] - prepared.onset
+        return since, model.ramp_hold_force(
+            since, depth=prepared.depth, ramp_time=prepared.ramp_time
+        )
+    used = slice(0, prepared.hold.stop)
+    time, x = prepared.time[used], prepared.displacement[used]
+    force = model.force(time, x - x[0])
+    terms = {"offset": np.ones(len(time)), "drift": time - time[0]}
+    allowed = {term.name.partition(" ")[0] for term in one.nuisance}
+    columns = [column for name, column in terms.items() if name in allowed]
+    if columns:
+        design = np.column_stack(columns)
+        force = (
+            force + design @ np.linalg.lstsq(design, prepared.force[used] - force, rcond=None)[0]
+        )
+    return time - prepared.onset, force
+
+
+def _at_depth(one: Fit, depth: float) -> GeneralizedMaxwell:
+    """The solid at this depth, where every test of the fit has stiffnesses of its own."""
+    if not one.by_depth:
+        return one.model
+    near = min(one.by_depth, key=lambda at: abs(at.depth - depth))
+    there = [(k, tau) for k, tau in zip(near.k, one.model.tau, strict=False) if k > 0]
+    return GeneralizedMaxwell(
+        max(near.k_inf, 0.0), tuple(k for k, _ in there), tuple(tau for _, tau in there)
+    )
 
 
 def name_of(one: Fit) -> str:

@@ -66,8 +66,8 @@ def spectrum(fit: Fit, *, joint: Fit | None = None) -> Figure:
 def stiffness(
     fit: Fit,
     *,
-    parameter_band: StiffnessBand | None = None,
-    unseen_band: StiffnessBand | None = None,
+    parameters: StiffnessBand | None = None,
+    unseen: StiffnessBand | None = None,
     joint: Fit | None = None,
     measured: FRF | None = None,
     mark: float | None = None,
@@ -79,7 +79,7 @@ def stiffness(
     Parameters
     ----------
     fit : Fit
-    parameter_band, unseen_band : StiffnessBand, optional
+    parameters, unseen : StiffnessBand, optional
         What the standard errors allow; what any spectrum allows that the test cannot reject.
     joint : Fit, optional
         The fit to relaxation and FRF together.
@@ -90,17 +90,17 @@ def stiffness(
     """
     made = figure(PAGE, 78)
     axes = made.subplots(1, 3)
-    f = _frequencies(fit, measured, unseen_band, mark)
+    f = _frequencies(fit, measured, unseen, mark)
     names = ("storage", "loss", "loss_factor")
     labels = ("storage stiffness K′, N/mm", "loss stiffness K″, N/mm", "loss factor K″/K′, –")
     for ax, name, label in zip(axes, names, labels, strict=True):
         factor = 1.0 if name == "loss_factor" else 1e-3
         panel.identified(ax, fit.band, label="seen by the relaxation test")
-        if unseen_band is not None:
-            panel.limits(ax, unseen_band.frequency, factor * getattr(unseen_band, name), PURPLE,
+        if unseen is not None:
+            panel.limits(ax, unseen.frequency, factor * getattr(unseen, name), PURPLE,
                          label="room for arms it cannot see", alpha=0.25)  # fmt: skip
-        if parameter_band is not None:
-            panel.limits(ax, parameter_band.frequency, factor * getattr(parameter_band, name),
+        if parameters is not None:
+            panel.limits(ax, parameters.frequency, factor * getattr(parameters, name),
                          BLUE, label="standard errors (95 %)", alpha=0.35)  # fmt: skip
         curve = factor * getattr(fit.model, name)(2 * np.pi * f)
         panel.known_and_extrapolated(ax, f, curve, CHOSEN, known=fit.band, label="relaxation fit")

@@ -9,7 +9,9 @@ import numpy as np
 
 from dashpot._arrays import ComplexArray, FloatArray
 from dashpot.comparison import Comparison
+from dashpot.identification.bands import FRFBand
 from dashpot.plot.look import (
+    BLUE,
     CHOSEN,
     COLUMN,
     GREY,
@@ -18,6 +20,7 @@ from dashpot.plot.look import (
     NORMAL,
     OTHERS,
     PAGE,
+    PURPLE,
     SMALL,
     Pen,
     dress,
@@ -62,7 +65,9 @@ def frf(measured: FRF, *others: FRF, labels: Sequence[str] = ()) -> Figure:
     return _bode(list(zip(same, names, pens, strict=True)))
 
 
-def comparison(comparison: Comparison, *, joint: Comparison | None = None) -> Figure:
+def comparison(
+    comparison: Comparison, *, joint: Comparison | None = None, band: FRFBand | None = None
+) -> Figure:
     """Predicted against measured accelerance, peaks named, coherence beneath (paper Fig. 6).
 
     Parameters
@@ -71,9 +76,14 @@ def comparison(comparison: Comparison, *, joint: Comparison | None = None) -> Fi
         Prediction from the relaxation test against the measured FRF.
     joint : Comparison, optional
         The joint fit against the same FRF: what changes once the hammer is believed.
+    band : FRFBand, optional
+        Between which limits the relaxation test predicts.
     """
     made = _bode(curves_of(comparison, joint))
     mark_peaks(made.axes[0], comparison, joint)
+    if band is not None:
+        draw_band(made.axes[0], band)
+        legend(made.axes[0], loc="lower right")
     return made
 
 
@@ -138,6 +148,16 @@ def draw_magnitude(ax: Axes, curves: Sequence[tuple[FRF, str, Pen]]) -> None:
     log_axis(ax, "y")
     dress(ax, y=f"{curves[0][0].kind.value.replace('_', ' ')}, {unit}")
     panel.decibels(ax, reference)
+
+
+def draw_band(ax: Axes, band: FRFBand) -> None:
+    """What the relaxation test leaves open: by its standard errors, by arms it cannot see."""
+    limits = ax.get_ylim()
+    panel.limits(ax, band.frequency, band.unseen, PURPLE, label="room for unseen arms",
+                 alpha=0.22)  # fmt: skip
+    panel.limits(ax, band.frequency, band.parameter, BLUE, label="standard errors (95 %)",
+                 alpha=0.3)  # fmt: skip
+    ax.set_ylim(*limits)
 
 
 def draw_phase(ax: Axes, curves: Sequence[tuple[FRF, str, Pen]], *, spread: bool = True) -> None:

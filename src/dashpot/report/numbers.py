@@ -1,0 +1,91 @@
+"""Numbers for people: no more digits than are known, N/mm, mm, Hz and ms."""
+
+from __future__ import annotations
+
+import math
+
+MINUS = "−"
+SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
+
+
+def rounded(value: float, error: float | None = None, *, digits: int = 3) -> str:
+    """`value` to two digits of its error, or to `digits` significant ones if that is unknown."""
+    if math.isnan(value):
+        return "unknown"
+    if math.isinf(value):
+        return "∞" if value > 0 else f"{MINUS}∞"
+    if error is None or not math.isfinite(error) or error <= 0:
+        return _plain(value, digits)
+    decimals = 1 - math.floor(math.log10(error))
+    if decimals > 9:
+        return _plain(value, 10)
+    return f"{round(value, decimals):.{max(decimals, 0)}f}".replace("-", MINUS)
+
+
+def _plain(value: float, digits: int) -> str:
+    if value != 0 and not 1e-4 <= abs(value) < 10 ** max(digits, 6):
+        mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
+        return f"{mantissa}·10^{int(exponent)}".replace("-", MINUS)
+    if value == 0:
+        return "0"
+    decimals = max(digits - 1 - math.floor(math.log10(abs(value))), 0)
+    return f"{value:.{decimals}f}".replace("-", MINUS)
+
+
+def with_error(value: float, error: float) -> str:
+    """Value ± standard error, each to two digits of the error."""
+    if not math.isfinite(error):
+        return f"{rounded(value)}, not identified"
+    if error <= 0:
+        return f"{rounded(value)}, held"
+    return f"{rounded(value, error)} ± {rounded(error, error)}"
+
+
+def interval(low: float, high: float) -> str:
+    """Both ends of an interval to two digits of its half width; an open end is said to be open."""
+    if math.isinf(low) and math.isinf(high):
+        return "not bounded"
+    if math.isinf(high):
+        return f"above {rounded(low)}"
+    if math.isinf(low):
+        return f"below {rounded(high)}"
+    half = (high - low) / 4
+    return f"{rounded(low, half)} to {rounded(high, half)}"
+
+
+def percent(ratio: float, *, digits: int = 2) -> str:
+    """A relative difference with its sign, in per cent."""
+    if not math.isfinite(ratio):
+        return "unknown"
+    value = 100 * ratio
+    text = _plain(abs(value), digits) if abs(value) >= 0.005 else "0.00"
+    return f"{MINUS if value < 0 else '+'}{text} %"
+
+
+def decibels(value: float) -> str:
+    """A level difference with its sign."""
+    return f"{value:+.1f} dB".replace("-", MINUS)
+
+
+def hertz(band: tuple[float, float]) -> str:
+    """A band of frequencies."""
+    return f"{rounded(band[0], digits=2)} to {rounded(band[1], digits=2)} Hz"
+
+
+def duration(seconds: float) -> str:
+    """A time in ms below one second, else in s."""
+    if seconds < 0.9995:
+        return f"{rounded(1e3 * seconds)} ms"
+    return f"{rounded(seconds)} s"
+
+
+def symbol(name: str) -> str:
+    """A parameter's name as it is printed: ``"k_inf"`` is k∞, ``"ln_tau_2"`` is ln τ₂."""
+    text = name.replace("k_inf", "k∞").replace("tau", "τ").replace("ln_", "ln ")
+    head, _, number = text.rpartition("_")
+    return head + number.translate(SUBSCRIPTS) if head and number.isdigit() else text
+
+
+def words(name: str) -> str:
+    """A check's or a step's identifier as words."""
+    return name.replace("_", " ")

@@ -1,0 +1,96 @@
+"""From a study to one HTML page."""
+
+from __future__ import annotations
+
+import platform
+from importlib import metadata
+from typing import Any
+
+from dashpot.report import numbers, tables, words
+from dashpot.report.pictures import pictures
+from dashpot.study import Study
+
+
+def html(study: Study) -> str:
+    """Return the report as one self-contained HTML file.
+
+    No network, no script: pictures are inline SVG, and a strict content security policy says so.
+    It prints on A4. Whatever came from a file is escaped. Parts that the study cannot fill, for
+    want of a mass or a hammer test, are left out, and the page says so.
+
+    Parameters
+    ----------
+    study : Study
+
+    Returns
+    -------
+    str
+        The text of the file; the same study gives the same text.
+    """
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    environment = Environment(
+        loader=PackageLoader("dashpot.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters.update(symbol=numbers.symbol, words=numbers.words)
+    return environment.get_template("report.html").render(_contents(study))
+
+
+def _contents(study: Study) -> dict[str, Any]:
+    found = tables.checks(words.stages(study))
+    c = study.comparison
+    return {
+        "study": study,
+        "title": words.title(study),
+        "verdict": words.sentences(study),
+        "simulated": words.simulated(study),
+        "inferred": words.inferred_mass(study),
+        "failed": sum(mark == "bad" for mark in found.marks),
+        "checks": found,
+        "pictures": pictures(study),
+        "key": tables.key_numbers(study),
+        "peaks": tables.peaks(study),
+        "facts": tables.test_facts(study.prepared),
+        "coefficients": tables.coefficients(study.fit, study.prepared.specimen.length),
+        "orders": tables.orders(study),
+        "routes": None if study.hold_fit is None else tables.two_routes(study.fit, study.hold_fit),
+        "nuisances": tables.nuisances(study.fit),
+        "frequency": tables.in_frequency(
+            study.fit, study.unseen, None if c is None else c.measured_hz
+        ),
+        "arms": None if c is None else tables.arms_tested(c),
+        "hits": None if study.measured is None else tables.hits(study.measured),
+        "moved": None if study.joint is None else tables.moved(study.joint),
+        "joint_coefficients": None
+        if study.joint is None
+        else tables.coefficients(study.joint, study.prepared.specimen.length),
+        "joint_nuisances": None if study.joint is None else tables.nuisances(study.joint),
+        "sources": words.sources(study),
+        "steps": _steps(study),
+        "versions": versions(),
+        "band": numbers.hertz(study.fit.band),
+        "mass": None if study.mass is None else numbers.rounded(1e3 * study.mass, digits=4),
+        "rms": numbers.rounded(1e3 * study.fit.residual.rms),
+        "kappa": numbers.rounded(study.fit.residual.kappa),
+        "watson": numbers.rounded(study.fit.residual.durbin_watson),
+    }
+
+
+def _steps(study: Study) -> list[Any]:
+    """Every step since the raw files, each once, in order."""
+    groups = [study.fit.steps or study.prepared.steps]
+    for later in (study.measured, study.joint):
+        groups.append(() if later is None else later.steps)
+    return list(dict.fromkeys(step for steps in groups for step in steps))
+
+
+def versions() -> tuple[tuple[str, str], ...]:
+    """What computed this page."""
+    return (
+        *((name, metadata.version(name)) for name in ("dashpot", "numpy", "scipy", "matplotlib")),
+        ("Python", platform.python_version()),
+    )

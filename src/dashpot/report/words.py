@@ -1,0 +1,114 @@
+"""The sentences at the top of the report: what the tests say, in plain words."""
+
+from __future__ import annotations
+
+from dashpot.checks import Check
+from dashpot.provenance import Source
+from dashpot.relaxation.fit import Status
+from dashpot.report.numbers import decibels, hertz, percent, rounded
+from dashpot.study import Study
+
+COUNT = {0: "no", 1: "one", 2: "two", 3: "three", 4: "four", 5: "five", 6: "six"}
+
+
+def title(study: Study) -> str:
+    """What the report is about."""
+    source = study.test.source or study.prepared.source
+    return source.file if source is not None else "relaxation test"
+
+
+def sentences(study: Study) -> tuple[str, ...]:
+    """The verdict, one thought a sentence."""
+    return tuple(
+        sentence
+        for sentence in (_solid(study), _outcome(study), _hammer(study), _joint(study))
+        if sentence
+    )
+
+
+def _solid(study: Study) -> str:
+    fit = study.fit
+    arms = COUNT.get(fit.model.arms, str(fit.model.arms))
+    plural = "" if fit.model.arms == 1 else "s"
+    return (
+        f"One seal behaves as a spring of {rounded(1e-3 * fit.model.k_inf)} N/mm with {arms} "
+        f"Maxwell arm{plural}, {rounded(1e-3 * fit.model.k_0)} N/mm at once; the relaxation test "
+        f"tells its stiffness and damping from {hertz(fit.band)}."
+    )
+
+
+def _outcome(study: Study) -> str:
+    if study.fit.status is Status.CONVERGED:
+        return ""
+    return f"The fit needs care: {study.fit.status.value}."
+
+
+def _hammer(study: Study) -> str:
+    if study.comparison is not None:
+        return study.comparison.verdict
+    if study.mass is None:
+        return (
+            "No mass was given, so no vibration was predicted; outside that band the solid is an "
+            "extrapolation."
+        )
+    return (
+        "No hammer test was given: the predicted vibration lies outside that band wherever the "
+        "figures are dashed, and nothing here has tested it."
+    )
+
+
+def _joint(study: Study) -> str:
+    joint, after = study.joint, study.joint_comparison
+    if joint is None or after is None:
+        return ""
+    new = joint.model.arms - study.fit.model.arms
+    added = (
+        f"the hammer adds {COUNT.get(new, str(new))} arm{'' if new == 1 else 's'}"
+        if new > 0
+        else "the same number of arms"
+    )
+    return (
+        f"Fitted to both tests at once ({added}), the solid meets the hammer within "
+        f"{percent(after.frequency_error)} in frequency and {decibels(after.ratio_db)} at the peak."
+    )
+
+
+def inferred_mass(study: Study) -> str:
+    """A warning where the mass was taken from the very frequency it should predict."""
+    if not (study.mass_inferred and study.mass is not None):
+        return ""
+    return (
+        f"The mass of {rounded(1e3 * study.mass, digits=4)} g was inferred from the measured FRF, "
+        "so the agreement in frequency proves nothing. Weigh the block."
+    )
+
+
+def simulated(study: Study) -> tuple[str, ...]:
+    """The files that the virtual rig or hammer made."""
+    return tuple(source.file for source in sources(study) if source.simulated)
+
+
+def sources(study: Study) -> tuple[Source, ...]:
+    """Every file that went into the study, once."""
+    found = [study.test.source, study.prepared.source, *study.fit.source]
+    for frf in (study.measured, study.impact):
+        found += list(frf.source) if frf is not None else []
+    return tuple(dict.fromkeys(source for source in found if source is not None))
+
+
+def stages(study: Study) -> list[tuple[str, tuple[Check, ...]]]:
+    """The checks of every stage, in the order of the work."""
+    groups = [
+        ("whole story", study.checks),
+        ("relaxation test", study.prepared.checks),
+        ("fit", study.fit.checks),
+    ]
+    if study.measured is not None:
+        groups.append(("hammer test", study.measured.checks))
+    if study.comparison is not None:
+        groups.append(("comparison", study.comparison.checks))
+    if study.joint is not None:
+        groups.append(("joint fit", study.joint.checks))
+    if study.joint_comparison is not None:
+        groups.append(("comparison after the joint fit", study.joint_comparison.checks))
+    return groups
