@@ -1,0 +1,210 @@
+"""The Python and command-line contracts, as users type them."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import dashpot as dp
+from dashpot.cli import main
+from dashpot.io.write import write_impact, write_relaxation
+from dashpot.simulation.hammer import Hammer, simulate_impact
+from dashpot.simulation.rig import simulate_relaxation
+from dashpot.simulation.seals import BROAD, BROAD_MASS
+
+README = Path(__file__).resolve().parents[1] / "README.md"
+MASS = ["--mass", f"{BROAD_MASS} kg", "--seals", "2"]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A folder with both tests of the broad seal."""
+    path = tmp_path_factory.mktemp("lab")
+    bench = simulate_relaxation(BROAD, seed=3)
+    hammer = simulate_impact(BROAD, mass=BROAD_MASS, hits=4, rig=Hammer(record=6.0), seed=3)
+    (path / "seal_8mm.csv").write_text(write_relaxation(bench.test))
+    (path / "impact.csv").write_text(write_impact(hammer.test))
+    return path
+
+
+def run(*words, expect=0):
+    result = CliRunner().invoke(main, [str(word) for word in words])
+    assert result.exit_code == expect, result.output + result.stderr
+    return result
+
+
+def document(*words, expect=0):
+    return json.loads(run(*words, "--json", expect=expect).stdout)
+
+
+def test_the_readme_runs_as_written(folder, monkeypatch, capsys):
+    monkeypatch.chdir(folder)
+    (code,) = re.findall(r"```python\n(.*?)```", README.read_text(encoding="utf-8"), re.DOTALL)
+    names = {}
+    exec(compile(code, "README.md", "exec"), names)  # noqa: S102
+    assert "peak frequency" in capsys.readouterr().out
+    assert names["fit"].model.arms == 2
+    assert "CBUSH" in names["deck"]
+
+
+def test_python_contract(folder):
+    test = dp.read_relaxation(folder / "seal_8mm.csv")
+    prepared = dp.prepare(test)
+    fit = dp.fit(prepared, arms=2)
+    assert fit.certificate.says
+    intervals = fit.intervals(level=0.95)
+    assert intervals["k_inf"][0] < fit.model.k_inf < intervals["k_inf"][1]
+    assert len(intervals["k"]) == len(intervals["tau"]) == 2
+    assert dp.fit(prepared, arms=2, method="hold").model.arms == 2
+    many = dp.fit_many(
+        test.time, np.array([test.force, 2 * test.force]), displacement=test.displacement, arms=2
+    )
+    assert len(many.k_inf) == 2
+    assert many.k_inf[1] == pytest.approx(2 * many.k_inf[0], rel=1e-6)
+    frf = dp.estimate_frf(dp.read_impact(folder / "impact.csv"))
+    modes = frf.modes()
+    assert modes[0].frequency == pytest.approx(12.70, abs=0.05)
+    assert modes[0].damping_ratio == pytest.approx(0.02856, rel=0.05)
+
+
+def test_exponential_sums():
+    x = np.linspace(0, 3, 60)
+    sums = dp.fit_exponential_sum(x, 2 * np.exp(-x) + 0.5 * np.exp(-5 * x), terms=2)
+    assert sorted(sums.rates) == pytest.approx([1, 5], rel=1e-8)
+    assert sorted(sums.amplitudes) == pytest.approx([0.5, 2], rel=1e-8)
+
+
+def test_fit_json(folder, tmp_path):
+    found = document("fit", folder / "seal_8mm.csv", "--arms", "2", "-o", tmp_path / "fit.json")
+    assert found["schema"] == "dashpot/fit@1"
+    assert found["status"] == "converged"
+    assert found["ok"] is True
+    assert set(found["model"]) >= {"k_inf", "b", "arms"}
+    for arm in found["model"]["arms"]:
+        assert arm["b"] == pytest.approx(arm["k"] * arm["tau"])
+    assert [order["arms"] for order in found["orders"]]
+    assert set(found["residual"]) >= {"n", "sse", "rms"}
+    assert len(found["band_hz"]) == 2
+    assert {"name", "passed", "value", "limit", "says"} <= set(found["checks"][0])
+    assert found["source"][0]["file"] == "seal_8mm.csv"
+    assert len(found["source"][0]["sha256"]) == 64
+    assert json.loads((tmp_path / "fit.json").read_text()) == found
+
+
+def test_impact_compare_identify_json(folder, tmp_path):
+    run("fit", folder / "seal_8mm.csv", "--arms", "2", "-o", tmp_path / "fit.json")
+    impact = document("impact", folder / "impact.csv", "-o", tmp_path / "frf.csv")
+    mode = impact["modes"][0]
+    assert {"frequency_hz", "damping_ratio", "frequency_se_hz", "damping_ratio_se"} <= set(mode)
+    assert len(impact["hits"]) == 4
+    assert {"accepted", "reasons"} <= set(impact["hits"][0])
+    assert impact["file"] == str(tmp_path / "frf.csv")
+    for measured in (folder / "impact.csv", tmp_path / "frf.csv"):
+        found = document("compare", tmp_path / "fit.json", measured, *MASS)
+        assert {"predicted_hz", "measured_hz", "ratio_db"} <= set(found["peak"])
+        assert found["peak"]["ratio_db"] > 3
+        assert 0 < found["frac"] < 1
+        assert {"tau", "loss_share", "seen_by_relaxation"} <= set(found["arms"][0])
+    joint = document(
+        "identify", folder / "impact.csv", "--with", folder / "seal_8mm.csv", *MASS,
+        "-o", tmp_path / "joint.json",
+    )  # fmt: skip
+    assert joint["schema"] == "dashpot/fit@1"
+    assert joint["mass"] == pytest.approx(BROAD_MASS, rel=0.02)
+    assert joint["moved"]
+    assert joint["nuisance"]
+    agreement = document("compare", tmp_path / "joint.json", folder / "impact.csv", *MASS)
+    assert abs(agreement["peak"]["difference_percent"]) < 0.2
+    assert agreement["peak"]["ratio"] == pytest.approx(1, abs=0.05)
+
+
+def test_predict_plan_inspect_export_json(folder, tmp_path):
+    run("fit", folder / "seal_8mm.csv", "-o", tmp_path / "fit.json")
+    predicted = document("predict", tmp_path / "fit.json", *MASS, "--band", "5:40Hz")
+    assert predicted["frequency_hz"][0] == 5.0
+    assert predicted["extrapolated"] is True
+    assert document("plan", "--at", "12.71Hz")["expected"]["loss_factor_sd"] > 0.1
+    (seen,) = document("inspect", folder / "seal_8mm.csv")["files"]
+    assert seen["kind"] == "relaxation"
+    assert [column["role"] for column in seen["columns"]] == ["time", "displacement", "force"]
+    assert seen["preparation"]["ramp_time"] == pytest.approx(1, abs=0.02)
+    deck = document(
+        "export", tmp_path / "fit.json", "--to", "nastran", "--units", "mm-t-s",
+        "--temperature", "23degC", "--length", "100mm", "--force", "-o", tmp_path / "seal.bdf",
+    )  # fmt: skip
+    assert deck["target"] == "nastran"
+    assert "PBUSHT" in (tmp_path / "seal.bdf").read_text()
+
+
+def test_the_main_job(folder, tmp_path):
+    found = document(
+        "report", folder / "seal_8mm.csv", "--impact", folder / "impact.csv", *MASS,
+        "-o", tmp_path / "report.html",
+    )  # fmt: skip
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert found["schema"] == "dashpot/study@1"
+    assert found["fit"]["schema"] == "dashpot/fit@1"
+    assert "<svg" in page
+    assert "seal_8mm.csv" in page
+
+
+def test_simulated_files_are_stamped(tmp_path):
+    run("simulate", "relaxation", "--hold", "5s", "-o", tmp_path / "s.csv")
+    assert "simulated" in (tmp_path / "s.csv").read_text()[:200]
+    truth = json.loads((tmp_path / "s.truth.json").read_text())
+    assert truth["simulated"] is True
+    (seen,) = document("inspect", tmp_path / "s.csv")["files"]
+    assert seen["simulated"] is True
+
+
+def test_pipes(folder):
+    fit = run("fit", folder / "seal_8mm.csv", "-o", "-").stdout
+    result = CliRunner().invoke(main, ["predict", "-", *MASS, "--json"], input=fit)
+    assert json.loads(result.stdout)["schema"] == "dashpot/prediction@1"
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (("fit", "nowhere.csv"), "nowhere.csv"),
+        (("fit",), "FILE"),
+        (("fit", "{seal}", "--arms", "many"), "'many' is not a number of arms"),
+        (("fit", "{seal}", "--force", "Load"), "Load"),
+        (("fit", "{seal}", "--units", "force"), "role=unit"),
+        (("fit", "{seal}", "--length", "100"), "has no unit"),
+        (("predict", "{seal}", "--mass", "104g"), "not a JSON document"),
+        (("predict", "{fit}", "--mass", "104"), "has no unit"),
+        (("predict", "{fit}", "--mass", "104mm"), "is a unit of length"),
+        (("predict", "{fit}", "--mass", "-104g"), "mass"),
+        (("predict", "{fit}", "--mass", "104g", "--band", "50:1Hz"), "50 is not below 1"),
+        (("impact", "{seal}"), "acceleration"),
+        (("report", "{fit}", "-o", "x.html"), "time"),
+        (("export", "{fit}", "--to", "nastran"), "unit"),
+        (("export", "{fit}", "--to", "nastran", "--units", "mm-t-s"), "--temperature"),
+        (("export", "{fit}", "--to", "adams", "--units", "SI", "--mass", "1kg"), "no --mass"),
+        (("verify", "{folder}"), "is not a project"),
+        (("plan", "--at", "12.71"), "has no unit"),
+        (("plan", "--at", "12Hz", "--arm-time", "1ms"), "--arm-stiffness"),
+        (("simulate", "impact", "--model", "{fit}", "-o", "x.csv"), "--mass"),
+    ],
+)
+def test_the_first_wrong_thing_a_user_does(folder, tmp_path, monkeypatch, words, says):
+    monkeypatch.chdir(tmp_path)
+    fit = folder / "fit.json"
+    if not fit.exists():
+        run("fit", folder / "seal_8mm.csv", "-o", fit)
+    places = {"seal": folder / "seal_8mm.csv", "fit": fit, "folder": tmp_path}
+    result = run(*(word.format(**places) for word in words), expect=2)
+    assert says in result.stderr
+    assert "Traceback" not in result.output
+    assert result.stdout == ""
+
+
+def test_strict_turns_a_failed_check_into_exit_code_1(folder):
+    run("fit", folder / "seal_8mm.csv", "--arms", "2", expect=0)
+    run("fit", folder / "seal_8mm.csv", "--arms", "2", "--strict", expect=1)
