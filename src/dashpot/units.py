@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from functools import lru_cache
 from types import MappingProxyType
 from typing import Literal, TypeAlias
 
@@ -48,7 +49,7 @@ def _table() -> dict[str, Unit]:
         "strain": {"1": 1.0, "%": 1e-2, "mm/mm": 1.0, "m/m": 1.0},
         "stress": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "psi": 6894.757293168361},
         "voltage": {"V": 1.0, "mV": 1e-3, "uV": 1e-6},
-        "torque": {"N*m": 1.0, "N*mm": 1e-3},
+        "torque": {"N*m": 1.0, "N*mm": 1e-3, "mN*m": 1e-3, "uN*m": 1e-6},
         "angle": {"rad": 1.0, "deg": 0.017453292519943295},
     }  # fmt: skip
     units: dict[str, Unit] = {}
@@ -65,32 +66,98 @@ def _table() -> dict[str, Unit]:
 TABLE = MappingProxyType(_table())
 """Every unit word known, keyed ``"dimension:word"``."""
 
+_SPELLINGS = {
+    "s": "seconds second secs sek sekunde sekunden sekund sekundy seconde secondes segundo segundos "
+    "secondo secondi saniye sn с сек 秒 초",
+    "ms": "msec msecs millisecond milliseconds millisekunden мс 毫秒 ミリ秒",
+    "us": "µs µsec usec microsecond microseconds мкс 微秒",
+    "min": "minute minutes minuten minuty dakika dk мин 分 分钟",
+    "h": "hr hrs hour hours stunde stunden std godz 小时 時間",
+    "m": "meter metre meters metres м 米",
+    "mm": "millimeter millimetre millimeters millimetres milimetr milimetry мм 毫米 ミリ",
+    "cm": "centimeter centimetre centimeters centimetres см 厘米",
+    "um": "µm micron microns micrometer micrometre micrometers micrometres мкм 微米",
+    "in": "inch inches zoll \" ''",
+    "ft": "foot feet",
+    "N": "newton newtons niuton niutony н 牛 牛顿 ニュートン",
+    "mN": "millinewton millinewtons мн 毫牛",
+    "uN": "µn",
+    "kN": "kilonewton kilonewtons кн 千牛",
+    "daN": "dan decanewton",
+    "lbf": "lb_f lbsf lb-f poundforce pound-force lb.f",
+    "kgf": "kg_f kg-f kilopond 公斤力 кгс",
+    "gf": "g_f gramforce gram-force",
+    "lb": "lbs pound pounds",
+    "kg": "kilogram kilograms кг 千克 公斤",
+    "g": "gram grams",
+    "t": "tonne tonnes",
+    "gn": "g0 g's gs g_n grav",
+    "m/s^2": "m/s2 m/s² m/s**2 m/s/s m/(s^2) m/(s²) m/(s*s) m*s^-2 m·s^-2 m.s-2 m.s^-2 ms^-2 ms-2 "
+    "m/sec^2 m/sec2 m/sec² м/с² м/с2 м/с^2 米/秒²",
+    "mm/s^2": "mm/s2 mm/s² mm/s**2 mm/sec^2",
+    "m/s": "m/sec m.s-1 м/с",
+    "mm/s": "mm/sec мм/с",
+    "Hz": "hertz гц 赫兹 1/s cps",
+    "kHz": "kilohertz",
+    "N/m": "n/meter",
+    "N*s/m": "n.s/m ns/m n·s/m n-s/m n*s*m^-1",
+    "N*s/mm": "n.s/mm ns/mm n·s/mm n-s/mm",
+    "1": "- [-] none dimensionless unitless abs.",
+    "%": "percent prozent pct",
+    "mm/mm": "in/in",
+    "Pa": "pascal n/m^2 n/m2 n/m² па 帕",
+    "kPa": "kilopascal кпа 千帕",
+    "MPa": "megapascal n/mm^2 n/mm2 n/mm² мпа 兆帕",
+    "GPa": "gigapascal гпа",
+    "V": "volt volts в 伏",
+    "mV": "millivolt millivolts",
+    "uV": "µv",
+    "N*m": "nm n·m n.m n-m",
+    "mN*m": "mnm mn·m mn.m mn-m",
+    "uN*m": "µnm µn·m µn.m µn-m",
+    "N*mm": "nmm n·mm n.mm n-mm",
+    "deg": "° degree degrees grad_ °(deg)",
+    "rad": "radian radians",
+    "degC": "°c c ℃ deg_c degc celsius grad_c градус °с",
+    "degF": "°f ℉ fahrenheit",
+    "K": "kelvin",
+}
 _ALIASES = {
-    "seconds": "s", "second": "s", "sek": "s", "secs": "s", "秒": "s", "msec": "ms", "µs": "us",
-    "minutes": "min", "hr": "h", "newton": "N", "newtons": "N", "micron": "um", "microns": "um",
-    "µm": "um", "µn": "uN", "millimeter": "mm", "millimetre": "mm", "meter": "m", "metre": "m",
-    "inch": "in", "lb_f": "lbf", "lbs": "lbf", "毫米": "mm", "牛": "N", "hertz": "Hz",
-    "m/s2": "m/s^2", "m/s²": "m/s^2", "m/s**2": "m/s^2", "m s^-2": "m/s^2", "ms^-2": "m/s^2",
-    "mm/s2": "mm/s^2", "mm/s²": "mm/s^2", "°c": "degC", "c": "degC", "degc": "degC", "°f": "degF",
-    "k": "K", "n.s/m": "N*s/m", "ns/m": "N*s/m", "n·s/m": "N*s/m", "n.s/mm": "N*s/mm",
-    "ns/mm": "N*s/mm", "n·s/mm": "N*s/mm", "nm": "N*m", "n·m": "N*m", "n.m": "N*m",
-    "nmm": "N*mm", "n·mm": "N*mm", "n-mm": "N*mm", "n-m": "N*m", "-": "1", "percent": "%",
-}  # fmt: skip
+    spelling: word for word, spellings in _SPELLINGS.items() for spelling in spellings.split()
+}
 
 
 def find(word: str, dimension: Dimension | None = None) -> Unit | None:
-    """Return the unit that `word` names, or None; `dimension` settles ``g`` and ``nm``."""
-    text = word.strip().replace("μ", "µ")
-    for spelling in (text, text.replace("µ", "u"), _ALIASES.get(text.lower(), "")):
+    """Return the unit that `word` names, or None; `dimension` settles ``g`` and ``nm``.
+
+    >>> find("µm"), find("Newtons").word, find("furlong")
+    (Unit(word='um', dimension='length', factor=1e-06, offset=0.0), 'N', None)
+    """
+    return _find(word, dimension)
+
+
+@lru_cache(maxsize=1024)
+def _find(word: str, dimension: Dimension | None) -> Unit | None:
+    text = " ".join(word.replace("μ", "µ").split())
+    lowered = text.lower()
+    spellings = (
+        text,
+        text.replace("µ", "u"),
+        _ALIASES.get(lowered, ""),
+        _ALIASES.get(lowered.replace(" ", ""), ""),
+        _ALIASES.get(lowered.replace(" ", "_"), ""),
+        text.rstrip("."),
+    )
+    for spelling in spellings:
         for unit in TABLE.values():
             if unit.word == spelling and dimension in (None, unit.dimension):
                 return unit
-    lowered = text.replace("µ", "u").lower()
     # a wrong case is forgiven where only one unit can be meant: "HZ", "n", "Sec", not "MN"
+    folded = text.replace("µ", "u").lower().rstrip(".")
     matches = [
         unit
         for unit in TABLE.values()
-        if unit.word.lower() == lowered and dimension in (None, unit.dimension)
+        if unit.word.lower() == folded and dimension in (None, unit.dimension)
     ]
     return matches[0] if len(matches) == 1 else None
 

@@ -77,8 +77,8 @@ def _day(date: str) -> int:
             return 0
 
 
-def split(line: str, delimiter: str) -> list[str]:
-    """Return the cells of a line, trailing blank cells dropped.
+def split(line: str, delimiter: str, *, trim: bool = True) -> list[str]:
+    """Return the cells of a line, without trailing blank cells if `trim`.
 
     A delimiter of one blank stands for any run of blanks; a longer one holds the column
     breaks of a fixed-width table, as ``"fixed:9,18"``.
@@ -95,7 +95,7 @@ def split(line: str, delimiter: str) -> list[str]:
         cells = _quoted(line, delimiter)
     else:
         cells = [cell.strip() for cell in line.split(delimiter)]
-    while cells and not cells[-1]:
+    while trim and cells and not cells[-1]:
         cells.pop()
     return cells
 

@@ -57,6 +57,8 @@ class Dialect:
             if self.value(text, i) is not None:
                 filled += 1
             elif not cell.is_missing(text):
+                if i == self.numbers[0]:
+                    return None  # "Mean;1.2;3.4"
                 words += 1
         # a row has numbers; a heading that holds a number or two has more words than numbers
         return (
@@ -114,7 +116,7 @@ def _windows(lines: Sequence[str]) -> Iterator[list[str]]:
 
 def _best_run(lines: Sequence[str], sign: str, mark: Mark) -> tuple[float, tuple[Content, ...]]:
     """Score and columns of the best run of lines of one width."""
-    rows = [cell.split(line, sign) for line in lines]
+    rows = [cell.split(line, sign, trim=False) for line in lines]
     best: tuple[float, tuple[Content, ...]] = (0.0, ())
     for run in _runs(rows, mark):
         contents = _contents(run, mark)
@@ -165,7 +167,6 @@ def _alike(mask: list[bool], is_number: list[bool], row: list[str]) -> bool:
 
 def _contents(run: Sequence[Sequence[str]], mark: Mark) -> tuple[Content, ...]:
     width = Counter(len(row) for row in run).most_common(1)[0][0]
-    width = max(width, *(len(row) for row in run if len(row) <= width + 1))
     held: list[Content] = []
     for i in range(width):
         column = [row[i] for row in run if i < len(row) and row[i]]
@@ -216,14 +217,10 @@ def ambiguous_commas(lines: Sequence[str], dialect: Dialect) -> str | None:
     """Return a cell such as ``1,234`` if the commas of the whole sample can be read either way."""
     example = None
     for line in lines:
-        row = dialect.row(line)
-        for i in dialect.numbers if row else ():
-            text = row[i] if row else ""
-            if "," not in text:
-                if "." in text:  # a decimal point beside the comma: the comma groups thousands
-                    return None if dialect.mark == "." else example
+        for i, text in enumerate(dialect.row(line) or ()):
+            if i not in dialect.numbers or "," not in text:
                 continue
-            if not cell.EITHER_WAY.match(text):
+            if not cell.EITHER_WAY.match(text):  # 0,5 or 1,234.5 or 1,234,567 settles it
                 return None
             example = example or text
     return example

@@ -28,7 +28,10 @@ def find_encoding(head: bytes) -> str:
             return name
     zeros = head.count(0)
     if zeros > 0.2 * len(head):
-        return "utf-16-le" if head[1::2].count(0) >= head[0::2].count(0) else "utf-16-be"
+        name = "utf-16-le" if head[1::2].count(0) >= head[0::2].count(0) else "utf-16-be"
+        text = head[: len(head) // 2 * 2].decode(name, "replace")
+        plain = sum(" " <= c < "\u02ff" or c in "\t\r\n" for c in text)
+        return name if plain > 0.7 * len(text) else "utf-8"
     if head.isascii():
         return "utf-8"
     try:
@@ -109,6 +112,8 @@ def decoded(blocks: Iterable[bytes], encoding: str, name: str) -> Iterator[str]:
 
 
 def _ends(text: str) -> str:
+    if "\u2212" in text:
+        text = text.replace("\u2212", "-")  # a typeset minus
     if "\r" not in text:
         return text
     return re.sub(r"\r+\n", "\n", text).replace("\r", "\n")

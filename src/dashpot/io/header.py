@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections.abc import Sequence
 
 from dashpot import units
@@ -76,6 +77,9 @@ def _cells(line: str, dialect: Dialect) -> list[str]:
             again = cell.split(text, other)
             if len(again) == width:
                 return again
+    bracketed = re.findall(r"[^\[\]()]+?\s*(?:\[[^\]]*\]|\([^)]*\))", text)
+    if len(bracketed) == width:
+        return [part.strip(" \t,;|") for part in bracketed]
     wide = [part.strip() for part in re.split(r"\s{2,}|\t", text.strip())]
     if len(wide) == width:
         return wide
@@ -106,13 +110,17 @@ def _labelled(lines: Sequence[str], dialect: Dialect, what: str) -> list[str]:
 def _pick(rows: Sequence[list[str]], width: int) -> tuple[list[str], list[str]]:
     """The row of names and the row of units among the last lines above the table."""
     words: list[str] = []
-    for row in reversed(rows):
+    for i in range(len(rows) - 1, -1, -1):
+        row = rows[i]
         if not any(row):
             continue
         if not words and _is_units(row, width):
             words = row
             continue
         if _is_names(row, width):
+            above = rows[i - 1] if i else []
+            if not words and len(above) == len(row) and _is_units(above, width):
+                words = above
             return row, words
         if words or len(row) >= max(2, width - 1):
             break
@@ -156,7 +164,7 @@ def part_unit(name: str) -> tuple[str, str | None]:
     >>> part_unit("Force (N)"), part_unit("Load__kN_"), part_unit("Kraft_N"), part_unit("time")
     (('Force', 'N'), ('Load', 'kN'), ('Kraft', 'N'), ('time', None))
     """
-    text = name.strip().strip("\"'").strip()
+    text = unicodedata.normalize("NFKC", name.replace("²", "^2")).strip().strip("\"'").strip()
     match = _BRACKETS.match(text)
     if match and match[2].strip():
         return match[1].strip() or text, match[2].strip()

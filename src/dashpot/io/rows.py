@@ -193,6 +193,8 @@ class _Reader:
 
     def _patient(self, line: str, number: int, got: _Gathered) -> None:
         row = self.dialect.row(line)
+        if row is not None and got.rows and got.between and not self._full(row):
+            row = None  # "Maximum;8.0;1.9" below the table
         if row is None:
             if re.search(r"\w", line):
                 self._refuse_wide(line, number, got)
@@ -205,6 +207,13 @@ class _Reader:
             if value is None and row[i]:
                 got.words.setdefault(row[i][:20], []).append(f"line {number}")
         got.add(values, number)
+
+    def _full(self, row: Sequence[str]) -> bool:
+        """Whether no word stands where a number is expected."""
+        return all(
+            cell.is_missing(row[i]) or self.dialect.value(row[i], i) is not None
+            for i in self.dialect.numbers
+        )
 
     def _refuse_wide(self, line: str, number: int, got: _Gathered) -> None:
         cells = cell.split(line, self.dialect.delimiter)

@@ -76,7 +76,7 @@ def _table(
     columns = name_columns(lines[: dialect.first], dialect)
     doubts, notes = [], []
     example = ambiguous_commas(lines[dialect.first :], dialect) if options.decimal is None else None
-    if example is not None and dialect.mark != ".":
+    if example is not None:
         whole = example.replace(",", "")
         doubts.append(
             f"numbers such as '{example}' can mean {example.replace(',', '.')} or {whole}; "

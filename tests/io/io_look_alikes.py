@@ -1,0 +1,152 @@
+"""Look-alikes of what test machines write: one ramp and hold, in many dialects."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+ROWS = 60
+
+
+def truth() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Time s, displacement mm, force N, to be printed with 5 decimals."""
+    time = np.round(0.1 * np.arange(ROWS), 5)
+    moved = np.round(np.clip(time - 0.5, 0, 1) * 8.0, 5)
+    force = np.round(0.2 * moved + 0.3 * np.where(time > 1.5, np.exp(-(time - 1.5)), 0.0), 5)
+    return time, moved, force
+
+
+def table(
+    delimiter: str,
+    *,
+    decimal: str = ".",
+    quote: bool = False,
+    tail: str = "",
+    end: str = "\n",
+    columns: Sequence[np.ndarray] | None = None,
+    lead: str = "",
+    pad: int = 0,
+) -> str:
+    """Rows of the truth, or of other columns, in a dialect."""
+    rows = []
+    for values in zip(*(columns or truth()), strict=True):
+        cells = [f"{value:.5f}".replace(".", decimal).rjust(pad) for value in values]
+        cells = [f'"{cell}"' for cell in cells] if quote else cells
+        rows.append(lead + delimiter.join(cells) + tail)
+    return end.join(rows) + end
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """One file, and the options it needs."""
+
+    name: str
+    content: bytes
+    kilo: bool = False  # force printed in kN with the number of N
+
+
+def _zwick() -> str:
+    head = '"Prüfinstitut"\t"Institut"\n"Datum/Uhrzeit"\t44335.4\t""\n"Messlänge"\t80\t"mm"\n'
+    names = '"Prüfzeit"\t"Standardkraft"\t"Standardweg"\n"s"\t"N"\t"mm"\n'
+    time, moved, force = truth()
+    return head + names + table("\t", columns=(time, force, moved))
+
+
+def _bluehill(unit: str = "N") -> str:
+    head = "".join(
+        f'Próbka : {word};"{value}";{u}\r\n'
+        for word, value, u in (("Szybkość", "15,00000", "mm/min"), ("Szerokość", "20,00000", "mm"))
+    )
+    names = f"\r\nGodzina;Przemieszczenie;Obciążenie\r\n(s);(mm);({unit})\r\n"
+    return head + names + table(";", decimal=",", quote=True, end="\r\n")
+
+
+def _wavematrix() -> str:
+    names = '"Gesamtzeit (s)";"Weg(8800 (0:1):Weg) (mm)";"Last(8800 (0:3):Last) (N)";\r\n'
+    return names + table(";", decimal=",", tail=";", end="\r\n")
+
+
+def _chinese() -> str:
+    return "试验日期,2024-01-05\n试样编号,A1\n时间(s),位移(mm),力(N)\n" + table(",")
+
+
+def _padded() -> str:
+    head = "$ Prüfung an Stück 7\n$ Temperatur 23 °C\n$ Zeit [s]  Weg [mm]  Kraft [N]\n"
+    return head + table("", pad=14)
+
+
+def _lead(names: str, rows: str) -> Callable[[], str]:
+    return lambda: names + rows
+
+
+DIALECTS = [
+    Dialect("plain", ("time [s],displacement [mm],force [N]\n" + table(",")).encode()),
+    Dialect("parentheses", ("Time (s), Displacement (mm), Force (N)\n" + table(", ")).encode()),
+    Dialect("units row", ("Time;Weg;Kraft\ns;mm;N\n" + table(";", decimal=",")).encode()),
+    Dialect("bracketed units row", ("Time\tPosition\tLoad\n[s]\t[mm]\t[N]\n" + table("\t")).encode()),
+    Dialect("slash", ("Zeit / s;Weg / mm;Kraft / N\n" + table(";", decimal=",")).encode("cp1252")),
+    Dialect("in", ("Time in s|Stroke in mm|Force in N\n" + table("|")).encode()),
+    Dialect("bom", b"\xef\xbb\xbf" + ("t [s];x [mm];F [N]\n" + table(";")).encode()),
+    Dialect("utf-16", ("Zeit [s]\tWeg [mm]\tKraft [N]\r\n" + table("\t", end="\r\n")).encode("utf-16")),
+    Dialect("utf-16-be bare", ("Zeit [s]\tWeg [mm]\tKraft [N]\n" + table("\t")).encode("utf-16-be")),
+    Dialect("zwick", _zwick().encode()),
+    Dialect("zwick latin-1", _zwick().encode("cp1252")),
+    Dialect("bluehill polish cp1250", _bluehill().encode("cp1250")),
+    Dialect("bluehill polish utf-8", _bluehill().encode()),
+    Dialect("wavematrix german", b"\xef\xbb\xbf" + _wavematrix().encode()),
+    Dialect("matlab mangled", ("TotalTime_s_,Position__mm_,Load_8800_0_3__Load__N_\n" + table(",")).encode()),
+    Dialect("underscores", ("Zeit_s;Weg_mm;Kraft_N\n" + table(";")).encode()),
+    Dialect("cr cr lf", ("Time (s),Displacement (mm),Load (N)\r\r\n" + table(",", end="\r\r\n")).encode()),
+    Dialect("old mac", ("Time (s),Displacement (mm),Load (N)\r" + table(",", end="\r")).encode()),
+    Dialect("chinese gbk", _chinese().encode("gb18030")),
+    Dialect("chinese utf-8", _chinese().encode()),
+    Dialect("fixed width", _padded().encode("latin-1")),
+    Dialect("comment header", ("# time [s] displacement [mm] force [N]\n" + table(" ")).encode()),
+    Dialect("percent comment", ("% simulated\n% t (s)\tx (mm)\tF (N)\n" + table("\t")).encode()),
+    Dialect("labelled comment", ("# columns: t x F\n# units: s mm N\n" + table(" ")).encode()),
+    Dialect("french", ("Temps (s);Déplacement (mm);Effort (N)\n" + table(";", decimal=",")).encode("cp1252")),
+    Dialect("turkish", ("Süre (s);Yer değiştirme (mm);Kuvvet (N)\n" + table(";", decimal=",")).encode("cp1254")),
+    Dialect("russian", ("Время, с;Перемещение, мм;Усилие, Н\n" + table(";", decimal=",")).encode("cp1251")),
+    Dialect("japanese", ("時間(s),変位(mm),荷重(N)\n" + table(",")).encode("cp932")),
+    Dialect("spanish", ("Tiempo (s);Desplazamiento (mm);Fuerza (N)\n" + table(";", decimal=",")).encode()),
+    Dialect("italian", ("Tempo [s];Spostamento [mm];Forza [N]\n" + table(";", decimal=",")).encode()),
+    Dialect("leading delimiter", ("\tTime (s)\tExtension (mm)\tLoad (N)\n" + table("\t", lead="\t")).encode()),
+    Dialect("trailing delimiters", ("Time;Way;Load;;\ns;mm;N;;\n" + table(";", tail=";;")).encode()),
+    Dialect("quoted comma", ('"Time (s)","Position (mm)","Load (N)"\n' + table(",", decimal=",", quote=True)).encode()),
+    Dialect("semicolon comment", ("; exported\n;Time [s],Displacement [mm],Force [N]\n" + table(",")).encode()),
+    Dialect("blank lines", ("Time (s),Extension (mm),Load (N)\n\n" + table(",").replace("\n", "\n\n")).encode()),
+    Dialect("unit names spelled", ("Time (seconds),Displacement (millimeters),Force (Newtons)\n" + table(",")).encode()),
+    Dialect("mts", ("Data Header: Time Data\nAxial Displacement \tAxial Force \tRunning Time \t\nmm\tN\tSec\t\n" + table("\t", columns=(truth()[1], truth()[2], truth()[0]), tail="\t")).encode()),
+    Dialect("colon units", ("Time:s,Displacement:mm,Force:N\n" + table(",")).encode()),
+    Dialect("footer", ("Time (s),Displacement (mm),Load (N)\n" + table(",") + "\nEnd of test\nMaximum,8.0,1.9\n").encode()),
+    Dialect("index row", ("No,Time (s),Displacement (mm),Load (N)\n" + "".join(f"{i + 1},{row}\n" for i, row in enumerate(table(",").splitlines()))).encode()),
+    Dialect("status column", ("Time (s);Position (mm);Load (N);Status\n" + table(";", decimal=",", tail=";OK")).encode()),
+    Dialect("date and clock", ("Date;Time (s);Position (mm);Load (N)\n" + "".join(f"2024-01-05;{row}\n" for row in table(";").splitlines())).encode()),
+    Dialect("short names", ("t_s,x_mm,F_N\n" + table(",")).encode()),
+    Dialect("symbols", ("Zeit t [s];Weg s [mm];Kraft F [N]\n" + table(";", decimal=",")).encode()),
+    Dialect("no blank before unit", ("t[s];z[mm];Fz[N]\n" + table(";")).encode()),
+    Dialect("axis names", ("Time [s]\tz-position [mm]\tF_z [N]\n" + table("\t")).encode()),
+    Dialect("excel sep line", ("sep=;\nTime (s);Extension (mm);Load (N)\n" + table(";", decimal=",")).encode()),
+    Dialect("dashes under names", ("Time (s)  Stroke (mm)  Force (N)\n--------  -----------  ---------\n" + table("", pad=12)).encode()),
+    Dialect("units above names", ("s;mm;N\nTime;Displacement;Force\n" + table(";")).encode()),
+    Dialect("full-width brackets", ("时间（秒）,位移（毫米）,载荷（牛）\n" + table(",")).encode("gb18030")),
+    Dialect("typeset minus", ("Time (s);Extension (mm);Load (N)\n" + table(";").replace("0.00000;0.00000;0.00000", "\u22120.0;0.0;0.0", 1)).encode()),
+    Dialect("two clocks", ("Total Time (s);Cycle Elapsed Time (s);Position (mm);Load (N)\n" + table(";", columns=(truth()[0], truth()[0] % 1, *truth()[1:]))).encode()),
+    Dialect("command beside signal", ("Time (s);Displacement Command (mm);Displacement (mm);Load (N)\n" + table(";", columns=(truth()[0], truth()[1] + 1, *truth()[1:]))).encode()),
+    Dialect("many columns", ("Time (s);Temp (°C);Load (N);Extension (mm);Tensile strain (%);Stress (MPa);Speed (mm/s)\n" + table(";", columns=(truth()[0], truth()[0], truth()[2], truth()[1], truth()[1], truth()[2], truth()[0]))).encode("cp1252")),
+    Dialect("clock times", ("Time;Weg [mm];Kraft [N]\n" + "".join(f"00:00:{t:08.5f};{x:.5f};{f:.5f}\n" for t, x, f in zip(*truth(), strict=True))).encode()),
+    Dialect("korean", ("시간(s),변위(mm),하중(N)\n" + table(",")).encode("cp949")),
+    Dialect("czech", ("Čas [s];Dráha [mm];Síla [N]\n" + table(";", decimal=",")).encode("cp1250")),
+    Dialect("portuguese", ("Tempo (s);Deslocamento (mm);Força (N)\n" + table(";", decimal=",")).encode("cp1252")),
+    Dialect("dutch", ("Tijd (s);Verplaatsing (mm);Kracht (N)\n" + table(";", decimal=",")).encode()),
+    Dialect("numbers in the header", ("Sample,3\nLength,100,mm\nSpeed,8,mm/s\nTime (s),Extension (mm),Load (N)\n" + table(",")).encode()),
+    Dialect("long header", ("".join(f"# setting.{i}: {i}\n" for i in range(3000)) + "# time [s], displacement [mm], force [N]\n" + table(",")).encode()),
+    Dialect("thousands", ('"Time (s)","Extension (mm)","Load (N)","Microstrain"\n' + "".join(f'"{t:.5f}","{x:.5f}","{f:.5f}","1,{i:03d}.50"\n' for i, (t, x, f) in enumerate(zip(*truth(), strict=True)))).encode()),
+    Dialect("mixed marks", ("Time [s];Weg [mm];Kraft [N]\n" + "".join(f"{t:.5f};{x:.5f};{f:.5f}\n".replace(".", ",", 1) for t, x, f in zip(*truth(), strict=True))).encode()),
+    Dialect("exponents", ("Time (s)\tExtension (m)\tLoad (kN)\n" + "".join(f"{t:.6E}\t{x * 1e-3:.9E}\t{f * 1e-3:+.9E}\n" for t, x, f in zip(*truth(), strict=True))).encode()),
+    Dialect("fortran exponents", ("Time (s)  Extension (mm)  Load (N)\n" + "".join(f"{t:.9E} {x:.9E} {f:.9E}\n".replace("E", "D") for t, x, f in zip(*truth(), strict=True))).encode()),
+    Dialect("inches and pounds", ("Time (min),Extension (in),Load (lbf)\n" + "".join(f"{t / 60:.12f},{x / 25.4:.15f},{f / 4.4482216152605:.15f}\n" for t, x, f in zip(*truth(), strict=True))).encode()),
+    Dialect("milli", ("Time (ms);pos (µm);F (mN)\n" + "".join(f"{t * 1e3:.2f};{x * 1e3:.2f};{f * 1e3:.2f}\n" for t, x, f in zip(*truth(), strict=True))).encode("cp1252")),
+]  # fmt: skip

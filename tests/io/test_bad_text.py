@@ -1,0 +1,291 @@
+"""Text that cannot be read as it stands, and the sentence the user sees."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from io_look_alikes import ROWS, table, truth
+
+from dashpot.errors import ReadError
+from dashpot.io.options import ReadOptions
+from dashpot.io.read import inspect_file, read_impact, read_relaxation
+
+HEAD = "Time (s);Displacement (mm);Force (N)\n"
+
+
+def read(tmp_path: Path, text: str | bytes, **options):
+    path = tmp_path / "bad.csv"
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    return read_relaxation(path, options=ReadOptions(**options))
+
+
+def refused(tmp_path: Path, text: str | bytes, *words: str, **options) -> str:
+    """The sentence, which holds each of the words."""
+    with pytest.raises(ReadError) as caught:
+        read(tmp_path, text, **options)
+    said = str(caught.value)
+    assert said.startswith("bad.csv")
+    for word in words:
+        assert word in said, said
+    return said
+
+
+def lines(**changed: str) -> str:
+    """The truth with some rows, by number, replaced."""
+    rows = table(";").splitlines()
+    for key, row in changed.items():
+        rows[int(key[1:])] = row
+    return HEAD + "\n".join(rows) + "\n"
+
+
+# row 1: decimal marks
+def test_thousand_or_decimal_is_asked(tmp_path: Path) -> None:
+    rows = "".join(f"{i};1,{i:03d};2,{i:03d}\n" for i in range(100, 130))
+    refused(tmp_path, HEAD + rows, "'1,100' can mean 1.100 or 1100", '--decimal ","')
+    as_decimal = read(tmp_path, HEAD + rows, decimal=",")
+    assert as_decimal.displacement[0] == pytest.approx(1.1e-3)
+    as_thousand = read(tmp_path, HEAD + rows, decimal=".")
+    assert as_thousand.displacement[0] == pytest.approx(1.1)
+
+
+def test_decimal_comma_is_stated(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text(HEAD + table(";", decimal=","))
+    found = inspect_file(path)
+    assert (found.delimiter, found.decimal) == ("semicolon", "comma")
+
+
+def test_mixed_marks_are_stated(tmp_path: Path) -> None:
+    rows = "".join(
+        f"{t:.5f};{x:.5f};{f:.5f}\n".replace(".", ",", 1) for t, x, f in zip(*truth(), strict=True)
+    )
+    assert "mixed" in " ".join(read(tmp_path, HEAD + rows).source.notes)
+
+
+# row 2: units
+def test_missing_unit_is_asked(tmp_path: Path) -> None:
+    text = "Time (s);Displacement;Force (N)\n" + table(";")
+    said = refused(tmp_path, text, "'Displacement' (displacement) has no unit")
+    assert '--units "displacement=mm"' in said
+    assert read(tmp_path, text, units={"displacement": "mm"}).displacement[-1] == 8e-3
+
+
+def test_unknown_unit_names_the_known_ones(tmp_path: Path) -> None:
+    text = "Time (s);Displacement (parsec);Force (N)\n" + table(";")
+    refused(tmp_path, text, "'parsec' is not a known unit", "mm", '--units "displacement=mm"')
+
+
+def test_wrong_dimension_is_explained(tmp_path: Path) -> None:
+    text = "Time (s);Displacement (mm);Force (g)\n" + table(";")
+    refused(tmp_path, text, "labelled 'g'", '--units "force=N"', "22.5mV/N")
+    test = read(tmp_path, text, units={"force": "N"})
+    np.testing.assert_allclose(test.force, truth()[2])
+
+
+def test_volts_need_a_sensitivity(tmp_path: Path) -> None:
+    text = "Time (s);Displacement (mm);Force (V)\n" + table(";")
+    refused(tmp_path, text, "labelled 'V'", "a unit of voltage")
+    test = read(tmp_path, text, units={"force": "500mV/N"})
+    np.testing.assert_allclose(test.force, truth()[2] / 0.5)
+
+
+def test_foreign_units_are_converted_and_echoed(tmp_path: Path) -> None:
+    text = "Time (s);pos (µm);Force (lbf)\n" + table(";")
+    test = read(tmp_path, text)
+    np.testing.assert_allclose(test.force, truth()[2] * 4.4482216152605)
+    assert any("pos [um]" in line for line in test.source.columns)
+    assert any("Force [lbf]" in line for line in test.source.columns)
+
+
+# row 3: the clock
+@pytest.mark.parametrize("factor", [1e-7, 1e2])
+def test_implausible_rate_is_noted(tmp_path: Path, factor: float) -> None:
+    time, moved, force = truth()
+    rows = "".join(
+        f"{t * factor:.12g};{x};{f}\n" for t, x, f in zip(time, moved, force, strict=True)
+    )
+    notes = read(tmp_path, HEAD + rows).source.notes
+    assert any("if the unit of time is right" in note for note in notes)
+
+
+def test_clock_reset_names_the_line(tmp_path: Path) -> None:
+    rows = table(";").splitlines()
+    said = refused(tmp_path, HEAD + "\n".join(rows + rows) + "\n", "time falls from 5.9 s to 0 s")
+    assert f"line {ROWS + 2}" in said
+    assert "--rate" in said
+
+
+def test_segments_that_start_again_are_asked(tmp_path: Path) -> None:
+    text = HEAD + table(";") + "\nSegment: two\n" + HEAD + table(";")
+    refused(tmp_path, text, "2 segments (1, 2 two)", "clock starts again", "--segment 1")
+    test = read(tmp_path, text, segment=2)
+    assert len(test.time) == ROWS
+    refused(tmp_path, text, "--segment 3, but the file has 2 segments", segment=3)
+
+
+# row 4: repeated stamps
+def test_one_repeated_stamp_is_dropped_with_a_note(tmp_path: Path) -> None:
+    test = read(tmp_path, lines(_20="1.90000;8.0;1.7"))
+    assert len(test.time) == ROWS - 1
+    assert any("1 repeated time stamp left out, first at line 22" in n for n in test.source.notes)
+
+
+def test_a_coarse_clock_is_refused(tmp_path: Path) -> None:
+    time, moved, force = truth()
+    rows = "".join(f"{t:.0f};{x};{f}\n" for t, x, f in zip(time, moved, force, strict=True))
+    refused(tmp_path, HEAD + rows, "time stamps repeat", "--rate 1000Hz")
+    assert read(tmp_path, HEAD + rows, rate=10.0).time[-1] == pytest.approx(5.9)
+
+
+# row 5: missing numbers
+@pytest.mark.parametrize(
+    "word", ["", "NaN", "OVER", "----", "n/a", "#NV", "LOST", "inf", "1.#QNAN"]
+)
+def test_a_hole_before_the_ramp_is_left_out(tmp_path: Path, word: str) -> None:
+    test = read(tmp_path, lines(_2=f"0.20000;0.00000;{word}"))
+    assert len(test.time) == ROWS - 1
+    assert any("line 4 (force)" in note for note in test.source.notes)
+
+
+@pytest.mark.parametrize("word", ["", "NaN", "OVER"])
+def test_a_hole_in_the_ramp_is_refused(tmp_path: Path, word: str) -> None:
+    refused(tmp_path, lines(_10=f"1.00000;4.0;{word}"), "line 12 lacks force", "ramp")
+
+
+def test_columns_at_different_rates_are_refused(tmp_path: Path) -> None:
+    rows = table(";").splitlines()
+    for i, row in enumerate(rows):
+        if i % 3:
+            rows[i] = row.rsplit(";", 1)[0] + ";"
+    refused(tmp_path, HEAD + "\n".join(rows) + "\n", "40 of 60 rows lack a number")
+
+
+# row 6: swapped columns
+def test_swapped_columns_are_noted(tmp_path: Path) -> None:
+    time, moved, force = truth()
+    test = read(tmp_path, HEAD + table(";", columns=(time, force, moved)))
+    assert any("look swapped" in note for note in test.source.notes)
+    assert not any("swapped" in note for note in read(tmp_path, HEAD + table(";")).source.notes)
+
+
+# row 8: hardly a file
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"", ("is empty (0 bytes)",)),
+        (b"\n\n  \n", ("nothing but blank lines",)),
+        (HEAD.encode(), ("no numbers under the header",)),
+        (HEAD.encode() + b"0;0;0\n", ("only 1 row of numbers", "at least 8")),
+        (b"Dear Sir,\nplease find no data here.\n", ("no numbers under the header",)),
+        (b"\x00\x01\x02\x03" * 400, ("not a text file",)),
+        (b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR" + b"\x00\x10" * 200, ("not a text file",)),
+    ],
+)
+def test_hardly_a_file(tmp_path: Path, content: bytes, words: tuple[str, ...]) -> None:
+    refused(tmp_path, content, *words)
+
+
+def test_no_file_and_a_folder(tmp_path: Path) -> None:
+    with pytest.raises(ReadError, match="cannot be read: No such file"):
+        read_relaxation(tmp_path / "none.csv")
+    with pytest.raises(ReadError, match="is a folder"):
+        read_relaxation(tmp_path)
+
+
+# what is what
+def test_no_header_asks_for_every_column(tmp_path: Path) -> None:
+    said = refused(tmp_path, table(","), '--time "1"', '--displacement "1"', "--rate 1000Hz")
+    assert "1 (no name), 2 (no name), 3 (no name)" in said
+    named = {"time": "1", "displacement": "2", "force": "3"}
+    refused(tmp_path, table(","), "'column 1' (time) has no unit", **named)
+    units = {"time": "s", "displacement": "mm", "force": "N"}
+    assert read(tmp_path, table(","), units=units, **named).displacement[-1] == 8e-3
+
+
+def test_two_displacements_are_asked(tmp_path: Path) -> None:
+    time, moved, force = truth()
+    text = "Zeit [s];Traversenweg absolut [mm];Standardweg [mm];Kraft [N]\n" + table(
+        ";", columns=(time, moved, moved + 1, force)
+    )
+    refused(tmp_path, text, "'Traversenweg absolut [mm]' and 'Standardweg [mm]' could each be")
+    test = read(tmp_path, text, displacement="Standardweg")
+    assert test.displacement[0] == pytest.approx(1e-3)
+    with pytest.raises(ReadError, match="there is no such column; the columns are 1 'Zeit"):
+        read(tmp_path, text, displacement="Weg")
+
+
+def test_three_forces_are_asked(tmp_path: Path) -> None:
+    time, moved, force = truth()
+    text = "t [s];z [mm];Fx [N];Fy [N];Fz [N]\n" + table(
+        ";", columns=(time, moved, force, force, force)
+    )
+    refused(tmp_path, text, "'Fx [N]', 'Fy [N]' and 'Fz [N]' could each be the force")
+    assert read(tmp_path, text, force="Fz").force[-1] == truth()[2][-1]
+
+
+def test_no_clock_asks_for_the_rate(tmp_path: Path) -> None:
+    _, moved, force = truth()
+    text = "Kraft_N;Position_mm\n" + table(";", columns=(force, moved), decimal=",")
+    refused(tmp_path, text, "no column is recognised as time", "--rate 1000Hz")
+    test = read(tmp_path, text, rate=10.0)
+    np.testing.assert_allclose(test.time, truth()[0], atol=1e-9)
+    assert any("counted from the rows at 10 Hz" in note for note in test.source.notes)
+
+
+@pytest.mark.parametrize(
+    "head",
+    [
+        "Total Cycles;Max Load (N);Min Load (N);Max Position (mm);Min Position (mm)\n",
+        "Zyklen;Kraft Maximum (N);Kraft Minimum (N);Weg Maximum (mm);Weg Minimum (mm)\n",
+        "Time (s);Peak Force (N);Valley Force (N);Peak Displacement (mm);Mean Force (N)\n",
+    ],
+)
+def test_cycle_summaries_are_refused(tmp_path: Path, head: str) -> None:
+    rows = table(";", columns=(*truth(), *truth()[1:]))
+    refused(tmp_path, head + rows, "is not a test: it is a summary with one row per cycle")
+    found = inspect_file(tmp_path / "bad.csv")
+    assert found.kind == "not-a-test"
+
+
+@pytest.mark.parametrize(
+    ("head", "reason"),
+    [
+        ("Shear Rate;Viscosity;Shear Stress\n1/s;Pa.s;Pa\n", "flow curve"),
+        ("Time (s);Relaxation Modulus (Pa);Temperature (°C)\n", "relaxation modulus over time"),
+        ("Time (s);Strain (%);Stress (MPa)\n", "stress and strain"),
+    ],
+)
+def test_other_records_are_refused_with_the_reason(tmp_path: Path, head: str, reason: str) -> None:
+    refused(tmp_path, head + table(";"), "is not a test", reason)
+
+
+def test_a_row_with_more_numbers_is_refused(tmp_path: Path) -> None:
+    refused(tmp_path, lines(_30="3.0;8;1.7;4.4"), "line 32 has 4 cells where the table has 3")
+
+
+def test_wrong_encoding_names_the_option(tmp_path: Path) -> None:
+    content = ("Zeit (s);Weg (mm);Kräfte (N)\n" + table(";")).encode("cp1252")
+    refused(tmp_path, content, "--encoding", encoding="utf-8")
+    refused(tmp_path, content, "encoding 'klingon' is unknown", encoding="klingon")
+
+
+def test_an_impact_with_a_hole_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "hit.csv"
+    path.write_text(
+        "time [s];hammer [N];acceleration 1 [m/s^2]\n" + lines(_9="0.9;;1")[len(HEAD) :]
+    )
+    with pytest.raises(ReadError, match=re.escape("hit.csv: line 11 lacks a number (1 such row)")):
+        read_impact(path)
+
+
+def test_uneven_impact_is_refused(tmp_path: Path) -> None:
+    time = np.cumsum(np.random.default_rng(1).uniform(0.5, 1.5, ROWS))
+    path = tmp_path / "hit.csv"
+    path.write_text(
+        "time [s];hammer [N];acceleration 1 [m/s^2]\n" + table(";", columns=(time, time, time))
+    )
+    with pytest.raises(ReadError, match=r"hit\.csv: an impact record needs even sampling"):
+        read_impact(path)
