@@ -74,9 +74,9 @@ def cycles_of(segments: tuple[Segment, ...]) -> tuple[Cycle, ...]:
 
 
 def choose_cycle(
-    segments: tuple[Segment, ...], number: int | None, *, where: str, swapped: bool
+    segments: tuple[Segment, ...], number: int | None, *, where: str
 ) -> tuple[int, tuple[Cycle, ...]]:
-    """Return the index of the loading to be used, and all of them.
+    """Return the index of the loading to be used, and all of them; there is at least one.
 
     Parameters
     ----------
@@ -85,17 +85,13 @@ def choose_cycle(
         Counted from 1; None takes the longest hold.
     where : str
         Name of the record, for the error.
-    swapped : bool
-        True if the force column looks like a displacement that ramps and holds.
 
     Raises
     ------
     DataError
-        If nothing is held, or there is no such loading.
+        If there is no such loading.
     """
     found = cycles_of(segments)
-    if not found:
-        raise DataError(_nothing_held(segments, where=where, swapped=swapped))
     if number is None:
         return int(np.argmax([cycle.hold.duration for cycle in found])), found
     if not 1 <= number <= len(found):
@@ -110,6 +106,17 @@ def listed(cycles: tuple[Cycle, ...]) -> str:
     parts = [f"cycle {i}: {cycle.words()}" for i, cycle in enumerate(cycles, start=1)]
     count = f"{len(cycles)} loading{'s' * (len(cycles) > 1)}"
     return f"{count} ({'; '.join(parts)})"
+
+
+def nothing_held(segments: tuple[Segment, ...], where: str, advice: str) -> str:
+    """The sentence for a record without a ramp and a hold."""
+    if len(segments) == 1 and segments[0].kind == "hold":
+        return f"{where}: the displacement never moves by more than its own scatter; {advice}"
+    shown = ", ".join(_in_words(segment) for segment in segments[:8])
+    more = ", ..." if len(segments) > 8 else ""
+    return (
+        f"{where}: no hold after a ramp was found: the displacement shows {shown}{more}; {advice}"
+    )
 
 
 def _closed(rest: Segment | None, parts: list[Segment]) -> list[Cycle]:
@@ -128,21 +135,3 @@ def _in_words(segment: Segment) -> str:
     verb = "ramp" if segment.kind == "load" else "unloading"
     moved = 1e3 * (segment.level - segment.origin)
     return f"{verb} {segment.start:.5g} to {segment.end:.5g} s by {moved:+.4g} mm"
-
-
-def _nothing_held(segments: tuple[Segment, ...], *, where: str, swapped: bool) -> str:
-    if len(segments) == 1 and segments[0].kind == "hold":
-        found = "the displacement never moves by more than its own scatter"
-    else:
-        found = (
-            "no hold after a ramp was found: the displacement shows "
-            + ", ".join(_in_words(segment) for segment in segments[:8])
-            + (", ..." if len(segments) > 8 else "")
-        )
-    advice = (
-        "the force column ramps and rests instead: are force and displacement swapped?"
-        if swapped
-        else "expected a ramp and then a displacement that rests; check the columns and the units, "
-        "or say where it is with onset, ramp_end and hold_end"
-    )
-    return f"{where}: {found}; {advice}"

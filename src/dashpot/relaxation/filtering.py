@@ -108,11 +108,10 @@ def parse_filter(text: str) -> Filter:
 
 
 def filtered(test: RampHold, by: Filter) -> RampHold:
-    """The record behind a filter: both channels if it is linear, else the force alone."""
-    force = by(test.time, test.force)
-    if not by.linear:
-        return replace(test, force=force)
-    return replace(test, force=force, displacement=by(test.time, test.displacement))
+    """The record with both channels behind a filter."""
+    return replace(
+        test, force=by(test.time, test.force), displacement=by(test.time, test.displacement)
+    )
 
 
 def filter_bias(test: RampHold, by: Filter) -> Check:

@@ -8,7 +8,7 @@ import numpy as np
 
 from dashpot._arrays import FloatArray
 from dashpot.errors import DataError
-from dashpot.relaxation.cycles import Cycle, choose_cycle, cycles_of
+from dashpot.relaxation.cycles import Cycle, choose_cycle, cycles_of, nothing_held
 from dashpot.relaxation.ramps import IdealRamp, ideal_ramp
 from dashpot.relaxation.segmentation import Segment, find_segments, grain_of
 
@@ -78,9 +78,10 @@ def find_motion(
     """
     turn = _direction(time, displacement) if sign is None else sign
     x = turn * displacement
-    swapped = len(cycles_of(find_segments(time, _rising(force)))) == 1
     segments = find_segments(time, x)
-    index, cycles = choose_cycle(segments, number, where=where, swapped=swapped)
+    if not cycles_of(segments):
+        raise DataError(nothing_held(segments, where, _advice(time, x, force)))
+    index, cycles = choose_cycle(segments, number, where=where)
     return _of_cycle(time, x, turn, cycles, index)
 
 
@@ -151,10 +152,28 @@ def _direction(time: FloatArray, displacement: FloatArray) -> int:
     return -1 if moves[:1] == ["unload"] else 1
 
 
-def _rising(force: FloatArray) -> FloatArray:
-    """The force, turned so that its largest excursion from the start is upwards."""
-    away = force - force[0]
-    return force if abs(away.max()) >= abs(away.min()) else -force
+def _advice(time: FloatArray, x: FloatArray, force: FloatArray) -> str:
+    """What may be wrong with a displacement that is never held."""
+    if cycles_of(find_segments(time, -x)):
+        return "turned round it would ramp and rest: leave out sign, or give the other"
+    moves = any(part.kind != "hold" for part in find_segments(time, x))
+    if moves and any(_held_by_plate(time, turn * force) for turn in (1, -1)):
+        return "the force column ramps and rests instead: are force and displacement swapped?"
+    return (
+        "expected a ramp and then a displacement that rests; check the columns and the units, or "
+        "say where it is with onset, ramp_end and hold_end"
+    )
+
+
+def _held_by_plate(time: FloatArray, force: FloatArray) -> bool:
+    """True if the force ramps and then stands as still as a plate does."""
+    for cycle in cycles_of(find_segments(time, force)):
+        held = force[cycle.hold.first : cycle.hold.last + 1]
+        tenth = max(len(held) // 10, 1)
+        eased = abs(float(held[:tenth].mean() - held[-tenth:].mean()))
+        if eased < 0.01 * (cycle.hold.level - cycle.ramp.origin):
+            return True
+    return False
 
 
 def _resting(x: FloatArray, rest: Segment | None, ramp: Segment) -> float:

@@ -15,7 +15,7 @@ from dashpot.relaxation.contact import Touch, touch_of
 from dashpot.relaxation.filtering import filter_bias, filtered, parse_filter
 from dashpot.relaxation.motion import Motion, find_motion, given_motion
 from dashpot.relaxation.records import RampHold, RelaxationTest
-from dashpot.relaxation.scatter import quantum, scatter
+from dashpot.relaxation.scatter import median_of_three, quantum, scatter, without_spikes
 
 
 def prepare(
@@ -75,9 +75,10 @@ def prepare(
     by = None if filter is None else parse_filter(filter)
     _refuse_choices(sign=sign, drift=drift, force_range=force_range)
     motion = _motion(test, where, sign, cycle, (onset, ramp_end, hold_end))
-    turn = _answer(test.force, motion) if sign is None else sign
+    clean = without_spikes(test.time, test.force)
+    turn = _answer(clean, motion) if sign is None else sign
     x, force = motion.sign * test.displacement, turn * test.force
-    before, touch = _touch(test.time, x, force, motion, given=contact)
+    before, touch = _touch(test.time, x, turn * clean, motion, given=contact)
     force, tared = zeroed(test.time, force, before, drift=drift, where=where)
     times = _times(motion, touch, test.time, (onset, ramp_end, hold_end))
     record = _record(test, x, force, motion, touch, times=times)
@@ -90,8 +91,9 @@ def prepare(
         notices.baseline_recorded(before),
         notices.contact_found(touch, record.depth, given=contact is not None),
         notices.preload_absent(record.preload, rise),
-        notices.overshoot_small(record),
+        notices.overshoot_small(record, moves=motion.cycle.moves),
         notices.samples_unbroken(record),
+        notices.spikes_absent(record),
         notices.columns_plausible(record),
     ]
     if force_range is not None:
@@ -245,8 +247,9 @@ def _risen(record: RampHold, before: Baseline, where: str) -> float:
     """The peak of the force over its baseline, N, on one side of zero."""
     loaded = record.force[np.searchsorted(record.time, record.onset) :]
     start = 0.0 if before.long_enough else float(record.force[0])
+    loaded = median_of_three(loaded) if len(loaded) > 50 else loaded
     peak, least = float(loaded.max()) - start, float(loaded.min()) - start
-    if peak <= 5 * record.force_noise:
+    if peak <= 8 * record.force_noise:
         raise DataError(
             f"{where}: the force does not rise while the plate presses (by {1e3 * peak:.3g} mN, "
             f"with a scatter of {1e3 * record.force_noise:.3g} mN); check the force column, its "

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from dashpot._arrays import FloatArray
-from dashpot.relaxation.scatter import quantum, scatter
+from dashpot.relaxation.scatter import median_of_three, quantum, scatter
 
 _LEAST_MOVE = 0.05
 """A move smaller than this part of the whole travel is settling, not a ramp."""
@@ -57,7 +57,7 @@ def find_segments(time: FloatArray, displacement: FloatArray) -> tuple[Segment, 
     time, displacement : array, shape (n,)
         s and m; the sign as it is.
     """
-    x = _despiked(displacement)
+    x = median_of_three(displacement)
     travel = float(np.ptp(x))
     grain = grain_of(time, displacement)
     if travel <= 4 * grain:
@@ -88,12 +88,6 @@ def _segment(
     if kind == "hold":
         origin = level = float(np.median(x[first : last + 1]))
     return Segment(kind, first, last, float(time[first]), float(time[last]), origin, level)
-
-
-def _despiked(x: FloatArray) -> FloatArray:
-    """Median of three: removes a lone glitch, keeps every edge where it is."""
-    middle = np.median(np.stack((x[:-2], x[1:-1], x[2:])), axis=0)
-    return np.concatenate((x[:1], middle, x[-1:]))
 
 
 def _polygon(time: FloatArray, x: FloatArray, tolerance: float) -> list[int]:
