@@ -62,6 +62,8 @@ class Block(Protocol):
         negative, every other kind has either sign.
     arm_group : str
         Blocks of one group share the arms' coefficients: ``"k"``, or ``"k@0"``, ``"k@1"``.
+    exact : Block
+        The same data with every weighted sample as a row, in order.
     window : (float, float)
         Shortest and longest relaxation time that the data could possibly tell, s.
     """
@@ -79,6 +81,8 @@ class Block(Protocol):
     @property
     def arm_group(self) -> str: ...  # noqa: D102
     @property
+    def exact(self) -> Block: ...  # noqa: D102
+    @property
     def window(self) -> tuple[float, float]: ...  # noqa: D102
 
     def evaluate(self, log_tau: FloatArray, derivative: bool = True) -> Evaluation:
@@ -91,7 +95,8 @@ class DesignBlock:
     """A block whose arms' columns come from a function of tau.
 
     The columns are returned in the coordinates of `target`: weighted, and projected if the
-    data were. `accuracy` is the relative accuracy of target and columns.
+    data were. `accuracy` is the relative accuracy of target and columns; `full` makes the same
+    block with every sample as a row.
     """
 
     target: FloatArray
@@ -103,6 +108,7 @@ class DesignBlock:
     samples: int = 0
     arm_group: str = "k"
     accuracy: float = 1e-15
+    full: Callable[[], DesignBlock] | None = None
 
     def __post_init__(self) -> None:
         rows = len(self.target)
@@ -113,6 +119,11 @@ class DesignBlock:
             )
         if not self.samples:
             object.__setattr__(self, "samples", rows)
+
+    @property
+    def exact(self) -> DesignBlock:
+        """The same data with every sample as a row; itself if nothing was compressed."""
+        return self if self.full is None else self.full()
 
     @property
     def turning(self) -> bool:

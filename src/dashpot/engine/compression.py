@@ -92,8 +92,7 @@ def compression(position: FloatArray, weights: FloatArray | None = None) -> Comp
     """
     step = uniform_step(position)
     if len(position) <= SMALL:
-        root = np.ones(len(position)) if weights is None else weights
-        return Compression(position, root, (), step)
+        return uncompressed(position, weights)
     if weights is None and step is not None:
         counted = _uniform(len(position))
         nodes = position[0] + step * counted.nodes
@@ -101,6 +100,12 @@ def compression(position: FloatArray, weights: FloatArray | None = None) -> Comp
     root = np.ones(len(position)) if weights is None else weights
     nodes, root, sections = _blocks(position - position[0], root)
     return Compression(position[0] + nodes, root, (sections,), step)
+
+
+def uncompressed(position: FloatArray, weights: FloatArray | None = None) -> Compression:
+    """Every sample its own node."""
+    root = np.ones(len(position)) if weights is None else weights
+    return Compression(position, root, (), uniform_step(position))
 
 
 def uniform_step(position: FloatArray) -> float | None:

@@ -175,35 +175,37 @@ def _cholesky(gram: FloatArray) -> FloatArray:
 
 
 def correlation_block(
-    exact: DesignBlock, time: FloatArray, x: FloatArray, y: FloatArray, *, start: int, stop: int
+    exact: DesignBlock, time: FloatArray, x: FloatArray, *, start: int, stop: int
 ) -> CorrelationBlock:
     """Correlate a record on a uniform grid, at rest at zero before its first sample."""
     count = stop
     d = np.diff(x[:count], prepend=0.0)
-    inside = np.zeros((2, count))
-    inside[0, start:] = y[start:stop]
-    inside[1, start:] = d[start:]
     size = _fast_length(2 * count)
-    spectrum = np.fft.rfft(d, size)
-    rows = np.concatenate((inside, _windowed(exact.fixed.T, start)))
-    correlated = np.fft.irfft(np.fft.rfft(rows, size) * spectrum.conj(), size)[:, :count]
+    lagged = np.fft.rfft(d, size).conj()
+    window = np.zeros(count)
+    lags = compression(np.arange(count, dtype=float))
+
+    def compressed(sequence: FloatArray) -> FloatArray:
+        return lags.project(sequence)[0]
+
+    def correlated(values: FloatArray) -> FloatArray:
+        window[start:] = values
+        # one sequence at a time stays in the cache
+        return compressed(np.fft.irfft(np.fft.rfft(window, size) * lagged, size)[:count])
+
     before = np.zeros(count)
     before[:start] = d[:start][::-1]
-    order = np.concatenate((correlated[2:], correlated[:2], [before, d[::-1]]))
-    lags = compression(np.arange(count, dtype=float))
+    last = d[::-1]
+    rows = [correlated(column) for column in (*exact.fixed.T, exact.target, d[start:])]
     matrix = np.column_stack((exact.fixed, exact.target))
     return CorrelationBlock(
         exact=exact,
         lags=lags,
-        sequences=lags.project(order)[0],
+        sequences=np.stack([*rows, compressed(before), compressed(last)]),
         gram=matrix.T @ matrix,
         energy=float(d[start:] @ d[start:]),
         step=float(time[-1] - time[0]) / (len(time) - 1),
     )
-
-
-def _windowed(columns: FloatArray, start: int) -> FloatArray:
-    return np.concatenate((np.zeros((len(columns), start)), columns), axis=1)
 
 
 def _fast_length(least: int) -> int:

@@ -120,7 +120,8 @@ def point_at(
     active = None if restricted is None else nonnegative_columns(phi, target, restricted)
     used = phi if active is None else phi[:, active]
     p, arms = used.shape[1], len(log_tau)
-    factor = np.linalg.qr(np.concatenate((used, slope, target[:, None]), axis=1), mode="r")
+    beside = np.concatenate((used, slope, target[:, None]), axis=1)
+    factor: FloatArray = np.linalg.qr(beside, mode="r")  # type: ignore[assignment]
     r = factor[:p, :p]
     pivot = np.diagonal(r)
     if len(factor) < p or (pivot * pivot <= 1e-26 * (r * r).sum(axis=0)).any():
@@ -212,12 +213,8 @@ def _step(point: Point, damping: float, low: float, high: float) -> FloatArray:
     step = np.zeros(len(gradient))
     if not free.any():
         return step
-    if free.all():
-        index: slice | FloatArray = slice(None)
-        part = curvature.copy()
-    else:
-        index = np.flatnonzero(free)
-        part = curvature[np.ix_(index, index)]
+    index = np.flatnonzero(free)
+    part = curvature[index[:, None], index]
     part.ravel()[:: len(part) + 1] += max(damping, 1e-15) * scale[index]
     try:
         step[index] = -np.linalg.solve(part, gradient[index])

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
 import numpy as np
 
 from dashpot._arrays import FloatArray
 from dashpot.engine.blocks import Columns, DesignBlock
-from dashpot.engine.compression import ACCURACY, SMALL, Compression, compression
+from dashpot.engine.compression import ACCURACY, Compression, compression, uncompressed
 from dashpot.errors import DataError
 
 
@@ -17,6 +20,7 @@ def decay_block(
     constant: str | None = "k_inf",
     weights: FloatArray | None = None,
     arm_group: str = "k",
+    compress: bool = True,
 ) -> DesignBlock:
     r"""A plain sum of exponentials :math:`y = y_\infty + \sum_j k_j e^{-t/\tau_j}` from t = 0.
 
@@ -28,9 +32,11 @@ def decay_block(
         Name of the constant; None leaves it out.
     weights : array, shape (M,), optional
         1/sd of each sample.
+    compress : bool
+        False keeps every sample as a row.
     """
     time = _checked(time, values, weights)
-    plan = compression(time, weights)
+    plan = (compression if compress else uncompressed)(time, weights)
     fixed = {} if constant is None else {constant: np.ones(len(plan.nodes))}
 
     def columns(tau: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
@@ -38,7 +44,8 @@ def decay_block(
         arms = plan.root_weight[:, None] * np.exp(-x)
         return arms, x * arms if derivative else arms
 
-    return _block([plan], [(values, weights)], fixed, columns, time, arm_group)
+    full = partial(decay_block, time, values, constant=constant, weights=weights)
+    return _block([plan], [(values, weights)], fixed, columns, time, full=full, arm_group=arm_group)
 
 
 def hold_block(
@@ -51,6 +58,7 @@ def hold_block(
     drift: str | None = None,
     weights: FloatArray | None = None,
     arm_group: str = "k",
+    compress: bool = True,
 ) -> DesignBlock:
     r"""The hold after an ideal ramp (paper eq. 5, in a form that cannot overflow).
 
@@ -69,9 +77,11 @@ def hold_block(
         left out unless named. (On a hold alone a constant offset is k_inf.)
     weights : array, shape (M,), optional
         1/sd of each sample.
+    compress : bool
+        False keeps every sample as a row.
     """
     time = _checked(time, force, weights)
-    plan = compression(time, weights)
+    plan = (compression if compress else uncompressed)(time, weights)
     fixed = {k_inf: np.full(len(plan.nodes), depth)}
     if drift is not None:
         fixed[drift] = plan.nodes
@@ -79,7 +89,17 @@ def hold_block(
     def columns(tau: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
         return _hold(plan, tau, depth, ramp_time, derivative=derivative)
 
-    return _block([plan], [(force, weights)], fixed, columns, time, arm_group)
+    full = partial(
+        hold_block,
+        time,
+        force,
+        depth=depth,
+        ramp_time=ramp_time,
+        k_inf=k_inf,
+        drift=drift,
+        weights=weights,
+    )
+    return _block([plan], [(force, weights)], fixed, columns, time, full=full, arm_group=arm_group)
 
 
 def ramp_hold_block(
@@ -93,6 +113,7 @@ def ramp_hold_block(
     drift: str | None = None,
     weights: FloatArray | None = None,
     arm_group: str = "k",
+    compress: bool = True,
 ) -> DesignBlock:
     r"""An ideal ramp and its hold.
 
@@ -111,8 +132,9 @@ def ramp_hold_block(
             "expected some on the ramp and some on the hold"
         )
     weighted = (None, None) if weights is None else (weights[:first], weights[first:])
-    ramp = compression(time[:first], weighted[0])
-    hold = compression(time[first:] - ramp_time, weighted[1])
+    plan = compression if compress else uncompressed
+    ramp = plan(time[:first], weighted[0])
+    hold = plan(time[first:] - ramp_time, weighted[1])
     at = np.concatenate((ramp.nodes, hold.nodes + ramp_time))
     fixed = {k_inf: depth / ramp_time * np.minimum(at, ramp_time)}
     if offset is not None:
@@ -132,7 +154,18 @@ def ramp_hold_block(
         return arms, np.concatenate((slope, held_slope))
 
     data = [(force[:first], weighted[0]), (force[first:], weighted[1])]
-    return _block([ramp, hold], data, fixed, columns, time, arm_group)
+    full = partial(
+        ramp_hold_block,
+        time,
+        force,
+        depth=depth,
+        ramp_time=ramp_time,
+        k_inf=k_inf,
+        offset=offset,
+        drift=drift,
+        weights=weights,
+    )
+    return _block([ramp, hold], data, fixed, columns, time, full=full, arm_group=arm_group)
 
 
 def window_of(time: FloatArray, step: float | None = None) -> tuple[float, float]:
@@ -167,15 +200,18 @@ def _block(
     fixed: dict[str, FloatArray],
     columns: Columns,
     time: FloatArray,
+    *,
+    full: Callable[..., DesignBlock],
     arm_group: str,
 ) -> DesignBlock:
     target, floor = [], 0.0
     for plan, (values, weights) in zip(plans, data, strict=True):
-        z, rest = plan.project(values if weights is None else values * weights)
+        z, aside = plan.project(values if weights is None else values * weights)
         target.append(z)
-        floor += float(rest)
+        floor += float(aside)
     root = np.concatenate([plan.root_weight for plan in plans])
     stacked = np.concatenate(target)
+    compressed = len(stacked) < len(time)
     empty = np.zeros((len(stacked), 0))
     return DesignBlock(
         target=stacked,
@@ -186,7 +222,8 @@ def _block(
         floor=floor,
         samples=len(time),
         arm_group=arm_group,
-        accuracy=ACCURACY if len(time) > SMALL else 1e-15,
+        accuracy=ACCURACY if compressed else 1e-15,
+        full=partial(full, arm_group=arm_group, compress=False) if compressed else None,
     )
 
 

@@ -73,9 +73,10 @@ def recorded_block(
     exact = recursion_block(
         time, x, y, window=slice(start, stop), fixed=fixed, weights=weights, arm_group=arm_group
     )
-    if weights is not None or x[0] != 0 or len(time) <= SMALL or uniform_step(time) is None:
+    step = uniform_step(time)
+    if weights is not None or x[0] != 0 or len(time) <= SMALL or step is None:
         return exact
-    return correlation_block(exact, time, x, y, start=start, stop=stop)
+    return correlation_block(exact, time, x, start=start, stop=stop)
 
 
 def recursion_block(
@@ -102,7 +103,7 @@ def recursion_block(
         fixed=matrix if root is None else root * matrix,
         fixed_names=tuple(fixed),
         columns=columns,
-        window=window_of(time),
+        window=window_of(time, uniform_step(time)),
         arm_group=arm_group,
     )
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from dashpot._arrays import BoolArray, ByValue, FloatArray, frozen
 from dashpot.engine.blocks import Block
-from dashpot.engine.descent import Local, Point, Stack, descend, point_at, relative_offset
+from dashpot.engine.descent import FINISHED, Local, Point, Stack, descend, point_at, relative_offset
 from dashpot.engine.starts import (
     Grid,
     inserted,
@@ -25,6 +25,7 @@ from dashpot.errors import FitError
 LOOSE = 1e-4
 EXTRA_STARTS = 16
 DOUBT = 0.1
+RESOLVED = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -314,7 +315,7 @@ class _Chain:
         winner = min(full, key=lambda local: local.point.sse)
         bound = (winner.point.beta[restricted] == 0).any()
         polished = self._descend(
-            winner.point.log_tau, (), restricted=restricted if bound else None, finished=None
+            winner.point.log_tau, (), restricted=restricted if bound else None, finished=FINISHED
         )
         if polished is None or not _carries(polished.point, self.stack):
             return winner
@@ -328,10 +329,9 @@ class _Chain:
         rivals: Sequence[FloatArray],
         *,
         restricted: BoolArray | None = None,
-        finished: float | None = LOOSE,
+        finished: float = LOOSE,
     ) -> Local | None:
-        extra = {} if finished is None else {"finished": finished}
-        local = descend(self.stack, start, restricted=restricted, rivals=rivals, **extra)
+        local = descend(self.stack, start, restricted=restricted, rivals=rivals, finished=finished)
         self.evaluations += local.evaluations if local is not None else 4
         return local
 
@@ -373,9 +373,23 @@ def _from_start(stack: Stack, start: FloatArray, arms: int, *, signed: bool) -> 
     return _solution(stack, local, requested=arms, evaluations=local.evaluations, signed=signed)
 
 
+def _resolved(stack: Stack, local: Local) -> tuple[Stack, Local]:
+    """Finish on every sample if the residual is too small for the compressed form to hold it."""
+    target = stack.evaluate(local.point.log_tau, derivative=False).target
+    if stack.floor + local.point.sse > RESOLVED * (stack.floor + float(target @ target)):
+        return stack, local
+    exact = Stack([block.exact for block in stack.blocks])
+    resting = local.point.beta == 0
+    if not len(local.point.log_tau) or resting.any():
+        return stack, local
+    finer = descend(exact, local.point.log_tau)
+    return (stack, local) if finer is None else (exact, finer)
+
+
 def _solution(
     stack: Stack, local: Local, *, requested: int, evaluations: int, signed: bool
 ) -> Solution:
+    stack, local = _resolved(stack, local)
     point = local.point
     order = np.argsort(point.log_tau, kind="stable")
     log_tau = point.log_tau[order]

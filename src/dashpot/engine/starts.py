@@ -49,7 +49,8 @@ class Grid:
 
     def spectrum(self) -> FloatArray:
         """Best non-negative spectrum on the grid, in unit columns, shape (G, m)."""
-        return nonnegative(self.gram, self.moment, limit=40).reshape(self.groups, -1)
+        found = nonnegative(self.gram, self.moment, limit=40)
+        return np.asarray(found.reshape(self.groups, -1))
 
     def lean(self, point: Point, *, signed: bool) -> FloatArray:
         r"""How much of the residual one more arm at each grid point would remove, shape (m,).

@@ -87,19 +87,28 @@ def geyer_cut(gamma: FloatArray) -> int:
     return max(1, 2 * int(falls[0]) if falls.size else len(gamma))
 
 
-def sandwich(jacobians: Sequence[FloatArray], noises: Sequence[Noise]) -> FloatArray:
+def sandwich(
+    jacobians: Sequence[FloatArray],
+    noises: Sequence[Noise],
+    *,
+    further: FloatArray | None = None,
+) -> FloatArray:
     r"""Return the covariance of the parameters, shape (p, p), from one Jacobian per record.
 
     Each record keeps its own noise: the middle of the sandwich is
-    :math:`\sum_r J_r^T \Gamma_r J_r`. A parameter that the data do not determine has an infinite
+    :math:`\sum_r J_r^T \Gamma_r J_r`, and `further` adds to it what is known of errors that are
+    not constant in time. A parameter that the data do not determine has an infinite
     variance and no correlation.
     """
-    middle = sum(
-        _toeplitz_form(jacobian, noise.autocovariance)
-        for jacobian, noise in zip(jacobians, noises, strict=True)
+    middle = np.sum(
+        [
+            _toeplitz_form(jacobian, noise.autocovariance)
+            for jacobian, noise in zip(jacobians, noises, strict=True)
+        ],
+        axis=0,
     )
-    information = sum(jacobian.T @ jacobian for jacobian in jacobians)
-    return _covariance(np.asarray(information), np.asarray(middle))
+    information = np.sum([jacobian.T @ jacobian for jacobian in jacobians], axis=0)
+    return _covariance(information, middle if further is None else middle + further)
 
 
 def white(jacobian: FloatArray, variance: float) -> FloatArray:
