@@ -408,12 +408,17 @@ def depth_doubt(test: RampHold) -> float:
     r"""Return the relative standard deviation of the depth that the encoder's step leaves.
 
     Depth is the difference of two readings, each uniform within one step q: :math:`q/\sqrt6`.
-    Noise beyond half a step dithers it away.
+    """
+    return encoder_step(test) / float(np.sqrt(6.0)) / test.depth
+
+
+def encoder_step(test: RampHold) -> float:
+    """Return the step of the displacement's readings, m; 0 if none shows.
+
+    Noise beyond half a step dithers it away: readings then average to the truth.
     """
     step = quantum(test.displacement)
-    if test.displacement_noise > 0.5 * step:
-        return 0.0
-    return step / np.sqrt(6.0) / test.depth
+    return 0.0 if test.displacement_noise > 0.5 * step else step
 
 
 def hold_creep(test: RampHold) -> float:

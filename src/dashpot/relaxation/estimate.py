@@ -13,6 +13,7 @@ from dashpot.engine.descent import Stack
 from dashpot.engine.order import bic, significant
 from dashpot.engine.separable import Solution, full_jacobian
 from dashpot.engine.uncertainty import Noise, noise_of, sandwich, white
+from dashpot.relaxation.encoder import Encoder, Kernel, encoder_term
 
 # a fit that leaves less than this of the largest force has met the rounding of the data
 _ROUNDING = 1e-10
@@ -110,10 +111,23 @@ class Score(NamedTuple):
     significant: bool
 
 
-def estimated(solution: Solution, every_sample: Sequence[Block], *, peak: float) -> Estimate:
+def estimated(
+    solution: Solution,
+    every_sample: Sequence[Block],
+    *,
+    peak: float,
+    encoders: Sequence[Encoder] | None = None,
+) -> Estimate:
     """Return the solution's uncertainty from one block per record with a row per sample.
 
-    `peak` is the largest force, N: it sets what rounding alone leaves.
+    Parameters
+    ----------
+    solution : Solution
+    every_sample : sequence of Block
+    peak : float
+        The largest force, N: it sets what rounding alone leaves.
+    encoders : sequence of Encoder, optional
+        Of each record, where the recorded motion is fitted.
     """
     whole = full_jacobian(every_sample, solution)
     cuts = np.cumsum([block.samples for block in every_sample])[:-1]
@@ -123,9 +137,28 @@ def estimated(solution: Solution, every_sample: Sequence[Block], *, peak: float)
     noises = tuple(
         noise_of(residual, parameters=share, rounding=_ROUNDING * peak) for residual in residuals
     )
-    covariance = sandwich(jacobians, noises)
+    further = None
+    if encoders is not None:
+        further = np.sum(
+            [
+                encoder_term(jacobian, encoder, _kernel(solution, block))
+                for jacobian, encoder, block in zip(jacobians, encoders, every_sample, strict=True)
+            ],
+            axis=0,
+        )
+    covariance = sandwich(jacobians, noises, further=further)
     return Estimate(
         solution, whole.names, covariance, whole.matrix.T @ whole.matrix, residuals, noises
+    )
+
+
+def _kernel(solution: Solution, block: Block) -> Kernel:
+    """Return the relaxation of the solid that one record sees."""
+    spring = [name for name in block.fixed_names if name.partition("@")[0] == "k_inf"]
+    return Kernel(
+        sum(solution.coefficient(name) for name in spring),
+        solution.arms[solution.groups.index(block.arm_group)],
+        solution.tau,
     )
 
 

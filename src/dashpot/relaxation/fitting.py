@@ -25,7 +25,14 @@ from dashpot.relaxation.design import (
     eq5_obstacle,
     every_sample,
 )
-from dashpot.relaxation.estimate import Estimate, Score, effective_samples, estimated, scored
+from dashpot.relaxation.encoder import Encoder
+from dashpot.relaxation.estimate import (
+    Estimate,
+    Score,
+    effective_samples,
+    estimated,
+    scored,
+)
 from dashpot.relaxation.fit import (
     AtDepth,
     Certificate,
@@ -110,7 +117,9 @@ def fit(
         [score.significant for score in trial],
     )
     chosen = choice.arms if arms == "auto" else min(most, len(trial) - 1)
-    estimate = estimated(trial[chosen].solution, samples, peak=peak)
+    estimate = estimated(
+        trial[chosen].solution, samples, peak=peak, encoders=_encoders(records, design)
+    )
     return _fit(
         records,
         blocks,
@@ -167,6 +176,19 @@ def _checked_method(records: Sequence[RampHold], method: str) -> None:
             raise FitError(which + obstacle)
 
 
+def _encoders(records: Sequence[RampHold], design: Design) -> tuple[Encoder, ...] | None:
+    if design.method == "hold":
+        return None
+    return tuple(
+        Encoder(
+            record.time[: record.hold.stop],
+            record.displacement[: record.hold.stop],
+            questions.encoder_step(record),
+        )
+        for record in records
+    )
+
+
 def _checked_nuisance(nuisance: Sequence[str]) -> tuple[str, ...]:
     unknown = [name for name in nuisance if name not in NUISANCE]
     if isinstance(nuisance, str) or unknown:
@@ -207,9 +229,10 @@ def _fit(
     method, depth_law = design.method, design.depth_law
     deepest = max(range(len(records)), key=lambda i: records[i].depth)
     suffix = f"@{deepest}" if depth_law else ""
-    estimate = estimate.with_depth_doubt(
-        [questions.depth_doubt(record) for record in records], shared=not depth_law
-    )
+    if method == "hold":
+        estimate = estimate.with_depth_doubt(
+            [questions.depth_doubt(record) for record in records], shared=not depth_law
+        )
     model = _model(solution, suffix)
     names, index = _rows(estimate, suffix)
     covariance = estimate.covariance[np.ix_(index, index)]
