@@ -19,14 +19,114 @@ Gram matrix of [fixed, q, y, p] then holds the columns in orthogonal coordinates
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
-from dashpot._arrays import FloatArray
+from dashpot._arrays import ByValue, ComplexArray, FloatArray
 from dashpot.engine.blocks import DesignBlock, Evaluation
 from dashpot.engine.compression import Compression, compression
+
+
+#: relative sum of squares below which a Gram matrix holds rounding only
+GRAIN = 1e-14
+
+
+@dataclass(frozen=True, eq=False)
+class Response(ByValue):
+    """All that a displacement says about its arms, for any force recorded with it.
+
+    Attributes
+    ----------
+    fixed : array, shape (n, q)
+        The fixed columns over the window.
+    sequences : array, shape (q + 3, m)
+        Compressed lag sequences: fixed columns, d, u before the window, u at its end.
+    lags : Compression
+    lagged : complex array
+        Conjugate Fourier transform of the displacement's steps, zero padded.
+    energy : float
+        Sum of squared steps in the window.
+    start, count, step
+        First sample of the window, samples up to its end, sample interval in s.
+    """
+
+    fixed: FloatArray
+    sequences: FloatArray
+    lags: Compression
+    lagged: ComplexArray
+    size: int
+    energy: float
+    start: int
+    count: int
+    step: float
+
+    def correlate(self, values: FloatArray) -> FloatArray:
+        """Compressed correlation of window values, shape (..., n), with the displacement."""
+        padded = np.zeros((*values.shape[:-1], self.count))
+        padded[..., self.start :] = values
+        spectrum = np.fft.rfft(padded, self.size) * self.lagged
+        return self.lags.project(np.fft.irfft(spectrum, self.size)[..., : self.count])[0]
+
+    def gram(self, tau: FloatArray, force: Force, *, derivative: bool) -> FloatArray:
+        """Gram matrix of [fixed, arms, y] or [fixed, arms, y, slopes].
+
+        For tau of shape (..., N) and a force of leading shape (...).
+        """
+        arm = self._arm_sums(tau, force)
+        q, arms = self.fixed.shape[1], tau.shape[-1]
+        size = q + 1 + (2 * arms if derivative else arms)
+        gram = np.empty((*tau.shape[:-1], size, size))
+        here, y = slice(q, q + arms), q + arms
+        gram[..., :q, :q] = self.fixed.T @ self.fixed
+        gram[..., :q, y] = gram[..., y, :q] = force.fixed
+        gram[..., y, y] = force.energy
+        products = _products(arm, self.energy)
+        gram[..., here, here] = products.qq
+        _mirror(gram, slice(q), here, arm.g[..., None, :] * arm.sums[..., :q, :])
+        _mirror(gram, y, here, arm.g * arm.y)
+        if derivative:
+            there = slice(y + 1, None)
+            slopes = arm.dg[..., None, :] * arm.sums + arm.g[..., None, :] * arm.slopes
+            _mirror(gram, slice(q), there, slopes[..., :q, :])
+            _mirror(gram, y, there, arm.dg * arm.y + arm.g * arm.dy)
+            _mirror(gram, here, there, products.qp)
+            gram[..., there, there] = products.pp
+        return gram
+
+    def _arm_sums(self, tau: FloatArray, force: Force) -> _ArmSums:
+        z = self.step / tau
+        lost = np.expm1(-z)
+        a, g = 1 + lost, -lost / z
+        x = z[..., None] * self.lags.nodes
+        decay = self.lags.root_weight * np.exp(-x)
+        falling = x * decay
+        own = force.sequence[..., None]
+        return _ArmSums(
+            z,
+            a,
+            g,
+            g - a,
+            np.swapaxes(decay @ self.sequences.T, -1, -2),
+            np.swapaxes(falling @ self.sequences.T, -1, -2),
+            (decay @ own)[..., 0],
+            (falling @ own)[..., 0],
+        )
+
+
+class Force(NamedTuple):
+    """One force, or a stack of them, seen through a response: y of the Gram matrix."""
+
+    sequence: FloatArray  # (..., m) compressed correlation with the displacement
+    fixed: FloatArray  # (..., q) inner products with the fixed columns
+    energy: FloatArray  # (...) y'y
+
+    @classmethod
+    def of(cls, response: Response, values: FloatArray) -> Force:
+        """Correlate window values of shape (..., n)."""
+        energy = np.einsum("...i,...i->...", values, values)
+        return cls(response.correlate(values), values @ response.fixed, energy)
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,17 +134,12 @@ class CorrelationBlock:
     """A block whose inner products are closed forms in tau.
 
     The Gram matrix resolves an SSE to 1e-15 of the data's own sum of squares; `exact` is the
-    same block with every sample as a row, for the final residual.
+    same block with every sample as a row.
     """
 
     exact: DesignBlock
-    lags: Compression
-    #: pseudo-samples of the sequences, rows: fixed..., y, d, u before the window, u at its end
-    sequences: FloatArray
-    #: Gram matrix of [fixed, y] over the window
-    gram: FloatArray
-    energy: float
-    step: float
+    response: Response
+    force: Force
 
     @property
     def floor(self) -> float:
@@ -59,7 +154,7 @@ class CorrelationBlock:
     @property
     def grain(self) -> float:
         """Sum of squares below which the Gram matrix holds rounding only."""
-        return 1e-14 * float(self.gram[-1, -1])
+        return GRAIN * float(self.force.energy)
 
     @property
     def samples(self) -> int:
@@ -83,43 +178,12 @@ class CorrelationBlock:
 
     def evaluate(self, log_tau: FloatArray, derivative: bool = True) -> Evaluation:
         """Return target and design matrix in the coordinates of the Cholesky factor."""
-        gram, q = self.gram_matrix(np.exp(log_tau), derivative=derivative)
-        factor = _cholesky(gram)
-        arms = len(log_tau)
-        target = q + arms
-        slope = slice(target + 1, None) if derivative else slice(q, target)
-        return Evaluation(factor[:, target], factor[:, :q], factor[:, q:target], factor[:, slope])
-
-    def gram_matrix(self, tau: FloatArray, *, derivative: bool) -> tuple[FloatArray, int]:
-        """Gram matrix of [fixed, arms, y] or [fixed, arms, y, slopes], and the fixed columns."""
-        arm = self._arm_sums(tau)
-        q, arms = len(self.gram) - 1, len(tau)
-        order = np.concatenate((np.arange(q), [q + arms]))
-        size = q + 1 + (2 * arms if derivative else arms)
-        gram = np.empty((size, size))
-        gram[order[:, None], order] = self.gram
-        here = slice(q, q + arms)
-        products = _products(arm, self.energy)
-        gram[here, here] = products.qq
-        gram[order, here] = arm.g * arm.sums[: q + 1]
-        gram[here, order] = gram[order, here].T
-        if derivative:
-            there = slice(q + arms + 1, None)
-            gram[order, there] = arm.dg * arm.sums[: q + 1] + arm.g * arm.slopes[: q + 1]
-            gram[there, order] = gram[order, there].T
-            gram[here, there] = products.qp
-            gram[there, here] = products.qp.T
-            gram[there, there] = products.pp
-        return gram, q
-
-    def _arm_sums(self, tau: FloatArray) -> _ArmSums:
-        z = self.step / tau
-        lost = np.expm1(-z)
-        a, g = 1 + lost, -lost / z
-        x = self.lags.nodes[:, None] * z
-        decay = self.lags.root_weight[:, None] * np.exp(-x)
-        both = self.sequences @ np.concatenate((decay, x * decay), axis=1)
-        return _ArmSums(z, a, g, g - a, both[:, : len(tau)], both[:, len(tau) :])
+        gram = self.response.gram(np.exp(log_tau), self.force, derivative=derivative)
+        factor = upper_factor(gram)
+        q, arms = len(self.fixed_names), len(log_tau)
+        y = q + arms
+        slope = slice(y + 1, None) if derivative else slice(q, y)
+        return Evaluation(factor[:, y], factor[:, :q], factor[:, q:y], factor[:, slope])
 
 
 class _ArmSums(NamedTuple):
@@ -127,8 +191,10 @@ class _ArmSums(NamedTuple):
     a: FloatArray
     g: FloatArray
     dg: FloatArray  # dG / d ln tau = G - a
-    sums: FloatArray  # sum a^l c(l), a row per sequence, a column per arm
+    sums: FloatArray  # sum a^l c(l): a row per sequence, a column per arm
     slopes: FloatArray  # their derivatives by ln tau
+    y: FloatArray  # the same for the force
+    dy: FloatArray
 
 
 class _Products(NamedTuple):
@@ -139,73 +205,101 @@ class _Products(NamedTuple):
 
 def _products(arm: _ArmSums, energy: float) -> _Products:
     r"""Inner products of arms and of their derivatives, by the quotient rule on num/den."""
-    s, ds = arm.sums[-3], arm.slopes[-3]
+    s, ds = arm.sums[..., -3, :], arm.slopes[..., -3, :]
     da = arm.a * arm.z
-    before, last = arm.a * arm.sums[-2], arm.a * arm.sums[-1]
-    d_before = da * arm.sums[-2] + arm.a * arm.slopes[-2]
-    d_last = da * arm.sums[-1] + arm.a * arm.slopes[-1]
-    den = -np.expm1(-(arm.z[:, None] + arm.z))
-    num = s[:, None] + s - energy + np.outer(before, before) - np.outer(last, last)
+    before, last = (arm.a * arm.sums[..., row, :] for row in (-2, -1))
+    d_before, d_last = (
+        da * arm.sums[..., row, :] + arm.a * arm.slopes[..., row, :] for row in (-2, -1)
+    )
+    den = -np.expm1(-(arm.z[..., :, None] + arm.z[..., None, :]))
+    num = s[..., :, None] + s[..., None, :] - energy + _outer(before, before) - _outer(last, last)
     u = num / den
-    num_k = ds + np.outer(before, d_before) - np.outer(last, d_last)
-    den_k = -np.outer(arm.a, da)
+    num_k = ds[..., None, :] + _outer(before, d_before) - _outer(last, d_last)
+    den_k = -_outer(arm.a, da)
     u_k = (num_k - u * den_k) / den
-    num_jk = np.outer(d_before, d_before) - np.outer(d_last, d_last)
-    u_jk = (num_jk - u_k.T * den_k - u_k * den_k.T + u * np.outer(da, da)) / den
+    num_jk = _outer(d_before, d_before) - _outer(d_last, d_last)
+    u_jk = num_jk - _turned(u_k) * den_k - u_k * _turned(den_k) + u * _outer(da, da)
     g, dg = arm.g, arm.dg
-    cross = dg[:, None] * (g * u_k)
+    cross = _outer(dg, g) * u_k
     return _Products(
-        qq=np.outer(g, g) * u,
-        qp=g[:, None] * (dg * u + g * u_k),
-        pp=np.outer(dg, dg) * u + cross + cross.T + np.outer(g, g) * u_jk,
+        qq=_outer(g, g) * u,
+        qp=_outer(g, dg) * u + _outer(g, g) * u_k,
+        pp=_outer(dg, dg) * u + cross + _turned(cross) + _outer(g, g) * u_jk / den,
     )
 
 
-def _cholesky(gram: FloatArray) -> FloatArray:
-    """Upper factor R with R'R = gram, scaled to a unit diagonal first."""
-    scale = np.sqrt(np.diagonal(gram))
-    unit = gram / scale / scale[:, None]
+def _outer(a: FloatArray, b: FloatArray) -> FloatArray:
+    return np.asarray(a[..., :, None] * b[..., None, :])
+
+
+def _turned(a: FloatArray) -> FloatArray:
+    return np.swapaxes(a, -1, -2)
+
+
+def _mirror(gram: FloatArray, row: slice | int, column: slice, values: FloatArray) -> None:
+    gram[..., row, column] = values
+    gram[..., column, row] = values if isinstance(row, int) else _turned(values)
+
+
+def upper_factor(gram: FloatArray) -> FloatArray:
+    """Upper factors R with R'R = gram, (..., c, c), scaled to a unit diagonal first.
+
+    Dependent columns leave a ridge of rounding size, never an error.
+    """
+    scale = np.sqrt(np.maximum(np.diagonal(gram, axis1=-2, axis2=-1), 1e-300))
+    unit = gram / _outer(scale, scale)
     ridge = 0.0
     while True:
         try:
-            return np.asarray(np.linalg.cholesky(unit).T * scale)
+            lower = np.linalg.cholesky(unit)
         except np.linalg.LinAlgError:
             ridge = max(10 * ridge, 1e-15)
-            unit = unit + ridge * np.eye(len(unit))
+            unit = unit + ridge * np.eye(unit.shape[-1])
+        else:
+            return np.asarray(np.swapaxes(lower, -1, -2) * scale[..., None, :])
+
+
+def response(
+    time: FloatArray, x: FloatArray, fixed: FloatArray, *, start: int, stop: int
+) -> Response:
+    """Correlate a displacement on a uniform grid, at rest at zero before its first sample.
+
+    Parameters
+    ----------
+    time, x : array, shape (M,)
+    fixed : array, shape (stop - start, q)
+        Fixed columns over the window.
+    start, stop : int
+        The window.
+    """
+    d = np.diff(x[:stop], prepend=0.0)
+    size = _fast_length(2 * stop)
+    lags = compression(np.arange(stop, dtype=float))
+    before = np.zeros(stop)
+    before[:start] = d[:start][::-1]
+    ends = lags.project(np.stack((before, d[::-1])))[0]
+    bare = Response(
+        fixed=fixed,
+        sequences=ends,
+        lags=lags,
+        lagged=np.fft.rfft(d, size).conj(),
+        size=size,
+        energy=float(d[start:] @ d[start:]),
+        start=start,
+        count=stop,
+        step=float(time[-1] - time[0]) / (len(time) - 1),
+    )
+    # one sequence at a time stays in the cache
+    own = [bare.correlate(column) for column in (*fixed.T, d[start:])]
+    return replace(bare, sequences=np.concatenate((np.stack(own), ends)))
 
 
 def correlation_block(
     exact: DesignBlock, time: FloatArray, x: FloatArray, *, start: int, stop: int
 ) -> CorrelationBlock:
-    """Correlate a record on a uniform grid, at rest at zero before its first sample."""
-    count = stop
-    d = np.diff(x[:count], prepend=0.0)
-    size = _fast_length(2 * count)
-    lagged = np.fft.rfft(d, size).conj()
-    window = np.zeros(count)
-    lags = compression(np.arange(count, dtype=float))
-
-    def compressed(sequence: FloatArray) -> FloatArray:
-        return lags.project(sequence)[0]
-
-    def correlated(values: FloatArray) -> FloatArray:
-        window[start:] = values
-        # one sequence at a time stays in the cache
-        return compressed(np.fft.irfft(np.fft.rfft(window, size) * lagged, size)[:count])
-
-    before = np.zeros(count)
-    before[:start] = d[:start][::-1]
-    last = d[::-1]
-    rows = [correlated(column) for column in (*exact.fixed.T, exact.target, d[start:])]
-    matrix = np.column_stack((exact.fixed, exact.target))
-    return CorrelationBlock(
-        exact=exact,
-        lags=lags,
-        sequences=np.stack([*rows, compressed(before), compressed(last)]),
-        gram=matrix.T @ matrix,
-        energy=float(d[start:] @ d[start:]),
-        step=float(time[-1] - time[0]) / (len(time) - 1),
-    )
+    """The block of one force: its record correlated, every sample kept in `exact`."""
+    seen = response(time, x, exact.fixed, start=start, stop=stop)
+    return CorrelationBlock(exact, seen, Force.of(seen, exact.target))
 
 
 def _fast_length(least: int) -> int:

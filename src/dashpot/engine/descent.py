@@ -126,7 +126,7 @@ def point_at(
     pivot = np.diagonal(r)
     if len(factor) < p or (pivot * pivot <= 1e-26 * (r * r).sum(axis=0)).any():
         return None
-    inverse = np.linalg.inv(r)
+    inverse: FloatArray = np.linalg.inv(r).astype(float, copy=False)
     beta = inverse @ factor[:p, -1]
     if active is not None:
         beta, inverse = _spread(active, beta), _spread(active, inverse)

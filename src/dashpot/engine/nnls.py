@@ -62,7 +62,7 @@ def nonnegative_columns(phi: FloatArray, y: FloatArray, restricted: BoolArray) -
     Active set on the columns themselves: few columns, full accuracy, shape (p,).
     """
     scale = np.linalg.norm(phi, axis=0)
-    active = scale > 0
+    active: BoolArray = np.asarray(scale > 0)
     for _ in range(4 * len(active)):
         index = np.flatnonzero(active)
         beta = np.linalg.lstsq(phi[:, index], y, rcond=None)[0]

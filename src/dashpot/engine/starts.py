@@ -70,7 +70,9 @@ class Grid:
         if signed:
             return np.asarray(np.sqrt((lean * lean).sum(axis=0)))
         push = np.maximum(lean, 0.0)
-        return np.where(push.any(axis=0), np.sqrt((push * push).sum(axis=0)), lean.max(axis=0))
+        return np.asarray(
+            np.where(push.any(axis=0), np.sqrt((push * push).sum(axis=0)), lean.max(axis=0))
+        )
 
     def _beside(self, point: Point) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Grid columns, the point's residual and its columns, in common coordinates."""
