@@ -52,9 +52,10 @@ def fit(found: Fit) -> str:
     lines = [head + f"method {found.method}", *_parameters(found), ""]
     residual = found.residual
     lines.append(f"  status      {found.status.value}")
+    in_force = found.method in {"full", "hold"}
+    size = f"{residual.rms * 1e3:.3g} mN rms" if in_force else f"{residual.rms:.3g} of the noise"
     lines.append(
-        f"  residual    {residual.rms * 1e3:.3g} mN rms over {residual.n} samples "
-        f"(each worth 1/{residual.kappa:.3g})"
+        f"  residual    {size} over {residual.n} samples (each worth 1/{residual.kappa:.3g})"
     )
     lines.append(f"  informed    {hertz(found.band)}; outside it the model is an extrapolation")
     if found.certificate:
