@@ -116,7 +116,7 @@ class ImpactTruth:
         One seal.
     mass : float
         Block, kg.
-    seals : int
+    seals : float
     hammer : Hammer
     seed : int
     hits : tuple of Pulse
@@ -131,7 +131,7 @@ class ImpactTruth:
 
     model: GeneralizedMaxwell
     mass: float
-    seals: int
+    seals: float
     hammer: Hammer
     seed: int
     hits: tuple[Pulse, ...]
@@ -153,7 +153,7 @@ def simulate_impact(
     model: GeneralizedMaxwell,
     *,
     mass: float,
-    seals: int = 2,
+    seals: float = 2,
     hits: int = 5,
     rig: Hammer | None = None,
     seed: int = 0,

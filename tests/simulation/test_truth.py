@@ -1,0 +1,42 @@
+"""What a simulated file says of itself."""
+
+from __future__ import annotations
+
+import json
+
+from dashpot.simulation.hammer import Hammer, simulate_impact
+from dashpot.simulation.rig import Rig, simulate_relaxation
+from dashpot.simulation.seals import BROAD, BROAD_MASS, PAPER
+from dashpot.simulation.truth import stamp, truth_json
+
+
+def test_a_relaxation_is_stamped_and_its_truth_told():
+    truth = simulate_relaxation(PAPER, hold_time=1.0, seed=7).truth
+    lines = stamp(truth)
+    assert lines[0].startswith("simulated by dashpot")
+    assert "not a measurement" in lines[0]
+    assert "seed 7" in lines[1]
+    told = json.loads(truth_json(truth))
+    assert told["schema"] == "dashpot/truth@1"
+    assert told["simulated"] is True
+    assert told["kind"] == "relaxation"
+    assert tuple(told["model"]["k"]) == PAPER.k
+    assert tuple(told["model"]["tau"]) == PAPER.tau
+    assert told["onset"] == truth.onset
+    assert told["rig"]["axis"]["frequency"] == 6.0
+    assert "force" not in told
+
+
+def test_an_impact_is_stamped_and_its_truth_told():
+    truth = simulate_impact(BROAD, mass=BROAD_MASS, hits=2, rig=Hammer(record=1.0)).truth
+    assert "virtual hammer" in stamp(truth)[0]
+    told = json.loads(truth_json(truth))
+    assert told["kind"] == "impact"
+    assert told["mass"] == BROAD_MASS
+    assert [hit["peak"] for hit in told["hits"]] == [hit.peak for hit in truth.hits]
+    assert complex(*told["bounce_poles"][0]) == truth.bounce_poles[0]
+
+
+def test_what_is_unlimited_is_null():
+    truth = simulate_relaxation(PAPER, hold_time=1.0, rig=Rig().noise_free()).truth
+    assert json.loads(truth_json(truth))["rig"]["limit"] is None
