@@ -95,6 +95,12 @@ class Response(ByValue):
             gram[..., there, there] = products.pp
         return gram
 
+    def products(self, tau: FloatArray, sequences: FloatArray) -> FloatArray:
+        """Inner products of forces, (R, m), with arms at shared tau (G,), shape (R, G)."""
+        z = self.step / tau
+        decay = self.lags.root_weight[:, None] * np.exp(-self.lags.nodes[:, None] * z)
+        return np.asarray(sequences @ decay * (-np.expm1(-z) / z))
+
     def _arm_sums(self, tau: FloatArray, force: Force) -> _ArmSums:
         z = self.step / tau
         lost = np.expm1(-z)

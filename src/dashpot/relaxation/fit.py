@@ -48,6 +48,7 @@ class Status(Enum):
     NOT_IDENTIFIED = "the data do not determine every parameter"
     NOT_CONVERGED = "the iteration limit was reached before the gradient vanished"
     FORCE_RISES = "the force rises during the hold: no relaxing solid does that"
+    NO_DATA = "the record holds values that are not finite: nothing was fitted"
 
 
 @dataclass(frozen=True)

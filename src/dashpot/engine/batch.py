@@ -1,0 +1,337 @@
+r"""Thousands of records on one sampling, fitted side by side.
+
+What one record computes, a stack of them computes at once: compression is a matrix product, a
+start is the best of all sets of grid points, and every step of the descent is arithmetic on
+small Gram matrices, one per record. Whatever leaves a doubt (an arm at the edge of the window, a
+coefficient that is not positive, a relaxation time not known to 10 %) is solved again one by
+one, so that the result is that of :func:`dashpot.engine.separable.solve`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import combinations
+from typing import NamedTuple, Protocol, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from dashpot._arrays import BoolArray, ByValue, FloatArray
+from dashpot.engine.blocks import Block
+from dashpot.engine.correlation import upper_factor
+from dashpot.engine.descent import FINISHED, LONGEST_STEP, TAIL
+from dashpot.engine.separable import DOUBT, Solution, solve
+from dashpot.errors import FitError
+
+IndexArray: TypeAlias = npt.NDArray[np.intp]
+
+CHUNK = 256
+#: grid points for the first look, by number of arms: every set of them is tried
+LOOK = {1: 72, 2: 40, 3: 22, 4: 16}
+
+
+@dataclass(frozen=True, eq=False)
+class ManySolutions(ByValue):
+    """The optima of many records; rows without a solution hold NaN.
+
+    Attributes
+    ----------
+    log_tau, arms : array, shape (R, N)
+        Ascending in tau; NaN beyond `order`.
+    fixed : array, shape (R, q)
+    sse : array, shape (R,)
+    order : int array, shape (R,)
+        Arms found; -1 where nothing was fitted.
+    finite, converged, at_bound : bool array, shape (R,)
+        All samples are finite; the gradient vanished inside the window; an arm sits at its edge.
+    """
+
+    log_tau: FloatArray
+    arms: FloatArray
+    fixed: FloatArray
+    sse: FloatArray
+    order: IndexArray
+    finite: BoolArray
+    converged: BoolArray
+    at_bound: BoolArray
+
+
+class Seen(NamedTuple):
+    """A stack of records through a family: all that a fit needs of them."""
+
+    data: tuple[FloatArray, ...]  # arrays whose first axis is the record
+    floor: FloatArray  # (R,)
+    energy: FloatArray  # (R,) sum of squares of what the rows hold
+
+    def take(self, index: IndexArray | BoolArray) -> Seen:
+        """Some of the records."""
+        return Seen(tuple(part[index] for part in self.data), self.floor[index], self.energy[index])
+
+
+class Family(Protocol):
+    """Records that share a sampling and a history, so that only the data differ.
+
+    Attributes
+    ----------
+    fixed_count, samples : int
+    nonnegative : bool array, shape (q,)
+        Which fixed coefficients are stiffnesses.
+    bounds : (float, float)
+        The window of ln tau.
+    grain : float
+        Relative sum of squares that is rounding.
+    """
+
+    @property
+    def fixed_count(self) -> int: ...  # noqa: D102
+    @property
+    def samples(self) -> int: ...  # noqa: D102
+    @property
+    def nonnegative(self) -> BoolArray: ...  # noqa: D102
+    @property
+    def bounds(self) -> tuple[float, float]: ...  # noqa: D102
+    @property
+    def grain(self) -> float: ...  # noqa: D102
+
+    def see(self, values: FloatArray) -> Seen:
+        """Reduce records, shape (R, M)."""
+        ...
+
+    def gram(self, tau: FloatArray, seen: Seen) -> FloatArray:
+        """Gram matrices of [fixed, arms, y, slopes] at tau (R, N), one per record."""
+        ...
+
+    def moments(self, tau: FloatArray, seen: Seen) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Gram of [fixed, arms] at shared tau (G,), products with y: (R, q) and (R, G)."""
+        ...
+
+    def block(self, values: FloatArray) -> Block:
+        """One record as a block, shape (M,)."""
+        ...
+
+
+def solve_many(family: Family, records: FloatArray, arms: int) -> ManySolutions:
+    """Fit every row of `records`, shape (R, M), with up to `arms` exponentials.
+
+    Nothing is raised by a bad row: it comes back without a solution.
+    """
+    if arms < 1:
+        raise FitError(f"arms = {arms}; expected at least one")
+    if family.samples < family.fixed_count + 2 * arms:
+        raise FitError(
+            f"{family.samples} samples cannot determine {family.fixed_count + 2 * arms} "
+            "parameters; use fewer arms or longer records"
+        )
+    count = len(records)
+    out = _empty(count, arms, family.fixed_count)
+    look = _Look(family, arms) if arms in LOOK else None
+    for first in range(0, count, CHUNK):
+        rows = slice(first, min(first + CHUNK, count))
+        finite = np.isfinite(records[rows]).all(axis=1)
+        out.finite[rows] = finite
+        index = first + np.flatnonzero(finite)
+        if not len(index):
+            continue
+        sure = np.zeros(len(index), dtype=bool)
+        if look is not None:
+            whole = records[rows] if finite.all() else records[index]
+            seen = family.see(whole)
+            sure = _together(family, look, seen, index, out)
+        for i in index[~sure]:
+            _alone(family.block, records[i], arms, int(i), out)
+    return out
+
+
+def solve_each(
+    make: Callable[[FloatArray], Block], records: FloatArray, arms: int, *, fixed_count: int
+) -> ManySolutions:
+    """Fit every row by itself, where nothing can be shared: `make` turns a row into a block."""
+    out = _empty(len(records), arms, fixed_count)
+    out.finite[:] = np.isfinite(records).all(axis=1)
+    for i in np.flatnonzero(out.finite):
+        _alone(make, records[i], arms, int(i), out)
+    return out
+
+
+def _empty(count: int, arms: int, fixed: int) -> ManySolutions:
+    return ManySolutions(
+        log_tau=np.full((count, arms), np.nan),
+        arms=np.full((count, arms), np.nan),
+        fixed=np.full((count, fixed), np.nan),
+        sse=np.full(count, np.nan),
+        order=np.full(count, -1),
+        finite=np.zeros(count, dtype=bool),
+        converged=np.zeros(count, dtype=bool),
+        at_bound=np.zeros(count, dtype=bool),
+    )
+
+
+def _alone(
+    make: Callable[[FloatArray], Block],
+    values: FloatArray,
+    arms: int,
+    row: int,
+    out: ManySolutions,
+) -> None:
+    """One record by the single solver; a record that it refuses stays without a solution."""
+    try:
+        found: Solution = solve([make(values)], arms)
+    except (FitError, np.linalg.LinAlgError):
+        return
+    n = found.order
+    out.log_tau[row, :n] = found.log_tau
+    out.arms[row, :n] = found.arms[0]
+    out.fixed[row] = found.fixed
+    out.sse[row] = found.sse
+    out.order[row] = n
+    out.converged[row] = found.converged
+    out.at_bound[row] = found.at_bound.any()
+
+
+class _Look:
+    """The best set of grid points for each record: all sets at once, on swept Gram matrices."""
+
+    def __init__(self, family: Family, arms: int) -> None:
+        self.family = family
+        self.log_tau = np.linspace(*family.bounds, LOOK[arms])
+        self.sets = np.array(list(combinations(range(LOOK[arms]), arms)))
+        self.inverse: FloatArray | None = None
+
+    def starts(self, seen: Seen) -> tuple[FloatArray, BoolArray]:
+        """Return ln tau (R, N) and whether a set with positive coefficients was found."""
+        gram, with_fixed, with_grid = self.family.moments(np.exp(self.log_tau), seen)
+        q = self.family.fixed_count
+        across = np.linalg.solve(gram[:q, :q], gram[:q, q:])
+        swept = gram[q:, q:] - gram[q:, :q] @ across
+        length = np.sqrt(np.maximum(np.diagonal(swept), 1e-14 * np.diagonal(gram)[q:]))
+        moment = (with_grid - with_fixed @ across) / length
+        if self.inverse is None:
+            cosine = swept / length / length[:, None]
+            parts = cosine[self.sets[:, :, None], self.sets[:, None, :]]
+            told_apart = np.linalg.eigvalsh(parts)[:, 0] > 1e-7
+            self.sets = self.sets[told_apart]
+            self.inverse = np.linalg.inv(parts[told_apart])
+        picked = moment[:, self.sets]
+        beta = np.einsum("cij,rcj->rci", self.inverse, picked)
+        gain = np.where((beta > 0).all(axis=2), (beta * picked).sum(axis=2), 0.0)
+        best = np.argmax(gain, axis=1)
+        return self.log_tau[self.sets[best]], gain[np.arange(len(gain)), best] > 0
+
+
+class _Points(NamedTuple):
+    beta: FloatArray  # (R, q + N)
+    sse: FloatArray  # (R,)
+    gradient: FloatArray  # (R, N)
+    curvature: FloatArray  # (R, N, N)
+
+    def put(self, index: IndexArray, new: _Points) -> None:
+        for old, fresh in zip(self, new, strict=True):
+            old[index] = fresh
+
+    def take(self, index: IndexArray | BoolArray) -> _Points:
+        return _Points(*(part[index] for part in self))
+
+
+def _points(family: Family, log_tau: FloatArray, seen: Seen) -> _Points:
+    """As :func:`dashpot.engine.descent.point_at`, from stacked triangular factors."""
+    q, arms = family.fixed_count, log_tau.shape[1]
+    p = q + arms
+    # y last, so that the residual stands in the last column
+    order = np.concatenate((np.arange(p), np.arange(p + 1, p + 1 + arms), [p]))
+    gram = family.gram(np.exp(log_tau), seen)[:, order[:, None], order]
+    factor = upper_factor(gram)
+    r = factor[:, :p, :p]
+    dependent = (
+        np.diagonal(r, axis1=1, axis2=2) ** 2 <= 1e-13 * np.diagonal(gram, axis1=1, axis2=2)[:, :p]
+    ).any(axis=1)
+    inverse = np.linalg.inv(r)
+    beta = (inverse @ factor[:, :p, -1:])[..., 0]
+    residual, outside, k = factor[:, p:, -1], factor[:, p:, p:-1], beta[:, q:]
+    lean = (residual[:, None, :] @ outside)[:, 0]
+    inside = inverse[:, q:] * lean[..., None]
+    outside = outside * k[:, None, :]
+    curvature = np.swapaxes(outside, 1, 2) @ outside + inside @ np.swapaxes(inside, 1, 2)
+    sse = np.where(dependent, np.inf, (residual * residual).sum(axis=1))
+    return _Points(beta, sse, -k * lean, curvature)
+
+
+def _together(
+    family: Family, look: _Look, seen: Seen, index: IndexArray, out: ManySolutions
+) -> BoolArray:
+    """Descend all records of a chunk; write the ones that leave no doubt, and say which."""
+    log_tau, started = look.starts(seen)
+    converged = _descend(family, log_tau, seen, started)
+    point = converged.point
+    low, high = family.bounds
+    q, arms = family.fixed_count, log_tau.shape[1]
+    spare = max(family.samples - q - 2 * arms, 1)
+    sse = seen.floor + point.sse
+    positive = (point.beta[:, q:] > 0).all(axis=1)
+    positive &= (point.beta[:, :q] > 0)[:, family.nonnegative].all(axis=1)
+    inside = ((converged.log_tau > low) & (converged.log_tau < high)).all(axis=1)
+    sure = started & converged.done & positive & inside
+    sure &= point.sse > 100 * family.grain * seen.energy
+    checked = np.flatnonzero(sure)
+    known = np.linalg.inv(point.curvature[checked])
+    variance = np.diagonal(known, axis1=1, axis2=2) * (sse[checked] / spare)[:, None]
+    sure[checked] = ((variance > 0) & (variance < DOUBT**2)).all(axis=1) & (spare >= 10)
+    rows = index[sure]
+    order = np.argsort(converged.log_tau[sure], axis=1)
+    out.log_tau[rows] = np.take_along_axis(converged.log_tau[sure], order, axis=1)
+    out.arms[rows] = np.take_along_axis(point.beta[sure, q:], order, axis=1)
+    out.fixed[rows] = point.beta[sure, :q]
+    out.sse[rows] = sse[sure]
+    out.order[rows] = arms
+    out.converged[rows] = True
+    return sure
+
+
+class _Descended(NamedTuple):
+    log_tau: FloatArray
+    point: _Points
+    done: BoolArray
+
+
+def _descend(
+    family: Family, log_tau: FloatArray, seen: Seen, started: BoolArray, limit: int = 40
+) -> _Descended:
+    """The descent of :func:`dashpot.engine.descent.descend`, for all records at once."""
+    low, high = family.bounds
+    here = _points(family, log_tau, seen)
+    done = np.zeros(len(log_tau), dtype=bool)
+    damping = np.full(len(log_tau), 1e-3)
+    active = np.flatnonzero(started & np.isfinite(here.sse))
+    for _ in range(limit):
+        if not len(active):
+            break
+        now = here.take(active)
+        trial = np.clip(log_tau[active] + _steps(now, damping[active]), low, high)
+        moved = np.abs(trial - log_tau[active]).max(axis=1)
+        done[active[moved <= FINISHED]] = True
+        left = moved > FINISHED
+        active, trial, moved, before = active[left], trial[left], moved[left], now.sse[left]
+        if not len(active):
+            break
+        new = _points(family, trial, seen.take(active))
+        tail = moved < TAIL
+        better = (new.sse < before) | (tail & (new.sse <= before * (1 + 1e-8)))
+        taken = active[better]
+        log_tau[taken] = trial[better]
+        here.put(taken, new.take(better))
+        damping[taken] = np.where(tail[better], 0.0, 0.1 * damping[taken])
+        stuck = ~better & tail & (damping[active] == 0.0)
+        done[active[stuck]] = True
+        refused = active[~better]
+        damping[refused] = 10 * np.maximum(damping[refused], 1e-6)
+        active = active[~stuck & (damping[active] < 1e9)]
+    return _Descended(log_tau, here, done)
+
+
+def _steps(point: _Points, damping: FloatArray) -> FloatArray:
+    scale = np.maximum(np.diagonal(point.curvature, axis1=1, axis2=2), 1e-300)
+    unit = point.curvature / np.sqrt(scale[:, :, None] * scale[:, None, :])
+    unit = unit + (np.maximum(damping, 1e-14)[:, None, None]) * np.eye(scale.shape[1])
+    root = np.sqrt(scale)
+    step = -np.linalg.solve(unit, (point.gradient / root)[..., None])[..., 0] / root
+    return np.clip(step, -LONGEST_STEP, LONGEST_STEP)

@@ -1,0 +1,215 @@
+"""Records that share a sampling: what :mod:`dashpot.engine.batch` needs to know of each kind."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from dashpot._arrays import BoolArray, ByValue, FloatArray
+from dashpot.engine.batch import Seen
+from dashpot.engine.blocks import Block, DesignBlock
+from dashpot.engine.compression import ACCURACY, Compression, compression, uniform_step
+from dashpot.engine.correlation import GRAIN, Force, Response, response
+from dashpot.engine.holds import decay_block, hold_block, ramp_hold_block
+from dashpot.engine.recorded import recorded_block
+from dashpot.errors import DataError
+
+
+def decay_family(time: FloatArray, *, constant: str | None = "k_inf") -> CompressedFamily:
+    """Plain decays from t = 0 (:func:`~dashpot.engine.holds.decay_block`)."""
+    return _compressed((time,), partial(decay_block, time, constant=constant))
+
+
+def hold_family(time: FloatArray, *, depth: float, ramp_time: float) -> CompressedFamily:
+    """Holds after an ideal ramp (:func:`~dashpot.engine.holds.hold_block`)."""
+    make = partial(hold_block, time, depth=depth, ramp_time=ramp_time)
+    return _compressed((time,), make)
+
+
+def ramp_hold_family(time: FloatArray, *, depth: float, ramp_time: float) -> CompressedFamily:
+    """Ideal ramps and holds (:func:`~dashpot.engine.holds.ramp_hold_block`)."""
+    make = partial(ramp_hold_block, time, depth=depth, ramp_time=ramp_time)
+    first = int(np.searchsorted(time, ramp_time))
+    return _compressed((time[:first], time[first:] - ramp_time), make)
+
+
+def recorded_family(
+    time: FloatArray, displacement: FloatArray, *, window: slice = slice(None)
+) -> RecordedFamily:
+    """Forces under one recorded displacement (:func:`~dashpot.engine.recorded.recorded_block`).
+
+    Raises
+    ------
+    DataError
+        If the grid is not uniform or the displacement does not start at zero: nothing can be
+        shared there.
+    """
+    start, stop, _ = window.indices(len(time))
+    make = partial(_recorded_block, time, displacement, slice(start, stop))
+    x = np.asarray(displacement, dtype=float)
+    if not shares_correlation(time, x):
+        raise DataError("records share a correlation only on a uniform grid and from x = 0")
+    template = make(np.zeros(len(time)))
+    shared = response(time, x, x[start:stop, None], start=start, stop=stop)
+    return RecordedFamily(shared, template.fixed_names, template.window, make)
+
+
+def shares_correlation(time: FloatArray, displacement: FloatArray) -> bool:
+    """True if forces under this displacement can be correlated with it once for all."""
+    return displacement[0] == 0 and uniform_step(time) is not None
+
+
+def _recorded_block(
+    time: FloatArray, displacement: FloatArray, window: slice, force: FloatArray
+) -> Block:
+    return recorded_block(time, displacement, force, window=window)
+
+
+def _compressed(
+    times: tuple[FloatArray, ...], make: Callable[[FloatArray], DesignBlock]
+) -> CompressedFamily:
+    lengths = tuple(len(part) for part in times)
+    plans = tuple(compression(part) for part in times)
+    return CompressedFamily(make(np.zeros(sum(lengths))), plans, lengths, make)
+
+
+@dataclass(frozen=True, eq=False)
+class CompressedFamily(ByValue):
+    """Records of a hold, a ramp and hold, or a plain decay on one sampling."""
+
+    template: DesignBlock
+    plans: tuple[Compression, ...]
+    lengths: tuple[int, ...]
+    again: Callable[[FloatArray], DesignBlock]
+
+    @property
+    def fixed_count(self) -> int:
+        """Number of fixed columns."""
+        return len(self.template.fixed_names)
+
+    @property
+    def samples(self) -> int:
+        """Samples of a record."""
+        return self.template.samples
+
+    @property
+    def nonnegative(self) -> BoolArray:
+        """Which fixed coefficients are stiffnesses."""
+        return _stiff(self.template.fixed_names)
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """The window of ln tau."""
+        low, high = np.log(self.template.window)
+        return float(low), float(high)
+
+    @property
+    def grain(self) -> float:
+        """Relative sum of squares that is compression or rounding; the Gram matrix needs more."""
+        return max(ACCURACY**2, 1e-13)
+
+    def see(self, values: FloatArray) -> Seen:
+        """Compress a few records at a time: they stay in the cache."""
+        few = max(1, 400_000 // values.shape[1])
+        parts = [self._project(values[i : i + few]) for i in range(0, len(values), few)]
+        z = np.concatenate([part[0] for part in parts])
+        return Seen((z,), np.concatenate([part[1] for part in parts]), (z * z).sum(axis=1))
+
+    def _project(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+        z, floor, first = [], np.zeros(len(values)), 0
+        for plan, length in zip(self.plans, self.lengths, strict=True):
+            part, aside = plan.project(values[:, first : first + length])
+            z.append(part)
+            floor += aside
+            first += length
+        return np.concatenate(z, axis=1), floor
+
+    def gram(self, tau: FloatArray, seen: Seen) -> FloatArray:
+        """Gram matrices of [fixed, arms, y, slopes] at tau (R, N), one per record."""
+        (z,) = seen.data
+        count, arms = tau.shape
+        q, n = self.fixed_count, z.shape[1]
+        columns, slopes = self.template.columns(tau.ravel(), True)
+        stack = np.empty((count, q + 1 + 2 * arms, n))
+        stack[:, :q] = self.template.fixed.T
+        stack[:, q : q + arms] = columns.T.reshape(count, arms, n)
+        stack[:, q + arms] = z
+        stack[:, q + arms + 1 :] = slopes.T.reshape(count, arms, n)
+        return np.asarray(stack @ stack.transpose(0, 2, 1))
+
+    def moments(self, tau: FloatArray, seen: Seen) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Gram of [fixed, arms] at shared tau (G,), products with y: (R, q) and (R, G)."""
+        (z,) = seen.data
+        columns = self.template.columns(tau, False)[0]
+        every = np.concatenate((self.template.fixed, columns), axis=1)
+        return every.T @ every, z @ self.template.fixed, z @ columns
+
+    def block(self, values: FloatArray) -> Block:
+        """One record as a block, shape (M,)."""
+        return self.again(values)
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedFamily(ByValue):
+    """Records under one recorded displacement on a uniform grid."""
+
+    response: Response
+    fixed_names: tuple[str, ...]
+    window: tuple[float, float]
+    again: Callable[[FloatArray], Block]
+
+    @property
+    def fixed_count(self) -> int:
+        """Number of fixed columns."""
+        return len(self.fixed_names)
+
+    @property
+    def samples(self) -> int:
+        """Samples of a record in the window."""
+        return len(self.response.fixed)
+
+    @property
+    def nonnegative(self) -> BoolArray:
+        """Which fixed coefficients are stiffnesses."""
+        return _stiff(self.fixed_names)
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """The window of ln tau."""
+        low, high = np.log(self.window)
+        return float(low), float(high)
+
+    @property
+    def grain(self) -> float:
+        """Relative sum of squares below which a Gram matrix holds rounding only."""
+        return 100 * GRAIN
+
+    def see(self, values: FloatArray) -> Seen:
+        """Correlate every record with the displacement."""
+        window = values[:, self.response.start : self.response.count]
+        few = max(1, 400_000 // values.shape[1])
+        forces = [Force.of(self.response, window[i : i + few]) for i in range(0, len(window), few)]
+        data = tuple(np.concatenate(part) for part in zip(*forces, strict=True))
+        return Seen(data, np.zeros(len(values)), data[2])
+
+    def gram(self, tau: FloatArray, seen: Seen) -> FloatArray:
+        """Gram matrices of [fixed, arms, y, slopes] at tau (R, N), one per record."""
+        return self.response.gram(tau, Force(*seen.data), derivative=True)
+
+    def moments(self, tau: FloatArray, seen: Seen) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Gram of [fixed, arms] at shared tau (G,), products with y: (R, q) and (R, G)."""
+        force = Force(*seen.data)
+        first = Force(force.sequence[0], force.fixed[0], force.energy[0])
+        gram = self.response.gram(tau, first, derivative=False)[:-1, :-1]
+        return gram, force.fixed, self.response.products(tau, force.sequence)
+
+    def block(self, values: FloatArray) -> Block:
+        """One record as a block, shape (M,)."""
+        return self.again(values)
+
+
+def _stiff(names: tuple[str, ...]) -> BoolArray:
+    return np.array([name.partition("@")[0] in {"k_inf", "b"} for name in names], dtype=bool)
