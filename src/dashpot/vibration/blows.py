@@ -95,7 +95,7 @@ class Blow:
         if inside.stop < len(f):
             a, b = f[inside.stop - 1], f[inside.stop]
             right += (a - height) / (a - b)
-        return (right - left) / self.rate
+        return float(right - left) / self.rate
 
     def moments(self) -> tuple[float, float]:
         """When the pulse acts on average, s from the start of the block, and its rms width, s."""

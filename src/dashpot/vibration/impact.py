@@ -108,7 +108,7 @@ def estimate_frf(
         *(band or _excited([b for b, t in zip(blows, taken, strict=True) if t]))
     )
     stack = stack.turned(_signs(stack.only(taken), polarity))
-    weights, rocking = _combine(stack.only(taken), combine)
+    weights, rocking = _combine(stack.only(taken), combine, _reach(tests))
     verdicts, taken = agreement(stack.weighted(weights), verdicts, taken, accept)
     stack = stack.only(taken)
     chosen = stack.weighted(weights)
@@ -229,7 +229,9 @@ def _signs(stack: Stack, polarity: Sequence[int] | None) -> FloatArray:
     return np.full(count, -1.0 if kick.min() < -CLEAR else 1.0)
 
 
-def _combine(stack: Stack, combine: str) -> tuple[FloatArray, Combination | None]:
+def _combine(
+    stack: Stack, combine: str, reach: float | None
+) -> tuple[FloatArray, Combination | None]:
     """Weights of the accelerometers, and what is known of rocking."""
     count = len(stack.channels)
     mean = np.full(count, 1 / count)
@@ -250,7 +252,9 @@ def _combine(stack: Stack, combine: str) -> tuple[FloatArray, Combination | None
             record=near.record,
             pulse=near.pulse,
             shift=near.shift,
-        )
+        ),
+        near.response / near.force[None],
+        reach,
     )
     return (mean if combine == "mean" or found is None else np.array(found.weights)), found
 
@@ -259,6 +263,12 @@ def _mounts(stack: Stack) -> tuple[float, float]:
     """The band in which the block moves on its mounts, from the accelerometer that moves most."""
     values = [estimate(spectra) for spectra in stack.each()]
     return mount_band(stack.frequency, max(values, key=lambda h: float((np.abs(h) ** 2).sum())))
+
+
+def _reach(tests: Sequence[ImpactTest]) -> float | None:
+    """How far the accelerometers are from the hammer's line, m, if that was given."""
+    positions = tests[0].positions
+    return None if positions is None else float(np.abs(positions).mean())
 
 
 def _hits(blows: Sequence[Blow], verdicts: Sequence[Verdict], taken: BoolArray) -> tuple[Hit, ...]:

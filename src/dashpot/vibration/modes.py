@@ -134,7 +134,9 @@ def find_modes(
     )
     if method is Method.RATIONAL:
         return rational_modes(lines, count)
-    raise NotImplementedError
+    if count not in (None, 1):
+        raise DataError(f"method {method.value!r} reads one mode, not {count}; use 'rational'")
+    return (_read(method, lines, None if sd is None else sd[keep]),)
 
 
 def mount_band(
@@ -177,22 +179,39 @@ def rational_modes(lines: Lines, count: int | None) -> tuple[Mode, ...]:
     number = len(fit.poles)
     modes = []
     for i, (p, residue) in enumerate(zip(fit.poles, fit.residues[0], strict=True)):
-        size_p = abs(p)
-        sigma_se, omega_se = se[2 * i], se[2 * i + 1]
         residue_se = np.hypot(se[2 * number + 2 * i], se[2 * number + 2 * i + 1])
-        modes.append(
-            Mode(
-                frequency=size_p / (2 * np.pi),
-                damping_ratio=-p.real / size_p,
-                residue=complex(residue / p**2),
-                frequency_se=float(np.hypot(p.imag * omega_se, p.real * sigma_se))
-                / size_p
-                / (2 * np.pi),
-                damping_ratio_se=float(
-                    np.hypot(p.imag * sigma_se, p.real * omega_se) * p.imag / size_p**3
-                ),
-                residue_se=float(residue_se / size_p**2),
-                method=Method.RATIONAL.value,
-            )
-        )
+        errors = (float(se[2 * i]), float(se[2 * i + 1]), float(residue_se))
+        modes.append(_mode(complex(p), complex(residue), errors, Method.RATIONAL))
     return tuple(sorted(modes, key=lambda mode: -abs(mode.residue)))
+
+
+def _read(method: Method, lines: Lines, sd: FloatArray | None) -> Mode:
+    from dashpot.vibration import resonance
+
+    s, value = lines.s, lines.value[0]
+    if method is Method.DECREMENT:
+        reading = resonance.read_decrement(s, value, lines.record)
+    else:
+        read = {
+            Method.PEAK: resonance.read_peak,
+            Method.HALF_POWER: resonance.read_half_power,
+            Method.CIRCLE: resonance.read_circle,
+        }[method]
+        reading = read(s, value, sd)
+    errors = (reading.sigma_se, reading.omega_se, reading.residue_se)
+    return _mode(reading.pole, reading.residue, errors, method)
+
+
+def _mode(p: complex, residue: complex, errors: tuple[float, float, float], method: Method) -> Mode:
+    """Turn a pole and the accelerance's residue into a mode, errors of sigma and omega and all."""
+    sigma_se, omega_se, residue_se = errors
+    size = abs(p)
+    return Mode(
+        frequency=size / (2 * np.pi),
+        damping_ratio=-p.real / size,
+        residue=residue / p**2,
+        frequency_se=float(np.hypot(p.imag * omega_se, p.real * sigma_se)) / size / (2 * np.pi),
+        damping_ratio_se=float(np.hypot(p.imag * sigma_se, p.real * omega_se)) * p.imag / size**3,
+        residue_se=residue_se / size**2,
+        method=method.value,
+    )

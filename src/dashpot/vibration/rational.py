@@ -21,6 +21,7 @@ import numpy as np
 from dashpot._arrays import BoolArray, ComplexArray, FloatArray
 
 FLOOR = 1e-3  # relative error below which no line of a measured FRF is trusted
+FLOOR_OF_TOP = 3e-4  # and of the highest line: leakage is modelled that well
 STEPS = 60
 SMALLEST_MODE = 0.02  # of the largest value in the band
 
@@ -60,8 +61,10 @@ class Lines:
     ) -> Lines:
         """Lines as an FRF holds them; `value` and `sd` of shape (channels, n)."""
         size = np.abs(value)
-        floor = FLOOR * (size.max(axis=1, keepdims=True) if sd is None else size)
-        error = np.broadcast_to(np.hypot(0.0 if sd is None else sd, floor), size.shape)
+        top = size.max(axis=1, keepdims=True)
+        error = np.broadcast_to(FLOOR * top, size.shape)
+        if sd is not None:
+            error = np.sqrt(sd**2 + (FLOOR * size) ** 2 + (FLOOR_OF_TOP * top) ** 2)
         return cls(np.asarray(2j * np.pi * frequency + shift), value, error, record, pulse)
 
 
@@ -130,6 +133,13 @@ def find_poles(lines: Lines, *, most: int, count: int | None = None) -> PoleFit 
     if count is None:
         kept = _prune(lines, kept)
     return _finish(lines, kept) if kept.size else None
+
+
+def residues_at(lines: Lines, poles: ComplexArray) -> ComplexArray:
+    """Best residues of each row at given poles, shape (channels, modes)."""
+    theta = np.ravel(np.column_stack((np.log(-poles.real), poles.imag)))
+    coefficients = _solve(lines, theta)[1]
+    return np.array([_residues(coefficients, i) for i in range(len(poles))]).T
 
 
 def _prune(lines: Lines, theta: FloatArray) -> FloatArray:

@@ -9,17 +9,17 @@ stand symmetrically. Otherwise, whatever their gains and places, the weights are
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from dashpot._arrays import ComplexArray, FloatArray
-from dashpot.vibration.rational import Lines, find_poles, kernel
+from dashpot.vibration.rational import Lines, find_poles, kernel, residues_at
 
 
 @dataclass(frozen=True)
 class Combination:
-    """How the accelerometers are weighted, and how much rocking is left.
+    r"""How the accelerometers are weighted, and how much rocking is left.
 
     Attributes
     ----------
@@ -29,6 +29,12 @@ class Combination:
         Hz.
     mean_ratio, ratio : float
         Height of the rocking peak over that of the bounce peak, in the plain mean and as weighted.
+    eccentricity : tuple of float
+        Of each blow, :math:`e x/\rho^2`: how far from the centre e it struck, times how far from
+        there x the accelerometers are, over the squared radius of gyration. Rocking is to bounce
+        as this is to 1.
+    reach : float or None
+        That x, m, if known.
     """
 
     weights: tuple[float, ...]
@@ -36,15 +42,23 @@ class Combination:
     bounce_frequency: float
     mean_ratio: float
     ratio: float
+    eccentricity: tuple[float, ...]
+    reach: float | None = None
 
 
-def null_rocking(lines: Lines) -> Combination | None:
+def null_rocking(
+    lines: Lines, blows: ComplexArray, reach: float | None = None
+) -> Combination | None:
     """Weights that null the rocking mode, from poles that all accelerometers share.
 
     Parameters
     ----------
     lines : Lines
         A row for each accelerometer, of the band that holds bounce and rocking.
+    blows : complex array, shape (channels, blows, n)
+        Accelerance of each accelerometer in each blow.
+    reach : float, optional
+        How far the accelerometers are from the centre, m.
 
     Returns
     -------
@@ -85,7 +99,25 @@ def null_rocking(lines: Lines) -> Combination | None:
         bounce_frequency=float(abs(fit.poles[bounce])) / (2 * np.pi),
         mean_ratio=mean[0] / mean[1],
         ratio=nulled[0] / nulled[1],
+        eccentricity=_eccentricity(lines, blows, fit.poles[[bounce, rocking]]),
+        reach=reach,
     )
+
+
+def _eccentricity(lines: Lines, blows: ComplexArray, poles: ComplexArray) -> tuple[float, ...]:
+    """Velocity that each blow gives to rocking over that to bounce, at the accelerometers."""
+    channels, count, n = blows.shape
+    rows = replace(
+        lines,
+        value=blows.reshape(-1, n),
+        sd=np.repeat(lines.sd, count, axis=0),
+    )
+    # over its pole a residue of the accelerance is one of the mobility: half the initial velocity
+    velocity = (residues_at(rows, poles) / poles).real.reshape(channels, count, 2)
+    bounce, rocking = velocity[:, :, 0].mean(axis=0), velocity[:, :, 1]
+    _, _, shapes = np.linalg.svd(rocking.T, full_matrices=False)
+    shape = shapes[0] * np.sign(shapes[0][0]) * np.sqrt(channels)
+    return tuple(float(q) for q in (shape @ rocking) / channels / bounce)
 
 
 def _weights(seen: ComplexArray) -> FloatArray:

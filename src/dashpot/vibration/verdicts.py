@@ -21,6 +21,7 @@ COHERENT = 0.9
 LINES = 5  # in the half-power band
 TIME_CONSTANTS = 6  # of decay that a record should hold: FRF errors below 0.5 %
 ROCKING = 0.05
+OFF_CENTRE = 0.25  # of the bounce that rocking may be at the accelerometers
 OUTLIER = 5.0  # times the usual disagreement between a blow and the others
 DISAGREES = 0.1
 
@@ -80,7 +81,7 @@ def checks_of(
     if spectra.averages >= ENOUGH and main is not None:
         checks.append(_stable(frf, spectra, estimator, main))
     if combination is not None:
-        checks.append(_rocking(frf, combination))
+        checks += [_rocking(frf, combination), _centred(frf, combination)]
     if mass is not None:
         apparent = None
         if main is not None:
@@ -232,3 +233,24 @@ def _rocking(frf: FRF, found: Combination) -> Check:
         else f"combine 'weighted' would leave {found.ratio:.3f}; strike closer to the centre"
     )
     return Check("rocking_cancelled", False, f"{says}; {advice}", value, ROCKING)
+
+
+def _centred(frf: FRF, found: Combination) -> Check:
+    names = [hit.name for hit in frf.hits if hit.accepted]
+    worst = int(np.argmax(np.abs(found.eccentricity)))
+    value = float(abs(found.eccentricity[worst]))
+    scatter = float(np.std(found.eccentricity))
+    says = (
+        f"the hits set the block rocking by up to {100 * value:.0f} % of its bounce at the "
+        f"accelerometers (hit {names[worst]}; {100 * scatter:.0f} % scatter)"
+    )
+    if found.reach is not None:
+        reach = found.reach
+        # a slender block as long as the accelerometers are apart: rho^2 = x^2 / 3
+        says += (
+            f", as hits some {1000 * value * reach / 3:.1f} mm off centre would on a slender block "
+            f"{2000 * reach:.0f} mm long"
+        )
+    if value <= OFF_CENTRE:
+        return Check("hits_centred", True, says, value, OFF_CENTRE)
+    return Check("hits_centred", False, f"{says}; strike closer to the centre", value, OFF_CENTRE)
