@@ -11,9 +11,14 @@ from dashpot._arrays import FloatArray
 from dashpot.checks import Check
 from dashpot.comparison import Comparison, compare
 from dashpot.errors import DataError, FitError
-from dashpot.identification import identify
-from dashpot.identification.bands import FRFBand
-from dashpot.identification.mass import infer_mass
+from dashpot.identification import (
+    FRFBand,
+    frf_band,
+    identify,
+    infer_mass,
+    parameter_band,
+    unseen_arm_band,
+)
 from dashpot.relaxation.fit import Fit
 from dashpot.relaxation.fitting import fit
 from dashpot.relaxation.preparation import prepare
@@ -28,6 +33,10 @@ COMPARED_ORDERS = (1, 2)
 
 STIFFNESS_LINES = np.geomspace(1e-3, 100.0, 61)
 """Where the unseen-arm band is drawn, Hz: from the hold to past the hammer."""
+
+
+BAND_LINES = 121
+"""Lines of the predicted FRF's limits."""
 
 
 @dataclass(frozen=True)
@@ -165,6 +174,9 @@ def characterise(
         joint=both,
         joint_prediction=mended,
         joint_comparison=agreement,
+        unseen=unseen_arm_band(chosen, prepared, STIFFNESS_LINES),
+        parameters=parameter_band(chosen, STIFFNESS_LINES),
+        frf_band=None if mass is None else _room(chosen, prepared, measured, mass, seals),
         checks=(*chosen.checks, *checks, *(comparison.checks if comparison else ())),
     )
 
@@ -188,6 +200,17 @@ def _predicted(
     return prediction, compare(
         prediction, measured, fit=found, mass=mass, seals=seals, band=band, depth=depth
     )
+
+
+def _room(
+    chosen: Fit, prepared: RampHold, measured: FRF | None, mass: float, seals: float
+) -> FRFBand:
+    """Return the limits of the predicted FRF around its peak, by both kinds of ignorance."""
+    low, high = _lines(seals * chosen.model.k_0, mass)[[0, -1]]
+    if measured is not None:
+        low, high = max(low, measured.frequency[0]), min(high, measured.frequency[-1])
+    lines = np.geomspace(low, high, BAND_LINES)
+    return frf_band(chosen, prepared, mass=mass, frequency=lines, seals=seals)
 
 
 def _lines(stiffness: float, mass: float) -> FloatArray:
