@@ -101,9 +101,7 @@ def compare(
     z = comparison.z
     if z is not None:
         comparison = replace(comparison, z_rms=float(np.sqrt(np.mean(z**2))))
-    found = checks(
-        comparison, seen=seen, told=told, model=model, fit=fit, mass=mass, depth=depth
-    )
+    found = checks(comparison, seen=seen, told=told, model=model, fit=fit, mass=mass, depth=depth)
     comparison = replace(comparison, checks=found)
     return replace(comparison, verdict=verdict(comparison, fit))
 

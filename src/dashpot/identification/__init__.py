@@ -1,5 +1,22 @@
 """Viscoelastic solids from vibration, alone or together with relaxation."""
 
+from dashpot.identification.bands import FRFBand, frf_band, parameter_band, unseen_arm_band
 from dashpot.identification.identify import identify
+from dashpot.identification.mass import infer_mass
+from dashpot.identification.stiffness import (
+    DynamicStiffness,
+    causal_loss_factor,
+    dynamic_stiffness,
+)
 
-__all__ = ["identify"]
+__all__ = [
+    "DynamicStiffness",
+    "FRFBand",
+    "causal_loss_factor",
+    "dynamic_stiffness",
+    "frf_band",
+    "identify",
+    "infer_mass",
+    "parameter_band",
+    "unseen_arm_band",
+]

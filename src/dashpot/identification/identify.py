@@ -13,7 +13,6 @@ from dashpot.identification.hammer import hammer_of
 from dashpot.identification.joint import Known, Rig, Wanted
 from dashpot.identification.outcome import told
 from dashpot.identification.search import Search, chosen, line_scale
-from dashpot.relaxation.design import compressed
 from dashpot.relaxation.fit import Fit
 from dashpot.relaxation.records import RampHold
 from dashpot.vibration.frf import FRF
@@ -128,10 +127,9 @@ def _benches(records: Sequence[RampHold], fit: Fit | None) -> tuple[Fit | None, 
 
     before = fit if fit is not None else fit_tests(list(records))
     alone = [before] if len(records) == 1 else [fit_tests(record) for record in records]
-    blocks = compressed(records, method="full", depth_law=False)
     return before, tuple(
-        bench_of(block, sd=own.residual.rms, kappa=own.residual.kappa)
-        for block, own in zip(blocks, alone, strict=True)
+        bench_of(record, before, noise=own.residual)
+        for record, own in zip(records, alone, strict=True)
     )
 
 

@@ -181,17 +181,17 @@ class Problem:
     def _bench(self, bench: Bench, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
         N = self.arms
         k_inf, k = np.exp(theta[0]), np.exp(theta[1 : 1 + N])
-        arms, slopes = bench.arms(theta[1 + N : 1 + 2 * N])
-        model = k_inf * bench.spring + arms @ k
+        rows = bench.rows(theta[1 + N : 1 + 2 * N])
+        model = k_inf * rows.spring + rows.arms @ k
         jacobian = np.zeros((len(model), len(theta)))
-        jacobian[:, 0] = k_inf * bench.spring
-        jacobian[:, 1 : 1 + N] = arms * k
-        jacobian[:, 1 + N : 1 + 2 * N] = slopes * k
+        jacobian[:, 0] = k_inf * rows.spring
+        jacobian[:, 1 : 1 + N] = rows.arms * k
+        jacobian[:, 1 + N : 1 + 2 * N] = rows.slopes * k
         if self.dashpot:
-            part = np.exp(theta[self.at["ln_b"]]) * bench.dashpot
+            part = np.exp(theta[self.at["ln_b"]]) * rows.dashpot
             model = model + part
             jacobian[:, self.at["ln_b"]] = part
-        return model - bench.target, jacobian
+        return model - rows.target, jacobian
 
     def hammer_residual(self, theta: FloatArray) -> FloatArray:
         """Those of the lines, real then imaginary."""

@@ -104,10 +104,8 @@ class Search:
         from dashpot.engine.separable import solve_orders
 
         known = None if self.rig.mass is None else self.rig.mass.value
-        blocks: list[Block] = [
-            *(WeightedBlock(bench.block, bench.weight) for bench in self.benches),
-            self.hammer.stiffness_block(known, dashpot=dashpot),
-        ]
+        blocks: list[Block] = [WeightedBlock(bench.block, bench.weight) for bench in self.benches]
+        blocks.append(self.hammer.stiffness_block(known, dashpot=dashpot))
         starts = []
         for solution in solve_orders(blocks, most):
             k = solution.arms[0]
