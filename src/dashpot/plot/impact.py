@@ -47,13 +47,14 @@ def hits(impact: ImpactTest, frf: FRF) -> Figure:
     wide = 6 // channels
     first: Axes | None = None
     end = max(decay_time(blow) for blow, _ in judged)
+    bins = max(120, 3000 // (channels * len(judged)))  # many hits hide each other's detail
     for i in range(channels):
         ax = made.add_subplot(grid[1, wide * i : wide * (i + 1)], sharey=first)
         first = first or ax
         for blow, hit in judged:
             time = _clock(blow)
             seen = time <= 1.25 * end
-            panel.trace(ax, time[seen], blow.acceleration[i, seen], _pen(hit))
+            panel.trace(ax, time[seen], blow.acceleration[i, seen], _pen(hit), bins=bins)
         dress(ax, x="time after the hit, s", y="acceleration, m/s²", title=impact.channels[i])
     note(first or ax, _decay_words(judged), (0.97, 0.95), ha="right")
     return made

@@ -52,7 +52,14 @@ def _bench(made: Figure | SubFigure, study: Story) -> None:
           title=f"Relaxation test: {1e3 * test.depth:.3g} mm in {test.ramp_time:.3g} s, "
                 f"held {test.hold_time:.3g} s")  # fmt: skip
     legend(upper, loc="lower right")
-    relaxation.draw_residual(lower, study.fit, study.prepared, chosen=study.fit)
+    relaxation.draw_residual(
+        lower,
+        study.fit,
+        study.prepared,
+        chosen=study.fit,
+        others=[f for f in shown if f != study.fit],
+    )
+    lower.set_ylabel("residual, mN", fontsize=NORMAL)
     lower.set_xlabel(f"{relaxation.FROM_CONTACT} (log)", fontsize=NORMAL)
     made.align_ylabels([upper, lower])
 
@@ -60,7 +67,7 @@ def _bench(made: Figure | SubFigure, study: Story) -> None:
 def _hammer(made: Figure | SubFigure, study: Story, comparison: Comparison) -> None:
     upper, lower = made.subplots(2, 1, sharex=True, height_ratios=(2.8, 1.0))
     curves = vibration.curves_of(comparison, study.joint_comparison)
-    vibration.draw_magnitude(upper, curves)
+    vibration.draw_magnitude(upper, curves, around=comparison.measured_hz)
     mass = "" if study.mass is None else f"{1e3 * study.mass:.3g} g on "
     upper.set_title(f"Hammer test: {mass}{study.seals:g} seals", fontsize=NORMAL, loc="left",
                     fontweight="bold")  # fmt: skip

@@ -21,6 +21,7 @@ from dashpot.plot.look import (
     pen_of_arms,
 )
 from dashpot.plot.panels import time as panel
+from dashpot.plot.thinning import means
 from dashpot.relaxation.fit import Fit
 from dashpot.relaxation.records import RampHold
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -125,20 +126,34 @@ def draw_fits(
         log_axis(ax, "x")
 
 
-def draw_residual(ax: Axes, one: Fit, prepared: RampHold, *, chosen: Fit) -> None:
-    """Measured less fitted force against log time."""
-    when, force = fitted_force(one, prepared)
+def draw_residual(
+    ax: Axes, one: Fit, prepared: RampHold, *, chosen: Fit, others: Sequence[Fit] = ()
+) -> None:
+    """Measured less fitted force against log time; of `others` only the mean of each bin."""
     start, end = _log_start(prepared), prepared.hold_end - prepared.onset
-    seen = (when >= start) & (when <= end)
-    when = when[seen]
-    left = np.interp(when, prepared.time - prepared.onset, prepared.force) - force[seen]
+    when, left = _left(one, prepared)
     pen = pen_of_arms(one.model.arms, chosen.model.arms)
     panel.residual(ax, when, left, pen, noise=prepared.force_noise, what=short_name_of(one))
+    seen = [1e3 * left]
+    for other in others:
+        x, y = means(*_left(other, prepared), log=True)
+        pen = pen_of_arms(other.model.arms, chosen.model.arms)
+        panel.trace(ax, x, 1e3 * y, pen, log=True)
+        seen.append(1e3 * y)
     panel.segments(ax, _bounds(prepared))
-    ax.set_ylim(*panel.outer_limits(1e3 * left, margin=0.08))
+    ax.set_ylim(*panel.outer_limits(*seen, margin=0.08))
     ax.set_xlim(start, end)
     log_axis(ax, "x")
     note(ax, f"RMS {_milli(one.residual.rms)} mN", (0.995, 0.95), ha="right")
+
+
+def _left(one: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
+    """Time from first contact and residual, N, over what a log axis shows."""
+    when, force = fitted_force(one, prepared)
+    start, end = _log_start(prepared), prepared.hold_end - prepared.onset
+    seen = (when >= start) & (when <= end)
+    measured = np.interp(when[seen], prepared.time - prepared.onset, prepared.force)
+    return when[seen], measured - force[seen]
 
 
 def fitted_force(one: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
@@ -198,7 +213,9 @@ def _bounds(prepared: RampHold) -> tuple[float, float, float]:
 def _log_start(prepared: RampHold) -> float:
     """Where log time begins: a tenth of the ramp, but not between two samples."""
     step = float(np.median(np.diff(prepared.time)))
-    return max(0.1 * prepared.ramp_time, 2 * step)
+    start = max(0.1 * prepared.ramp_time, 2 * step)
+    digit = 10.0 ** np.floor(np.log10(start))
+    return float(digit * np.floor(start / digit + 1e-9))
 
 
 def _zoom(ax: Axes, t: FloatArray, values: FloatArray, prepared: RampHold) -> None:

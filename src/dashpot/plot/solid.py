@@ -45,9 +45,9 @@ def spectrum(fit: Fit, *, joint: Fit | None = None) -> Figure:
     ax = made.subplots()
     low, high = (1 / (2 * np.pi * f) for f in reversed(fit.band))
     spectrum_panel.window(ax, low, high, label="seen by the relaxation test")
-    _stems(ax, fit, CHOSEN.color, "relaxation fit, k and τ with 95 % intervals")
+    _stems(ax, fit, CHOSEN.color, "relaxation fit, with 95 % intervals of k and τ", width=3.2)
     if joint is not None:
-        _stems(ax, joint, JOINT.color, "joint fit")
+        _stems(ax, joint, JOINT.color, "joint fit", width=1.1)
     k_inf = 1e-3 * fit.model.k_inf
     ax.axhline(k_inf, color=CHOSEN.color, linewidth=0.9, linestyle=(0, (4, 2)))
     shown = [*fit.model.tau, *(joint.model.tau if joint else ())]
@@ -122,7 +122,7 @@ def stiffness(
     return made
 
 
-def _stems(ax: Axes, one: Fit, color: str, label: str) -> None:
+def _stems(ax: Axes, one: Fit, color: str, label: str, *, width: float) -> None:
     bounds = one.intervals(level=0.95)
     low, high = (1 / (2 * np.pi * f) for f in reversed(one.band))
     spectrum_panel.stems(
@@ -134,6 +134,7 @@ def _stems(ax: Axes, one: Fit, color: str, label: str) -> None:
         tau_range=tuple((max(a, low / 10), min(b, high * 10)) for a, b in bounds["tau"]),
         k_range=tuple((1e-3 * a, 1e-3 * min(b, one.model.k_0)) for a, b in bounds["k"]),
         label=label,
+        width=width,
     )
 
 

@@ -133,8 +133,16 @@ def nyquist(measured: FRF, *others: FRF, labels: Sequence[str] = ()) -> Figure:
     return made
 
 
-def draw_magnitude(ax: Axes, curves: Sequence[tuple[FRF, str, Pen]]) -> None:
-    """Magnitudes of FRFs of one kind, log-log, with decibels on the right."""
+def draw_magnitude(
+    ax: Axes, curves: Sequence[tuple[FRF, str, Pen]], *, around: float | None = None
+) -> None:
+    """Magnitudes of FRFs of one kind, log-log, with decibels on the right.
+
+    All lines are shown, or an octave and a bit to either side of the frequency `around`.
+    """
+    if around is not None:
+        near = (around / 2.4, around * 2.4)
+        curves = [(one.band(*near), label, pen) for one, label, pen in curves]
     unit, scale, reference = SHOWN[curves[0][0].kind]
     for one, label, pen in curves:
         if one.sd is not None:
@@ -152,12 +160,14 @@ def draw_magnitude(ax: Axes, curves: Sequence[tuple[FRF, str, Pen]]) -> None:
 
 def draw_band(ax: Axes, band: FRFBand) -> None:
     """What the relaxation test leaves open: by its standard errors, by arms it cannot see."""
-    limits = ax.get_ylim()
-    panel.limits(ax, band.frequency, band.unseen, PURPLE, label="room for unseen arms",
-                 alpha=0.22)  # fmt: skip
-    panel.limits(ax, band.frequency, band.parameter, BLUE, label="standard errors (95 %)",
-                 alpha=0.3)  # fmt: skip
-    ax.set_ylim(*limits)
+    low, high = ax.get_ylim()
+    # a resonance without damping has no highest magnitude
+    shown = (0.1 * low, 10 * high)
+    panel.limits(ax, band.frequency, np.clip(band.unseen, *shown), PURPLE,
+                 label="room for unseen arms", alpha=0.22)  # fmt: skip
+    panel.limits(ax, band.frequency, np.clip(band.parameter, *shown), BLUE,
+                 label="standard errors (95 %)", alpha=0.3)  # fmt: skip
+    ax.set_ylim(low, high)
 
 
 def draw_phase(ax: Axes, curves: Sequence[tuple[FRF, str, Pen]], *, spread: bool = True) -> None:
@@ -195,12 +205,18 @@ def mark_peaks(ax: Axes, comparison: Comparison, joint: Comparison | None) -> No
     """A dot at the peak of every curve, its frequency and height in the corner."""
     peaks = zip(peaks_of(comparison, joint), (MEASURED, CHOSEN, JOINT), strict=False)
     for i, ((hz, height), pen) in enumerate(peaks):
+        text = f"{hz:.2f} Hz, {three_digits(height)} (m/s²)/N"
         ax.plot([hz], [height], "o", markersize=3.5, color=pen.color, zorder=7)
         ax.annotate(
-            f"{hz:.2f} Hz, {height:.3g} (m/s²)/N", (0.985, 0.97), xycoords="axes fraction",
+            text, (0.985, 0.97), xycoords="axes fraction",
             xytext=(0, -1.45 * SMALL * i), textcoords="offset points", ha="right", va="top",
             fontsize=SMALL, color=pen.color,
         )  # fmt: skip
+
+
+def three_digits(value: float) -> str:
+    """At least three digits, never an exponent: 1084, 155, 15.5."""
+    return f"{value:.0f}" if abs(value) >= 100 else f"{value:.3g}"
 
 
 def _bode(curves: Sequence[tuple[FRF, str, Pen]]) -> Figure:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
 
+_PARAMETER = re.compile(r"\bk_inf\b|\b(?:ln_)?(?:k|tau|b)_\d+\b|\btau\b")
 MINUS = "−"
 SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
@@ -64,7 +66,8 @@ def percent(ratio: float, *, digits: int = 2) -> str:
 
 def decibels(value: float) -> str:
     """A level difference with its sign."""
-    return f"{value:+.1f} dB".replace("-", MINUS)
+    text = f"{abs(value):.1f} dB"
+    return text if text == "0.0 dB" else f"{MINUS if value < 0 else '+'}{text}"
 
 
 def hertz(band: tuple[float, float]) -> str:
@@ -88,4 +91,17 @@ def symbol(name: str) -> str:
 
 def words(name: str) -> str:
     """A check's or a step's identifier as words."""
-    return name.replace("_", " ")
+    return name.replace("k_inf", "k∞").replace("tau", "τ").replace("_", " ")
+
+
+def readable(sentence: str) -> str:
+    """A sentence with its parameters as they are printed: k∞ for k_inf, τ₁ for tau_1."""
+    return _PARAMETER.sub(lambda found: symbol(found[0]), sentence)
+
+
+def shorter(text: str) -> str:
+    """A number given in full precision as six digits; anything else as it is."""
+    try:
+        return f"{float(text):.6g}" if len(text) > 8 else text
+    except ValueError:
+        return text

@@ -36,7 +36,9 @@ def html(study: Study) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters.update(symbol=numbers.symbol, words=numbers.words)
+    environment.filters.update(
+        words=numbers.words, readable=numbers.readable, shorter=numbers.shorter
+    )
     return environment.get_template("report.html").render(_contents(study))
 
 
@@ -54,7 +56,7 @@ def _contents(study: Study) -> dict[str, Any]:
         "pictures": pictures(study),
         "key": tables.key_numbers(study),
         "peaks": tables.peaks(study),
-        "facts": tables.test_facts(study.prepared),
+        "facts": tables.halves(tables.test_facts(study.prepared)),
         "coefficients": tables.coefficients(study.fit, study.prepared.specimen.length),
         "orders": tables.orders(study),
         "routes": None if study.hold_fit is None else tables.two_routes(study.fit, study.hold_fit),
@@ -68,6 +70,9 @@ def _contents(study: Study) -> dict[str, Any]:
         "joint_coefficients": None
         if study.joint is None
         else tables.coefficients(study.joint, study.prepared.specimen.length),
+        "joint_arms": None
+        if study.joint_comparison is None
+        else tables.arms_tested(study.joint_comparison),
         "joint_nuisances": None if study.joint is None else tables.nuisances(study.joint),
         "sources": words.sources(study),
         "steps": _steps(study),

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dashpot._arrays import FloatArray
 from dashpot.checks import Check
 from dashpot.comparison import Comparison
 from dashpot.relaxation.fit import Fit, Moved
@@ -18,9 +19,11 @@ from dashpot.report.numbers import (
     hertz,
     interval,
     percent,
+    readable,
     rounded,
     symbol,
     with_error,
+    words,
 )
 from dashpot.solids.band import StiffnessBand
 from dashpot.study import Study
@@ -122,6 +125,12 @@ def test_facts(prepared: RampHold) -> Table:
     if specimen.temperature:
         rows.append(("temperature", f"{specimen.temperature - 273.15:.1f}", "°C"))
     return Table(("", "value", "unit"), tuple(rows))
+
+
+def halves(table: Table) -> tuple[Table, Table]:
+    """A long narrow table as two, to stand side by side."""
+    middle = (len(table.rows) + 1) // 2
+    return Table(table.head, table.rows[:middle]), Table(table.head, table.rows[middle:])
 
 
 def coefficients(fit: Fit, length: float | None) -> Table:
@@ -237,22 +246,22 @@ def in_frequency(fit: Fit, unseen: StiffnessBand | None, mark: float | None) -> 
             rounded(float(stiffness.imag / stiffness.real)),
         ]
         if unseen is not None:
-            cells.append(_range_at(unseen, f))
+            cells.append(_range_at(unseen, 1e-3 * unseen.storage, f))
+            cells.append(_range_at(unseen, unseen.loss_factor, f))
         cells.append("identified" if known else f"extrapolated ×{rounded(factor, digits=2)}")
         rows.append(tuple(cells))
         marks.append("" if known else "doubt")
     head = ["frequency, Hz", "storage K′, N/mm", "loss K″, N/mm", "loss factor"]
     if unseen is not None:
-        head.append("loss factor the test leaves open")
+        head += ["K′ left open, N/mm", "loss factor left open"]
     return Table((*head, "this test"), tuple(rows), tuple(marks))
 
 
-def _range_at(band: StiffnessBand, f: float) -> str:
+def _range_at(band: StiffnessBand, limits: FloatArray, f: float) -> str:
     if not band.frequency[0] <= f <= band.frequency[-1]:
         return "not computed"
-    low, high = (float(np.interp(np.log(f), np.log(band.frequency), edge))
-                 for edge in band.loss_factor)  # fmt: skip
-    return f"{rounded(low, digits=2)} to {rounded(high, digits=2)}"
+    low, high = (float(np.interp(np.log(f), np.log(band.frequency), edge)) for edge in limits)
+    return f"{rounded(low, digits=3)} to {rounded(high, digits=3)}"
 
 
 # -- the hammer -------------------------------------------------------------------------------
@@ -275,8 +284,8 @@ def arms_tested(comparison: Comparison) -> Table | None:
         "bad" if arm.loss_share > 0.1 and not arm.seen_by_relaxation else ""
         for arm in comparison.arms
     )
-    head = ("arm's relaxation time τ", "share of the model's loss at the measured peak, %",
-            "tested by this FRF", "seen by the relaxation test")  # fmt: skip
+    head = ("arm's τ", "share of the loss at the peak, %", "tested by this FRF",
+            "seen by the relaxation test")  # fmt: skip
     return Table(head, rows, marks)
 
 
@@ -296,7 +305,9 @@ def hits(frf: FRF) -> Table | None:
         for hit in frf.hits
     )
     marks = tuple("" if hit.accepted else "bad" for hit in frf.hits)
-    return Table(("hit", "at, s", "peak, N", "pulse, ms", "verdict", "why"), rows, marks)
+    head = ("hit", "at, s", "peak, N", "pulse, ms", "verdict", "why")
+    said = any(hit.reasons for hit in frf.hits)
+    return Table(head if said else head[:-1], rows if said else tuple(r[:-1] for r in rows), marks)
 
 
 def moved(joint: Fit) -> Table | None:
@@ -346,7 +357,7 @@ def checks(groups: Sequence[tuple[str, Sequence[Check]]]) -> Table:
             seen.setdefault((check.name, check.says), (stage, check))
     ordered = sorted(seen.values(), key=lambda pair: pair[1].passed)
     rows = tuple(
-        ("passed" if check.passed else "failed", stage, check.name.replace("_", " "), check.says)
+        ("passed" if check.passed else "failed", stage, words(check.name), readable(check.says))
         for stage, check in ordered
     )
     marks = tuple("good" if check.passed else "bad" for _, check in ordered)

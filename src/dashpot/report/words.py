@@ -5,7 +5,7 @@ from __future__ import annotations
 from dashpot.checks import Check
 from dashpot.provenance import Source
 from dashpot.relaxation.fit import Status
-from dashpot.report.numbers import decibels, hertz, percent, rounded
+from dashpot.report.numbers import hertz, readable, rounded
 from dashpot.study import Study
 
 COUNT = {0: "no", 1: "one", 2: "two", 3: "three", 4: "four", 5: "five", 6: "six"}
@@ -20,7 +20,7 @@ def title(study: Study) -> str:
 def sentences(study: Study) -> tuple[str, ...]:
     """The verdict, one thought a sentence."""
     return tuple(
-        sentence
+        readable(sentence)
         for sentence in (_solid(study), _outcome(study), _hammer(study), _joint(study))
         if sentence
     )
@@ -69,7 +69,8 @@ def _joint(study: Study) -> str:
     )
     return (
         f"Fitted to both tests at once ({added}), the solid meets the hammer within "
-        f"{percent(after.frequency_error)} in frequency and {decibels(after.ratio_db)} at the peak."
+        f"{max(100 * abs(after.frequency_error), 0.01):.2f} % in frequency and "
+        f"{max(abs(after.ratio_db), 0.1):.1f} dB at the peak."
     )
 
 
@@ -98,17 +99,14 @@ def sources(study: Study) -> tuple[Source, ...]:
 
 def stages(study: Study) -> list[tuple[str, tuple[Check, ...]]]:
     """The checks of every stage, in the order of the work."""
-    groups = [
-        ("whole story", study.checks),
-        ("relaxation test", study.prepared.checks),
-        ("fit", study.fit.checks),
-    ]
+    groups = [("relaxation", study.prepared.checks), ("fit", study.fit.checks)]
     if study.measured is not None:
-        groups.append(("hammer test", study.measured.checks))
+        groups.append(("hammer", study.measured.checks))
     if study.comparison is not None:
         groups.append(("comparison", study.comparison.checks))
     if study.joint is not None:
         groups.append(("joint fit", study.joint.checks))
     if study.joint_comparison is not None:
-        groups.append(("comparison after the joint fit", study.joint_comparison.checks))
+        groups.append(("after joint fit", study.joint_comparison.checks))
+    groups.append(("story", study.checks))
     return groups

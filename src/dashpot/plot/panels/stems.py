@@ -19,13 +19,13 @@ def stems(
     tau_range: tuple[tuple[float, float], ...] = (),
     k_range: tuple[tuple[float, float], ...] = (),
     label: str = "",
+    width: float = 1.8,
 ) -> None:
     """One stem per arm, with the intervals of its stiffness and of its relaxation time."""
-    ax.vlines(tau, 0.0, k, color=color, linewidth=1.8, label=label)
-    ax.plot(tau, k, "o", color=color, markersize=4)
-    for place, height, (low, high) in zip(tau, k, k_range, strict=False):
+    ax.vlines(tau, 0.0, k, color=color, linewidth=width, label=label)
+    ax.plot(tau, k, "o", color=color, markersize=2 + width)
+    for place, (low, high) in zip(tau, k_range, strict=False):
         ax.plot([place, place], [low, high], color=color, linewidth=3.5, alpha=0.35)
-        ax.plot([place], [height], "o", color=color, markersize=4)
     for height, (low, high) in zip(k, tau_range, strict=False):
         ax.plot([low, high], [height, height], color=color, linewidth=3.5, alpha=0.35)
 

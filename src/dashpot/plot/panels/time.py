@@ -15,10 +15,17 @@ if TYPE_CHECKING:
 
 
 def trace(
-    ax: Axes, time: FloatArray, values: FloatArray, pen: Pen, *, log: bool = False, label: str = ""
+    ax: Axes,
+    time: FloatArray,
+    values: FloatArray,
+    pen: Pen,
+    *,
+    log: bool = False,
+    bins: int = 500,
+    label: str = "",
 ) -> None:
     """One record against time, every excursion kept; with `log`, times must count from an event."""
-    x, y = extremes(time, values, log=log)
+    x, y = extremes(time, values, bins=bins, log=log)
     ax.plot(x, y, color=pen.color, linestyle=pen.dashes, linewidth=pen.width, label=label or None)
 
 
