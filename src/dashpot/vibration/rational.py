@@ -165,15 +165,18 @@ def _poles(theta: FloatArray) -> ComplexArray:
 def _columns(lines: Lines, theta: FloatArray) -> ComplexArray:
     """Modes, two real coefficients each, and the background: shape (n, 2 modes + background)."""
     s = lines.s
-    columns = []
-    for p in _poles(theta):
-        up, down = kernel(lines, p), kernel(lines, p.conjugate())
-        columns += [up + down, 1j * (up - down)]
+    columns = [column for p in _poles(theta) for column in _mode_columns(lines, p)]
     centre = float(np.sqrt(s.imag[0] * s.imag[-1]))
     top = float(s.imag[-1])
     columns += [np.ones_like(s), (s / top) ** 2]
     columns += [kernel(lines, complex(-rate)) * centre for rate in (1e-3 * centre, centre)]
     return np.array(columns).T
+
+
+def _mode_columns(lines: Lines, p: complex) -> tuple[ComplexArray, ComplexArray]:
+    """What a residue of 1 and of j looks like."""
+    up, down = kernel(lines, p), kernel(lines, p.conjugate())
+    return up + down, 1j * (up - down)
 
 
 def _stack(values: ComplexArray, weight: FloatArray) -> FloatArray:
@@ -184,7 +187,12 @@ def _stack(values: ComplexArray, weight: FloatArray) -> FloatArray:
 
 def _solve(lines: Lines, theta: FloatArray) -> tuple[float, list[FloatArray], list[FloatArray]]:
     """Best linear coefficients at given poles: cost, coefficients and residuals by channel."""
-    columns = _columns(lines, theta)
+    return _linear(lines, _columns(lines, theta))
+
+
+def _linear(
+    lines: Lines, columns: ComplexArray
+) -> tuple[float, list[FloatArray], list[FloatArray]]:
     cost, coefficients, residuals = 0.0, [], []
     for value, sd in zip(lines.value, lines.sd, strict=True):
         rows, y = _stack(columns, 1 / sd), _stack(value, 1 / sd)
@@ -270,12 +278,16 @@ def _next_pole(lines: Lines, theta: FloatArray, misfit: FloatArray) -> FloatArra
     omega = lines.s.imag
     missed = (misfit * lines.sd**2).sum(axis=0)
     worst, step = float(omega[np.argmax(missed)]), float(np.median(np.diff(omega)))
-    trials = [
-        np.concatenate((theta, [np.log(ratio * worst), max(worst + shift * step, omega[0] / 2)]))
-        for shift in (-1.5, -1.0, -0.5, 0.0, 0.5, 1.0, 1.5)
-        for ratio in np.geomspace(3e-4, 0.4, 9)
-    ]
-    return min(trials, key=lambda trial: _solve(lines, trial)[0])[-2:]
+    known = _columns(lines, theta)
+    best, start = np.inf, np.zeros(2)
+    for shift in (-1.5, -1.0, -0.5, 0.0, 0.5, 1.0, 1.5):
+        for ratio in np.geomspace(3e-4, 0.4, 9):
+            sigma, at = ratio * worst, max(worst + shift * step, omega[0] / 2)
+            columns = np.column_stack((*_mode_columns(lines, complex(-sigma, at)), known))
+            cost = _linear(lines, columns)[0]
+            if cost < best:
+                best, start = cost, np.array([np.log(sigma), at])
+    return start
 
 
 def _finish(lines: Lines, theta: FloatArray) -> PoleFit:

@@ -1,9 +1,9 @@
 r"""Several accelerometers as one: the mean, or the weights that do not see the block rock.
 
-A block that is struck off its centre bounces and rocks; accelerometer i at :math:`x_i` sees
-:math:`A_i = B(s) + q_i R(s)`. The mean is free of rocking if the accelerometers are alike and
+A block that is struck off its centre bounces and rocks; accelerometer i sees, in blow h,
+:math:`A_{ih} = B(s) + q_{ih} R(s)`. The mean is free of rocking if the accelerometers are alike and
 stand symmetrically. Otherwise, whatever their gains and places, the weights are that minimise
-:math:`\sum_f |\sum_i w_i A_i(f)|^2` over the lines of the rocking resonance, with
+:math:`\sum_{h,f} |\sum_i w_i A_{ih}(f)|^2` over the lines of the rocking resonance, with
 :math:`\sum_i w_i = 1` so that the bounce is kept.
 """
 
@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dashpot._arrays import ComplexArray, FloatArray
-from dashpot.vibration.rational import Lines, find_poles, kernel, residues_at
+from dashpot.vibration.rational import FLOOR, Lines, find_poles, kernel, residues_at
 
 
 @dataclass(frozen=True)
@@ -49,12 +49,13 @@ class Combination:
 def null_rocking(
     lines: Lines, blows: ComplexArray, reach: float | None = None
 ) -> Combination | None:
-    """Weights that null the rocking mode, from poles that all accelerometers share.
+    """Weights that null the rocking mode.
 
     Parameters
     ----------
     lines : Lines
-        A row for each accelerometer, of the band that holds bounce and rocking.
+        A row for each accelerometer, averaged over the blows, of the band that holds bounce and
+        rocking.
     blows : complex array, shape (channels, blows, n)
         Accelerance of each accelerometer in each blow.
     reach : float, optional
@@ -65,55 +66,66 @@ def null_rocking(
     Combination or None
         None if no mode moves the accelerometers against each other.
     """
-    fit = find_poles(lines, most=5)
-    if fit is None:
+    poles = _poles(lines, blows)
+    if poles is None:
         return None
-    # in the receptance the mount's modes stand out
-    shape = fit.residues / fit.poles**2
-    power = (np.abs(shape) ** 2).sum(axis=0)
-    together = np.abs(shape.sum(axis=0)) ** 2 / len(shape)
-    # 1 where all accelerometers move as one, 0 where they cancel
-    unison = together / power
-    if len(unison) < 2 or unison.max() < 0.5 or unison.min() > 0.5:
-        return None
-    bounce = int(np.argmax(np.where(unison >= 0.5, power, 0)))
-    rocking = int(np.argmax(np.where(unison < 0.5, power, 0)))
-    p = fit.poles[rocking]
+    bounce, rocking = complex(poles[0]), complex(poles[1])
     step = float(np.median(np.diff(lines.s.imag)))
-    at_peak = np.abs(lines.s.imag - p.imag) <= max(-p.real, 1.5 * step)
-    weights = _weights(lines.value[:, at_peak])
+    at_peak = np.abs(lines.s.imag - rocking.imag) <= max(-rocking.real, 1.5 * step)
+    weights = _weights(blows[:, :, at_peak].reshape(len(blows), -1))
+    residues = residues_at(lines, poles)[:, :2]
+    tall = [float(np.abs(kernel(lines, p)).max()) for p in (bounce, rocking)]
 
-    tall = [float(np.abs(kernel(lines, fit.poles[i])).max()) for i in (rocking, bounce)]
+    def ratio(w: FloatArray) -> float:
+        heights = np.abs(w @ residues) * tall
+        return float(heights[1] / heights[0])
 
-    def heights(w: FloatArray) -> tuple[float, float]:
-        return (
-            float(tall[0] * abs(w @ fit.residues[:, rocking])),
-            float(tall[1] * abs(w @ fit.residues[:, bounce])),
-        )
-
-    mean = heights(np.full(len(shape), 1 / len(shape)))
-    nulled = heights(weights)
     return Combination(
         weights=tuple(float(w) for w in weights),
-        rocking_frequency=float(abs(fit.poles[rocking])) / (2 * np.pi),
-        bounce_frequency=float(abs(fit.poles[bounce])) / (2 * np.pi),
-        mean_ratio=mean[0] / mean[1],
-        ratio=nulled[0] / nulled[1],
-        eccentricity=_eccentricity(lines, blows, fit.poles[[bounce, rocking]]),
+        rocking_frequency=float(abs(rocking)) / (2 * np.pi),
+        bounce_frequency=float(abs(bounce)) / (2 * np.pi),
+        mean_ratio=ratio(np.full(len(blows), 1 / len(blows))),
+        ratio=ratio(weights),
+        eccentricity=_eccentricity(lines, blows, poles),
         reach=reach,
     )
+
+
+def _poles(lines: Lines, blows: ComplexArray) -> ComplexArray | None:
+    """Poles: first what accelerometers do together, then what they do against each other, others.
+
+    Blows to either side of the centre rock the block in opposite senses, so an average hides it;
+    the strongest pattern over blows and accelerometers does not.
+    """
+    n = blows.shape[2]
+    together = lines.value.mean(axis=0)
+    apart = (blows - blows.mean(axis=0)).reshape(-1, n)
+    size, patterns = np.linalg.svd(apart, full_matrices=False)[1:]
+    strongest = size[0] * patterns[0] / np.sqrt(len(apart))
+    rows = np.array([together, strongest])
+    top = np.abs(rows).max(axis=1)
+    if top[1] < 1e-9 * top[0]:
+        return None
+    error = np.stack((np.sqrt((lines.sd**2).mean(axis=0)), np.full(n, FLOOR * top[1])))
+    fit = find_poles(replace(lines, value=rows, sd=error), most=5)
+    if fit is None:
+        return None
+    # by its pole the residue of the accelerance becomes the velocity a blow gives to the mode
+    velocity = np.abs(fit.residues / fit.poles)
+    unison = velocity[0] > velocity[1]
+    if unison.all() or not unison.any():
+        return None
+    bounce = int(np.argmax(np.where(unison, velocity[0], 0)))
+    rocking = int(np.argmax(np.where(unison, 0, velocity[1])))
+    order = sorted(range(len(unison)), key=lambda i: (i != bounce, i != rocking))
+    return np.asarray(fit.poles[order])
 
 
 def _eccentricity(lines: Lines, blows: ComplexArray, poles: ComplexArray) -> tuple[float, ...]:
     """Velocity that each blow gives to rocking over that to bounce, at the accelerometers."""
     channels, count, n = blows.shape
-    rows = replace(
-        lines,
-        value=blows.reshape(-1, n),
-        sd=np.repeat(lines.sd, count, axis=0),
-    )
-    # over its pole a residue of the accelerance is one of the mobility: half the initial velocity
-    velocity = (residues_at(rows, poles) / poles).real.reshape(channels, count, 2)
+    rows = replace(lines, value=blows.reshape(-1, n), sd=np.repeat(lines.sd, count, axis=0))
+    velocity = (residues_at(rows, poles) / poles).real.reshape(channels, count, -1)
     bounce, rocking = velocity[:, :, 0].mean(axis=0), velocity[:, :, 1]
     _, _, shapes = np.linalg.svd(rocking.T, full_matrices=False)
     shape = shapes[0] * np.sign(shapes[0][0]) * np.sqrt(channels)
