@@ -8,16 +8,21 @@ import numpy as np
 
 from dashpot._arrays import BoolArray, ComplexArray
 from dashpot.comparison.records import ArmEvidence, Comparison
-from dashpot.comparison.words import UNDECAYED, checks, verdict
-from dashpot.errors import DataError
+from dashpot.comparison.words import checks, verdict
+from dashpot.errors import DashpotError, DataError
 from dashpot.relaxation.fit import Fit
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.frf import FRF, Kind
+from dashpot.vibration.modes import Mode, model_modes
 from dashpot.vibration.peaks import Peak, find_peak, usable_lines
-from dashpot.vibration.truncation import cut_accelerance, poles
+from dashpot.vibration.truncation import cut_accelerance
 
 # lines outside this factor of the measured peak are mass line, tip roll-off and drift
 AROUND_THE_PEAK = 4.0
+# a mode belongs to a peak that is no farther than this part of its frequency
+NEAR = 0.1
+# a damping ratio whose standard error is more than this part of it is not given
+VAGUE = 0.3
 
 
 def compare(
@@ -79,6 +84,7 @@ def compare(
     keep = _compared(measured, find_peak(measured), explicit=band is not None)
     measured, given = _take(measured, keep), _take(given, keep)
     seen, told = find_peak(measured), find_peak(given)
+    mode = _known(_nearest(_modes(measured), seen.frequency))
     comparison = Comparison(
         predicted=given,
         measured=measured,
@@ -86,8 +92,8 @@ def compare(
         measured_hz=seen.frequency,
         predicted_peak=told.height,
         measured_peak=seen.height,
-        predicted_damping=_model_damping(model, mass, told),
-        measured_damping=_measured_damping(seen),
+        predicted_damping=_predicted_damping(model, mass, given, told),
+        measured_damping=None if mode is None else mode.damping_ratio,
         frac=_frac(given.value, measured.value),
         rms_db=_rms_db(given.value, measured.value),
         z_rms=None,
@@ -96,7 +102,7 @@ def compare(
         verdict="",
         band=(float(measured.frequency[0]), float(measured.frequency[-1])),
         measured_hz_se=seen.frequency_se,
-        measured_damping_se=seen.damping_se,
+        measured_damping_se=None if mode is None else mode.damping_ratio_se,
     )
     z = comparison.z
     if z is not None:
@@ -166,8 +172,14 @@ def _as_tested(
         s = measured.s
         value = s**2 / (mass * s**2 + model.stiffness_at(s))
         if measured.record is not None and measured.frequency[0] > 0:
-            value = cut_accelerance(model, mass, s, measured.record)
-        return replace(predicted, value=value, shift=measured.shift, record=measured.record)
+            value = cut_accelerance(model, mass, s, measured.record, measured.pulse)
+        return replace(
+            predicted,
+            value=value,
+            shift=measured.shift,
+            record=measured.record,
+            pulse=measured.pulse,
+        )
     if not np.isclose(predicted.shift, measured.shift, rtol=1e-6, atol=1e-9):
         raise DataError(
             f"the measured FRF carries an exponential window of {measured.shift:.6g} 1/s and the "
@@ -208,22 +220,32 @@ def _rms_db(a: ComplexArray, b: ComplexArray) -> float:
     return float(np.sqrt(np.mean((20 * np.log10(np.abs(a) / np.abs(b))) ** 2)))
 
 
-def _model_damping(
-    model: GeneralizedMaxwell | None, mass: float | None, peak: Peak
+def _predicted_damping(
+    model: GeneralizedMaxwell | None, mass: float | None, predicted: FRF, peak: Peak
 ) -> float | None:
-    if model is None or mass is None:
-        return peak.damping_ratio if peak.damping_ratio > 0 else None
-    p = poles(model, mass)
-    ringing = p[p.imag > 0]
-    if not ringing.size:
+    modes = _modes(predicted) if model is None or mass is None else model_modes(model, mass)
+    mode = _nearest(modes, peak.frequency)
+    return None if mode is None else mode.damping_ratio
+
+
+def _modes(frf: FRF) -> tuple[Mode, ...]:
+    """Modes by the rational fraction, none where the lines cannot support it."""
+    try:
+        return frf.modes()
+    except DashpotError:
+        return ()
+
+
+def _nearest(modes: tuple[Mode, ...], frequency: float) -> Mode | None:
+    near = [mode for mode in modes if abs(mode.frequency / frequency - 1) < NEAR]
+    return min(near, key=lambda mode: abs(mode.frequency - frequency), default=None)
+
+
+def _known(mode: Mode | None) -> Mode | None:
+    """The mode if its record supports its damping: a standard error well below the value."""
+    if mode is None or not mode.damping_ratio_se < VAGUE * mode.damping_ratio:
         return None
-    pole = ringing[np.argmin(np.abs(ringing.imag - 2 * np.pi * peak.frequency))]
-    return float(-pole.real / abs(pole))
-
-
-def _measured_damping(peak: Peak) -> float | None:
-    known = peak.damping_ratio > 0 and peak.decay < UNDECAYED
-    return peak.damping_ratio if known else None
+    return mode
 
 
 def _evidence(
@@ -242,14 +264,18 @@ def _evidence(
 
 
 def _seen(fit: Fit | None, arm: int) -> bool:
-    """Whether the test pins this arm: inside its band, k > 3 SE, SE(ln tau) < 0.5."""
-    if fit is None or arm > fit.model.arms:
+    """Whether the relaxation test pins this arm: k > 3 SE and SE(ln tau) < 0.5.
+
+    Where a fit has learnt from a hammer too, the arms that are new came from there; where a fit
+    carries no covariance, the arm must relax inside its band.
+    """
+    if fit is None or arm > fit.model.arms or fit.method == "frf":
         return False
-    own = 1 / (2 * np.pi * fit.model.tau[arm - 1])
-    if not fit.band[0] / 2 <= own <= fit.band[1] * 2:
+    if any(moved.name == f"k_{arm}" and moved.before is None for moved in fit.moved):
         return False
     rows = dict(zip(fit.parameters, np.diag(fit.covariance), strict=True))
     k_var, tau_var = rows.get(f"k_{arm}"), rows.get(f"ln_tau_{arm}")
     if k_var is None or tau_var is None:
-        return True
+        own = 1 / (2 * np.pi * fit.model.tau[arm - 1])
+        return fit.band[0] <= own <= fit.band[1]
     return bool(fit.model.k[arm - 1] > 3 * np.sqrt(k_var) and np.sqrt(tau_var) < 0.5)

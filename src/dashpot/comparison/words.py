@@ -15,8 +15,6 @@ GRAVITY = 9.80665
 FREQUENCY_LIMIT = 0.05
 PEAK_LIMIT_DB = 3.0
 DAMPING_LIMIT = 1.25
-# a response that has not decayed to this by the end of the record hides its damping
-UNDECAYED = 0.1
 
 
 def checks(
@@ -64,11 +62,11 @@ def _height(c: Comparison) -> Check:
 
 def _damping(c: Comparison, seen: Peak) -> Check:
     if c.measured_damping is None or c.predicted_damping is None:
-        says = (
-            f"the damping ratio is not given: at the end of the record the response is still at "
-            f"{100 * seen.decay:.0f} % of its start; record longer"
-            if seen.decay >= UNDECAYED
-            else "the damping ratio is not given: one of the two curves has no damped peak"
+        which = "measured" if c.measured_damping is None else "predicted"
+        says = f"the {which} lines do not support a damping ratio: " + (
+            f"{seen.half_power_lines:.1f} lines lie in the half-power band, and at the end of "
+            f"the record {100 * seen.decay:.0f} % of the response is left; record longer, or "
+            "with more lines about the peak"
         )
         return Check("damping_agrees", False, says)
     ratio = c.predicted_damping / c.measured_damping

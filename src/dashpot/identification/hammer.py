@@ -37,6 +37,8 @@ class Hammer:
         False if nothing told the scatter, so that lines count by their relative misfit.
     record : float or None
         Length of the record after the hit, s.
+    pulse : float
+        Rms width of the hammer's pulse, s.
     seals : float
     peak_hz : float
     """
@@ -47,6 +49,7 @@ class Hammer:
     sd: FloatArray
     known_sd: bool
     record: float | None
+    pulse: float
     seals: float
     peak_hz: float
 
@@ -63,7 +66,7 @@ class Hammer:
         if self.record is None:
             value = self.s**2 / (mass * self.s**2 + total.stiffness_at(self.s))
         else:
-            value = cut_accelerance(total, mass, self.s, self.record)
+            value = cut_accelerance(total, mass, self.s, self.record, self.pulse)
         return np.asarray(gain * np.exp(-self.s * delay) * value)
 
     def misfit(self, predicted: ComplexArray) -> FloatArray:
@@ -141,6 +144,7 @@ def hammer_of(frf: FRF, *, seals: float, band: tuple[float, float] | None) -> Ha
         sd=sd,
         known_sd=scatter is not None,
         record=measured.record,
+        pulse=measured.pulse,
         seals=float(seals),
         peak_hz=peak,
     )

@@ -251,11 +251,12 @@ def _before(fit: Fit, model: GeneralizedMaxwell) -> FloatArray:
 
 
 def _differences(function: Callable[[FloatArray], FloatArray], theta: FloatArray) -> FloatArray:
-    """Central differences; every parameter is a logarithm or of order one."""
-    step = 1e-5
+    """Forward differences; every parameter is a logarithm or of order one."""
+    step = 1e-6
+    start = function(theta)
     columns = []
     for i in range(len(theta)):
         move = np.zeros(len(theta))
         move[i] = step
-        columns.append((function(theta + move) - function(theta - move)) / (2 * step))
+        columns.append((function(theta + move) - start) / step)
     return np.array(columns).T

@@ -160,7 +160,7 @@ def _moved(
     before: Fit, model: GeneralizedMaxwell, names: tuple[str, ...], covariance: FloatArray
 ) -> tuple[Moved, ...]:
     """Each parameter before and after; arms are matched by their relaxation times."""
-    se = dict(zip(names, np.sqrt(np.diag(covariance)), strict=True))
+    se = dict(zip(names, np.sqrt(np.diag(covariance)).tolist(), strict=True))
     old = dict(zip(before.parameters, np.sqrt(np.diag(before.covariance)), strict=True))
     rows = [
         Moved("k_inf", before.model.k_inf, _known(old, "k_inf"), model.k_inf, se["k_inf"], "N/m")

@@ -20,6 +20,10 @@ BEYOND = 3.0
 # an arm with less than this part of the stiffness has left
 GONE = 1e-6
 SMALLEST_SCATTER = 1e-9
+# a criterion this much above the best ends the search for more arms
+WORSE = 6.0
+# relative fall of chi-square that ends a search, and the last descent
+LOOSE, TIGHT = 1e-9, 1e-13
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +76,8 @@ class Search:
             model = best.point.model
             if all(k > GONE * model.k_0 for k in model.k):
                 found.append(best)
+            if found and best.bic > min(candidate.bic for candidate in found) + WORSE:
+                break
         return found
 
     def refined(self, candidate: Candidate, scale: float) -> Candidate:
@@ -79,7 +85,7 @@ class Search:
         problem = self._problem(
             candidate.problem.arms, dashpot=candidate.problem.dashpot, scale=scale
         )
-        return _descend(problem, candidate.theta)
+        return _descend(problem, candidate.theta, tolerance=TIGHT)
 
     def rescaled(self, candidate: Candidate, scale: float) -> Candidate:
         """The candidate as it was found, its covariance with the scatter scaled."""
@@ -160,7 +166,7 @@ def _with_dashpot(model: GeneralizedMaxwell, hammer: Hammer, dashpot: bool) -> G
     return replace(model, b=0.02 * model.k_0 / (2 * np.pi * hammer.peak_hz))
 
 
-def _descend(problem: Problem, start: FloatArray) -> Candidate:
+def _descend(problem: Problem, start: FloatArray, *, tolerance: float = LOOSE) -> Candidate:
     """To the nearest optimum, every logarithm kept where doubles can follow."""
     from scipy.optimize import least_squares
 
@@ -171,8 +177,8 @@ def _descend(problem: Problem, start: FloatArray) -> Candidate:
         jac=problem.jacobian,
         bounds=(low, high),
         x_scale="jac",
-        xtol=1e-12,
-        ftol=1e-12,
+        xtol=1e-10,
+        ftol=tolerance,
         gtol=1e-12,
         max_nfev=200,
     )

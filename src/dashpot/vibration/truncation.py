@@ -33,21 +33,23 @@ def residues(model: GeneralizedMaxwell, mass: float, at: ComplexArray) -> Comple
 
 
 def cut_accelerance(
-    model: GeneralizedMaxwell, mass: float, s: ComplexArray, record: float
+    model: GeneralizedMaxwell, mass: float, s: ComplexArray, record: float, pulse: float = 0.0
 ) -> ComplexArray:
     r"""Accelerance as the transform of a response cut off `record` s after the hit sees it, 1/kg.
 
     .. math::
 
-        A_T(s) = \frac{s^2}{m s^2 + K(s)} - \sum_i r_i p_i^2 \frac{e^{(p_i - s) T}}{s - p_i}
+        A_T(s) = \frac{s^2}{m s^2 + K(s)} - \sum_i r_i p_i^2
+                 \frac{e^{(p_i - s) T + \vartheta^2 (p_i^2 - s^2)/2}}{s - p_i}
 
-    where :math:`r_i` is the residue of the receptance at its pole :math:`p_i`: exact for a short
-    hit. With an exponential window, s = j omega + a, the cut-off part shrinks by e^{-aT}.
+    where :math:`r_i` is the residue of the receptance at its pole :math:`p_i` and
+    :math:`\vartheta` the rms width of the `pulse`, s, at whose middle the record begins. With an
+    exponential window, s = j omega + a, the cut-off part shrinks by e^{-aT}.
     """
     whole = s**2 / (mass * s**2 + model.stiffness_at(s))
     p = poles(model, mass)
-    lost = residues(model, mass, p) * p**2 * np.exp(p * record)
+    lost = residues(model, mass, p) * p**2 * np.exp(p * record + 0.5 * (pulse * p) ** 2)
     live = np.abs(lost) > 0
     p, lost = p[live], lost[live]
-    tail = (lost * np.exp(-s[:, None] * record) / (s[:, None] - p)).sum(axis=1)
-    return np.asarray(whole - tail)
+    tail = (lost / (s[:, None] - p)).sum(axis=1)
+    return np.asarray(whole - tail * np.exp(-s * record - 0.5 * (pulse * s) ** 2))
