@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import dashpot as dp
-from dashpot.identification import frf_band
+from dashpot.identification import frf_band, parameter_band, unseen_arm_band
 from dashpot.relaxation.records import RampHold
 from dashpot.simulation.hammer import Hammer, simulate_impact
 from dashpot.simulation.rig import simulate_relaxation
@@ -78,9 +78,17 @@ def test_the_measured_frf_lies_in_the_room_for_unseen_arms(story):
     size, slack = np.abs(lines.value), 3 * lines.sd
     inside = (size >= band.unseen[0] - slack) & (size <= band.unseen[1] + slack)
     assert inside.mean() > 0.98
-    # the formal band claims to know better, and is wrong at the peak
-    top = size.argmax()
-    assert not band.parameter[0][top] <= size[top] <= band.parameter[1][top]
+
+
+def test_standard_errors_know_nothing_of_unseen_arms():
+    """Two arms, as in Table 1: a formal loss factor to 1 %, with room for ten times as much."""
+    prepared = dp.prepare(simulate_relaxation(PAPER, seed=2).test)
+    fit = dp.fit(prepared, arms=2)
+    formal = parameter_band(fit, [12.71]).loss_factor[:, 0]
+    room = unseen_arm_band(fit, prepared, [12.71]).loss_factor[:, 0]
+    assert formal[1] / formal[0] - 1 < 0.05
+    assert room[1] / room[0] > 10
+    assert room[0] <= PAPER.loss_factor(2 * np.pi * 12.71) <= room[1]
 
 
 def test_the_story_without_a_hammer_ends_at_the_prediction():
