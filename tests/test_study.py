@@ -81,13 +81,13 @@ def test_the_measured_frf_lies_in_the_room_for_unseen_arms(story):
 
 
 def test_standard_errors_know_nothing_of_unseen_arms():
-    """Two arms, as in Table 1: a formal loss factor to 1 %, with room for ten times as much."""
+    """Two arms, as in Table 1: a formal loss factor to 1 %, with room for five times as much."""
     prepared = dp.prepare(simulate_relaxation(PAPER, seed=2).test)
     fit = dp.fit(prepared, arms=2)
     formal = parameter_band(fit, [12.71]).loss_factor[:, 0]
     room = unseen_arm_band(fit, prepared, [12.71]).loss_factor[:, 0]
     assert formal[1] / formal[0] - 1 < 0.05
-    assert room[1] / room[0] > 10
+    assert room[1] > 5 * formal[1]
     assert room[0] <= PAPER.loss_factor(2 * np.pi * 12.71) <= room[1]
 
 
