@@ -136,6 +136,16 @@ def find(word: str, dimension: Dimension | None = None) -> Unit | None:
     return _find(word, dimension)
 
 
+def dimensions(word: str) -> tuple[Dimension, ...]:
+    """Return every dimension that a unit word can measure: ``g`` is a mass or an acceleration.
+
+    >>> dimensions("g")
+    ('mass', 'acceleration')
+    """
+    known = dict.fromkeys(unit.dimension for unit in TABLE.values())
+    return tuple(dimension for dimension in known if _find(word, dimension) is not None)
+
+
 @lru_cache(maxsize=1024)
 def _find(word: str, dimension: Dimension | None) -> Unit | None:
     text = " ".join(word.replace("μ", "µ").split())
@@ -173,9 +183,9 @@ def parse_unit(word: str, dimension: Dimension) -> Unit:
     unit = find(word, dimension)
     if unit is not None:
         return unit
-    other = find(word)
+    other = " or ".join(dimensions(word))
     known = ", ".join(entry.word for entry in TABLE.values() if entry.dimension == dimension)
-    found = f"is a unit of {other.dimension}" if other else "is not a known unit"
+    found = f"is a unit of {other}" if other else "is not a known unit"
     raise DataError(f"'{word}' {found}; expected a unit of {dimension}, one of: {known}")
 
 

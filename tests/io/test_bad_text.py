@@ -197,7 +197,7 @@ def test_no_file_and_a_folder(tmp_path: Path) -> None:
 
 # what is what
 def test_no_header_asks_for_every_column(tmp_path: Path) -> None:
-    said = refused(tmp_path, table(","), '--time "1"', '--displacement "1"', "--rate 1000Hz")
+    said = refused(tmp_path, table(","), '--time "1"', '--displacement "2"', "--rate 1000Hz")
     assert "1 (no name), 2 (no name), 3 (no name)" in said
     named = {"time": "1", "displacement": "2", "force": "3"}
     refused(tmp_path, table(","), "'column 1' (time) has no unit", **named)

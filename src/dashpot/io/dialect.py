@@ -50,6 +50,8 @@ class Dialect:
             extra and cell.number(extra, self.mark) is not None for extra in found[width:]
         ):
             return None
+        if self.contents[0] == "blank" and found[0]:
+            return None  # a word where every row is blank: a key of the header
         found = found[:width] + [""] * (width - len(found))
         filled = words = 0
         for i in self.numbers:

@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from importlib import import_module
 
+from dashpot.errors import DashpotError, ReadError
 from dashpot.io.opening import Raw
 from dashpot.io.options import ReadOptions
 from dashpot.io.table import Table
+from dashpot.io.transducer import calibrated
 
+_OURS = {"text", "lvm", "trios"}
 _MAGIC: tuple[tuple[bytes, str], ...] = (
     (b"LabVIEW Measurement", "lvm"),
     (b"\x89HDF\r\n\x1a\n", "hdf5"),
@@ -18,14 +21,6 @@ _MAGIC: tuple[tuple[bytes, str], ...] = (
     (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "workbook"),
     (b"PK\x03\x04", "workbook"),
 )
-_SUFFIX = {
-    ".uff": "uff",
-    ".unv": "uff",
-    ".uf": "uff",
-    ".bunv": "uff",
-    ".lvm": "lvm",
-    ".json": "trios",
-}
 
 
 def format_of(raw: Raw) -> str:
@@ -38,13 +33,30 @@ def format_of(raw: Raw) -> str:
     first = next((line.strip() for line in bare.splitlines() if line.strip()), b"")
     if first == b"-1":
         return "uff"
-    if first.startswith(b"{"):
-        return "trios"
-    # the extension counts only where text could be the same format
-    return _SUFFIX.get(raw.suffix, "text") if raw.suffix in {".uff", ".unv"} else "text"
+    return "trios" if first.startswith((b"{", b"[{")) else "text"
 
 
 def read_table(raw: Raw, options: ReadOptions) -> Table:
-    """Return the table in a file of any known format."""
-    reader: Callable[[Raw, ReadOptions], Table] = import_module(f"dashpot.io.{format_of(raw)}").read
-    return reader(raw, options)
+    """Return the table in a file of any known format.
+
+    Raises
+    ------
+    ReadError
+        Whatever is wrong with the file; a foreign reader may stumble over a broken one in any way.
+    """
+    name = format_of(raw)
+    reader: Callable[[Raw, ReadOptions], Table] = import_module(f"dashpot.io.{name}").read
+    try:
+        table = reader(raw, options)
+    except DashpotError:
+        raise
+    except (MemoryError, OSError) as error:
+        raise ReadError(f"{raw.name}: cannot be read: {error or type(error).__name__}") from None
+    except Exception as error:
+        if name in _OURS:
+            raise
+        raise ReadError(
+            f"{raw.name}: a broken or unknown variety of {name}: {type(error).__name__}: {error}; "
+            "export it again, or as text"
+        ) from error
+    return calibrated(table, options, raw.name)

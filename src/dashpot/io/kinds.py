@@ -27,6 +27,11 @@ def kind_of(table: Table, options: ReadOptions) -> tuple[FileKind, str]:
         return "frf", "it has frequency, and a complex value"
     if has("storage") and (has("loss") or has("loss_factor")) and has("frequency"):
         return "dma", "it has frequency, storage and loss"
+    if any(
+        "spectral density" in c.name.casefold() or "psd" in vocabulary.tokens(c.name)
+        for c in table.columns
+    ):
+        return "not-a-test", "it is a power spectral density, which has no phase"
     timed = has("time") or options.rate is not None
     if timed and accelerations(table, (), options) and not has("displacement", 2.5):
         return "impact", "it has time and an acceleration"

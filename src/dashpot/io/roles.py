@@ -102,11 +102,11 @@ def score(column: Column, role: Role, options: ReadOptions) -> float:
     word = _given(column, role, options, by_role=value >= 1.5) or column.unit
     fits = False
     if word is not None and dimension is not None:
-        fits = units.find(word, dimension) is not None
+        fits = units.find(word, dimension) is not None or (
+            role in {"storage", "loss"} and units.find(word, "stiffness") is not None
+        )
         if not fits and units.find(word) is not None and not _SENSITIVITY.match(word):
             return 0.0
-        if not fits and role in {"storage", "loss"} and units.find(word, "stiffness"):
-            fits = True
     if fits:
         # "Force" in mm is no force; "x" in N may well be one
         other = max(
@@ -146,28 +146,40 @@ def _reason(column: Column, role: Role) -> str:
 
 def _nothing(table: Table, role: Role) -> str:
     """Why no column was found for a role: a wrong label is worth naming."""
-    dimension = DIMENSION.get(role)
     for column in table.columns:
-        wrong = column.unit is not None and vocabulary.matches(column.name).get(role, 0.0) >= 1.5
-        if wrong and column.unit is not None and units.find(column.unit) is not None:
+        says = vocabulary.matches(column.name)
+        word = column.unit or ""
+        fits = any(r in DIMENSION and units.find(word, DIMENSION[r]) for r in says)
+        meant = says.get(role, 0.0) >= max([1.5, *says.values()])
+        if meant and not fits and units.find(word) is not None:
             return mislabelled(column, role)
-    listed = list_columns(table.columns)
-    first = next((i for i, c in enumerate(table.columns) if c.content == "number"), 0)
-    example = table.columns[first].label(first + 1)
+    dimension = DIMENSION.get(role)
     more = ", or --rate 1000Hz if the rows are evenly spaced in time" if role == "time" else ""
+    if more and table.hints:
+        more = "; " + "; ".join(table.hints)
     kind = f" (a unit of {dimension} would show it)" if dimension else ""
     return (
-        f"no column is recognised as {role}{kind}; the columns are {listed}; name it by its name "
-        f'or number, for example --{role} "{example}"{more}'
+        f"no column is recognised as {role}{kind}; the columns are {list_columns(table.columns)}; "
+        f'name it by its name or number, for example --{role} "{_example(table, role)}"{more}'
     )
+
+
+def _example(table: Table, role: Role) -> str:
+    """A column that could be meant: one whose name says nothing else."""
+    numbers = [i for i, c in enumerate(table.columns) if c.content == "number"]
+    free = [i for i in numbers if not vocabulary.matches(table.columns[i].name)]
+    place = {"displacement": 1, "force": 2}.get(role, 0)
+    unnamed = free and not any(table.columns[i].name for i in free)
+    index = free[min(place, len(free) - 1)] if unnamed else (free or numbers or [0])[0]
+    return table.columns[index].label(index + 1)
 
 
 def mislabelled(column: Column, role: Role) -> str:
     """The sentence for a column whose label is no unit of its role."""
     dimension = DIMENSION[role]
     example = _EXAMPLE.get(role, "")
-    unit = units.find(column.unit or "")
-    kind = f"a unit of {unit.dimension}" if unit else "no unit known"
+    found = units.dimensions(column.unit or "")
+    kind = f"a unit of {' or '.join(found)}" if found else "no unit known"
     return (
         f"column '{column.name}' is labelled '{column.unit}', {kind}, where a unit of {dimension} "
         f"is expected: the label is wrong, or the signal was never calibrated; if its numbers are "

@@ -74,6 +74,8 @@ class Table:
     simulated: bool = False
     doubts: tuple[str, ...] = ()
     """Questions that must be answered before the numbers can be trusted, each with its option."""
+    hints: tuple[str, ...] = ()
+    """What the file says about a sampling rate, for when it has no time."""
 
 
 def in_memory(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from functools import lru_cache
 from types import MappingProxyType
 from typing import Literal, TypeAlias
 
@@ -144,22 +145,18 @@ _STEMS = tuple(
 
 
 def tokens(name: str) -> list[str]:
-    """The words of a name; a digit at the end of a word is parted from it."""
-    found = []
-    for word in plain(name).split():
-        found.append(word)
-        if (stem := word.rstrip("0123456789")) not in {word, ""}:
-            found.append(stem)
-    return found
+    """The words of a name."""
+    return plain(name).split()
 
 
 def has_word(name: str, words: tuple[str, ...]) -> bool:
     """Whether one of the words stands in the name, alone or (CJK) as a part."""
-    found = tokens(name)
+    found = {part for word in tokens(name) for part in (word, word.rstrip("0123456789"))}
     return any(w in found or (ord(w[0]) > 0x3000 and w in name) for w in words)
 
 
-def matches(name: str) -> dict[Role, float]:
+@lru_cache(maxsize=4096)
+def matches(name: str) -> MappingProxyType[Role, float]:
     """How well a name says each role: 3 exactly, 2.5 as a part of a word, 1.5 perhaps."""
     scores: dict[Role, float] = {}
 
@@ -167,16 +164,18 @@ def matches(name: str) -> dict[Role, float]:
         for role in roles:
             scores[role] = max(score, scores.get(role, 0.0))
 
-    text = unicodedata.normalize("NFKC", name).casefold().strip().replace(" ", "_")
-    words = {text, *tokens(name)}
-    for word in words | {bare(word) for word in words}:
-        note(FIRST.get(word, ()), 3.0)
-        note(SECOND.get(word, ()), 1.5)
-        if not FIRST.get(word):
-            for stem, roles in _STEMS:
-                # German puts the head of a compound last: Standardkraft is a force
-                if len(word) > len(stem) and (
-                    word.endswith(stem) or (ord(stem[0]) > 0x3000 and stem in word)
-                ):
-                    note(roles, 2.5)
-    return scores
+    whole = unicodedata.normalize("NFKC", name).casefold().strip().replace(" ", "_")
+    found = tokens(name)
+    stems = {word.rstrip("0123456789") for word in found} - {*found, ""}
+    for word in {whole, *found, *stems}:
+        less = 0.3 if word in stems else 0.0  # T beats T2, Force beats Force 1
+        for spelling in {word, bare(word)}:
+            note(FIRST.get(spelling, ()), 3.0 - less)
+            note(SECOND.get(spelling, ()), 1.5 - less)
+            if not FIRST.get(spelling):
+                for stem, roles in _STEMS:
+                    # German puts the head of a compound last: Standardkraft is a force
+                    east = ord(stem[0]) > 0x3000 and stem in spelling
+                    if len(spelling) > len(stem) and (spelling.endswith(stem) or east):
+                        note(roles, 2.5 - less)
+    return MappingProxyType(scores)

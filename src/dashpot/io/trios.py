@@ -1,0 +1,76 @@
+"""TA Instruments TRIOS exports in JSON: steps of named columns with units."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+
+from dashpot.errors import ReadError
+from dashpot.io.opening import Raw
+from dashpot.io.options import ReadOptions
+from dashpot.io.table import Column, Table, in_memory
+
+_LARGEST = 1 << 28
+
+
+def read(raw: Raw, options: ReadOptions) -> Table:
+    """Return the data sets of a TRIOS JSON file, joined as segments where their columns agree.
+
+    Raises
+    ------
+    ReadError
+        If it is not such a file, or its data sets differ in their columns.
+    """
+    if raw.size > _LARGEST:
+        raise ReadError(f"{raw.name}: a JSON file of {raw.size} bytes; export it as text instead")
+    try:
+        content = json.loads(raw.head(raw.size).decode("utf-8-sig"))
+        sets = list(_data_sets(content))
+    except (ValueError, RecursionError) as error:
+        raise ReadError(f"{raw.name}: not valid JSON: {error}") from None
+    if not sets:
+        raise ReadError(
+            f"{raw.name}: JSON, but no TRIOS data found (expected 'columns' with 'name' and 'unit', "
+            "and 'values'); dashpot's own results are read by the commands that take FIT"
+        )
+    if options.sheet is not None:
+        sets = [entry for entry in sets if entry[0] == options.sheet] or sets
+    columns = sets[0][1]
+    if any(entry[1] != columns for entry in sets):
+        names = ", ".join(f"'{entry[0]}'" for entry in sets[:6])
+        raise ReadError(
+            f"{raw.name}: results {names} have different columns; choose one with --sheet"
+        )
+    rows = [np.asarray(values, dtype=float).reshape(-1, len(columns)) for _, _, values in sets]
+    starts = np.cumsum([0, *(len(part) for part in rows[:-1])])
+    return Table(
+        format="TRIOS JSON",
+        columns=tuple(Column(name, unit or None, unit_from="file") for name, unit in columns),
+        load=in_memory(np.concatenate(rows), tuple(map(int, starts)), tuple(e[0] for e in sets)),
+    )
+
+
+def _data_sets(node: Any, name: str = "", depth: int = 0) -> Any:
+    """Every ``{"columns": [...], "values": [...]}`` in the document, with the nearest name."""
+    if depth > 20:
+        return
+    if isinstance(node, dict):
+        said = node.get("Properties", node)
+        name = str(said.get("Name", name)) if isinstance(said, dict) else name
+        columns, values = node.get("columns"), node.get("values")
+        if isinstance(columns, list) and isinstance(values, list) and columns and values:
+            if all(isinstance(c, dict) and "name" in c for c in columns):
+                heads = tuple((str(c["name"]), str(c.get("unit") or "")) for c in columns)
+                yield name, heads, [[_float(v) for v in row[: len(heads)]] for row in values]
+                return
+        for child in node.values():
+            yield from _data_sets(child, name, depth + 1)
+    elif isinstance(node, list):
+        for child in node:
+            yield from _data_sets(child, name, depth + 1)
+
+
+def _float(value: Any) -> float:
+    return float(value) if isinstance(value, int | float) else float("nan")

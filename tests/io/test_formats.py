@@ -1,0 +1,403 @@
+"""Instruments' own formats, from synthetic look-alikes."""
+
+from __future__ import annotations
+
+import json
+import sys
+import zipfile
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from io_look_alikes import ROWS, table, truth
+from scipy.io import savemat
+
+from dashpot.errors import ReadError
+from dashpot.io.options import ReadOptions
+from dashpot.io.read import inspect_file, read_dynamic, read_impact, read_relaxation
+
+
+def same(test) -> None:
+    time, moved, force = truth()
+    np.testing.assert_allclose(test.time, time, atol=1e-9)
+    np.testing.assert_allclose(test.displacement, moved * 1e-3, atol=1e-12)
+    np.testing.assert_allclose(test.force, force, atol=1e-9)
+
+
+# LVM
+def lvm(
+    *, decimal: str = ".", x_columns: str = "No", segments: int = 1, units: str = "N\tm/s^2",
+    samples: int = 20, rows: int = 20, step: str = "1.000000E-3", comment: str = "",
+) -> str:  # fmt: skip
+    """A LabVIEW measurement of a hammer and an accelerometer."""
+    top = (
+        "LabVIEW Measurement\t\nWriter_Version\t2\nReader_Version\t2\nSeparator\tTab\n"
+        f"Decimal_Separator\t{decimal}\nMulti_Headings\tYes\nX_Columns\t{x_columns}\n"
+        "Time_Pref\tAbsolute\nDate\t2024/01/05\nTime\t09:51:39.197\n***End_of_Header***\t\n\t\n"
+    )
+    text = top
+    for k in range(segments):
+        blank = "\t" if x_columns == "Multi" else ""
+        text += (
+            f"Channels\t2\t\t\t\nSamples\t{samples}\t{blank}{samples}\t\nDate\t2024/01/05\t\t\n"
+            f"Y_Unit_Label\t{units}\t\nX_Dimension\tTime\t{blank}Time\t\n"
+            f"X0\t0.0000000000000000E+0\t{blank}0.0\t\nDelta_X\t{step}\t{blank}{step}\t\n"
+            "***End_of_Header***\t\t\t\n"
+        ).replace(".", decimal)
+        names = "X_Value\tHammer\tX_Value\tResponse" if blank else "X_Value\tHammer\tResponse"
+        text += f"{names}\tComment\n"
+        for i in range(rows):
+            clock = f"{1e-3 * i:.6f}" if x_columns != "No" else ""
+            cells = [clock, f"{i + 100 * k:.6f}", *([clock] if blank else []), f"{-i:.6f}"]
+            text += "\t".join(cells).replace(".", decimal) + (f"\t{comment}\n" if comment else "\n")
+        text += "\n"
+    return text
+
+
+@pytest.mark.parametrize("decimal", [".", ","])
+@pytest.mark.parametrize("x_columns", ["No", "One", "Multi"])
+@pytest.mark.parametrize("segments", [1, 3])
+@pytest.mark.parametrize("comment", ["", "OK"])
+def test_lvm(tmp_path: Path, decimal: str, x_columns: str, segments: int, comment: str) -> None:
+    path = tmp_path / "hits.lvm"
+    units = "N\t\tm/s^2" if x_columns == "Multi" else "N\tm/s^2"
+    content = lvm(
+        decimal=decimal, x_columns=x_columns, segments=segments, units=units, comment=comment
+    )
+    path.write_text(content)
+    test = read_impact(path)
+    assert test.starts == tuple(20 * k for k in range(segments))
+    assert test.channels == ("Response",)
+    np.testing.assert_allclose(test.time[:20], 1e-3 * np.arange(20), atol=1e-12)
+    np.testing.assert_array_equal(test.force[-20:], np.arange(20) + 100 * (segments - 1))
+    np.testing.assert_array_equal(test.acceleration[0, :20], -np.arange(20.0))
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["hits.lvm"]
+
+
+def test_lvm_records_stacked_under_one_header(tmp_path: Path) -> None:
+    path = tmp_path / "hits.lvm"
+    path.write_text(lvm(samples=10, rows=30))
+    test = read_impact(path)
+    assert test.starts == (0, 10, 20)
+    np.testing.assert_allclose(test.time[10:20], 1e-3 * np.arange(10))
+    assert any("3 records of 10 samples" in note for note in test.source[0].notes)
+
+
+def test_lvm_with_a_wrong_label_asks_for_the_unit(tmp_path: Path) -> None:
+    path = tmp_path / "hits.lvm"
+    path.write_text(lvm(units="g\tm/s^2"))
+    with pytest.raises(ReadError) as caught:
+        read_impact(path)
+    for word in ("column 'Hammer' is labelled 'g'", "acceleration", '--units "force=N"', "mV/N"):
+        assert word in str(caught.value)
+    test = read_impact(path, options=ReadOptions(units={"force": "N"}))
+    np.testing.assert_array_equal(test.force, np.arange(20.0))
+    test = read_impact(path, options=ReadOptions(units={"force": "2mV/N"}))
+    np.testing.assert_allclose(test.force, np.arange(20.0) / 2e-3)
+
+
+def test_lvm_says_when_its_step_has_few_digits(tmp_path: Path) -> None:
+    path = tmp_path / "hits.lvm"
+    path.write_text(lvm(step="0.000977"))
+    assert any("--rate 1024Hz" in note for note in read_impact(path).source[0].notes)
+    test = read_impact(path, options=ReadOptions(rate=1024.0))
+    assert test.rate == pytest.approx(1024.0)
+
+
+def test_a_cut_lvm_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "hits.lvm"
+    path.write_text(lvm()[:260])
+    with pytest.raises(ReadError, match="without two"):
+        read_impact(path)
+
+
+# TDMS
+def tdms(path: Path, offsets: tuple[float, float] = (0.0, 0.0), hits: int = 1) -> None:
+    from nptdms import ChannelObject, TdmsWriter
+
+    with TdmsWriter(str(path)) as writer:
+        for k in range(hits):
+            channels = []
+            for name, unit, offset, sign in zip(
+                ("Hammer", "Response"), ("N", "m/s^2"), offsets, (1, -1), strict=True
+            ):
+                instants = offset + 1e-3 * np.arange(50)
+                said = {"wf_increment": 1e-3, "wf_start_offset": offset, "unit_string": unit}
+                channels.append(
+                    ChannelObject(f"Hit {k + 1}", name, sign * instants * 1e3, properties=said)
+                )
+            writer.write_segment(channels)
+
+
+def test_tdms_groups_are_records(tmp_path: Path) -> None:
+    tdms(tmp_path / "a.tdms", hits=3)
+    test = read_impact(tmp_path / "a.tdms")
+    assert test.starts == (0, 50, 100)
+    np.testing.assert_allclose(test.time[:50], 1e-3 * np.arange(50))
+    one = read_impact(tmp_path / "a.tdms", options=ReadOptions(sheet="Hit 2"))
+    assert one.starts == (0,)
+
+
+@pytest.mark.parametrize("late", [5e-3, 2.5e-3])
+def test_tdms_start_offsets_are_applied(tmp_path: Path, late: float) -> None:
+    tdms(tmp_path / "a.tdms", offsets=(0.0, late))
+    test = read_impact(tmp_path / "a.tdms")
+    # both channels are the time itself, so that they agree only if they are aligned
+    np.testing.assert_allclose(test.force, -test.acceleration[0], atol=1e-9)
+    np.testing.assert_allclose(test.force, test.time * 1e3, atol=1e-9)
+    assert any("'Hammer' starts" in note for note in test.source[0].notes)
+
+
+def test_tdms_scaling_is_applied(tmp_path: Path) -> None:
+    from nptdms import ChannelObject, TdmsWriter
+
+    time, moved, force = truth()
+    said = {
+        "unit_string": "N", "NI_Number_Of_Scales": 1, "NI_Scale[0]_Scale_Type": "Linear",
+        "NI_Scale[0]_Linear_Slope": 0.001, "NI_Scale[0]_Linear_Y_Intercept": 0.0,
+        "NI_Scale[0]_Linear_Input_Source": 0xFFFFFFFF, "NI_Scaling_Status": "unscaled",
+    }  # fmt: skip
+    with TdmsWriter(str(tmp_path / "a.tdms")) as writer:
+        writer.write_segment(
+            [
+                ChannelObject("g", "Time", time, properties={"unit_string": "s"}),
+                ChannelObject("g", "Position", moved, properties={"unit_string": "mm"}),
+                ChannelObject("g", "Load", np.round(force * 1e3).astype(np.int16), properties=said),
+            ]
+        )
+    test = read_relaxation(tmp_path / "a.tdms")
+    np.testing.assert_allclose(test.force, force, atol=6e-4)
+
+
+# MAT and HDF5
+def test_mat_vectors(tmp_path: Path) -> None:
+    time, moved, force = truth()
+    savemat(tmp_path / "a.mat", {"time_s": time, "displacement_mm": moved, "force_N": force})
+    same(read_relaxation(tmp_path / "a.mat"))
+
+
+def test_mat_structs_with_units(tmp_path: Path) -> None:
+    time, moved, force = truth()
+    channels = {
+        name: {"data": values, "unit": unit}
+        for name, values, unit in (("time", time, "s"), ("Weg", moved, "mm"), ("Kraft", force, "N"))
+    }
+    savemat(tmp_path / "a.mat", {"test": channels, "operator": "nobody"})
+    same(read_relaxation(tmp_path / "a.mat"))
+
+
+def test_mat_with_a_rate_asks_for_it(tmp_path: Path) -> None:
+    _, moved, force = truth()
+    savemat(tmp_path / "a.mat", {"displacement_mm": moved, "force_N": force, "fs": 10.0})
+    with pytest.raises(
+        ReadError, match=r"the file says fs = 10; if that is right, add --rate 10Hz"
+    ):
+        read_relaxation(tmp_path / "a.mat")
+    same(read_relaxation(tmp_path / "a.mat", options=ReadOptions(rate=10.0)))
+
+
+def test_hdf5_attributes(tmp_path: Path) -> None:
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        for name, values, unit in zip(
+            ("time", "displacement", "force"), truth(), ("s", "mm", "N"), strict=True
+        ):
+            file.create_dataset(f"run/{name}", data=values).attrs["unit"] = unit
+    same(read_relaxation(tmp_path / "a.h5"))
+    same(read_relaxation(tmp_path / "a.h5", options=ReadOptions(sheet="run")))
+    with pytest.raises(ReadError, match="--sheet walk: there is no such group; there are run"):
+        read_relaxation(tmp_path / "a.h5", options=ReadOptions(sheet="walk"))
+
+
+def test_hdf5_matrix_and_named_fields(tmp_path: Path) -> None:
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        matrix = file.create_dataset("data", data=np.column_stack(truth()))
+        matrix.attrs["columns"] = ["time [s]", "displacement [mm]", "force [N]"]
+    # a matrix with column names keeps the units in the names
+    same(read_relaxation(tmp_path / "a.h5"))
+    with h5py.File(tmp_path / "b.h5", "w") as file:
+        kind = [("time_s", float), ("displacement_mm", float), ("force_N", float)]
+        file["rows"] = np.array(list(zip(*truth(), strict=True)), dtype=kind)
+    same(read_relaxation(tmp_path / "b.h5"))
+
+
+def test_mat_7_3(tmp_path: Path) -> None:
+    path = tmp_path / "a.mat"
+    with h5py.File(path, "w", userblock_size=512) as file:
+        for name, values in zip(("time_s", "displacement_mm", "force_N"), truth(), strict=True):
+            file.create_dataset(name, data=values[None, :]).attrs["MATLAB_class"] = np.bytes_(
+                "double"
+            )
+        word = file.create_dataset("note", data=np.array([[72], [105]], dtype=np.uint16))
+        word.attrs["MATLAB_class"] = np.bytes_("char")
+    with path.open("r+b") as file:
+        file.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(128))
+    same(read_relaxation(path))
+    assert inspect_file(path).format == "MAT 7.3"
+
+
+# workbooks
+def workbook(path: Path, sheets: dict[str, list[list[object]]]) -> None:
+    """A small xlsx file, written by hand."""
+    space = "http://schemas.openxmlformats.org"
+    kinds = "".join(
+        f'<Override PartName="/xl/worksheets/sheet{i + 1}.xml" ContentType="application/'
+        'vnd.openxmlformats-officedocument.spreadsheetml.worksheet+xml"/>'
+        for i in range(len(sheets))
+    )
+    names = "".join(
+        f'<sheet name="{n}" sheetId="{i + 1}" r:id="rId{i + 1}"/>' for i, n in enumerate(sheets)
+    )
+    links = "".join(
+        f'<Relationship Id="rId{i + 1}" Type="{space}/officeDocument/2006/relationships/worksheet" '
+        f'Target="worksheets/sheet{i + 1}.xml"/>'
+        for i in range(len(sheets))
+    )
+    relations = f'<Relationships xmlns="{space}/package/2006/relationships">'
+    main = f'xmlns="{space}/spreadsheetml/2006/main"'
+    with zipfile.ZipFile(path, "w") as file:
+        file.writestr(
+            "[Content_Types].xml",
+            f'<Types xmlns="{space}/package/2006/content-types"><Default Extension="rels" '
+            'ContentType="application/vnd.openxmlformats-package.relationships+xml"/><Override '
+            'PartName="/xl/workbook.xml" ContentType="application/vnd.openxmlformats-officedocument'
+            f'.spreadsheetml.sheet.main+xml"/>{kinds}</Types>',
+        )
+        file.writestr(
+            "_rels/.rels",
+            f'{relations}<Relationship Id="rId1" Type="{space}/officeDocument/2006/relationships/'
+            'officeDocument" Target="xl/workbook.xml"/></Relationships>',
+        )
+        file.writestr(
+            "xl/workbook.xml",
+            f'<workbook {main} xmlns:r="{space}/officeDocument/2006/relationships"><sheets>{names}'
+            "</sheets></workbook>",
+        )
+        file.writestr("xl/_rels/workbook.xml.rels", f"{relations}{links}</Relationships>")
+        for i, rows in enumerate(sheets.values()):
+            body = "".join(
+                "<row>" + "".join(
+                    f'<c t="inlineStr"><is><t>{cell}</t></is></c>' if isinstance(cell, str)
+                    else f"<c><v>{cell!r}</v></c>"
+                    for cell in row
+                ) + "</row>"
+                for row in rows
+            )  # fmt: skip
+            file.writestr(
+                f"xl/worksheets/sheet{i + 1}.xml",
+                f"<worksheet {main}><sheetData>{body}</sheetData></worksheet>",
+            )
+
+
+def sheet() -> list[list[object]]:
+    rows = [list(map(float, row)) for row in zip(*truth(), strict=True)]
+    return [["Prüfung"], ["Zeit", "Weg", "Kraft"], ["s", "mm", "N"], *rows]
+
+
+def test_workbook(tmp_path: Path) -> None:
+    path = tmp_path / "a.xlsx"
+    workbook(path, {"Info": [["Operator", "nobody"]], "Data": sheet()})
+    same(read_relaxation(path))
+    assert inspect_file(path).format == "workbook"
+
+
+def test_two_sheets_are_asked(tmp_path: Path) -> None:
+    path = tmp_path / "a.xlsx"
+    workbook(path, {"One": sheet(), "Two": sheet()})
+    with pytest.raises(ReadError, match="sheets 'One', 'Two' could each be the test"):
+        read_relaxation(path)
+    same(read_relaxation(path, options=ReadOptions(sheet="Two")))
+    with pytest.raises(ReadError, match="the sheets are 'One', 'Two'"):
+        read_relaxation(path, options=ReadOptions(sheet="Three"))
+
+
+def test_a_broken_workbook_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.xlsx"
+    workbook(path, {"One": sheet()})
+    path.write_bytes(path.read_bytes()[:-300])
+    with pytest.raises(ReadError, match="broken or unknown variety of workbook"):
+        read_relaxation(path)
+
+
+# rheometers and microscopes
+def test_trios_json(tmp_path: Path) -> None:
+    columns = [{"name": n, "unit": u} for n, u in (("Time", "s"), ("Gap", "mm"), ("Force", "N"))]
+    values = [list(map(float, row)) for row in zip(*truth(), strict=True)]
+    document = {
+        "Experiment": {"Results": [{"DataSet": [{"Data": {"columns": columns, "values": values}}]}]}
+    }
+    path = tmp_path / "a.json"
+    path.write_text(json.dumps(document))
+    same(read_relaxation(path))
+    path.write_text('{"schema": "dashpot/fit@1"}')
+    with pytest.raises(ReadError, match="JSON, but no TRIOS data found"):
+        read_relaxation(path)
+
+
+def test_trios_text_steps_are_segments(tmp_path: Path) -> None:
+    names = "Time\tAxial displacement\tAxial force\ns\tmm\tN\n"
+    path = tmp_path / "a.txt"
+    rows = table("\t").splitlines(keepends=True)
+    half = "".join(rows[:30]), "".join(rows[30:])
+    path.write_text(
+        f"Filename\ta.tri\nGap\t50 um\n\n[step]\nRamp\n{names}{half[0]}\n[step]\nHold\n{names}{half[1]}"
+    )
+    same(read_relaxation(path))
+    assert len(inspect_file(path).segments) == 2
+
+
+def test_anton_paar_text(tmp_path: Path) -> None:
+    text = (
+        "Project:\tP\nTest:\tRelaxation\n\nInterval and data points:\t1\t60\n"
+        "Interval data:\tPoint No.\tTime\tDisplacement\tNormal Force\n\t\t[s]\t[mm]\t[N]\n\t\t\t\t\n"
+    )
+    rows = "".join(
+        f"\t{i + 1}\t{row}\n" for i, row in enumerate(table("\t", decimal=",").splitlines())
+    )
+    path = tmp_path / "a.txt"
+    path.write_bytes((text + rows).encode("utf-16"))
+    same(read_relaxation(path))
+
+
+def test_jpk_text(tmp_path: Path) -> None:
+    def head(index: int, name: str) -> str:
+        return (
+            f"# TEXT EXPORT\n# index: 0\n#\n# segmentIndex: {index}\n# segment: {name}\n"
+            "# columns: tipSampleSeparation vDeflection seriesTime\n"
+            '# fancyNames: "Tip-Sample Separation" "Vertical Deflection" "Series Time"\n'
+            "# springConstant: 56.3\n# calibrationSlots: nominal force elapsed\n# units: mm N s\n#\n"
+        )
+
+    time, moved, force = truth()
+    rows = table(" ", columns=(moved, force, time)).splitlines(keepends=True)
+    path = tmp_path / "a.txt"
+    path.write_text(
+        head(0, "extend") + "".join(rows[:20]) + "\n" + head(1, "pause") + "".join(rows[20:])
+    )
+    same(read_relaxation(path))
+    assert [s.name for s in inspect_file(path).segments] == ["extend", "pause"]
+    assert len(read_relaxation(path, options=ReadOptions(segment=2)).time) == ROWS - 20
+
+
+def test_dma_export(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    rows = "".join(f"{f};{10 + f};{f / 10};{1.5}\n" for f in (0.1, 1.0, 10.0, 100.0))
+    path.write_text("f;E';E'';T\nHz;MPa;MPa;°C\n" + rows)
+    test = read_dynamic(path)
+    np.testing.assert_allclose(test.storage, [10.1e6, 11e6, 20e6, 110e6])
+    np.testing.assert_allclose(test.loss_factor, test.loss / test.storage)
+    np.testing.assert_allclose(test.temperature, 274.65)
+    path.write_text(
+        "Frequency (Hz);Storage stiffness (N/mm);Loss stiffness (N/mm)\n1;2;3\n2;3;4\n3;4;5\n"
+    )
+    assert read_dynamic(path).unit == "N/m"
+    path.write_text("Time (s);Force (N)\n" + table(";", columns=truth()[:2]))
+    with pytest.raises(ReadError, match="no column is recognised as frequency"):
+        read_dynamic(path)
+
+
+def test_a_missing_extra_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    tdms(tmp_path / "a.tdms")
+    monkeypatch.setitem(sys.modules, "nptdms", None)
+    with pytest.raises(ReadError, match=r'npTDMS; install it with pip install "dashpot\[io\]"'):
+        read_impact(tmp_path / "a.tdms")
