@@ -141,6 +141,7 @@ def touch_of(
     *,
     noise: float,
     rest: float,
+    level: float,
     least_gap: float,
     rested: bool,
 ) -> Touch:
@@ -152,8 +153,8 @@ def touch_of(
         Up to the peak, m and N above the baseline.
     noise : float
         N.
-    rest : float
-        Where the plate stood before the ramp, m.
+    rest, level : float
+        Where the plate stood before the ramp and where it is held, m.
     least_gap : float
         Below this, m, no gap is claimed.
     rested : bool
@@ -164,6 +165,6 @@ def touch_of(
     if seen is None or (not rested and seen.sample < 20):
         return Touch(rest, 0.0)
     gap = seen.displacement - rest
-    if gap <= max(least_gap, 3 * seen.standard_error):
+    if not max(least_gap, 3 * seen.standard_error) < gap < 0.9 * (level - rest):
         return Touch(rest, 0.0)
     return Touch(seen.displacement, gap, seen.standard_error)

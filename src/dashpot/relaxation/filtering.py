@@ -192,7 +192,7 @@ def _listed(changes: dict[str, float]) -> str:
 
 
 def _percent(change: float) -> str:
-    return f"{100 * change:+.2g} %"
+    return f"{100 * change:+.3g} %"
 
 
 def _cutoff(text: str, value: str) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -126,7 +126,8 @@ def given_motion(
         rest = Segment("hold", 0, first, float(time[0]), onset, before, before)
     ramp = Segment("load", first, corner, onset, ramp_end, float(x[first]), level)
     hold = Segment("hold", corner, last, ramp_end, hold_end, level, level)
-    return _of_cycle(time, x, turn, (Cycle(rest, (ramp, hold)),), 0)
+    motion = _of_cycle(time, x, turn, (Cycle(rest, (ramp, hold)),), 0)
+    return replace(motion, stop=last)
 
 
 def _of_cycle(

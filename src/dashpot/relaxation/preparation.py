@@ -172,6 +172,7 @@ def _touch(
             force[rising] - level,
             noise=max(noise, 1e-6 * (float(force[peak]) - level)),
             rest=motion.rest,
+            level=motion.level,
             least_gap=max(2 * quantum(x), 0.005 * (motion.level - motion.rest)),
             rested=motion.cycle.rest is not None,
         )
@@ -191,11 +192,18 @@ def _times(
 ) -> tuple[float, float, float]:
     onset, ramp_end, hold_end = given
     last = float(time[motion.stop])
-    return (
-        max(motion.line.time_of(touch.displacement), float(time[0])) if onset is None else onset,
-        motion.line.time_of(motion.level) if ramp_end is None else ramp_end,
-        last if hold_end is None else min(hold_end, last),
-    )
+    if onset is None:
+        onset = max(_snapped(motion.line.time_of(touch.displacement), time), float(time[0]))
+    if ramp_end is None:
+        ramp_end = _snapped(motion.line.time_of(motion.level), time)
+    return onset, ramp_end, last if hold_end is None else min(hold_end, last)
+
+
+def _snapped(moment: float, time: FloatArray) -> float:
+    """A moment that only rounding parts from a sample is that sample."""
+    i = int(np.argmin(np.abs(time - moment)))
+    step = float(np.median(np.diff(time)))
+    return float(time[i]) if abs(time[i] - moment) < 1e-6 * step else moment
 
 
 def _record(

@@ -50,7 +50,8 @@ def find_segments(time: FloatArray, displacement: FloatArray) -> tuple[Segment, 
     A polygon is laid through the record, with a corner wherever a straight line would miss it
     by more than the grain of the channel or 1 % of the travel. Its sides are moves where they
     are fast or long, else holds; sides of one kind join; a move below 5 % of the travel
-    (overshoot, settling) belongs to the hold beside it. Any sampling will do.
+    (overshoot, settling) belongs to the hold beside it, and so does ringing of up to 30 % of the
+    ramp right before it. Any sampling will do.
 
     Parameters
     ----------
@@ -70,8 +71,8 @@ def find_segments(time: FloatArray, displacement: FloatArray) -> tuple[Segment, 
 
 
 def grain_of(time: FloatArray, displacement: FloatArray) -> float:
-    """What a displacement can differ by without having moved, m: 4 sigma, and 1 quantum."""
-    return 4 * scatter(time, displacement) + quantum(displacement)
+    """What a displacement can differ by without having moved, m: 4 sigma, and half a quantum."""
+    return 4 * scatter(time, displacement) + 0.5 * quantum(displacement)
 
 
 _Side = tuple[Literal["hold", "load", "unload"], int, int]
@@ -133,6 +134,7 @@ def _joined(kinds: list[Literal["hold", "load", "unload"]], corners: list[int]) 
 
 def _settled(sides: list[_Side], time: FloatArray, x: FloatArray, travel: float) -> list[_Side]:
     """Give small moves to the hold beside them, then bridge stutters within a ramp."""
+    sides = _rejoined(_rung_out(sides, x))
     sides = _rejoined(
         [
             ("hold" if abs(x[last] - x[first]) < _LEAST_MOVE * travel else kind, first, last)
@@ -146,6 +148,19 @@ def _settled(sides: list[_Side], time: FloatArray, x: FloatArray, travel: float)
         if kind == "hold" and brief and before == after:
             bridged[i] = (before, first, last)
     return _rejoined(bridged)
+
+
+def _rung_out(sides: list[_Side], x: FloatArray) -> list[_Side]:
+    """Call ringing a hold: to and fro right after a ramp, by less than 30 % of it."""
+    settled: list[_Side] = []
+    ramp = 0.0
+    for kind, first, last in sides:
+        moved = abs(x[last] - x[first])
+        ringing = kind != "hold" and 0 < moved < 0.3 * ramp
+        settled.append(("hold" if ringing else kind, first, last))
+        if not ringing:
+            ramp = 0.0 if kind == "hold" else moved
+    return settled
 
 
 def _rejoined(sides: list[_Side]) -> list[_Side]:
