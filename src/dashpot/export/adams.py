@@ -9,7 +9,7 @@ import numpy as np
 from dashpot.errors import ExportError
 from dashpot.export.deck import Solid, choose_form, open_deck, text
 from dashpot.relaxation.records import Specimen
-from dashpot.solids.networks import creep_of
+from dashpot.solids.networks import creep_of, parallel
 
 FORMS = ("transfer-function",)
 
@@ -51,8 +51,9 @@ def adams(
             "export the state space instead"
         )
     time = deck.units.words[2]
-    lam = [value / deck.units.time for value in creep_of(deck.model).lam]
-    tau = [value for _, value, _ in deck.arms]
+    merged = parallel(deck.model)  # arms of equal time are one factor
+    lam = [value / deck.units.time for value in creep_of(merged).lam]
+    tau = [value / deck.units.time for value in merged.tau]
     header = deck.header(
         "$",
         "transfer function K(s) / k_inf of a frequency-dependent bushing",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
@@ -303,9 +304,13 @@ def choose_form(form: str, forms: Sequence[str], target: str) -> str:
 
 
 def text(value: float) -> str:
-    """A number as decks print it: ten digits, always with a decimal point or an exponent."""
-    printed = f"{value:.10g}"
-    return printed if any(sign in printed for sign in ".en") else printed + "."
+    """A number as decks print it: ten digits and always a point, without which it is an integer.
+
+    >>> text(2e-05), text(196.5), text(3.0)
+    ('2.e-05', '196.5', '3.')
+    """
+    mantissa, exponent, power = f"{value:.10g}".partition("e")
+    return mantissa + ("" if "." in mantissa else ".") + exponent + power
 
 
 def packed(value: float, width: int) -> str:
@@ -314,19 +319,27 @@ def packed(value: float, width: int) -> str:
     >>> packed(0.50212766, 10), packed(3.68393e-05, 10), packed(-120.0, 8)
     ('0.50212766', '3.68393E-5', '-120.')
     """
+    if value == 0:
+        return "0."
     for digits in range(min(17, width), 0, -1):
-        mantissa, _, power = f"{value:.{digits - 1}E}".partition("E")
-        short = mantissa.rstrip("0") if "." in mantissa else mantissa + "."
-        plain = f"{value:.{max(digits - 1 - int(power), 0)}f}"
-        plain = (plain.rstrip("0") if "." in plain else plain + ".").replace("-0.", "-.", 1)
-        plain = plain if abs(value) < 1e15 and float(plain) != 0 else ""
-        candidates = [plain, plain.lstrip("0") if plain.startswith("0.") else plain]
-        candidates.append("0." if value == 0 else f"{short}E{int(power)}")
-        for candidate in candidates:
-            good = candidate and len(candidate) <= width
-            if good and float(candidate) == float(f"{value:.{digits - 1}E}"):
+        rounded = f"{value:.{digits - 1}E}"
+        mantissa, _, power = rounded.partition("E")
+        plain = f"{value:.{max(digits - 1 - int(power), 0)}f}" if abs(int(power)) < 17 else ""
+        for candidate in (
+            _pointed(plain),
+            re.sub(r"^(-?)0(?=\.)", r"\1", _pointed(plain)),
+            f"{_pointed(mantissa)}E{int(power)}",
+        ):
+            if candidate and len(candidate) <= width and float(candidate) == float(rounded):
                 return candidate
     raise ExportError(f"{value!r} does not fit into {width} columns")
+
+
+def _pointed(number: str) -> str:
+    """Trailing zeros gone, a decimal point there."""
+    if not number:
+        return ""
+    return number.rstrip("0") if "." in number else number + "."
 
 
 def one_line(line: str) -> str:

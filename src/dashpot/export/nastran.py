@@ -169,24 +169,21 @@ def _line_remarks(deck: Deck, line: SealLine | None) -> list[str]:
     if line is None:
         return []
     unit, word = deck.units.length, deck.units.words[0]
-    return [
-        f"seal line: {line.length / unit:.6g} {word} in {line.elements} elements of",
-        f"{line.piece / unit:.6g} {word} each; K of one element = K of the tested piece x",
-        f"{line.piece / (deck.specimen.length or 1.0):.6g}",
-    ]
+    share = _share(deck, line)
+    pieces = f"{line.elements} elements of {line.piece / unit:.6g} {word}"
+    length = f"{line.length / unit:.6g} {word}"
+    return [f"seal line: {length}, {pieces}, each with {share:.6g} of the stiffness above"]
 
 
 def _marks(deck: Deck, table: Table) -> list[str]:
     """Which rows of the table the test says nothing of."""
     if deck.band is None:
         return []
-    outside = [f for f in table.frequency if deck.extrapolated(float(f))]
+    outside = [f for f in table.frequency.tolist() if deck.extrapolated(f)]
     if not outside:
         return []
-    return [
-        f"EXTRAPOLATED: {len(outside)} of {len(table.frequency)} rows, those from "
-        + f"{min(outside):.6g} to {max(outside):.6g} Hz",
-    ]
+    count = f"{len(outside)} of {len(table.frequency)} rows"
+    return [f"EXTRAPOLATED: {count}, from {min(outside):.6g} to {max(outside):.6g} Hz"]
 
 
 def _stations(deck: Deck, line: SealLine | None) -> list[tuple[float, float, float]]:

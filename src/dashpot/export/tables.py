@@ -107,9 +107,13 @@ def tabulate(
 
     points = [rounded(low)]
     stops = sorted({rounded(edge) for edge in edges if low < edge < high} | {rounded(high)})
+    reach = 0.1  # in ln f
     for stop in stops:
         while points[-1] < stop:
-            points.append(_furthest(points[-1], stop, error, tolerance, rounded))
+            following, reach = _furthest(
+                points[-1], stop, reach, error=error, tolerance=tolerance, rounded=rounded
+            )
+            points.append(following)
             if len(points) > _LONGEST:
                 raise ExportError(
                     f"tolerance = {tolerance:g} needs more than {_LONGEST} points between {low:g} "
@@ -123,24 +127,27 @@ def tabulate(
 def _furthest(
     start: float,
     stop: float,
+    reach: float,
+    *,
     error: Callable[[FloatArray], float],
     tolerance: float,
     rounded: Callable[[float], float],
-) -> float:
-    if error(np.array([start, stop])) <= tolerance:
-        return stop
-    near, far = 0.0, float(np.log(stop / start))
-    for _ in range(24):
-        middle = (near + far) / 2
-        inside = error(np.array([start, rounded(start * np.exp(middle))])) <= tolerance
-        near, far = (middle, far) if inside else (near, middle)
-    following = rounded(start * float(np.exp(near)))
-    if not following > start:
-        raise ExportError(
-            f"no table reaches the tolerance {tolerance:g} near {start:g} Hz with the digits that "
-            "the deck prints; ask for less"
-        )
-    return following
+) -> tuple[float, float]:
+    """The next point and how far away it is in ln f: the error grows with the square of that."""
+    for trial in range(60):
+        following = min(stop, rounded(start * float(np.exp(reach))))
+        if not following > start:
+            break
+        found = error(np.array([start, following]))
+        wasteful = found < 0.8 * tolerance and following < stop and trial < 30
+        if found <= tolerance and not wasteful:
+            return following, reach
+        factor = np.sqrt(0.9 * tolerance / max(found, 1e-300))
+        reach *= float(np.clip(factor, 0.1, 4.0 if trial < 30 else 0.5))
+    raise ExportError(
+        f"no table reaches the tolerance {tolerance:g} near {start:g} Hz with the digits that "
+        "the deck prints; ask for less"
+    )
 
 
 def _values(

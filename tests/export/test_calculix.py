@@ -1,0 +1,89 @@
+"""CalculiX runs our deck: its FRF is the model's."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from dashpot import export
+from dashpot.export.deck import UNIT_SYSTEMS
+from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.vibration.prediction import predict_frf
+
+pytestmark = pytest.mark.skipif(
+    shutil.which("ccx") is None, reason="CalculiX is not installed: apt-get install calculix-ccx"
+)
+
+
+def run_ccx(deck: str, folder: Path) -> str:
+    (folder / "deck.inp").write_text(deck)
+    run = subprocess.run(
+        ["ccx", "-i", "deck"], cwd=folder, capture_output=True, text=True, timeout=120, check=False
+    )
+    assert run.returncode == 0, run.stdout[-2000:]
+    return (folder / "deck.dat").read_text()
+
+
+def receptance(dat: str, node: int) -> tuple[np.ndarray, np.ndarray]:
+    """Frequencies, in full, and U1 of a node: real block, then imaginary block, at each."""
+    frequency, blocks = [], []
+    for line in dat.splitlines():
+        if "F O R   F R E Q U E N C Y" in line:
+            frequency.append(float(re.findall(r"([\d.E+-]+) \(CYCLES", line)[0]))
+        elif line.lstrip().startswith("displacements"):
+            blocks.append(None)
+        elif blocks and blocks[-1] is None and line.split()[:1] == [str(node)]:
+            blocks[-1] = float(line.split()[1])
+    real, imaginary = np.array(blocks[::2]), np.array(blocks[1::2])
+    assert len(real) == len(imaginary) == len(frequency)
+    return np.array(frequency), real + 1j * imaginary
+
+
+SEALS = {
+    "table-1": (GeneralizedMaxwell(196.5, (117.5, 17.8), (59 / 117.5, 292.2 / 17.8)), 0.05202),
+    "broad": (
+        GeneralizedMaxwell(
+            196.5,
+            (117.5, 17.8, 20.0, 20.0, 20.0),
+            (59 / 117.5, 292.2 / 17.8, 0.08, 0.016, 0.0032),
+        ),
+        0.0574,
+    ),
+    "maxwell-voigt": (GeneralizedMaxwell(1e4, (1e4,), (5e-3,), b=10.0), 1.0),
+    "kelvin-voigt": (GeneralizedMaxwell(1e4, b=10.0), 1.0),
+    "fluid": (GeneralizedMaxwell(0.0, (3e4, 3e4), (1e-4, 1.0), b=10.0), 5.0),
+}
+
+
+@pytest.mark.parametrize("seal", list(SEALS))
+@pytest.mark.parametrize("units", list(UNIT_SYSTEMS))
+def test_frf_within_1e_4_of_the_model(seal, units, tmp_path):
+    model, mass = SEALS[seal]
+    system = UNIT_SYSTEMS[units]
+    deck = export.calculix(model, units=units, mass=mass, frequency_range=(1.0, 30.0), points=200)
+    f, u = receptance(run_ccx(deck, tmp_path), node=2)
+    f = f / system.time
+    assert f[0] == pytest.approx(1.0)
+    assert f[-1] == pytest.approx(30.0)
+    assert len(f) >= 199
+    exact = predict_frf(model, mass=mass, frequency=f, kind="receptance").value
+    error = np.abs(u * system.stiffness(1.0) / exact - 1)
+    print(f"{seal} {units}: largest relative error of the FRF {error.max():.2e}")
+    assert error.max() < 1e-4
+
+
+def test_the_network_alone_carries_its_static_stiffness(paper_seal, tmp_path):
+    """The fragment under a steady pull: only k_inf answers."""
+    fragment = export.calculix(paper_seal, units="mm-t-s")
+    deck = fragment + "\n".join(
+        ["*STEP", "*STATIC", "*CLOAD", "2, 1, 1.", "11, 1, 0.", "*NODE PRINT, NSET=N", "U",
+         "*END STEP", ""]
+    )  # fmt: skip
+    deck = deck.replace("*STEP\n", "*NSET, NSET=N\n2\n*STEP\n")
+    (line,) = [row for row in run_ccx(deck, tmp_path).splitlines() if row.split()[:1] == ["2"]]
+    assert float(line.split()[1]) == pytest.approx(1 / 0.1965, rel=1e-6)

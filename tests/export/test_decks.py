@@ -1,0 +1,464 @@
+"""What every deck says of itself, what it refuses, and what its text looks like."""
+
+from __future__ import annotations
+
+import csv as comma
+import io
+import os
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dashpot import export
+from dashpot.errors import ExportError
+from dashpot.export.deck import UNIT_SYSTEMS
+from dashpot.export.sealline import SealLine
+from dashpot.provenance import Source
+from dashpot.relaxation.fit import Fit, Residual, Status
+from dashpot.relaxation.records import Specimen
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+GOLDEN = Path(__file__).parent / "golden"
+SHA = "2c26b46b68ffc68ff99b453c1d30413413422d706483bfa0f98a5e886266e7ae"
+SPECIMEN = Specimen(length=0.1, temperature=296.15)
+MATERIAL = {"modulus": 1e6, "bulk_modulus": 1e8, "density": 700.0}
+# every deck there is: target, form, and what a material card needs besides
+DECKS = [
+    (target, form, {})
+    if form != "prony" or target in ("abaqus", "ansys")
+    else (target, form, MATERIAL if target == "lsdyna" else {"modulus": 1e6})
+    for target in export.TARGETS
+    for form in export.FORMS[target]
+]
+every_deck = pytest.mark.parametrize(
+    ("target", "form", "extra"), DECKS, ids=[f"{target}-{form}" for target, form, _ in DECKS]
+)
+
+
+@pytest.fixture(scope="module")
+def fit(paper_seal) -> Fit:
+    return Fit(
+        model=paper_seal,
+        status=Status.CONVERGED,
+        method="full",
+        residual=Residual(n=41000, sse=1e-3, rms=1.6e-4),
+        parameters=("k_inf", "k_1", "k_2", "ln_tau_1", "ln_tau_2"),
+        covariance=np.diag([0.1, 0.2, 0.05, 1e-3, 1e-3]) ** 2,
+        dof=1000.0,
+        band=(0.004, 0.32),
+        source=(Source(file="seal_8mm.csv", sha256=SHA),),
+        specimen=SPECIMEN,
+    )
+
+
+def write(target, solid, **arguments) -> str:
+    return export.TARGETS[target](solid, **{"units": "mm-t-s"} | arguments)
+
+
+# -- the header ------------------------------------------------------------------------------------
+
+
+@every_deck
+def test_a_deck_says_where_it_comes_from(fit, target, form, extra):
+    deck = write(target, fit, form=form, **extra)
+    assert "UNITS: mm-t-s: mm, t, s, N, MPa; frequency in Hz" in deck
+    assert "temperature: 296.15 K (23 degC)" in deck
+    assert "contact length: 100 mm" in deck
+    assert f"source: seal_8mm.csv sha256 {SHA}" in deck
+    assert "identified band: 0.004 to 0.32 Hz; whatever lies outside is EXTRAPOLATED" in deck
+    assert "verified" in deck
+    assert "SIMULATED" not in deck
+    assert "OVERRIDE" not in deck
+    assert "dashpot 0." in deck.splitlines()[0]
+    assert deck.endswith("\n")
+    assert deck.isascii()
+
+
+@every_deck
+def test_a_bare_model_says_what_is_not_known(paper_seal, target, form, extra):
+    deck = write(target, paper_seal, form=form, **extra)
+    assert "temperature: not stated" in deck
+    assert "contact length: not stated" in deck
+    assert "identified band: not stated" in deck
+
+
+@every_deck
+def test_simulated_tests_are_stamped(fit, target, form, extra):
+    simulated = replace(fit, source=(Source(file="rig.csv", sha256=SHA, simulated=True),))
+    assert "SIMULATED" in write(target, simulated, form=form, **extra)
+
+
+@every_deck
+def test_same_input_same_deck(fit, target, form, extra):
+    assert write(target, fit, form=form, **extra) == write(target, fit, form=form, **extra)
+
+
+def test_only_what_a_solver_here_runs_claims_to_be_solver_verified(fit):
+    for target, form, extra in DECKS:
+        deck = write(target, fit, form=form, **extra)
+        claims = "not solver-verified" not in deck
+        assert claims == (target in ("calculix", "opensees", "csv")), target
+
+
+@pytest.mark.parametrize("sign", ["\n", "\r\n*NODE", "\x00", "é", "\u2028"])
+def test_a_file_name_cannot_break_out_of_its_comment(fit, sign):
+    odd = replace(fit, source=(Source(file=f"seal{sign}99, 1.csv", sha256=SHA),))
+    for target, form, extra in DECKS:
+        plain, broken = (write(target, each, form=form, **extra) for each in (fit, odd))
+        assert len(plain.splitlines()) == len(broken.splitlines())
+        assert broken.isascii()
+
+
+def test_extrapolated_rows_are_marked(fit):
+    wide = replace(fit, band=(2.0, 20.0))
+    table = export.nastran(wide, units="mm-t-s")
+    assert re.search(r"\$ EXTRAPOLATED: \d+ of \d+ rows, from 1 to 100 Hz", table)
+    connector = export.abaqus(wide, units="mm-t-s", form="connector").splitlines()
+    at = {line: i for i, line in enumerate(connector)}
+    assert "** EXTRAPOLATED" in at
+    assert "** identified" in at
+    rows = list(comma.DictReader(
+        line for line in export.csv(wide, units="mm-t-s").splitlines() if line[0] != "#"
+    ))  # fmt: skip
+    for row in rows:
+        inside = 2.0 <= float(row["frequency [Hz]"]) <= 20.0
+        assert row["extrapolated"] == str(int(not inside))
+    # the ends of the band are rows of their own
+    assert {"2.", "20."} <= {row["frequency [Hz]"] for row in rows}
+
+
+def test_an_arm_outside_the_band_is_marked(fit):
+    slow = replace(fit, band=(0.1, 1.0))
+    assert "[0.009695 Hz lies outside the identified band]" in write("ansys", slow)
+
+
+# -- refusals --------------------------------------------------------------------------------------
+
+
+@every_deck
+@pytest.mark.parametrize("missing", ["temperature", "length"])
+def test_a_fit_without_its_conditions_is_refused(fit, target, form, extra, missing):
+    says = {
+        "temperature": "the test temperature is not stated",
+        "length": "the contact length is not stated",
+    }
+    name, sentence = missing, says[missing]
+    bare = replace(fit, specimen=replace(SPECIMEN, **{missing: None}))
+    with pytest.raises(ExportError, match=sentence) as refused:
+        write(target, bare, form=form, **extra)
+    assert f"allow '{name}'" in str(refused.value)
+    for allow in ((name,), ("all",)):
+        deck = write(target, bare, form=form, allow=allow, **extra)
+        assert f"OVERRIDE: {sentence}" in deck
+    # what the fit does not know can be told
+    assert "OVERRIDE" not in write(target, bare, form=form, specimen=SPECIMEN, **extra)
+
+
+@every_deck
+def test_an_unidentified_fit_is_refused(fit, target, form, extra):
+    doubtful = {
+        "at the edge of the measured window": replace(fit, status=Status.TAU_AT_BOUND),
+        "arm 2 has k = 17.8": replace(fit, covariance=np.diag([0.1, 0.2, 8.0, 1e-3, 1e-3]) ** 2),
+        "arm 1 has tau = 0.5021": replace(
+            fit, covariance=np.diag([0.1, 0.2, 0.05, 0.8, 1e-3]) ** 2
+        ),
+        "k_inf = 196.5": replace(fit, covariance=np.diag([100.0, 0.2, 0.05, 1e-3, 1e-3]) ** 2),
+        "arm 1 has k": replace(fit, covariance=np.diag([0.1, np.inf, 0.05, 1e-3, 1e-3])),
+    }
+    for sentence, each in doubtful.items():
+        with pytest.raises(ExportError, match="do not determine every parameter") as refused:
+            write(target, each, form=form, **extra)
+        assert sentence in str(refused.value)
+        forced = write(target, each, form=form, allow=("not_identified",), **extra)
+        assert "OVERRIDE: the data do not determine every parameter" in forced
+
+
+def test_fewer_arms_than_asked_is_no_reason_to_refuse(fit):
+    assert write("nastran", replace(fit, status=Status.FEWER_ARMS))
+
+
+PRONY = [(target, extra) for target, form, extra in DECKS if form == "prony"]
+
+
+@pytest.mark.parametrize(("target", "extra"), PRONY)
+def test_moduli_that_sum_to_one_are_refused(target, extra):
+    fluid = GeneralizedMaxwell(0.0, (2.0, 1.0), (0.1, 10.0))
+    with pytest.raises(ExportError, match="the relative moduli sum to 1"):
+        write(target, fluid, form="prony", **extra)
+    nearly = GeneralizedMaxwell(1e-12, (2.0, 1.0), (0.1, 10.0))
+    with pytest.raises(ExportError, match="the relative moduli sum to 1"):
+        write(target, nearly, form="prony", **extra)
+    assert "OVERRIDE: the relative moduli" in write(
+        target, fluid, form="prony", allow=("prony_sum",), **extra
+    )
+
+
+@pytest.mark.parametrize(("target", "extra"), PRONY)
+def test_a_prony_series_cannot_hold_a_dashpot(paper_seal, target, extra):
+    with pytest.raises(ExportError, match="cannot hold a parallel dashpot"):
+        write(target, paper_seal + GeneralizedMaxwell(0.0, b=1.0), form="prony", **extra)
+
+
+@every_deck
+def test_bad_choices(paper_seal, target, form, extra):
+    choices = {
+        "no unit system is given; add units= one of SI, mm-t-s, mm-kg-ms": {"units": None},
+        "'inch' is no unit system": {"units": "inch"},
+        "'everything' is nothing that could be allowed": {"allow": ("everything",)},
+        "has no form 'poem'; expected one of": {"form": "poem"},
+    }
+    for sentence, arguments in choices.items():
+        with pytest.raises(ExportError, match=sentence):
+            write(target, paper_seal, **{"form": form} | extra | arguments)
+
+
+@every_deck
+def test_nothing_is_nothing_to_write(target, form, extra):
+    with pytest.raises(ExportError, match="neither stiffness nor damping"):
+        write(target, GeneralizedMaxwell(0.0), form=form, **extra)
+
+
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (lambda s: export.radioss(s, units="SI"), "needs the instantaneous shear modulus"),
+        (lambda s: export.lsdyna(s, units="SI", form="prony"), "needs the instantaneous shear"),
+        (
+            lambda s: export.lsdyna(s, units="SI", form="prony", modulus=1e6),
+            "needs bulk_modulus= in Pa and density=",
+        ),
+        (lambda s: export.lsdyna(s, units="SI", modulus=1e6), "belong to the material card"),
+        (
+            lambda s: export.lsdyna(
+                GeneralizedMaxwell(1.0, (1.0,) * 18, tuple(range(1, 19))),
+                units="SI", form="prony", **MATERIAL,
+            ),
+            "holds 18 terms, found 19",
+        ),
+        (
+            lambda s: export.adams(GeneralizedMaxwell(0.0, (1.0,), (1.0,)), units="SI"),
+            "needs a static stiffness",
+        ),
+        (lambda s: export.calculix(s, units="SI", mass=0.0), "mass = 0.0 kg"),
+        (lambda s: export.calculix(s, units="SI", frequency_range=(5, 1)), "0 < low < high"),
+    ],
+)  # fmt: skip
+def test_what_single_targets_refuse(paper_seal, call, sentence):
+    with pytest.raises(ExportError, match=sentence):
+        call(paper_seal)
+
+
+# -- golden decks ----------------------------------------------------------------------------------
+
+
+def golden_decks(fit: Fit) -> dict[str, str]:
+    suffix = {
+        "nastran": "bdf", "abaqus": "inp", "ansys": "mac", "lsdyna": "k", "calculix": "inp",
+        "opensees": "txt", "adams": "txt", "csv": "csv", "radioss": "rad", "statespace": "m",
+    }  # fmt: skip
+    decks = {}
+    for target, form, extra in DECKS:
+        options = dict(extra)
+        if "table" in form or form in ("connector", "frequency"):
+            options |= {"tolerance": 0.01, "frequency_range": (1.0, 30.0)}
+        name = f"{target}-{form}.{suffix[target]}"
+        decks[name] = write(target, fit, form=form, **options)
+    decks["calculix-response.inp"] = export.calculix(
+        fit, units="mm-t-s", mass=0.05202, frequency_range=(1.0, 30.0), points=100
+    )
+    decks["nastran-line.bdf"] = export.nastran(
+        fit, units="mm-t-s", tolerance=0.01, frequency_range=(1.0, 30.0),
+        line=SealLine([(0, 0, 0), (0.5, 0, 0), (0.5, 0.25, 0)], pitch=0.25, normal=(0.0, 0.0, 1.0)),
+    )  # fmt: skip
+    return decks
+
+
+def test_golden_decks(fit):
+    """Set DASHPOT_WRITE_GOLDEN=1 to write them anew, then read the difference before committing."""
+    decks = golden_decks(fit)
+    if os.environ.get("DASHPOT_WRITE_GOLDEN"):
+        for name, text in decks.items():
+            (GOLDEN / name).write_text(text)
+    kept = {path.name for path in GOLDEN.iterdir()} - {"bushver.bdf"}
+    assert kept == set(decks)
+    for name, text in decks.items():
+        assert text == (GOLDEN / name).read_text(), f"{name} changed"
+
+
+# -- the numbers in the other decks ----------------------------------------------------------------
+
+solids = st.builds(
+    lambda k_inf, k, tau: GeneralizedMaxwell(
+        10.0**k_inf, tuple(10.0**each for each in k), tuple(10.0**each for each in tau[: len(k)])
+    ),
+    st.floats(0, 6),
+    st.lists(st.floats(0, 6), min_size=1, max_size=5),
+    st.lists(st.floats(-4, 4), min_size=5, max_size=5),
+)
+OMEGA = np.logspace(-3, 3, 13)
+
+
+def numbers(line: str) -> list[float]:
+    return [float(each) for each in re.findall(r"[-+]?\.?\d[\d.]*(?:[eE][-+]?\d+)?", line)]
+
+
+def stiffness(arms, k_inf, b=0.0):
+    s = 1j * OMEGA
+    return k_inf + b * s + sum(k * s * tau / (1 + s * tau) for k, tau in arms)
+
+
+@given(solids)
+def test_lsdyna_arms(solid):
+    """k(t) = ki + (k0 - ki) exp(-beta t) on each *MAT_SPRING_MAXWELL, fields of ten columns."""
+    solid = solid + GeneralizedMaxwell(0.0, b=7.0)
+    lines = export.lsdyna(solid, units="SI").splitlines()
+    cards = {
+        keyword: [
+            [float(lines[i + 1][a : a + 10]) for a in range(0, len(lines[i + 1]), 10)]
+            for i, line in enumerate(lines)
+            if line == keyword
+        ]
+        for keyword in ("*MAT_SPRING_ELASTIC", "*MAT_SPRING_MAXWELL", "*MAT_DAMPER_VISCOUS")
+    }
+    ((_, k_inf),) = cards["*MAT_SPRING_ELASTIC"]
+    ((_, b),) = cards["*MAT_DAMPER_VISCOUS"]
+    assert all(card[2] == 0.0 for card in cards["*MAT_SPRING_MAXWELL"])
+    arms = [(card[1], 1 / card[3]) for card in cards["*MAT_SPRING_MAXWELL"]]
+    assert stiffness(arms, k_inf, b) == pytest.approx(solid.complex_stiffness(OMEGA), rel=2e-4)
+    assert len(arms) == solid.arms
+
+
+@given(solids)
+def test_ansys_arms(solid):
+    """Each real constant set is an element; arms are two of them through a node of their own."""
+    lines = export.ansys(solid, units="SI").splitlines()
+    K, C, ends = [], [], []
+    for i, line in enumerate(lines):
+        if line.startswith("R,"):
+            _, k, c = numbers(line[1:])
+            K.append(k)
+            C.append(c)
+            ends.append(tuple(int(n) for n in numbers(lines[i + 2][1:])))
+    assert ends[0] == (1, 2)
+    arms = []
+    for spring, damper in zip(range(1, len(K), 2), range(2, len(K), 2), strict=True):
+        assert ends[spring] == (2, ends[damper][0])
+        assert ends[damper][1] == 1
+        assert C[spring] == K[damper] == 0.0
+        arms.append((K[spring], C[damper] / K[spring]))
+    assert stiffness(arms, K[0], C[0]) == pytest.approx(solid.complex_stiffness(OMEGA), rel=1e-8)
+
+
+@given(solids)
+def test_prony_cards_hold_the_same_series(solid):
+    if 1 - solid.k_inf / solid.k_0 > 1 - 1e-9:
+        solid = solid + GeneralizedMaxwell(solid.k_0)
+    rows = export.abaqus(solid, units="SI", form="prony").splitlines()
+    rows = rows[rows.index("*VISCOELASTIC, TIME=PRONY") + 1 :]
+    abaqus = [tuple(numbers(row)) for row in rows]
+    assert all(g == k for g, k, _ in abaqus)
+    ansys = [
+        value
+        for line in export.ansys(solid, units="SI", form="prony").splitlines()
+        if line.startswith("TBDATA")
+        for value in numbers(line[7:])[1:]
+    ]
+    assert np.array(ansys).reshape(-1, 2).tolist() == [[g, tau] for g, _, tau in abaqus]
+    radioss = export.radioss(solid, units="SI", modulus=1.0).splitlines()
+    start = radioss.index("#                G_i              beta_i") + 1
+    pairs = [(float(row[:20]), 1 / float(row[20:40])) for row in radioss[start:]]
+    for found in ([(g, tau) for g, _, tau in abaqus], pairs):
+        rebuilt = stiffness(found, 1 - sum(g for g, _ in found))
+        assert rebuilt == pytest.approx(
+            solid.complex_stiffness(OMEGA) / solid.k_0, rel=1e-6, abs=1e-9
+        )
+
+
+def test_table_1_as_a_prony_series(paper_seal):
+    """g = 0.354129, 0.053647; beta = 1.991525, 0.0609172 1/s."""
+    deck = export.abaqus(paper_seal, units="mm-t-s", form="prony")
+    assert "\n0.354128993" in deck
+    assert "\n0.053646775" in deck
+    maxwell = export.lsdyna(paper_seal, units="mm-t-s")
+    assert "1.9915254" in maxwell
+    assert ".06091718" in maxwell
+
+
+@given(solids)
+def test_transfer_function(solid):
+    deck = export.adams(solid, units="SI")
+    parts = re.split(r"^\[(\w+)\].*$", deck, flags=re.MULTILINE)
+    block = {name: numbers(body) for name, body in zip(parts[1::2], parts[2::2], strict=True)}
+    s = 1j * OMEGA
+    times = np.prod([1 + t * s for t in block["NUMERATOR_TIMES"]], axis=0) / np.prod(
+        [1 + t * s for t in block["DENOMINATOR_TIMES"]], axis=0
+    )
+    coefficients = np.polyval(block["NUMERATOR_COEFFICIENTS"][::-1], s) / np.polyval(
+        block["DENOMINATOR_COEFFICIENTS"][::-1], s
+    )
+    expected = solid.complex_stiffness(OMEGA) / solid.k_inf
+    assert times == pytest.approx(expected, rel=1e-7)
+    assert coefficients == pytest.approx(expected, rel=1e-6)
+
+
+@given(solids)
+def test_state_space(solid):
+    """C (j omega I - A)^-1 B + D + j omega E is the complex stiffness."""
+    solid = solid + GeneralizedMaxwell(0.0, b=2.0)
+    rows = {
+        line[0]: np.array(numbers(line[1:]))
+        for line in export.statespace(solid, units="SI").splitlines()
+        if line[1:3] == " ="
+    }
+    s = 1j * OMEGA[:, None]
+    K = (-rows["C"] * rows["B"] / (s + rows["A"])).sum(axis=1) + rows["D"] + 1j * OMEGA * rows["E"]
+    assert pytest.approx(solid.complex_stiffness(OMEGA), rel=1e-7, abs=1e-9 * solid.k_0) == K
+
+
+@pytest.mark.parametrize("units", list(UNIT_SYSTEMS))
+def test_comma_separated_values(paper_seal, units):
+    system = UNIT_SYSTEMS[units]
+    lines = export.csv(paper_seal, units=units).splitlines()
+    assert not any(line[0] in "=+-@" for line in lines)
+    text = "\n".join(line for line in lines if not line.startswith("#"))
+    for row in list(comma.reader(io.StringIO(text)))[1:]:
+        f, storage, loss, eta, b = (float(value) for value in row[:5])
+        K = complex(paper_seal.complex_stiffness(2 * np.pi * f / system.time))
+        assert storage == pytest.approx(system.stiffness(K.real), rel=1e-8)
+        assert loss == pytest.approx(system.stiffness(K.imag), rel=1e-8)
+        assert eta == pytest.approx(K.imag / K.real, rel=1e-8)
+        assert 2 * np.pi * f * b == pytest.approx(loss, rel=1e-8)
+
+
+def test_units_are_consistent():
+    """Newton's law holds in every system: force = mass x length / time^2, for 1 kg, 1 m, 1 s."""
+    for system in UNIT_SYSTEMS.values():
+        length, mass, time = 1 / system.length, 1 / system.mass, 1 / system.time
+        assert mass * length / time**2 == pytest.approx(1 / system.force)
+        # a resonance keeps its frequency: sqrt(k/m) in units of 1/time
+        omega = np.sqrt(system.stiffness(331.8) / (0.104 * mass))
+        assert omega / system.time == pytest.approx(np.sqrt(331.8 / 0.104))
+        zeta = system.damping(3.0) / (2 * np.sqrt(system.stiffness(331.8) * 0.104 * mass))
+        assert zeta == pytest.approx(3.0 / (2 * np.sqrt(331.8 * 0.104)))
+
+
+def test_connector_rows_read_back(paper_seal):
+    lines = export.abaqus(paper_seal, units="mm-t-s", form="connector").splitlines()
+    start = lines.index("*CONNECTOR ELASTICITY, COMPONENT=1")
+    middle = lines.index("*CONNECTOR DAMPING, COMPONENT=1, TYPE=STRUCTURAL")
+    K = np.array([numbers(line) for line in lines[start + 1 : middle]])
+    eta = np.array([numbers(line) for line in lines[middle + 1 :]])
+    assert K[:, 1].tolist() == eta[:, 1].tolist()
+    exact = paper_seal.complex_stiffness(2 * np.pi * K[:, 1]) / 1e3
+    assert K[:, 0] * (1 + 1j * eta[:, 0]) == pytest.approx(exact, rel=1e-8)
+
+
+def test_forms_and_targets_are_the_same_list():
+    assert set(export.FORMS) == set(export.TARGETS)
+    for name, function in export.TARGETS.items():
+        assert getattr(export, name) is function

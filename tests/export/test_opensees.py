@@ -1,0 +1,94 @@
+"""OpenSees runs our material: its ramp and hold is equation 5."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from dashpot import export
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+RUN = """
+import json, sys
+task = json.load(sys.stdin)
+try:
+    import openseespy.opensees as ops
+except (ImportError, RuntimeError) as error:
+    print(json.dumps({"missing": str(error)}))
+    sys.exit()
+ops.model("basic", "-ndm", 1, "-ndf", 1)
+ops.node(1, 0.0)
+ops.node(2, 0.0)
+ops.fix(1, 1)
+exec(task["deck"])
+ops.element("zeroLength", 1, 1, 2, "-mat", task["material"], "-dir", 1)
+ops.timeSeries("Path", 1, "-time", *task["path_time"], "-values", *task["path_value"])
+ops.pattern("Plain", 1, 1)
+ops.sp(2, 1, 1.0)
+ops.constraints("Lagrange")
+ops.numberer("Plain")
+ops.system("FullGeneral")
+ops.test("NormDispIncr", 1e-12, 20)
+ops.algorithm("Newton")
+ops.integrator("BackwardEuler", 0)
+ops.analysis("Transient")
+force = []
+for _ in range(task["steps"]):
+    assert ops.analyze(1, task["dt"]) == 0
+    force.append(ops.eleResponse(1, "material", 1, "stress")[0])
+print(json.dumps({"force": force}))
+"""
+
+
+def run_opensees(task: dict) -> np.ndarray:
+    """In a process of its own: OpenSees prints and keeps its model as global state."""
+    run = subprocess.run(
+        [sys.executable, "-c", RUN],
+        input=json.dumps(task), capture_output=True, text=True, timeout=120, check=False,
+    )  # fmt: skip
+    assert run.returncode == 0, run.stderr
+    found = json.loads(next(line for line in run.stdout.splitlines() if line.startswith("{")))
+    if "missing" in found:
+        pytest.skip(f"OpenSeesPy does not run here ({found['missing']}): pip install openseespy")
+    return np.array(found["force"])
+
+
+@pytest.mark.parametrize("b", [0.0, 5.0])
+def test_ramp_and_hold_is_equation_5(paper_seal, b):
+    """8 mm in 1 s, held 40 s: the force within 1e-5 of the largest, every 10 ms."""
+    model = paper_seal + GeneralizedMaxwell(0.0, b=b)
+    deck = export.opensees(model, units="mm-t-s", first_tag=5)
+    material = 5 + 3 + (b > 0)
+    dt, steps = 0.01, 4100
+    force = run_opensees(
+        {
+            "deck": deck, "material": material, "dt": dt, "steps": steps,
+            "path_time": [0.0, 1.0, 1000.0], "path_value": [0.0, 8.0, 8.0],
+        }
+    )  # fmt: skip
+    t = dt * np.arange(1, steps + 1)
+    exact = model.ramp_hold_force(t, depth=8e-3, ramp_time=1.0)
+    error = np.abs(force - exact) / exact.max()
+    if b > 0:  # the integrator needs two steps to know the velocity after a corner
+        error = error[(t > 2.5 * dt) & ~((t > 1 - dt / 2) & (t < 1 + 2.5 * dt))]
+    print(f"b = {b}: peak {force.max():.5f} N, largest error {error.max():.2e}")
+    assert error.max() < 1e-5
+
+
+def test_python_and_tcl_say_the_same(paper_seal):
+    model = paper_seal + GeneralizedMaxwell(0.0, b=2.0)
+    python = export.opensees(model, units="SI", form="python").splitlines()
+    tcl = export.opensees(model, units="SI", form="tcl").splitlines()
+    calls = [line for line in python if line.startswith("ops.")]
+    commands = [line for line in tcl if not line.startswith("#")]
+    words = [
+        line.removeprefix("ops.").replace("(", " ").replace(")", "").replace("'", "")
+        .replace(",", "").split()
+        for line in calls
+    ]  # fmt: skip
+    assert words == [command.split() for command in commands]
+    assert commands[-1].split()[:3] == ["uniaxialMaterial", "Parallel", "5"]
