@@ -165,6 +165,7 @@ def test_simulated_files_are_stamped(tmp_path):
 def test_pipes(folder):
     fit = run("fit", folder / "seal_8mm.csv", "-o", "-").stdout
     result = CliRunner().invoke(main, ["predict", "-", *MASS, "--json"], input=fit)
+    assert result.exit_code == 0, result.output
     assert json.loads(result.stdout)["schema"] == "dashpot/prediction@1"
 
 
@@ -183,7 +184,7 @@ def test_pipes(folder):
         (("predict", "{fit}", "--mass", "-104g"), "mass"),
         (("predict", "{fit}", "--mass", "104g", "--band", "50:1Hz"), "50 is not below 1"),
         (("impact", "{seal}"), "acceleration"),
-        (("report", "{fit}", "-o", "x.html"), "time"),
+        (("report", "{fit}", "-o", "x.html"), "commands that take FIT"),
         (("export", "{fit}", "--to", "nastran"), "unit"),
         (("export", "{fit}", "--to", "nastran", "--units", "mm-t-s"), "--temperature"),
         (("export", "{fit}", "--to", "adams", "--units", "SI", "--mass", "1kg"), "no --mass"),

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
-
-import click
 
 from dashpot.errors import ReadError
 
@@ -17,7 +16,7 @@ if TYPE_CHECKING:
 def read_text(path: str) -> str:
     """Return the text of a file; ``-`` is stdin."""
     if path == "-":
-        return click.get_binary_stream("stdin").read().decode()
+        return sys.stdin.buffer.read().decode()
     try:
         return Path(path).read_text(encoding="utf-8")
     except UnicodeDecodeError:
