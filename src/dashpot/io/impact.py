@@ -125,7 +125,7 @@ def _starts(time: FloatArray, loaded: Loaded) -> tuple[tuple[int, ...], list[str
         return loaded.starts, []
     jumps = [int(i) + 1 for i in np.flatnonzero(np.abs(steps - step) > 0.5 * step)]
     new = [jump for jump in jumps if jump not in loaded.starts]
-    if len(new) > 0.01 * len(time):  # an uneven clock, which the record itself refuses
+    if len(new) > 0.1 * len(time):  # an uneven clock, which the record itself refuses
         return loaded.starts, []
 
     notes = [f"the clock jumps at {loaded.where(b)}: a new record starts there" for b in new[:3]]

@@ -207,4 +207,4 @@ def _toml(value: object) -> str:
         return "[" + ", ".join(_toml(entry) for entry in value) + "]"
     if isinstance(value, int):
         return str(value)
-    return json.dumps(str(value), ensure_ascii=True).replace("\x7f", "\\u007F")
+    return json.dumps(str(value), ensure_ascii=False).replace("\x7f", "\\u007F")

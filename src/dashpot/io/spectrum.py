@@ -44,6 +44,8 @@ def read_frf(path: str | Path, *, options: ReadOptions | None = None) -> FRF:
     options = options or ReadOptions()
     raw = open_raw(path)
     table = read_table(raw, options)
+    if table.doubts:
+        raise ReadError(f"{raw.name}: {table.doubts[0]}")
     index = {role: _maybe(table, role, options) for role in _FRF_ROLES}
     cartesian = index["real"] is not None and index["imaginary"] is not None
     polar = index["magnitude"] is not None and index["phase"] is not None
@@ -136,7 +138,8 @@ def _ratio(word: str) -> tuple[Kind, float] | None:
         return Kind.ACCELERANCE, 1.0
     if text in {"m/(N*s)", "m/(N·s)"}:
         return Kind.MOBILITY, 1.0
-    top, slash, bottom = text.rpartition("/")
+    swapped = re.fullmatch(r"\(?1/(\w+)\)?\s*[*·]\s*(.+)", text)  # (1/N)*(m/s^2)
+    top, slash, bottom = (swapped[2], "/", swapped[1]) if swapped else text.rpartition("/")
     for (upper, lower), kind in _KINDS.items():
         a = units.find(top.strip("() "), upper)  # type: ignore[arg-type]
         b = units.find(bottom.strip("() "), lower)  # type: ignore[arg-type]

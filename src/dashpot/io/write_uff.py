@@ -43,6 +43,9 @@ def write_frf_uff(frf: FRF, path: str | Path, *, title: str = "dashpot FRF") -> 
         "ref_dir": 3, "x": motion.frequency, "num_pts": len(motion.frequency),
         "abscissa_spacing": int(even), "abscissa_min": float(motion.frequency[0]),
         "abscissa_inc": float(steps[0]) if even else 0.0,
+        "orddenom_spec_data_type": 0, "orddenom_axis_lab": "NONE",
+        "orddenom_axis_units_lab": "NONE", "ordinate_spec_data_type": 0,
+        "z_axis_spec_data_type": 0, "z_axis_axis_lab": "NONE", "z_axis_axis_units_lab": "NONE",
         "abscissa_spec_data_type": 18, "abscissa_axis_lab": "Frequency",
         "abscissa_axis_units_lab": "Hz",
     }  # fmt: skip

@@ -1,0 +1,142 @@
+"""Six gauge voltages to force and torque."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from io_look_alikes import truth
+
+from dashpot.errors import ReadError
+from dashpot.io.ati import AXES, read_calibration
+from dashpot.io.options import ReadOptions
+from dashpot.io.read import read_relaxation
+
+SHIFT = 6.096  # mm along z, a plausible tool face
+
+
+def cal(
+    path: Path, *, version: str, torque: str = "N-mm", distance: str = "mm", turn: str = "0"
+) -> np.ndarray:
+    """Write a calibration file; return the matrix in N/V and N m/V that it stands for."""
+    rng = np.random.default_rng(5)
+    inner = rng.normal(size=(6, 6)) * 20.0  # about the transducer's origin, N and N mm
+    tool = inner.copy()
+    # T' = T - d x F with d along z: (-z Fy, z Fx, 0)
+    tool[3] += SHIFT * inner[1]
+    tool[4] -= SHIFT * inner[0]
+    scale = np.array([5.6, 5.6, 2.9, 0.9, 0.9, 0.78])
+    to_file = {"N-mm": 1.0, "N-m": 1e-3}[torque]
+    length = {"mm": 1.0, "m": 1e-3}[distance]
+
+    def rows(name: str, matrix: np.ndarray, scales: np.ndarray | None) -> str:
+        units = np.repeat([1.0, to_file], 3)
+        return "".join(
+            f'<{name} Name="{axis}" values="{" ".join(f"{v:.12g}" for v in row)}" max="{limit}"'
+            + (f' scale="{s:.12g}"' if scales is not None else "") + "/>"
+            for axis, row, limit, s in zip(
+                AXES, matrix * (units * (scale if scales is not None else 1))[:, None],
+                (50, 50, 70, *(500 * to_file,) * 3), scale, strict=True,
+            )
+        )  # fmt: skip
+
+    text = (
+        '<?xml version="1.0" encoding="utf-8"?>\n<!-- NOTE -->\n'
+        f'<FTSensor Serial="FT00001" BodyStyle="Nano17" NumGages="6" CalFileVersion="{version}">'
+        f'<Calibration PartNumber="SI-50-0.5" CalDate="1/2/2011" ForceUnits="N" TorqueUnits="{torque}" '
+        f'DistUnits="{distance}" OutputRange="20">{rows("Axis", inner, scale)}'
+        f'<BasicTransform Dx="0" Dy="0" Dz="{SHIFT * length}" Rx="{turn}" Ry="0" Rz="0"/>'
+        + (rows("UserAxis", tool, None) if version == "1.1" else "")
+        + "</Calibration></FTSensor>"
+    )
+    path.write_text(text)
+    return tool * np.repeat([1.0, 1e-3], 3)[:, None]
+
+
+@pytest.mark.parametrize("version", ["1.0", "1.1"])
+@pytest.mark.parametrize("torque", ["N-mm", "N-m"])
+@pytest.mark.parametrize("distance", ["mm", "m"])
+def test_both_versions_give_one_matrix(
+    tmp_path: Path, version: str, torque: str, distance: str
+) -> None:
+    matrix = cal(tmp_path / "a.cal", version=version, torque=torque, distance=distance)
+    found = read_calibration(tmp_path / "a.cal")
+    np.testing.assert_allclose(found.matrix, matrix, rtol=1e-10, atol=1e-12)
+    np.testing.assert_allclose(found.limit, [50, 50, 70, 0.5, 0.5, 0.5])
+    assert (found.serial, found.part) == ("FT00001", "SI-50-0.5")
+
+
+def gauge_file(path: Path, matrix: np.ndarray, *, unit: str = "V", factor: float = 1.0) -> None:
+    time, moved, force = truth()
+    load = np.zeros((6, len(time)))
+    load[2] = force
+    volts = (np.linalg.solve(matrix, load) + 0.1 * np.arange(6)[:, None]) / factor
+    head = "Time [s],z [mm]," + ",".join(f"G{i} [{unit}]" for i in range(6)) + "\n"
+    rows = "".join(
+        ",".join(f"{v:.15g}" for v in row) + "\n" for row in np.column_stack([time, moved, *volts])
+    )
+    path.write_text(head + rows)
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("V", 1.0), ("mV", 1e-3)])
+def test_gauges_become_the_force(tmp_path: Path, unit: str, factor: float) -> None:
+    matrix = cal(tmp_path / "a.cal", version="1.0")
+    gauge_file(tmp_path / "a.csv", matrix, unit=unit, factor=factor)
+    with pytest.raises(ReadError):
+        read_relaxation(tmp_path / "a.csv")
+    options = ReadOptions(calibration=str(tmp_path / "a.cal"))
+    test = read_relaxation(tmp_path / "a.csv", options=options)
+    np.testing.assert_allclose(test.force, truth()[2], atol=1e-9)  # the bias went in volts
+    assert any("FT00001" in note for note in test.source.notes)
+
+
+def test_overload_is_noted(tmp_path: Path) -> None:
+    matrix = cal(tmp_path / "a.cal", version="1.1")
+    found = read_calibration(tmp_path / "a.cal")
+    volts = np.linalg.solve(matrix, np.array([[0], [0], [66.0], [0], [0], [0]]))
+    load = found.load(volts)
+    assert load[2, 0] == pytest.approx(66.0)
+    assert found.overload(load) == [
+        "Fz reaches 94 % of its range 70 N: a transducer may saturate before its limit"
+    ]
+
+
+def test_bad_calibrations(tmp_path: Path) -> None:
+    path = tmp_path / "a.cal"
+    for content, words in [
+        (b"no xml", "not an ATI calibration"),
+        (b"<a/>", "no FTSensor/Calibration"),
+        (b'<!DOCTYPE x [<!ENTITY a "b">]><FTSensor/>', "not an ATI calibration"),
+    ]:
+        path.write_bytes(content)
+        with pytest.raises(ReadError, match=words):
+            read_calibration(path)
+    with pytest.raises(ReadError, match="cannot be read"):
+        read_calibration(tmp_path / "none.cal")
+    cal(path, version="1.0", turn="30")
+    with pytest.raises(ReadError, match="turns the axes"):
+        read_calibration(path)
+    cal(path, version="1.0")
+    whole = path.read_text()
+    path.write_text(whole.replace('Name="Fy"', 'Name="Fq"'))
+    with pytest.raises(ReadError, match="axis Fy is missing"):
+        read_calibration(path)
+    path.write_text(whole.replace('ForceUnits="N"', 'ForceUnits="stone"'))
+    with pytest.raises(ReadError, match="'stone' is no unit of force"):
+        read_calibration(path)
+
+
+def test_gauges_are_counted(tmp_path: Path) -> None:
+    matrix = cal(tmp_path / "a.cal", version="1.1")
+    gauge_file(tmp_path / "a.csv", matrix)
+    text = (tmp_path / "a.csv").read_text()
+    (tmp_path / "a.csv").write_text(text.replace("G5 [V]", "T5 [degC]"))
+    options = ReadOptions(calibration=str(tmp_path / "a.cal"))
+    with pytest.raises(ReadError, match="needs six columns of gauge voltages, found 5"):
+        read_relaxation(tmp_path / "a.csv", options=options)
+    (tmp_path / "a.csv").write_text(text)
+    with pytest.raises(ReadError, match="--axis Fq: expected one of Fx"):
+        read_relaxation(
+            tmp_path / "a.csv", options=ReadOptions(calibration=str(tmp_path / "a.cal"), axis="Fq")
+        )

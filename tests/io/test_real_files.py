@@ -1,0 +1,184 @@
+"""Real files of real labs."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from dashpot.errors import ReadError
+from dashpot.io.options import ReadOptions
+from dashpot.io.read import (
+    inspect_file,
+    read_dynamic,
+    read_frf,
+    read_impact,
+    read_relaxation,
+)
+from dashpot.vibration.frf import Kind
+
+HAMMER = "lvm_read_F_m1_m2/long_single_header_multi_ch.lvm"
+
+
+def test_jpk_record(shared_data: Path) -> None:
+    path = shared_data / "rheosafm-jpk-relaxation" / "AFM_relaxation.txt"
+    found = inspect_file(path)
+    assert (found.kind, found.rows, found.even) == ("relaxation", 76600, True)
+    assert [(s.name, s.rows) for s in found.segments] == [
+        ("extend", 800), ("pause", 75000), ("retract", 800),
+    ]  # fmt: skip
+    assert found.rate == pytest.approx(5000.0)
+    start = time.process_time()
+    test = read_relaxation(path)
+    assert time.process_time() - start < 1.0
+    assert test.force.max() == pytest.approx(2.197e-6, rel=1e-3)
+    assert test.time[0] == 1e-4
+    held = read_relaxation(path, options=ReadOptions(segment=2))
+    creep = abs(held.displacement[-1000:].mean() - held.displacement[:1000].mean())
+    assert 0.1e-6 < creep < 0.25e-6  # the hold is not one
+
+
+def test_two_hits_of_a_hammer(shared_data: Path) -> None:
+    with pytest.raises(ReadError, match=r"column 'F' is labelled 'g'.*--units \"force=N\""):
+        read_impact(shared_data / HAMMER)
+    test = read_impact(shared_data / HAMMER, options=ReadOptions(units={"force": "N"}))
+    assert test.starts == (0, 8192)
+    assert test.channels == ("m_1", "m_2")
+    hits = [int(np.argmax(np.abs(test.force[record]))) for record in test.records()]
+    assert all(80 < hit < 90 for hit in hits)
+    assert test.force.min() == pytest.approx(-18.03, abs=0.01)
+    np.testing.assert_allclose(test.acceleration[:, 0], [0.234571, 0.244440])
+    assert not list((shared_data / "lvm_read_F_m1_m2").glob("*.pkl"))
+
+
+@pytest.mark.parametrize(
+    ("name", "rows", "names"),
+    [
+        ("multi_time_column", 3, ("Voltage", "Acceleration")),
+        ("no_decimal_separator", 4, ("ax", "ay", "az")),
+        ("short", 10, ("Excitation (Trigger)", "Response (Trigger)")),
+        ("with_comments", 9, ("Volume (ml)",)),
+        ("with_empty_fields", 7, ("Dev0/Ai0", "Dev0/Ai2", "Dev0/Ai0 1")),
+    ],
+)
+def test_lvm_varieties(shared_data: Path, name: str, rows: int, names: tuple[str, ...]) -> None:
+    found = inspect_file(shared_data / "formats" / "lvm" / f"{name}.lvm")
+    assert found.format == "LVM"
+    assert found.rows == rows
+    numbers = {c.name for c in found.columns if c.first and c.first[0] is not None}
+    assert set(names) <= numbers
+
+
+def test_a_short_lvm_with_decimal_commas(shared_data: Path) -> None:
+    test = read_impact(shared_data / "formats" / "lvm" / "short.lvm")
+    np.testing.assert_allclose(test.force[:3], [0.914018, 0.537321, 0.616905])
+    assert test.rate == pytest.approx(25600.0)
+
+
+def test_testxpert(shared_data: Path) -> None:
+    (path,) = (shared_data / "formats" / "zwick").glob("*.TXT")
+    found = inspect_file(path)
+    assert found.rows == 5734
+    assert [c.unit for c in found.columns] == ["s", "N", "mm", "mm", "mm", "mm"]
+    with pytest.raises(ReadError, match="could each be the displacement"):
+        read_relaxation(path)
+    # its clock was scrambled before it was published
+    with pytest.raises(ReadError, match="time falls from .* line 24"):
+        read_relaxation(path, options=ReadOptions(displacement="Standardweg"))
+    options = ReadOptions(displacement="Standardweg", rate=10.0)
+    assert read_relaxation(path, options=options).force[0] == 0.576537916
+
+
+def test_titin_asks_for_its_units(shared_data: Path) -> None:
+    path = shared_data / "titin-ramp-hold" / "AvgRelaxed_1s.csv"
+    with pytest.raises(ReadError, match="'Time' \\(time\\) has no unit"):
+        read_relaxation(path)
+    units = {"time": "s", "displacement": "um", "force": "mN"}
+    test = read_relaxation(path, options=ReadOptions(units=units))
+    assert test.displacement.max() == pytest.approx(1.175e-6, rel=1e-2)
+
+
+def test_a_file_without_a_header(shared_data: Path) -> None:
+    path = shared_data / "rheos-data-time" / "data_time.csv"
+    with pytest.raises(ReadError, match="no column is recognised as time"):
+        read_relaxation(path)
+    options = ReadOptions(
+        time="1",
+        displacement="2",
+        force="3",
+        units={"time": "s", "displacement": "mm", "force": "N"},
+    )
+    assert len(read_relaxation(path, options=options).time) == 101
+
+
+def test_workbook_without_a_header(shared_data: Path) -> None:
+    path = shared_data / "oca-cyclic-shear-relaxation" / "shear_relaxation_0d1.xlsx"
+    options = ReadOptions(
+        time="1",
+        displacement="2",
+        force="3",
+        units={"time": "s", "displacement": "mm", "force": "N"},
+    )
+    test = read_relaxation(path, options=options)
+    assert len(test.time) == 432
+    assert test.displacement[1] == pytest.approx(0.0202e-3)
+
+
+def test_dma_records(shared_data: Path) -> None:
+    master = read_dynamic(shared_data / "pyvisco-master-curves" / "freq_user_master.csv")
+    assert len(master.frequency) == 206
+    assert master.storage[0] == pytest.approx(88.79651575665739e6)
+    raw = read_dynamic(shared_data / "pyvisco-master-curves" / "freq_user_raw.csv")
+    assert len(raw.frequency) == 210
+    assert raw.temperature[0] == pytest.approx(273.15 - 49.9612)
+    eplexor = read_dynamic(shared_data / "formats" / "rheometer_dma" / "freq_Eplexor_raw.xls")
+    assert len(eplexor.frequency) == 210
+    assert eplexor.storage[0] == pytest.approx(4956.183187381401e6)
+    assert eplexor.temperature[0] == pytest.approx(273.15 - 50.0363)
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        ("formats/rheometer_dma/flow_ramp.txt", "flow curve"),
+        ("formats/rheometer_dma/relaxation_test.csv", "relaxation modulus"),
+        ("formats/rheometer_dma/stressrelaxation_hdpe_data.csv", "relaxation modulus"),
+        ("formats/rheometer_dma/relaxation.json", "relaxation modulus"),
+        ("pyvisco-master-curves/time_user_master.csv", "relaxation modulus"),
+        ("formats/uff/sample_dataset58_psd.uff", "power spectral density"),
+    ],
+)
+def test_what_is_no_test_is_refused(shared_data: Path, name: str, reason: str) -> None:
+    assert inspect_file(shared_data / name).kind == "not-a-test"
+    with pytest.raises(ReadError, match=f"is not a test: .*{reason}"):
+        read_relaxation(shared_data / name)
+
+
+def test_rheometer_headers(shared_data: Path) -> None:
+    found = inspect_file(shared_data / "formats" / "rheometer_dma" / "relaxation_test.csv")
+    names = [(c.name, c.unit) for c in found.columns]
+    assert names == [
+        ("Time", "s"), ("Shear Strain", "%"), ("Shear Stress", "Pa"), ("Relaxation Modulus", "Pa"),
+    ]  # fmt: skip
+
+
+def test_uff_varieties(shared_data: Path) -> None:
+    folder = shared_data / "formats" / "uff"
+    assert inspect_file(folder / "Sample_UFF58_ascii.uff").rows == 79292
+    assert inspect_file(folder / "Sample_UFF58b_bin.uff").rows == 79292
+    sine = inspect_file(folder / "binary8byte.uff")
+    assert (sine.rows, sine.columns[1].unit) == (250, "g")
+    assert inspect_file(folder / "time-history-not-all-columns-filled.uff").rows == 13
+    frf = read_frf(folder / "non_ascii_header.uff")
+    assert frf.kind is Kind.ACCELERANCE
+    assert frf.value[1] == pytest.approx(-5.99924e-02 - 5.53260e-02j)
+
+
+@pytest.mark.parametrize("number", range(1, 8))
+def test_two_columns_of_anything(shared_data: Path, number: int) -> None:
+    path = shared_data / "pyrespect-time-tests" / f"test{number}.dat"
+    found = inspect_file(path)
+    assert found.rows == sum(bool(line.strip()) for line in path.read_text().splitlines())
+    assert len(found.columns) == 2

@@ -1,0 +1,192 @@
+"""What is written is read back."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from dashpot.errors import ReadError
+from dashpot.io.options import ReadOptions
+from dashpot.io.read import inspect_file, read_frf, read_impact, read_relaxation
+from dashpot.io.write import neutral, write_frf, write_impact, write_relaxation
+from dashpot.io.write_uff import write_frf_uff
+from dashpot.provenance import Source
+from dashpot.relaxation.records import RelaxationTest
+from dashpot.vibration.frf import FRF, Kind
+from dashpot.vibration.records import ImpactTest
+
+finite = st.floats(-1e6, 1e6, allow_nan=False, width=64)
+
+
+def frf(kind: Kind = Kind.ACCELERANCE, *, measured: bool = True, n: int = 40) -> FRF:
+    rng = np.random.default_rng(3)
+    return FRF(
+        np.linspace(1.0, 40.0, n),
+        rng.normal(size=n) + 1j * rng.normal(size=n),
+        kind,
+        coherence=rng.uniform(size=n) if measured else None,
+        sd=rng.uniform(size=n) if measured else None,
+        shift=0.25 if measured else 0.0,
+        record=8.0 if measured else None,
+        averages=5 if measured else 0,
+    )
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.lists(st.tuples(finite, finite), min_size=8, max_size=30))
+def test_relaxation_round_trip(tmp_path_factory: pytest.TempPathFactory, pairs) -> None:
+    moved, force = np.array(pairs).T
+    test = RelaxationTest(np.arange(len(moved)) / 7.0, moved, force)
+    path = tmp_path_factory.mktemp("w") / "a.csv"
+    text = write_relaxation(test, path)
+    assert text == path.read_text()
+    assert text.splitlines()[0] == "time [s],displacement [mm],force [N]"
+    back = read_relaxation(path)
+    np.testing.assert_array_equal(back.time, test.time)
+    np.testing.assert_array_equal(back.force, test.force)
+    # millimetres and back: one unit in the last place
+    np.testing.assert_allclose(back.displacement, test.displacement, rtol=4.5e-16)
+
+
+def test_impact_round_trip_keeps_records_and_names(tmp_path: Path) -> None:
+    rng = np.random.default_rng(1)
+    time = np.concatenate([np.arange(50) / 100, np.arange(70) / 100, 3 + np.arange(30) / 100])
+    test = ImpactTest(
+        time, rng.normal(size=150), rng.normal(size=(2, 150)), (0, 50, 120), ("left", "right 2")
+    )
+    write_impact(test, tmp_path / "a.csv")
+    assert replace(read_impact(tmp_path / "a.csv"), source=()) == test
+    plain = ImpactTest(time[:50], test.force[:50], test.acceleration[:, :50])
+    head = write_impact(plain).splitlines()[0]
+    assert head == "time [s],hammer [N],acceleration 1 [m/s^2],acceleration 2 [m/s^2]"
+
+
+def test_several_impact_files_are_records(tmp_path: Path) -> None:
+    rng = np.random.default_rng(1)
+    one = ImpactTest(np.arange(50) / 100, rng.normal(size=50), rng.normal(size=(1, 50)))
+    paths = [tmp_path / "a.csv", tmp_path / "b.csv"]
+    for path in paths:
+        write_impact(one, path)
+    test = read_impact(paths)
+    assert test.starts == (0, 50)
+    assert [source.file for source in test.source] == ["a.csv", "b.csv"]
+    write_impact(replace(one, channels=("other",)), paths[1])
+    with pytest.raises(ReadError, match="give files of one set-up"):
+        read_impact(paths)
+    with pytest.raises(ReadError, match="no impact file given"):
+        read_impact([])
+
+
+def test_a_jump_of_the_clock_starts_a_record(tmp_path: Path) -> None:
+    rows = "".join(f"{t:.3f},0.0,1.0\n" for t in [*np.arange(20) / 10, *(5 + np.arange(20) / 10)])
+    path = tmp_path / "a.csv"
+    path.write_text("time [s],hammer [N],acceleration 1 [m/s^2]\n" + rows)
+    test = read_impact(path)
+    assert test.starts == (0, 20)
+    assert any("clock jumps at line 22" in note for note in test.source[0].notes)
+
+
+@pytest.mark.parametrize("kind", list(Kind))
+@pytest.mark.parametrize("measured", [True, False])
+def test_frf_round_trip(tmp_path: Path, kind: Kind, measured: bool) -> None:
+    written = frf(kind, measured=measured)
+    write_frf(written, tmp_path / "a.csv", comments=["a comment"])
+    assert replace(read_frf(tmp_path / "a.csv"), source=()) == written
+    assert inspect_file(tmp_path / "a.csv").kind == "frf"
+
+
+def test_frf_of_another_origin(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    rows = "".join(f"{f};{f / 10};{-90}\n" for f in range(1, 20))
+    path.write_text("Frequency (Hz);Magnitude (g/N);Phase (deg)\n" + rows)
+    found = read_frf(path)
+    assert found.kind is Kind.ACCELERANCE
+    np.testing.assert_allclose(found.value, -1j * np.arange(1, 20) / 10 * 9.80665)
+    path.write_text("Frequency (Hz);Magnitude;Phase (deg)\n" + rows)
+    with pytest.raises(ReadError, match=r"which tells no FRF; expected motion per force"):
+        read_frf(path)
+    path.write_text("Frequency (Hz);Magnitude (m/N);Phase\n" + rows)
+    with pytest.raises(ReadError, match="the phase has no unit"):
+        read_frf(path)
+    path.write_text("# kind: mobility\nFrequency (Hz);Magnitude (m/N);Phase (deg)\n" + rows)
+    with pytest.raises(ReadError, match="the comment says mobility"):
+        read_frf(path)
+    path.write_text("time (s);Magnitude (m/N);Phase (deg)\n" + rows)
+    with pytest.raises(ReadError, match="no frequency response found"):
+        read_frf(path)
+
+
+@pytest.mark.parametrize("kind", [Kind.RECEPTANCE, Kind.MOBILITY, Kind.ACCELERANCE])
+def test_uff_round_trip(tmp_path: Path, kind: Kind) -> None:
+    written = frf(kind)
+    write_frf_uff(written, tmp_path / "a.uff")
+    found = read_frf(tmp_path / "a.uff")
+    assert (found.kind, found.shift, found.record, found.averages) == (kind, 0.25, 8.0, 5)
+    np.testing.assert_allclose(found.frequency, written.frequency, rtol=1e-6)
+    np.testing.assert_allclose(found.value, written.value, rtol=1e-10)
+    np.testing.assert_allclose(found.coherence, written.coherence, rtol=1e-6)
+    assert inspect_file(tmp_path / "a.uff").kind == "frf"
+    assert any("SI: m, N, K" in note for note in found.source[0].notes)
+
+
+def test_uff_keeps_what_pyuff_reads(tmp_path: Path) -> None:
+    import pyuff
+
+    write_frf_uff(frf(Kind.DYNAMIC_STIFFNESS), tmp_path / "a.uff")
+    sets = pyuff.UFF(str(tmp_path / "a.uff")).read_sets()
+    assert [entry["type"] for entry in sets] == [151, 164, 58, 58]
+    assert sets[1]["units_code"] == 1
+    assert (sets[2]["func_type"], sets[3]["func_type"]) == (4, 6)
+    assert (sets[2]["ordinate_spec_data_type"], sets[2]["orddenom_spec_data_type"]) == (8, 13)
+    assert (sets[2]["ordinate_axis_units_lab"], sets[2]["orddenom_axis_units_lab"]) == ("m", "N")
+
+
+def test_uneven_uff(tmp_path: Path) -> None:
+    written = replace(frf(measured=False), frequency=np.geomspace(1, 40, 40))
+    write_frf_uff(written, tmp_path / "a.uff")
+    np.testing.assert_allclose(read_frf(tmp_path / "a.uff").frequency, written.frequency, rtol=1e-5)
+
+
+def test_several_frfs_are_asked(tmp_path: Path) -> None:
+    import pyuff
+
+    write_frf_uff(frf(), tmp_path / "a.uff")
+    file = pyuff.UFF(str(tmp_path / "a.uff"))
+    file.write_sets([file.read_sets(2)], mode="add")
+    with pytest.raises(ReadError, match="2 FRFs in the file"):
+        read_frf(tmp_path / "a.uff")
+    assert read_frf(tmp_path / "a.uff", options=ReadOptions(segment=2)).averages == 5
+
+
+def test_the_stamp_stays(tmp_path: Path) -> None:
+    source = Source("x", "0" * 64, simulated=True)
+    time = np.arange(10.0)
+    relaxation = RelaxationTest(time, time, time, source=source)
+    assert write_relaxation(relaxation).startswith("# simulated\n")
+    stamped = write_relaxation(relaxation, comments=["simulated by the virtual rig"])
+    assert stamped.count("simulated") == 1
+    (tmp_path / "a.csv").write_text(stamped)
+    assert read_relaxation(tmp_path / "a.csv").source.simulated
+    write_frf_uff(replace(frf(), source=(source,)), tmp_path / "a.uff")
+    assert read_frf(tmp_path / "a.uff").source[0].simulated
+
+
+@pytest.mark.parametrize("cell", ["=1+1", "+1", "-1", "@cmd", "|calc", "%x"])
+def test_formulas_are_neutralised(cell: str) -> None:
+    assert neutral(cell) == "'" + cell
+    test = ImpactTest(np.arange(8.0), np.zeros(8), np.zeros((1, 8)), channels=(cell,))
+    assert f",{cell}" not in write_impact(test).splitlines()[0]
+
+
+def test_stdin_can_be_looked_at_twice(monkeypatch: pytest.MonkeyPatch) -> None:
+    time = np.arange(10.0)
+    text = write_relaxation(RelaxationTest(time, time, time))
+    monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(text.encode())))
+    assert inspect_file("-").kind == "relaxation"
+    assert read_relaxation("-").source.file == "stdin"
