@@ -18,7 +18,8 @@ FORMATS = ("pdf", "png", "svg")
 def save(figure: Figure, path: str | Path, *, dpi: float = 300.0) -> None:
     """Write `figure` to `path`; the suffix says how: .pdf, .png or .svg.
 
-    No date is written, so the same figure gives the same bytes. A PDF embeds TrueType fonts,
+    No date is written and the layout is settled once, so the same figure gives the same bytes
+    however often it is written. A PDF embeds TrueType fonts,
     as journals ask; an SVG draws its letters as paths, so that it looks alike everywhere.
 
     Raises
@@ -39,6 +40,7 @@ def save(figure: Figure, path: str | Path, *, dpi: float = 300.0) -> None:
         if kind == "svg":
             target.write_text(to_svg(figure), encoding="utf-8")
             return
+        _settle(figure)
         with rc_context({"pdf.fonttype": 42}):
             date = {"CreationDate": None} if kind == "pdf" else {}
             figure.savefig(target, format=kind, dpi=dpi, metadata=date)
@@ -67,17 +69,35 @@ def to_svg(figure: Figure, *, name: str = "figure", title: str = "") -> str:
 
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9-]*", name):
         raise ExportError(f"'{name}' cannot begin an SVG id; use letters, digits and hyphens")
+    _settle(figure)
     buffer = io.StringIO()
     with rc_context({"svg.hashsalt": "dashpot", "svg.fonttype": "path", "svg.id": None}):
         metadata = {"Date": None, "Creator": None, "Format": None, "Type": None}
         figure.savefig(buffer, format="svg", metadata=metadata)
     text = buffer.getvalue()
     text = text[text.index("<svg") :].rstrip()
-    text = re.sub(r"\s*<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
-    text = re.sub(r'(\bid="|url\(#|href="#)', rf"\g<1>{name}-", text)
+    text = re.sub(r"\s*<metadata>.*?</metadata>|\s*<!--.*?-->", "", text, flags=re.DOTALL)
+    text = _renamed(text, name)
     text = re.sub(r' d="[^"]*"', _rounded, text)
     label = f' role="img" aria-label="{escape(title)}"' if title else ' aria-hidden="true"'
     return text.replace("<svg", f"<svg{label}", 1)
+
+
+def _settle(figure: Figure) -> None:
+    """Lay the figure out and keep that: a second layout would begin where the first ended."""
+    if figure.get_layout_engine() is not None:
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")
+
+
+def _renamed(text: str, name: str) -> str:
+    """Every id numbered in the order it is met: matplotlib's hold addresses of memory."""
+    numbers: dict[str, int] = {}
+
+    def new(found: re.Match[str]) -> str:
+        return f"{found[1]}{name}-{numbers.setdefault(found[2], len(numbers))}"
+
+    return re.sub(r'(\bid="|url\(#|href="#)([^")]+)', new, text)
 
 
 def _rounded(path: re.Match[str]) -> str:

@@ -8,7 +8,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dashpot._arrays import FloatArray
-from dashpot.plot.look import BLUE, GREY, PAGE, REJECTED, SKY, Pen, dress, figure, legend, note
+from dashpot.plot.look import (
+    BLUE,
+    GREY,
+    PAGE,
+    REJECTED,
+    SKY,
+    Pen,
+    dress,
+    figure,
+    legend,
+    note,
+    plain,
+)
 from dashpot.plot.panels import time as panel
 from dashpot.vibration.blows import Blow, cut_blows
 from dashpot.vibration.frf import FRF, Hit
@@ -55,7 +67,9 @@ def hits(impact: ImpactTest, frf: FRF) -> Figure:
             time = _clock(blow)
             seen = time <= 1.25 * end
             panel.trace(ax, time[seen], blow.acceleration[i, seen], _pen(hit), bins=bins)
-        dress(ax, x="time after the hit, s", y="acceleration, m/s²", title=impact.channels[i])
+        dress(
+            ax, x="time after the hit, s", y="acceleration, m/s²", title=plain(impact.channels[i])
+        )
     note(first or ax, _decay_words(judged), (0.97, 0.95), ha="right")
     return made
 
@@ -105,7 +119,7 @@ def _pulses(ax: Axes, judged: Sequence[Judged]) -> None:
     for blow, hit in judged:
         time = _clock(blow)
         near = (time > -0.6 * width) & (time < end)
-        label = f"hit {hit.name}: rejected" if hit and not hit.accepted else ""
+        label = f"hit {plain(hit.name)}: rejected" if hit and not hit.accepted else ""
         panel.pulse(ax, 1e3 * time[near], blow.force[near], _pen(hit), label=label)
     accepted = sum(_accepted(hit) for _, hit in judged)
     dress(ax, x="time after the hit, ms", y="hammer force, N",

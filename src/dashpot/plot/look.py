@@ -75,6 +75,15 @@ def figure(width: float, height: float) -> Figure:
     return Figure(figsize=(width * MM, height * MM), layout=engine, facecolor="white")
 
 
+def plain(text: str) -> str:
+    """Words from a file as they stand: no mathematics read into a dollar, no missing letter."""
+    from matplotlib.font_manager import findfont, get_font
+
+    font = get_font(findfont("DejaVu Sans"))
+    known = (c if c.isprintable() and font.get_char_index(ord(c)) else "□" for c in text)
+    return "".join(known).replace("$", r"\$")
+
+
 def dress(ax: Axes, *, x: str = "", y: str = "", title: str = "") -> Axes:
     """Give the axes their labels, quiet spines and a pale grid."""
     ax.set_xlabel(x, fontsize=NORMAL)

@@ -28,6 +28,7 @@ from dashpot.plot.look import (
     legend,
     legend_above,
     log_axis,
+    plain,
 )
 from dashpot.plot.panels import frequency as panel
 from dashpot.vibration.frf import FRF, Kind
@@ -47,7 +48,9 @@ SHOWN = {
 }
 
 
-def frf(measured: FRF, *others: FRF, labels: Sequence[str] = ()) -> Figure:
+def frf(
+    measured: FRF, *others: FRF, labels: Sequence[str] = (), band: FRFBand | None = None
+) -> Figure:
     """One or several FRFs of one kind: magnitude, phase, and the coherence of the first.
 
     Parameters
@@ -58,11 +61,16 @@ def frf(measured: FRF, *others: FRF, labels: Sequence[str] = ()) -> Figure:
         Drawn over it, converted to its kind.
     labels : sequence of str
         One per FRF.
+    band : FRFBand, optional
+        Between which limits a relaxation test predicts; drawn over an accelerance.
     """
     same = [measured, *(other.to(measured.kind) for other in others)]
-    names = [*labels, *[""] * (len(same) - len(labels))]
+    names = _names(labels, len(same))
     pens = [MEASURED, CHOSEN, JOINT, *OTHERS][: len(same)]
-    return _bode(list(zip(same, names, pens, strict=True)))
+    return _bode(
+        list(zip(same, names, pens, strict=True)),
+        band if measured.kind is Kind.ACCELERANCE else None,
+    )
 
 
 def comparison(
@@ -79,11 +87,8 @@ def comparison(
     band : FRFBand, optional
         Between which limits the relaxation test predicts.
     """
-    made = _bode(curves_of(comparison, joint))
+    made = _bode(curves_of(comparison, joint), band)
     mark_peaks(made.axes[0], comparison, joint)
-    if band is not None:
-        draw_band(made.axes[0], band)
-        legend(made.axes[0], loc="lower right")
     return made
 
 
@@ -113,7 +118,7 @@ def nyquist(measured: FRF, *others: FRF, labels: Sequence[str] = ()) -> Figure:
     made = figure(COLUMN, 84)
     ax = made.subplots()
     same = [measured, *(other.to(measured.kind) for other in others)]
-    names = [*labels, *[""] * (len(same) - len(labels))]
+    names = _names(labels, len(same))
     for one, name, pen in zip(same, names, [MEASURED, CHOSEN, JOINT, *OTHERS], strict=False):
         f, value = smooth(one)
         value = scale * value
@@ -188,7 +193,8 @@ def smooth(one: FRF) -> tuple[FloatArray, ComplexArray]:
     A sharp resonance between two lines is drawn round: not the FRF but its inverse is joined by
     straight lines, which is smooth where the FRF peaks (it is the dynamic mass m + K/s^2).
     """
-    if one.averages > 0 or len(one.frequency) < 2 or bool((one.value == 0).any()):
+    dense_already = len(one.frequency) > 2000 or len(one.frequency) < 2
+    if one.averages > 0 or dense_already or bool((one.value == 0).any()):
         return one.frequency, one.value
     size = np.abs(one.value)
     parts = np.where(np.maximum(size[:-1], size[1:]) > 0.2 * size.max(), 48, 3)
@@ -219,13 +225,19 @@ def three_digits(value: float) -> str:
     return f"{value:.0f}" if abs(value) >= 100 else f"{value:.3g}"
 
 
-def _bode(curves: Sequence[tuple[FRF, str, Pen]]) -> Figure:
+def _names(labels: Sequence[str], count: int) -> list[str]:
+    return [plain(label) for label in labels] + [""] * (count - len(labels))
+
+
+def _bode(curves: Sequence[tuple[FRF, str, Pen]], band: FRFBand | None) -> Figure:
     measured = curves[0][0]
     strip = measured.coherence is not None
     rows = 3 if strip else 2
     made = figure(PAGE, 118 if strip else 100)
     axes = made.subplots(rows, 1, sharex=True, height_ratios=(2.6, 1.0, 0.6)[:rows])
     draw_magnitude(axes[0], curves)
+    if band is not None:
+        draw_band(axes[0], band)
     legend(axes[0], loc="lower right")
     draw_phase(axes[1], curves)
     if measured.coherence is not None:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from dashpot import plot
 from dashpot.study import Study
+from dashpot.vibration.frf import FRF
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -88,8 +88,8 @@ def _hammer(study: Study) -> dict[str, Picture]:
             ),
             "Nyquist plot of the accelerance; rings are the half-power points.",
         )
-    elif study.measured is not None or study.prediction is not None:
-        drawn["frf"] = _alone(study)
+    elif (alone := study.measured or study.prediction) is not None:
+        drawn["frf"] = _alone(alone, study)
     if study.impact is not None and study.measured is not None:
         drawn["hits"] = _picture(
             "hits",
@@ -100,8 +100,8 @@ def _hammer(study: Study) -> dict[str, Picture]:
     return drawn
 
 
-def _alone(study: Study) -> Picture:
-    draw: Callable[..., Figure] = plot.frf
-    frf = study.measured or study.prediction
-    what = "measured" if study.measured is not None else "predicted, untested by any measurement"
-    return _picture("frf", draw(frf, labels=(what,)), f"Frequency response function, {what}.")
+def _alone(frf: FRF, study: Study) -> Picture:
+    measured = frf is study.measured
+    what = "measured" if measured else "predicted, tested by no measurement"
+    made = plot.frf(frf, labels=(what,), band=None if measured else study.frf_band)
+    return _picture("frf", made, f"Frequency response function, {what}.")

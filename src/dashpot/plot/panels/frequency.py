@@ -71,20 +71,16 @@ def phase_axis(ax: Axes, values: ComplexArray) -> float:
 
 
 def decibels(ax: Axes, reference: str) -> None:
-    """The same magnitudes in dB on the right-hand side."""
-    from matplotlib.ticker import MultipleLocator, NullLocator, ScalarFormatter
+    """The same magnitudes in dB on the right-hand side: ticks on the same log axis."""
+    from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
-    right = right_axis(
-        ax,
-        f"dB re {reference}",
-        lambda y: 20 * np.log10(np.maximum(y, 1e-300)),
-        lambda y: np.power(10.0, np.asarray(y) / 20),
-    )
-    low, high = ax.get_ylim()
-    span = 20 * np.log10(high / low)
-    right.yaxis.set_major_locator(MultipleLocator(20 if span > 50 else 10 if span > 22 else 5))
+    low, high = 20 * np.log10(ax.get_ylim())
+    step = 20 if high - low > 50 else 10 if high - low > 22 else 5
+    levels = np.arange(step * np.ceil(low / step), high, step)
+    right = right_axis(ax, f"dB re {reference}", lambda y: y, lambda y: y)
+    right.yaxis.set_major_locator(FixedLocator(list(10 ** (levels / 20))))
     right.yaxis.set_minor_locator(NullLocator())
-    right.yaxis.set_major_formatter(ScalarFormatter())
+    right.yaxis.set_major_formatter(FuncFormatter(lambda y, _: f"{20 * np.log10(y):.0f}"))
 
 
 def coherence(ax: Axes, frequency: FloatArray, value: FloatArray, pen: Pen) -> None:

@@ -1,0 +1,292 @@
+"""Figures: labelled, legible, true to the numbers they show."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from dataclasses import replace
+
+import handmade
+import numpy as np
+import pytest
+from matplotlib.colors import to_hex
+from matplotlib.text import Text
+
+from dashpot import plot
+from dashpot.plot.impact import force_spectrum
+from dashpot.plot.look import BLUE, COLUMN, MM, PAGE, REJECTED, SMALL
+from dashpot.plot.panels.frequency import half_power, phase_axis, turned
+from dashpot.plot.relaxation import fits_to_show, fitted_force
+from dashpot.plot.vibration import smooth
+from dashpot.relaxation.fitting import fit
+from dashpot.relaxation.preparation import prepare
+from dashpot.simulation.rig import simulate_relaxation
+from dashpot.simulation.seals import PAPER, PAPER_MASS
+from dashpot.vibration.blows import Blow
+from dashpot.vibration.prediction import predict_frf
+
+S = handmade.study()
+
+DRAW = {
+    "segments": lambda: plot.segments(S.prepared),
+    "fit": lambda: plot.fit(S.fit, S.prepared, alternatives=S.alternatives),
+    "hold": lambda: plot.fit(S.hold_fit, S.prepared),
+    "spectrum": lambda: plot.spectrum(S.fit, joint=S.joint),
+    "stiffness": lambda: plot.stiffness(
+        S.fit, parameters=S.parameters, unseen=S.unseen, joint=S.joint, mark=12.71
+    ),
+    "comparison": lambda: plot.comparison(S.comparison, joint=S.joint_comparison, band=S.frf_band),
+    "frf": lambda: plot.frf(S.measured, S.prediction, labels=("measured", "predicted")),
+    "prediction": lambda: plot.frf(S.prediction, band=S.frf_band),
+    "receptance": lambda: plot.frf(S.measured.to("receptance")),
+    "mobility": lambda: plot.frf(S.measured.to("mobility")),
+    "dynamic_stiffness": lambda: plot.frf(S.measured.to("dynamic_stiffness")),
+    "nyquist": lambda: plot.nyquist(S.measured, S.prediction, labels=("measured", "predicted")),
+    "hits": lambda: plot.hits(S.impact, S.measured),
+    "hero": lambda: plot.hero(S),
+    "hero without hammer": lambda: plot.hero(handmade.bench_only()),
+}
+
+UNIT = re.compile(
+    r", (s|s \(log\)|ms|mm|N|mN|N/mm|Hz|°|–|m/s²|\(m/s²\)/N|\(mm/s\)/N|mm/N|dB re 0 Hz)$"
+)
+
+
+@pytest.fixture(scope="module")
+def drawn():
+    return {name: draw() for name, draw in DRAW.items()}
+
+
+@pytest.mark.parametrize("name", DRAW)
+def test_every_axis_names_its_quantity_and_unit(drawn, name):
+    figure = drawn[name]
+    assert figure.axes
+    for ax in figure.axes:
+        assert (
+            UNIT.search(ax.get_ylabel())
+            or "residual, mN" in ax.get_ylabel()
+            or (
+                ax.get_subplotspec().colspan.start > 0
+                and name == "segments"  # shares the left axis
+            )
+        ), ax.get_ylabel()
+        below = ax.get_subplotspec().is_last_row() or ax.xaxis.get_tick_params().get("labelbottom")
+        if below is not False and not _shares_x_below(ax):
+            assert UNIT.search(ax.get_xlabel()), (name, ax.get_xlabel())
+
+
+def _shares_x_below(ax) -> bool:
+    siblings = ax.get_shared_x_axes().get_siblings(ax)
+    return any(one is not ax and UNIT.search(one.get_xlabel()) for one in siblings)
+
+
+@pytest.mark.parametrize("name", DRAW)
+def test_figures_fit_a_journal_and_can_be_read(drawn, name):
+    figure = drawn[name]
+    width = figure.get_size_inches()[0] / MM
+    assert width == pytest.approx(COLUMN) or width == pytest.approx(PAGE)
+    sizes = [t.get_fontsize() for t in figure.findobj(Text) if t.get_text()]
+    assert min(sizes) >= SMALL >= 7.0
+
+
+def test_matplotlib_is_loaded_by_the_first_figure_and_pyplot_never():
+    code = (
+        "import sys, dashpot.plot as plot, handmade\n"
+        "assert not any(m.startswith('matplotlib') for m in sys.modules)\n"
+        "plot.to_svg(plot.segments(handmade.prepared()))\n"
+        "assert 'matplotlib.pyplot' not in sys.modules\n"
+    )
+    folder = str(handmade.__file__).rpartition("/")[0]
+    subprocess.run([sys.executable, "-c", code], check=True, cwd=folder)
+
+
+# -- the bench --------------------------------------------------------------------------------
+
+
+def test_the_drawn_residual_is_the_residual_of_the_fit():
+    when, force = fitted_force(S.fit, S.prepared)
+    left = S.prepared.force[: len(when)] - force
+    assert np.sqrt(np.mean(left**2)) == pytest.approx(S.fit.residual.rms, rel=1e-6)
+
+
+@pytest.mark.parametrize("method", ["full", "hold"])
+def test_the_drawn_residual_is_that_of_a_real_fit(method):
+    test = prepare(simulate_relaxation(PAPER, hold_time=10.0).test)
+    found = fit(test, arms=2, method=method)
+    when, force = fitted_force(found, test)
+    left = np.interp(when, test.time - test.onset, test.force) - force
+    assert np.sqrt(np.mean(left**2)) == pytest.approx(found.residual.rms, rel=1e-3)
+
+
+def test_a_fit_without_offset_is_drawn_without_one():
+    bare = replace(S.fit, nuisance=())
+    _, with_offset = fitted_force(S.fit, S.prepared)
+    _, without = fitted_force(bare, S.prepared)
+    assert without[0] == 0.0
+    assert with_offset[0] == pytest.approx(S.fit.nuisance[0].value, rel=1e-3)
+
+
+def test_fits_are_shown_once_per_number_of_arms_fewest_first():
+    shown = fits_to_show(S.fit, (S.fit, *S.alternatives))
+    assert [one.model.arms for one in shown] == [1, 2]
+
+
+def test_the_spike_that_thinning_must_not_hide_is_drawn():
+    force = np.array(S.prepared.force)
+    force[7000] += 0.9
+    figure = plot.fit(S.fit, replace(S.prepared, force=force))
+    highest = max(line.get_ydata().max() for line in figure.axes[1].get_lines())
+    assert highest == pytest.approx(force[7000], rel=1e-12)
+
+
+def test_ramp_and_hold_are_shaded_where_they_are():
+    ax = plot.segments(S.prepared).axes[0]
+    spans = [patch.get_extents().transformed(ax.transData.inverted()) for patch in ax.patches]
+    edges = sorted({round(float(edge), 6) for box in spans for edge in (box.x0, box.x1)})
+    assert {0.0, 1.0} <= set(edges)
+    assert max(edges) == pytest.approx(S.prepared.hold_end - S.prepared.onset)
+
+
+# -- the solid --------------------------------------------------------------------------------
+
+
+def test_stiffness_is_solid_where_identified_and_dashed_elsewhere(drawn):
+    low, high = S.fit.band
+    for ax in drawn["stiffness"].axes:
+        solid = next(one for one in ax.get_lines() if one.get_label() == "relaxation fit")
+        x, y = solid.get_xdata(), np.asarray(solid.get_ydata())
+        assert np.array_equal(np.isfinite(y), (x >= low) & (x <= high))
+        dashed = [
+            one for one in ax.get_lines()
+            if to_hex(one.get_color()) == BLUE.lower() and one.get_linestyle() == "--"
+            and np.isnan(np.asarray(one.get_ydata(), dtype=float)).any()
+        ]  # fmt: skip
+        assert len(dashed) == 1
+        together = np.isfinite(y) | np.isfinite(np.asarray(dashed[0].get_ydata()))
+        assert together.all()
+
+
+def test_stiffness_shows_newtons_per_millimetre(drawn):
+    ax = drawn["stiffness"].axes[0]
+    curve = next(one for one in ax.get_lines() if one.get_label() == "joint fit")
+    at = curve.get_xdata()
+    assert curve.get_ydata() == pytest.approx(1e-3 * S.joint.model.storage(2 * np.pi * at))
+
+
+def test_measured_dynamic_stiffness_is_drawn_with_its_scatter():
+    measured = S.measured.to("dynamic_stiffness")
+    figure = plot.stiffness(S.fit, measured=measured)
+    assert "from the FRF" in figure.axes[0].get_legend_handles_labels()[1]
+
+
+def test_spectrum_has_one_stem_per_arm_and_the_window_of_the_test(drawn):
+    ax = drawn["spectrum"].axes[0]
+    stems = [len(c.get_segments()) for c in ax.collections if hasattr(c, "get_segments")]
+    assert stems == [S.fit.model.arms, S.joint.model.arms]
+    box = ax.patches[0].get_extents().transformed(ax.transData.inverted())
+    assert (box.x0, box.x1) == pytest.approx(
+        tuple(1 / (2 * np.pi * f) for f in reversed(S.fit.band))
+    )
+
+
+# -- the hammer -------------------------------------------------------------------------------
+
+
+def test_the_peaks_are_marked_where_they_are_and_named(drawn):
+    ax = drawn["comparison"].axes[0]
+    dots = {
+        (float(one.get_xdata()[0]), float(one.get_ydata()[0]))
+        for one in ax.get_lines()
+        if one.get_marker() == "o"
+    }
+    c, joint = S.comparison, S.joint_comparison
+    assert dots == {
+        (c.measured_hz, c.measured_peak),
+        (c.predicted_hz, c.predicted_peak),
+        (joint.predicted_hz, joint.predicted_peak),
+    }
+    texts = [t.get_text() for t in ax.texts]
+    assert f"{c.measured_hz:.2f} Hz, 155 (m/s²)/N" in texts[0]
+
+
+def test_decibels_stand_on_the_right_of_the_same_magnitudes(drawn):
+    ax = drawn["comparison"].axes[0]
+    right = ax.child_axes[0]
+    drawn["comparison"].draw_without_rendering()
+    low, high = ax.get_ylim()
+    assert right.get_ylabel() == "dB re 1 (m/s²)/N"
+    shown = {
+        float(tick.label1.get_text() or tick.label2.get_text()): right.transData.transform((0, at))[
+            1
+        ]
+        for tick, at in zip(right.yaxis.get_major_ticks(), right.get_yticks(), strict=True)
+    }
+    assert len(shown) >= 3
+    for level, height in shown.items():
+        assert low <= 10 ** (level / 20) <= high
+        assert height == pytest.approx(ax.transData.transform((1, 10 ** (level / 20)))[1], abs=0.01)
+
+
+def test_a_sharp_peak_between_lines_is_drawn_round():
+    coarse = predict_frf(2 * PAPER, mass=PAPER_MASS, frequency=np.arange(10.0, 16.0, 0.22))
+    f, value = smooth(coarse)
+    fine = predict_frf(2 * PAPER, mass=PAPER_MASS, frequency=f)
+    assert np.abs(coarse.value).max() < 0.85 * np.abs(fine.value).max()
+    assert np.abs(value).max() == pytest.approx(np.abs(fine.value).max(), rel=0.01)
+    assert np.isin(coarse.frequency, f).all()
+
+
+def test_a_measured_frf_is_never_interpolated():
+    f, value = smooth(S.measured)
+    assert f is S.measured.frequency
+    assert value is S.measured.value
+
+
+def test_phase_does_not_wrap_through_the_noise_of_an_accelerance(drawn):
+    ax = drawn["frf"].axes[1]
+    assert ax.get_ylim() == (-15, 195)
+    lowest = phase_axis(ax, S.measured.value)
+    assert np.abs(np.diff(turned(S.measured.value, lowest))).max() < 90
+
+
+def test_half_power_rings_give_the_damping():
+    frequency = np.linspace(12.0, 13.4, 4001)
+    value = predict_frf(2 * PAPER, mass=PAPER_MASS, frequency=frequency).value
+    low, high = frequency[half_power(value)]
+    assert high - low == pytest.approx(0.112747, rel=0.01)
+
+
+def test_nyquist_axes_are_equal(drawn):
+    assert drawn["nyquist"].axes[0].get_aspect() == 1.0
+
+
+@pytest.mark.parametrize(("width", "expected"), [(0.010, -0.131), (0.020, -0.529)])
+def test_the_force_spectrum_is_that_of_a_half_sine(width, expected):
+    rate = 51_200.0
+    time = np.arange(-0.02, 0.2, 1 / rate)
+    force = np.where((time >= 0) & (time <= width), 3.0 * np.sin(np.pi * time / width), 0.0)
+    blow = Blow(
+        name="1", time=0.0, rate=rate, onset=int(np.argmax(time >= 0)), force=force,
+        acceleration=np.zeros((1, len(force))), noise=np.zeros(2), ringing=np.zeros(1),
+        offset=np.zeros(2),
+    )  # fmt: skip
+    frequency, level = force_spectrum(blow)
+    # the foot of the pulse below 2 % of its peak is left out
+    assert np.interp(12.71, frequency, level) == pytest.approx(expected, abs=0.01)
+
+
+def test_rejected_hits_are_seen_and_named(drawn):
+    pulses = drawn["hits"].axes[0]
+    rejected = [one for one in pulses.get_lines() if one.get_color() == REJECTED.color]
+    assert [one.get_label() for one in rejected] == ["hit 3: rejected"]
+    assert rejected[0].get_xdata().max() > 60.0  # the second blow, 60 ms later, is in sight
+    assert pulses.get_title(loc="left") == "4 of 5 hits accepted"
+
+
+def test_words_from_a_file_are_not_read_as_mathematics():
+    hostile = replace(S.impact, channels=(r"$\frac{", "加速度 \x07"))
+    figure = plot.hits(hostile, S.measured)
+    plot.to_svg(figure)
+    assert figure.axes[2].get_title(loc="left") == r"\$\frac{"
+    assert figure.axes[3].get_title(loc="left") == "□□□ □"
