@@ -239,10 +239,12 @@ def _undershoot(blow: Blow) -> str:
     doubt = 5 * blow.noise[0] * len(tail) / np.sqrt(blow.onset) / impulse
     if given_back < max(UNDERSHOOT, doubt):
         return ""
-    first = tail[: max(len(tail) // 50, 8)]
-    corner = -float(first.mean()) * blow.rate / impulse / (2 * np.pi)
+    # of what is given back, exp(-2 pi f t) is still to come
+    early = max(len(tail) // 50, 8)
+    share = min(max(-float(tail[:early].sum()) / impulse, 0.0), 0.99)
+    corner = -np.log1p(-share) * blow.rate / (2 * np.pi * early)
     return (
         f"the force stays below its base line after the pulse and gives {100 * given_back:.0f} % "
-        f"of the impulse back, as a channel coupled above {max(corner, 0.0):.2g} Hz does; couple "
+        f"of the impulse back, as a channel with a high pass at {corner:.2g} Hz does; couple "
         "it by DC, or trust only frequencies 20 times as high"
     )

@@ -1,0 +1,330 @@
+"""From hammer blows to an FRF: the known FRF comes back, and what cannot be trusted is said."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dashpot.errors import DataError
+from dashpot.simulation.hammer import Hammer, simulate_impact
+from dashpot.vibration.frf import FRF, Kind
+from dashpot.vibration.impact import estimate_frf
+from dashpot.vibration.modes import model_modes
+from dashpot.vibration.prediction import predict_frf
+from dashpot.vibration.records import ImpactTest
+
+MASS = 0.1040426
+NOISE = (5e-3, 0.02)
+
+
+def error(frf, model, mass=MASS, low=5.0, high=50.0):
+    true = predict_frf(model, mass=mass, frequency=frf.frequency, shift=frf.shift)
+    lines = (frf.frequency >= low) & (frf.frequency <= high)
+    return np.abs(frf.value / true.value - 1)[lines].max()
+
+
+def check(frf, name):
+    (found,) = [check for check in frf.checks if check.name == name]
+    return found
+
+
+# -- the known FRF ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_long_record_returns_equation_7(paper_seal, seed):
+    rig = replace(Hammer().noise_free(), record=32.0, duration=(0.015, 0.015))
+    test = simulate_impact(paper_seal, mass=MASS, hits=1, rig=rig, seed=seed).test
+    assert error(estimate_frf(test), 2 * paper_seal) < 3e-4
+
+
+def test_without_an_anti_alias_filter_the_edges_of_the_pulse_alias(strike, paper_seal):
+    def sampled(rate):
+        test = strike(record=32.0, rate=rate, before=0.1, on_sample=True)
+        return error(estimate_frf(test), 2 * paper_seal)
+
+    assert sampled(1000) == pytest.approx(0.023, rel=0.05)
+    assert sampled(2048) < 3e-3
+    assert sampled(4096) < 4e-4
+
+
+@pytest.mark.parametrize(("end", "most"), [("1e-6", 2e-4), ("1e-4", 2e-3)])
+def test_the_exponential_window_is_exact_on_the_shifted_line(strike, paper_seal, end, most):
+    test = strike(record=2.0, rate=8192)
+    frf = estimate_frf(test, window=f"exponential:{end}", band=(5, 50))
+    assert frf.shift == pytest.approx(-np.log(float(end)) / 2.0, rel=1e-3)
+    assert error(frf, 2 * paper_seal) < most
+    on_axis = predict_frf(2 * paper_seal, mass=MASS, frequency=frf.frequency)
+    assert np.abs(frf.value / on_axis.value - 1).max() > 0.5
+
+
+def test_the_exponential_window_is_as_gentle_as_the_decay_allows(strike, broad_seal, paper_seal):
+    ringing = estimate_frf(strike(record=2.0), window="exponential")
+    left = np.exp(-2 * (0.354171 + ringing.shift))
+    assert 0.003 < left < 0.02
+    decayed = estimate_frf(strike(2 * broad_seal, 0.114829829, record=8.0), window="exponential")
+    assert decayed.shift == 0
+    assert any("not needed" in step.says for step in decayed.steps)
+
+
+@pytest.mark.parametrize("window", ["none", "exponential:0.01", "force", "force+exponential:0.01"])
+def test_offsets_do_not_reach_the_frf(strike, window):
+    plain = estimate_frf(strike(record=4.0, rate=4096), window=window, band=(2, 60))
+    offset = estimate_frf(
+        strike(record=4.0, rate=4096, offset=(0.3, -2.0)), window=window, band=(2, 60)
+    )
+    np.testing.assert_allclose(offset.value, plain.value, rtol=1e-9)
+
+
+def test_the_force_window_keeps_the_whole_pulse(strike):
+    plain = estimate_frf(strike(record=4.0))
+    windowed = estimate_frf(strike(record=4.0), window="force")
+    np.testing.assert_allclose(windowed.value, plain.value, rtol=1e-12)
+
+
+def test_the_force_window_takes_noise_away(strike, paper_seal):
+    test = strike(record=20.0, hits=5, noise=(0.05, 0.0))
+    assert error(estimate_frf(test, window="force"), 2 * paper_seal, low=14) < 0.5 * error(
+        estimate_frf(test), 2 * paper_seal, low=14
+    )
+
+
+def test_one_continuous_record_is_as_good_as_one_per_hit(strike, broad_seal):
+    test = strike(2 * broad_seal, 0.114829829, record=8.0, hits=4, noise=NOISE)
+    joined = ImpactTest(
+        time=np.arange(len(test.force)) / 2048, force=test.force, acceleration=test.acceleration
+    )
+    apart, together = estimate_frf(test), estimate_frf(joined)
+    assert together.averages == 4
+    assert [hit.accepted for hit in together.hits] == [True] * 4
+    assert [hit.time for hit in together.hits] == pytest.approx([0.1, 8.1, 16.1, 24.1], abs=2e-3)
+    assert apart.modes()[0].damping_ratio == pytest.approx(
+        together.modes()[0].damping_ratio, rel=2e-3
+    )
+
+
+def test_tests_in_several_files_are_averaged(strike):
+    one = estimate_frf([strike(seed=1), strike(seed=2), strike(seed=3)])
+    assert one.averages == 3
+    assert [hit.name for hit in one.hits] == ["1", "2", "3"]
+
+
+def test_a_shorter_record_and_pretrigger_can_be_asked_for(strike):
+    frf = estimate_frf(strike(record=8.0), record=4.0, pretrigger=0.05)
+    assert np.diff(frf.frequency) == pytest.approx(0.25)
+    # the record begins in the middle of the 15 ms pulse
+    assert frf.record == pytest.approx(4.0 - 0.05 - 0.0075, abs=1e-3)
+    assert frf.pulse == pytest.approx(0.015 * np.sqrt(0.25 - 2 / np.pi**2), rel=0.02)
+
+
+# -- signs --------------------------------------------------------------------------------------
+
+
+def test_a_passive_block_has_a_receptance_with_negative_imaginary_part(strike):
+    receptance = estimate_frf(strike(record=32.0), band=(2, 50)).to(Kind.RECEPTANCE)
+    assert (receptance.value.imag < 0).all()
+
+
+@pytest.mark.parametrize(("hammer", "accelerometer"), [(-1, 1), (1, -1), (-1, -1)])
+def test_polarity_is_found_and_said(strike, hammer, accelerometer):
+    test = strike(record=4.0, hits=3, noise=NOISE)
+    plain = estimate_frf(test)
+    turned = estimate_frf(
+        replace(test, force=hammer * test.force, acceleration=accelerometer * test.acceleration)
+    )
+    np.testing.assert_allclose(turned.value, plain.value, rtol=1e-9)
+    names = [step.name for step in turned.steps]
+    assert ("hammer_sign" in names) == (hammer < 0)
+    assert ("polarity" in names) == (accelerometer < 0)
+
+
+def test_accelerometers_of_opposite_polarity_are_refused_until_told(strike):
+    test = strike(record=4.0, hits=3, noise=NOISE)
+    both = replace(
+        test, acceleration=np.vstack((test.acceleration, -test.acceleration)), channels=()
+    )
+    with pytest.raises(DataError, match=r"opposite polarity.*acceleration 2 against.*\(1, -1\)"):
+        estimate_frf(both)
+    told = estimate_frf(both, polarity=(1, -1))
+    np.testing.assert_allclose(told.value, estimate_frf(test).value, rtol=1e-9)
+
+
+# -- what can be trusted ------------------------------------------------------------------------
+
+
+def test_one_hit_has_no_coherence(strike):
+    frf = estimate_frf(strike())
+    assert frf.coherence is None
+    assert frf.sd is None
+    assert not check(frf, "coherence").passed
+    assert "single hit" in check(frf, "coherence").says
+    assert not check(frf, "hits_enough").passed
+
+
+def test_three_good_hits_are_enough(strike):
+    frf = estimate_frf(strike(hits=3, noise=NOISE))
+    assert check(frf, "hits_enough").passed
+    assert check(frf, "coherence").passed
+    assert check(frf, "hits_agree").passed
+
+
+def test_a_short_record_is_told_how_long_to_be(strike):
+    frf = estimate_frf(strike(record=4.0, hits=3, noise=NOISE))
+    long_enough, lines = check(frf, "record_long_enough"), check(frf, "lines_in_half_power_band")
+    assert not long_enough.passed
+    assert long_enough.limit == pytest.approx(6 / 0.354171, rel=0.02)
+    assert not lines.passed
+    assert "record 44" in lines.says
+    assert lines.value == pytest.approx(0.112747 * 4, rel=0.02)
+
+
+def test_a_heavily_damped_seal_needs_no_more(strike, broad_seal):
+    frf = estimate_frf(strike(2 * broad_seal, 0.114829829, hits=3, noise=NOISE), mass=0.114829829)
+    assert [c.says for c in frf.checks if not c.passed] == []
+
+
+@pytest.mark.parametrize(
+    ("gain", "says"),
+    [(1 / 9.80665, "in g, not in m/s"), (9.80665, "taken for g"), (1.2, "calibration factor of")],
+)
+def test_the_mass_line_finds_unit_slips(strike, gain, says):
+    test = strike(hits=3, noise=NOISE)
+    frf = estimate_frf(replace(test, acceleration=gain * test.acceleration), mass=MASS)
+    assert not check(frf, "mass_line").passed
+    assert says in check(frf, "mass_line").says
+
+
+def test_the_mass_line_confirms_a_good_calibration(strike):
+    assert check(estimate_frf(strike(hits=3, noise=NOISE), mass=MASS), "mass_line").passed
+
+
+def test_a_turned_sign_shows_in_the_mass_line(strike):
+    frf = estimate_frf(strike(hits=3, noise=NOISE), mass=MASS, polarity=(-1,))
+    assert "sign is wrong" in check(frf, "mass_line").says
+
+
+def test_the_random_error_is_the_scatter(strike, paper_seal):
+    """Over many tests the real and imaginary parts scatter as the sd says."""
+    frfs = [
+        estimate_frf(
+            strike(record=4.0, rate=512, hits=4, noise=(0.02, 0.1), seed=seed), band=(4, 40)
+        )
+        for seed in range(24)
+    ]
+    scatter = np.array([frf.value for frf in frfs]).std(axis=0) / np.sqrt(2)
+    stated = np.sqrt(np.mean([frf.sd**2 for frf in frfs], axis=0))
+    ratio = (scatter / stated)[np.abs(frfs[0].frequency - 12.7) > 1]
+    assert np.median(ratio) == pytest.approx(1.0, abs=0.2)
+
+
+def test_a_mode_lies_within_its_error(strike):
+    true = 12.70975, 0.00443503
+    z = []
+    for seed in range(6):
+        (mode,) = estimate_frf(strike(record=4.0, hits=4, noise=NOISE, seed=seed)).modes()
+        z.append((mode.frequency - true[0]) / mode.frequency_se)
+        z.append((mode.damping_ratio - true[1]) / mode.damping_ratio_se)
+    assert np.sqrt(np.mean(np.square(z))) < 2
+    assert np.abs(z).max() < 4
+
+
+# -- choices ------------------------------------------------------------------------------------
+
+
+def test_hits_are_accepted_and_rejected_by_name(strike):
+    test = strike(hits=4, noise=NOISE)
+    frf = estimate_frf(test, reject=["2"])
+    assert [hit.accepted for hit in frf.hits] == [True, False, True, True]
+    others = ImpactTest.__dict__["records"](test)
+    keep = np.r_[others[0], others[2], others[3]]
+    n = len(test.force) // 4
+    rest = ImpactTest(
+        test.time[keep], test.force[keep], test.acceleration[:, keep], starts=(0, n, 2 * n)
+    )
+    np.testing.assert_allclose(frf.value, estimate_frf(rest).value, rtol=1e-9)
+
+
+def test_a_rejected_hit_can_be_forced_in(strike, paper_seal):
+    rig = replace(Hammer(), record=4.0, double_hits=(1,))
+    test = simulate_impact(paper_seal, mass=MASS, hits=4, rig=rig).test
+    assert [hit.accepted for hit in estimate_frf(test).hits] == [True, False, True, True]
+    assert estimate_frf(test, accept=["2"]).averages == 4
+
+
+@pytest.mark.parametrize(
+    ("choice", "says"),
+    [
+        ({"estimator": "H3"}, "expected one of H1, H2, Hv, Hs"),
+        ({"window": "hann"}, "does not suit a hammer test"),
+        ({"window": "exponential:2"}, "more than 0 and less than 1"),
+        ({"window": "none:1"}, "does not suit"),
+        ({"reject": ["7"]}, "there is no hit '7'; the hits are 1"),
+        ({"reject": ["1"]}, "no hit is left to average. hit 1: rejected by name"),
+        ({"combine": "median"}, "expected 'mean', 'weighted' or a channel: acceleration 1"),
+        ({"polarity": (1, 1)}, r"expected \+1 or -1 for each of the 1 accelerometers"),
+        ({"record": 0.05}, "expected more than the 0.1 s that a block holds before"),
+        ({"pretrigger": -1}, "expected a time >= 0"),
+        ({"band": (12.0, 12.1)}, "lines between 12 and 12.1 Hz"),
+    ],
+)
+def test_choices_that_cannot_be_are_refused(strike, choice, says):
+    with pytest.raises(DataError, match=says):
+        estimate_frf(strike(), **choice)
+
+
+def test_no_blow_no_frf():
+    quiet = np.random.default_rng(0).standard_normal(4000)
+    with pytest.raises(DataError, match="no hammer blow found"):
+        estimate_frf(ImpactTest(np.arange(4000) / 1000, 0.01 * quiet, quiet[None]))
+
+
+def test_tests_that_do_not_belong_together_are_refused(strike):
+    with pytest.raises(DataError, match="sampled at 2048 and 1024 Hz"):
+        estimate_frf([strike(), strike(rate=1024)])
+    with pytest.raises(DataError, match="name the columns alike"):
+        estimate_frf([strike(), replace(strike(), channels=("left",))])
+    with pytest.raises(DataError, match="no impact test given"):
+        estimate_frf([])
+
+
+# -- the virtual hammer -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["paper", "broad"])
+@pytest.mark.parametrize("combine", ["mean", "weighted"])
+def test_the_simulated_seals_come_back(paper_seal, broad_seal, name, combine):
+    seal, mass = (paper_seal, MASS) if name == "paper" else (broad_seal, 0.114829829)
+    simulated = simulate_impact(seal, mass=mass, hits=5, rig=replace(Hammer(), record=8.0))
+    frf = estimate_frf(simulated.test, combine=combine, mass=mass)
+    (true,) = model_modes(2 * seal, mass)
+    mode = frf.modes()[0]
+    assert mode.frequency == pytest.approx(true.frequency, rel=1e-4)
+    assert mode.damping_ratio == pytest.approx(true.damping_ratio, rel=0.01)
+    assert mode.modal_mass == pytest.approx(true.modal_mass, rel=0.01)
+    assert check(frf, "mass_line").passed
+    arm, length = 0.05, 0.12
+    eccentric = [e * arm / (length**2 / 12) for e in simulated.truth.eccentricities]
+    assert check(frf, "hits_centred").value == pytest.approx(np.abs(eccentric).max(), rel=0.1)
+
+
+def test_a_high_pass_in_the_hammer_is_noticed(strike):
+    test = strike(record=8.0)
+    dt, corner = 1 / 2048, 0.5
+    tau = 1 / (2 * np.pi * corner)
+    force = np.zeros_like(test.force)
+    for i in range(1, len(force)):
+        force[i] = (force[i - 1] + test.force[i] - test.force[i - 1]) / (1 + dt / tau)
+    (hit,) = estimate_frf(replace(test, force=force)).hits
+    assert hit.accepted
+    (says,) = [reason for reason in hit.reasons if "base line" in reason]
+    assert "high pass at 0.5 Hz" in says
+
+
+def test_the_result_is_an_frf_with_its_story(strike):
+    frf = estimate_frf(strike(hits=3, noise=NOISE), window="exponential:0.1", estimator="Hv")
+    assert isinstance(frf, FRF)
+    assert frf.kind is Kind.ACCELERANCE
+    assert [step.name for step in frf.steps] == ["cut", "exponential_window", "estimate"]
+    assert frf.frequency[0] > 0

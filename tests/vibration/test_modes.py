@@ -1,0 +1,224 @@
+"""Modes: exact ones of a model, and measured ones by every method."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dashpot.errors import DataError, FitError
+from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.vibration.frf import FRF, Kind
+from dashpot.vibration.impact import estimate_frf
+from dashpot.vibration.modes import Method, Mode, find_modes, model_modes, mount_band
+from dashpot.vibration.prediction import predict_frf
+from dashpot.vibration.rational import Lines, kernel
+
+MASS, BROAD_MASS = 0.1040426, 0.114829829
+TRUE = 12.70975, 0.00443503
+
+positive = st.floats(0.01, 100.0)
+solids = st.builds(
+    lambda k_inf, arms: GeneralizedMaxwell(k_inf, [k for k, _ in arms], [tau for _, tau in arms]),
+    st.floats(10.0, 1000.0),
+    st.lists(
+        st.tuples(st.floats(1.0, 500.0), st.floats(1e-4, 100.0)),
+        max_size=3,
+        unique_by=lambda a: a[1],
+    ),
+)
+
+
+# -- of a model ---------------------------------------------------------------------------------
+
+
+def test_the_papers_block_on_two_seals(paper_seal):
+    (mode,) = model_modes(2 * paper_seal, MASS)
+    assert mode.frequency == pytest.approx(12.70975, abs=5e-6)
+    assert mode.damping_ratio == pytest.approx(0.00443503, abs=5e-9)
+    assert mode.pole.real == pytest.approx(-0.354171, abs=1e-6)
+    assert mode.pole.imag == pytest.approx(79.85693, abs=1e-4)
+    # one seal under half the mass is the same oscillator
+    (half,) = model_modes(paper_seal, MASS / 2)
+    assert half.frequency == pytest.approx(mode.frequency, rel=1e-12)
+
+
+def test_the_broad_seal(broad_seal):
+    (mode,) = model_modes(2 * broad_seal, BROAD_MASS)
+    assert mode.frequency == pytest.approx(12.69983, abs=5e-6)
+    assert mode.damping_ratio == pytest.approx(0.0285575, abs=5e-8)
+
+
+@given(solids, positive)
+def test_a_model_mode_is_a_root_and_its_residue_a_limit(solid, mass):
+    for mode in model_modes(solid, mass):
+        p = mode.pole
+        assert abs(mass * p**2 + solid.stiffness_at(p)) < 1e-8 * abs(mass * p**2)
+        near = p * (1 + 1e-6j)
+        limit = (near - p) / (mass * near**2 + solid.stiffness_at(near))
+        assert mode.residue == pytest.approx(complex(limit), rel=1e-2)
+        assert 0 <= mode.damping_ratio < 1
+
+
+def test_a_plain_spring_has_its_own_mass_as_modal_mass():
+    (mode,) = model_modes(GeneralizedMaxwell(400.0, b=0.2), mass=0.25)
+    assert mode.modal_mass == pytest.approx(0.25, rel=1e-12)
+    assert mode.damping_ratio == pytest.approx(0.2 / (2 * np.sqrt(400 * 0.25)), rel=1e-12)
+    assert mode.bandwidth == pytest.approx(2 * mode.damping_ratio * mode.frequency)
+
+
+def test_an_overdamped_block_has_no_mode():
+    assert model_modes(GeneralizedMaxwell(1.0, b=100.0), mass=0.1) == ()
+
+
+def test_a_model_needs_a_mass(paper_seal):
+    with pytest.raises(DataError, match="mass = 0 kg; expected a number > 0"):
+        model_modes(paper_seal, 0)
+
+
+# -- measured -----------------------------------------------------------------------------------
+
+
+def test_two_seconds_are_enough_for_a_q_of_113(strike):
+    (mode,) = estimate_frf(strike(record=2.0)).modes()
+    assert mode.frequency == pytest.approx(TRUE[0], rel=1e-5)
+    assert mode.damping_ratio == pytest.approx(TRUE[1], rel=1e-3)
+    assert mode.modal_mass == pytest.approx(MASS, rel=1e-3)
+    (noisy,) = estimate_frf(strike(record=2.0, hits=5, noise=(5e-3, 0.02))).modes()
+    assert noisy.frequency == pytest.approx(TRUE[0], rel=5e-4)
+    assert noisy.damping_ratio == pytest.approx(TRUE[1], rel=0.05)
+
+
+@pytest.mark.parametrize("method", ["rational", "peak", "half-power", "circle"])
+def test_every_method_reads_a_long_record(strike, method):
+    (mode,) = estimate_frf(strike(record=64.0, rate=1024)).modes(method=method)
+    assert mode.method == method
+    assert mode.frequency == pytest.approx(TRUE[0], abs=0.005)
+    assert 1 / (2 * mode.damping_ratio) == pytest.approx(112.76, rel=0.01)
+
+
+@pytest.mark.parametrize("method", ["rational", "circle", "peak", "decrement", "half-power"])
+def test_every_method_takes_noise_and_says_its_error(strike, broad_seal, method):
+    frf = estimate_frf(strike(2 * broad_seal, BROAD_MASS, record=16.0, hits=5, noise=(5e-3, 0.02)))
+    (mode,) = frf.modes(method=method)
+    assert mode.frequency == pytest.approx(12.69983, abs=5 * mode.frequency_se + 0.002)
+    assert mode.damping_ratio == pytest.approx(0.0285575, abs=5 * mode.damping_ratio_se + 3e-4)
+    assert 0 < mode.damping_ratio_se < 0.1 * mode.damping_ratio
+
+
+@pytest.mark.parametrize("method", ["rational", "peak", "circle", "decrement"])
+def test_the_exponential_window_leaves_no_trace(strike, method):
+    """Damping comes from s = j omega + a, without a correction that knows one damping only."""
+    frf = estimate_frf(strike(record=16.0), window="exponential:0.001")
+    assert frf.shift > 0.35
+    (mode,) = frf.modes(method=method)
+    assert mode.frequency == pytest.approx(TRUE[0], rel=1e-4)
+    assert mode.damping_ratio == pytest.approx(TRUE[1], rel=0.025)
+
+
+def test_half_power_is_refused_where_lines_are_too_few(strike):
+    frf = estimate_frf(strike(record=8.0))
+    with pytest.raises(FitError, match="needs at least 5 lines in the half-power band, but only"):
+        frf.modes(method="half-power")
+
+
+def test_a_peak_between_the_lines_is_refused(strike):
+    frf = estimate_frf(strike(record=2.0))
+    with pytest.raises(FitError, match="miss the peak between them"):
+        frf.modes(method="peak")
+
+
+def test_unknown_methods_and_empty_bands_are_refused(strike):
+    frf = estimate_frf(strike())
+    with pytest.raises(DataError, match="expected one of rational, peak, half-power, circle"):
+        frf.modes(method="magic")
+    with pytest.raises(DataError, match=r"lines between 12 and 12\.5 Hz; modes need at least 8"):
+        frf.modes(band=(12.0, 12.5))
+    with pytest.raises(DataError, match="reads one mode, not 3"):
+        frf.modes(method="circle", count=3)
+    with pytest.raises(FitError, match="edge of the band"):
+        frf.modes(method="circle", band=(13.0, 30.0))
+
+
+@pytest.mark.parametrize("kind", list(Kind))
+def test_the_kind_of_frf_does_not_matter(paper_seal, kind):
+    frf = predict_frf(2 * paper_seal, mass=MASS, frequency=np.arange(2, 50, 0.05), kind=kind)
+    (mode,) = frf.modes()
+    assert mode.frequency == pytest.approx(TRUE[0], rel=1e-5)
+    assert mode.damping_ratio == pytest.approx(TRUE[1], rel=1e-3)
+
+
+def _modal(frequency, modes, record=None, shift=0.0):
+    """Accelerance of given modes, heard for `record` s after an impulse."""
+    s = 2j * np.pi * frequency + shift
+    lines = Lines(s, s[None], s[None].real, record)
+    total = np.zeros(len(s), dtype=complex)
+    for mode in modes:
+        for p, r in ((mode.pole, mode.residue), (mode.pole.conjugate(), mode.residue.conjugate())):
+            total += r * p**2 * kernel(lines, p)
+    return total
+
+
+@pytest.mark.parametrize(("record", "shift"), [(None, 0.0), (4.0, 0.0), (4.0, 1.0)])
+def test_several_modes_are_told_apart(record, shift):
+    true = (
+        Mode(9.0, 0.02, -0.05j),
+        Mode(11.0, 0.01, -0.03j),
+        Mode(20.0, 0.03, 0.02j),
+    )
+    f = np.arange(1, 160) / 4
+    found = find_modes(f, _modal(f, true, record, shift), record=record, shift=shift, band=(2, 39))
+    assert len(found) == 3
+    for mode, expected in zip(found, true, strict=True):  # largest residue first
+        assert mode.frequency == pytest.approx(expected.frequency, rel=1e-4)
+        assert mode.damping_ratio == pytest.approx(expected.damping_ratio, rel=1e-2)
+        assert mode.residue == pytest.approx(expected.residue, rel=1e-2)
+
+
+def test_noise_alone_grows_no_junk_mode():
+    random = np.random.default_rng(1)
+    f = np.arange(8, 320) / 8
+    for seed in range(5):
+        random = np.random.default_rng(seed)
+        noise = random.standard_normal(len(f)) + 1j * random.standard_normal(len(f))
+        sd = 0.2
+        found = find_modes(
+            f, _modal(f, (Mode(12.0, 0.02, -0.05j),)) + sd * noise, sd=np.full(len(f), sd)
+        )
+        assert len(found) == 1
+        assert found[0].frequency == pytest.approx(12.0, abs=4 * found[0].frequency_se)
+
+
+def test_flat_lines_have_no_mode():
+    f = np.arange(1, 200) / 4
+    assert find_modes(f, np.full(len(f), 2.0 + 0j), band=(1, 40)) == ()
+
+
+def test_as_many_modes_as_asked_for():
+    f = np.arange(1, 160) / 4
+    found = find_modes(f, _modal(f, (Mode(9.0, 0.02, -0.05j),)), count=2, band=(2, 39))
+    assert len(found) == 2
+
+
+def test_the_kernel_is_the_transform_over_the_record():
+    p, record = complex(-0.4, 80.0), 2.0
+    s = np.array([1j * 70.0, 0.3 + 81j, 1j * 80.0])
+    t = np.linspace(0, record, 400_001)
+    lines = Lines(s, s[None], s[None].real, record)
+    numeric = [np.trapezoid(np.exp((p - x) * t), t) for x in s]
+    np.testing.assert_allclose(kernel(lines, p), numeric, rtol=1e-6)
+
+
+def test_the_mount_band_ignores_noise_near_zero(strike):
+    frf = estimate_frf(strike(record=8.0, hits=3, noise=(0.01, 0.2)))
+    low, high = mount_band(frf.frequency, frf.value, frf.sd)
+    assert low == pytest.approx(12.7 / 4, rel=0.05)
+    assert high == pytest.approx(12.7 * 4, rel=0.05)
+
+
+def test_modes_are_a_method_of_the_frf(strike):
+    frf = estimate_frf(strike(hits=3, noise=(5e-3, 0.02)))
+    assert isinstance(frf, FRF)
+    assert all(isinstance(mode, Mode) for mode in frf.modes())
+    assert frf.modes()[0].method == Method.RATIONAL.value

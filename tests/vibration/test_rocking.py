@@ -1,0 +1,138 @@
+"""Two accelerometers: the rocking mode cancels."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from dashpot.simulation.hammer import Hammer, simulate_impact
+from dashpot.vibration.impact import estimate_frf
+from dashpot.vibration.records import ImpactTest
+from dashpot.vibration.rocking import _weights
+
+MASS = 0.114829829
+TRUE = 12.69983, 0.0285575
+
+
+@pytest.fixture(scope="module")
+def real_hits(shared_data: Path) -> ImpactTest:
+    """Two blows on a block with two accelerometers; the force is in arbitrary units."""
+    text = (shared_data / "lvm_read_F_m1_m2" / "long_single_header_multi_ch.lvm").read_text()
+    lines = text.splitlines()
+    head = max(i for i, line in enumerate(lines) if line.startswith("X_Value"))
+    rows = np.array([line.split("\t")[1:4] for line in lines[head + 1 :] if line.strip()], float)
+    assert len(rows) == 16384
+    return ImpactTest(
+        time=np.arange(16384) * 0.000977,
+        force=rows[:, 0],
+        acceleration=rows[:, 1:].T,
+        starts=(0, 8192),
+        channels=("m_1", "m_2"),
+    )
+
+
+def check(frf, name):
+    (found,) = [check for check in frf.checks if check.name == name]
+    return found
+
+
+def height(frf, at):
+    return np.abs(frf.value)[np.argmin(np.abs(frf.frequency - at))]
+
+
+# -- a real block -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("channel", ["m_1", "m_2"])
+def test_both_accelerometers_hear_both_modes_of_the_real_block(real_hits, channel):
+    modes = estimate_frf(real_hits, combine=channel).modes()
+    bounce = min(modes, key=lambda m: abs(m.frequency - 19.763))
+    rocking = min(modes, key=lambda m: abs(m.frequency - 21.147))
+    assert bounce.frequency == pytest.approx(19.763, abs=0.006)
+    assert rocking.frequency == pytest.approx(21.147, abs=0.006)
+    assert bounce.damping_ratio == pytest.approx(0.0026, abs=3e-4)
+    assert rocking.damping_ratio == pytest.approx(0.0020, abs=3e-4)
+
+
+def test_the_real_block_bounces_in_phase_and_rocks_out_of_phase(real_hits):
+    one, two = (estimate_frf(real_hits, combine=name) for name in ("m_1", "m_2"))
+    for at, sign in ((19.763, 1), (21.147, -1)):
+        residues = [
+            min(frf.modes(), key=lambda m: abs(m.frequency - at)).residue for frf in (one, two)
+        ]
+        assert np.sign((residues[0] * residues[1].conjugate()).real) == sign
+
+
+def test_weights_null_the_rocking_of_the_real_block(real_hits):
+    mean = estimate_frf(real_hits)
+    weighted = estimate_frf(real_hits, combine="weighted")
+    assert height(mean, 21.1) / height(mean, 19.75) == pytest.approx(0.163, abs=0.001)
+    assert height(weighted, 21.1) / height(weighted, 19.75) <= 0.05
+    assert not check(mean, "rocking_cancelled").passed
+    assert check(weighted, "rocking_cancelled").passed
+    assert check(weighted, "rocking_cancelled").value <= 0.05
+    assert weighted.modes()[0].frequency == pytest.approx(19.763, abs=0.003)
+    assert weighted.modes()[0].damping_ratio == pytest.approx(0.0026, abs=1e-4)
+
+
+def test_the_real_hits_are_doubtful_but_not_thrown_away(real_hits):
+    frf = estimate_frf(real_hits)
+    assert frf.averages == 2
+    assert [hit.accepted for hit in frf.hits] == [True, True]
+    assert any("sample" in reason and "long" in reason for reason in frf.hits[0].reasons)
+    assert any("left at the end of the record" in reason for reason in frf.hits[0].reasons)
+    assert not check(frf, "hits_enough").passed
+    assert "hammer_sign" in [step.name for step in frf.steps]
+    assert not check(frf, "hits_centred").passed
+
+
+# -- a simulated block --------------------------------------------------------------------------
+
+
+def test_the_mean_hears_no_rocking_where_one_accelerometer_is_deaf_for_it(broad_seal):
+    """Hits scattered by 3 mm: coherence holds for the mean and breaks for one accelerometer."""
+    rig = replace(Hammer().noise_free(), record=8.0, eccentricity=3e-3)
+    test = simulate_impact(broad_seal, mass=MASS, hits=10, rig=rig).test
+    mean, one = (estimate_frf(test, combine=c).band(5, 40) for c in ("mean", "acceleration 1"))
+    assert mean.coherence.min() > 0.999
+    assert one.coherence.min() < 0.8
+
+
+def test_damping_survives_hits_off_centre(broad_seal):
+    rig = replace(Hammer().noise_free(), record=8.0, eccentricity=10e-3, gain_mismatch=0.03)
+    test = simulate_impact(broad_seal, mass=MASS, hits=5, rig=rig).test
+    for combine in ("mean", "weighted"):
+        mode = estimate_frf(test, combine=combine).modes()[0]
+        assert mode.frequency == pytest.approx(TRUE[0], rel=2e-4)
+        assert mode.damping_ratio == pytest.approx(TRUE[1], rel=0.01)
+
+
+def test_weights_beat_the_mean_where_one_accelerometer_is_misplaced(broad_seal):
+    rig = replace(Hammer(), record=8.0, eccentricity=8e-3)
+    test = simulate_impact(broad_seal, mass=MASS, hits=6, rig=rig, seed=3).test
+    bounce = test.acceleration.mean(axis=0)
+    swing = test.acceleration[0] - bounce
+    # the second accelerometer moves in to 60 % of its distance
+    moved = replace(test, acceleration=np.vstack((bounce + swing, bounce - 0.6 * swing)))
+    mean, weighted = estimate_frf(moved), estimate_frf(moved, combine="weighted")
+    assert mean.band(14, 19).coherence.min() < weighted.band(14, 19).coherence.min()
+    (step,) = [step for step in weighted.steps if step.name == "combine"]
+    weights = [float(value) for _, value in step.parameters]
+    assert weights == pytest.approx([0.6 / 1.6, 1 / 1.6], abs=0.03)
+
+
+def test_one_accelerometer_has_nothing_to_combine(strike):
+    frf = estimate_frf(strike(hits=3, noise=(5e-3, 0.02)), combine="weighted")
+    assert "combine" not in [step.name for step in frf.steps]
+
+
+def test_weights_sum_to_one_and_see_nothing_of_a_shape():
+    shape = np.array([[1.0 + 0j], [-0.7], [0.2]])
+    weights = _weights(shape)
+    assert weights.sum() == pytest.approx(1)
+    assert abs(weights @ shape[:, 0]) < 1e-12
+    # two accelerometers see one shape in exactly one way
+    assert _weights(np.array([[1.0 + 0j], [-0.5]])) == pytest.approx([1 / 3, 2 / 3])
