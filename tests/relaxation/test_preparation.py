@@ -212,6 +212,17 @@ def test_an_air_gap_is_taken_off_and_told():
     assert np.abs(found.displacement[found.time < found.onset - 0.01]).max() == 0.0
 
 
+def test_the_error_of_the_contact_is_its_scatter():
+    errors, said = [], []
+    for seed in range(12):
+        made = simulate_relaxation(PAPER, hold_time=10.0, rig=Rig(gap=0.5e-3), seed=seed)
+        found = prepare(made.test)
+        errors.append(found.depth - (made.truth.displacement[-1] - 0.5e-3))
+        said.append(found.contact_error)
+    assert 0.5 < np.sqrt(np.mean(np.square(errors))) / np.mean(said) < 2.0
+    assert prepare(simulate_relaxation(PAPER, hold_time=2.0).test).contact_error == 0.0
+
+
 def test_contact_can_be_given(raw: RelaxationTest):
     found = prepare(raw, contact=1e-3)
     assert found.depth == pytest.approx(7e-3, abs=1e-6)

@@ -240,6 +240,7 @@ def _record(
         depth=_mean(t[held], compression[held]),
         force_noise=scatter(t[late], force[late]),
         displacement_noise=max(scatter(t[late], x[late]), quantum(x) / 12**0.5),
+        contact_error=touch.standard_error,
         specimen=test.specimen,
         source=test.source,
     )

@@ -99,6 +99,9 @@ class RampHold(ByValue):
         Force, N, carried at the first sample if the record starts in contact; else 0.
     force_noise, displacement_noise : float
         Standard deviation of the sample-to-sample scatter of each channel, N and m.
+    contact_error : float
+        Standard error of the zero of the displacement, m, where first contact had to be found
+        behind an air gap; else 0.
     specimen, source
         As in the raw test.
     steps : tuple of Step
@@ -117,6 +120,7 @@ class RampHold(ByValue):
     preload: float = 0.0
     force_noise: float = 0.0
     displacement_noise: float = 0.0
+    contact_error: float = 0.0
     specimen: Specimen = field(default_factory=Specimen)
     source: Source | None = None
     steps: tuple[Step, ...] = ()
