@@ -51,7 +51,7 @@ def spectrum(fit: Fit, *, joint: Fit | None = None) -> Figure:
     k_inf = 1e-3 * fit.model.k_inf
     ax.axhline(k_inf, color=CHOSEN.color, linewidth=0.9, linestyle=(0, (4, 2)))
     shown = [*fit.model.tau, *(joint.model.tau if joint else ())]
-    ax.set_xlim(min(low, *shown) / 4, max(high, *shown) * 4)
+    ax.set_xlim(min([low, *shown]) / 4, max([high, *shown]) * 4)
     ax.set_ylim(0, 1.12 * ax.get_ylim()[1])
     log_axis(ax, "x")
     dress(ax, x="relaxation time τ, s", y="stiffness k, N/mm")

@@ -26,11 +26,13 @@ def rounded(value: float, error: float | None = None, *, digits: int = 3) -> str
 
 def _plain(value: float, digits: int) -> str:
     if value != 0 and not 1e-4 <= abs(value) < 10 ** max(digits, 6):
-        mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
-        return f"{mantissa}·10^{int(exponent)}".replace("-", MINUS)
+        mantissa, _, power = f"{value:.{digits - 1}e}".partition("e")
+        return f"{mantissa}·10^{int(power)}".replace("-", MINUS)
     if value == 0:
         return "0"
-    decimals = max(digits - 1 - math.floor(math.log10(abs(value))), 0)
+    # the exponent after rounding: 0.9996 is 1.00, not 1.000
+    exponent = int(f"{value:.{digits - 1}e}".partition("e")[2])
+    decimals = max(digits - 1 - exponent, 0)
     return f"{value:.{decimals}f}".replace("-", MINUS)
 
 

@@ -1,0 +1,307 @@
+"""The report: whole, self-contained, safe, and true to the study."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from dataclasses import replace
+from html import unescape
+from html.parser import HTMLParser
+
+import handmade
+import pytest
+
+from dashpot.checks import Check
+from dashpot.provenance import Source, Step
+from dashpot.relaxation.fit import AtDepth, Moved, Status
+from dashpot.relaxation.records import Specimen
+from dashpot.report import html
+from dashpot.report.tables import Table
+from dashpot.vibration.frf import Hit
+
+S = handmade.study()
+VOID = {"meta", "br", "link", "img", "hr", "input"}
+
+
+class Page(HTMLParser):
+    """Tags in balance, ids, and the words a reader sees."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__(convert_charrefs=True)
+        self.open: list[str] = []
+        self.tags: Counter[str] = Counter()
+        self.ids: list[str] = []
+        self.attributes: list[tuple[str, str, str | None]] = []
+        self.words: list[str] = []
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag, attrs):
+        self.tags[tag] += 1
+        self.attributes += [(tag, key, value) for key, value in attrs]
+        self.ids += [value for key, value in attrs if key == "id"]
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        self.tags[tag] += 1
+        self.ids += [value for key, value in attrs if key == "id"]
+
+    def handle_endtag(self, tag):
+        assert self.open, f"</{tag}> closes nothing"
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        if not {"style", "svg"} & set(self.open):
+            self.words.append(data)
+
+    @property
+    def text(self) -> str:
+        return re.sub(r"\s+", " ", " ".join(self.words))
+
+
+@pytest.fixture(scope="module")
+def whole() -> str:
+    return html(S)
+
+
+@pytest.fixture(scope="module")
+def bench() -> str:
+    return html(handmade.bench_only())
+
+
+# -- whole ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "part",
+    ["verdict", "test", "fit", "frequency", "hammer", "joint", "hits", "checks", "provenance",
+     "method"],
+)  # fmt: skip
+def test_every_section_is_there_and_linked(whole, part):
+    page = Page(whole)
+    assert f'<section id="{part}">' in whole
+    assert part == "verdict" or ("a", "href", f"#{part}") in page.attributes
+
+
+@pytest.mark.parametrize(
+    "name", ["segments", "fit", "spectrum", "stiffness", "comparison", "nyquist", "hits"]
+)
+def test_every_figure_is_there_with_a_caption_and_a_label(whole, name):
+    figure = re.search(rf'<figure[^>]*id="figure-{name}">(.*?)</figure>', whole, re.DOTALL)
+    assert figure
+    assert "<svg role=" in figure[1]
+    caption = re.search(r"<figcaption>(.*?)</figcaption>", figure[1])[1]
+    label = re.search(r'aria-label="([^"]*)"', figure[1])[1]
+    assert unescape(caption) == unescape(label)
+
+
+def test_the_tags_are_in_balance_and_ids_unique(whole, bench):
+    for text in (whole, bench):
+        page = Page(text)
+        assert page.open == []
+        assert [name for name, n in Counter(page.ids).items() if n > 1] == []
+
+
+def test_the_page_needs_nothing_but_itself(whole):
+    outside = set(re.findall(r"https?://[^\"'\s<>)]+", whole))
+    assert outside <= {"http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"}
+    page = Page(whole)
+    assert not {"script", "link", "img", "iframe", "object", "form"} & set(page.tags)
+    assert not [a for a in page.attributes if a[1] == "src" or a[1].startswith("on")]
+    assert "@import" not in whole
+    assert "default-src 'none'" in whole
+    assert '<meta name="color-scheme" content="light">' in whole
+    assert "@page" in whole
+
+
+def test_the_page_is_small(whole):
+    assert len(whole.encode()) < 1_500_000
+
+
+def test_the_same_study_gives_the_same_page(whole):
+    assert html(S) == whole
+
+
+# -- true to the study ------------------------------------------------------------------------
+
+
+def test_the_verdict_comes_first_and_names_the_cause(whole):
+    text = Page(whole).text
+    assert text.index("Maxwell arms") < text.index("The relaxation test")
+    assert "damping is not tested by the relaxation test" in text
+    assert "Fitted to both tests at once (the hammer adds two arms)" in text
+    # the frequency and the height that the joint fit misses by, as the comparison has them
+    after = S.joint_comparison
+    assert f"{100 * abs(after.frequency_error):.2f} % in frequency" in text
+    assert f"{abs(after.ratio_db):.1f} dB at the peak" in text
+
+
+def test_numbers_are_in_newtons_per_millimetre_rounded_to_their_error(whole):
+    text = Page(whole).text
+    k_inf, se = S.fit.model.k_inf, S.fit.standard_error["k_inf"]
+    assert f"{1e-3 * k_inf:.6f} ± {1e-3 * se:.6f}" in text
+    assert "N·s/mm" in text
+    assert "extrapolated ×40" in text
+
+
+def test_per_100_mm_appears_only_where_the_length_is_known(whole):
+    assert "per 100 mm" in Page(whole).text
+    bare = replace(S, prepared=replace(S.prepared, specimen=Specimen()), joint=None,
+                   joint_comparison=None)  # fmt: skip
+    assert "per 100 mm" not in Page(html(bare)).text
+
+
+def test_per_100_mm_scales_with_the_length():
+    short = replace(S.prepared, specimen=Specimen(length=0.05))
+    text = Page(html(replace(handmade.bench_only(), prepared=short))).text
+    assert f"{2e-3 * S.fit.model.k_inf:.5f}" in text
+
+
+def test_failed_checks_come_first(whole):
+    body = whole[whole.index('<section id="checks">') : whole.index('<section id="provenance">')]
+    marks = re.findall(r'<tr class="(good|bad)">', body)
+    assert marks == sorted(marks)  # bad before good
+    assert {"good", "bad"} == set(marks)
+    assert f"<strong>{marks.count('bad')} of {len(marks)} checks failed</strong>" in whole
+
+
+def test_a_check_that_two_stages_share_is_said_once():
+    twice = replace(handmade.bench_only(), checks=S.fit.checks)
+    body = html(twice)
+    for check in S.fit.checks:
+        assert Page(body).text.count(check.says) == 1
+
+
+def test_simulated_records_are_stamped_loudly(whole):
+    page = Page(whole).text
+    assert page.strip().startswith("Seal") or "SIMULATED" in page[:300]
+    assert "SIMULATED" in page
+    real = replace(
+        handmade.bench_only(),
+        test=replace(S.test, source=replace(S.test.source, simulated=False)),
+        prepared=replace(S.prepared, source=None),
+        fit=replace(S.fit, source=()),
+    )
+    assert "simulated" not in Page(html(real)).text.lower()
+
+
+def test_provenance_names_files_hashes_and_steps(whole):
+    text = Page(whole).text
+    assert handmade.SHA in text
+    assert "impact.csv" in text
+    assert "took 1.2 mN off the force" in text
+    assert "estimator = H1" in text
+
+
+def test_hits_are_listed_with_the_reason_of_a_rejection(whole):
+    assert "a second blow of 40 % struck 60 ms after the first" in Page(whole).text
+
+
+def test_what_the_hammer_moved_is_told():
+    moved = (
+        Moved("k_inf", 196.5, 0.5, 197.5, 0.5, "N/m"),
+        Moved("tau_1", None, None, 0.0117, 0.0003, "s"),
+        Moved("b", 1.0, None, 2.0, 0.1, "N s/m"),
+    )
+    text = Page(html(replace(S, joint=replace(S.joint, moved=moved)))).text
+    assert "What the hammer moved" in text
+    assert "+0.51 % (1.4 SE)" in text
+    assert "τ₁, s 0.01170 ± 0.00030 new" in text
+
+
+# -- less than the whole ----------------------------------------------------------------------
+
+
+def test_without_a_hammer_the_page_says_so_and_leaves_the_rest_out(bench):
+    text = Page(bench).text
+    assert "No mass was given" in text
+    assert "No mass and no hammer test were given" in text
+    for part in ("joint", "hits"):
+        assert f'<section id="{part}">' not in bench
+        assert f'href="#{part}"' not in bench
+    assert "measured against" not in text
+
+
+def test_with_a_mass_alone_the_prediction_is_drawn_and_called_untested():
+    alone = replace(handmade.bench_only(), mass=S.mass, prediction=S.prediction)
+    text = html(alone)
+    assert 'id="figure-frf"' in text
+    assert "no hammer test was given" in Page(text).text
+    assert "predicted peak" in Page(text).text
+
+
+def test_an_inferred_mass_is_called_inferred():
+    text = Page(html(replace(S, mass_inferred=True))).text
+    assert (
+        "was inferred from the measured FRF, so the agreement in frequency proves nothing" in text
+    )
+
+
+def test_a_fit_in_trouble_says_so_at_the_top():
+    lame = replace(handmade.bench_only(), fit=replace(S.fit, status=Status.TAU_AT_BOUND))
+    text = Page(html(lame)).text
+    assert f"The fit needs care: {Status.TAU_AT_BOUND.value}." in text[:1500]
+
+
+def test_a_spring_without_arms_and_a_seal_without_source_are_reported():
+    spring = handmade.fit_at(())
+    bare = replace(
+        handmade.bench_only(),
+        fit=replace(spring, source=(), steps=()),
+        alternatives=(),
+        test=replace(S.test, source=None),
+        prepared=replace(S.prepared, source=None, steps=(), preload=0.3),
+    )
+    text = Page(html(bare)).text
+    assert "with no Maxwell arms" in text
+    assert "The records came from memory" in text
+    assert "preload at the first sample 0.300 N" in text
+
+
+def test_several_depths_are_drawn_at_their_own_stiffness():
+    at = AtDepth(
+        depth=8e-3, k_inf=S.fit.model.k_inf, k_inf_se=0.1, k=S.fit.model.k, k_se=(0.1, 0.1)
+    )
+    several = replace(S.fit, by_depth=(replace(at, depth=4e-3, k_inf=100.0), at))
+    same = replace(handmade.bench_only(), fit=several, alternatives=(several,))
+    alone = replace(handmade.bench_only(), alternatives=(S.fit,))
+    picture = r'id="figure-fit">.*?</figure>'
+    assert (
+        re.search(picture, html(same), re.DOTALL)[0]
+        == re.search(picture, html(alone), re.DOTALL)[0]
+    )
+
+
+# -- safe -------------------------------------------------------------------------------------
+
+EVIL = "<img src=x onerror=alert(1)>\"'&$\\frac{.csv"
+
+
+def test_whatever_came_from_a_file_is_escaped():
+    source = Source(EVIL, EVIL, EVIL, (EVIL,), (EVIL,), simulated=True)
+    check = Check("evil", False, EVIL)
+    step = Step(EVIL, ((EVIL, EVIL),), EVIL)
+    hit = Hit("3", 16.1, False, (EVIL,), 3.0, 0.014)
+    study = replace(
+        S,
+        test=replace(S.test, source=source),
+        prepared=replace(S.prepared, source=source, specimen=Specimen(notes=EVIL), checks=(check,)),
+        fit=replace(S.fit, steps=(step,), certificate=replace(S.fit.certificate, says=EVIL)),
+        measured=replace(S.measured, hits=(hit,), source=(source,), steps=(step,)),
+        impact=replace(S.impact, channels=(EVIL, EVIL)),
+        comparison=replace(S.comparison, verdict=EVIL),
+        unseen=replace(S.unseen, says=EVIL),
+        checks=(check,),
+    )
+    text = html(study)
+    page = Page(text)
+    assert "img" not in page.tags
+    assert not [a for a in page.attributes if a[1].startswith("on")]
+    assert "<img" not in text
+    assert page.text.count(EVIL) >= 12
+    assert page.open == []
+
+
+def test_marks_default_to_none():
+    assert Table(("a",), (("1",), ("2",)), ("bad",)).mark(1) == ""
