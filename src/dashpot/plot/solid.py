@@ -113,7 +113,7 @@ def stiffness(
             ax.axvline(mark, color=GREY, linewidth=0.8, linestyle=(0, (1, 1.5)),
                        label=f"resonance, {mark:.4g} Hz")  # fmt: skip
         ax.set_xlim(f[0], f[-1])
-        if name != "storage":
+        if name != "storage" and curve.max() > 0:  # a spring has no loss to put on a log axis
             _from_smallest(ax, curve)
             log_axis(ax, "y")
         log_axis(ax, "x")
