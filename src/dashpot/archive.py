@@ -134,6 +134,7 @@ def _model_contract(model: GeneralizedMaxwell, _plain_model: dict[str, Any]) -> 
 def _fit_contract(fit: Fit, plain: dict[str, Any]) -> dict[str, Any]:
     band = plain.pop("band")
     head = {key: plain.pop(key) for key in ("status", "model", "residual")}
+    mass = next((item.value for item in fit.nuisance if item.name == "mass"), None)
     return {
         "status": head["status"],
         "ok": fit.ok,
@@ -143,6 +144,7 @@ def _fit_contract(fit: Fit, plain: dict[str, Any]) -> dict[str, Any]:
         "interval_95": _numbers_or_null(dict(fit.intervals(level=0.95))),
         "residual": head["residual"],
         "band_hz": band,
+        **({} if mass is None else {"mass": mass}),
         **plain,
     }
 

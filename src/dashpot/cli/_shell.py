@@ -20,9 +20,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a command found: a document for programs, text for people, and its checks."""
+    """What a command found: a document for programs, text for people, and its checks.
 
-    document: dict[str, Any]
+    The document is made when it is asked for: the archive knows every noun, and importing all of
+    them takes longer than a fit.
+    """
+
+    document: Callable[[], dict[str, Any]]
     text: str
     checks: tuple[Check, ...] = ()
     must_pass: bool = False  # a failed check is this command's own failure, --strict or not
@@ -88,12 +92,7 @@ def reports(function: Callable[..., Outcome]) -> Callable[..., None]:
     def command(*, as_json: bool, strict: bool, **arguments: Any) -> None:
         try:
             outcome = function(**arguments)
-            if as_json:
-                import json
-
-                text = json.dumps(outcome.document, indent=2, ensure_ascii=False, allow_nan=False)
-            else:
-                text = outcome.text
+            text = printed(outcome.document()) if as_json else outcome.text
             if text:
                 click.echo(text)
         except DashpotError as error:
@@ -107,6 +106,13 @@ def reports(function: Callable[..., Outcome]) -> Callable[..., None]:
             sys.exit(1)
 
     return command
+
+
+def printed(document: dict[str, Any]) -> str:
+    """Return a document as the JSON that commands print and write."""
+    import json
+
+    return json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False)
 
 
 def fail(sentence: str) -> None:

@@ -75,5 +75,5 @@ def command(
             "frequency then proves nothing; give --mass to test it"
         )
     checks = (*result.checks, *frf.checks)
-    content = document(result) | {"mass": mass, "mass_inferred": inferred, "seals": seals}
-    return Outcome(content, "\n".join(lines + failed(frf.checks)), checks)
+    given = {"mass": mass, "mass_inferred": inferred, "seals": seals}
+    return Outcome(lambda: document(result) | given, "\n".join(lines + failed(frf.checks)), checks)

@@ -41,7 +41,7 @@ def command(*, output: str, seed: int) -> Outcome:
         "seed": seed,
         "seals": {name: _numbers(story, folder, name) for name, story in stories.items()},
     }
-    return Outcome(document, "\n".join(lines).rstrip())
+    return Outcome(lambda: document, "\n".join(lines).rstrip())
 
 
 def _story(name: str, folder: Path, seed: int) -> Study:

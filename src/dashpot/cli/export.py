@@ -98,8 +98,9 @@ def command(
         "overrides": marks,
     }
     if output == "-":
-        return Outcome(document | {"deck": deck}, "")
-    return Outcome(document, f"{output}: {target} deck, {units}, {len(deck.splitlines())} lines")
+        return Outcome(lambda: document | {"deck": deck}, "")
+    text = f"{output}: {target} deck, {units}, {len(deck.splitlines())} lines"
+    return Outcome(lambda: document, text)
 
 
 def _described(known: Specimen, said_now: Specimen) -> Specimen:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
 from dashpot.cli._reading import reading
-from dashpot.cli._shell import Arms, Outcome, reports, write
+from dashpot.cli._shell import Arms, Outcome, printed, reports, write
 from dashpot.cli._specimen import specimen
 
 if TYPE_CHECKING:
@@ -36,8 +36,8 @@ if TYPE_CHECKING:
 def command(
     *,
     files: tuple[str, ...],
-    arms: int | str,
-    method: str,
+    arms: int | Literal["auto"],
+    method: Literal["full", "hold"],
     depth_law: bool,
     thorough: bool,
     filter_: str | None,
@@ -53,9 +53,6 @@ def command(
     dashpot fit seal_8mm.csv --arms 2 --method hold -o fit.json --plot fit.png
     dashpot fit seal_4mm.csv seal_8mm.csv --depth-law
     """
-    import json
-
-    from dashpot.archive import document
     from dashpot.cli import _words
     from dashpot.io.read import read_relaxation
     from dashpot.relaxation.fitting import fit
@@ -70,7 +67,12 @@ def command(
         from dashpot import plot
 
         plot.save(plot.fit(found, prepared[0]), picture)
-    content = document(found)
+
+    def content() -> dict[str, Any]:
+        from dashpot.archive import document
+
+        return document(found)
+
     if output:
-        write(output, json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
+        write(output, printed(content()) + "\n")
     return Outcome(content, "" if output == "-" else _words.fit(found), found.checks)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import click
 
 from dashpot.cli._hammer import hammer
 from dashpot.cli._reading import reading
-from dashpot.cli._shell import Arms, Outcome, Quantity, Range, reports, write
+from dashpot.cli._shell import Arms, Outcome, Quantity, Range, printed, reports, write
 
 if TYPE_CHECKING:
     from dashpot.io.options import ReadOptions
@@ -40,7 +40,7 @@ def command(
     mass: float,
     mass_sd: float | None,
     seals: float,
-    arms: int | str,
+    arms: int | Literal["auto"],
     parallel_dashpot: bool,
     static_stiffness: float | None,
     natural_frequency: float | None,
@@ -59,8 +59,6 @@ def command(
     dashpot identify hammer.csv --mass 104g --seals 2 --arms 2
     dashpot identify hammer.csv --with seal_8mm.csv --mass 104g --seals 2 -o joint.json
     """
-    import json
-
     from dashpot.archive import document
     from dashpot.cli import _words
     from dashpot.identification import identify
@@ -81,10 +79,10 @@ def command(
         natural_frequency=natural_frequency,
         damping_ratio=damping_ratio,
     )
-    content = document(found)
     if output:
-        write(output, json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
-    return Outcome(content, "" if output == "-" else _words.fit(found), found.checks)
+        write(output, printed(document(found)) + "\n")
+    text = "" if output == "-" else _words.fit(found)
+    return Outcome(lambda: document(found), text, found.checks)
 
 
 def _partners(paths: tuple[str, ...]) -> tuple[list[RampHold], list[Fit]]:

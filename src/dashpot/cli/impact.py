@@ -61,9 +61,10 @@ def command(
         from dashpot import plot
 
         plot.save(plot.frf(frf), picture)
-    document = impact_document(frf, modes, hammer=hammer, file=output)
     text = "" if output == "-" else _words.impact(frf, modes, estimator=hammer.estimator)
-    return Outcome(document, text, frf.checks)
+    return Outcome(
+        lambda: impact_document(frf, modes, hammer=hammer, file=output), text, frf.checks
+    )
 
 
 def write_frf_file(frf: FRF, path: str) -> None:

@@ -37,7 +37,7 @@ def command(*, files: tuple[str, ...], save_profile: str | None, options: ReadOp
         write(save_profile, dump_profile(options))
     pairs = list(zip(found, tests, strict=True))
     return Outcome(
-        {
+        lambda: {
             "schema": "dashpot/inspection@1",
             "files": [_inspection.document(item, test) for item, test in pairs],
         },

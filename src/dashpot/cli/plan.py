@@ -82,4 +82,4 @@ def command(
         wanted=wanted / 100,
     )
     text = "\n".join([str(found), *failed(found.checks)])
-    return Outcome(document(found), text, found.checks)
+    return Outcome(lambda: document(found), text, found.checks)

@@ -86,7 +86,7 @@ def command(
         "imag": frf.value.imag.tolist(),
     }
     text = _words.prediction(found, frf, modes, peak=peak, mass=mass, seals=seals)
-    return Outcome(document, "" if output == "-" else text)
+    return Outcome(lambda: document, "" if output == "-" else text)
 
 
 def _peak(solid: GeneralizedMaxwell, mass: float, frf: FRF) -> tuple[float, float]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import click
 
@@ -40,7 +40,7 @@ def command(
     impact: tuple[str, ...],
     mass: float | None,
     seals: float,
-    arms: int | str,
+    arms: int | Literal["auto"],
     band: tuple[float, float] | None,
     filter_: str | None,
     no_joint: bool,
@@ -89,5 +89,5 @@ def command(
     if output or not project:
         written.append(output or "report.html")
         write(written[-1], html(study))
-    content = document(study) | {"report": written[-1]}
-    return Outcome(content, "" if output == "-" else _words.study(study), study.checks)
+    text = "" if output == "-" else _words.study(study)
+    return Outcome(lambda: document(study) | {"report": written[-1]}, text, study.checks)
