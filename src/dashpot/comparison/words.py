@@ -63,10 +63,10 @@ def _height(c: Comparison) -> Check:
 def _damping(c: Comparison, seen: Peak) -> Check:
     if c.measured_damping is None or c.predicted_damping is None:
         which = "measured" if c.measured_damping is None else "predicted"
-        says = f"the {which} lines do not support a damping ratio: " + (
-            f"{seen.half_power_lines:.1f} lines lie in the half-power band, and at the end of "
-            f"the record {100 * seen.decay:.0f} % of the response is left; record longer, or "
-            "with more lines about the peak"
+        says = (
+            f"the {which} lines do not support a damping ratio: {seen.half_power_lines:.1f} lines "
+            f"lie in the half-power band, and at the end of the record {100 * seen.decay:.0f} % of "
+            "the response is left; record longer, or with more lines about the peak"
         )
         return Check("damping_agrees", False, says)
     ratio = c.predicted_damping / c.measured_damping
@@ -134,14 +134,17 @@ def _tested(c: Comparison, fit: Fit) -> Check:
             f"{_time(tau)}, which the test behind the fit can see"
         )
         return Check("damping_tested", True, says, tau)
+    fastest = min([1 / (2 * np.pi * high), *(arm.tau for arm in c.arms if arm.seen_by_relaxation)])
     says = (
         f"damping at {c.measured_hz:.4g} Hz comes from arms that relax in about {_time(tau)}; the "
-        f"relaxation test sees {_time(1 / (2 * np.pi * high))} to {_time(1 / (2 * np.pi * low))}"
+        f"relaxation test sees {_time(fastest)} to {_time(1 / (2 * np.pi * low))}"
     )
     if lead is not None:
+        distant = lead.tau > 5 * tau
         says += (
-            f", and {100 * lead.loss_share:.1f} % of the predicted loss is the far tail of the arm "
-            f"at tau = {lead.tau:.4g} s, which acts as a spring here"
+            f", and {100 * lead.loss_share:.1f} % of the predicted loss is the "
+            f"{'far ' if distant else ''}tail of the arm at tau = {lead.tau:.4g} s"
+            + (", which acts as a spring here" if distant else "")
         )
     says += "; a faster ramp or a joint fit with this FRF (identify) tests it"
     return Check("damping_tested", False, says, tau, 1 / (2 * np.pi * high))

@@ -106,6 +106,10 @@ def identify(
     dashpots = (False, True) if parallel_dashpot == "auto" else (bool(parallel_dashpot),)
     search = Search(benches, hammer, rig, wanted, before)
     found = [best for dashpot in dashpots for best in search.candidates(numbers, dashpot=dashpot)]
+    fewer = min(numbers)
+    while not found and fewer > 0 and wanted.before is None:
+        fewer -= 1  # the data reject that many arms
+        found = [best for on in dashpots for best in search.candidates([fewer], dashpot=on)]
     if not found:
         raise FitError("no solid with arms of positive stiffness explains the FRF; widen band=")
     best = chosen(found)

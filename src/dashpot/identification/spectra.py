@@ -88,14 +88,12 @@ class Spectra:
     def _deviance(self, v: FloatArray, t: float) -> float:
         """How much the best chi-square rises if v . k must be t."""
         row = v / self.scale
-        weight = HEAVY * np.sqrt(self.limit) / max(abs(t), float(np.abs(row).max()) * self._size)
+        # heavy against what the best spectrum puts into the row, so that t is met to 1e-6
+        size = max(abs(t), float(np.abs(row) @ self.best))
+        weight = HEAVY * np.sqrt(self.limit) / size
         k, _ = self._nnls(np.vstack((self.rows, weight * row)), np.append(self.target, weight * t))
         misfit = self.rows @ k - self.target
         return float(misfit @ misfit) - self.least
-
-    @property
-    def _size(self) -> float:
-        return float(self.best.max())
 
     def _edge(
         self, deviance: Callable[[float], float], start: float, step: float, bottom: float

@@ -46,6 +46,7 @@ class DynamicStiffness(ByValue):
         Where the storage stiffness is good to 10 % and the loss stiffness to 30 %, all errors
         together, about the peak, Hz; (nan, nan) if nowhere.
     checks : tuple of Check
+        Whether stiffness and loss belong together; none with fewer than 3 lines about the peak.
     """
 
     frequency: FloatArray
@@ -162,7 +163,7 @@ def dynamic_stiffness(
         phase_sd=float(phase_sd),
         storage_band=_about(frequency, peak, storage_sd <= STORAGE_LIMIT * np.abs(storage)),
         loss_band=_about(frequency, peak, loss_sd <= LOSS_LIMIT * np.abs(loss)),
-        checks=(_causal(frequency, storage, loss, peak),),
+        checks=_causal(frequency, storage, loss, peak),
         **{name: frozen(part) for name, part in parts.items()},
     )
 
@@ -187,6 +188,11 @@ def causal_loss_factor(frequency: FloatArray, storage: FloatArray, at: float) ->
 
     The slope is a straight line through ln K' over a factor of 1.6 to either side of `at` Hz.
     Source: H. C. Booij and G. P. J. M. Thoone, Rheol. Acta 21 (1982).
+
+    Raises
+    ------
+    DataError
+        If fewer than 3 lines lie there.
     """
     near = (frequency >= at / SLOPE_REACH) & (frequency <= at * SLOPE_REACH) & (storage > 0)
     if np.count_nonzero(near) < 3:
@@ -197,10 +203,15 @@ def causal_loss_factor(frequency: FloatArray, storage: FloatArray, at: float) ->
     return float(np.pi / 2 * slope)
 
 
-def _causal(frequency: FloatArray, storage: FloatArray, loss: FloatArray, peak: float) -> Check:
+def _causal(
+    frequency: FloatArray, storage: FloatArray, loss: FloatArray, peak: float
+) -> tuple[Check, ...]:
+    try:
+        implied = causal_loss_factor(frequency, storage, peak)
+    except DataError:
+        return ()
     top = int(np.argmin(np.abs(frequency - peak)))
     measured = float(loss[top] / storage[top])
-    implied = causal_loss_factor(frequency, storage, peak)
     off = abs(implied - measured) / abs(measured)
     passed = off <= CAUSAL_LIMIT and measured > 0
     says = (
@@ -209,4 +220,4 @@ def _causal(frequency: FloatArray, storage: FloatArray, loss: FloatArray, peak: 
     )
     if not passed:
         says += ": mass, gain or phase of the channels is off, or another mode is near"
-    return Check("causal", passed, says, implied, measured)
+    return (Check("causal", passed, says, implied, measured),)
