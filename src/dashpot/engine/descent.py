@@ -13,7 +13,10 @@ from dashpot.engine.nnls import nonnegative_columns
 
 LONGEST_STEP = 1.5
 TAIL = 1e-5
-FINISHED = 1e-10
+NEAR = 0.1
+#: steps shorter than this change the gradient by rounding only
+ROUNDING = 1e-7
+FINISHED = 1e-11
 
 
 class Rows(NamedTuple):
@@ -167,7 +170,11 @@ def descend(
     r"""Levenberg-Marquardt in ln tau with steps of at most 1.5, inside the stack's window.
 
     Far away a step must lower the SSE; within 1e-5 the SSE is flat to its last digits, so the
-    undamped step itself decides: the descent ends when it falls below `finished`.
+    undamped step itself decides: the descent ends when it falls below `finished`. Where the
+    residual is large J'J is a poor Hessian and such steps only creep; what the gradients say it
+    lacks is then learned from step to step (as in J. E. Dennis, D. M. Gay, R. E. Welsch,
+    *ACM Trans. Math. Softw.* 7, 1981, with the symmetric rank-one update).
+
     Returns None when it runs into one of the `rivals` (optima already known) or when the
     start cannot be evaluated.
     """
@@ -177,8 +184,9 @@ def descend(
         return None
     grain = stack.grain
     damping = 1e-3
+    lacking = np.zeros_like(here.curvature)
     for count in range(2, limit + 2):
-        step = _step(here, damping, low, high)
+        step = _step(here, lacking, damping, low, high)
         trial = np.clip(here.log_tau + step, low, high)
         moved = float(np.abs(trial - here.log_tau).max(initial=0.0))
         if moved <= finished:
@@ -188,6 +196,8 @@ def descend(
         if new is not None and (
             new.sse < here.sse or (tail and new.sse <= here.sse * (1 + 1e-8) + grain)
         ):
+            if ROUNDING < moved < NEAR:
+                lacking = _learned(lacking, here, new)
             here = new
             damping = 0.0 if tail else 0.1 * damping
             if new.sse <= grain:
@@ -203,10 +213,23 @@ def descend(
     return Local(here, limit, False)
 
 
-def _step(point: Point, damping: float, low: float, high: float) -> FloatArray:
+def _learned(lacking: FloatArray, old: Point, new: Point) -> FloatArray:
+    """What the Hessian holds beyond J'J, corrected so that it explains the last step."""
+    moved = new.log_tau - old.log_tau
+    missed = new.gradient - old.gradient - (new.curvature + lacking) @ moved
+    along = float(missed @ moved)
+    if abs(along) <= 1e-8 * float(np.linalg.norm(missed) * np.linalg.norm(moved)):
+        return lacking
+    return np.asarray(lacking + np.outer(missed, missed) / along)
+
+
+def _step(point: Point, lacking: FloatArray, damping: float, low: float, high: float) -> FloatArray:
     """The damped step, with arms held that press against the window or carry nothing."""
     gradient, curvature = point.gradient, point.curvature
     scale = np.diagonal(curvature)
+    # an estimate that would turn the step uphill is no Hessian
+    if lacking.any() and np.linalg.eigvalsh(curvature + lacking)[0] > 1e-3 * scale.min():
+        curvature = curvature + lacking
     free = scale > 0
     free &= ~((point.log_tau <= low) & (gradient > 0))
     free &= ~((point.log_tau >= high) & (gradient < 0))

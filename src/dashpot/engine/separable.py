@@ -242,12 +242,13 @@ class _Chain:
 
         Doubt is a relaxation time that is not known to 10 %, or that sits at the edge of the
         window, or a coefficient that is not positive. A well-determined optimum that started
-        from the best pair of the whole grid has no rival.
+        from the best of the whole grid has no rival.
         """
-        if not 0 < arms <= 2 or len(self.stack.groups) > 1:
+        if not arms or len(self.stack.groups) > 1:
             return False
-        start = paired(self.grid) if arms == 2 else single(self.grid)
-        local = None if start is None else descend(self.stack, start)
+        local = None
+        for start in self._sure_starts(arms):
+            local = descend(self.stack, start)
         if local is None or not local.converged:
             return False
         self.evaluations += local.evaluations
@@ -266,6 +267,12 @@ class _Chain:
             return False
         self.best.append(local)
         return True
+
+    def _sure_starts(self, arms: int) -> list[FloatArray]:
+        if arms > 2:
+            return partitioned(self.grid, *self.peaks, arms, count=1)
+        start = paired(self.grid) if arms == 2 else single(self.grid)
+        return [] if start is None else [start]
 
     def extend(self, arms: int) -> None:
         """Add orders up to `arms`, or until none is better."""
