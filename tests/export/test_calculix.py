@@ -87,3 +87,15 @@ def test_the_network_alone_carries_its_static_stiffness(paper_seal, tmp_path):
     deck = deck.replace("*STEP\n", "*NSET, NSET=N\n2\n*STEP\n")
     (line,) = [row for row in run_ccx(deck, tmp_path).splitlines() if row.split()[:1] == ["2"]]
     assert float(line.split()[1]) == pytest.approx(1 / 0.1965, rel=1e-6)
+
+
+def test_the_abaqus_network_is_read_by_ccx(paper_seal, tmp_path):
+    """CalculiX reads the Abaqus dialect: the same network, checked for its syntax and statics."""
+    network = export.abaqus(paper_seal, units="mm-t-s")
+    steps = [
+        "*NSET, NSET=MOVING", "2", "*BOUNDARY", "1, 1, 3", "2, 2, 3",
+        "*STEP", "*STATIC", "*CLOAD", "2, 1, 1.", "*NODE PRINT, NSET=MOVING", "U", "*END STEP", "",
+    ]  # fmt: skip
+    dat = run_ccx(network + "\n".join(steps), tmp_path)
+    (line,) = [row for row in dat.splitlines() if row.split()[:1] == ["2"]]
+    assert float(line.split()[1]) == pytest.approx(1 / 0.1965, rel=1e-6)

@@ -458,6 +458,16 @@ def test_connector_rows_read_back(paper_seal):
     assert K[:, 0] * (1 + 1j * eta[:, 0]) == pytest.approx(exact, rel=1e-8)
 
 
+def test_every_deck_has_its_row_in_the_documents():
+    page = (Path(__file__).parents[2] / "docs" / "export.md").read_text(encoding="utf-8")
+    for target, form, _ in DECKS:
+        assert re.search(rf"^\| `{target}` .*`{form}`", page, flags=re.MULTILINE), (target, form)
+    tests = set(re.findall(r"`(tests/\S+?\.py)`", page))
+    assert tests
+    for test in tests:
+        assert (Path(__file__).parents[2] / test).is_file(), test
+
+
 def test_forms_and_targets_are_the_same_list():
     assert set(export.FORMS) == set(export.TARGETS)
     for name, function in export.TARGETS.items():

@@ -11,6 +11,9 @@ import pytest
 
 from dashpot import export
 from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.vibration.bodies import Mount, point_mass
+from dashpot.vibration.motion import respond
+from dashpot.vibration.systems import System
 
 RUN = """
 import json, sys
@@ -44,10 +47,10 @@ print(json.dumps({"force": force}))
 """
 
 
-def run_opensees(task: dict) -> np.ndarray:
+def run_opensees(task: dict, script: str = RUN) -> np.ndarray:
     """In a process of its own: OpenSees prints and keeps its model as global state."""
     run = subprocess.run(
-        [sys.executable, "-c", RUN],
+        [sys.executable, "-c", script],
         input=json.dumps(task), capture_output=True, text=True, timeout=120, check=False,
     )  # fmt: skip
     assert run.returncode == 0, run.stderr
@@ -77,6 +80,52 @@ def test_ramp_and_hold_is_equation_5(paper_seal, b):
         error = error[(t > 2.5 * dt) & ~((t > 1 - dt / 2) & (t < 1 + 2.5 * dt))]
     print(f"b = {b}: peak {force.max():.5f} N, largest error {error.max():.2e}")
     assert error.max() < 1e-5
+
+
+PULSE = (
+    RUN[: RUN.index("ops.timeSeries")]
+    + """
+ops.mass(2, task["mass"])
+ops.timeSeries("Path", 1, "-time", *task["path_time"], "-values", *task["path_value"])
+ops.pattern("Plain", 1, 1)
+ops.load(2, 1.0)
+ops.constraints("Plain")
+ops.numberer("Plain")
+ops.system("FullGeneral")
+ops.test("NormDispIncr", 1e-14, 20)
+ops.algorithm("Newton")
+ops.integrator("Newmark", 0.5, 0.25)
+ops.analysis("Transient")
+moved = []
+for _ in range(task["steps"]):
+    assert ops.analyze(1, task["dt"]) == 0
+    moved.append(ops.nodeDisp(2, 1))
+print(json.dumps({"force": moved}))
+"""
+)
+
+
+def test_a_struck_block_moves_as_ours_does(paper_seal):
+    """Transient of a mass on the material: Newmark's own error, which falls with dt squared."""
+    mass, seconds = 0.05202, 0.5
+    system = System((point_mass("block", mass),), (Mount(paper_seal, ("block", "ground")),))
+    errors = []
+    for dt in (1e-3, 2.5e-4):
+        t = dt * np.arange(round(seconds / dt) + 1)
+        pulse = {"path_time": [0.0, 0.005, 0.01, 10.0], "path_value": [0.0, 2.0, 0.0, 0.0]}
+        moved = run_opensees(
+            {
+                "deck": export.opensees(paper_seal, units="SI"), "material": 4, "mass": mass,
+                "dt": dt, "steps": len(t) - 1,
+            } | pulse,
+            script=PULSE,
+        )  # fmt: skip
+        force = np.interp(t, pulse["path_time"], pulse["path_value"])
+        ours = respond(system, t, force={"block.z": force}).displacement[0]
+        errors.append(np.abs(moved - ours[1:]).max() / np.abs(ours).max())
+    print(f"error of OpenSees against ours: {errors[0]:.2e} at 1 ms, {errors[1]:.2e} at 0.25 ms")
+    assert errors[1] < 5e-3
+    assert errors[0] / errors[1] == pytest.approx(16, rel=0.2)
 
 
 def test_python_and_tcl_say_the_same(paper_seal):

@@ -14,6 +14,7 @@ from dashpot.solids import networks as net
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.bodies import Body, Mount, Point, planar_body, point_mass
 from dashpot.vibration.complex_modes import complex_modes, newton_modes
+from dashpot.vibration.modes import model_modes
 from dashpot.vibration.motion import respond
 from dashpot.vibration.prediction import predict_frf
 from dashpot.vibration.systems import System
@@ -145,6 +146,14 @@ def test_papers_block_has_the_poles_of_its_seal(paper_seal):
     assert modes[0].pole == pytest.approx(-0.354171 + 79.85693j, abs=1e-3)
     assert [mode.pole.real for mode in modes[1:]] == pytest.approx([-1.288324, -0.055776], abs=1e-5)
     assert modes[0].damping_ratio == pytest.approx(0.00443503, rel=1e-5)
+
+
+def test_one_mass_has_the_modes_of_the_polynomial(paper_seal):
+    """The same poles as the roots found for one mass on one solid, residue included."""
+    mode = complex_modes(chain([0.104], [2 * paper_seal]))[0]
+    alone = model_modes(2 * paper_seal, 0.104)[0]
+    assert mode.pole == pytest.approx(alone.pole, rel=1e-10)
+    assert complex(mode.shape[0] ** 2) == pytest.approx(alone.residue, rel=1e-9)
 
 
 def test_maxwell_voigt_of_zhang_and_richards():

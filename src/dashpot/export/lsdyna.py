@@ -69,8 +69,8 @@ def _arms(deck: Deck) -> str:
     if deck.b > 0:
         materials.append(("*MAT_DAMPER_VISCOUS", [deck.b]))
     for k, tau, _ in deck.arms:
-        # k0, ki, beta, tc, fc, copt: compression incremental, no cut-off
-        materials.append(("*MAT_SPRING_MAXWELL", [k, 0.0, 1 / tau, 0.0, 0.0, 0.0]))
+        # k0, ki, beta, cut-off time and force, incremental in time
+        materials.append(("*MAT_SPRING_MAXWELL", [k, 0.0, 1 / tau, 1e20, 0.0, 0.0]))
     lines = [
         *header,
         "*KEYWORD",
