@@ -20,6 +20,7 @@ from dashpot.engine.descent import Stack
 
 _POINTS = 40
 _ITERATIONS = 30
+_RISE = 0.7
 
 
 class Coordinate(Enum):
@@ -79,23 +80,26 @@ def _walk(
     held: _Held, start: FloatArray, best: float, *, step: float, scale: float, limit: float
 ) -> list[tuple[float, float]]:
     low, high = held.range
-    point, value = start.copy(), held.value(start)
-    walked: list[tuple[float, float]] = []
+    point, value, root = start.copy(), held.value(start), 0.0
+    walked: dict[float, float] = {}
     for _ in range(_POINTS):
         nearest = min(max(value + step, low), high)
         if nearest == value:
             break
-        value = nearest
-        point = held.fitted(point, value, tolerance=1e-4 * scale)
-        deviance = max(held.sse(point) - best, 0.0) / scale
-        previous = walked[-1][1] if walked else 0.0
-        walked.append((value, deviance))
+        step = nearest - value
+        there = held.fitted(point, nearest, tolerance=1e-4 * scale)
+        deviance = max(held.sse(there) - best, 0.0) / scale
+        rise = float(np.sqrt(deviance)) - root
+        walked[nearest] = deviance
+        # aim at a rise in the root of the deviance over which interpolation is good
+        step *= float(np.clip(_RISE / max(rise, 1e-3), 0.1, 2.0))
+        if rise > 2.0 * _RISE:
+            # too far to interpolate to: keep the point, and walk towards it in smaller steps
+            continue
+        point, value, root = there, nearest, root + rise
         if deviance > limit:
             break
-        # aim at a rise of about one in the root of the deviance, where interpolation is good
-        rise = np.sqrt(deviance) - np.sqrt(previous)
-        step *= float(np.clip(0.7 / max(rise, 1e-3), 0.5, 2.0))
-    return walked
+    return sorted(walked.items(), key=lambda pair: abs(pair[0] - held.value(start)))
 
 
 class _Held:

@@ -148,4 +148,4 @@ def _recursion(decay: FloatArray, increments: FloatArray, first: FloatArray) -> 
     for b in range(1, stretches):
         carry[b] = carry[b - 1] * whole + u[b - 1]
     out += (decay ** np.arange(1, length + 1)[:, None])[:, None, :] * carry
-    return np.asarray(out.transpose(1, 0, 2).reshape(-1, arms)[:total])
+    return np.asarray(out.transpose(1, 0, 2).reshape(stretches * length, arms)[:total])

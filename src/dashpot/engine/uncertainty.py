@@ -21,6 +21,9 @@ from dashpot._arrays import FloatArray
 
 # a direction whose share of the information is below this is a rounding error, not knowledge
 _SINGULAR = 1e-13
+# parameters per effective residual beyond which the fit's own part is given back lag by lag
+_WORTH_GIVING_BACK = 0.005
+_ROUNDS = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,25 +54,49 @@ class Noise:
         return self.samples / self.kappa
 
 
-def noise_of(residual: FloatArray, *, parameters: float = 0.0, rounding: float = 0.0) -> Noise:
+def noise_of(
+    residual: FloatArray, jacobian: FloatArray | None = None, *, rounding: float = 0.0
+) -> Noise:
     r"""Return what `residual`, shape (n,), says about its noise.
 
-    Residuals of rms below `rounding` are rounding errors, not noise: their pattern says nothing.
+    A fit takes the part of the noise that its columns span out of the residuals: with Q an
+    orthonormal basis of the Jacobian and S the sum of all :math:`\gamma_l`,
 
-    A fit of p parameters takes p effective samples out of the residuals, so the autocovariance
-    is scaled by :math:`M_\mathrm{eff}/(M_\mathrm{eff} - p)`; for white noise that is the usual
-    :math:`n/(n - p)`.
+    .. math:: E[\hat\gamma_l] = \gamma_l - \frac Sn \sum_k \sum_i Q_{ik} Q_{i+l,k}
+
+    to first order, which is given back; for white noise that is the usual n/(n - p).
+    Residuals of rms below `rounding` are rounding errors, not noise: their pattern says nothing.
     """
     n = len(residual)
     gamma = autocovariance(residual)
+    parameters = 0 if jacobian is None else jacobian.shape[1]
+    whitened = n / max(n - parameters, 1.0)
     if gamma[0] <= rounding**2:
-        return Noise(n, gamma[:1] * (n / max(n - parameters, 1.0)), 1.0, 2.0)
-    gamma = gamma[: geyer_cut(gamma)]
-    kappa = max(1.0, float(2.0 * gamma.sum() / gamma[0] - 1.0))
-    effective = n / kappa
-    gamma = gamma * (effective / max(effective - parameters, 1.0))
+        return Noise(n, gamma[:1] * whitened, 1.0, 2.0)
+    kept = gamma[: geyer_cut(gamma)]
+    kappa = _kappa(kept)
+    if jacobian is not None and parameters * kappa > _WORTH_GIVING_BACK * n:
+        taken = _taken(jacobian)
+        for _ in range(_ROUNDS):
+            given = gamma + gamma[0] * min(kappa, n / (2.0 * parameters)) * taken / n
+            kept = given[: geyer_cut(given)]
+            kappa = _kappa(kept)
+    else:
+        kept = kept * whitened
     steps = np.diff(residual)
-    return Noise(n, gamma, kappa, float(steps @ steps / (residual @ residual)))
+    return Noise(n, kept, kappa, float(steps @ steps / (residual @ residual)))
+
+
+def _kappa(gamma: FloatArray) -> float:
+    return max(1.0, float(2.0 * gamma.sum() / gamma[0] - 1.0))
+
+
+def _taken(jacobian: FloatArray) -> FloatArray:
+    r"""Return :math:`\sum_k \sum_i Q_{ik} Q_{i+l,k}` at every lag l."""
+    n = len(jacobian)
+    size = fast_length(2 * n)
+    columns = np.fft.rfft(np.linalg.qr(jacobian)[0].T, size, axis=1)
+    return np.asarray(np.fft.irfft((np.abs(columns) ** 2).sum(axis=0), size)[:n])
 
 
 def autocovariance(residual: FloatArray) -> FloatArray:

@@ -9,7 +9,8 @@ standard deviation). The test then leaves a posterior spread of the loss stiffne
 and a frequency is informed where that spread is at most half of what it was before. Noise,
 sampling, ramp, hold, offset and drift all enter through the columns of the fit. Beyond what
 noise allows, no frequency is claimed that the motion itself hardly holds: above
-:math:`1/(\pi c)` for the shortest ramp c, or below one radian in the longest hold.
+:math:`1/(\pi c)` for the shortest ramp c, above half the sampling rate, or below one radian in
+the longest hold.
 """
 
 from __future__ import annotations
@@ -44,7 +45,9 @@ def informed_band(
         Standard deviation of one residual, N, widened for correlation (s times root kappa).
     """
     slowest = 1.0 / (2.0 * np.pi * max(test.hold_time for test in tests))
-    fastest = 1.0 / (np.pi * min(test.ramp_time for test in tests))
+    ramp = 1.0 / (np.pi * min(test.ramp_time for test in tests))
+    nyquist = 0.5 / min(float(np.diff(test.time).min()) for test in tests)
+    fastest = min(ramp, nyquist)
     frequency, left = spread_left(blocks, stiffness=stiffness, noise=noise)
     return _widest(frequency, left, slowest, fastest)
 

@@ -399,8 +399,9 @@ def quantum(values: FloatArray) -> float:
     step = float(gaps.min())
     steps = np.round(gaps / step)
     whole = np.abs(gaps - steps * step) < 0.01 * step
-    moving = len(values) - int(visits.max())
-    repeats = len(gaps) < 0.5 * moving
+    # the two levels visited most are rest and hold, where a smooth motion repeats too
+    passing = np.sort(visits)[:-2]
+    repeats = len(passing) > 0 and float(passing.mean()) > 1.1
     return step if np.all(whole) and (repeats or bool(np.any(steps > 1.0))) else 0.0
 
 

@@ -47,6 +47,11 @@ def every_sample(
     return tuple(b.exact if isinstance(b, CorrelationBlock) else b for b in blocks)
 
 
+def fitted_samples(test: RampHold, design: Design) -> slice:
+    """Return the samples that the fit uses: the hold, or from the first to the hold's end."""
+    return test.hold if design.method == "hold" else slice(0, test.hold.stop)
+
+
 def eq5_obstacle(test: RampHold) -> str | None:
     """Return why eq. 5 does not apply to this history, in a sentence; None if it does."""
     held = test.displacement[test.hold]
@@ -104,7 +109,7 @@ def _motion(test: RampHold) -> tuple[FloatArray, FloatArray, FloatArray]:
 
     A seal that the record finds in contact is at rest there: the force of that rest is offset.
     """
-    used = slice(0, test.hold.stop)
+    used = fitted_samples(test, Design("full"))
     x = test.displacement[used]
     return test.time[used] - test.time[0], x - x[0], test.force[used]
 

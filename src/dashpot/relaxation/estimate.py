@@ -133,9 +133,9 @@ def estimated(
     cuts = np.cumsum([block.samples for block in every_sample])[:-1]
     residuals = tuple(np.split(whole.residual, cuts))
     jacobians = np.split(whole.matrix, cuts)
-    share = len(whole.names) / len(every_sample)
     noises = tuple(
-        noise_of(residual, parameters=share, rounding=_ROUNDING * peak) for residual in residuals
+        noise_of(residual, jacobian, rounding=_ROUNDING * peak)
+        for residual, jacobian in zip(residuals, jacobians, strict=True)
     )
     further = None
     if encoders is not None:
