@@ -310,6 +310,25 @@ def test_a_staircase_keeps_its_first_ramp_and_its_last_hold():
     assert "ramps belong" not in check(first, "single_loading").says
 
 
+@pytest.mark.parametrize("gap", [5e-3, 5.5e-3])
+def test_an_approach_through_air_is_no_ramp(gap: float):
+    path = ((1.0, 5e-3), (6.0, 5e-3), (7.0625, 13.5e-3), (37.0, 13.5e-3))
+    test, truth, _ = simulate_path(PAPER, path=path, rig=Rig(gap=gap))
+    found = prepare(test)
+    lag = 2 * 0.6 / (2 * np.pi * 6) - 5e-3
+    assert found.onset == pytest.approx(1.5 + 6.0 + (gap - 5e-3) / 8e-3 + lag, abs=5e-3)
+    assert found.ramp_end == pytest.approx(1.5 + 7.0625 + lag, abs=5e-3)
+    assert found.depth == pytest.approx(truth[-1] - gap, abs=QUANTUM)
+    assert "ramps belong" not in check(found, "single_loading").says
+    assert failed(found) == []
+    np.testing.assert_array_equal(prepare(replace(test, force=-test.force)).force, found.force)
+
+
+def test_contact_beyond_the_hold_is_refused(raw: RelaxationTest):
+    with pytest.raises(DataError, match=r"contact = 0\.009 m lies at or beyond the held"):
+        prepare(raw, contact=9e-3)
+
+
 def test_an_unloading_after_the_hold_is_left_out():
     test, _, _ = simulate_path(PAPER, path=((1.0, 8e-3), (31.0, 8e-3), (32.0, 0.0), (35.0, 0.0)))
     found = prepare(test)
@@ -475,6 +494,20 @@ def test_any_sampling_will_do(raw: RelaxationTest):
     found = prepare(some(raw, logged))
     assert found.ramp_time == pytest.approx(1.0, abs=5e-3)
     assert found.hold_end == raw.time[int(logged[-1])]
+
+
+def test_a_dozen_rows_are_enough():
+    time = np.array([0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 10.0, 20.0, 40.0])
+    x = 8e-3 * np.clip(time - 1, 0, 1)
+    found = prepare(RelaxationTest(time=time, displacement=x, force=PAPER.force(time, x)))
+    assert found.onset == pytest.approx(1.0)
+    assert found.ramp_end == pytest.approx(2.0)
+    assert found.depth == pytest.approx(8e-3)
+
+
+def test_times_given_out_of_order_are_refused(raw: RelaxationTest):
+    with pytest.raises(DataError, match=r"are out of order; give onset, ramp_end and hold_end"):
+        prepare(raw, ramp_end=1.2)
 
 
 def test_five_samples_a_second_still_show_the_ramp(raw: RelaxationTest):

@@ -130,6 +130,25 @@ def given_motion(
     return replace(motion, stop=last)
 
 
+def from_contact(
+    time: FloatArray, displacement: FloatArray, motion: Motion, contact: float, *, doubt: float
+) -> Motion:
+    """The motion without the ramps that end in air, before `contact` less `doubt`, m."""
+    x = motion.sign * displacement
+    segments = motion.cycle.segments
+    flown = [
+        i
+        for i, segment in enumerate(segments[:-2])
+        if segment.kind == "load" and segment.level <= contact + doubt
+    ]
+    if not flown or segments[flown[-1] + 1].kind != "hold":
+        return motion
+    first = flown[-1] + 2
+    cycle = Cycle(segments[first - 1], segments[first:])
+    cycles = (*motion.cycles[: motion.index], cycle, *motion.cycles[motion.index + 1 :])
+    return replace(_of_cycle(time, x, motion.sign, cycles, motion.index), stop=motion.stop)
+
+
 def _of_cycle(
     time: FloatArray, x: FloatArray, turn: int, cycles: tuple[Cycle, ...], index: int
 ) -> Motion:

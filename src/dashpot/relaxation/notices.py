@@ -39,7 +39,7 @@ def refuse_unresolved(where: str, rise: float, force: FloatArray) -> None:
         )
 
 
-def refuse_saturated(where: str, test: RampHold) -> None:
+def refuse_saturated(where: str, test: RampHold, rise: float) -> None:
     """Refuse a force with a flat top: a fit through it would be wrong everywhere.
 
     Raises
@@ -54,7 +54,7 @@ def refuse_saturated(where: str, test: RampHold) -> None:
     moved = float(np.ptp(test.displacement[first : last + 1]))
     step = quantum(test.force)
     # over so far the force climbs by three quanta even at half its mean rate
-    far = max(0.02 * test.depth, 6 * step * test.depth / top, 4 * test.displacement_noise)
+    far = max(0.02 * test.depth, 6 * step * test.depth / rise, 4 * test.displacement_noise)
     while_moving = count >= 5 and moved > far
     too_even = count >= 10 and 0 < step < 2 * test.force_noise
     if not (while_moving or too_even):

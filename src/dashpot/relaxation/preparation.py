@@ -13,7 +13,7 @@ from dashpot.relaxation import notices
 from dashpot.relaxation.baseline import Baseline, baseline_of, zeroed
 from dashpot.relaxation.contact import Touch, touch_of
 from dashpot.relaxation.filtering import filter_bias, filtered, parse_filter
-from dashpot.relaxation.motion import Motion, find_motion, given_motion
+from dashpot.relaxation.motion import Motion, find_motion, from_contact, given_motion
 from dashpot.relaxation.records import RampHold, RelaxationTest
 from dashpot.relaxation.scatter import median_of_three, quantum, scatter, without_spikes
 
@@ -79,13 +79,20 @@ def prepare(
     turn = _answer(clean, motion) if sign is None else sign
     x, force = motion.sign * test.displacement, turn * test.force
     before, touch = _touch(test.time, x, turn * clean, motion, given=contact)
+    pressed = from_contact(
+        test.time, test.displacement, motion, touch.displacement, doubt=_least_gap(x, motion)
+    )
+    if pressed is not motion:
+        # the plate was first moved through air: the ramp that meets the seal is the first
+        motion = pressed
+        before, touch = _touch(test.time, x, turn * clean, motion, given=contact)
     force, tared = zeroed(test.time, force, before, drift=drift, where=where)
     times = _times(motion, touch, test.time, (onset, ramp_end, hold_end))
     record = _record(test, x, force, motion, touch, times=times)
     rise = _risen(record, before, where)
     record = replace(record, preload=_preload(record, before, touch, rise))
     notices.refuse_unresolved(where, rise, test.force)
-    notices.refuse_saturated(where, record)
+    notices.refuse_saturated(where, record, rise)
     checks = [
         notices.single_loading(motion.index, motion.cycles, asked=cycle is not None),
         notices.baseline_recorded(before),
@@ -146,7 +153,7 @@ def _motion(
 def _answer(force: FloatArray, motion: Motion) -> int:
     """1 if the force rises as the plate presses, else -1."""
     before = float(np.median(force[motion.start : motion.departure + 1][-50:]))
-    after = force[motion.line.last : motion.cycle.segments[1].last + 1]
+    after = force[motion.line.last : motion.stop + 1]
     furthest = after[np.argmax(np.abs(after - before))]
     return 1 if furthest >= before else -1
 
@@ -159,6 +166,11 @@ def _touch(
     before = baseline_of(time[still], force[still])
     if given is not None:
         at = motion.sign * given
+        if at >= motion.cycle.hold.level:
+            raise DataError(
+                f"contact = {given:g} m lies at or beyond the held displacement, "
+                f"{motion.sign * motion.cycle.hold.level:g} m; expected it before"
+            )
         touch = Touch(at, at - motion.rest)
     else:
         peak = motion.line.last + int(np.argmax(force[motion.line.last : motion.stop + 1]))
@@ -172,8 +184,8 @@ def _touch(
             force[rising] - level,
             noise=max(noise, 1e-6 * (float(force[peak]) - level)),
             rest=motion.rest,
-            level=motion.level,
-            least_gap=max(2 * quantum(x), 0.005 * (motion.level - motion.rest)),
+            level=motion.cycle.hold.level,
+            least_gap=_least_gap(x, motion),
             rested=motion.cycle.rest is not None,
         )
     if touch.gap > 0:
@@ -182,6 +194,11 @@ def _touch(
         quiet = slice(motion.start, max(motion.start + int(np.argmax(approach)), still.stop))
         before = baseline_of(time[quiet], force[quiet])
     return before, touch
+
+
+def _least_gap(x: FloatArray, motion: Motion) -> float:
+    """The smallest air gap worth telling from none, m."""
+    return max(2 * quantum(x), 0.005 * (motion.cycle.hold.level - motion.rest))
 
 
 def _times(
@@ -217,6 +234,11 @@ def _record(
 ) -> RampHold:
     """Trim to the loading and count compression from contact."""
     onset, ramp_end, hold_end = times
+    if not onset < ramp_end < hold_end:
+        raise DataError(
+            f"onset {onset:.6g} s, ramp end {ramp_end:.6g} s and hold end {hold_end:.6g} s are out "
+            "of order; give onset, ramp_end and hold_end, all three, in this order"
+        )
     kept = slice(motion.start, motion.stop + 1)
     compression = np.maximum(x - touch.displacement, 0.0)
     # before the plate departs, whatever the encoder shows is scatter

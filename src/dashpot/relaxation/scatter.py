@@ -17,11 +17,23 @@ def scatter(time: FloatArray, values: FloatArray) -> float:
     """
     if len(values) < 5:
         return 0.0
-    w = (time[2:] - time[1:-1]) / (time[2:] - time[:-2])
-    r = values[1:-1] - w * values[:-2] - (1 - w) * values[2:]
-    squares = np.sort(r**2 / (1 + w**2 + (1 - w) ** 2))
+    squares = np.sort(_misses(time, values) ** 2)
     kept = squares[: max(3, int(0.98 * len(squares)))]
     return float(np.sqrt(kept.mean())) / (0.935 if len(kept) < len(squares) else 1.0)
+
+
+def usual_scatter(time: FloatArray, values: FloatArray) -> float:
+    """The same by the median: blind to corners and glitches, and to half of all samples."""
+    if len(values) < 5:
+        return 0.0
+    return 1.4826 * float(np.median(np.abs(_misses(time, values))))
+
+
+def _misses(time: FloatArray, values: FloatArray) -> FloatArray:
+    """Residuals of every sample from the line between its neighbours, each of variance sigma^2."""
+    w = (time[2:] - time[1:-1]) / (time[2:] - time[:-2])
+    r = values[1:-1] - w * values[:-2] - (1 - w) * values[2:]
+    return np.asarray(r / np.sqrt(1 + w**2 + (1 - w) ** 2))
 
 
 def spikes(time: FloatArray, values: FloatArray) -> BoolArray:

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from dashpot._arrays import FloatArray
-from dashpot.relaxation.scatter import median_of_three, quantum, scatter
+from dashpot.relaxation.scatter import median_of_three, quantum, usual_scatter
 
 _LEAST_MOVE = 0.05
 """A move smaller than this part of the whole travel is settling, not a ramp."""
@@ -72,7 +72,7 @@ def find_segments(time: FloatArray, displacement: FloatArray) -> tuple[Segment, 
 
 def grain_of(time: FloatArray, displacement: FloatArray) -> float:
     """What a displacement can differ by without having moved, m: 4 sigma, and half a quantum."""
-    return 4 * scatter(time, displacement) + 0.5 * quantum(displacement)
+    return 4 * usual_scatter(time, displacement) + 0.5 * quantum(displacement)
 
 
 _Side = tuple[Literal["hold", "load", "unload"], int, int]
