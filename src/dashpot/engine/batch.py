@@ -19,7 +19,6 @@ import numpy.typing as npt
 
 from dashpot._arrays import BoolArray, ByValue, FloatArray
 from dashpot.engine.blocks import Block
-from dashpot.engine.correlation import upper_factor
 from dashpot.engine.descent import FINISHED, LONGEST_STEP, TAIL
 from dashpot.engine.separable import DOUBT, Solution, solve
 from dashpot.errors import FitError
@@ -98,8 +97,11 @@ class Family(Protocol):
         """Reduce records, shape (R, M)."""
         ...
 
-    def gram(self, tau: FloatArray, seen: Seen) -> FloatArray:
-        """Gram matrices of [fixed, arms, y, slopes] at tau (R, N), one per record."""
+    def factor(self, tau: FloatArray, seen: Seen, *, exact: bool) -> FloatArray:
+        """Triangular factors of [fixed, arms, slopes, y] at tau (R, N), one per record.
+
+        `exact` asks for the factor that does not go through a Gram matrix, if there is one.
+        """
         ...
 
     def moments(self, tau: FloatArray, seen: Seen) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -233,18 +235,15 @@ class _Points(NamedTuple):
         return _Points(*(part[index] for part in self))
 
 
-def _points(family: Family, log_tau: FloatArray, seen: Seen) -> _Points:
+def _points(family: Family, log_tau: FloatArray, seen: Seen, *, exact: bool = False) -> _Points:
     """As :func:`dashpot.engine.descent.point_at`, from stacked triangular factors."""
     q, arms = family.fixed_count, log_tau.shape[1]
     p = q + arms
-    # y last, so that the residual stands in the last column
-    order = np.concatenate((np.arange(p), np.arange(p + 1, p + 1 + arms), [p]))
-    gram = family.gram(np.exp(log_tau), seen)[:, order[:, None], order]
-    factor = upper_factor(gram)
+    factor = family.factor(np.exp(log_tau), seen, exact=exact)
     r = factor[:, :p, :p]
-    dependent = (
-        np.diagonal(r, axis1=1, axis2=2) ** 2 <= 1e-13 * np.diagonal(gram, axis1=1, axis2=2)[:, :p]
-    ).any(axis=1)
+    pivot, length = np.diagonal(r, axis1=1, axis2=2) ** 2, (r * r).sum(axis=1)
+    dependent = (pivot <= 1e-13 * length).any(axis=1)
+    r = np.where(dependent[:, None, None], np.eye(p), r)
     inverse = np.linalg.inv(r)
     beta = (inverse @ factor[:, :p, -1:])[..., 0]
     residual, outside, k = factor[:, p:, -1], factor[:, p:, p:-1], beta[:, q:]
@@ -262,7 +261,7 @@ def _together(
     """Descend all records of a chunk; write the ones that leave no doubt, and say which."""
     log_tau, started = look.starts(seen)
     converged = _descend(family, log_tau, seen, started)
-    point = converged.point
+    point = _points(family, converged.log_tau, seen, exact=True)
     low, high = family.bounds
     q, arms = family.fixed_count, log_tau.shape[1]
     spare = max(family.samples - q - 2 * arms, 1)
@@ -289,7 +288,6 @@ def _together(
 
 class _Descended(NamedTuple):
     log_tau: FloatArray
-    point: _Points
     done: BoolArray
 
 
@@ -325,7 +323,7 @@ def _descend(
         refused = active[~better]
         damping[refused] = 10 * np.maximum(damping[refused], 1e-6)
         active = active[~stuck & (damping[active] < 1e9)]
-    return _Descended(log_tau, here, done)
+    return _Descended(log_tau, done)
 
 
 def _steps(point: _Points, damping: FloatArray) -> FloatArray:

@@ -28,7 +28,6 @@ from dashpot._arrays import ByValue, ComplexArray, FloatArray
 from dashpot.engine.blocks import DesignBlock, Evaluation
 from dashpot.engine.compression import Compression, compression
 
-
 #: relative sum of squares below which a Gram matrix holds rounding only
 GRAIN = 1e-14
 

@@ -12,7 +12,7 @@ from dashpot._arrays import BoolArray, ByValue, FloatArray
 from dashpot.engine.batch import Seen
 from dashpot.engine.blocks import Block, DesignBlock
 from dashpot.engine.compression import ACCURACY, Compression, compression, uniform_step
-from dashpot.engine.correlation import GRAIN, Force, Response, response
+from dashpot.engine.correlation import GRAIN, Force, Response, response, upper_factor
 from dashpot.engine.holds import decay_block, hold_block, ramp_hold_block
 from dashpot.engine.recorded import recorded_block
 from dashpot.errors import DataError
@@ -127,18 +127,20 @@ class CompressedFamily(ByValue):
             first += length
         return np.concatenate(z, axis=1), floor
 
-    def gram(self, tau: FloatArray, seen: Seen) -> FloatArray:
-        """Gram matrices of [fixed, arms, y, slopes] at tau (R, N), one per record."""
+    def factor(self, tau: FloatArray, seen: Seen, *, exact: bool) -> FloatArray:
+        """Triangular factors of [fixed, arms, slopes, y] at tau (R, N), one per record."""
         (z,) = seen.data
         count, arms = tau.shape
         q, n = self.fixed_count, z.shape[1]
         columns, slopes = self.template.columns(tau.ravel(), True)
-        stack = np.empty((count, q + 1 + 2 * arms, n))
+        stack = np.empty((count, q + 2 * arms + 1, n))
         stack[:, :q] = self.template.fixed.T
         stack[:, q : q + arms] = columns.T.reshape(count, arms, n)
-        stack[:, q + arms] = z
-        stack[:, q + arms + 1 :] = slopes.T.reshape(count, arms, n)
-        return np.asarray(stack @ stack.transpose(0, 2, 1))
+        stack[:, q + arms : -1] = slopes.T.reshape(count, arms, n)
+        stack[:, -1] = z
+        if exact:
+            return np.asarray(np.linalg.qr(stack.transpose(0, 2, 1), mode="r"))
+        return upper_factor(stack @ stack.transpose(0, 2, 1))
 
     def moments(self, tau: FloatArray, seen: Seen) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Gram of [fixed, arms] at shared tau (G,), products with y: (R, q) and (R, G)."""
@@ -195,9 +197,12 @@ class RecordedFamily(ByValue):
         data = tuple(np.concatenate(part) for part in zip(*forces, strict=True))
         return Seen(data, np.zeros(len(values)), data[2])
 
-    def gram(self, tau: FloatArray, seen: Seen) -> FloatArray:
-        """Gram matrices of [fixed, arms, y, slopes] at tau (R, N), one per record."""
-        return self.response.gram(tau, Force(*seen.data), derivative=True)
+    def factor(self, tau: FloatArray, seen: Seen, *, exact: bool) -> FloatArray:  # noqa: ARG002
+        """Triangular factors of [fixed, arms, slopes, y] at tau (R, N), one per record."""
+        p = self.fixed_count + tau.shape[1]
+        order = np.concatenate((np.arange(p), np.arange(p + 1, p + 1 + tau.shape[1]), [p]))
+        gram = self.response.gram(tau, Force(*seen.data), derivative=True)
+        return upper_factor(gram[:, order[:, None], order])
 
     def moments(self, tau: FloatArray, seen: Seen) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Gram of [fixed, arms] at shared tau (G,), products with y: (R, q) and (R, G)."""

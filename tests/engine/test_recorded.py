@@ -1,0 +1,197 @@
+"""A recorded displacement: the recursion is exact, and the correlation form is the recursion."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from dashpot.engine.certificate import certificate
+from dashpot.engine.correlation import CorrelationBlock
+from dashpot.engine.recorded import arm_columns, recorded_block
+from dashpot.engine.separable import Solution, solve, solve_orders
+from dashpot.errors import DataError
+from dashpot.solids.history import arm_response
+
+TIME = np.arange(6001) / 150
+GENERATOR = np.random.default_rng(5)
+
+
+def ramp_hold() -> np.ndarray:
+    x = 8e-3 * np.minimum(TIME, 1.0) + GENERATOR.normal(0, 1e-6, len(TIME))
+    x[0] = 0
+    return x
+
+
+def steps_and_chirp() -> np.ndarray:
+    x = 3e-3 * np.minimum(TIME, 0.7) + 2e-3 * np.clip(TIME - 12, 0, 1.3)
+    return x + 2e-4 * np.sin(2 * np.pi * (0.1 + 0.05 * TIME) * TIME) * (TIME > 20)
+
+
+HISTORIES = {"ramp and hold": ramp_hold(), "steps and chirp": steps_and_chirp()}
+ARMS = {
+    1: ([80.0], [3.0]),
+    2: ([117.5, 17.8], [0.5021, 16.416]),
+    3: ([90.0, 60.0, 40.0], [0.25, 2.0, 18.0]),
+    4: ([90.0, 80.0, 60.0, 50.0], [0.1, 0.6, 3.0, 18.0]),
+}
+
+
+def force_of(x: np.ndarray, arms: int, *, sd: float = 5e-3, time: np.ndarray = TIME) -> np.ndarray:
+    k, tau = ARMS[arms]
+    total = 196.5 * x
+    for stiffness, t in zip(k, tau, strict=True):
+        total = total + stiffness * arm_response(time, x, t)
+    return total + sd * np.random.default_rng(arms).standard_normal(len(x))
+
+
+def same(found: Solution, full: Solution) -> None:
+    assert found.sse == pytest.approx(full.sse, rel=1e-9)
+    np.testing.assert_allclose(found.log_tau, full.log_tau, atol=1e-8)
+    np.testing.assert_allclose(found.arms, full.arms, rtol=1e-8)
+    np.testing.assert_allclose(found.fixed, full.fixed, rtol=1e-6, atol=1e-8)
+
+
+def test_columns_are_boltzmann_superposition() -> None:
+    """Every straight segment of displacement adds its own ramp and hold."""
+    time = np.cumsum(GENERATOR.uniform(0.01, 0.2, 60))
+    x = np.concatenate(([0.0], GENERATOR.standard_normal(59)))
+    tau = np.array([0.05, 1.3])
+    q, p = arm_columns(time, x, tau)
+    direct = np.zeros_like(q)
+    for i in range(1, len(time)):
+        start, stop, slope = time[i - 1], time[i], (x[i] - x[i - 1]) / (time[i] - time[i - 1])
+        for j, t in enumerate(tau):
+            rising = np.clip(time - start, 0, stop - start)
+            direct[:, j] += (
+                slope * t * (1 - np.exp(-rising / t)) * np.exp(-np.clip(time - stop, 0, None) / t)
+            )
+    np.testing.assert_allclose(q, direct, atol=1e-12)
+    h = 1e-6
+    ahead, behind = (arm_columns(time, x, tau * np.exp(d))[0] for d in (h, -h))
+    np.testing.assert_allclose(p, (ahead - behind) / (2 * h), atol=1e-8)
+
+
+@pytest.mark.parametrize("count", [2, 3, 7, 150, 1023])
+def test_uniform_recursion_is_the_general_one(count: int) -> None:
+    time = np.arange(count) / 10
+    x = GENERATOR.standard_normal(count)
+    q, _ = arm_columns(time, x, np.array([0.03, 2.0, 500.0]))
+    for column, tau in zip(q.T, (0.03, 2.0, 500.0), strict=True):
+        np.testing.assert_allclose(column, arm_response(time, x, tau), atol=1e-13 * count)
+
+
+@given(
+    log_tau=st.lists(st.floats(np.log(0.02), np.log(300)), min_size=2, max_size=2, unique=True),
+    start=st.integers(0, 3000),
+    stop=st.integers(3500, 6001),
+    history=st.sampled_from(sorted(HISTORIES)),
+)
+@settings(max_examples=12, deadline=None)
+def test_gram_matrix_is_that_of_every_sample(
+    log_tau: list[float], start: int, stop: int, history: str
+) -> None:
+    x = HISTORIES[history]
+    block = recorded_block(
+        TIME, x, force_of(x, 2), window=slice(start, stop), offset="offset", drift="drift"
+    )
+    assert isinstance(block, CorrelationBlock)
+    tau = np.exp(np.array(log_tau))
+    rows = block.exact.evaluate(np.log(tau))
+    assert len(rows.target) == stop - start
+    dense = np.column_stack((rows.fixed, rows.arms, rows.target, rows.d_arms))
+    scale = np.linalg.norm(dense, axis=0)
+    # an arm that has died before the window is rounding beside the displacement
+    scale = np.maximum(scale, 0.1 * scale[0] * (scale < scale[0]))
+    gram = block.response.gram(tau, block.force, derivative=True)
+    np.testing.assert_allclose(
+        gram / scale / scale[:, None], dense.T @ dense / scale / scale[:, None], atol=3e-11
+    )
+
+
+@pytest.mark.parametrize("history", HISTORIES)
+@pytest.mark.parametrize("arms", [1, 2, 3, 4])
+def test_correlated_optimum_is_the_full_optimum(history: str, arms: int) -> None:
+    x = HISTORIES[history]
+    block = recorded_block(TIME, x, force_of(x, arms), offset="offset")
+    found = solve([block], arms)
+    assert found.converged
+    same(found, solve([block.exact], arms, log_tau_start=found.log_tau))
+
+
+def test_hold_only_window_with_drift() -> None:
+    x = HISTORIES["ramp and hold"]
+    force = force_of(x, 2) + 0.02 * TIME
+    block = recorded_block(TIME, x, force, window=slice(160, None), drift="drift")
+    found = solve([block], 2)
+    same(found, solve([block.exact], 2, log_tau_start=found.log_tau))
+    assert found.coefficient("drift") == pytest.approx(0.02, rel=0.05)
+    assert found.samples == len(TIME) - 160
+
+
+def test_the_optimum_is_scipys_with_lfilter() -> None:
+    from scipy.optimize import least_squares
+    from scipy.signal import lfilter
+
+    x = HISTORIES["steps and chirp"]
+    force = force_of(x, 2)
+    h, moved = TIME[1], np.diff(x, prepend=0.0)
+
+    def residual(p: np.ndarray) -> np.ndarray:
+        model = p[0] * x
+        for k, tau in ((p[1], np.exp(p[3])), (p[2], np.exp(p[4]))):
+            a = np.exp(-h / tau)
+            model = model + k * lfilter([(1 - a) * tau / h], [1, -a], moved)
+        return model - force
+
+    start = [196.5, 117.5, 17.8, np.log(0.5), np.log(16)]
+    dense = least_squares(residual, start, x_scale="jac", xtol=1e-15, ftol=1e-15, gtol=1e-15)
+    found = solve([recorded_block(TIME, x, force)], 2)
+    assert found.sse == pytest.approx(2 * dense.cost, rel=1e-9)
+    np.testing.assert_allclose(found.log_tau, dense.x[3:], atol=1e-5)
+
+
+def test_any_grid_and_weights_take_the_recursion() -> None:
+    keep = np.sort(GENERATOR.choice(len(TIME), 1500, replace=False))
+    keep[0] = 0
+    time, x = TIME[keep], HISTORIES["steps and chirp"][keep]
+    sd = np.where(time < 10, 2e-3, 2e-2)
+    force = force_of(x, 2, sd=0.0, time=time) + sd * GENERATOR.standard_normal(len(time))
+    block = recorded_block(time, x, force, weights=1 / sd)
+    assert block.exact is block
+    found = solve([block], 2)
+    assert found.converged
+    np.testing.assert_allclose(found.tau, [0.5021, 16.416], rtol=0.1)
+    assert found.sse == pytest.approx(len(time), rel=0.15)
+
+
+def test_exact_data_come_back_to_ten_digits_and_no_further_arm() -> None:
+    x = HISTORIES["ramp and hold"]
+    found = solve([recorded_block(TIME, x, force_of(x, 2, sd=0.0))], 4)
+    assert found.order == 2
+    np.testing.assert_allclose(found.tau, [0.5021, 16.416], rtol=1e-9)
+    np.testing.assert_allclose(found.arms, [[117.5, 17.8]], rtol=1e-9)
+    assert found.sse < 1e-18
+
+
+def test_orders_and_certificate_work_in_turning_coordinates() -> None:
+    x = HISTORIES["steps and chirp"]
+    block = recorded_block(TIME, x, force_of(x, 3), offset="offset")
+    orders = solve_orders([block], 4)
+    assert [order.order for order in orders][:3] == [1, 2, 3]
+    for order in orders[:3]:
+        gap = certificate([block], order).gap
+        direct = certificate([block.exact], order).gap
+        assert gap == pytest.approx(direct, rel=1e-3, abs=1e-6)
+    assert certificate([block], orders[0]).gap > certificate([block], orders[2]).gap
+
+
+def test_refusals_say_what_was_expected() -> None:
+    x = HISTORIES["ramp and hold"]
+    with pytest.raises(DataError, match="expected the same number"):
+        recorded_block(TIME, x, x[:-1])
+    with pytest.raises(DataError, match="at least 3 neighbouring samples"):
+        recorded_block(TIME, x, x, window=slice(0, 2))
+    with pytest.raises(DataError, match="neighbouring"):
+        recorded_block(TIME, x, x, window=slice(0, 100, 2))
