@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -14,6 +14,8 @@ from dashpot.vibration.records import ImpactTest
 TRIGGER = 0.1  # of the largest force of the test: smaller pulses are not blows
 APART = 0.5  # s: pulses closer than this are one blow, perhaps a double one
 PRETRIGGER = 0.1  # s, where that much is recorded
+GUARD = 2  # samples before the onset that may already feel the pulse
+HISTORY = 1.0  # s before a blow that are kept to tell how the block still moves
 RATE_TOLERANCE = 1e-3  # between tests, relative; time stamps are often printed with few digits
 
 
@@ -45,6 +47,10 @@ class Blow:
         Samples that the recording lacks at the end of the block (filled with zeros).
     turned : bool
         True if the hammer was recorded negative.
+    past : array, shape (channels, m)
+        Accelerations in the last second before the onset, as far as recorded after an earlier blow.
+    calmed : bool
+        True if what still rang from an earlier blow has been taken off.
     """
 
     name: str
@@ -58,6 +64,8 @@ class Blow:
     offset: FloatArray
     missing: int = 0
     turned: bool = False
+    past: FloatArray = field(default_factory=lambda: np.empty((0, 0)))
+    calmed: bool = False
 
     @property
     def length(self) -> float:
@@ -108,12 +116,13 @@ class Blow:
 
 @dataclass(frozen=True)
 class _Found:
-    """Where a pulse begins in its continuous record, and where the next one does."""
+    """Where a pulse begins in its continuous record, and where its neighbours do."""
 
     test: ImpactTest
     sign: float
     record: slice
     onset: int
+    previous: int | None
     next: int | None
 
 
@@ -178,8 +187,9 @@ def _find(test: ImpactTest) -> list[_Found]:
         firsts = hot[np.concatenate(([True], np.diff(hot) > APART * test.rate))]
         onsets = [_onset(sign * force, int(i), noise) for i in firsts]
         for i, onset in enumerate(onsets):
+            before = onsets[i - 1] if i else None
             after = onsets[i + 1] if i + 1 < len(onsets) else None
-            found.append(_Found(test, sign, record, onset, after))
+            found.append(_Found(test, sign, record, onset, before, after))
     if not found:
         raise DataError(
             f"no hammer blow found: the force stays within {float(np.ptp(loudest)):.3g} N, without "
@@ -229,7 +239,7 @@ def _cut(blow: _Found, name: str, before: int, length: int) -> Blow:
     start = blow.record.start + blow.onset - onset
     stop = min(start + length, blow.record.start + size)
     rows = np.vstack((blow.sign * test.force[start:stop], test.acceleration[:, start:stop]))
-    quiet = rows[:, : max(onset - 2, 0)]  # the last samples may already feel the pulse
+    quiet = rows[:, : max(onset - GUARD, 0)]
     offset = quiet.mean(axis=1) if quiet.shape[1] >= 4 else np.zeros(len(rows))
     rows = rows - offset[:, None]
     spread = quiet.std(axis=1) if quiet.shape[1] >= 4 else np.zeros(len(rows))
@@ -253,4 +263,15 @@ def _cut(blow: _Found, name: str, before: int, length: int) -> Blow:
         offset=offset,
         missing=missing,
         turned=blow.sign < 0,
+        past=_past(blow) - offset[1:, None],
     )
+
+
+def _past(blow: _Found) -> FloatArray:
+    """Accelerations before a blow, well after the one before."""
+    rate, record = blow.test.rate, blow.record
+    since = 0 if blow.previous is None else (blow.previous + blow.onset) // 2
+    first = max(blow.onset - round(HISTORY * rate), since)
+    return blow.test.acceleration[
+        :, record.start + first : record.start + max(blow.onset - GUARD, first)
+    ]

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dashpot._arrays import BoolArray, FloatArray
+from dashpot._arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.errors import DataError
 from dashpot.provenance import Step
 from dashpot.vibration.blows import Blow, cut_blows
-from dashpot.vibration.estimators import Estimator, coherence, estimate, random_error
+from dashpot.vibration.estimators import Estimator, Spectra, coherence, estimate, random_error
 from dashpot.vibration.frf import FRF, Hit, Kind
-from dashpot.vibration.modes import mount_band
-from dashpot.vibration.quality import Verdict, judge, remaining
+from dashpot.vibration.modes import find_modes, mount_band
+from dashpot.vibration.quality import Verdict, judge, moving_before, remaining
 from dashpot.vibration.rational import Lines
 from dashpot.vibration.records import ImpactTest
+from dashpot.vibration.ringing import calm
 from dashpot.vibration.rocking import Combination, null_rocking
 from dashpot.vibration.stack import Stack
 from dashpot.vibration.verdicts import agreement, checks_of
@@ -24,6 +25,7 @@ from dashpot.vibration.windows import force_window, parse_window, window_decay
 
 FORCE_LEFT = 0.1  # -20 dB: where the force has fallen this far, the FRF ends
 ALIAS_FREE = 0.4  # of the sampling rate
+STILL = 0.003  # of the response: less motion before a blow is left as it is
 CLEAR = 0.5  # of all motion must go one way to tell the polarity of an accelerometer
 
 
@@ -92,48 +94,122 @@ def estimate_frf(
     ISO 7626-5:2019; D. J. Ewins, *Modal Testing*; paper, "Experimental setup".
     """
     tests = (tests,) if isinstance(tests, ImpactTest) else tuple(tests)
-    estimator = _estimator(estimator)
-    windows_force, exponential, end = parse_window(window)
+    force, exponential, end = parse_window(window)
     blows = cut_blows(tests, record=record, pretrigger=pretrigger)
-    verdicts = [judge(blow, windowed=exponential) for blow in blows]
-    taken = _taken(blows, verdicts, accept, reject)
-    channels = tests[0].channels
-    _known(combine, channels)
-
-    decay = 0.0
-    if exponential:
-        left = max(remaining(b) for b, t in zip(blows, taken, strict=True) if t)
-        decay = window_decay(left, blows[0].length, end)
-    stack = _transform(blows, channels, decay, windows_force).band(
-        *(band or _excited([b for b, t in zip(blows, taken, strict=True) if t]))
+    taken = _taken(blows, [judge(blow) for blow in blows], accept, reject)
+    choices = _Choices(
+        estimator=_estimator(estimator),
+        force_window=force,
+        exponential=exponential,
+        end=end,
+        combine=_known(combine, tests[0].channels),
+        polarity=polarity,
+        band=band,
+        accept=tuple(accept),
+        channels=tests[0].channels,
+        reach=_reach(tests),
     )
-    stack = stack.turned(_signs(stack.only(taken), polarity))
-    weights, rocking = _combine(stack.only(taken), combine, _reach(tests))
-    verdicts, taken = agreement(stack.weighted(weights), verdicts, taken, accept)
+    average = _average(blows, taken, choices)
+    if any(moving_before(b) > STILL for b, t in zip(blows, taken, strict=True) if t):
+        for _ in range(2):  # better poles take the earlier blow off better
+            poles = _free_poles(average)
+            average = _average([calm(blow, poles) for blow in blows], taken, choices)
+    frf = _frf(average, choices)
+    frf = replace(frf, source=tuple(dict.fromkeys(s for test in tests for s in test.source)))
+    return replace(
+        frf,
+        checks=checks_of(frf, average.spectra, choices.estimator, average.rocking, mass),
+    )
+
+
+@dataclass(frozen=True)
+class _Choices:
+    """What the caller chose, understood."""
+
+    estimator: Estimator
+    force_window: bool
+    exponential: bool
+    end: float | None
+    combine: str
+    polarity: Sequence[int] | None
+    band: tuple[float, float] | None
+    accept: tuple[str, ...]
+    channels: tuple[str, ...]
+    reach: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class _Average:
+    """All blows and their verdicts; the transforms, weights and FRF of those taken."""
+
+    blows: tuple[Blow, ...]
+    verdicts: tuple[Verdict, ...]
+    taken: BoolArray
+    stack: Stack
+    weights: FloatArray
+    rocking: Combination | None
+    spectra: Spectra
+    value: ComplexArray
+
+
+def _average(blows: Sequence[Blow], taken: BoolArray, choices: _Choices) -> _Average:
+    verdicts = [judge(blow, windowed=choices.exponential) for blow in blows]
+    good = [blow for blow, t in zip(blows, taken, strict=True) if t]
+    decay = 0.0
+    if choices.exponential:
+        decay = window_decay(max(map(remaining, good)), blows[0].length, choices.end)
+    stack = _transform(blows, choices, decay).band(*(choices.band or _excited(good)))
+    stack = stack.turned(_signs(stack.only(taken), choices.polarity))
+    weights, rocking = _combine(stack.only(taken), choices)
+    verdicts, taken = agreement(stack.weighted(weights), verdicts, taken, choices.accept)
     stack = stack.only(taken)
-    chosen = stack.weighted(weights)
-    value = estimate(chosen, estimator)
-    frf = FRF(
+    spectra = stack.weighted(weights)
+    return _Average(
+        blows=tuple(blows),
+        verdicts=tuple(verdicts),
+        taken=taken,
+        stack=stack,
+        weights=weights,
+        rocking=rocking,
+        spectra=spectra,
+        value=estimate(spectra, choices.estimator),
+    )
+
+
+def _frf(average: _Average, choices: _Choices) -> FRF:
+    stack, spectra = average.stack, average.spectra
+    return FRF(
         frequency=stack.frequency,
-        value=value,
+        value=average.value,
         kind=Kind.ACCELERANCE,
-        coherence=coherence(chosen),
-        sd=random_error(chosen, value),
-        shift=decay,
+        coherence=coherence(spectra),
+        sd=random_error(spectra, average.value),
+        shift=stack.shift,
         record=stack.record,
         pulse=stack.pulse,
-        averages=chosen.averages,
-        hits=_hits(blows, verdicts, taken),
-        source=tuple(dict.fromkeys(source for test in tests for source in test.source)),
-        steps=(
-            _cut_step(blows),
-            *_window_steps(decay, windows_force=windows_force, exponential=exponential),
-            *_sign_steps(blows, stack),
-            *_combine_steps(channels, weights),
-            Step("estimate", (("estimator", estimator.value),), f"{estimator.value}, linear mean"),
-        ),
+        averages=spectra.averages,
+        hits=_hits(average),
+        steps=_steps(average, choices),
     )
-    return replace(frf, checks=checks_of(frf, chosen, estimator, rocking, mass))
+
+
+def _free_poles(average: _Average) -> list[complex]:
+    """Poles of the block's free motions: of the FRF's modes, and of rocking that it cancels."""
+    stack = average.stack
+    modes = find_modes(
+        stack.frequency,
+        average.value,
+        sd=random_error(average.spectra, average.value),
+        record=stack.record,
+        pulse=stack.pulse,
+        shift=stack.shift,
+    )
+    poles = [mode.pole for mode in modes]
+    if average.rocking is not None:
+        rocking = average.rocking.rocking
+        if all(abs(p - rocking) > 0.02 * abs(p) for p in poles):
+            poles.append(rocking)
+    return poles
 
 
 def _estimator(name: Estimator | str) -> Estimator:
@@ -145,12 +221,13 @@ def _estimator(name: Estimator | str) -> Estimator:
         ) from None
 
 
-def _known(combine: str, channels: Sequence[str]) -> None:
+def _known(combine: str, channels: Sequence[str]) -> str:
     if combine not in ("mean", "weighted", *channels):
         raise DataError(
             f"combine = {combine!r}; expected 'mean', 'weighted' or a channel: "
             f"{', '.join(channels)}"
         )
+    return combine
 
 
 def _taken(
@@ -176,20 +253,18 @@ def _taken(
     return np.array(taken)
 
 
-def _transform(
-    blows: Sequence[Blow], channels: tuple[str, ...], decay: float, windows_force: bool
-) -> Stack:
+def _transform(blows: Sequence[Blow], choices: _Choices, decay: float) -> Stack:
     rate = blows[0].rate
     fade = np.exp(-decay * np.arange(len(blows[0].force)) / rate)
-    force = [b.force * fade * (force_window(b) if windows_force else 1.0) for b in blows]
+    force = [b.force * fade * (force_window(b) if choices.force_window else 1.0) for b in blows]
     response = np.array([b.acceleration * fade for b in blows]).swapaxes(0, 1)
     return Stack(
         frequency=np.asarray(np.fft.rfftfreq(len(fade), 1 / rate), dtype=np.float64),
         force=np.fft.rfft(force, axis=-1) / rate,
         response=np.fft.rfft(response, axis=-1) / rate,
         blows=tuple(blows),
-        channels=channels,
-        signs=np.ones(len(channels)),
+        channels=choices.channels,
+        signs=np.ones(len(choices.channels)),
         shift=decay,
     )
 
@@ -229,14 +304,12 @@ def _signs(stack: Stack, polarity: Sequence[int] | None) -> FloatArray:
     return np.full(count, -1.0 if kick.min() < -CLEAR else 1.0)
 
 
-def _combine(
-    stack: Stack, combine: str, reach: float | None
-) -> tuple[FloatArray, Combination | None]:
+def _combine(stack: Stack, choices: _Choices) -> tuple[FloatArray, Combination | None]:
     """Weights of the accelerometers, and what is known of rocking."""
     count = len(stack.channels)
     mean = np.full(count, 1 / count)
-    if combine in stack.channels:
-        return np.array([float(name == combine) for name in stack.channels]), None
+    if choices.combine in stack.channels:
+        return np.array([float(name == choices.combine) for name in stack.channels]), None
     if count < 2:
         return mean, None
     near = stack.band(*_mounts(stack))
@@ -254,9 +327,11 @@ def _combine(
             shift=near.shift,
         ),
         near.response / near.force[None],
-        reach,
+        choices.reach,
     )
-    return (mean if combine == "mean" or found is None else np.array(found.weights)), found
+    if choices.combine == "mean" or found is None:
+        return mean, found
+    return np.array(found.weights), found
 
 
 def _mounts(stack: Stack) -> tuple[float, float]:
@@ -271,7 +346,7 @@ def _reach(tests: Sequence[ImpactTest]) -> float | None:
     return None if positions is None else float(np.abs(positions).mean())
 
 
-def _hits(blows: Sequence[Blow], verdicts: Sequence[Verdict], taken: BoolArray) -> tuple[Hit, ...]:
+def _hits(average: _Average) -> tuple[Hit, ...]:
     return tuple(
         Hit(
             name=blow.name,
@@ -281,8 +356,28 @@ def _hits(blows: Sequence[Blow], verdicts: Sequence[Verdict], taken: BoolArray) 
             peak=blow.peak,
             duration=blow.width(0.1),
         )
-        for blow, verdict, good in zip(blows, verdicts, taken, strict=True)
+        for blow, verdict, good in zip(average.blows, average.verdicts, average.taken, strict=True)
     )
+
+
+def _steps(average: _Average, choices: _Choices) -> tuple[Step, ...]:
+    name = choices.estimator.value
+    return (
+        _cut_step(average.blows),
+        *_calm_steps(average),
+        *_window_steps(average.stack.shift, choices),
+        *_sign_steps(average),
+        *_combine_steps(average, choices),
+        Step("estimate", (("estimator", name),), f"{name}, linear averages"),
+    )
+
+
+def _calm_steps(average: _Average) -> tuple[Step, ...]:
+    names = [blow.name for blow in average.blows if blow.calmed]
+    if not names:
+        return ()
+    says = f"what still rang from the blow before was taken off hits {', '.join(names)}"
+    return (Step("ringing", (("hits", ", ".join(names)),), says),)
 
 
 def _cut_step(blows: Sequence[Blow]) -> Step:
@@ -299,9 +394,9 @@ def _cut_step(blows: Sequence[Blow]) -> Step:
     )
 
 
-def _sign_steps(blows: Sequence[Blow], stack: Stack) -> tuple[Step, ...]:
-    steps = []
-    if any(blow.turned for blow in blows):
+def _sign_steps(average: _Average) -> tuple[Step, ...]:
+    stack, steps = average.stack, []
+    if any(blow.turned for blow in average.blows):
         steps.append(
             Step("hammer_sign", (), "the hammer was recorded negative; now pushing is positive")
         )
@@ -313,9 +408,9 @@ def _sign_steps(blows: Sequence[Blow], stack: Stack) -> tuple[Step, ...]:
     return tuple(steps)
 
 
-def _window_steps(decay: float, *, windows_force: bool, exponential: bool) -> tuple[Step, ...]:
+def _window_steps(decay: float, choices: _Choices) -> tuple[Step, ...]:
     steps = []
-    if windows_force:
+    if choices.force_window:
         steps.append(Step("force_window", (), "after the pulse the force was faded to zero"))
     if decay > 0:
         steps.append(
@@ -326,21 +421,20 @@ def _window_steps(decay: float, *, windows_force: bool, exponential: bool) -> tu
                 f"s = j omega + {decay:.4g} 1/s",
             )
         )
-    elif exponential:
+    elif choices.exponential:
         steps.append(
             Step("exponential_window", (), "not needed: the response decays within the record")
         )
     return tuple(steps)
 
 
-def _combine_steps(channels: Sequence[str], weights: FloatArray) -> tuple[Step, ...]:
+def _combine_steps(average: _Average, choices: _Choices) -> tuple[Step, ...]:
+    channels, weights = choices.channels, average.weights
     if len(channels) < 2:
         return ()
     parts = [f"{w:.4g} {name}" for name, w in zip(channels, weights, strict=True) if w]
-    return (
-        Step(
-            "combine",
-            tuple((name, f"{w:.9g}") for name, w in zip(channels, weights, strict=True)),
-            f"response = {' + '.join(parts)}",
-        ),
-    )
+    says = f"response = {' + '.join(parts)}"
+    if choices.combine == "weighted" and average.rocking is None:
+        says += ": the plain mean, since no rocking was found to cancel"
+    weighted = tuple((name, f"{w:.9g}") for name, w in zip(channels, weights, strict=True))
+    return (Step("combine", weighted, says),)

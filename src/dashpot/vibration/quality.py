@@ -14,6 +14,7 @@ FEWEST_SAMPLES = 5  # that a pulse must hold to be known in shape
 DECAYED = 0.01  # of the response may be left at the end of a record without a window
 DECAYED_WITH_WINDOW = 0.25
 FLAT = 0.38  # width at 95 % over width at 50 % of the peak; a half-sine has 0.30
+MOVES = 0.02  # of the response may be there before the blow
 UNDERSHOOT = 0.05  # of the pulse's impulse given back after it
 
 
@@ -63,6 +64,17 @@ def remaining(blow: Blow) -> float:
         last = max(power[-1] - noise**2, 0.0)
         left.append(np.sqrt(last / max(power.max(), 1e-300)))
     return float(min(max(left), 1.0))
+
+
+def moving_before(blow: Blow) -> float:
+    """How much the block moves before the blow, noise taken off, over how it does after it."""
+    worst = 0.0
+    for row, spread, noise in zip(blow.acceleration, blow.ringing, blow.noise[1:], strict=True):
+        slow = float(np.sqrt(max(spread**2 - noise**2, 0.0)))
+        loud = float(row[blow.onset :][: max(len(row) // 16, 4)].std())
+        if slow > 3 * noise / np.sqrt(max(blow.onset, 1)):
+            worst = max(worst, slow / max(loud, 1e-300))
+    return worst
 
 
 def second_pulse(blow: Blow) -> tuple[float, float]:
@@ -212,17 +224,13 @@ def _not_decayed(blow: Blow, windowed: bool) -> str:
 
 
 def _ringing(blow: Blow) -> str:
-    worst = 0.0
-    for row, spread, noise in zip(blow.acceleration, blow.ringing, blow.noise[1:], strict=True):
-        slow = np.sqrt(max(spread**2 - noise**2, 0.0))
-        loud = float(row[blow.onset :][: max(len(row) // 16, 4)].std())
-        if slow > 3 * noise / np.sqrt(max(blow.onset, 1)):
-            worst = max(worst, slow / max(loud, 1e-300))
-    if worst < 0.02:
+    worst = moving_before(blow)
+    if worst < MOVES:
         return ""
     return (
         f"the block still moves before the blow, by {100 * worst:.0f} % of the response to it; "
-        "wait longer between blows"
+        + ("that is taken off as a free decay, but better " if blow.calmed else "")
+        + "wait longer between blows"
     )
 
 
@@ -239,9 +247,9 @@ def _undershoot(blow: Blow) -> str:
     doubt = 5 * blow.noise[0] * len(tail) / np.sqrt(blow.onset) / impulse
     if given_back < max(UNDERSHOOT, doubt):
         return ""
-    # of what is given back, exp(-2 pi f t) is still to come
+    # of what is to be given back, exp(-2 pi f t) is still to come after t
     early = max(len(tail) // 50, 8)
-    share = min(max(-float(tail[:early].sum()) / impulse, 0.0), 0.99)
+    share = min(max(-float(tail[:early].sum()) / float(blow.force[:end].sum()), 0.0), 0.99)
     corner = -np.log1p(-share) * blow.rate / (2 * np.pi * early)
     return (
         f"the force stays below its base line after the pulse and gives {100 * given_back:.0f} % "

@@ -25,8 +25,8 @@ class Combination:
     ----------
     weights : tuple of float
         Sum 1.
-    rocking_frequency, bounce_frequency : float
-        Hz.
+    bounce, rocking : complex
+        Poles, 1/s.
     mean_ratio, ratio : float
         Height of the rocking peak over that of the bounce peak, in the plain mean and as weighted.
     eccentricity : tuple of float
@@ -38,8 +38,8 @@ class Combination:
     """
 
     weights: tuple[float, ...]
-    rocking_frequency: float
-    bounce_frequency: float
+    bounce: complex
+    rocking: complex
     mean_ratio: float
     ratio: float
     eccentricity: tuple[float, ...]
@@ -82,8 +82,8 @@ def null_rocking(
 
     return Combination(
         weights=tuple(float(w) for w in weights),
-        rocking_frequency=float(abs(rocking)) / (2 * np.pi),
-        bounce_frequency=float(abs(bounce)) / (2 * np.pi),
+        bounce=bounce,
+        rocking=rocking,
         mean_ratio=ratio(np.full(len(blows), 1 / len(blows))),
         ratio=ratio(weights),
         eccentricity=_eccentricity(lines, blows, poles),

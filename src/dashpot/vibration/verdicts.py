@@ -221,9 +221,10 @@ def _rocking(frf: FRF, found: Combination) -> Check:
         for step in frf.steps
     )
     value = found.ratio if weighted else found.mean_ratio
+    rocking, bounce = abs(found.rocking) / (2 * np.pi), abs(found.bounce) / (2 * np.pi)
     says = (
-        f"rocking at {found.rocking_frequency:.5g} Hz is left with {value:.3f} of the bounce peak "
-        f"at {found.bounce_frequency:.5g} Hz"
+        f"rocking at {rocking:.5g} Hz is left with {value:.3f} of the bounce peak at "
+        f"{bounce:.5g} Hz"
     )
     if value <= ROCKING:
         return Check("rocking_cancelled", True, says, value, ROCKING)

@@ -1,0 +1,66 @@
+"""A block struck while it still rings."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dashpot.simulation.hammer import Hammer, simulate_impact
+from dashpot.vibration.blows import cut_blows
+from dashpot.vibration.impact import estimate_frf
+from dashpot.vibration.ringing import calm
+
+MASS = 0.1040426
+TRUE = 12.70975, 0.00443503
+
+
+@pytest.fixture(scope="module")
+def hasty(paper_seal):
+    """Hits every 6 s, when an eighth of the motion is left."""
+    rig = replace(Hammer(), record=6.0, continuous=True)
+    return simulate_impact(paper_seal, mass=MASS, hits=5, rig=rig).test
+
+
+def test_what_still_rings_is_taken_off_and_said(hasty):
+    frf = estimate_frf(hasty)
+    mode = frf.modes()[0]
+    assert mode.frequency == pytest.approx(TRUE[0], rel=5e-5)
+    assert mode.damping_ratio == pytest.approx(TRUE[1], rel=0.01)
+    (step,) = [step for step in frf.steps if step.name == "ringing"]
+    assert dict(step.parameters)["hits"].endswith("2, 3, 4, 5")
+    assert any("taken off as a free decay" in reason for reason in frf.hits[3].reasons)
+
+
+def test_without_that_the_damping_would_be_wrong(hasty, monkeypatch):
+    monkeypatch.setattr("dashpot.vibration.impact.calm", lambda blow, poles: blow)
+    mode = estimate_frf(hasty).modes()[0]
+    assert abs(mode.damping_ratio / TRUE[1] - 1) > 0.05
+
+
+def test_a_block_at_rest_is_left_alone(strike):
+    frf = estimate_frf(strike(hits=3, noise=(5e-3, 0.02)))
+    assert "ringing" not in [step.name for step in frf.steps]
+
+
+def test_motion_that_is_no_free_decay_is_left_alone(hasty):
+    blow = cut_blows([hasty])[3]
+    pole = complex(-0.354171, 79.85693)
+    assert calm(blow, [pole]).calmed
+    wrong = complex(-0.4, 300.0)
+    assert not calm(blow, [wrong]).calmed
+    assert not calm(blow, []).calmed
+    shortened = replace(blow, past=blow.past[:, -6:])
+    assert not calm(shortened, [pole]).calmed
+
+
+def test_calm_takes_the_decay_off_the_whole_block(hasty):
+    blow = cut_blows([hasty])[3]
+    t = (np.arange(len(blow.force)) - blow.onset) / blow.rate
+    pole = complex(-0.354171, 79.85693)
+    ringing = np.vstack([(c * np.exp(pole * t)).real for c in (0.5 + 0.2j, 0.4 - 0.3j)])
+    before = (np.arange(blow.past.shape[1]) - blow.past.shape[1] - 2) / blow.rate
+    past = np.vstack([(c * np.exp(pole * before)).real for c in (0.5 + 0.2j, 0.4 - 0.3j)])
+    still = replace(blow, acceleration=ringing, past=past)
+    assert np.abs(calm(still, [pole]).acceleration).max() < 1e-9
