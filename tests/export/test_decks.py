@@ -15,6 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dashpot import export
+from dashpot.checks import Check
 from dashpot.errors import ExportError
 from dashpot.export.deck import UNIT_SYSTEMS
 from dashpot.export.sealline import SealLine
@@ -151,7 +152,7 @@ def test_a_fit_without_its_conditions_is_refused(fit, target, form, extra, missi
     bare = replace(fit, specimen=replace(SPECIMEN, **{missing: None}))
     with pytest.raises(ExportError, match=sentence) as refused:
         write(target, bare, form=form, **extra)
-    assert f"allow '{name}'" in str(refused.value)
+    assert f"'{name}'" in str(refused.value)
     for allow in ((name,), ("all",)):
         deck = write(target, bare, form=form, allow=allow, **extra)
         assert f"OVERRIDE: {sentence}" in deck
@@ -176,6 +177,20 @@ def test_an_unidentified_fit_is_refused(fit, target, form, extra):
         assert sentence in str(refused.value)
         forced = write(target, each, form=form, allow=("not_identified",), **extra)
         assert "OVERRIDE: the data do not determine every parameter" in forced
+
+
+def test_everything_that_is_missing_is_said_at_once(fit):
+    with pytest.raises(ExportError) as refused:
+        write("nastran", replace(fit, specimen=Specimen(), status=Status.TAU_AT_BOUND))
+    for words in ("temperature", "contact length", "determine every parameter", "--length 100mm"):
+        assert words in str(refused.value)
+
+
+def test_failed_checks_travel_with_the_deck(fit):
+    checks = (Check("hold_long_enough", False, "the hold is short."), Check("fine", True, "good."))
+    deck = write("ansys", replace(fit, checks=checks))
+    assert "! CHECK FAILED: the hold is short." in deck
+    assert "good." not in deck
 
 
 def test_fewer_arms_than_asked_is_no_reason_to_refuse(fit):

@@ -94,15 +94,20 @@ UNIT_SYSTEMS = MappingProxyType(
 
 PROBLEMS = MappingProxyType(
     {
-        "temperature": "the test temperature is not stated; give specimen=Specimen(temperature=...)"
-        " in K (command line: --temperature 23degC)",
-        "length": "the contact length is not stated, so nobody can scale the stiffness to another "
-        "length; give specimen=Specimen(length=...) in m (command line: --length 100mm)",
+        "temperature": "the test temperature is not stated",
+        "length": "the contact length is not stated: nobody can scale the stiffness to another",
         "not_identified": "the data do not determine every parameter",
         "prony_sum": "the relative moduli sum to 1: nothing would carry a static load",
     }
 )
 """What a deck is refused for; each can be overridden by name and then leaves a mark."""
+
+_REMEDIES = {
+    "temperature": "give specimen=Specimen(temperature=...) in K, or --temperature 23degC",
+    "length": "give specimen=Specimen(length=...) in m, or --length 100mm",
+    "not_identified": "fit fewer arms, or test for longer and faster",
+    "prony_sum": "export the arms, or fit with k_inf > 0",
+}
 
 
 @dataclass(frozen=True)
@@ -120,8 +125,8 @@ class Deck:
     source : tuple of Source
     overrides : tuple of str
         What was wrong and written all the same, one sentence each.
-    fitted : bool
-        False for a bare model, whose pedigree is unknown.
+    doubts : tuple of str
+        What the failed checks of the fit say.
     """
 
     model: GeneralizedMaxwell
@@ -130,7 +135,7 @@ class Deck:
     band: tuple[float, float] | None = None
     source: tuple[Source, ...] = ()
     overrides: tuple[str, ...] = ()
-    fitted: bool = False
+    doubts: tuple[str, ...] = ()
 
     # -- the solid in deck units ----------------------------------------------------------------
 
@@ -183,6 +188,7 @@ class Deck:
             *self._sources(),
             self._band(),
             *(f"OVERRIDE: {sentence}" for sentence in self.overrides),
+            *(f"CHECK FAILED: {sentence}" for sentence in self.doubts),
             verified,
             *remarks,
         ]
@@ -268,8 +274,9 @@ def open_deck(
         raise ExportError(
             f"'{unknown[0]}' is nothing that could be allowed; known: {', '.join(PROBLEMS)}, all"
         )
+    fit = solid if isinstance(solid, Fit) else None
     model = solid.model if isinstance(solid, Fit) else solid
-    described = specimen or (solid.specimen if isinstance(solid, Fit) else Specimen())
+    described = specimen or (fit.specimen if fit else Specimen())
     if model.k_0 == 0 and model.b == 0:
         raise ExportError("the solid has neither stiffness nor damping; there is nothing to write")
     if prony and model.b > 0:
@@ -277,22 +284,23 @@ def open_deck(
             f"b = {model.b:g} N s/m: a Prony series cannot hold a parallel dashpot; "
             "export the arms, or fit without b"
         )
-    problems = _problems(solid, model, described, prony=prony)
+    problems = _problems(fit, model, described, prony=prony)
     refused = {name: says for name, says in problems.items() if not {name, "all"} & set(allow)}
     if refused:
-        name, says = next(iter(refused.items()))
+        found = "; ".join(f"{says} ({_REMEDIES[name]})" for name, says in refused.items())
+        names = ", ".join(f"'{name}'" for name in refused)
         raise ExportError(
-            f"{says}. To write the deck all the same, with a mark in its header, allow "
-            f"'{name}' (command line: --force)"
+            f"{found}. To write the deck all the same, with a mark in its header, allow {names} "
+            "(command line: --force)"
         )
     return Deck(
         model=model,
         units=UNIT_SYSTEMS[units],
         specimen=described,
-        band=solid.band if isinstance(solid, Fit) else None,
-        source=solid.source if isinstance(solid, Fit) else (),
+        band=fit.band if fit else None,
+        source=fit.source if fit else (),
         overrides=tuple(problems.values()),
-        fitted=isinstance(solid, Fit),
+        doubts=tuple(check.says for check in fit.checks if not check.passed) if fit else (),
     )
 
 
@@ -348,14 +356,14 @@ def one_line(line: str) -> str:
 
 
 def _problems(
-    solid: Solid, model: GeneralizedMaxwell, specimen: Specimen, *, prony: bool
+    fit: Fit | None, model: GeneralizedMaxwell, specimen: Specimen, *, prony: bool
 ) -> dict[str, str]:
     found: dict[str, str] = {}
-    if isinstance(solid, Fit):
+    if fit:
         for name in ("temperature", "length"):
             if getattr(specimen, name) is None:
                 found[name] = PROBLEMS[name]
-        doubt = _doubt(solid)
+        doubt = _doubt(fit)
         if doubt:
             found["not_identified"] = f"{PROBLEMS['not_identified']}: {doubt}"
     if prony and sum(round(k / model.k_0, 10) for k in model.k) >= 1:
