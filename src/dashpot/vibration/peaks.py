@@ -124,22 +124,23 @@ def _parabola(s: ComplexArray, stiffness: ComplexArray, sd: FloatArray | None, f
     weight = 1 / np.abs(stiffness) if sd is None else 1 / (np.abs(stiffness) * np.maximum(sd, 1e-9))
     basis = u[:, None] ** np.arange(3)
     rows = weight[:, None] * basis
-    c, *_ = np.linalg.lstsq(rows, weight * stiffness, rcond=None)
+    c = np.asarray(np.linalg.lstsq(rows, weight * stiffness, rcond=None)[0], dtype=complex)
     misfit = weight * (stiffness - basis @ c)
     spare = max(2 * len(s) - 6, 1)
     variance = float(np.sum(np.abs(misfit) ** 2)) / spare if sd is None else 1.0
-    spread = np.linalg.pinv(rows.conj().T @ rows)
+    spread = np.asarray(np.linalg.pinv(rows.conj().T @ rows), dtype=complex)
 
     first, last = float(s.imag[0]), float(s.imag[-1])
     omega = np.linspace(first, last, 2001)
     for _ in range(3):  # each pass looks 1000 times closer
-        height = omega**2 / np.abs(_value(c, (1j * omega - centre) / scale))
+        height = omega**2 / np.abs(_value(c, np.asarray((1j * omega - centre) / scale)))
         best = int(np.argmax(height))
         span = (omega[1] - omega[0]) * np.array([-1.0, 1.0])
         peak, top = float(omega[best]), float(height[best])
         omega = np.linspace(max(first, peak + span[0]), min(last, peak + span[1]), 2001)
     pole = _pole(c, centre, scale, peak)
-    at = (1j * peak - centre) / scale
+    # off the axis, where the pole is, the parabola is known less well than on its lines
+    at = (pole - centre) / scale
     slope = abs(c[1] + 2 * c[2] * at) / scale
     row = at ** np.arange(3)
     error = np.sqrt(max(variance * float((row @ spread @ row.conj()).real), 0.0)) / slope
@@ -149,11 +150,32 @@ def _parabola(s: ComplexArray, stiffness: ComplexArray, sd: FloatArray | None, f
         frequency=peak / (2 * np.pi),
         height=top,
         damping_ratio=sigma / abs(pole),
-        frequency_se=error / (2 * np.pi),
+        frequency_se=float(np.sqrt(variance))
+        * _wander(c, spread, peak, centre, scale)
+        / (2 * np.pi),
         damping_se=error / peak,
         half_power_lines=abs(sigma) / np.pi / step,
         decay=0.0 if frf.record is None else float(np.exp(-(sigma + frf.shift) * frf.record)),
     )
+
+
+def _wander(
+    c: ComplexArray, spread: ComplexArray, peak: float, centre: complex, scale: float
+) -> float:
+    r"""Standard deviation of the peak, rad/s, for unit scatter of the rows.
+
+    The peak is where :math:`g = \mathrm{Re}(\bar u u') = 0`, u = D/s^2, so it moves by
+    :math:`-\delta g / g'`, and :math:`\delta g` is linear in the coefficients.
+    """
+    step = 1e-4 * peak
+    omega = peak + step * np.array([-1.0, 0.0, 1.0])
+    rows = ((1j * omega - centre) / scale)[:, None] ** np.arange(3) / (1j * omega[:, None]) ** 2
+    u = rows @ c
+    first, bend = (u[2] - u[0]) / (2 * step), (u[2] - 2 * u[1] + u[0]) / step**2
+    curvature = abs(first) ** 2 + (np.conj(u[1]) * bend).real
+    moved = np.conj(first) * rows[1] + np.conj(u[1]) * (rows[2] - rows[0]) / (2 * step)
+    size = float(np.sqrt(max((moved @ spread @ moved.conj()).real, 0.0)))
+    return size / max(abs(float(curvature)), np.finfo(float).tiny)
 
 
 def _value(c: ComplexArray, u: ComplexArray) -> ComplexArray:
