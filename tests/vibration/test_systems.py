@@ -238,6 +238,30 @@ def broad_seal() -> GeneralizedMaxwell:
     )
 
 
+def test_a_clutch_turns_as_masses_slide():
+    """Gaillard and Singh's linear clutch in rotary units: same numbers, N m/rad for N/m."""
+    clutch = net.maxwell_voigt(1000.0, 5.0, arm_k=400.0, arm_b=20.0)
+    shaft = net.kelvin_voigt(3000.0, 1.0)
+    inertia = {"flywheel": 0.2, "gearbox": 0.05}
+    turning = System(
+        tuple(
+            Body(name, 3.0, inertia=(0.0, 0.0, value), at=(0.1, 0.2, 0.3), free=("rz",))
+            for name, value in inertia.items()
+        ),
+        (
+            Mount(clutch, ("gearbox", "flywheel"), rotary=True),
+            Mount(shaft, ("flywheel", "ground"), rotary=True),
+        ),
+    )
+    sliding = chain(list(inertia.values()), [shaft, clutch])
+    pairs = zip(complex_modes(turning), complex_modes(sliding), strict=True)
+    assert all(one.pole == pytest.approx(other.pole, rel=1e-12) for one, other in pairs)
+    f = [1.0, 10.0, 30.0]
+    spun = turning.frf(response="gearbox.rz", force=Point("flywheel", rotary=True), frequency=f)
+    slid = sliding.frf(response="m1.z", force="m0.z", frequency=f)
+    assert spun.value == pytest.approx(slid.value, rel=1e-10)
+
+
 # -- time ------------------------------------------------------------------------------------------
 
 

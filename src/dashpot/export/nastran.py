@@ -263,7 +263,7 @@ def _card(name: str, fields: Sequence[float | str]) -> list[str]:
         f"{head:<8}" + "".join(f"{word:>16}" for word in row)
         for head, row in zip(heads, rows, strict=True)
     ]
-    return [f"{line:<72}*" for line in lines[:-1]] + lines[-1:]
+    return [f"{line:<72}*" for line in lines[:-1]] + [lines[-1].rstrip()]
 
 
 def _small(name: str, *fields: float | str) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -93,12 +93,15 @@ class Mount:
         Where it is attached, m.
     along : (float, float, float)
         The direction in which it acts; need not have length 1.
+    rotary : bool
+        True for a torsional mount about `along`: its solid is then in N m/rad.
     """
 
     solid: GeneralizedMaxwell
     between: tuple[str, str]
     at: Vector = (0.0, 0.0, 0.0)
     along: Vector = (0.0, 0.0, 1.0)
+    rotary: bool = False
 
     def __post_init__(self) -> None:
         if self.between[0] == self.between[1]:
@@ -116,20 +119,27 @@ class Point:
     at : (float, float, float)
         m.
     along : (float, float, float)
+    rotary : bool
+        True for a moment or a rotation about `along` instead.
     """
 
     body: str
-    at: Vector
-    along: Vector = field(default=(0.0, 0.0, 1.0))
+    at: Vector = (0.0, 0.0, 0.0)
+    along: Vector = (0.0, 0.0, 1.0)
+    rotary: bool = False
 
 
-def motion_of(at: Vector, along: Vector, centre: Vector) -> FloatArray:
-    r"""Displacement of a point along a direction, from the six motions of its body, shape (6,).
+def motion_of(point: Point, centre: Vector) -> FloatArray:
+    r"""How the six motions of its body about `centre` move a point along its direction, shape (6,).
 
     .. math:: d \cdot (u + \theta \times r) = d \cdot u + (r \times d) \cdot \theta
+
+    and :math:`d \cdot \theta` for a rotary one.
     """
-    d = unit_vector(along)
-    r = np.array(at, dtype=float) - np.array(centre, dtype=float)
+    d = unit_vector(point.along)
+    if point.rotary:
+        return np.concatenate((np.zeros(3), d))
+    r = np.array(point.at, dtype=float) - np.array(centre, dtype=float)
     return np.concatenate((d, np.cross(r, d)))
 
 

@@ -188,8 +188,8 @@ class System:
     def _stretch(self) -> FloatArray:
         columns = len(self.dofs) + len(self.base_dofs)
         rows = [
-            self._row(Point(mount.between[0], mount.at, mount.along))
-            - self._row(Point(mount.between[1], mount.at, mount.along))
+            self._row(Point(mount.between[0], mount.at, mount.along, mount.rotary))
+            - self._row(Point(mount.between[1], mount.at, mount.along, mount.rotary))
             for mount in self.mounts
         ]
         return np.array(rows).reshape(len(rows), columns)
@@ -207,7 +207,7 @@ class System:
         known |= dict.fromkeys(self.grounds, (0.0, 0.0, 0.0))
         if place.body not in known:
             raise DataError(f"no body '{place.body}'; the system has {', '.join(known)}")
-        motion = motion_of(place.at, place.along, known[place.body])
+        motion = motion_of(place, known[place.body])
         for name, value in zip(MOTIONS, motion, strict=True):
             dof = f"{place.body}.{name}"
             if dof in names:  # a motion that is held does not move the point
