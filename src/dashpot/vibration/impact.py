@@ -3,30 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
-from dashpot._arrays import BoolArray, ComplexArray, FloatArray
+from dashpot._arrays import BoolArray
 from dashpot.errors import DataError
 from dashpot.provenance import Step
+from dashpot.vibration.averaging import Average, Choices, average_blows
 from dashpot.vibration.blows import Blow, cut_blows
-from dashpot.vibration.estimators import Estimator, Spectra, coherence, estimate, random_error
+from dashpot.vibration.estimators import Estimator, coherence, random_error
 from dashpot.vibration.frf import FRF, Hit, Kind
-from dashpot.vibration.modes import find_modes, mount_band
-from dashpot.vibration.quality import Verdict, judge, moving_before, remaining
-from dashpot.vibration.rational import Lines
+from dashpot.vibration.modes import find_modes
+from dashpot.vibration.quality import Verdict, judge, moving_before
 from dashpot.vibration.records import ImpactTest
 from dashpot.vibration.ringing import calm
-from dashpot.vibration.rocking import Combination, null_rocking
-from dashpot.vibration.stack import Stack
-from dashpot.vibration.verdicts import agreement, checks_of
-from dashpot.vibration.windows import force_window, parse_window, window_decay
+from dashpot.vibration.verdicts import checks_of
+from dashpot.vibration.windows import parse_window
 
-FORCE_LEFT = 0.1  # -20 dB: where the force has fallen this far, the FRF ends
-ALIAS_FREE = 0.4  # of the sampling rate
 STILL = 0.003  # of the response: less motion before a blow is left as it is
-CLEAR = 0.5  # of all motion must go one way to tell the polarity of an accelerometer
 
 
 def estimate_frf(
@@ -97,7 +92,7 @@ def estimate_frf(
     force, exponential, end = parse_window(window)
     blows = cut_blows(tests, record=record, pretrigger=pretrigger)
     taken = _taken(blows, [judge(blow) for blow in blows], accept, reject)
-    choices = _Choices(
+    choices = Choices(
         estimator=_estimator(estimator),
         force_window=force,
         exponential=exponential,
@@ -109,11 +104,11 @@ def estimate_frf(
         channels=tests[0].channels,
         reach=_reach(tests),
     )
-    average = _average(blows, taken, choices)
+    average = average_blows(blows, taken, choices)
     if any(moving_before(b) > STILL for b, t in zip(blows, taken, strict=True) if t):
         for _ in range(2):  # better poles take the earlier blow off better
             poles = _free_poles(average)
-            average = _average([calm(blow, poles) for blow in blows], taken, choices)
+            average = average_blows([calm(blow, poles) for blow in blows], taken, choices)
     frf = _frf(average, choices)
     frf = replace(frf, source=tuple(dict.fromkeys(s for test in tests for s in test.source)))
     return replace(
@@ -122,61 +117,7 @@ def estimate_frf(
     )
 
 
-@dataclass(frozen=True)
-class _Choices:
-    """What the caller chose, understood."""
-
-    estimator: Estimator
-    force_window: bool
-    exponential: bool
-    end: float | None
-    combine: str
-    polarity: Sequence[int] | None
-    band: tuple[float, float] | None
-    accept: tuple[str, ...]
-    channels: tuple[str, ...]
-    reach: float | None
-
-
-@dataclass(frozen=True, eq=False)
-class _Average:
-    """All blows and their verdicts; the transforms, weights and FRF of those taken."""
-
-    blows: tuple[Blow, ...]
-    verdicts: tuple[Verdict, ...]
-    taken: BoolArray
-    stack: Stack
-    weights: FloatArray
-    rocking: Combination | None
-    spectra: Spectra
-    value: ComplexArray
-
-
-def _average(blows: Sequence[Blow], taken: BoolArray, choices: _Choices) -> _Average:
-    verdicts = [judge(blow, windowed=choices.exponential) for blow in blows]
-    good = [blow for blow, t in zip(blows, taken, strict=True) if t]
-    decay = 0.0
-    if choices.exponential:
-        decay = window_decay(max(map(remaining, good)), blows[0].length, choices.end)
-    stack = _transform(blows, choices, decay).band(*(choices.band or _excited(good)))
-    stack = stack.turned(_signs(stack.only(taken), choices.polarity))
-    weights, rocking = _combine(stack.only(taken), choices)
-    verdicts, taken = agreement(stack.weighted(weights), verdicts, taken, choices.accept)
-    stack = stack.only(taken)
-    spectra = stack.weighted(weights)
-    return _Average(
-        blows=tuple(blows),
-        verdicts=tuple(verdicts),
-        taken=taken,
-        stack=stack,
-        weights=weights,
-        rocking=rocking,
-        spectra=spectra,
-        value=estimate(spectra, choices.estimator),
-    )
-
-
-def _frf(average: _Average, choices: _Choices) -> FRF:
+def _frf(average: Average, choices: Choices) -> FRF:
     stack, spectra = average.stack, average.spectra
     return FRF(
         frequency=stack.frequency,
@@ -193,7 +134,7 @@ def _frf(average: _Average, choices: _Choices) -> FRF:
     )
 
 
-def _free_poles(average: _Average) -> list[complex]:
+def _free_poles(average: Average) -> list[complex]:
     """Poles of the block's free motions: of the FRF's modes, and of rocking that it cancels."""
     stack = average.stack
     modes = find_modes(
@@ -253,100 +194,13 @@ def _taken(
     return np.array(taken)
 
 
-def _transform(blows: Sequence[Blow], choices: _Choices, decay: float) -> Stack:
-    rate = blows[0].rate
-    fade = np.exp(-decay * np.arange(len(blows[0].force)) / rate)
-    force = [b.force * fade * (force_window(b) if choices.force_window else 1.0) for b in blows]
-    response = np.array([b.acceleration * fade for b in blows]).swapaxes(0, 1)
-    return Stack(
-        frequency=np.asarray(np.fft.rfftfreq(len(fade), 1 / rate), dtype=np.float64),
-        force=np.fft.rfft(force, axis=-1) / rate,
-        response=np.fft.rfft(response, axis=-1) / rate,
-        blows=tuple(blows),
-        channels=choices.channels,
-        signs=np.ones(len(choices.channels)),
-        shift=decay,
-    )
-
-
-def _excited(blows: Sequence[Blow]) -> tuple[float, float]:
-    """Lines above 0 Hz that the hammer excites: up to where its spectrum falls by 20 dB."""
-    rate, n = blows[0].rate, len(blows[0].force)
-    power = (np.abs(np.fft.rfft([b.force * force_window(b) for b in blows])) ** 2).mean(axis=0)
-    weak = np.flatnonzero(power < FORCE_LEFT**2 * power[: max(n // 500, 2)].max())
-    top = float(weak[0]) if weak.size else np.inf
-    return 0.5 * rate / n, min(max(top - 0.5, 8.5), ALIAS_FREE * n) * rate / n
-
-
-def _signs(stack: Stack, polarity: Sequence[int] | None) -> FloatArray:
-    """Sign of each accelerometer: a blow sets a block moving in its own direction."""
-    count = len(stack.channels)
-    if polarity is not None:
-        if len(polarity) != count or any(abs(sign) != 1 for sign in polarity):
-            raise DataError(
-                f"polarity = {tuple(polarity)}; expected +1 or -1 for each of the {count} "
-                f"accelerometers ({', '.join(stack.channels)})"
-            )
-        return np.array(polarity, dtype=float)
-    near = stack.band(*_mounts(stack))
-    h = np.array([estimate(spectra) for spectra in near.each()])
-    # the real part of the mobility, summed, is the velocity just after the blow
-    mobility = (h / (2j * np.pi * near.frequency + near.shift)).real
-    kick = mobility.sum(axis=1) / np.abs(mobility).sum(axis=1)
-    if kick.min() < -CLEAR and kick.max() > CLEAR:
-        along = [name for name, k in zip(stack.channels, kick, strict=True) if k > 0]
-        against = [name for name, k in zip(stack.channels, kick, strict=True) if k < 0]
-        raise DataError(
-            f"accelerometers of opposite polarity: a blow moves {', '.join(along)} along with it "
-            f"but {', '.join(against)} against it; check the mounting and give the polarity, such "
-            f"as {tuple(1 if k > 0 else -1 for k in kick)}"
-        )
-    return np.full(count, -1.0 if kick.min() < -CLEAR else 1.0)
-
-
-def _combine(stack: Stack, choices: _Choices) -> tuple[FloatArray, Combination | None]:
-    """Weights of the accelerometers, and what is known of rocking."""
-    count = len(stack.channels)
-    mean = np.full(count, 1 / count)
-    if choices.combine in stack.channels:
-        return np.array([float(name == choices.combine) for name in stack.channels]), None
-    if count < 2:
-        return mean, None
-    near = stack.band(*_mounts(stack))
-    values = np.array([estimate(spectra) for spectra in near.each()])
-    errors = [
-        random_error(spectra, value) for spectra, value in zip(near.each(), values, strict=True)
-    ]
-    found = null_rocking(
-        Lines.measured(
-            near.frequency,
-            values,
-            None if near.averages < 2 else np.array(errors),
-            record=near.record,
-            pulse=near.pulse,
-            shift=near.shift,
-        ),
-        near.response / near.force[None],
-        choices.reach,
-    )
-    if choices.combine == "mean" or found is None:
-        return mean, found
-    return np.array(found.weights), found
-
-
-def _mounts(stack: Stack) -> tuple[float, float]:
-    """The band in which the block moves on its mounts, from the accelerometer that moves most."""
-    values = [estimate(spectra) for spectra in stack.each()]
-    return mount_band(stack.frequency, max(values, key=lambda h: float((np.abs(h) ** 2).sum())))
-
-
 def _reach(tests: Sequence[ImpactTest]) -> float | None:
     """How far the accelerometers are from the hammer's line, m, if that was given."""
     positions = tests[0].positions
     return None if positions is None else float(np.abs(positions).mean())
 
 
-def _hits(average: _Average) -> tuple[Hit, ...]:
+def _hits(average: Average) -> tuple[Hit, ...]:
     return tuple(
         Hit(
             name=blow.name,
@@ -360,7 +214,7 @@ def _hits(average: _Average) -> tuple[Hit, ...]:
     )
 
 
-def _steps(average: _Average, choices: _Choices) -> tuple[Step, ...]:
+def _steps(average: Average, choices: Choices) -> tuple[Step, ...]:
     name = choices.estimator.value
     return (
         _cut_step(average.blows),
@@ -372,7 +226,7 @@ def _steps(average: _Average, choices: _Choices) -> tuple[Step, ...]:
     )
 
 
-def _calm_steps(average: _Average) -> tuple[Step, ...]:
+def _calm_steps(average: Average) -> tuple[Step, ...]:
     names = [blow.name for blow in average.blows if blow.calmed]
     if not names:
         return ()
@@ -394,7 +248,7 @@ def _cut_step(blows: Sequence[Blow]) -> Step:
     )
 
 
-def _sign_steps(average: _Average) -> tuple[Step, ...]:
+def _sign_steps(average: Average) -> tuple[Step, ...]:
     stack, steps = average.stack, []
     if any(blow.turned for blow in average.blows):
         steps.append(
@@ -408,7 +262,7 @@ def _sign_steps(average: _Average) -> tuple[Step, ...]:
     return tuple(steps)
 
 
-def _window_steps(decay: float, choices: _Choices) -> tuple[Step, ...]:
+def _window_steps(decay: float, choices: Choices) -> tuple[Step, ...]:
     steps = []
     if choices.force_window:
         steps.append(Step("force_window", (), "after the pulse the force was faded to zero"))
@@ -428,7 +282,7 @@ def _window_steps(decay: float, choices: _Choices) -> tuple[Step, ...]:
     return tuple(steps)
 
 
-def _combine_steps(average: _Average, choices: _Choices) -> tuple[Step, ...]:
+def _combine_steps(average: Average, choices: Choices) -> tuple[Step, ...]:
     channels, weights = choices.channels, average.weights
     if len(channels) < 2:
         return ()
