@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import re
 from collections import Counter
 from dataclasses import replace
@@ -11,6 +12,7 @@ from html.parser import HTMLParser
 import handmade
 import pytest
 
+from dashpot.archive import from_json
 from dashpot.checks import Check
 from dashpot.provenance import Source, Step
 from dashpot.relaxation.fit import AtDepth, Moved, Status
@@ -208,6 +210,23 @@ def test_what_the_hammer_moved_is_told():
     assert "What the hammer moved" in text
     assert "+0.51 % (1.4 SE)" in text
     assert "τ₁, s 0.01170 ± 0.00030 new" in text
+
+
+def test_the_numbers_can_be_taken_along_in_full_precision(whole):
+    files = {
+        name: base64.b64decode(data).decode()
+        for name, data in re.findall(r'download="([^"]+)" href="data:[^,]+;base64,([^"]+)"', whole)
+    }
+    assert from_json(files["fit.json"]) == S.fit
+    assert from_json(files["joint.json"]) == S.joint
+    head, first, *rest = files["frf.csv"].splitlines()
+    assert head.split(",")[:3] == [
+        "frequency [Hz]", "measured real [(m/s^2)/N]", "measured imaginary [(m/s^2)/N]",
+    ]  # fmt: skip
+    measured = S.comparison.measured
+    assert len(rest) + 1 == len(measured.frequency)
+    numbers = [float(cell) for cell in first.split(",")]
+    assert numbers[1] + 1j * numbers[2] == pytest.approx(measured.value[0], rel=1e-6)
 
 
 # -- less than the whole ----------------------------------------------------------------------

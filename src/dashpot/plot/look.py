@@ -111,8 +111,8 @@ def log_axis(ax: Axes, which: Which) -> None:
         ax.set_yscale("log")
     axis: Axis = ax.xaxis if which == "x" else ax.yaxis
     low, high = sorted(ax.get_xlim() if which == "x" else ax.get_ylim())
-    decades = high / low if low > 0 else 1e3
-    subs = (1.0, 2.0, 5.0) if decades < 200 else (1.0,)
+    ratio = high / low if low > 0 else 1e3
+    subs = (1.0,) if ratio > 200 else (1.0, 2.0, 5.0) if ratio > 8 else (1, 1.5, 2, 3, 5, 7)
     axis.set_major_locator(LogLocator(base=10, subs=subs, numticks=15))
     axis.set_minor_locator(LogLocator(base=10, subs=range(1, 10), numticks=100))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))

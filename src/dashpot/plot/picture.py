@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from dashpot.comparison import Comparison
+from dashpot.identification.bands import FRFBand
 from dashpot.plot import relaxation, vibration
 from dashpot.plot.look import NORMAL, PAGE, dress, figure, legend
 from dashpot.relaxation.fit import Fit
@@ -26,6 +27,7 @@ class Story(Protocol):
     mass: float | None
     comparison: Comparison | None
     joint_comparison: Comparison | None
+    frf_band: FRFBand | None
 
 
 def hero(study: Story) -> Figure:
@@ -71,6 +73,8 @@ def _hammer(made: Figure | SubFigure, study: Story, comparison: Comparison) -> N
     mass = "" if study.mass is None else f"{1e3 * study.mass:.3g} g on "
     upper.set_title(f"Hammer test: {mass}{study.seals:g} seals", fontsize=NORMAL, loc="left",
                     fontweight="bold")  # fmt: skip
+    if study.frf_band is not None:
+        vibration.draw_band(upper, study.frf_band, parameters=False)
     vibration.mark_peaks(upper, comparison, study.joint_comparison)
     legend(upper, loc="lower right")
     vibration.draw_phase(lower, curves, spread=False)

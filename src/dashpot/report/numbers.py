@@ -7,6 +7,7 @@ import re
 
 _PARAMETER = re.compile(r"\bk_inf\b|\b(?:ln_)?(?:k|tau|b)_\d+\b|\btau\b")
 MINUS = "−"
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
 
@@ -27,7 +28,8 @@ def rounded(value: float, error: float | None = None, *, digits: int = 3) -> str
 def _plain(value: float, digits: int) -> str:
     if value != 0 and not 1e-4 <= abs(value) < 10 ** max(digits, 6):
         mantissa, _, power = f"{value:.{digits - 1}e}".partition("e")
-        return f"{mantissa}·10^{int(power)}".replace("-", MINUS)
+        raised = str(int(power)).translate(SUPERSCRIPTS)
+        return f"{mantissa}·10{raised}".replace("-", MINUS)
     if value == 0:
         return "0"
     # the exponent after rounding: 0.9996 is 1.00, not 1.000
@@ -62,7 +64,9 @@ def percent(ratio: float, *, digits: int = 2) -> str:
     if not math.isfinite(ratio):
         return "unknown"
     value = 100 * ratio
-    text = _plain(abs(value), digits) if abs(value) >= 0.005 else "0.00"
+    if abs(value) < 0.005:
+        return "0.00 %"
+    text = _plain(abs(value), digits)
     return f"{MINUS if value < 0 else '+'}{text} %"
 
 

@@ -7,6 +7,7 @@ from importlib import metadata
 from typing import Any
 
 from dashpot.report import numbers, tables, words
+from dashpot.report.attachments import attachments
 from dashpot.report.pictures import pictures
 from dashpot.study import Study
 
@@ -76,6 +77,7 @@ def _contents(study: Study) -> dict[str, Any]:
         "joint_nuisances": None if study.joint is None else tables.nuisances(study.joint),
         "sources": words.sources(study),
         "steps": _steps(study),
+        "attachments": attachments(study),
         "versions": versions(),
         "band": numbers.hertz(study.fit.band),
         "mass": None if study.mass is None else numbers.rounded(1e3 * study.mass, digits=4),
