@@ -17,8 +17,8 @@ from hypothesis import strategies as st
 from dashpot import export
 from dashpot.checks import Check
 from dashpot.errors import ExportError
-from dashpot.export.deck import UNIT_SYSTEMS
 from dashpot.export.sealline import SealLine
+from dashpot.export.unit_systems import UNIT_SYSTEMS
 from dashpot.provenance import Source
 from dashpot.relaxation.fit import Fit, Residual, Status
 from dashpot.relaxation.records import Specimen

@@ -15,10 +15,11 @@ from hypothesis import strategies as st
 
 from dashpot import export
 from dashpot.errors import ExportError
-from dashpot.export.deck import UNIT_SYSTEMS, packed
 from dashpot.export.nastran import bush_property
+from dashpot.export.numbers import packed
 from dashpot.export.sealline import SealLine
 from dashpot.export.tables import tabulate
+from dashpot.export.unit_systems import UNIT_SYSTEMS
 from dashpot.relaxation.records import Specimen
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.prediction import predict_frf

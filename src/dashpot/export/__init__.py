@@ -20,8 +20,9 @@ from dashpot.export import nastran as _nastran
 from dashpot.export import opensees as _opensees
 from dashpot.export import radioss as _radioss
 from dashpot.export import statespace as _statespace
-from dashpot.export.deck import PROBLEMS, UNIT_SYSTEMS
+from dashpot.export.opening import PROBLEMS
 from dashpot.export.sealline import SealLine
+from dashpot.export.unit_systems import UNIT_SYSTEMS
 
 _MODULES = {
     "nastran": _nastran,

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from dashpot.export.deck import Deck, Solid, choose_form, open_deck, text
+from dashpot.export.deck import Deck
+from dashpot.export.numbers import text
+from dashpot.export.opening import Solid, choose_form, open_deck
 from dashpot.export.tables import tabulate
 from dashpot.relaxation.records import Specimen
 

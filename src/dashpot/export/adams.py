@@ -7,7 +7,8 @@ from collections.abc import Collection
 import numpy as np
 
 from dashpot.errors import ExportError
-from dashpot.export.deck import Solid, choose_form, open_deck, text
+from dashpot.export.numbers import text
+from dashpot.export.opening import Solid, choose_form, open_deck
 from dashpot.relaxation.records import Specimen
 from dashpot.solids.networks import creep_of, parallel
 

@@ -8,7 +8,9 @@ import numpy as np
 
 from dashpot.errors import ExportError
 from dashpot.export.abaqus import spring_dashpot_cards
-from dashpot.export.deck import Deck, Solid, choose_form, open_deck, text
+from dashpot.export.deck import Deck
+from dashpot.export.numbers import text
+from dashpot.export.opening import Solid, choose_form, open_deck
 from dashpot.relaxation.records import Specimen
 
 FORMS = ("arms",)

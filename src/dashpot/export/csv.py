@@ -6,7 +6,9 @@ from collections.abc import Collection
 
 import numpy as np
 
-from dashpot.export.deck import Deck, Solid, choose_form, open_deck, text
+from dashpot.export.deck import Deck
+from dashpot.export.numbers import text
+from dashpot.export.opening import Solid, choose_form, open_deck
 from dashpot.export.tables import tabulate
 from dashpot.relaxation.records import Specimen
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Collection
 
 from dashpot.errors import ExportError
-from dashpot.export.deck import Deck, Solid, choose_form, open_deck, packed
+from dashpot.export.deck import Deck
 from dashpot.export.material import long_term, shear_modulus, shear_terms
+from dashpot.export.numbers import packed
+from dashpot.export.opening import Solid, choose_form, open_deck
 from dashpot.relaxation.records import Specimen
 
 FORMS = ("arms", "prony")

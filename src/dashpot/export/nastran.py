@@ -7,7 +7,9 @@ from collections.abc import Collection, Iterable, Sequence
 import numpy as np
 
 from dashpot.errors import ExportError
-from dashpot.export.deck import Deck, Solid, choose_form, open_deck, packed
+from dashpot.export.deck import Deck
+from dashpot.export.numbers import packed
+from dashpot.export.opening import Solid, choose_form, open_deck
 from dashpot.export.sealline import SealLine
 from dashpot.export.tables import Damping, Table, tabulate
 from dashpot.relaxation.records import Specimen
@@ -46,7 +48,7 @@ def nastran(
     units : str
         ``"SI"``, ``"mm-t-s"`` or ``"mm-kg-ms"``.
     specimen, allow
-        As in :func:`dashpot.export.deck.open_deck`.
+        As in :func:`dashpot.export.opening.open_deck`.
     form : str
     frequency_range : (float, float)
         Of the tables, Hz.

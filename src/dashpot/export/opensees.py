@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from dashpot.export.deck import Solid, choose_form, open_deck, text
+from dashpot.export.numbers import text
+from dashpot.export.opening import Solid, choose_form, open_deck
 from dashpot.relaxation.records import Specimen
 
 FORMS = ("python", "tcl")

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from dashpot.export.deck import Solid, choose_form, open_deck, text
 from dashpot.export.material import long_term, shear_modulus, shear_terms
+from dashpot.export.numbers import text
+from dashpot.export.opening import Solid, choose_form, open_deck
 from dashpot.relaxation.records import Specimen
 
 FORMS = ("prony",)
