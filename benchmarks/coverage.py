@@ -28,7 +28,7 @@ NAMES = ("k_inf", "k1", "k2", "tau1", "tau2")
 Noise = Callable[[np.random.Generator, int, float], np.ndarray]
 
 
-def white(rng: np.random.Generator, n: int, rate: float) -> np.ndarray:
+def white(rng: np.random.Generator, n: int, _rate: float) -> np.ndarray:
     return SPREAD * rng.standard_normal(n)
 
 

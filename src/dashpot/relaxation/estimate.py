@@ -175,34 +175,55 @@ def effective_samples(solution: Solution, every_sample: Sequence[Block], *, peak
     return total
 
 
-def scored(solution: Solution, blocks: Sequence[Block], *, effective: float, peak: float) -> Score:
+def scored(
+    solution: Solution,
+    blocks: Sequence[Block],
+    every_sample: Sequence[Block],
+    *,
+    effective: float,
+    peak: float,
+) -> Score:
     """Judge one number of arms by BIC and by the significance of its arms.
 
     Parameters
     ----------
     solution : Solution
-    blocks : sequence of Block
-        The compressed data.
+    blocks, every_sample : sequences of Block
+        The compressed data, and all of it.
     effective : float
         Effective number of residuals, from the largest model tried.
     peak : float
         Largest force, N; sets what rounding alone leaves.
     """
+    floor = max(solution.samples * (_ROUNDING * peak) ** 2, Stack(blocks).grain)
     jacobian = full_jacobian(blocks, solution)
     parameters = len(jacobian.names)
-    floor = max(solution.samples * (_ROUNDING * peak) ** 2, Stack(blocks).grain)
-    variance = (solution.sse + floor) / max(effective - parameters, 1.0)
-    error = np.sqrt(np.diag(white(jacobian.matrix, variance)))
+
+    def clear(independent: float) -> bool:
+        variance = (solution.sse + floor) / max(independent - parameters, 1.0)
+        return _significant(solution, white(jacobian.matrix, variance))
+
+    # if every sample counted in full and it is not significant, or if only the slowest
+    # correlation counted and it is, the sandwich between the two need not be built
+    is_clear = clear(solution.samples) and (
+        clear(effective)
+        or _significant(solution, estimated(solution, every_sample, peak=peak).covariance)
+    )
+    return Score(
+        solution,
+        bic(solution.sse, effective=effective, parameters=parameters, floor=floor),
+        is_clear,
+    )
+
+
+def _significant(solution: Solution, covariance: FloatArray) -> bool:
+    error = np.sqrt(np.diag(covariance))
     arms, groups = solution.order, len(solution.groups)
     first = len(solution.fixed_names)
     se_k = error[first : first + arms * groups].reshape(groups, arms)
     # an arm of several tests is there if one of them shows it
     clearest = np.argmax(solution.arms / np.maximum(se_k, 1e-300), axis=0)
     column = np.arange(arms)
-    return Score(
-        solution,
-        bic(solution.sse, effective=effective, parameters=parameters, floor=floor),
-        significant(
-            solution.arms[clearest, column], se_k[clearest, column], error[first + arms * groups :]
-        ),
+    return significant(
+        solution.arms[clearest, column], se_k[clearest, column], error[first + arms * groups :]
     )

@@ -211,7 +211,9 @@ def _tried(
     if most:
         solutions += [s for s in solve_orders(blocks, most, thorough=thorough) if s.order]
     effective = effective_samples(solutions[-1], samples, peak=peak)
-    return tuple(scored(solution, blocks, effective=effective, peak=peak) for solution in solutions)
+    return tuple(
+        scored(solution, blocks, samples, effective=effective, peak=peak) for solution in solutions
+    )
 
 
 def _fit(
