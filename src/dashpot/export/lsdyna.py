@@ -28,10 +28,10 @@ def lsdyna(
 ) -> str:
     r"""LS-DYNA keywords of a solid.
 
-    ``"arms"`` writes discrete elements in parallel between two nodes: one *MAT_SPRING_ELASTIC,
-    and for each arm one *MAT_SPRING_MAXWELL, whose stiffness decays from k_j to 0 at
+    ``"arms"`` writes discrete elements in parallel between two nodes: one ``*MAT_SPRING_ELASTIC``,
+    and for each arm one ``*MAT_SPRING_MAXWELL``, whose stiffness decays from k_j to 0 at
     beta_j = 1/tau_j: the exact network without inner nodes. ``"prony"`` writes
-    *MAT_GENERAL_VISCOELASTIC (076) with absolute shear moduli.
+    ``*MAT_GENERAL_VISCOELASTIC`` (076) with absolute shear moduli.
 
     Parameters
     ----------

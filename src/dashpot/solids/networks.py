@@ -1,6 +1,6 @@
 r"""Springs and dashpots in series and in parallel, each network as its canonical solid.
 
-Every passive network of springs and dashpots is a :class:`GeneralizedMaxwell`: stiffnesses add
+Every passive network of springs and dashpots is a generalized Maxwell solid: stiffnesses add
 in parallel, compliances add in series, and partial fractions bring both back to one form.
 """
 

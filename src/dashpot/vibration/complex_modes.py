@@ -44,7 +44,7 @@ class ComplexMode(ByValue):
 
     @property
     def frequency(self) -> float:
-        """Undamped natural frequency |s| / 2 pi, Hz."""
+        """Undamped natural frequency abs(s) / 2 pi, Hz."""
         return abs(self.pole) / (2 * np.pi)
 
     @property
