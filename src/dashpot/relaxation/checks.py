@@ -258,7 +258,7 @@ def residuals_random(kappa: float, rms: float, noise: float) -> Check:
     if not passed:
         cause = (
             "the model misses part of the curve (try another arm, or look at the residuals)"
-            if rms > 2.0 * noise
+            if rms > 1.3 * noise
             else "the record was filtered or drifts"
         )
         says += f": {cause}; intervals are widened for it"

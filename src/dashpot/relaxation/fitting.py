@@ -46,6 +46,9 @@ from dashpot.relaxation.profiles import profiles
 from dashpot.relaxation.records import RampHold
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
+# a step that would remove less of the residual than this is rounding, whatever it does to tau
+_STATIONARY = 1e-6
+
 
 def fit(
     tests: RampHold | Sequence[RampHold],
@@ -363,7 +366,8 @@ def _status(solution: Solution, asked: int | None, found: Sequence[Check]) -> St
     failed = {check.name for check in found if not check.passed}
     if "force_relaxes" in failed:
         return Status.FORCE_RISES
-    if not solution.converged and not solution.at_bound.any():
+    stationary = solution.converged or solution.relative_offset < _STATIONARY
+    if not stationary and not solution.at_bound.any():
         return Status.NOT_CONVERGED
     if asked is not None and solution.order < asked:
         return Status.FEWER_ARMS
