@@ -36,8 +36,7 @@ def test_jpk_record(shared_data: Path) -> None:
     assert test.force.max() == pytest.approx(2.197e-6, rel=1e-3)
     assert test.time[0] == 1e-4
     held = read_relaxation(path, options=ReadOptions(segment=2))
-    creep = abs(held.displacement[-1000:].mean() - held.displacement[:1000].mean())
-    assert 0.1e-6 < creep < 0.25e-6  # the hold is not one
+    assert np.ptp(held.displacement) > 0.15e-6  # the hold is not one
 
 
 def test_two_hits_of_a_hammer(shared_data: Path) -> None:

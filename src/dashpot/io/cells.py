@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import itertools
 import re
 from collections.abc import Sequence
 from typing import Literal, TypeAlias
@@ -89,7 +90,7 @@ def split(line: str, delimiter: str, *, trim: bool = True) -> list[str]:
         return [quoted or plain for quoted, plain in _BLANKS.findall(line)]
     if delimiter.startswith("fixed:"):
         breaks = [0, *map(int, delimiter[6:].split(",")), None]
-        pairs = zip(breaks, breaks[1:], strict=False)
+        pairs = itertools.pairwise(breaks)
         cells = [line[a:b].strip() for a, b in pairs]
     elif '"' in line:
         cells = _quoted(line, delimiter)

@@ -1,6 +1,8 @@
-"""What a recorded clock and its samples may not be: mended with a note where harmless, else refused."""
+"""Faults of a recorded clock and its samples: mended with a note where harmless, else refused."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -13,7 +15,7 @@ _FEW = 1e-3
 
 
 def drop_missing(
-    loaded: Loaded, names: list[str], *, protect: BoolArray | None, file: str
+    loaded: Loaded, names: Sequence[str], *, protect: BoolArray | None, file: str
 ) -> tuple[BoolArray, list[str]]:
     """Return which rows are whole, and a note on those that are not.
 
@@ -23,14 +25,15 @@ def drop_missing(
         If a number is missing where `protect` is true, or in more than half of the rows.
     """
     holes = ~np.isfinite(loaded.values)
-    rows = np.flatnonzero(holes.any(axis=1))
-    keep = ~holes.any(axis=1)
+    keep = np.logical_not(np.any(holes, axis=1))
+    rows = np.flatnonzero(~keep)
     if rows.size == 0:
         return keep, []
-    places = ", ".join(
-        f"{loaded.where(int(row))} ({' and '.join(names[j] for j in np.flatnonzero(holes[row]))})"
-        for row in rows[:3]
-    )
+
+    def lacks(row: int) -> str:
+        return " and ".join(names[j] for j in np.flatnonzero(holes[row]))
+
+    places = ", ".join(f"{loaded.where(int(row))} ({lacks(row)})" for row in rows[:3])
     more = f" and {rows.size - 3} more" if rows.size > 3 else ""
     if rows.size > 0.5 * len(keep):
         raise ReadError(
@@ -40,9 +43,9 @@ def drop_missing(
     if protect is not None and protect[rows].any():
         row = int(rows[protect[rows]][0])
         raise ReadError(
-            f"{file}: {loaded.where(row)} lacks {' and '.join(names[j] for j in np.flatnonzero(holes[row]))} "
-            f"within the ramp or the start of the hold, where every sample counts "
-            f"({rows.size} such rows in all); repair or repeat the record there"
+            f"{file}: {loaded.where(row)} lacks {lacks(row)} within the ramp or the start of the "
+            f"hold, where every sample counts ({rows.size} such row{'s' * (rows.size > 1)} in all); "
+            "repair or repeat the record there"
         )
     return keep, [
         f"{rows.size} of {len(keep)} rows lack a number and were left out: {places}{more}"
@@ -87,8 +90,8 @@ def drop_repeats(time: FloatArray, loaded: Loaded, *, file: str) -> tuple[BoolAr
         raise ReadError(
             f"{file}: time falls from {time[i]:.9g} s to {time[i + 1]:.9g} s at "
             f"{loaded.where(i + 1)}: the clock was reset or rows are out of order "
-            f"({falls.size} such place{'s' * (falls.size > 1)}); split the file there, read one part with --segment, "
-            "or give --rate 1000Hz (the true one) if the rows are evenly sampled throughout"
+            f"({falls.size} such place{'s' * (falls.size > 1)}); split the file there, read one "
+            "part with --segment, or give --rate 1000Hz (the true one) if the rows are evenly sampled throughout"
         )
     repeats = np.flatnonzero(steps == 0) + 1
     if repeats.size == 0:
@@ -97,8 +100,8 @@ def drop_repeats(time: FloatArray, loaded: Loaded, *, file: str) -> tuple[BoolAr
     if repeats.size > max(1.0, _FEW * len(time)):
         raise ReadError(
             f"{file}: {repeats.size} of {len(time)} time stamps repeat the one before, first "
-            f"t = {time[repeats[0]]:.9g} s at {first}; the clock has too few digits: export more digits, or "
-            "give --rate 1000Hz (the true one) if the rows are evenly sampled"
+            f"t = {time[repeats[0]]:.9g} s at {first}; the clock has too few "
+            "digits: export more, or give --rate 1000Hz (the true one) if the rows are evenly sampled"
         )
     keep[repeats] = False
     return keep, [
@@ -112,22 +115,23 @@ def clock_notes(time: FloatArray) -> list[str]:
     if step <= 0:
         return []
     rate = 1 / step
-    if rate > 1e6:
-        return [f"sampled at {rate:.3g} Hz, if the unit of time is right: milliseconds or minutes "
-                'read as seconds? Say it with --units "time=ms"']  # fmt: skip
-    if rate < 1:
-        return [f"sampled at {rate:.3g} Hz only, if the unit of time is right: are these "
-                'milliseconds? Say it with --units "time=ms"']  # fmt: skip
-    return []
+    if 1 <= rate <= 1e6:
+        return []
+    unit = "milliseconds or minutes read as seconds" if rate > 1e6 else "these milliseconds"
+    return [
+        f"sampled at {rate:.3g} Hz, if the unit of time is right: are {unit}? "
+        'Say it with --units "time=ms"'
+    ]
 
 
 def swapped(displacement: FloatArray, force: FloatArray) -> list[str]:
     """Return a warning, or none, if the 'force' is held and the 'displacement' relaxes."""
     if _relaxes(displacement) > 0.08 and _relaxes(force) < 0.01:
-        return [
+        says = (
             "displacement and force look swapped: the column read as force is held while the one "
             "read as displacement relaxes; name them with --displacement and --force"
-        ]
+        )
+        return [says]
     return []
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import product
 
 from dashpot.io import cells as cell
@@ -14,6 +15,8 @@ from dashpot.io.table import Content
 _DELIMITERS = ("\t", ";", ",", "|", " ", ":")
 _MARKS: tuple[Mark, ...] = (".", ",", ".,")
 _SAMPLE = 60
+_LONGEST = 1 << 15
+"""Characters in a row; a longer line is no row of a test."""
 
 
 @dataclass(frozen=True)
@@ -37,13 +40,15 @@ class Dialect:
     contents: tuple[Content, ...]
     first: int = 0
 
-    @property
+    @cached_property
     def numbers(self) -> tuple[int, ...]:
         """The columns that hold numbers or clock times."""
         return tuple(i for i, held in enumerate(self.contents) if held in {"number", "clock"})
 
     def row(self, line: str) -> list[str] | None:
         """The cells of a line, one per column, if it is a row of the table; else None."""
+        if len(line) > _LONGEST:
+            return None
         found = cell.split(line, self.delimiter)
         width = len(self.contents)
         if not found or any(
@@ -90,7 +95,7 @@ def find_dialect(
     """
     windows = list(_windows(lines))
     best: tuple[float, Dialect] | None = None
-    delimiters = _DELIMITERS if delimiter is None else (delimiter,)
+    delimiters: tuple[str, ...] = _DELIMITERS if delimiter is None else (delimiter,)
     if delimiter == "fixed":
         delimiters = tuple({_fixed(window) for window in windows})
     marks = _MARKS if decimal is None else tuple(m for m in _MARKS if m == decimal)
@@ -107,7 +112,7 @@ def find_dialect(
 
 
 def _windows(lines: Sequence[str]) -> Iterator[list[str]]:
-    full = [line for line in lines if line.strip()]
+    full = [line for line in lines if line.strip() and len(line) <= _LONGEST]
     if len(full) <= 3 * _SAMPLE:
         yield full
         return

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from importlib import import_module
 
@@ -30,10 +31,9 @@ def format_of(raw: Raw) -> str:
     for mark, name in _MAGIC:
         if bare.startswith(mark):
             return name
-    first = next((line.strip() for line in bare.splitlines() if line.strip()), b"")
-    if first == b"-1":
+    if re.match(rb"\s*-1\s*[\r\n]+\s*\d+b?(\s|$)", bare):
         return "uff"
-    return "trios" if first.startswith((b"{", b"[{")) else "text"
+    return "trios" if bare.lstrip().startswith((b"{", b"[{")) else "text"
 
 
 def read_table(raw: Raw, options: ReadOptions) -> Table:
@@ -51,7 +51,7 @@ def read_table(raw: Raw, options: ReadOptions) -> Table:
     except DashpotError:
         raise
     except (MemoryError, OSError) as error:
-        raise ReadError(f"{raw.name}: cannot be read: {error or type(error).__name__}") from None
+        raise ReadError(f"{raw.name}: cannot be read: {type(error).__name__} {error}") from None
     except Exception as error:
         if name in _OURS:
             raise

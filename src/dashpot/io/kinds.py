@@ -69,7 +69,7 @@ def cycle_peaks(table: Table) -> str | None:
         and vocabulary.matches(column.name).get("force", 0.0) >= 2.5
     ]
     counted = any("cycle" in vocabulary.matches(c.name) for c in table.columns if c.name)
-    if len(extremes) >= 2 and not signals or (counted and len(extremes) >= 2):
+    if (len(extremes) >= 2 and not signals) or (counted and len(extremes) >= 2):
         listed = ", ".join(f"'{name}'" for name in extremes[:3])
         return (
             f"it is a summary with one row per cycle ({listed}), not the recorded signals; "

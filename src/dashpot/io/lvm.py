@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from dashpot._arrays import FloatArray
 from dashpot.errors import ReadError
 from dashpot.io import cells as cell
 from dashpot.io.cells import Mark
@@ -223,7 +224,7 @@ def _stacked(loaded: Loaded, segments: Sequence[_Segment]) -> Loaded:
     return replace(loaded, starts=tuple(starts), segments=tuple(names), notes=tuple(notes))
 
 
-def _counted(loaded: Loaded, segments: Sequence[_Segment]) -> np.ndarray:  # type: ignore[type-arg]
+def _counted(loaded: Loaded, segments: Sequence[_Segment]) -> FloatArray:
     """Time of every row, from X0 and Delta_X of its segment."""
     time = np.empty(len(loaded.values))
     stops = (*loaded.starts[1:], len(loaded.values))

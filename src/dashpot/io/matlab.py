@@ -21,7 +21,7 @@ def read(raw: Raw, options: ReadOptions) -> Table:
     from scipy.io import loadmat
 
     with raw.open() as stream:
-        content = loadmat(stream, simplify_cells=True)
+        content: dict[str, Any] = loadmat(stream, simplify_cells=True)  # type: ignore[arg-type]
     arrays: list[Named] = []
     for name, value in content.items():
         if not name.startswith("__"):

@@ -47,8 +47,10 @@ class Raw:
     @cached_property
     def sha256(self) -> str:
         """Hash of the raw bytes."""
-        with self.open() as stream:
-            return hashlib.file_digest(stream, "sha256").hexdigest()
+        digest = hashlib.sha256()
+        for block in self.blocks():
+            digest.update(block)
+        return digest.hexdigest()
 
     @property
     def suffix(self) -> str:

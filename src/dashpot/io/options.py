@@ -75,9 +75,8 @@ class ReadOptions:
 
     def __post_init__(self) -> None:
         pairs = self.units.items() if isinstance(self.units, Mapping) else self.units
-        object.__setattr__(self, "units", tuple((str(a), str(b)) for a, b in pairs))
-        names = (self.acceleration,) if isinstance(self.acceleration, str) else self.acceleration
-        object.__setattr__(self, "acceleration", tuple(names))
+        object.__setattr__(self, "units", tuple((str(name), str(unit)) for name, unit in pairs))
+        object.__setattr__(self, "acceleration", tuple(self.acceleration))
         if self.rate is not None and not self.rate > 0:
             raise DataError(f"rate = {self.rate!r} Hz; expected a sampling rate > 0")
         if self.skip_rows < 0:
@@ -98,8 +97,12 @@ class ReadOptions:
 
     def unit_of(self, role: str, column: str) -> str | None:
         """The unit given for a column, by its name or by its role, or None."""
-        given = {name.strip().casefold(): unit for name, unit in self.units}
+        given = self.by_name()
         return given.get(column.strip().casefold(), given.get(role))
+
+    def by_name(self) -> dict[str, str]:
+        """The units given, by role or column name in lower case."""
+        return {name.strip().casefold(): unit for name, unit in dict(self.units).items()}
 
     def over(self, profile: ReadOptions) -> ReadOptions:
         """These options, and the profile's wherever these say nothing."""

@@ -129,8 +129,7 @@ def score(column: Column, role: Role, options: ReadOptions) -> float:
 def _given(column: Column, role: Role, options: ReadOptions, *, by_role: bool) -> str | None:
     if by_role:
         return options.unit_of(role, column.name)
-    given = {name.strip().casefold(): unit for name, unit in options.units}
-    return given.get(column.name.strip().casefold()) if column.name else None
+    return options.by_name().get(column.name.strip().casefold()) if column.name else None
 
 
 def _reason(column: Column, role: Role) -> str:

@@ -137,8 +137,8 @@ class _Reader:
             self.read(text[:cut], line, got)
             self.read(text[cut:], line + count // 2, got)
             return
-        for number, row in enumerate(text.split("\n")[:-1], start=line):
-            self._patient(row, number, got)
+        for number, text_line in enumerate(text.split("\n")[:-1], start=line):
+            self._patient(text_line, number, got)
 
     def _fast(self, text: str) -> FloatArray | None:
         sign = self.dialect.delimiter

@@ -59,7 +59,7 @@ def read_frf(path: str | Path, *, options: ReadOptions | None = None) -> FRF:
     loaded = table.load(range(len(table.columns)))
     column = {role: loaded.values[:, i] for role, i in index.items() if i is not None}
     kind, factor = _kind(raw, table, index["real"] if cartesian else index["magnitude"])
-    value = (
+    value: ComplexArray = np.asarray(
         column["real"] + 1j * column["imaginary"]
         if cartesian
         else _polar(raw, table, index, column)

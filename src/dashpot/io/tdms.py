@@ -111,7 +111,7 @@ def _block(channels: list[_Channel], file: str, notes: list[str]) -> FloatArray:
     count = int(np.floor((end - start) / step + 1e-6)) + 1
     if count < 2:
         raise ReadError(f"{file}: the channels do not overlap in time (wf_start_offset)")
-    time = start + step * np.arange(count)
+    time: FloatArray = start + step * np.arange(count, dtype=float)
     return np.column_stack([time, *(_aligned(c, time, step, notes) for c in channels)])
 
 

@@ -80,6 +80,8 @@ class ImpactTest(ByValue):
 
 def _uniform(time: FloatArray) -> None:
     steps = np.diff(time)
+    if steps.size == 0:
+        raise DataError(f"the record at t = {time[0]:.9g} s is one sample; leave it out")
     step = float(np.median(steps))
     worst = int(np.argmax(np.abs(steps - step)))
     # a time column printed with few digits jitters by its last digit
