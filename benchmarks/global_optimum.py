@@ -42,9 +42,7 @@ def record(generator: np.random.Generator, k: np.ndarray, tau: np.ndarray) -> np
     return np.round(force / QUANTUM) * QUANTUM
 
 
-def best_of_random(
-    stack: Stack, tau: np.ndarray, generator: np.random.Generator
-) -> float:
+def best_of_random(stack: Stack, tau: np.ndarray, generator: np.random.Generator) -> float:
     """The smallest SSE with all coefficients positive from the truth and from random starts."""
     arms = len(tau)
     restricted = stack.restricted(arms, signed=False)

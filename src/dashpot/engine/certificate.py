@@ -80,7 +80,7 @@ def certificate(blocks: Sequence[Block], solution: Solution) -> Optimality:
         grid = _refined(together, weight, round_, stack.bounds)
     best = min(best, _polished(stack, together, weight))
     sse = stack.floor + left
-    gap = 0.0 if left <= stack.grain else max(0.0, left - best) / sse
+    gap = 0.0 if left <= stack.nothing else max(0.0, left - best) / sse
     optimal = gap <= CERTAIN
     return Optimality(
         optimal=optimal,

@@ -27,7 +27,10 @@ from dashpot._arrays import FloatArray
 
 NODES = 13
 SUB_NODES = 8
+LONGEST_PIECE = 1024
 SMALL = 300
+#: samples worked on at once
+IN_CACHE = 16_384
 #: relative accuracy of a compressed model's columns
 ACCURACY = 1e-11
 
@@ -73,14 +76,27 @@ class Compression:
                     continue
                 shaped = piece.reshape(*values.shape[:-1], -1, length)
                 z = shaped @ section.basis
-                rest = shaped - z @ section.basis.T
-                floor = floor + np.einsum("...ij,...ij->...", rest, rest)
+                floor = floor + _aside(shaped, z, section.basis)
                 parts.append(z.reshape(*values.shape[:-1], -1))
             values = np.concatenate(parts, axis=-1)
         return values, floor
 
 
-def compression(position: FloatArray, weights: FloatArray | None = None) -> Compression:
+def _aside(shaped: FloatArray, z: FloatArray, basis: FloatArray) -> FloatArray:
+    """Sum of squares of the explicit residual, a stretch at a time so that it stays in cache."""
+    total = np.zeros(shaped.shape[:-2])
+    pieces = max(1, IN_CACHE // (total.size * len(basis)))
+    for first in range(0, shaped.shape[-2], pieces):
+        here = slice(first, first + pieces)
+        rest = z[..., here, :] @ basis.T
+        np.subtract(shaped[..., here, :], rest, out=rest)
+        total = total + np.einsum("...ij,...ij->...", rest, rest)
+    return total
+
+
+def compression(
+    position: FloatArray, weights: FloatArray | None = None, *, step: float | None = None
+) -> Compression:
     """Plan the compression of a sampling, positions ascending from where the decay starts.
 
     Parameters
@@ -89,10 +105,12 @@ def compression(position: FloatArray, weights: FloatArray | None = None) -> Comp
         Times, s, any spacing.
     weights : array, shape (M,), optional
         1/sd of each sample, > 0; values must be multiplied by them before `project`.
+    step : float, optional
+        The interval of a sampling known to be uniform.
     """
-    step = uniform_step(position)
+    step = step or uniform_step(position)
     if len(position) <= SMALL:
-        return uncompressed(position, weights)
+        return uncompressed(position, weights, step=step)
     if weights is None and step is not None:
         counted = _uniform(len(position))
         nodes = position[0] + step * counted.nodes
@@ -102,10 +120,12 @@ def compression(position: FloatArray, weights: FloatArray | None = None) -> Comp
     return Compression(position[0] + nodes, root, (sections,), step)
 
 
-def uncompressed(position: FloatArray, weights: FloatArray | None = None) -> Compression:
+def uncompressed(
+    position: FloatArray, weights: FloatArray | None = None, *, step: float | None = None
+) -> Compression:
     """Every sample its own node."""
     root = np.ones(len(position)) if weights is None else weights
-    return Compression(position, root, (), uniform_step(position))
+    return Compression(position, root, (), step or uniform_step(position))
 
 
 def uniform_step(position: FloatArray) -> float | None:
@@ -113,9 +133,17 @@ def uniform_step(position: FloatArray) -> float | None:
     if len(position) < 2:
         return None
     step = float(position[-1] - position[0]) / (len(position) - 1)
-    grid = position[0] + step * np.arange(len(position))
-    tolerance = max(1e-9 * step, 8e-16 * float(np.abs(position).max()))
-    return step if float(np.abs(position - grid).max()) <= tolerance else None
+    if not step > 0:
+        return None
+    tolerance = max(1e-9 * step, 8e-16 * float(max(abs(position[0]), abs(position[-1]))))
+    grid = step * np.arange(min(len(position), IN_CACHE))
+    for first in range(0, len(position), IN_CACHE):
+        here = position[first : first + IN_CACHE]
+        off = here - grid[: len(here)]
+        off -= float(position[0]) + step * first
+        if max(float(off.max()), -float(off.min())) > tolerance:
+            return None
+    return step
 
 
 @lru_cache(maxsize=32)
@@ -126,7 +154,7 @@ def _uniform(count: int) -> Compression:
     position: list[FloatArray] = [np.zeros(0)]
     weight: list[FloatArray] = [np.zeros(0)]
     for first, stop in pairwise(edges):
-        length, start = _power_of_two(first // NODES), first
+        length, start = _power_of_two(min(first // NODES, LONGEST_PIECE)), first
         while start < stop:
             pieces = (stop - start) // length
             if pieces:

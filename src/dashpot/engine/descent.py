@@ -3,6 +3,7 @@ r"""From one start to the nearest optimum in ln tau, linear parameters solved ex
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +17,8 @@ TAIL = 1e-5
 NEAR = 0.1
 #: steps shorter than this change the gradient by rounding only
 ROUNDING = 1e-7
+#: Gauss-Newton that converges creeps when a step is more than this part of the last
+SLOW = 1e-3
 FINISHED = 1e-11
 
 
@@ -47,6 +50,17 @@ class Stack:
         self.turning = any(block.turning for block in blocks)
         #: sum of squares below which a residual is rounding
         self.grain = float(sum(block.grain for block in blocks))
+
+    @cached_property
+    def energy(self) -> float:
+        """Sum of squares of the target."""
+        middle = np.array([0.5 * (self.bounds[0] + self.bounds[1])])
+        return float(np.square(self.evaluate(middle, derivative=False).target).sum())
+
+    @property
+    def nothing(self) -> float:
+        """Sum of squares that a finished descent leaves of exact data."""
+        return max(self.grain, FINISHED**2 * self.energy)
 
     def restricted(self, arms: int, *, signed: bool) -> BoolArray:
         """Which linear parameters must not be negative, shape (p,)."""
@@ -165,6 +179,7 @@ def descend(
     restricted: BoolArray | None = None,
     rivals: Sequence[FloatArray] = (),
     finished: float = FINISHED,
+    damping: float = 1e-3,
     limit: int = 60,
 ) -> Local | None:
     r"""Levenberg-Marquardt in ln tau with steps of at most 1.5, inside the stack's window.
@@ -183,11 +198,11 @@ def descend(
     if here is None:
         return None
     grain = stack.grain
-    damping = 1e-3
-    lacking = np.zeros_like(here.curvature)
+    lacking: FloatArray | None = None
+    last = np.inf
     for count in range(2, limit + 2):
         step = _step(here, lacking, damping, low, high)
-        trial = np.clip(here.log_tau + step, low, high)
+        trial = np.minimum(np.maximum(here.log_tau + step, low), high)
         moved = float(np.abs(trial - here.log_tau).max(initial=0.0))
         if moved <= finished:
             return Local(here, count, True)
@@ -196,8 +211,9 @@ def descend(
         if new is not None and (
             new.sse < here.sse or (tail and new.sse <= here.sse * (1 + 1e-8) + grain)
         ):
-            if ROUNDING < moved < NEAR:
+            if ROUNDING < moved < NEAR and moved > SLOW * last:
                 lacking = _learned(lacking, here, new)
+            last = moved
             here = new
             damping = 0.0 if tail else 0.1 * damping
             if new.sse <= grain:
@@ -213,23 +229,30 @@ def descend(
     return Local(here, limit, False)
 
 
-def _learned(lacking: FloatArray, old: Point, new: Point) -> FloatArray:
+def _learned(lacking: FloatArray | None, old: Point, new: Point) -> FloatArray | None:
     """What the Hessian holds beyond J'J, corrected so that it explains the last step."""
     moved = new.log_tau - old.log_tau
-    missed = new.gradient - old.gradient - (new.curvature + lacking) @ moved
+    missed = new.gradient - old.gradient - new.curvature @ moved
+    if lacking is not None:
+        missed = missed - lacking @ moved
     along = float(missed @ moved)
     if abs(along) <= 1e-8 * float(np.linalg.norm(missed) * np.linalg.norm(moved)):
         return lacking
-    return np.asarray(lacking + np.outer(missed, missed) / along)
+    update = np.outer(missed, missed) / along
+    return update if lacking is None else lacking + update
 
 
-def _step(point: Point, lacking: FloatArray, damping: float, low: float, high: float) -> FloatArray:
+def _step(
+    point: Point, lacking: FloatArray | None, damping: float, low: float, high: float
+) -> FloatArray:
     """The damped step, with arms held that press against the window or carry nothing."""
     gradient, curvature = point.gradient, point.curvature
     scale = np.diagonal(curvature)
     # an estimate that would turn the step uphill is no Hessian
-    if lacking.any() and np.linalg.eigvalsh(curvature + lacking)[0] > 1e-3 * scale.min():
-        curvature = curvature + lacking
+    if lacking is not None:
+        hessian = curvature + lacking
+        if np.linalg.eigvalsh(hessian)[0] > 1e-3 * scale.min():
+            curvature = hessian
     free = scale > 0
     free &= ~((point.log_tau <= low) & (gradient > 0))
     free &= ~((point.log_tau >= high) & (gradient < 0))

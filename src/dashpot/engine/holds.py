@@ -9,7 +9,13 @@ import numpy as np
 
 from dashpot._arrays import FloatArray
 from dashpot.engine.blocks import Columns, DesignBlock
-from dashpot.engine.compression import ACCURACY, Compression, compression, uncompressed
+from dashpot.engine.compression import (
+    ACCURACY,
+    Compression,
+    compression,
+    uncompressed,
+    uniform_step,
+)
 from dashpot.errors import DataError
 
 
@@ -35,8 +41,8 @@ def decay_block(
     compress : bool
         False keeps every sample as a row.
     """
-    time = _checked(time, values, weights)
-    plan = (compression if compress else uncompressed)(time, weights)
+    time, step = _checked(time, values, weights)
+    plan = (compression if compress else uncompressed)(time, weights, step=step)
     fixed = {} if constant is None else {constant: np.ones(len(plan.nodes))}
 
     def columns(tau: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
@@ -80,8 +86,8 @@ def hold_block(
     compress : bool
         False keeps every sample as a row.
     """
-    time = _checked(time, force, weights)
-    plan = (compression if compress else uncompressed)(time, weights)
+    time, step = _checked(time, force, weights)
+    plan = (compression if compress else uncompressed)(time, weights, step=step)
     fixed = {k_inf: np.full(len(plan.nodes), depth)}
     if drift is not None:
         fixed[drift] = plan.nodes
@@ -124,7 +130,7 @@ def ramp_hold_block(
     and on the hold as in :func:`hold_block`. Parameters as there, with `time` since the start
     of the ramp; `offset` names a constant force.
     """
-    time = _checked(time, force, weights)
+    time, step = _checked(time, force, weights)
     first = int(np.searchsorted(time, ramp_time))
     if first == 0 or first == len(time):
         raise DataError(
@@ -133,8 +139,8 @@ def ramp_hold_block(
         )
     weighted = (None, None) if weights is None else (weights[:first], weights[first:])
     plan = compression if compress else uncompressed
-    ramp = plan(time[:first], weighted[0])
-    hold = plan(time[first:] - ramp_time, weighted[1])
+    ramp = plan(time[:first], weighted[0], step=step)
+    hold = plan(time[first:] - ramp_time, weighted[1], step=step)
     at = np.concatenate((ramp.nodes, hold.nodes + ramp_time))
     fixed = {k_inf: depth / ramp_time * np.minimum(at, ramp_time)}
     if offset is not None:
@@ -227,13 +233,18 @@ def _block(
     )
 
 
-def _checked(time: FloatArray, values: FloatArray, weights: FloatArray | None) -> FloatArray:
+def _checked(
+    time: FloatArray, values: FloatArray, weights: FloatArray | None
+) -> tuple[FloatArray, float | None]:
+    """The times and, if they are uniform, their interval."""
     time = np.asarray(time, dtype=float)
     for name, array in (("values", values), ("weights", weights)):
         if array is not None and np.shape(array) != time.shape:
             raise DataError(f"{name} have shape {np.shape(array)}, time has {time.shape}")
-    if len(time) < 3 or time[0] < 0 or not (time[1:] > time[:-1]).all():
+    step = uniform_step(time) if len(time) > 2 else None
+    rising = step is not None or bool((time[1:] > time[:-1]).all())
+    if len(time) < 3 or time[0] < 0 or not rising:
         raise DataError("time must hold at least 3 strictly increasing values from 0 on")
-    if weights is not None and not (np.min(weights) > 0):
+    if weights is not None and not np.min(weights) > 0:
         raise DataError("weights are 1/sd of each sample: every one must be > 0")
-    return time
+    return time, step

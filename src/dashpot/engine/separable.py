@@ -25,6 +25,7 @@ from dashpot.errors import FitError
 LOOSE = 1e-4
 EXTRA_STARTS = 16
 DOUBT = 0.1
+LOOK = 48
 RESOLVED = 1e-9
 
 
@@ -223,7 +224,6 @@ class _Chain:
         self.stack, self.signed, self.thorough, self.seed = stack, signed, thorough, seed
         self.evaluations = 0
         self.best: list[Local] = [Local(_without_arms(stack, signed=signed), 1, True)]
-        self.grain = stack.grain
 
     @property
     def reached(self) -> int:
@@ -248,7 +248,7 @@ class _Chain:
             return False
         local = None
         for start in self._sure_starts(arms):
-            local = descend(self.stack, start)
+            local = descend(self.stack, start, damping=1e-6)
         if local is None or not local.converged:
             return False
         self.evaluations += local.evaluations
@@ -256,7 +256,7 @@ class _Chain:
         low, high = self.stack.bounds
         spare = self.stack.samples - len(point.beta) - arms
         if (
-            point.sse <= 100 * self.grain
+            point.sse <= 100 * self.stack.nothing
             or spare < 10
             or (point.beta[self.stack.restricted(arms, signed=False)] <= 0).any()
             or not (low < point.log_tau.min() and point.log_tau.max() < high)
@@ -271,17 +271,18 @@ class _Chain:
     def _sure_starts(self, arms: int) -> list[FloatArray]:
         if arms > 2:
             return partitioned(self.grid, *self.peaks, arms, count=1)
-        start = paired(self.grid) if arms == 2 else single(self.grid)
+        look = Grid(self.stack, LOOK)
+        start = paired(look) if arms == 2 else single(look)
         return [] if start is None else [start]
 
     def extend(self, arms: int) -> None:
         """Add orders up to `arms`, or until none is better."""
         while self.reached < arms:
             last = self.best[-1].point
-            if last.sse <= self.grain:
+            if last.sse <= self.stack.nothing:
                 return
             found = self._best_with(self.reached + 1)
-            worth = last.sse - 1e-10 * (self.stack.floor + last.sse) - self.grain
+            worth = last.sse - 1e-10 * (self.stack.floor + last.sse) - self.stack.nothing
             if found is None or found.point.sse >= worth:
                 return
             self.best.append(found)
@@ -382,8 +383,7 @@ def _from_start(stack: Stack, start: FloatArray, arms: int, *, signed: bool) -> 
 
 def _resolved(stack: Stack, local: Local) -> tuple[Stack, Local]:
     """Finish on every sample if the residual is too small for the compressed form to hold it."""
-    target = stack.evaluate(local.point.log_tau, derivative=False).target
-    if stack.floor + local.point.sse > RESOLVED * (stack.floor + float(target @ target)):
+    if stack.floor + local.point.sse > RESOLVED * (stack.floor + stack.energy):
         return stack, local
     exact = Stack([block.exact for block in stack.blocks])
     resting = local.point.beta == 0
