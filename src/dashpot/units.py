@@ -157,6 +157,7 @@ def _find(word: str, dimension: Dimension | None) -> Unit | None:
         _ALIASES.get(lowered.replace(" ", ""), ""),
         _ALIASES.get(lowered.replace(" ", "_"), ""),
         text.rstrip("."),
+        _ALIASES.get(lowered.rstrip("."), ""),
     )
     for spelling in spellings:
         for unit in TABLE.values():

@@ -15,7 +15,7 @@ _FEW = 1e-3
 
 
 def drop_missing(
-    loaded: Loaded, names: Sequence[str], *, protect: BoolArray | None, file: str
+    loaded: Loaded, names: Sequence[str], *, protect: BoolArray, file: str
 ) -> tuple[BoolArray, list[str]]:
     """Return which rows are whole, and a note on those that are not.
 
@@ -40,8 +40,9 @@ def drop_missing(
             f"{file}: {rows.size} of {len(keep)} rows lack a number, first at {places}{more}; "
             "the columns may be recorded at different rates: export them on one time base"
         )
-    if protect is not None and protect[rows].any():
-        row = int(rows[protect[rows]][0])
+    guarded = rows[protect[rows] & (rows < len(keep) - 1)]  # a last row may well be cut off
+    if guarded.size:
+        row = int(guarded[0])
         raise ReadError(
             f"{file}: {loaded.where(row)} lacks {lacks(row)} within the ramp or the start of the "
             f"hold, where every sample counts ({rows.size} such row{'s' * (rows.size > 1)} in all); "

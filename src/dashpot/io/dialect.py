@@ -98,10 +98,13 @@ def find_dialect(
     delimiters: tuple[str, ...] = _DELIMITERS if delimiter is None else (delimiter,)
     if delimiter == "fixed":
         delimiters = tuple({_fixed(window) for window in windows})
+    if delimiter is None:
+        # a fixed-width table whose cells may be blank
+        delimiters += tuple({_fixed(_digits(window)) for window in windows})
     marks = _MARKS if decimal is None else tuple(m for m in _MARKS if m == decimal)
     for sign, mark in product(delimiters, marks):
         for window in windows:
-            if delimiter is None and sign != " " and not any(sign in line for line in window):
+            if len(sign) == 1 and sign != " " and not any(sign in line for line in window):
                 continue
             score, contents = _best_run(window, sign, mark)
             if contents and (best is None or score > best[0]):
@@ -210,6 +213,15 @@ def _from_the_top(lines: Sequence[str], dialect: Dialect) -> Dialect | None:
         if seen == needed:
             return replace(dialect, first=first)
     return replace(dialect, first=fallback) if fallback >= 0 else None
+
+
+def _digits(lines: Sequence[str]) -> list[str]:
+    """The lines that hold digits and hardly a word."""
+    return [
+        line
+        for line in lines
+        if "\t" not in line and sum(map(str.isdigit, line)) > 2 * sum(map(str.isalpha, line))
+    ]
 
 
 def _fixed(lines: Sequence[str]) -> str:

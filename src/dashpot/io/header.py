@@ -16,6 +16,7 @@ _COMMENT = re.compile(r"^\s*(?:#+|%+|//+|\$+|!+|\*+|'+|--+|>+|@+)\s*")
 _BRACKETS = re.compile(
     r"^(.*?)\s*[\[(<{]\s*([^\[\](){}<>]*(?:\([^()]*\))?[^\[\](){}<>]*?)\s*[\])>}]\s*$", re.DOTALL
 )
+_UNIT_FIRST = re.compile(r"^[\[(]([^\[\]()]+)[\])]\s*([^\[\]()]+)$")
 _MANGLED = re.compile(r"^(.*?)_+([^\W_]+(?:_[^\W_]+)?)_+$")
 _TAIL = re.compile(r"^(.*?)(?:\s*[,/:]\s*|\s+in\s+|[\s_.\-]+)([^\s,:_]+)$")
 _REACH = 6
@@ -70,7 +71,8 @@ def _cells(line: str, dialect: Dialect) -> list[str]:
     found = cell.split(text, dialect.delimiter)
     if len(found) == width + 1 and (not found[0] or found[0].endswith(":")):
         return found[1:]  # a label stands before the row: "Interval data:"
-    if abs(len(found) - width) <= 1 and len(found) > 1:
+    fixed = dialect.delimiter.startswith("fixed")  # headings need not keep to the columns
+    if abs(len(found) - width) <= 1 and len(found) > 1 and not fixed:
         return found
     for other in ("\t", ";", ",", "|"):
         if other in text and other != dialect.delimiter:
@@ -165,6 +167,9 @@ def part_unit(name: str) -> tuple[str, str | None]:
     (('Force', 'N'), ('Load', 'kN'), ('Kraft', 'N'), ('time', None))
     """
     text = unicodedata.normalize("NFKC", name.replace("²", "^2")).strip().strip("\"'").strip()
+    match = _UNIT_FIRST.match(text)
+    if match and units.find(match[1]):
+        return match[2].strip(), match[1].strip()
     match = _BRACKETS.match(text)
     if match and match[2].strip():
         return match[1].strip() or text, match[2].strip()

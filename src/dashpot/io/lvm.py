@@ -82,7 +82,7 @@ def read(raw: Raw, options: ReadOptions) -> Table:
         loaded = _stacked(load_rows(blocks, dialect, read_for, name=raw.name), segments)
         if not (counted and 0 in indexes):
             return loaded
-        time = _counted(loaded, segments)
+        time = _counted(loaded, segments, raw.name)
         stack = [time if i == 0 else loaded.values[:, wanted.index(i)] for i in indexes]
         return replace(loaded, values=np.column_stack(stack))
 
@@ -224,12 +224,17 @@ def _stacked(loaded: Loaded, segments: Sequence[_Segment]) -> Loaded:
     return replace(loaded, starts=tuple(starts), segments=tuple(names), notes=tuple(notes))
 
 
-def _counted(loaded: Loaded, segments: Sequence[_Segment]) -> FloatArray:
+def _counted(loaded: Loaded, segments: Sequence[_Segment], file: str) -> FloatArray:
     """Time of every row, from X0 and Delta_X of its segment."""
     time = np.empty(len(loaded.values))
     stops = (*loaded.starts[1:], len(loaded.values))
     for k, (start, stop) in enumerate(zip(loaded.starts, stops, strict=True)):
         segment = segments[min(k, len(segments) - 1)]
+        if not segment.step:
+            raise ReadError(
+                f"{file}: segment {k + 1} has neither a column of time nor a Delta_X; give the "
+                "rate, --rate 1000Hz"
+            )
         origin = segment.start[0] if segment.start else 0.0
         time[start:stop] = origin + segment.step[0] * np.arange(stop - start)
     return time

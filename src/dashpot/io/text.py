@@ -44,7 +44,9 @@ def _lines(raw: Raw, encoding: str, size: int) -> tuple[list[str], bool]:
     """The lines of the first bytes, and whether that is the whole file."""
     head = raw.head(size)
     whole = len(head) == raw.size
-    if b"\0" in head and not encoding.startswith(("utf-16", "utf-32", "utf_16", "utf_32")):
+    if b"\0" in head.rstrip(b"\0\r\n ") and not encoding.startswith(
+        ("utf-16", "utf-32", "utf_16", "utf_32")
+    ):
         raise ReadError(
             f"{raw.name}: not a text file (zero bytes), and no format that dashpot knows by its "
             "content; export it as text (csv, txt)"
