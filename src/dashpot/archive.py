@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import fields, is_dataclass
+from dataclasses import fields
 from enum import Enum
 from typing import Any
 
@@ -94,8 +94,8 @@ def from_json(text: str | bytes) -> Any:
 
 
 def _plain(value: Any) -> Any:
-    if is_dataclass(value):
-        plain = {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
+    if hasattr(value, "__dataclass_fields__"):
+        plain = {one.name: _plain(getattr(value, one.name)) for one in fields(value)}
         name = _NAMES.get(type(value))
         contract = _CONTRACTS.get(type(value), _as_it_is)
         return ({"schema": name} if name else {}) | contract(value, plain)
