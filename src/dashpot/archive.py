@@ -97,8 +97,9 @@ def _plain(value: Any) -> Any:
     if hasattr(value, "__dataclass_fields__"):
         plain = {one.name: _plain(getattr(value, one.name)) for one in fields(value)}
         name = _NAMES.get(type(value))
-        contract = _CONTRACTS.get(type(value), _as_it_is)
-        return ({"schema": name} if name else {}) | contract(value, plain)
+        if type(value) in _CONTRACTS:
+            plain = _CONTRACTS[type(value)](value, plain)
+        return {"schema": name, **plain} if name else plain
     if isinstance(value, np.ndarray):
         if np.iscomplexobj(value):
             return {"real": _plain(value.real), "imag": _plain(value.imag)}
@@ -116,10 +117,6 @@ def _plain(value: Any) -> Any:
     if isinstance(value, float) and not np.isfinite(value):
         return "NaN" if np.isnan(value) else "Infinity" if value > 0 else "-Infinity"
     return value
-
-
-def _as_it_is(_noun: object, plain: dict[str, Any]) -> dict[str, Any]:
-    return plain
 
 
 def _model_contract(model: GeneralizedMaxwell, _plain_model: dict[str, Any]) -> dict[str, Any]:
