@@ -1,0 +1,152 @@
+"""The engine against scipy in one run: CPU times, ratios, and whether both found one optimum.
+
+Run: OMP_NUM_THREADS=1 python benchmarks/engine.py
+
+Times are medians of thread CPU seconds. The rival is `scipy.optimize.least_squares` as it is
+mostly used (trf, 2-point Jacobian, bounds >= 0, parameters k and tau in N/mm and s), from good
+starts: the truth, each parameter off by a random factor up to two. Its median start is reported.
+dashpot gets no start. "cold" is the first fit on a sampling, with nothing cached.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+from scipy.optimize import least_squares
+from scipy.signal import lfilter
+
+from dashpot.engine import compression
+from dashpot.engine.batch import solve_many
+from dashpot.engine.families import hold_family, recorded_family
+from dashpot.engine.holds import hold_block
+from dashpot.engine.recorded import arm_columns, recorded_block
+from dashpot.engine.separable import Solution, solve
+
+DEPTH = 8.0  # mm, so that k is in N/mm and both see numbers of order one
+K_INF = 0.1965
+TRUTH = {2: ((0.1175, 0.0178), (0.5021, 16.416)), 3: ((0.09, 0.04, 0.02), (0.25, 2.0, 18.0))}
+NOISE = 0.0106
+GENERATOR = np.random.default_rng(0)
+
+
+def cpu(work: Callable[[], object], repeats: int) -> float:
+    """Median thread CPU seconds of a call."""
+    spent = []
+    for _ in range(repeats):
+        start = time.thread_time()
+        work()
+        spent.append(time.thread_time() - start)
+    return float(np.median(spent))
+
+
+def hold(seconds: np.ndarray, p: np.ndarray) -> np.ndarray:
+    n = len(p) // 2
+    k, tau = p[1 : n + 1], p[n + 1 :]
+    force = p[0]
+    for j in range(n):
+        force = force + k[j] * -np.expm1(-1 / tau[j]) * tau[j] * np.exp(-seconds / tau[j])
+    return DEPTH * force
+
+
+def rival(residual: Callable[[np.ndarray], np.ndarray], arms: int, starts: int):
+    """Median CPU seconds of least_squares, and its best SSE."""
+    k, tau = TRUTH[arms]
+    truth = np.array((K_INF, *k, *tau))
+    spent, sse = [], []
+    for _ in range(starts):
+        start = truth * 2 ** GENERATOR.uniform(-1, 1, len(truth))
+        begun = time.thread_time()
+        found = least_squares(residual, start, bounds=(0, np.inf))
+        spent.append(time.thread_time() - begun)
+        sse.append(2 * found.cost)
+    return float(np.median(spent)), min(sse)
+
+
+def row(name: str, ours: float, theirs: float, target: float, agree: str) -> None:
+    verdict = "reached" if theirs / ours >= target else "NOT reached"
+    print(
+        f"{name:44s} {ours * 1e3:9.3f} {theirs * 1e3:10.2f} {theirs / ours:8.0f}x"
+        f"  (target {target:.0f}x {verdict})  {agree}"
+    )
+
+
+def single_holds() -> None:
+    for rate, arms, target, starts in ((1000, 2, 50, 9), (10_000, 3, 300, 5)):
+        seconds = np.arange(40 * rate + 1) / rate
+        k, tau = TRUTH[arms]
+        force = hold(seconds, np.array((K_INF, *k, *tau)))
+        force = force + NOISE * GENERATOR.standard_normal(len(force))
+
+        def fit(
+            seconds: np.ndarray = seconds, force: np.ndarray = force, n: int = arms
+        ) -> Solution:
+            return solve([hold_block(seconds, force, depth=DEPTH, ramp_time=1.0)], n)
+
+        def fresh(fit: Callable[[], Solution] = fit) -> Solution:
+            compression._uniform.cache_clear()
+            compression._piece.cache_clear()
+            return fit()
+
+        theirs, sse = rival(lambda p, s=seconds, f=force: hold(s, p) - f, arms, starts)
+        agree = f"SSE {fit().sse / sse - 1:+.0e}"
+        label = f"one fit, 41 s @ {rate // 1000} kHz, N = {arms}"
+        row(label, cpu(fit, 15), theirs, target, agree)
+        row(label + ", cold", cpu(fresh, 7), theirs, target, agree)
+
+
+def batch() -> None:
+    seconds = np.arange(40_001) / 1000
+    k, tau = TRUTH[2]
+    clean = hold(seconds, np.array((K_INF, *k, *tau)))
+    forces = clean + NOISE * GENERATOR.standard_normal((200, len(clean)))
+    family = hold_family(seconds, depth=DEPTH, ramp_time=1.0)
+    ours = cpu(lambda: solve_many(family, forces, 2), 5) / len(forces)
+    plain = cpu(lambda: [values.sum() for values in forces], 5) / len(forces)
+    theirs, sse = rival(lambda p: hold(seconds, p) - forces[0], 2, 5)
+    many = solve_many(family, forces, 2)
+    row("batch, per record, 1 kHz, N = 2", ours, theirs, 400, f"SSE {many.sse[0] / sse - 1:+.0e}")
+    verdict = "reached" if ours <= 15 * plain else "NOT reached"
+    print(f"{'':44s} = {ours / plain:.1f} plain sums of its samples (target 15, {verdict})")
+
+
+def recorded() -> None:
+    seconds = np.arange(41_001) / 1000
+    x = DEPTH * np.minimum(seconds, 1.0) + GENERATOR.normal(0, 1e-3, len(seconds))
+    x[0] = 0.0
+    k, tau = TRUTH[2]
+    q, _ = arm_columns(seconds, x, np.array(tau))
+    force = K_INF * x + q @ np.array(k) + NOISE * GENERATOR.standard_normal(len(x))
+    moved = np.diff(x, prepend=0.0)
+
+    def residual(p: np.ndarray) -> np.ndarray:
+        model = p[0] * x
+        for stiffness, t in ((p[1], p[3]), (p[2], p[4])):
+            a = np.exp(-1e-3 / t)
+            model = model + stiffness * lfilter([(1 - a) * t / 1e-3], [1, -a], moved)
+        return model - force
+
+    def fit() -> Solution:
+        return solve([recorded_block(seconds, x, force)], 2)
+
+    theirs, sse = rival(residual, 2, 7)
+    found = fit()
+    row(
+        "any recorded history, 41k points, N = 2",
+        cpu(fit, 9),
+        theirs,
+        10,
+        f"SSE {found.sse / sse - 1:+.0e}",
+    )
+    forces = force + 0.1 * NOISE * GENERATOR.standard_normal((64, len(force)))
+    family = recorded_family(seconds, x)
+    ours = cpu(lambda: solve_many(family, forces, 2), 3) / len(forces)
+    row("  the same in a batch, per record", ours, theirs, 10, "")
+
+
+if __name__ == "__main__":
+    print(f"{'':44s} {'ours ms':>9s} {'scipy ms':>10s} {'ratio':>9s}")
+    single_holds()
+    batch()
+    recorded()
