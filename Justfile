@@ -20,7 +20,7 @@ slow *args:
 
 # the documentation, warnings as errors
 docs:
-    sphinx-build -W -n -q docs docs/_build/html
+    sphinx-build -W --keep-going -q docs docs/_build/html
 
 # speed and accuracy, side by side with what a user would use instead
 bench:
