@@ -91,17 +91,6 @@ def test_a_coarse_encoder_widens_the_intervals(paper_seal: GeneralizedMaxwell) -
     assert by_hold["k"][0] >= 117.5 * 2e-4 / np.sqrt(6) / 8e-3 * 0.99
 
 
-def test_quantum_of_smooth_and_of_stepped_channels() -> None:
-    smooth = 8e-3 * np.clip(np.linspace(-1, 40, 4101), 0, 1)
-    assert checks.quantum(smooth) == 0.0
-    assert checks.quantum(np.random.default_rng(0).standard_normal(1000)) == 0.0
-    assert checks.quantum(np.zeros(100)) == 0.0
-    fine = 8e-3 * np.clip(np.linspace(-1, 40, 41_001), 0, 1)
-    assert checks.quantum(np.round(fine / 2e-5) * 2e-5) == pytest.approx(2e-5)
-    bent = 8e-3 * np.sin(np.linspace(0, 1.5, 200))
-    assert checks.quantum(np.round(bent / 2e-5) * 2e-5) == pytest.approx(2e-5)
-
-
 def test_a_plate_that_creeps(test: RampHold) -> None:
     creeping = replace(test, displacement=test.displacement * (1 + 1e-3 * test.time.clip(0)))
     check = named(fit(creeping, arms=2), "hold_is_still")

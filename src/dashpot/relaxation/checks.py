@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 
 import numpy as np
 
 from dashpot._arrays import FloatArray
 from dashpot.checks import Check
 from dashpot.relaxation.records import RampHold
+from dashpot.relaxation.scatter import quantum
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 MIN_QUANTA = 20.0
@@ -384,27 +386,6 @@ def hold_and_full_agree(full: GeneralizedMaxwell, hold: GeneralizedMaxwell | Non
 # -- measures -----------------------------------------------------------------------------------
 
 
-def quantum(values: FloatArray) -> float:
-    """Return the step between the levels of a quantised channel; 0 if none shows.
-
-    Quantised values stand whole steps apart and either repeat or jump by different numbers of
-    steps; a smooth ramp sampled evenly does neither.
-    """
-    levels, visits = np.unique(values, return_counts=True)
-    gaps = np.diff(levels)
-    # the same level computed twice differs in its last digits
-    gaps = gaps[gaps > 1e-9 * max(float(np.ptp(values)), 1e-300)]
-    if len(gaps) < 2:
-        return 0.0
-    step = float(gaps.min())
-    steps = np.round(gaps / step)
-    whole = np.abs(gaps - steps * step) < 0.01 * step
-    # the two levels visited most are rest and hold, where a smooth motion repeats too
-    passing = np.sort(visits)[:-2]
-    repeats = len(passing) > 0 and float(passing.mean()) > 1.1
-    return step if np.all(whole) and (repeats or bool(np.any(steps > 1.0))) else 0.0
-
-
 def depth_doubt(test: RampHold) -> float:
     r"""Return the relative standard deviation of the depth that the encoder's step leaves.
 
@@ -423,15 +404,17 @@ def encoder_step(test: RampHold) -> float:
 
 
 def hold_creep(test: RampHold) -> float:
-    """Return the change of displacement from the first to the last tenth of the hold, of depth.
+    """Return the largest motion left in the hold, to its last tenth, as a part of the depth.
 
-    The first twentieth is left out: the plate may still be settling.
+    Means over twelve stretches, each longer than the one before; the first fifth of a ramp time
+    is left to the plate for settling.
     """
-    x = test.displacement[test.hold]
-    tenth = max(1, len(x) // 10)
-    settled = len(x) // 20
-    first, last = x[settled : settled + tenth].mean(), x[-tenth:].mean()
-    return float((last - first) / test.depth)
+    x, t = test.displacement[test.hold], test.time[test.hold] - test.ramp_end
+    edges = np.searchsorted(t, np.geomspace(0.2 * test.ramp_time, t[-1], 13))
+    last = float(x[-max(1, len(x) // 10) :].mean())
+    means = [x[a:b].mean() for a, b in pairwise(edges) if b > a]
+    moved = [last - float(mean) for mean in means]
+    return max(moved, key=abs, default=0.0) / test.depth
 
 
 def force_rise(test: RampHold) -> tuple[float, float]:
