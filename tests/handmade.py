@@ -13,7 +13,7 @@ import numpy as np
 
 from dashpot.checks import Check
 from dashpot.comparison import compare
-from dashpot.identification.bands import FRFBand, parameter_band
+from dashpot.identification import FRFBand, dynamic_stiffness, parameter_band
 from dashpot.provenance import Source, Step
 from dashpot.relaxation.fit import Certificate, Fit, Nuisance, OrderScore, Residual, Status
 from dashpot.relaxation.records import RampHold, RelaxationTest, Specimen
@@ -232,6 +232,7 @@ def study() -> Study:
         parameters=parameter_band(fit, STIFFNESS_LINES),
         unseen=unseen_band(),
         frf_band=frf_limits(),
+        direct=dynamic_stiffness(target, BROAD_MASS, seals=2.0),
         checks=(Check("operating_point", False, "the mass sags 2.9 mm; the test held 8 mm", 2.9),),
     )
 
@@ -242,5 +243,5 @@ def bench_only() -> Study:
     return replace(
         study(), mass=None, prediction=None, impact=None, measured=None, comparison=None,
         joint=None, joint_prediction=None, joint_comparison=None, parameters=None, unseen=None,
-        frf_band=None, checks=(), hold_fit=None,
+        frf_band=None, direct=None, checks=(), hold_fit=None,
     )  # fmt: skip

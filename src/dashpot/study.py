@@ -12,7 +12,9 @@ from dashpot.checks import Check
 from dashpot.comparison import Comparison, compare
 from dashpot.errors import DataError, FitError
 from dashpot.identification import (
+    DynamicStiffness,
     FRFBand,
+    dynamic_stiffness,
     frf_band,
     identify,
     infer_mass,
@@ -73,6 +75,8 @@ class Study:
         The widest stiffness and loss over all spectra that the relaxation test cannot reject.
     parameters : StiffnessBand or None
         What the standard errors of `fit` alone allow: the formal band.
+    direct : DynamicStiffness or None
+        Stiffness of one seal straight from the measured FRF, without a model of it.
     frf_band : FRFBand or None
         Both kinds of ignorance as limits of the predicted accelerance.
     checks : tuple of Check
@@ -96,6 +100,7 @@ class Study:
     joint_comparison: Comparison | None = None
     unseen: StiffnessBand | None = None
     parameters: StiffnessBand | None = None
+    direct: DynamicStiffness | None = None
     frf_band: FRFBand | None = None
     checks: tuple[Check, ...] = ()
 
@@ -176,6 +181,9 @@ def characterise(
         joint_comparison=agreement,
         unseen=unseen_arm_band(chosen, prepared, STIFFNESS_LINES),
         parameters=parameter_band(chosen, STIFFNESS_LINES),
+        direct=None
+        if measured is None or mass is None
+        else dynamic_stiffness(measured, mass, seals=seals, band=band),
         frf_band=None if mass is None else _room(chosen, prepared, measured, mass, seals),
         checks=(*chosen.checks, *checks, *(comparison.checks if comparison else ())),
     )

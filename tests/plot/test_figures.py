@@ -14,6 +14,7 @@ from matplotlib.colors import to_hex
 from matplotlib.text import Text
 
 from dashpot import plot
+from dashpot.plot.direct import averaged, quantities
 from dashpot.plot.impact import force_spectrum
 from dashpot.plot.look import BLUE, COLUMN, MM, PAGE, REJECTED, SMALL
 from dashpot.plot.panels.frequency import half_power, phase_axis, turned
@@ -22,7 +23,7 @@ from dashpot.plot.vibration import smooth
 from dashpot.relaxation.fitting import fit
 from dashpot.relaxation.preparation import prepare
 from dashpot.simulation.rig import simulate_relaxation
-from dashpot.simulation.seals import PAPER, PAPER_MASS
+from dashpot.simulation.seals import BROAD, PAPER, PAPER_MASS
 from dashpot.vibration.blows import Blow
 from dashpot.vibration.prediction import predict_frf
 
@@ -42,6 +43,7 @@ DRAW = {
     "receptance": lambda: plot.frf(S.measured.to("receptance")),
     "mobility": lambda: plot.frf(S.measured.to("mobility")),
     "dynamic_stiffness": lambda: plot.frf(S.measured.to("dynamic_stiffness")),
+    "direct": lambda: plot.dynamic_stiffness(S.direct, fit=S.fit, joint=S.joint),
     "nyquist": lambda: plot.nyquist(S.measured, S.prediction, labels=("measured", "predicted")),
     "hits": lambda: plot.hits(S.impact, S.measured),
     "hero": lambda: plot.hero(S),
@@ -49,7 +51,7 @@ DRAW = {
 }
 
 UNIT = re.compile(
-    r", (s|s \(log\)|ms|mm|N|mN|N/mm|Hz|°|–|m/s²|\(m/s²\)/N|\(mm/s\)/N|mm/N|dB re 0 Hz)$"
+    r", (s|s \(log\)|ms|mm|N|mN|N/mm|N·s/m|Hz|°|–|m/s²|\(m/s²\)/N|\(mm/s\)/N|mm/N|dB re 0 Hz)$"
 )
 
 
@@ -174,10 +176,31 @@ def test_stiffness_shows_newtons_per_millimetre(drawn):
     assert curve.get_ydata() == pytest.approx(1e-3 * S.joint.model.storage(2 * np.pi * at))
 
 
-def test_measured_dynamic_stiffness_is_drawn_with_its_scatter():
-    measured = S.measured.to("dynamic_stiffness")
-    figure = plot.stiffness(S.fit, measured=measured)
-    assert "from the FRF" in figure.axes[0].get_legend_handles_labels()[1]
+def test_stiffness_from_the_frf_is_drawn_with_its_scatter_where_it_is_good():
+    figure = plot.stiffness(S.fit, measured=S.direct)
+    for ax, band in zip(
+        figure.axes, (S.direct.storage_band, *[S.direct.loss_band] * 2), strict=True
+    ):
+        (points,) = ax.containers
+        x, y = points[0].get_data()
+        assert len(x) > 5
+        assert band[0] <= x.min() < x.max() <= band[1]
+        name = {0: "storage", 1: "loss", 2: "loss_factor"}[figure.axes.index(ax)]
+        factor = 1.0 if name == "loss_factor" else 1e-3
+        truth = factor * getattr(BROAD, name)(2 * np.pi * x)
+        assert np.abs(y / truth - 1).max() < 0.2
+
+
+def test_averaging_lines_shrinks_scatter_and_leaves_the_errors_of_phase_and_mass():
+    storage, _, _ = quantities(S.direct)
+    f, mean = averaged(S.direct.frequency, storage)
+    assert len(f) < len(S.direct.frequency) / 3
+    top = f > 20  # many lines in each bin
+    at = np.interp(f[top], S.direct.frequency, storage.mass)
+    assert mean.mass[top] == pytest.approx(at, rel=0.05)
+    assert (mean.random[top] < 0.7 * np.interp(f[top], S.direct.frequency, storage.random)).all()
+    truth = 1e-3 * BROAD.storage(2 * np.pi * f)
+    assert np.sqrt(np.mean(((mean.value - truth) / mean.random) ** 2)) < 2.0
 
 
 def test_spectrum_has_one_stem_per_arm_and_the_window_of_the_test(drawn):

@@ -87,7 +87,7 @@ def test_every_section_is_there_and_linked(whole, part):
 
 
 @pytest.mark.parametrize(
-    "name", ["segments", "fit", "spectrum", "stiffness", "comparison", "nyquist", "hits"]
+    "name", ["segments", "fit", "spectrum", "stiffness", "comparison", "nyquist", "direct", "hits"]
 )
 def test_every_figure_is_there_with_a_caption_and_a_label(whole, name):
     figure = re.search(rf'<figure[^>]*id="figure-{name}">(.*?)</figure>', whole, re.DOTALL)

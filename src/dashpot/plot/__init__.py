@@ -4,6 +4,7 @@ Every function returns a :class:`matplotlib.figure.Figure` that no global state 
 :func:`save` writes it. matplotlib is loaded when the first figure is drawn.
 """
 
+from dashpot.plot.direct import dynamic_stiffness
 from dashpot.plot.files import save, to_svg
 from dashpot.plot.impact import hits
 from dashpot.plot.picture import hero
@@ -13,6 +14,7 @@ from dashpot.plot.vibration import comparison, frf, nyquist
 
 __all__ = [
     "comparison",
+    "dynamic_stiffness",
     "fit",
     "frf",
     "hero",

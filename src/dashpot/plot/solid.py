@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dashpot._arrays import FloatArray
+from dashpot.identification.stiffness import DynamicStiffness
+from dashpot.plot.direct import averaged, quantities
 from dashpot.plot.look import (
     BLUE,
     CHOSEN,
@@ -26,7 +28,6 @@ from dashpot.plot.panels import frequency as panel
 from dashpot.plot.panels import stems as spectrum_panel
 from dashpot.relaxation.fit import Fit
 from dashpot.solids.band import StiffnessBand
-from dashpot.vibration.frf import FRF
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -69,7 +70,7 @@ def stiffness(
     parameters: StiffnessBand | None = None,
     unseen: StiffnessBand | None = None,
     joint: Fit | None = None,
-    measured: FRF | None = None,
+    measured: DynamicStiffness | None = None,
     mark: float | None = None,
 ) -> Figure:
     """Storage stiffness, loss stiffness and loss factor of one seal against frequency.
@@ -83,8 +84,8 @@ def stiffness(
         What the standard errors allow; what any spectrum allows that the test cannot reject.
     joint : Fit, optional
         The fit to relaxation and FRF together.
-    measured : FRF, optional
-        Dynamic stiffness of one seal from the FRF, drawn as points with two standard deviations.
+    measured : DynamicStiffness, optional
+        Stiffness of one seal straight from the FRF, drawn as points where it is good.
     mark : float, optional
         A frequency to point at, such as the measured resonance, Hz.
     """
@@ -108,7 +109,7 @@ def stiffness(
             ax.plot(f, factor * getattr(joint.model, name)(2 * np.pi * f), color=JOINT.color,
                     linestyle=JOINT.dashes, linewidth=JOINT.width, label="joint fit")  # fmt: skip
         if measured is not None:
-            _points(ax, measured, name, factor)
+            _points(ax, measured, name)
         if mark is not None:
             ax.axvline(mark, color=GREY, linewidth=0.8, linestyle=(0, (1, 1.5)),
                        label=f"resonance, {mark:.4g} Hz")  # fmt: skip
@@ -139,7 +140,7 @@ def _stems(ax: Axes, one: Fit, color: str, label: str, *, width: float) -> None:
 
 
 def _frequencies(
-    fit: Fit, measured: FRF | None, unseen: StiffnessBand | None, mark: float | None
+    fit: Fit, measured: DynamicStiffness | None, unseen: StiffnessBand | None, mark: float | None
 ) -> FloatArray:
     low, high = fit.band[0] / 3, max(fit.band[1] * 30, 30.0)
     if mark is not None:
@@ -151,24 +152,22 @@ def _frequencies(
     return np.geomspace(low, high, 400)
 
 
-def _points(ax: Axes, measured: FRF, name: str, factor: float) -> None:
-    value = measured.value
-    pick = {"storage": value.real, "loss": value.imag, "loss_factor": value.imag / value.real}
-    sd = measured.sd
-    if sd is not None and name == "loss_factor":
-        sd = sd / np.abs(value.real)
-    y = factor * pick[name]
-    good = np.isfinite(y) & (y > 0)
+def _points(ax: Axes, measured: DynamicStiffness, name: str) -> None:
+    """What the FRF says inside the band where it is good, with one standard deviation."""
+    lines = dict(zip(("storage", "damping", "loss_factor"), quantities(measured), strict=True))
+    f, one = averaged(measured.frequency, lines["damping" if name == "loss" else name])
+    good = (f >= one.good[0]) & (f <= one.good[1])
+    factor = 2e-3 * np.pi * f if name == "loss" else np.ones(len(f))
     ax.errorbar(
-        measured.frequency[good],
-        y[good],
-        yerr=None if sd is None else 2 * factor * sd[good],
+        f[good],
+        (factor * one.value)[good],
+        yerr=(factor * one.nested[0])[good],
         fmt=".",
-        markersize=2,
-        elinewidth=0.4,
+        markersize=3,
+        elinewidth=0.5,
         color=MEASURED.color,
-        label="from the FRF",
-        zorder=1,
+        label="straight from the FRF",
+        zorder=4,
     )
 
 

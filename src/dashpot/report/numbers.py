@@ -101,8 +101,12 @@ def words(name: str) -> str:
 
 
 def readable(sentence: str) -> str:
-    """A sentence with its parameters as they are printed: k∞ for k_inf, τ₁ for tau_1."""
-    return _PARAMETER.sub(lambda found: symbol(found[0]), sentence)
+    """A sentence with its parameters as they are printed: k∞ for k_inf, τ₁ for tau_1.
+
+    A number and its per cent sign stay on one line.
+    """
+    printed = _PARAMETER.sub(lambda found: symbol(found[0]), sentence)
+    return printed.replace(" %", "\N{NO-BREAK SPACE}%")
 
 
 def shorter(text: str) -> str:

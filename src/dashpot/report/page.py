@@ -51,6 +51,7 @@ def _contents(study: Study) -> dict[str, Any]:
         "title": words.title(study),
         "verdict": words.sentences(study),
         "simulated": words.simulated(study),
+        "straight": words.straight(study),
         "inferred": words.inferred_mass(study),
         "failed": sum(mark == "bad" for mark in found.marks),
         "checks": found,

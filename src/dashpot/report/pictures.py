@@ -56,6 +56,7 @@ def _stiffness(study: Study) -> Figure:
         parameters=study.parameters,
         unseen=study.unseen,
         joint=study.joint,
+        measured=study.direct,
         mark=None if study.comparison is None else study.comparison.measured_hz,
     )
 
@@ -67,6 +68,8 @@ def _about_stiffness(study: Study) -> str:
     )
     if study.unseen is not None:
         text += " Purple: the room it leaves for arms that it cannot see."
+    if study.direct is not None:
+        text += " Points: straight from the FRF, where that is good, with one standard deviation."
     return text
 
 
@@ -90,6 +93,13 @@ def _hammer(study: Study) -> dict[str, Picture]:
         )
     elif (alone := study.measured or study.prediction) is not None:
         drawn["frf"] = _alone(alone, study)
+    if study.direct is not None:
+        drawn["direct"] = _picture(
+            "direct",
+            plot.dynamic_stiffness(study.direct, fit=study.fit, joint=study.joint),
+            "One seal straight from the measured FRF, without a model: every line grey, the mean "
+            "of each twelfth of an octave black, with its errors laid upon each other.",
+        )
     if study.impact is not None and study.measured is not None:
         drawn["hits"] = _picture(
             "hits",

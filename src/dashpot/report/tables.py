@@ -63,7 +63,12 @@ def key_numbers(study: Study) -> Table:
         factor = f / fit.band[1]
         far = f" (extrapolated ×{rounded(factor, digits=2)})" if factor > 1 else ""
         eta = float(fit.model.loss_factor(2 * np.pi * f))
-        rows.append((f"loss factor at {rounded(f)} Hz{far}", rounded(eta), "–"))
+        room = (
+            ""
+            if study.unseen is None
+            else f", left open {_range_at(study.unseen, study.unseen.loss_factor, f)}"
+        )
+        rows.append((f"loss factor at {rounded(f)} Hz{far}", f"{rounded(eta)}{room}", "–"))
     elif study.prediction is not None and study.mass is not None:
         peak = int(np.argmax(np.abs(study.prediction.value)))
         rows.append(("predicted peak", rounded(study.prediction.frequency[peak], digits=4), "Hz"))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from dashpot.checks import Check
 from dashpot.provenance import Source
 from dashpot.relaxation.fit import Status
@@ -74,6 +76,24 @@ def _joint(study: Study) -> str:
     )
 
 
+def straight(study: Study) -> str:
+    """Where the FRF alone tells stiffness and damping, and what limits it."""
+    d = study.direct
+    if d is None:
+        return ""
+    mass, phase = 100 * d.mass_sd / d.mass, math.degrees(d.phase_sd)
+    return (
+        f"With {mass:.2g} % of doubt about the mass and {phase:.2g}° about the phase, the storage "
+        f"stiffness is good to 10 % {_where(d.storage_band)}, the loss to 30 % "
+        f"{_where(d.loss_band)}. Above that the mass hides the seal; below it the phase hides its "
+        "damping."
+    )
+
+
+def _where(band: tuple[float, float]) -> str:
+    return f"from {hertz(band)}" if math.isfinite(band[0]) else "nowhere"
+
+
 def inferred_mass(study: Study) -> str:
     """A warning where the mass was taken from the very frequency it should predict."""
     if not (study.mass_inferred and study.mass is not None):
@@ -102,6 +122,8 @@ def stages(study: Study) -> list[tuple[str, tuple[Check, ...]]]:
     groups = [("relaxation", study.prepared.checks), ("fit", study.fit.checks)]
     if study.measured is not None:
         groups.append(("hammer", study.measured.checks))
+    if study.direct is not None:
+        groups.append(("FRF", study.direct.checks))
     if study.comparison is not None:
         groups.append(("comparison", study.comparison.checks))
     if study.joint is not None:
