@@ -158,7 +158,7 @@ def solve(
     if log_tau_start is not None:
         return _from_start(stack, np.asarray(log_tau_start, dtype=float), arms, signed=signed)
     chain = _Chain(stack, thorough=thorough, signed=signed, seed=seed)
-    if not (thorough or signed) and chain.leap(arms):
+    if chain.leap(arms):
         return chain.solution(-1, requested=arms)
     chain.extend(arms)
     return chain.solution(chain.reached, requested=arms)
@@ -238,35 +238,41 @@ class _Chain:
         return peaks_of(self.grid, self.grid.spectrum())
 
     def leap(self, arms: int) -> bool:
-        """Go straight to `arms` if the data leave no doubt about every one of them.
+        """Go straight to `arms` if that leaves no doubt."""
+        found = self._undoubted(arms) if arms else None
+        if found is not None:
+            self.best.append(found)
+        return found is not None
+
+    def _undoubted(self, arms: int) -> Local | None:
+        """The optimum next to the best of the whole grid, if nothing about it is in doubt.
 
         Doubt is a relaxation time that is not known to 10 %, or that sits at the edge of the
         window, or a coefficient that is not positive. A well-determined optimum that started
         from the best of the whole grid has no rival.
         """
-        if not arms or len(self.stack.groups) > 1:
-            return False
+        if self.thorough or self.signed or len(self.stack.groups) > 1:
+            return None
         local = None
         for start in self._sure_starts(arms):
             local = descend(self.stack, start, damping=1e-6)
-        if local is None or not local.converged:
-            return False
+        if local is None:
+            return None
         self.evaluations += local.evaluations
         point = local.point
         low, high = self.stack.bounds
         spare = self.stack.samples - len(point.beta) - arms
         if (
-            point.sse <= 100 * self.stack.nothing
+            not local.converged
+            or point.sse <= 100 * self.stack.nothing
             or spare < 10
             or (point.beta[self.stack.restricted(arms, signed=False)] <= 0).any()
             or not (low < point.log_tau.min() and point.log_tau.max() < high)
         ):
-            return False
+            return None
         variance = np.diagonal(np.linalg.inv(point.curvature))
-        if not (variance * (self.stack.floor + point.sse) / spare < DOUBT**2).all():
-            return False
-        self.best.append(local)
-        return True
+        known = variance * (self.stack.floor + point.sse) / spare < DOUBT**2
+        return local if known.all() else None
 
     def _sure_starts(self, arms: int) -> list[FloatArray]:
         if arms > 2:
@@ -281,7 +287,7 @@ class _Chain:
             last = self.best[-1].point
             if last.sse <= self.stack.nothing:
                 return
-            found = self._best_with(self.reached + 1)
+            found = self._undoubted(self.reached + 1) or self._best_with(self.reached + 1)
             worth = last.sse - 1e-10 * (self.stack.floor + last.sse) - self.stack.nothing
             if found is None or found.point.sse >= worth:
                 return
