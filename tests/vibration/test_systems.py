@@ -85,6 +85,26 @@ def test_every_pole_decays(system):
     assert all(mode.pole.real < 0 for mode in complex_modes(system))
 
 
+@settings(max_examples=30, deadline=None)
+@given(st.lists(solids, min_size=1, max_size=3), st.integers(2, 4), number)
+def test_equal_mounts_side_by_side_are_one(parts, count, mass):
+    """Mounts that share relaxation times add no poles that the system has not."""
+    parts = [  # relaxation times alike or clearly apart
+        GeneralizedMaxwell(s.k_inf, s.k, tuple(float(f"{tau:.2g}") for tau in s.tau), s.b)
+        for s in parts
+    ]
+    body = point_mass("m", mass)
+    many = System((body,), tuple(Mount(s, ("m", "ground")) for s in parts * count))
+    one = System((body,), (Mount(count * net.parallel(*parts), ("m", "ground")),))
+    for a, b in zip(complex_modes(many), complex_modes(one), strict=True):
+        assert a.pole == pytest.approx(b.pole, rel=1e-6)
+    t = np.linspace(0, 0.5, 20)
+    histories = {"force": {"m.z": np.sin(9 * t)}, "base": {"ground.z": 1e-3 * np.cos(5 * t)}}
+    a, b = respond(many, t, **histories), respond(one, t, **histories)
+    assert a.displacement == pytest.approx(b.displacement, rel=1e-7, abs=1e-12)
+    assert a.mount_force.sum(axis=0) == pytest.approx(b.mount_force[0], rel=1e-7, abs=1e-9)
+
+
 @given(chains)
 def test_at_rest_everything_follows_the_ground(system):
     for dof in system.dofs:
@@ -199,6 +219,32 @@ def test_a_door_on_hinges_latch_and_seal():
     assert bare == pytest.approx([54.404, 87.173, 204.014], abs=1e-3)
     sealed = [mode.frequency for mode in complex_modes(door(33180.0))]
     assert sealed == pytest.approx([56.112, 88.891, 204.703], abs=1.5e-3)
+
+
+def test_a_viscoelastic_door_is_small_and_quick(paper_seal):
+    """160 mounts of the same seal: three states a relaxation time, FRF and modes agree."""
+    line = 33180.0 / paper_seal.k_0
+    stiff = door(line)
+    seal = System(
+        stiff.bodies,
+        tuple(
+            Mount(each.solid if i < 3 else each.solid.k_inf * paper_seal, each.between, each.at)
+            for i, each in enumerate(stiff.mounts)
+        ),
+    )
+    modes = complex_modes(seal)
+    assert [mode.oscillates for mode in modes].count(True) == 3
+    assert len(modes) == 3 + 2 * 3
+    assert all(0 < mode.damping_ratio < 0.01 for mode in modes[:3])
+    # the seal is glassy at these frequencies: the same modes as with springs of its k_0
+    assert [m.frequency for m in modes[:3]] == pytest.approx([56.112, 88.891, 204.703], abs=2e-3)
+    s = 2j * np.pi * 60.0
+    modal = sum(
+        np.outer(m.shape, m.shape) / (s - m.pole)
+        + (np.outer(m.shape, m.shape) / (s.conjugate() - m.pole)).conj() * m.oscillates
+        for m in modes
+    )
+    assert modal == pytest.approx(seal.receptance(s), rel=1e-8, abs=1e-14)
 
 
 def test_block_rocks_where_its_geometry_says(broad_seal):

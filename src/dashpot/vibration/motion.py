@@ -76,18 +76,18 @@ def respond(
         if name not in system.base_dofs:
             raise DataError(f"'{name}' is no ground motion; known: {', '.join(system.base_dofs)}")
         u[system.base_dofs.index(name)] += _history(f"motion of {name}", values, t)
-    form = state_space(system)
-    return _observe(system, form, t, inputs=(F, u), states=_march(form, t, F, u))
+    moving = np.flatnonzero(np.abs(u).max(axis=1) > 0).tolist()
+    form = state_space(system, moving=moving)
+    return _observe(system, form, t, inputs=(F, u), states=_march(form, t, F, u[moving]))
 
 
 def _march(form: StateSpace, t: FloatArray, F: FloatArray, u: FloatArray) -> FloatArray:
     """The states at every sample, shape (states, t)."""
-    moving = np.flatnonzero(np.abs(u).max(axis=1) > 0)
     steps = np.diff(t)
-    slope = np.diff(u[moving], axis=1) / steps
+    slope = np.diff(u, axis=1) / steps
     # inputs: force and displacement, straight over a step; ground velocity, constant over it
-    B = np.concatenate((form.force, form.base[:, moving], form.base_velocity[:, moving]), axis=1)
-    start = np.concatenate((F[:, :-1], u[moving, :-1], slope))
+    B = np.concatenate((form.force, form.base, form.base_velocity), axis=1)
+    start = np.concatenate((F[:, :-1], u[:, :-1], slope))
     rise = np.concatenate((np.diff(F, axis=1) / steps, slope, np.zeros_like(slope)))
     z = np.zeros((len(form.A), len(t)))
     z[:, 0] = form.base_velocity @ u[:, 0]  # the impulse of a step through the dashpots
@@ -117,7 +117,7 @@ def _observe(
     glass = np.array([mount.solid.k_0 for mount in system.mounts])
     viscous = np.array([mount.solid.b for mount in system.mounts])
     tension = np.asarray(glass[:, None] * stretch + viscous[:, None] * speed)
-    np.subtract.at(tension, form.arm_mount, form.arm_k[:, None] * z[2 * n :])
+    np.subtract.at(tension, form.arm_mount, form.arm_k[:, None] * (form.arm_state @ z[2 * n :]))
     acceleration = np.linalg.solve(system.mass_matrix, F - system.stretch.T @ tension)
     return Motion(t, system.dofs, z[:n], z[n : 2 * n], np.asarray(acceleration), tension)
 
