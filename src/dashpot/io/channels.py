@@ -108,11 +108,15 @@ def source(raw: Raw, table: Table, channels: Sequence[Channel], notes: Sequence[
 
 
 def si(values: FloatArray, unit: Unit) -> FloatArray:
-    """Return values in SI; 1000 mm is 1 m exactly, so a factor 1/k divides."""
+    """Return values in SI, the same array scaled; 1000 mm is 1 m, so a factor 1/k divides."""
     inverse = round(1 / unit.factor) if 0 < unit.factor < 1 else 0
-    exact = inverse > 1 and abs(unit.factor * inverse - 1) < 1e-15
-    scaled = values / inverse if exact else values * unit.factor
-    return np.asarray(scaled + unit.offset if unit.offset else scaled)
+    if inverse > 1 and abs(unit.factor * inverse - 1) < 1e-15:
+        values /= inverse
+    elif unit.factor != 1.0:
+        values *= unit.factor
+    if unit.offset:
+        values += unit.offset
+    return values
 
 
 def part(loaded: Loaded, options: ReadOptions, file: str) -> Loaded:

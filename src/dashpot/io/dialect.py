@@ -236,6 +236,8 @@ def ambiguous_commas(lines: Sequence[str], dialect: Dialect) -> str | None:
     """Return a cell such as ``1,234`` if the commas of the whole sample can be read either way."""
     example = None
     for line in lines:
+        if "," not in line or (dialect.delimiter == "," and '"' not in line):
+            continue
         for i, text in enumerate(dialect.row(line) or ()):
             if i not in dialect.numbers or "," not in text:
                 continue

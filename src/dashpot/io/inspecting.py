@@ -124,7 +124,7 @@ def _time(
         unit = unit_for(table.columns[index], index + 1, "time", options)
     except ReadError:
         return None
-    return channels.si(by_index[index], unit)
+    return channels.si(by_index[index].copy(), unit)
 
 
 def _sampling(time: FloatArray | None) -> tuple[float | None, bool, float | None]:

@@ -52,14 +52,19 @@ def read_relaxation(
         notes.append(f"time counted from the rows at {options.rate:g} Hz, as given")
     if len(loaded.starts) > 1:
         notes.append(_joined(values["time"], loaded, raw.name))
-    window = cleaning.ramp_window(values["time"], values["displacement"])
-    names = [c.role for c in chosen]
-    keep, said = cleaning.drop_missing(loaded, names, protect=window, file=raw.name)
+    if not np.isfinite(loaded.values).all():
+        window = cleaning.ramp_window(values["time"], values["displacement"])
+        names = [c.role for c in chosen]
+        keep, said = cleaning.drop_missing(loaded, names, protect=window, file=raw.name)
+        notes += said
+        values = {role: column[keep] for role, column in values.items()}
+        loaded = channels.rows(loaded, keep)
+    keep, said = cleaning.drop_repeats(values["time"], loaded, file=raw.name)
     notes += said
-    values = {role: column[keep] for role, column in values.items()}
-    keep, said = cleaning.drop_repeats(values["time"], channels.rows(loaded, keep), file=raw.name)
-    notes += said
-    time, moved, force = (values[role][keep] for role in ("time", "displacement", "force"))
+    time, moved, force = (
+        values[role] if keep.all() else values[role][keep]
+        for role in ("time", "displacement", "force")
+    )
     notes += cleaning.clock_notes(time)
     notes += cleaning.swapped(moved, force)
     source = channels.source(raw, table, chosen, notes)

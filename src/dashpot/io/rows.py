@@ -71,7 +71,7 @@ def load_rows(
         if text:
             reader.read(text, line, got)
             line += text.count("\n")
-    values = np.concatenate(got.parts) if got.parts else np.empty((0, len(indexes)))
+    values = _assembled(got, len(indexes))
     notes = []
     for word, places in got.words.items():
         many = f" and {len(places) - 3} more" if len(places) > 3 else ""
@@ -83,6 +83,17 @@ def load_rows(
             f"from line {first}: '{text.strip()[:40]}'"
         )
     return Loaded(values, tuple(got.starts), tuple(got.segments), tuple(got.lines), tuple(notes))
+
+
+def _assembled(got: _Gathered, width: int) -> FloatArray:
+    """The parts as one array, each column in one piece; a part is let go once it is copied."""
+    values = np.empty((got.rows, width), order="F")
+    row = got.rows
+    while got.parts:
+        part = got.parts.pop()
+        values[row - len(part) : row] = part
+        row -= len(part)
+    return values
 
 
 def _after_lines(text: str, count: int) -> int:

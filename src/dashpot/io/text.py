@@ -16,6 +16,7 @@ from dashpot.io.rows import load_rows, title
 from dashpot.io.table import Loaded, Table
 
 _HEADS = (1 << 16, 1 << 20, 1 << 24)
+_LARGE = 1 << 28
 _NAMES = {"\t": "tab", ";": "semicolon", ",": "comma", " ": "blanks", "|": "pipe", ":": "colon"}
 _MARKS = {".": "point", ",": "comma", ".,": "point and comma, mixed"}
 
@@ -85,6 +86,11 @@ def _table(
         )
     if dialect.mark == ".,":
         notes.append("decimal points and decimal commas are mixed; both are read as decimal marks")
+    if raw.size > _LARGE:
+        notes.append(
+            f"a file of {raw.size / 1e6:.0f} MB, read in blocks; if it is finer sampled than the "
+            "test needs, export it at a lower rate"
+        )
     if encoding not in {"utf-8", "utf-8-sig"}:
         notes.append(f"text decoded as {encoding}")
 
@@ -105,7 +111,29 @@ def _table(
             "simulated" in line.casefold() for line in header if re.match(r"\s*[#%$!/*;]", line)
         ),
         doubts=tuple(doubts),
+        hints=tuple(_hints(header)),
     )
+
+
+_RATE = re.compile(
+    r"(?:sampl\w*|abtast\w*|scan\w*|acquisition|messrate|data|częstotliwość|采样)\W*(?:rate|freq\w*|"
+    r"frequenz|频率|próbkowania)?[^\d\n]{0,12}?(\d+(?:[.,]\d+)?)\W{0,3}(k?Hz|1/s)",
+    re.IGNORECASE,
+)
+
+
+def _hints(header: Sequence[str]) -> list[str]:
+    """What the header says about the sampling rate, for a table without time."""
+    found = []
+    for line in header:
+        match = _RATE.search(line[:500])
+        if match:
+            rate = float(match[1].replace(",", ".")) * (1e3 if match[2][:1] in "kK" else 1.0)
+            found.append(
+                f"the header says '{line.strip()[:60]}'; if that is the rate, add "
+                f"--rate {rate:.10g}Hz"
+            )
+    return found[:1]
 
 
 def _no_table(raw: Raw, lines: Sequence[str], options: ReadOptions) -> str:
