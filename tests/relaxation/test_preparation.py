@@ -438,6 +438,14 @@ def test_a_saturated_force_is_refused(raw: RelaxationTest, ceiling: float):
         prepare(replace(raw, force=np.minimum(raw.force, ceiling)))
 
 
+def test_swapped_columns_are_not_called_saturated():
+    time = np.arange(0, 42, 0.01)
+    held = 8 * np.clip(time - 1, 0, 1)
+    force = PAPER.force(time, 1e-3 * held) + 0.005 * np.sin(1e3 * time**2)
+    with pytest.raises(DataError, match="are force and displacement swapped"):
+        prepare(RelaxationTest(time, 1e-3 * force, held))
+
+
 def test_an_elastic_or_a_coarse_force_is_not_called_saturated():
     elastic = prepare(ideal(force=lambda t, x: 200 * x))
     assert elastic.force.max() == pytest.approx(1.6)

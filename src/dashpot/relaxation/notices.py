@@ -59,6 +59,9 @@ def refuse_saturated(where: str, test: RampHold, rise: float) -> None:
     too_even = count >= 10 and 0 < step < 2 * test.force_noise
     if not (while_moving or too_even):
         return
+    plausible = columns_plausible(test)
+    if not plausible.passed:
+        raise DataError(f"{where}: {plausible.says}")
     raise DataError(
         f"{where}: the force stands at exactly {top:.4g} N above the tare for {count} samples from "
         f"t = {test.time[first]:.6g} s to {test.time[last]:.6g} s: the sensor or the converter is "
@@ -213,7 +216,7 @@ def columns_plausible(test: RampHold) -> Check:
     if not passed:
         says = (
             f"in the hold the displacement sinks by {100 * sank:.2g} % while the force rests: are "
-            "force and displacement swapped? Name the columns"
+            "force and displacement swapped? Name the columns (--force, --displacement)"
         )
     return Check("columns_plausible", passed, says, sank, 0.03)
 
