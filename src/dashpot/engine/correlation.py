@@ -40,6 +40,8 @@ class Response(ByValue):
     ----------
     fixed : array, shape (n, q)
         The fixed columns over the window.
+    fixed_gram : array, shape (q, q)
+        Their inner products.
     sequences : array, shape (q + 3, m)
         Compressed lag sequences: fixed columns, d, u before the window, u at its end.
     lags : Compression
@@ -52,6 +54,7 @@ class Response(ByValue):
     """
 
     fixed: FloatArray
+    fixed_gram: FloatArray
     sequences: FloatArray
     lags: Compression
     lagged: ComplexArray
@@ -78,7 +81,7 @@ class Response(ByValue):
         size = q + 1 + (2 * arms if derivative else arms)
         gram = np.empty((*tau.shape[:-1], size, size))
         here, y = slice(q, q + arms), q + arms
-        gram[..., :q, :q] = self.fixed.T @ self.fixed
+        gram[..., :q, :q] = self.fixed_gram
         gram[..., :q, y] = gram[..., y, :q] = force.fixed
         gram[..., y, y] = force.energy
         products = _products(arm, self.energy)
@@ -285,6 +288,7 @@ def response(
     ends = lags.project(np.stack((before, d[::-1])))[0]
     bare = Response(
         fixed=fixed,
+        fixed_gram=fixed.T @ fixed,
         sequences=ends,
         lags=lags,
         lagged=np.fft.rfft(d, size).conj(),
