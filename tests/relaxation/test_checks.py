@@ -251,3 +251,13 @@ def test_the_worst_of_several_tests_speaks(test: RampHold) -> None:
     check = named(fit([test, clipped], arms=2), "force_not_clipped")
     assert not check.passed
     assert check.says.startswith("test 2 of 2: ")
+
+
+def test_a_test_of_nothing_but_noise_informs_no_frequency(test: RampHold) -> None:
+    noise = np.random.default_rng(3).standard_normal(len(test.time))
+    found = fit(replace(test, force=noise, force_noise=1.0))
+    check = named(found, "frequencies_informed")
+    assert not check.passed
+    assert "reduce the noise, press deeper or hold longer" in check.says
+    assert found.band[0] == found.band[1]
+    assert "this test informs 0.004 to 0.32 Hz" in named(fit(test), "frequencies_informed").says

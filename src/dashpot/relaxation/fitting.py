@@ -242,7 +242,16 @@ def _fit(
     names, index = _rows(estimate, suffix)
     covariance = estimate.covariance[np.ix_(index, index)]
     peak = max(float(np.abs(record.force).max()) for record in records)
-    found = _checks(records, estimate, model, np.sqrt(np.diag(covariance)), choice, method=method)
+    band = informed_band(
+        records,
+        blocks,
+        stiffness=max(model.k_0, 1e-300),
+        noise=max(estimate.spread, 1e-6 * peak, 1e-300),
+    )
+    found = (
+        *_checks(records, estimate, model, np.sqrt(np.diag(covariance)), choice, method=method),
+        questions.frequencies_informed(band),
+    )
     return Fit(
         model=model,
         status=_status(solution, asked, found),
@@ -251,12 +260,7 @@ def _fit(
         parameters=names,
         covariance=covariance,
         dof=estimate.dof,
-        band=informed_band(
-            records,
-            blocks,
-            stiffness=max(model.k_0, 1e-300),
-            noise=max(estimate.spread, 1e-6 * peak, 1e-300),
-        ),
+        band=band,
         orders=tuple(_order(score, suffix) for score in scores),
         certificate=_certificate(blocks, solution),
         profiles=profiles(blocks, estimate, suffix=suffix),
@@ -408,7 +412,7 @@ def _checks(
     if choice is not None:
         found.append(questions.order_agreed(choice.by_bic, choice.by_significance, choice.arms))
     if method == "full" and len(estimate.solution.groups) == 1:
-        found.append(questions.hold_and_full_agree(model, _by_eq5(records, arms)))
+        found.append(questions.hold_and_full_agree(model, _by_eq5(records, arms), error))
     return tuple(found)
 
 
