@@ -10,7 +10,6 @@ import pytest
 from dashpot.errors import DataError
 from dashpot.identification import frf_band, parameter_band, unseen_arm_band
 from dashpot.identification.bench import bench_of
-from dashpot.identification.motion import between_counts
 from dashpot.identification.spectra import Spectra
 from dashpot.relaxation.fit import Fit
 from dashpot.relaxation.fitting import fit
@@ -125,32 +124,15 @@ def test_many_frequencies_are_laid_through_smoothly(broad_fit: Fit, broad_test: 
     assert band.storage[:, ::40] == pytest.approx(some.storage, rel=0.02)
 
 
-def test_the_staircase_of_an_encoder_is_read_between_its_counts() -> None:
-    t = np.arange(0, 3.0, 1e-3)
-    # a servo that eases in and out
-    true = 8e-3 * np.clip(t - 0.5, 0, 1) ** 2 * (3 - 2 * np.clip(t - 0.5, 0, 1))
-    counted = np.round(true / 2e-5) * 2e-5
-    read = between_counts(t, counted)
-    moving = (t > 0.6) & (t < 1.4)
-    assert np.std((counted - true)[moving]) > 5e-6
-    assert np.std((read - true)[moving]) < 3e-6
-    assert np.abs(read - true).max() < 1.2e-5
-    assert read[-1] == counted[-1]
-    assert read[0] == counted[0]
-
-
-def test_a_constant_reading_stays_constant() -> None:
-    flat = np.full(50, 3e-3)
-    assert (between_counts(np.arange(50.0), flat) == flat).all()
-
-
 @pytest.mark.slow
 def test_the_bands_cover_over_seeds() -> None:
     omega = 2 * np.pi * AT
     K = BROAD.complex_stiffness(omega)
     hits = np.zeros((3, len(AT)))
     for seed in range(20):
-        rig = Rig() if seed % 2 else replace(Rig(), encoder=0.013e-3)
+        rig = (Rig(), replace(Rig(), encoder=0.013e-3), replace(Rig(), position_noise=3e-6))[
+            seed % 3
+        ]
         test = prepare(simulate_relaxation(BROAD, seed=seed, rig=rig).test)
         band = unseen_arm_band(fit(test), test, AT, level=0.95)
         for i, (limits, value) in enumerate(

@@ -8,12 +8,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot._arrays import FloatArray
+from dashpot._arrays import BoolArray, FloatArray
 from dashpot.engine.blocks import Block, DesignBlock, Evaluation
 from dashpot.engine.correlation import CorrelationBlock, correlation_block
 from dashpot.engine.recorded import recorded_block
-from dashpot.identification.motion import between_counts
 from dashpot.relaxation.checks import encoder_step
+from dashpot.relaxation.denoising import APART, true_motion
 from dashpot.relaxation.design import Design, compressed
 from dashpot.relaxation.fit import Fit, Residual
 from dashpot.relaxation.records import RampHold
@@ -21,6 +21,7 @@ from dashpot.relaxation.records import RampHold
 # a dashpot is an arm far faster than anything in the window
 DASHPOT = 1e-3
 SOLID = ("k_inf", "b")
+STRETCHES = 50
 
 
 class Rows(NamedTuple):
@@ -108,17 +109,17 @@ def _freed(columns: FloatArray, private: FloatArray) -> FloatArray:
 
 
 def bench_of(test: RampHold, fit: Fit, *, noise: Residual | None = None) -> Bench:
-    r"""Weigh a test by the residual of its fit, and doubt its depth by the encoder's step.
+    r"""Weigh a test by the residual of its fit, and doubt its motion by what the encoder leaves.
 
-    Both the zero at contact and the reading of the hold are uniform within a step q, a standard
-    deviation of :math:`q/\sqrt{12}`. A depth wrong by that much leaves a step of force at the end
-    of the ramp, which looks like an arm faster than the ramp.
+    Both the zero at contact and the reading of the hold are uniform within a count q, a standard
+    deviation of :math:`q/\sqrt{12}`; where the motion bends, what is left of the encoder's noise
+    moves the force for some hundredths of the ramp. Either looks like an arm faster than the ramp.
 
     Parameters
     ----------
     test : RampHold
     fit : Fit
-        The solid whose response to a step stands for the doubt; its method is kept.
+        The solid whose response to a small motion stands for the doubt; its method is kept.
     noise : Residual, optional
         Of this test alone, where the fit is of several.
     """
@@ -126,20 +127,39 @@ def bench_of(test: RampHold, fit: Fit, *, noise: Residual | None = None) -> Benc
     weight = 1 / (noise.rms * np.sqrt(noise.kappa))
     if fit.method == "hold":
         return Bench(compressed((test,), Design("hold"))[0], weight, noise.kappa, {})
-    used = slice(0, test.hold.stop)
-    time, x = test.time[used] - test.time[0], test.displacement[used]
+    x, left = true_motion(test)
+    clock = test.time[: len(x)]
+    time = clock - clock[0]
+    block = recorded_block(time, x - x[0], test.force[: len(x)], offset="offset", drift="drift")
+    motions: dict[str, BoolArray] = {}
+    doubt: dict[str, float] = {}
     step = encoder_step(test)
     if step > 0:
-        x = between_counts(time, x)
-    block = recorded_block(time, x - x[0], test.force[used], offset="offset", drift="drift")
-    if step == 0:
+        motions |= {name: clock >= at for name, at in _readings(test)}
+        doubt |= dict.fromkeys(motions, float(step / np.sqrt(12)))
+    if left.any():
+        bends = {f"bend@{i}": inside for i, inside in enumerate(_bends(test, clock))}
+        motions |= bends
+        doubt["bend"] = APART * float(
+            np.sqrt(np.mean(left[np.any([*bends.values()], axis=0)] ** 2))
+        )
+    if not motions:
         return Bench(block, weight, noise.kappa, {})
-    columns = {
-        name: fit.model.force(time, 1.0 * (test.time[used] >= at))
-        for name, at in (("contact", test.onset), ("depth", test.ramp_end))
-    }
-    doubt = dict.fromkeys(columns, float(step / np.sqrt(12)))
+    columns = {name: fit.model.force(time, 1.0 * motion) for name, motion in motions.items()}
     return Bench(_widened(block, time, x - x[0], columns), weight, noise.kappa, doubt)
+
+
+def _readings(test: RampHold) -> tuple[tuple[str, float], ...]:
+    return ("contact", test.onset), ("depth", test.ramp_end)
+
+
+def _bends(test: RampHold, time: FloatArray) -> list[BoolArray]:
+    """The stretches, of a fiftieth of the ramp each, where the motion starts and where it ends."""
+    width = test.ramp_time / STRETCHES
+    starts = [test.onset + i * width for i in range(-2, 6)]
+    starts += [test.ramp_end + i * width for i in range(-4, 8)]
+    found = [(time >= start) & (time < start + width) for start in starts]
+    return [inside for inside in found if inside.any()]
 
 
 def _widened(
@@ -161,52 +181,66 @@ def _widened(
 
 @dataclass(frozen=True, eq=False)
 class WeightedBlock:
-    """A block whose rows are multiplied by a weight, so that blocks of unlike units stack."""
+    """A bench as the engine takes it: rows of unit noise, the doubtful columns left out.
 
-    block: Block
-    weight: float
+    Attributes
+    ----------
+    bench : Bench
+    index : int
+        Tells the private columns of several benches apart.
+    """
+
+    bench: Bench
+    index: int
 
     @property
     def floor(self) -> float:
         """Weighted."""
-        return self.weight**2 * self.block.floor
+        return self.bench.floor
 
     @property
     def grain(self) -> float:
         """Weighted."""
-        return self.weight**2 * self.block.grain
+        return self.bench.weight**2 * self.bench.block.grain
 
     @property
     def turning(self) -> bool:
         """As the block's."""
-        return self.block.turning
-
-    @property
-    def exact(self) -> WeightedBlock:
-        """Every weighted sample as a row."""
-        return WeightedBlock(self.block.exact, self.weight)
+        return self.bench.block.turning
 
     @property
     def samples(self) -> int:
         """As the block's."""
-        return self.block.samples
+        return self.bench.block.samples
 
     @property
     def fixed_names(self) -> tuple[str, ...]:
-        """As the block's."""
-        return self.block.fixed_names
+        """Those of the solid as they are, private ones with the index."""
+        return tuple(name if name in SOLID else f"{name}@{self.index}" for name in self._kept)
 
     @property
     def arm_group(self) -> str:
         """As the block's."""
-        return self.block.arm_group
+        return self.bench.block.arm_group
+
+    @property
+    def exact(self) -> Block:
+        """Every weighted sample as a row."""
+        return WeightedBlock(replace(self.bench, block=self.bench.block.exact), self.index)
 
     @property
     def window(self) -> tuple[float, float]:
         """As the block's."""
-        return self.block.window
+        return self.bench.block.window
 
     def evaluate(self, log_tau: FloatArray, derivative: bool = True) -> Evaluation:
         """The block's rows times the weight."""
-        found = self.block.evaluate(log_tau, derivative)
-        return Evaluation(*(self.weight * part for part in found))
+        found = self.bench.block.evaluate(log_tau, derivative)
+        kept = [name in self._kept for name in self.bench.block.fixed_names]
+        found = found._replace(fixed=found.fixed[:, kept])
+        return Evaluation(*(self.bench.weight * part for part in found))
+
+    @property
+    def _kept(self) -> tuple[str, ...]:
+        names = self.bench.block.fixed_names
+        return tuple(name for name in names if name.partition("@")[0] not in self.bench.doubt)

@@ -110,7 +110,7 @@ class Search:
         from dashpot.engine.separable import solve_orders
 
         known = None if self.rig.mass is None else self.rig.mass.value
-        blocks: list[Block] = [WeightedBlock(bench.block, bench.weight) for bench in self.benches]
+        blocks: list[Block] = [WeightedBlock(bench, i) for i, bench in enumerate(self.benches)]
         blocks.append(self.hammer.stiffness_block(known, dashpot=dashpot))
         starts = []
         for solution in solve_orders(blocks, most):

@@ -1,0 +1,102 @@
+r"""The motion behind a recorded displacement.
+
+A fast arm answers each edge of an encoder's staircase, and each jitter of its reading, with a
+spike of force. The true force shows none, since nothing moved: taken at its word, the record would
+rule out fast arms that are there (errors in variables). So what the encoder saw is freed of its
+counts and of its noise first.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot._arrays import FloatArray
+from dashpot.relaxation.checks import encoder_step
+from dashpot.relaxation.records import RampHold
+
+# half widths of the windows that compete, in samples: each some 1.4 times the one before
+HALF_WIDTHS = (0, 1, 2, 3, 4, 6, 8, 11, 16, 23, 32, 45, 64, 91, 128, 181, 256, 362, 512, 724, 1024)
+# means of windows disagree if they are farther apart than this many standard deviations
+APART = 2.5
+# what is left of a count after reading between counts, as a part of it: its own scatter
+LEFT_OF_A_COUNT = 0.29
+
+
+def true_motion(test: RampHold) -> tuple[FloatArray, FloatArray]:
+    """Displacement of a test up to the end of its hold, freed of counts and noise.
+
+    Returns
+    -------
+    displacement, sd : array, shape (n,)
+        m, and the standard deviation that is left of the noise, m.
+    """
+    used = slice(0, test.hold.stop)
+    time, x = test.time[used], test.displacement[used]
+    step = encoder_step(test)
+    noise = test.displacement_noise
+    if step > 0:
+        x, noise = between_counts(time, x), LEFT_OF_A_COUNT * step
+    return denoised(x, noise) if noise > 0 else (x, np.zeros(len(x)))
+
+
+def between_counts(time: FloatArray, displacement: FloatArray) -> FloatArray:
+    """Return a quantised displacement as the motion that it samples, shape (n,).
+
+    Where a reading changes, the true position is half way between both counts, so a straight
+    line from change to change is much nearer to the truth than the staircase. On a reading that
+    stays for longer than the motion takes to cross a count, the reading itself is the better
+    guess.
+    """
+    change = np.flatnonzero(np.diff(displacement))
+    if len(change) < 2:
+        return displacement
+    at = 0.5 * (time[change] + time[change + 1])
+    half_way = 0.5 * (displacement[change] + displacement[change + 1])
+    stay = np.diff(at)
+    crossing = float(np.median(stay))
+    # readings before the first change, between changes, and after the last one
+    level = displacement[np.append(change, change[-1] + 1)]
+    start, stop = np.append(-np.inf, at), np.append(at, np.inf)
+    long = stop - start > 4 * crossing
+    # the motion leaves and reaches a rest as slowly as it crossed the neighbouring count
+    before = np.minimum(np.concatenate(([crossing], stay, stay[-1:])), 2 * crossing) / 2
+    after = np.minimum(np.concatenate((stay[:1], stay, [crossing])), 2 * crossing) / 2
+    leaves, reaches = (start + before)[long], (stop - after)[long]
+    ends = np.concatenate((leaves, reaches))
+    inner = np.isfinite(ends)
+    knots = np.concatenate((at, ends[inner]))
+    values = np.concatenate((half_way, np.tile(level[long], 2)[inner]))
+    order = np.argsort(knots, kind="stable")
+    knots, values = knots[order], values[order]
+    return np.asarray(np.interp(time, knots, values, left=displacement[0], right=displacement[-1]))
+
+
+def denoised(values: FloatArray, noise: float) -> tuple[FloatArray, FloatArray]:
+    r"""Mean over the widest window about each sample that noise alone can explain, and its sd.
+
+    A mean over 2w + 1 samples has the standard deviation :math:`\sigma/\sqrt{2w+1}` and is
+    unbiased on a straight line. Windows widen until the intervals
+    :math:`\bar x_w \pm 2.5\,\sigma/\sqrt{2w+1}` of all so far have no point in common: over a
+    steady ramp and a hold they become wide, at the corners they stay narrow. Source:
+    A. Goldenshluger and A. Nemirovski, Math. Methods Statist. 6 (1997) 135, the intersection of
+    confidence intervals.
+    """
+    n = len(values)
+    index = np.arange(n)
+    room = np.minimum(index, n - 1 - index)
+    total = np.concatenate(([0.0], np.cumsum(values - values[0])))
+    best, sd = np.array(values), np.full(n, noise)
+    low, high = np.full(n, -np.inf), np.full(n, np.inf)
+    open_still = np.ones(n, dtype=bool)
+    for width in HALF_WIDTHS:
+        w = np.minimum(width, room)
+        count = 2 * w + 1
+        mean = values[0] + (total[index + w + 1] - total[index - w]) / count
+        half = APART * noise / np.sqrt(count)
+        low, high = np.maximum(low, mean - half), np.minimum(high, mean + half)
+        open_still &= low <= high
+        best = np.where(open_still, mean, best)
+        sd = np.where(open_still, noise / np.sqrt(count), sd)
+        if not open_still.any():
+            break
+    return best, sd
