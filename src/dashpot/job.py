@@ -29,6 +29,8 @@ class HammerChoices:
     accept: tuple[str, ...] = ()
     reject: tuple[str, ...] = ()
     record: float | None = None
+    pretrigger: float | None = None
+    polarity: tuple[int, ...] | None = None
 
 
 @dataclass(frozen=True)
@@ -114,5 +116,7 @@ def average(impact: ImpactTest, *, choices: HammerChoices, mass: float | None = 
         accept=choices.accept,
         reject=choices.reject,
         record=choices.record,
+        pretrigger=choices.pretrigger,
+        polarity=choices.polarity,
         mass=mass,
     )

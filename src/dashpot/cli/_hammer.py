@@ -36,7 +36,14 @@ def hammer(function: Callable[..., T]) -> Callable[..., T]:
     )
     @click.option("--accept", multiple=True, metavar="HIT", help="Use this hit all the same.")
     @click.option("--reject", multiple=True, metavar="HIT", help="Leave this hit out.")
-    @click.option("--record", type=Quantity("time"), help="Length of record after a hit.")
+    @click.option("--record", type=Quantity("time"), help="Length of a block around a hit.")
+    @click.option("--pretrigger", type=Quantity("time"), help="Quiet in it before the hit.")
+    @click.option(
+        "--polarity",
+        type=click.Choice(["+1", "-1"]),
+        multiple=True,
+        help="Sign of each accelerometer, in order; repeat for each.",
+    )
     @functools.wraps(function)
     def command(
         *,
@@ -46,11 +53,22 @@ def hammer(function: Callable[..., T]) -> Callable[..., T]:
         accept: tuple[str, ...],
         reject: tuple[str, ...],
         record: float | None,
+        pretrigger: float | None,
+        polarity: tuple[str, ...],
         **arguments: Any,
     ) -> T:
         from dashpot.job import HammerChoices
 
-        chosen = HammerChoices(estimator, window, combine, accept, reject, record)
+        chosen = HammerChoices(
+            estimator=estimator,
+            window=window,
+            combine=combine,
+            accept=accept,
+            reject=reject,
+            record=record,
+            pretrigger=pretrigger,
+            polarity=tuple(int(sign) for sign in polarity) or None,
+        )
         return function(hammer=chosen, **arguments)
 
     return command
