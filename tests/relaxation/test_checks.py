@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from dashpot.checks import Check
-from dashpot.relaxation import checks
+from dashpot.relaxation import checks, record_checks
 from dashpot.relaxation.fit import Fit, Status
 from dashpot.relaxation.fitting import fit
 from dashpot.relaxation.records import RampHold, Specimen
@@ -59,9 +59,11 @@ def test_a_clipped_force(test: RampHold) -> None:
     assert "stand at exactly 1.9 N" in check.says
     assert "raise the range of the sensor" in check.says
     assert not found.ok
-    assert checks.force_not_clipped(test).passed
+    assert record_checks.force_not_clipped(test).passed
     spring = record_of(GeneralizedMaxwell(200.0), noise=0.0)
-    assert checks.force_not_clipped(spring).passed  # it stands at its peak, and so does the plate
+    assert record_checks.force_not_clipped(
+        spring
+    ).passed  # it stands at its peak, and so does the plate
 
 
 def test_a_force_below_the_resolution(test: RampHold) -> None:
@@ -71,7 +73,7 @@ def test_a_force_below_the_resolution(test: RampHold) -> None:
     assert check.value is not None
     assert check.value < 20
     assert "cannot show a decay: press deeper" in check.says
-    fine = checks.force_resolved(replace(test, force=np.round(test.force * 1280) / 1280))
+    fine = record_checks.force_resolved(replace(test, force=np.round(test.force * 1280) / 1280))
     assert fine.passed
     assert fine.value == pytest.approx(np.ptp(test.force) * 1280, rel=0.01)
 
@@ -96,7 +98,7 @@ def test_a_plate_that_creeps(test: RampHold) -> None:
     check = named(fit(creeping, arms=2), "hold_is_still")
     assert check.passed  # the recorded motion is fitted
     assert "the fit uses the recorded motion" in check.says
-    assert not checks.hold_is_still(creeping, method="hold").passed
+    assert not record_checks.hold_is_still(creeping, method="hold").passed
 
 
 def test_a_hold_too_short_for_the_ramp(paper_seal: GeneralizedMaxwell) -> None:
@@ -140,8 +142,8 @@ def test_strain_beyond_a_fifth_of_the_height(test: RampHold) -> None:
     assert not check.passed
     assert check.value == pytest.approx(0.4)
     assert "k_inf is a secant stiffness" in check.says
-    assert checks.strain_small(replace(test, specimen=Specimen(height=0.05))).passed
-    assert checks.strain_small(test).passed
+    assert record_checks.strain_small(replace(test, specimen=Specimen(height=0.05))).passed
+    assert record_checks.strain_small(test).passed
 
 
 def test_arms_that_merge() -> None:

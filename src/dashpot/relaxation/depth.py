@@ -21,12 +21,12 @@ from dashpot._arrays import FloatArray
 from dashpot.checks import Check
 from dashpot.engine.separable import solve
 from dashpot.errors import DataError, FitError
-from dashpot.relaxation.checks import depth_doubt
 from dashpot.relaxation.design import Design, compressed, every_sample
 from dashpot.relaxation.elastic import ElasticLaw, elastic_law
 from dashpot.relaxation.estimate import Estimate, estimated
 from dashpot.relaxation.fit import AtDepth, Fit
 from dashpot.relaxation.fitting import fit
+from dashpot.relaxation.record_checks import depth_doubt
 from dashpot.relaxation.records import RampHold
 from dashpot.solids.maxwell import GeneralizedMaxwell
 

@@ -12,7 +12,7 @@ from dashpot.engine.blocks import Block, DesignBlock
 from dashpot.engine.correlation import CorrelationBlock
 from dashpot.engine.holds import hold_block, window_of
 from dashpot.engine.recorded import recorded_block
-from dashpot.relaxation.checks import MAX_CREEP, hold_creep
+from dashpot.relaxation.record_checks import MAX_CREEP, hold_creep
 from dashpot.relaxation.records import RampHold
 
 Method: TypeAlias = Literal["full", "hold"]

@@ -207,7 +207,7 @@ class Fit(ByValue):
     model : GeneralizedMaxwell
     status : Status
     method : str
-        ``"full"``, ``"hold"``, ``"frf"`` or ``"joint"``.
+        ``"full"``, ``"hold"``, ``"frf"``, ``"joint"``, ``"dynamic"`` or ``"modulus"``.
     residual : Residual
     parameters : tuple of str
         Names of the rows of `covariance`: ``"k_inf"``, ``"k_1"``..., ``"ln_tau_1"``...,
@@ -233,6 +233,8 @@ class Fit(ByValue):
         first; `model` is then the deepest test's.
     moved : tuple of Moved
         What a further test changed, where there was an earlier fit.
+    unit : str
+        Of every stiffness: ``"N/m"`` for a part, ``"Pa"`` where a material's modulus was fitted.
     """
 
     model: GeneralizedMaxwell
@@ -253,6 +255,7 @@ class Fit(ByValue):
     by_depth: tuple[AtDepth, ...] = ()
     specimen: Specimen = field(default_factory=Specimen)
     moved: tuple[Moved, ...] = ()
+    unit: str = "N/m"
 
     def __post_init__(self) -> None:
         covariance = np.asarray(self.covariance, dtype=float)
