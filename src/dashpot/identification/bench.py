@@ -12,10 +12,10 @@ from dashpot._arrays import BoolArray, FloatArray
 from dashpot.engine.blocks import Block, DesignBlock, Evaluation
 from dashpot.engine.correlation import CorrelationBlock, correlation_block
 from dashpot.engine.recorded import recorded_block
-from dashpot.relaxation.checks import encoder_step
 from dashpot.relaxation.denoising import APART, true_motion
 from dashpot.relaxation.design import Design, compressed
 from dashpot.relaxation.fit import Fit, Residual
+from dashpot.relaxation.record_checks import encoder_step
 from dashpot.relaxation.records import RampHold
 
 # a dashpot is an arm far faster than anything in the window

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from dashpot._arrays import FloatArray
-from dashpot.relaxation.checks import encoder_step
+from dashpot.relaxation.record_checks import encoder_step
 from dashpot.relaxation.records import RampHold
 
 # half widths of the windows that compete, in samples: each some 1.4 times the one before
