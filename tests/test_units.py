@@ -12,7 +12,8 @@ from dashpot.units import TABLE, dimensions, find, parse_quantity, parse_range, 
 PINT = {
     "gn": "standard_gravity", "gf": "gram_force", "kgf": "kilogram_force", "kp": "kilogram_force",
     "lbf": "pound_force", "in": "inch", "t": "metric_ton", "1": "dimensionless", "%": "percent",
-    "lb": "pound", "h": "hour", "degC": "degree_Celsius", "degF": "degree_Fahrenheit", "daN": "decanewton",
+    "lb": "pound", "h": "hour", "degC": "degree_Celsius", "degF": "degree_Fahrenheit",
+    "daN": "decanewton",
 }  # fmt: skip
 SI = {
     "time": "s", "length": "m", "force": "N", "mass": "kg", "acceleration": "m/s^2",
@@ -51,7 +52,9 @@ def test_spellings(word: str, dimension, found: str) -> None:
     assert unit.word == found
 
 
-@pytest.mark.parametrize(("word", "dimension"), [("mn", "force"), ("MM", "time"), ("x", None), ("", None)])
+@pytest.mark.parametrize(
+    ("word", "dimension"), [("mn", "force"), ("MM", "time"), ("x", None), ("", None)]
+)
 def test_what_is_no_unit(word: str, dimension) -> None:
     assert find(word, dimension) is None
 
@@ -65,7 +68,9 @@ def test_words_of_two_meanings() -> None:
     assert dimensions("g") == ("mass", "acceleration")
     assert dimensions("nm") == ("length", "torque")
     assert dimensions("furlong") == ()
-    with pytest.raises(DataError, match="'g' is a unit of mass or acceleration; expected a unit of force"):
+    with pytest.raises(
+        DataError, match="'g' is a unit of mass or acceleration; expected a unit of force"
+    ):
         parse_unit("g", "force")
     with pytest.raises(DataError, match="'furlong' is not a known unit; expected a unit of length"):
         parse_unit("furlong", "length")

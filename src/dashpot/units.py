@@ -67,8 +67,8 @@ TABLE = MappingProxyType(_table())
 """Every unit word known, keyed ``"dimension:word"``."""
 
 _SPELLINGS = {
-    "s": "seconds second secs sek sekunde sekunden sekund sekundy seconde secondes segundo segundos "
-    "secondo secondi saniye sn с сек 秒 초",
+    "s": "seconds second secs sek sekunde sekunden sekund sekundy seconde secondes segundo "
+    "segundos secondo secondi saniye sn с сек 秒 초",
     "ms": "msec msecs millisecond milliseconds millisekunden мс 毫秒 ミリ秒",
     "us": "µs µsec usec microsecond microseconds мкс 微秒",
     "min": "minute minutes minuten minuty dakika dk мин 分 分钟",

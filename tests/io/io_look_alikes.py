@@ -1,8 +1,10 @@
 """Look-alikes of what test machines write: one ramp and hold, in many dialects."""
 
+# ruff: noqa: E501 - a file of a lab stands on one line
+
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,11 +42,10 @@ def table(
 
 @dataclass(frozen=True)
 class Dialect:
-    """One file, and the options it needs."""
+    """One file and what it looks like."""
 
     name: str
     content: bytes
-    kilo: bool = False  # force printed in kN with the number of N
 
 
 def _zwick() -> str:
@@ -75,10 +76,6 @@ def _chinese() -> str:
 def _padded() -> str:
     head = "$ Prüfung an Stück 7\n$ Temperatur 23 °C\n$ Zeit [s]  Weg [mm]  Kraft [N]\n"
     return head + table("", pad=14)
-
-
-def _lead(names: str, rows: str) -> Callable[[], str]:
-    return lambda: names + rows
 
 
 DIALECTS = [

@@ -44,7 +44,8 @@ def cal(
     text = (
         '<?xml version="1.0" encoding="utf-8"?>\n<!-- NOTE -->\n'
         f'<FTSensor Serial="FT00001" BodyStyle="Nano17" NumGages="6" CalFileVersion="{version}">'
-        f'<Calibration PartNumber="SI-50-0.5" CalDate="1/2/2011" ForceUnits="N" TorqueUnits="{torque}" '
+        f'<Calibration PartNumber="SI-50-0.5" CalDate="1/2/2011" '
+        f'ForceUnits="N" TorqueUnits="{torque}" '
         f'DistUnits="{distance}" OutputRange="20">{rows("Axis", inner, scale)}'
         f'<BasicTransform Dx="0" Dy="0" Dz="{SHIFT * length}" Rx="{turn}" Ry="0" Rz="0"/>'
         + (rows("UserAxis", tool, None) if version == "1.1" else "")

@@ -142,7 +142,7 @@ def test_a_coarse_clock_is_refused(tmp_path: Path) -> None:
 
 # row 5: missing numbers
 @pytest.mark.parametrize(
-    "word", ["", "NaN", "OVER", "----", "n/a", "#NV", "LOST", "inf", "1.#QNAN"]
+    "word", ["", "NaN", "OVER", "----", "n/a", "#NV", "LOST", "inf", "1.#QNAN", "9.91E+37"]
 )
 def test_a_hole_before_the_ramp_is_left_out(tmp_path: Path, word: str) -> None:
     test = read(tmp_path, lines(_2=f"0.20000;0.00000;{word}"))

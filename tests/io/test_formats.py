@@ -340,7 +340,8 @@ def test_trios_text_steps_are_segments(tmp_path: Path) -> None:
     rows = table("\t").splitlines(keepends=True)
     half = "".join(rows[:30]), "".join(rows[30:])
     path.write_text(
-        f"Filename\ta.tri\nGap\t50 um\n\n[step]\nRamp\n{names}{half[0]}\n[step]\nHold\n{names}{half[1]}"
+        f"Filename\ta.tri\nGap\t50 um\n\n[step]\nRamp\n{names}{half[0]}\n"
+        f"[step]\nHold\n{names}{half[1]}"
     )
     same(read_relaxation(path))
     assert len(inspect_file(path).segments) == 2
@@ -349,7 +350,8 @@ def test_trios_text_steps_are_segments(tmp_path: Path) -> None:
 def test_anton_paar_text(tmp_path: Path) -> None:
     text = (
         "Project:\tP\nTest:\tRelaxation\n\nInterval and data points:\t1\t60\n"
-        "Interval data:\tPoint No.\tTime\tDisplacement\tNormal Force\n\t\t[s]\t[mm]\t[N]\n\t\t\t\t\n"
+        "Interval data:\tPoint No.\tTime\tDisplacement\tNormal Force\n"
+        "\t\t[s]\t[mm]\t[N]\n\t\t\t\t\n"
     )
     rows = "".join(
         f"\t{i + 1}\t{row}\n" for i, row in enumerate(table("\t", decimal=",").splitlines())
@@ -365,7 +367,8 @@ def test_jpk_text(tmp_path: Path) -> None:
             f"# TEXT EXPORT\n# index: 0\n#\n# segmentIndex: {index}\n# segment: {name}\n"
             "# columns: tipSampleSeparation vDeflection seriesTime\n"
             '# fancyNames: "Tip-Sample Separation" "Vertical Deflection" "Series Time"\n'
-            "# springConstant: 56.3\n# calibrationSlots: nominal force elapsed\n# units: mm N s\n#\n"
+            "# springConstant: 56.3\n# calibrationSlots: nominal force elapsed\n"
+            "# units: mm N s\n#\n"
         )
 
     time, moved, force = truth()

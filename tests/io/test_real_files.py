@@ -84,7 +84,7 @@ def test_testxpert(shared_data: Path) -> None:
     with pytest.raises(ReadError, match="could each be the displacement"):
         read_relaxation(path)
     # its clock was scrambled before it was published
-    with pytest.raises(ReadError, match="time falls from .* line 24"):
+    with pytest.raises(ReadError, match=r"time falls from .* line 24"):
         read_relaxation(path, options=ReadOptions(displacement="Standardweg"))
     options = ReadOptions(displacement="Standardweg", rate=10.0)
     assert read_relaxation(path, options=options).force[0] == 0.576537916
@@ -92,7 +92,7 @@ def test_testxpert(shared_data: Path) -> None:
 
 def test_titin_asks_for_its_units(shared_data: Path) -> None:
     path = shared_data / "titin-ramp-hold" / "AvgRelaxed_1s.csv"
-    with pytest.raises(ReadError, match="'Time' \\(time\\) has no unit"):
+    with pytest.raises(ReadError, match=r"'Time' \(time\) has no unit"):
         read_relaxation(path)
     units = {"time": "s", "displacement": "um", "force": "mN"}
     test = read_relaxation(path, options=ReadOptions(units=units))

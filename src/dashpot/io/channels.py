@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from dashpot.io.table import Loaded, Table
 from dashpot.io.vocabulary import Role
 from dashpot.provenance import Source
 from dashpot.units import Unit
+
+_OVERLOAD = 9.9e37
+"""What SCPI instruments send for an infinite or an invalid reading."""
 
 
 @dataclass(frozen=True)
@@ -117,6 +120,21 @@ def si(values: FloatArray, unit: Unit) -> FloatArray:
     if unit.offset:
         values += unit.offset
     return values
+
+
+def load(table: Table, indexes: Sequence[int], options: ReadOptions, file: str) -> Loaded:
+    """Return the numbers of some columns: of the segment asked for, overload marks left out."""
+    loaded = part(table.load(indexes), options, file)
+    marks = 0
+    for j in range(loaded.values.shape[1]):
+        beyond = np.abs(loaded.values[:, j]) >= _OVERLOAD
+        if beyond.any():
+            marks += int(beyond.sum())
+            loaded.values[beyond, j] = np.nan
+    if marks:
+        note = f"{marks} values of 9.9e37 or more are an instrument's overload mark, not numbers"
+        loaded = replace(loaded, notes=(*loaded.notes, note))
+    return loaded
 
 
 def part(loaded: Loaded, options: ReadOptions, file: str) -> Loaded:

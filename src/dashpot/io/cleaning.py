@@ -31,7 +31,7 @@ def drop_missing(
         return keep, []
 
     def lacks(row: int) -> str:
-        return " and ".join(names[j] for j in np.flatnonzero(holes[row]))
+        return " and ".join(name for name, hole in zip(names, holes[row], strict=True) if hole)
 
     places = ", ".join(f"{loaded.where(int(row))} ({lacks(row)})" for row in rows[:3])
     more = f" and {rows.size - 3} more" if rows.size > 3 else ""
@@ -43,9 +43,10 @@ def drop_missing(
     guarded = rows[protect[rows] & (rows < len(keep) - 1)]  # a last row may well be cut off
     if guarded.size:
         row = int(guarded[0])
+        plural = "s" * (rows.size > 1)
         raise ReadError(
             f"{file}: {loaded.where(row)} lacks {lacks(row)} within the ramp or the start of the "
-            f"hold, where every sample counts ({rows.size} such row{'s' * (rows.size > 1)} in all); "
+            f"hold, where every sample counts ({rows.size} such row{plural} in all); "
             "repair or repeat the record there"
         )
     return keep, [
@@ -92,7 +93,8 @@ def drop_repeats(time: FloatArray, loaded: Loaded, *, file: str) -> tuple[BoolAr
             f"{file}: time falls from {time[i]:.9g} s to {time[i + 1]:.9g} s at "
             f"{loaded.where(i + 1)}: the clock was reset or rows are out of order "
             f"({falls.size} such place{'s' * (falls.size > 1)}); split the file there, read one "
-            "part with --segment, or give --rate 1000Hz (the true one) if the rows are evenly sampled throughout"
+            "part with --segment, or give --rate 1000Hz (the true one) if the rows are evenly "
+            "sampled throughout"
         )
     repeats = np.flatnonzero(steps == 0) + 1
     if repeats.size == 0:
@@ -102,7 +104,8 @@ def drop_repeats(time: FloatArray, loaded: Loaded, *, file: str) -> tuple[BoolAr
         raise ReadError(
             f"{file}: {repeats.size} of {len(time)} time stamps repeat the one before, first "
             f"t = {time[repeats[0]]:.9g} s at {first}; the clock has too few "
-            "digits: export more, or give --rate 1000Hz (the true one) if the rows are evenly sampled"
+            "digits: export more, or give --rate 1000Hz (the true one) if the rows are evenly "
+            "sampled"
         )
     keep[repeats] = False
     return keep, [
@@ -119,10 +122,11 @@ def clock_notes(time: FloatArray) -> list[str]:
     if 1 <= rate <= 1e6:
         return []
     unit = "milliseconds or minutes read as seconds" if rate > 1e6 else "these milliseconds"
-    return [
+    says = (
         f"sampled at {rate:.3g} Hz, if the unit of time is right: are {unit}? "
         'Say it with --units "time=ms"'
-    ]
+    )
+    return [says]
 
 
 def swapped(displacement: FloatArray, force: FloatArray) -> list[str]:

@@ -86,7 +86,8 @@ def _hints(arrays: Sequence[Named]) -> list[str]:
         rate = value if word in _RATES else 1 / value if word in _STEPS and value > 0 else 0.0
         if rate > 0:
             hints.append(
-                f"the file says {array.name} = {value:g}; if that is right, add --rate {rate:.10g}Hz"
+                f"the file says {array.name} = {value:g}; if that is right, add "
+                f"--rate {rate:.10g}Hz"
             )
     return hints
 

@@ -65,7 +65,7 @@ def read_impact(
 def _one(raw: Raw, options: ReadOptions) -> ImpactTest:
     table = channels.test_table(raw, options)
     chosen = _channels(raw, table, options)
-    loaded = channels.part(table.load([c.index for c in chosen]), options, raw.name)
+    loaded = channels.load(table, [c.index for c in chosen], options, raw.name)
     channels.enough(loaded, raw.name)
     _whole(loaded, raw.name)
     columns = [channels.si(loaded.values[:, j], c.unit) for j, c in enumerate(chosen)]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from decimal import Decimal, InvalidOperation
 
 import numpy as np
 
@@ -21,6 +22,8 @@ from dashpot.io.rows import load_rows
 from dashpot.io.table import Column, Content, Loaded, Table
 
 _HEAD = 1 << 20
+_SURE = 1e-4
+"""Relative doubt of a rate that is not worth a word."""
 _END = "***End_of_Header***"
 _KEYS = re.compile(
     r"^(Separator|Decimal_Separator|X_Columns|Channels|Samples|Y_Unit_Label|X0|Delta_X|Notes)"
@@ -38,7 +41,7 @@ class _Segment:
     units: tuple[str, ...]
     start: tuple[float, ...]
     step: tuple[float, ...]
-    digits: int
+    half_digit: float
 
 
 def read(raw: Raw, options: ReadOptions) -> Table:
@@ -102,7 +105,7 @@ def read(raw: Raw, options: ReadOptions) -> Table:
 
 def _mark(head: str, rows: Sequence[str], sign: str, options: ReadOptions) -> Mark:
     """The decimal mark stated, or else (old writers) the one that the rows use."""
-    if options.decimal == "," or options.decimal == ".":
+    if options.decimal is not None:
         return "," if options.decimal == "," else "."
     said = re.search(r"^Decimal_Separator[\t,]\s*\"?([.,])", head, re.MULTILINE)
     if said:
@@ -139,8 +142,17 @@ def _segment(said: dict[str, list[str]], mark: Mark) -> _Segment:
         units=tuple(said.get("Y_Unit_Label", [])),
         start=numbers("X0"),
         step=numbers("Delta_X"),
-        digits=len(re.sub(r"[eE].*|\D", "", step).strip("0")),
+        half_digit=_half_digit(step.replace(",", ".")),
     )
+
+
+def _half_digit(text: str) -> float:
+    """Half of the last digit printed."""
+    try:
+        exponent = Decimal(text).as_tuple().exponent
+    except InvalidOperation:
+        return 0.0
+    return 0.5 * 10.0**exponent if isinstance(exponent, int) and abs(exponent) < 300 else 0.0
 
 
 def _unlike(segment: _Segment) -> bool:
@@ -194,14 +206,20 @@ def _rate(segment: _Segment, counted: bool) -> tuple[list[str], tuple[str, ...]]
     if not segment.step or segment.step[0] <= 0:
         return [], ("there is no column of time and no Delta_X; give the rate, --rate 1000Hz",)
     rate = 1 / segment.step[0]
-    if 0 < segment.digits <= 3 and abs(rate - round(rate)) > 1e-6 * rate:
-        doubt = 0.5 * 10.0 ** -(segment.digits - 1) * rate
-        return [
-            f"Delta_X = {segment.step[0]:g} s has {segment.digits} digits: the rate is "
-            f"{rate:.2f} Hz, give or take {min(doubt, rate * 5e-4):.1f} Hz; if you know it, say "
-            "it, for example --rate 1024Hz"
-        ], ()
-    return [], ()
+    doubt = segment.half_digit / segment.step[0]
+    if doubt < _SURE or abs(rate - round(rate)) < 1e-6 * rate:
+        return [], ()
+    says = (
+        f"Delta_X = {segment.step[0]:g} s is rounded: the rate is {rate:.2f} Hz, give or take "
+        f"{doubt * rate:.1f} Hz; if you know it, say it, for example --rate {_likely(rate)}Hz"
+    )
+    return [says], ()
+
+
+def _likely(rate: float) -> int:
+    """The power of two nearby, which samplers love, else the whole number."""
+    power = 2 ** round(np.log2(rate)) if rate > 1 else 1
+    return power if abs(power / rate - 1) < 1e-3 else max(1, round(rate))
 
 
 def _stacked(loaded: Loaded, segments: Sequence[_Segment]) -> Loaded:

@@ -43,7 +43,7 @@ def read_relaxation(
     if options.rate is None:
         roles.insert(0, "time")
     chosen = channels.choose(raw, table, roles, options)
-    loaded = channels.part(table.load([c.index for c in chosen]), options, raw.name)
+    loaded = channels.load(table, [c.index for c in chosen], options, raw.name)
     channels.enough(loaded, raw.name)
     values = {c.role: channels.si(loaded.values[:, j], c.unit) for j, c in enumerate(chosen)}
     notes = [*table.notes, *channels.rivals(table, chosen, options), *loaded.notes]

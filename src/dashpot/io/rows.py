@@ -73,14 +73,14 @@ def load_rows(
             line += text.count("\n")
     values = _assembled(got, len(indexes))
     notes = []
-    for word, places in got.words.items():
+    for token, places in got.words.items():
         many = f" and {len(places) - 3} more" if len(places) > 3 else ""
-        notes.append(f"'{word}' stands for a missing number at {', '.join(places[:3])}{many}")
+        notes.append(f"'{token}' stands for a missing number at {', '.join(places[:3])}{many}")
     if got.between and got.rows:
-        first, text = got.between[0]
+        number, words = got.between[0]
         notes.append(
             f"{len(got.between)} lines after the table are no rows and were passed over, "
-            f"from line {first}: '{text.strip()[:40]}'"
+            f"from line {number}: '{words.strip()[:40]}'"
         )
     return Loaded(values, tuple(got.starts), tuple(got.segments), tuple(got.lines), tuple(notes))
 

@@ -10,6 +10,7 @@ import numpy as np
 from dashpot import units
 from dashpot._arrays import ComplexArray, FloatArray
 from dashpot.errors import DataError, ReadError
+from dashpot.io import channels
 from dashpot.io.formats import read_table
 from dashpot.io.kinds import kind_of
 from dashpot.io.opening import Raw, open_raw
@@ -31,7 +32,7 @@ _KINDS: dict[tuple[str, str], Kind] = {
 
 
 def read_frf(path: str | Path, *, options: ReadOptions | None = None) -> FRF:
-    """Return the FRF in a text file, as :func:`dashpot.io.write.write_frf` writes it, or in a UFF file.
+    """Return the FRF in a UFF file, or in a text file as `write_frf` writes it.
 
     A text file of another origin needs frequency with real and imaginary part, or with
     magnitude and phase, and a unit such as ``(m/s^2)/N`` that tells the kind.
@@ -56,7 +57,7 @@ def read_frf(path: str | Path, *, options: ReadOptions | None = None) -> FRF:
             f"{list_columns(table.columns)}"
         )
     said = _comments(table.header)
-    loaded = table.load(range(len(table.columns)))
+    loaded = channels.load(table, range(len(table.columns)), ReadOptions(), raw.name)
     column = {role: loaded.values[:, i] for role, i in index.items() if i is not None}
     kind, factor = _kind(raw, table, index["real"] if cartesian else index["magnitude"])
     value: ComplexArray = np.asarray(
@@ -119,8 +120,8 @@ def _kind(raw: Raw, table: Table, index: int | None) -> tuple[Kind, float]:
     if ratio is None:
         raise ReadError(
             f"{raw.name}: '{column.name}' has the unit '{column.unit or ''}', which tells no FRF; "
-            "expected motion per force such as (m/s^2)/N, g/N, m/N, or force per motion such as N/m; "
-            f"write it into the header as '{column.name} [(m/s^2)/N]'"
+            "expected motion per force such as (m/s^2)/N, g/N, m/N, or force per motion such as "
+            f"N/m; write it into the header as '{column.name} [(m/s^2)/N]'"
         )
     kind, factor = ratio
     if stated is not None and stated is not kind:
@@ -192,7 +193,7 @@ def read_dynamic(
     found["temperature"] = assign(table, "temperature", options)
     chosen = {role: answer for role, answer in found.items() if isinstance(answer, Assigned)}
     values, says, scale = {}, [], {}
-    loaded = table.load([one.index for one in chosen.values()])
+    loaded = channels.load(table, [one.index for one in chosen.values()], options, raw.name)
     whole = np.isfinite(loaded.values).all(axis=1)
     for j, (role, one) in enumerate(chosen.items()):
         column = table.columns[one.index]

@@ -51,10 +51,13 @@ def calibrated(table: Table, options: ReadOptions, file: str) -> Table:
         bias = np.nanmedian(volts[:, :rest], axis=1)
         loads = calibration.load(volts, bias)
         known = np.isfinite(loads).all(axis=0)
-        notes = [
+        says = (
             f"{options.axis} from six gauge voltages by the calibration of {calibration.serial} "
             f"({calibration.part}, {calibration.date}); the median of the first {rest} rows is "
-            "taken as unloaded and subtracted in volts",
+            "taken as unloaded and subtracted in volts"
+        )
+        notes = [
+            says,
             *(calibration.overload(loads[:, known]) if known.any() else []),
         ]
         values = np.column_stack(
@@ -91,6 +94,7 @@ def _gauges(table: Table, file: str) -> tuple[list[int], float]:
     }
     if len(factors) != 1:
         raise ReadError(
-            f"{file}: the gauge columns need one unit of voltage; write it as 'G0 [V]' in the header"
+            f"{file}: the gauge columns need one unit of voltage; write it as 'G0 [V]' in the "
+            "header"
         )
     return gauges, factors.pop()

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from typing import Any
+from collections.abc import Iterator
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from dashpot.io.options import ReadOptions
 from dashpot.io.table import Column, Table, in_memory
 
 _LARGEST = 1 << 28
+_Set: TypeAlias = tuple[str, tuple[tuple[str, str], ...], list[list[float]]]
 
 
 def read(raw: Raw, options: ReadOptions) -> Table:
@@ -32,8 +34,8 @@ def read(raw: Raw, options: ReadOptions) -> Table:
         raise ReadError(f"{raw.name}: not valid JSON: {error}") from None
     if not sets:
         raise ReadError(
-            f"{raw.name}: JSON, but no TRIOS data found (expected 'columns' with 'name' and 'unit', "
-            "and 'values'); dashpot's own results are read by the commands that take FIT"
+            f"{raw.name}: JSON, but no TRIOS data found (expected 'columns' with 'name' and "
+            "'unit', and 'values'); dashpot's own results are read by the commands that take FIT"
         )
     if options.sheet is not None:
         sets = [entry for entry in sets if entry[0] == options.sheet] or sets
@@ -52,19 +54,17 @@ def read(raw: Raw, options: ReadOptions) -> Table:
     )
 
 
-def _data_sets(node: Any, name: str = "", depth: int = 0) -> Any:
+def _data_sets(node: Any, name: str = "", depth: int = 0) -> Iterator[_Set]:
     """Every ``{"columns": [...], "values": [...]}`` in the document, with the nearest name."""
     if depth > 20:
         return
     if isinstance(node, dict):
         said = node.get("Properties", node)
         name = str(said.get("Name", name)) if isinstance(said, dict) else name
-        columns, values = node.get("columns"), node.get("values")
-        if isinstance(columns, list) and isinstance(values, list) and columns and values:
-            if all(isinstance(c, dict) and "name" in c for c in columns):
-                heads = tuple((str(c["name"]), str(c.get("unit") or "")) for c in columns)
-                yield name, heads, [[_float(v) for v in row[: len(heads)]] for row in values]
-                return
+        if _table_like(node):
+            heads = tuple((str(c["name"]), str(c.get("unit") or "")) for c in node["columns"])
+            yield name, heads, [_row(row, len(heads)) for row in node["values"]]
+            return
         for child in node.values():
             yield from _data_sets(child, name, depth + 1)
     elif isinstance(node, list):
@@ -72,5 +72,18 @@ def _data_sets(node: Any, name: str = "", depth: int = 0) -> Any:
             yield from _data_sets(child, name, depth + 1)
 
 
-def _float(value: Any) -> float:
-    return float(value) if isinstance(value, int | float) else float("nan")
+def _table_like(node: dict[str, Any]) -> bool:
+    columns, values = node.get("columns"), node.get("values")
+    return (
+        isinstance(columns, list)
+        and isinstance(values, list)
+        and bool(columns and values)
+        and all(isinstance(column, dict) and "name" in column for column in columns)
+        and all(isinstance(row, list) for row in values)
+    )
+
+
+def _row(row: list[Any], width: int) -> list[float]:
+    """A row of so many numbers; what is missing or no number is NaN."""
+    numbers = [float(v) if isinstance(v, int | float) else float("nan") for v in row[:width]]
+    return numbers + [float("nan")] * (width - len(numbers))

@@ -46,7 +46,7 @@ def read(raw: Raw, options: ReadOptions) -> Table:
     frfs = [entry for entry in curves if entry["func_type"] == FRF_]
     notes = _said(sets, units)
     if frfs:
-        return _frf(raw, frfs, curves, units, options, notes)
+        return _frf(raw, frfs, curves, units, options=options, notes=notes)
     timed = [entry for entry in curves if entry["func_type"] in {0, TIME}]
     if timed:
         return _timed(raw, timed, units, notes)
@@ -76,6 +76,7 @@ def _frf(
     frfs: Sequence[dict[str, Any]],
     curves: Sequence[dict[str, Any]],
     units: dict[str, Any] | None,
+    *,
     options: ReadOptions,
     notes: list[str],
 ) -> Table:

@@ -36,12 +36,14 @@ _FIRST: dict[Role, str] = {
         變形 compression indentation squeeze""",
     "force": """force load kraft standardkraft prüfkraft siła obciążenie fuerza carga forza
         carico força kuvvet yük voima kracht síla zatížení erő terhelés forță сила усилие
-        нагрузка 力 载荷 載荷 荷重 负荷 負荷 负载 压力 하중 힘 hammer impact excitation impulskraft""",
-    "acceleration": """acceleration accel acc accelerometer beschleunigung przyspieszenie accélération
-        aceleración accelerazione aceleração versnelling ivme kiihtyvyys zrychlení gyorsulás
-        ускорение 加速度 가속도""",
-    "frequency": """frequency freq frequenz prüffrequenz częstotliwość fréquence frecuencia frequenza
-        frequência frequentie frekans taajuus frekvence frekvencia частота 频率 頻率 周波数 주파수""",
+        нагрузка 力 载荷 載荷 荷重 负荷 負荷 负载 压力 하중 힘
+        hammer impact excitation impulskraft""",
+    "acceleration": """acceleration accel acc accelerometer beschleunigung przyspieszenie
+        accélération aceleración accelerazione aceleração versnelling ivme kiihtyvyys zrychlení
+        gyorsulás ускорение 加速度 가속도""",
+    "frequency": """frequency freq frequenz prüffrequenz częstotliwość fréquence frecuencia
+        frequenza frequência frequentie frekans taajuus frekvence frekvencia частота 频率 頻率
+        周波数 주파수""",
     "storage": """storage speichermodul e' g' e_stor e_storage g_stor g_storage k' storagemodulus
         zachowawczy conservation 储能模量 貯蔵弾性率 estor gstor""",
     "loss": """verlustmodul e'' g'' e" g" e_loss g_loss k'' k" lossmodulus stratności perte
@@ -63,8 +65,10 @@ _FIRST: dict[Role, str] = {
     "viscosity": "viscosity viskosität lepkość viscosité 粘度",
     "shear_rate": "shear_rate scherrate shearrate schergeschwindigkeit",
     "voltage": "voltage spannung_v volts gauge sg0 sg1 sg2 sg3 sg4 sg5",
-    "cycle": "cycle cycles zyklus zyklen zyklenzähler cykl cykle lastspiel lastspiele ciclo 循环 周期",
-    "velocity": "velocity speed geschwindigkeit prędkość vitesse velocidad velocità hız скорость 速度",
+    "cycle": """cycle cycles zyklus zyklen zyklenzähler cykl cykle lastspiel lastspiele ciclo 循环
+        周期""",
+    "velocity": """velocity speed geschwindigkeit prędkość vitesse velocidad velocità hız скорость
+        速度""",
     "torque": "torque drehmoment moment moment_obrotowy couple coppia tork момент 扭矩",
 }  # fmt: skip
 # Names that often mean this, and give way to the ones above.
@@ -98,7 +102,8 @@ DERIVED = (
 """Words for something computed from a signal, not the signal."""
 EXTREMES = (
     "max", "maximum", "min", "minimum", "peak", "valley", "spitze", "spitzen", "amplitude", "trend",
-    "mean", "mittel", "spitzenwert", "maksimum", "pic", "pico", "picco", "最大", "最小", "峰值", "谷值",
+    "mean", "mittel", "spitzenwert", "maksimum", "pic", "pico", "picco", "最大", "最小",
+    "峰值", "谷值",
     "maks", "oberwert", "unterwert", "maxima", "minima", "range",
 )  # fmt: skip
 """Words for one value per cycle."""

@@ -16,9 +16,10 @@ from dashpot.vibration.records import ImpactTest
 def write_relaxation(
     test: RelaxationTest, path: str | Path | None = None, *, comments: Sequence[str] = ()
 ) -> str:
-    """Return a relaxation test as text, ``time [s], displacement [mm], force [N]``; write it to `path`.
+    """Return a relaxation test as text, and write it to `path` if one is given.
 
-    Every number has all its digits. Each comment stands on a line of its own, after ``#``.
+    The columns are ``time [s], displacement [mm], force [N]``. Every number has
+    all its digits. Each comment stands on a line of its own, after ``#``.
     """
     head = ["time [s]", "displacement [mm]", "force [N]"]
     columns = [test.time, 1e3 * test.displacement, test.force]
@@ -29,7 +30,7 @@ def write_relaxation(
 def write_impact(
     test: ImpactTest, path: str | Path | None = None, *, comments: Sequence[str] = ()
 ) -> str:
-    """Return an impact test as text: time, hammer and every acceleration; write it to `path`.
+    """Return an impact test as text, and write it to `path` if one is given.
 
     The columns are ``time [s], hammer [N], acceleration 1 [m/s^2], ...``, or the channels' own
     names where they have them. The records follow one another; a line with the names stands
@@ -48,7 +49,7 @@ def write_impact(
 
 
 def write_frf(frf: FRF, path: str | Path | None = None, *, comments: Sequence[str] = ()) -> str:
-    """Return an FRF as text with everything :func:`dashpot.io.read.read_frf` needs; write it to `path`.
+    """Return an FRF as text that `read_frf` takes back whole, and write it to `path`.
 
     Comment lines hold the kind, the window's shift, the record length and the number of
     averages; the columns are frequency, real and imaginary part, magnitude, phase, and the
