@@ -26,8 +26,9 @@ from dashpot.errors import FitError
 IndexArray: TypeAlias = npt.NDArray[np.intp]
 
 CHUNK = 256
-#: grid points for the first look, by number of arms: every set of them is tried
-LOOK = {1: 72, 2: 40, 3: 22, 4: 16}
+#: grid points for the first look, by number of arms: every set of them is tried; more arms have
+#: too many sets, and go one by one
+LOOK = {1: 72, 2: 40}
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,6 +26,8 @@ LOOSE = 1e-4
 EXTRA_STARTS = 16
 DOUBT = 0.1
 LOOK = 48
+#: in units of the noise variance
+FAR = 20.0
 RESOLVED = 1e-9
 
 
@@ -234,8 +236,12 @@ class _Chain:
         return Grid(self.stack)
 
     @cached_property
+    def spectrum(self) -> FloatArray:
+        return self.grid.spectrum()
+
+    @cached_property
     def peaks(self) -> tuple[FloatArray, FloatArray]:
-        return peaks_of(self.grid, self.grid.spectrum())
+        return peaks_of(self.grid, self.spectrum)
 
     def leap(self, arms: int) -> bool:
         """Go straight to `arms` if that leaves no doubt."""
@@ -248,8 +254,9 @@ class _Chain:
         """The optimum next to the best of the whole grid, if nothing about it is in doubt.
 
         Doubt is a relaxation time that is not known to 10 %, or that sits at the edge of the
-        window, or a coefficient that is not positive. A well-determined optimum that started
-        from the best of the whole grid has no rival.
+        window, or a coefficient that is not positive; with more than two arms, whose start is
+        not the best of all sets, also an SSE well above that of the best positive spectrum.
+        A well-determined optimum that started from the best of the whole grid has no rival.
         """
         if self.thorough or self.signed or len(self.stack.groups) > 1:
             return None
@@ -270,9 +277,13 @@ class _Chain:
             or not (low < point.log_tau.min() and point.log_tau.max() < high)
         ):
             return None
-        variance = np.diagonal(np.linalg.inv(point.curvature))
-        known = variance * (self.stack.floor + point.sse) / spare < DOUBT**2
-        return local if known.all() else None
+        noise = (self.stack.floor + point.sse) / spare
+        known = np.diagonal(np.linalg.inv(point.curvature)) * noise < DOUBT**2
+        if not known.all():
+            return None
+        if arms > 2 and point.sse - self.grid.left_by(self.spectrum) > FAR * noise:
+            return None
+        return local
 
     def _sure_starts(self, arms: int) -> list[FloatArray]:
         if arms > 2:

@@ -24,6 +24,9 @@ class Grid:
         Group by group.
     length : array, shape (G m,)
         Norms before they were made one.
+    gram, moment, energy
+        Inner products of columns, of columns with the target, of the target; fixed columns
+        swept out.
     """
 
     def __init__(self, stack: Stack, size: int = GRID) -> None:
@@ -46,11 +49,17 @@ class Grid:
         self.columns = columns / self.length
         self.gram = self.columns.T @ self.columns
         self.moment = self.columns.T @ target
+        self.energy = float(target @ target)
 
     def spectrum(self) -> FloatArray:
         """Best non-negative spectrum on the grid, in unit columns, shape (G, m)."""
         found = nonnegative(self.gram, self.moment, limit=40)
         return np.asarray(found.reshape(self.groups, -1))
+
+    def left_by(self, spectrum: FloatArray) -> float:
+        """Sum of squares that a spectrum on the grid leaves."""
+        x = spectrum.ravel()
+        return self.energy - float(x @ (2 * self.moment - self.gram @ x))
 
     def lean(self, point: Point, *, signed: bool) -> FloatArray:
         r"""How much of the residual one more arm at each grid point would remove, shape (m,).
