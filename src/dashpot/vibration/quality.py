@@ -15,6 +15,7 @@ DECAYED = 0.01  # of the response may be left at the end of a record without a w
 DECAYED_WITH_WINDOW = 0.25
 FLAT = 0.38  # width at 95 % over width at 50 % of the peak; a half-sine has 0.30
 MOVES = 0.02  # of the response may be there before the blow
+FLAT_RESPONSE = 0.55
 UNDERSHOOT = 0.05  # of the pulse's impulse given back after it
 
 
@@ -158,7 +159,11 @@ def _response_clipped(blow: Blow) -> str:
             right = top + int(np.argmin(above[top:])) if not above[top:].all() else len(row)
             lobe = signed[left:right]
             run = int(np.count_nonzero(lobe > lobe.max() - max(3 * noise, 1e-6 * lobe.max())))
-            if run >= 4 and flat_topped(lobe, noise):
+            # any smooth top is a parabola, which spends 0.39 of its upper fifth in its upper 3 %
+            upper = np.count_nonzero(lobe > 0.97 * lobe.max()) / np.count_nonzero(
+                lobe > 0.8 * lobe.max()
+            )
+            if run >= 4 and upper > FLAT_RESPONSE and flat_topped(lobe, noise):
                 return (
                     f"acceleration {number} overloads: it is flat at {lobe.max():.4g} m/s^2; hit "
                     "more softly or raise the range"

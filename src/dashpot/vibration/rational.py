@@ -14,7 +14,7 @@ mass line, modes above the band and, as slow real poles, relaxation and modes be
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from dashpot._arrays import BoolArray, ComplexArray, FloatArray
 FLOOR = 1e-3  # relative error below which no line of a measured FRF is trusted
 FLOOR_OF_TOP = 3e-4  # and of the highest line: leakage is modelled that well
 STEPS = 60
+SLOW_POLES = (1e-3, 0.3, 1.5, 7.0)  # of the background, times the middle of the band
 SMALLEST_MODE = 0.02  # of the largest value in the band
 
 
@@ -66,6 +67,10 @@ class Lines:
         if sd is not None:
             error = np.sqrt(sd**2 + (FLOOR * size) ** 2 + (FLOOR_OF_TOP * top) ** 2)
         return cls(np.asarray(2j * np.pi * frequency + shift), value, error, record, pulse)
+
+    def only(self, keep: BoolArray) -> Lines:
+        """The chosen lines."""
+        return replace(self, s=self.s[keep], value=self.value[:, keep], sd=self.sd[:, keep])
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,7 +174,7 @@ def _columns(lines: Lines, theta: FloatArray) -> ComplexArray:
     centre = float(np.sqrt(s.imag[0] * s.imag[-1]))
     top = float(s.imag[-1])
     columns += [np.ones_like(s), (s / top) ** 2]
-    columns += [kernel(lines, complex(-rate)) * centre for rate in (1e-3 * centre, centre)]
+    columns += [kernel(lines, complex(-rate)) * centre for rate in np.array(SLOW_POLES) * centre]
     return np.array(columns).T
 
 

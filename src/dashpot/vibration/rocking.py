@@ -16,6 +16,9 @@ import numpy as np
 from dashpot._arrays import ComplexArray, FloatArray
 from dashpot.vibration.rational import FLOOR, Lines, find_poles, kernel, residues_at
 
+ABOUT = 1.2  # times their frequencies lie the lines that decide about two modes
+FEWEST = 12  # lines for that
+
 
 @dataclass(frozen=True)
 class Combination:
@@ -73,6 +76,12 @@ def null_rocking(
     step = float(np.median(np.diff(lines.s.imag)))
     at_peak = np.abs(lines.s.imag - rocking.imag) <= max(-rocking.real, 1.5 * step)
     weights = _weights(blows[:, :, at_peak].reshape(len(blows), -1))
+    # what is left is small: only lines about the two modes tell it from other modes' skirts
+    omega, pair = lines.s.imag, (bounce.imag, rocking.imag)
+    near = (omega > min(pair) / ABOUT) & (omega < max(pair) * ABOUT)
+    if np.count_nonzero(near) > FEWEST:
+        lines, blows = lines.only(near), blows[:, :, near]
+        poles = poles[(poles.imag > min(pair) / ABOUT) & (poles.imag < max(pair) * ABOUT)]
     residues = residues_at(lines, poles)[:, :2]
     tall = [float(np.abs(kernel(lines, p)).max()) for p in (bounce, rocking)]
 
