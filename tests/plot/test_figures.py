@@ -20,6 +20,7 @@ from dashpot.plot.look import BLUE, COLUMN, MM, PAGE, REJECTED, SMALL
 from dashpot.plot.panels.frequency import half_power, phase_axis, turned
 from dashpot.plot.relaxation import fits_to_show, fitted_force
 from dashpot.plot.vibration import smooth
+from dashpot.relaxation.fit import AtDepth
 from dashpot.relaxation.fitting import fit
 from dashpot.relaxation.preparation import prepare
 from dashpot.simulation.rig import simulate_relaxation
@@ -127,6 +128,17 @@ def test_a_fit_without_offset_is_drawn_without_one():
     _, without = fitted_force(bare, S.prepared)
     assert without[0] == 0.0
     assert with_offset[0] == pytest.approx(S.fit.nuisance[0].value, rel=1e-3)
+
+
+def test_several_depths_are_drawn_at_their_own_stiffness():
+    at = AtDepth(
+        depth=8e-3, k_inf=S.fit.model.k_inf, k_inf_se=0.1, k=S.fit.model.k, k_se=(0.1, 0.1)
+    )
+    several = replace(S.fit, by_depth=(replace(at, depth=4e-3, k_inf=100.0), at))
+    assert np.array_equal(fitted_force(several, S.prepared)[1], fitted_force(S.fit, S.prepared)[1])
+    shallow = replace(S.prepared, depth=4.2e-3)
+    without_offset = replace(several, nuisance=())
+    assert fitted_force(without_offset, shallow)[1].max() < 0.9 * S.prepared.force.max()
 
 
 def test_fits_are_shown_once_per_number_of_arms_fewest_first():
@@ -311,5 +323,7 @@ def test_words_from_a_file_are_not_read_as_mathematics():
     hostile = replace(S.impact, channels=(r"$\frac{", "加速度 \x07"))
     figure = plot.hits(hostile, S.measured)
     plot.to_svg(figure)
+    markup = replace(S.impact, channels=("<img src=x>--><b>", "]]></svg>"))
+    assert not re.search(r"<img|<b>|\]\]>", plot.to_svg(plot.hits(markup, S.measured)))
     assert figure.axes[2].get_title(loc="left") == r"\$\frac{"
     assert figure.axes[3].get_title(loc="left") == "□□□ □"

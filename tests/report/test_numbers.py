@@ -58,6 +58,7 @@ def test_rounding_never_moves_a_value_by_more_than_a_tenth_of_its_error(value, r
 def test_uncertainty_in_words():
     assert with_error(0.1965, 0.00012) == "0.19650 ± 0.00012"
     assert with_error(0.1965, math.inf) == "0.197, not identified"
+    assert with_error(0.1965, math.nan) == "0.1965"
     assert with_error(0.1965, 0.0) == "0.197, held"
     assert interval(0.19621, 0.19679) == "0.19621 to 0.19679"
     assert interval(0.0, math.inf) == "above 0"

@@ -39,8 +39,10 @@ def _plain(value: float, digits: int) -> str:
 
 
 def with_error(value: float, error: float) -> str:
-    """Value ± standard error, each to two digits of the error."""
-    if not math.isfinite(error):
+    """Value ± standard error, each to two digits of the error; alone where that is nan."""
+    if math.isnan(error):
+        return rounded(value, digits=4)
+    if math.isinf(error):
         return f"{rounded(value)}, not identified"
     if error <= 0:
         return f"{rounded(value)}, held"

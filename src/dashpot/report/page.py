@@ -67,6 +67,7 @@ def _contents(study: Study) -> dict[str, Any]:
             study.fit, study.unseen, None if c is None else c.measured_hz
         ),
         "arms": None if c is None else tables.arms_tested(c),
+        "resonance": tables.resonance(study),
         "hits": None if study.measured is None else tables.hits(study.measured),
         "moved": None if study.joint is None else tables.moved(study.joint),
         "joint_coefficients": None

@@ -11,6 +11,7 @@ import numpy as np
 from dashpot._arrays import FloatArray
 from dashpot.checks import Check
 from dashpot.comparison import Comparison
+from dashpot.errors import DashpotError
 from dashpot.relaxation.fit import Fit, Moved
 from dashpot.relaxation.records import RampHold
 from dashpot.report.numbers import (
@@ -28,6 +29,7 @@ from dashpot.report.numbers import (
 from dashpot.solids.band import StiffnessBand
 from dashpot.study import Study
 from dashpot.vibration.frf import FRF
+from dashpot.vibration.modes import model_modes
 
 
 @dataclass(frozen=True)
@@ -270,6 +272,45 @@ def _range_at(band: StiffnessBand, limits: FloatArray, f: float) -> str:
 
 
 # -- the hammer -------------------------------------------------------------------------------
+
+
+def resonance(study: Study) -> Table | None:
+    """Natural frequency and damping of the resonance, read in every way the record supports."""
+    c, measured = study.comparison, study.measured
+    if c is None or measured is None or study.mass is None:
+        return None
+    ways = {
+        "rational": "poles of a record of this length",
+        "circle": "Nyquist circle",
+        "half-power": "half-power width",
+        "decrement": "decay",
+        "peak": "highest line and its neighbours",
+    }
+    rows = [(f"measured: {says}", *_mode_cells(measured, way, c)) for way, says in ways.items()]
+    solids = [("model from relaxation", study.fit, study.mass)]
+    if study.joint is not None:
+        mass = next((n.value for n in study.joint.nuisance if n.name == "mass"), study.mass)
+        solids.append(("model from both tests", study.joint, mass))
+    for says, one, mass in solids:
+        for mode in model_modes(study.seals * one.model, mass)[:1]:
+            rows.append((f"{says}: exact pole", rounded(mode.frequency, digits=5),
+                         rounded(100 * mode.damping_ratio)))  # fmt: skip
+    return Table(("", "natural frequency, Hz", "damping ratio, %"), tuple(rows))
+
+
+def _mode_cells(measured: FRF, way: str, c: Comparison) -> tuple[str, str]:
+    try:
+        modes = measured.modes(method=way)
+    except DashpotError as refused:
+        return "refused", readable(str(refused))
+    if not modes:
+        return "none found", ""
+    # rocking and other modes beside it are not what the prediction is of
+    mode = min(modes, key=lambda one: abs(one.frequency - c.measured_hz))
+    return (
+        with_error(mode.frequency, mode.frequency_se),
+        with_error(100 * mode.damping_ratio, 100 * mode.damping_ratio_se),
+    )
 
 
 def arms_tested(comparison: Comparison) -> Table | None:
