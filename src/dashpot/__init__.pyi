@@ -33,7 +33,11 @@ from .solids import networks as networks
 from .solids.maxwell import GeneralizedMaxwell as GeneralizedMaxwell
 from .study import Study as Study
 from .study import characterise as characterise
+from .vibration.bodies import Mount as Mount
+from .vibration.bodies import planar_body as planar_body
+from .vibration.bodies import point_mass as point_mass
 from .vibration.frf import FRF as FRF
 from .vibration.impact import estimate_frf as estimate_frf
 from .vibration.prediction import predict_frf as predict_frf
 from .vibration.records import ImpactTest as ImpactTest
+from .vibration.systems import System as System

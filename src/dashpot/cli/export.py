@@ -32,6 +32,12 @@ TARGETS = (
     "--line", metavar="FILE", help="Nastran: seal line, CSV with x, y, z columns in units."
 )
 @click.option("--pitch", type=Quantity("length"), help="Distance of elements along the line.")
+@click.option(
+    "--normal", metavar="X,Y,Z", help="Direction of compression along it [default: 0,0,1]."
+)
+@click.option("--modulus", type=Quantity("stress"), help="Of the rubber, for material cards.")
+@click.option("--bulk-modulus", type=Quantity("stress"), help="Of the rubber, for material cards.")
+@click.option("--density", type=float, help="Of the rubber, kg/m^3, for material cards.")
 @click.option("--seals", type=float, default=1.0, show_default=True, help="Seals in parallel.")
 @click.option("--allow", multiple=True, metavar="PROBLEM", help="Overlook one named problem.")
 @click.option("--force", is_flag=True, help="Overlook every problem; leaves a mark in the deck.")
@@ -49,6 +55,10 @@ def command(
     mass: float | None,
     line: str | None,
     pitch: float | None,
+    normal: str | None,
+    modulus: float | None,
+    bulk_modulus: float | None,
+    density: float | None,
     seals: float,
     allow: tuple[str, ...],
     force: bool,
@@ -70,19 +80,25 @@ def command(
     from dashpot.cli._inputs import read_fit
 
     found = read_fit(fit)
+    described = _described(found.specimen, specimen)
     if seals != 1:
+        length = None if described.length is None else seals * described.length
         found = replace(found, model=seals * found.model)
+        described = replace(described, length=length)
     choices: dict[str, Any] = {
         "form": form,
         "frequency_range": frequency_range,
         "tolerance": tolerance,
         "mass": mass,
-        "line": None if line is None else _seal_line(line, pitch, units),
+        "line": None if line is None else _seal_line(line, pitch, normal, units),
+        "modulus": modulus,
+        "bulk_modulus": bulk_modulus,
+        "density": density,
     }
     deck = export.TARGETS[target](
         found,
         units=units,
-        specimen=_described(found.specimen, specimen),
+        specimen=described,
         allow=("all",) if force else allow,
         **_taken(target, choices),
     )
@@ -122,11 +138,13 @@ def _taken(target: str, choices: dict[str, Any]) -> dict[str, Any]:
     made = {name: value for name, value in choices.items() if value is not None}
     for name in made:
         if name not in known:
-            raise ExportError(f"{target} decks take no --{name.removeprefix('frequency_')}")
+            raise ExportError(
+                f"{target} decks take no --{name.removeprefix('frequency_').replace('_', '-')}"
+            )
     return made
 
 
-def _seal_line(path: str, pitch: float | None, units: str | None) -> SealLine:
+def _seal_line(path: str, pitch: float | None, normal: str | None, units: str | None) -> SealLine:
     """Return the polyline in a CSV file of x, y, z in the deck's unit of length."""
     import numpy as np
 
@@ -141,5 +159,10 @@ def _seal_line(path: str, pitch: float | None, units: str | None) -> SealLine:
         raise ExportError(f"{path}: {error}; expected three columns x, y, z") from None
     if points.shape[1] < 3:
         raise ExportError(f"{path} has {points.shape[1]} columns; expected x, y, z")
-    named = ~np.isfinite(points[:1]).any()  # a first row of names reads as NaN
-    return SealLine(points[0 if named else 1 :, :3] * UNIT_SYSTEMS[units].length, pitch)
+    named = bool(np.isnan(points[0, :3]).any())  # a first row of names reads as NaN
+    corners = points[1 if named else 0 :, :3] * UNIT_SYSTEMS[units].length
+    try:
+        x, y, z = (float(part) for part in (normal or "0,0,1").split(","))
+    except ValueError:
+        raise ExportError(f"--normal {normal}: expected three numbers, such as 0,0,1") from None
+    return SealLine(corners, pitch, (x, y, z))
