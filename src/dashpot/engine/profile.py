@@ -81,7 +81,8 @@ def _walk(
 ) -> list[tuple[float, float]]:
     low, high = held.range
     point, value, root = start.copy(), held.value(start), 0.0
-    walked: dict[float, float] = {}
+    walked: list[tuple[float, float]] = []
+    leapt: list[tuple[float, float]] = []
     for _ in range(_POINTS):
         nearest = min(max(value + step, low), high)
         if nearest == value:
@@ -90,16 +91,18 @@ def _walk(
         there = held.fitted(point, nearest, tolerance=1e-4 * scale)
         deviance = max(held.sse(there) - best, 0.0) / scale
         rise = float(np.sqrt(deviance)) - root
-        walked[nearest] = deviance
         # aim at a rise in the root of the deviance over which interpolation is good
         step *= float(np.clip(_RISE / max(rise, 1e-3), 0.1, 2.0))
         if rise > 2.0 * _RISE:
-            # too far to interpolate to: keep the point, and walk towards it in smaller steps
+            # too far to interpolate to: walk towards it in smaller steps
+            leapt = [(nearest, deviance)]
             continue
+        walked.append((nearest, deviance))
         point, value, root = there, nearest, root + rise
         if deviance > limit:
-            break
-    return sorted(walked.items(), key=lambda pair: abs(pair[0] - held.value(start)))
+            return walked
+    passed = bool(walked) and bool(leapt) and (leapt[0][0] - walked[-1][0]) * step <= 0
+    return walked if passed else walked + leapt
 
 
 class _Held:

@@ -1,0 +1,93 @@
+"""Profile likelihood against brute force: scipy fits everything else again at each value."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import least_squares
+
+from dashpot.engine.descent import Stack
+from dashpot.engine.holds import decay_block
+from dashpot.engine.profile import Coordinate, Optimum, profile
+from dashpot.engine.separable import solve
+
+TIME = np.linspace(0.0, 10.0, 400)
+NOISE = 0.02
+
+
+@pytest.fixture(scope="module")
+def problem() -> tuple[Stack, Optimum, np.ndarray]:
+    """Two arms, the slow one nearly a constant: skewed likelihoods."""
+    random = np.random.default_rng(4)
+    values = 1.0 + 0.8 * np.exp(-TIME / 0.3) + 0.3 * np.exp(-TIME / 9.0)
+    values = values + NOISE * random.standard_normal(len(TIME))
+    block = decay_block(TIME, values)
+    found = solve([block], 2)
+    optimum = Optimum(np.concatenate((found.fixed, found.arms.ravel())), found.log_tau)
+    return Stack([block]), optimum, values
+
+
+def brute(values: np.ndarray, optimum: Optimum, held: str, at: float) -> float:
+    """SSE of the best fit with one coordinate held, from several starts."""
+    c, k1, k2 = optimum.beta
+    a, b = optimum.log_tau
+
+    def solid(q: np.ndarray) -> tuple[float, ...]:
+        if held == "c":
+            return at, q[0], q[1], q[2], q[3]
+        if held == "ln tau":
+            return q[0], q[1], q[2], q[3], at
+        return q[0], q[1], float(np.exp(at - q[3])), q[2], q[3]
+
+    def residual(q: np.ndarray) -> np.ndarray:
+        c_, k1_, k2_, a_, b_ = solid(q)
+        return c_ + k1_ * np.exp(-TIME / np.exp(a_)) + k2_ * np.exp(-TIME / np.exp(b_)) - values
+
+    first = {"c": [k1, k2, a, b], "ln tau": [c, k1, k2, a], "ln b": [c, k1, a, b]}[held]
+    # the slow arm follows the value that is held, wholly or in part
+    moved = at - (b + np.log(k2)) if held == "ln b" else 0.0
+    shifts = {0.0, moved, 0.7 * moved, -1.0, 1.0}
+    starts = [np.array(first) + shift * np.array([0, 0, 0, 1]) for shift in sorted(shifts)]
+    fits = [least_squares(residual, s, xtol=1e-14, ftol=1e-14, gtol=1e-14) for s in starts]
+    return 2.0 * min(fit.cost for fit in fits)
+
+
+@pytest.mark.parametrize(
+    ("held", "coordinate", "index", "step"),
+    [
+        ("c", Coordinate.LINEAR, 0, 0.02),
+        ("ln tau", Coordinate.LOG_TAU, 1, 0.1),
+        ("ln b", Coordinate.LOG_B, 1, 0.1),
+    ],
+)
+def test_profile_is_the_brute_force_refit(
+    problem: tuple[Stack, Optimum, np.ndarray],
+    held: str,
+    coordinate: Coordinate,
+    index: int,
+    step: float,
+) -> None:
+    stack, optimum, values = problem
+    value, deviance = profile(
+        stack, optimum, coordinate, index, step=step, scale=NOISE**2, limit=11.0
+    )
+    assert np.all(np.diff(value) > 0)
+    best = int(np.argmin(deviance))
+    assert deviance[best] == 0.0
+    assert np.all(np.diff(deviance[best:]) >= -1e-6)
+    assert np.all(np.diff(deviance[: best + 1]) <= 1e-6)
+    lowest = brute(values, optimum, held, float(value[best]))
+    for at, found in list(zip(value, deviance, strict=True))[:: max(1, len(value) // 8)]:
+        expected = (brute(values, optimum, held, float(at)) - lowest) / NOISE**2
+        assert found == pytest.approx(expected, abs=2e-3, rel=2e-3)
+
+
+def test_a_side_the_data_leave_open_ends_at_the_window(
+    problem: tuple[Stack, Optimum, np.ndarray],
+) -> None:
+    stack, optimum, _ = problem
+    value, deviance = profile(
+        stack, optimum, Coordinate.LOG_TAU, 1, step=0.1, scale=1e3, limit=11.0
+    )
+    assert deviance.max() < 11.0
+    assert (value[0], value[-1]) == pytest.approx(stack.bounds)
