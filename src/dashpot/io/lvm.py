@@ -73,6 +73,8 @@ def read(raw: Raw, options: ReadOptions) -> Table:
     clocks = [i for i, name in enumerate(names) if name.casefold().startswith("x_value")]
     counted = not any(_filled(line, clocks, sign) for line in lines[top : top + 20])
     dialect = Dialect(sign, mark, _contents(names, clocks, lines[top : top + 200], sign, mark), top)
+    if not any(i not in clocks for i in dialect.numbers):
+        raise ReadError(f"{raw.name}: no rows of numbers under the LVM header")
     columns = _columns(names, clocks, segments[0], dialect.contents)
     hints, doubts = _rate(segments[0], counted)
     if len(set(segments[0].step[: len(columns)])) > 1 and _unlike(segments[0]):
@@ -81,7 +83,7 @@ def read(raw: Raw, options: ReadOptions) -> Table:
     def load(indexes: Sequence[int]) -> Loaded:
         blocks = decoded(raw.blocks(), encoding, raw.name)
         wanted = [i for i in indexes if not (counted and i == 0)]
-        read_for = wanted or [next(i for i in dialect.numbers if i > 0)]
+        read_for = wanted or [next(i for i in dialect.numbers if i not in clocks)]
         loaded = _stacked(load_rows(blocks, dialect, read_for, name=raw.name), segments)
         if not (counted and 0 in indexes):
             return loaded

@@ -17,6 +17,8 @@ from dashpot.io.dialect import Dialect
 from dashpot.io.table import Loaded
 
 _PATIENT = 64
+_MENTIONED = 50
+_HEADING = 2000
 
 
 @dataclass
@@ -28,9 +30,17 @@ class _Gathered:
     starts: list[int] = field(default_factory=lambda: [0])
     segments: list[str] = field(default_factory=lambda: [""])
     lines: list[tuple[int, int]] = field(default_factory=list)
-    words: dict[str, list[str]] = field(default_factory=dict)
+    words: dict[str, list[int]] = field(default_factory=dict)
     between: list[tuple[int, str]] = field(default_factory=list)
-    short: int = 0
+
+    def note(self, word: str, line: int) -> None:
+        """Count a word in the place of a number; a few are enough to tell."""
+        if word not in self.words and len(self.words) >= _MENTIONED:
+            return
+        seen = self.words.setdefault(word, [0])
+        seen[0] += 1
+        if len(seen) <= 3:
+            seen.append(line)
 
     def add(self, values: FloatArray, line: int) -> None:
         if self.between and self.rows:
@@ -73,9 +83,10 @@ def load_rows(
             line += text.count("\n")
     values = _assembled(got, len(indexes))
     notes = []
-    for token, places in got.words.items():
-        many = f" and {len(places) - 3} more" if len(places) > 3 else ""
-        notes.append(f"'{token}' stands for a missing number at {', '.join(places[:3])}{many}")
+    for token, (count, *places) in got.words.items():
+        at = ", ".join(f"line {line}" for line in places)
+        many = f" and {count - len(places)} more" if count > len(places) else ""
+        notes.append(f"'{token}' stands for a missing number at {at}{many}")
     if got.between and got.rows:
         number, words = got.between[0]
         notes.append(
@@ -148,8 +159,18 @@ class _Reader:
             self.read(text[:cut], line, got)
             self.read(text[cut:], line + count // 2, got)
             return
+        run: list[list[float]] = []
         for number, text_line in enumerate(text.split("\n")[:-1], start=line):
-            self._patient(text_line, number, got)
+            found = self._patient(text_line, number, got, begun=bool(run))
+            if found is not None:
+                run.append(found)
+                continue
+            if run:
+                got.add(np.array(run), number - len(run))
+                run = []
+            self._between(text_line, number, got)
+        if run:
+            got.add(np.array(run), line + text.count("\n") - len(run))
 
     def _fast(self, text: str) -> FloatArray | None:
         sign = self.dialect.delimiter
@@ -202,22 +223,29 @@ class _Reader:
             values = values[:, list(self.indexes)]
         return values
 
-    def _patient(self, line: str, number: int, got: _Gathered) -> None:
+    def _patient(
+        self, line: str, number: int, got: _Gathered, *, begun: bool
+    ) -> list[float] | None:
+        """The numbers of one line, None if it is no row; `begun` if the line before was one."""
         row = self.dialect.row(line)
-        if row is not None and got.rows and got.between and not self._full(row):
+        if row is not None and got.rows and got.between and not begun and not self._full(row):
             row = None  # "Maximum;8.0;1.9" below the table
         if row is None:
-            if re.search(r"\w", line):
-                self._refuse_wide(line, number, got)
-                got.between.append((number, line))
-            return
-        values = np.empty((1, len(self.indexes)))
-        for j, i in enumerate(self.indexes):
+            return None
+        values = []
+        for i in self.indexes:
             value = self.dialect.value(row[i], i)
-            values[0, j] = np.nan if value is None else value
+            values.append(np.nan if value is None else value)
             if value is None and row[i]:
-                got.words.setdefault(row[i][:20], []).append(f"line {number}")
-        got.add(values, number)
+                got.note(row[i][:20], number)
+        return values
+
+    def _between(self, line: str, number: int, got: _Gathered) -> None:
+        """Keep a line that is no row: a heading of the next segment, or what ends the file."""
+        if re.search(r"\w", line):
+            self._refuse_wide(line, number, got)
+            if len(got.between) < _HEADING:
+                got.between.append((number, line[:200]))
 
     def _full(self, row: Sequence[str]) -> bool:
         """Whether no word stands where a number is expected."""
