@@ -169,6 +169,34 @@ def test_orders_share_one_chain_and_agree_with_single_solves() -> None:
     np.testing.assert_allclose(orders[2].tau, [0.3, 2.0, 15.0], rtol=0.02)
 
 
+@given(force=st.floats(-6, 6), clock=st.floats(-3, 3))
+@settings(max_examples=15, deadline=None)
+def test_units_of_force_and_time_do_not_matter(force: float, clock: float) -> None:
+    """SSE scales with force squared, arms with force, relaxation times with the clock."""
+    data = decay([0.5, 9.0], [2.0, 1.0]) + noise(12)
+    one = solve([decay_block(TIME, data)], 2)
+    other = solve([decay_block(TIME * 10**clock, data * 10**force)], 2)
+    assert other.sse == pytest.approx(one.sse * 100**force, rel=1e-9)
+    np.testing.assert_allclose(other.tau, one.tau * 10**clock, rtol=1e-9)
+    np.testing.assert_allclose(other.arms, one.arms * 10**force, rtol=1e-8)
+
+
+@given(st.permutations(range(3)))
+@settings(max_examples=6, deadline=None)
+def test_the_order_of_the_blocks_does_not_matter(order: list[int]) -> None:
+    blocks = [decay_block(TIME, decay([0.5, 9.0], [2.0, 1.0]) + noise(20 + i)) for i in range(3)]
+    one, other = solve(blocks, 2), solve([blocks[i] for i in order], 2)
+    assert other.sse == pytest.approx(one.sse, rel=1e-11)
+    np.testing.assert_allclose(other.log_tau, one.log_tau, atol=1e-9)
+
+
+def test_equal_tests_stacked_are_one_test_seen_twice() -> None:
+    block = decay_block(TIME, decay([0.5, 9.0], [2.0, 1.0]) + noise(30))
+    one, two = solve([block], 2), solve([block, block], 2)
+    assert two.sse == pytest.approx(2 * one.sse, rel=1e-11)
+    np.testing.assert_allclose(two.log_tau, one.log_tau, atol=1e-9)
+
+
 def test_results_repeat_to_the_last_digit() -> None:
     block = decay_block(TIME, decay([0.3, 15.0], [1.0, 1.0]) + noise(5))
     assert solve([block], 3, thorough=True) == solve([block], 3, thorough=True)

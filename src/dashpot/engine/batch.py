@@ -44,7 +44,8 @@ class ManySolutions(ByValue):
     order : int array, shape (R,)
         Arms found; -1 where nothing was fitted.
     finite, converged, at_bound : bool array, shape (R,)
-        All samples are finite; the gradient vanished inside the window; an arm sits at its edge.
+        Samples and the sum of their squares are finite; the gradient vanished inside the
+        window; an arm sits at its edge.
     """
 
     log_tau: FloatArray
@@ -128,11 +129,11 @@ def solve_many(family: Family, records: FloatArray, arms: int) -> ManySolutions:
         )
     count = len(records)
     out = _empty(count, arms, family.fixed_count)
+    out.finite[:] = _usable(records)
     look = _Look(family, arms) if arms in LOOK else None
     for first in range(0, count, CHUNK):
         rows = slice(first, min(first + CHUNK, count))
-        finite = np.isfinite(records[rows]).all(axis=1)
-        out.finite[rows] = finite
+        finite = out.finite[rows]
         index = first + np.flatnonzero(finite)
         if not len(index):
             continue
@@ -151,10 +152,16 @@ def solve_each(
 ) -> ManySolutions:
     """Fit every row by itself, where nothing can be shared: `make` turns a row into a block."""
     out = _empty(len(records), arms, fixed_count)
-    out.finite[:] = np.isfinite(records).all(axis=1)
+    out.finite[:] = _usable(records)
     for i in np.flatnonzero(out.finite):
         _alone(make, records[i], arms, int(i), out)
     return out
+
+
+def _usable(records: FloatArray) -> BoolArray:
+    """Which records hold finite samples whose squares can be summed."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        return np.asarray(np.isfinite(np.einsum("ij,ij->i", records, records)))
 
 
 def _empty(count: int, arms: int, fixed: int) -> ManySolutions:

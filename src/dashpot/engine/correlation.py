@@ -262,6 +262,8 @@ def upper_factor(gram: FloatArray) -> FloatArray:
             lower = np.linalg.cholesky(unit)
         except np.linalg.LinAlgError:
             ridge = max(10 * ridge, 1e-15)
+            if not ridge < 1.0:
+                raise
             unit = unit + ridge * np.eye(unit.shape[-1])
         else:
             return np.asarray(np.swapaxes(lower, -1, -2) * scale[..., None, :])
