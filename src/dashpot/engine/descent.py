@@ -236,7 +236,7 @@ def _learned(lacking: FloatArray | None, old: Point, new: Point) -> FloatArray |
     if lacking is not None:
         missed = missed - lacking @ moved
     along = float(missed @ moved)
-    if abs(along) <= 1e-8 * float(np.linalg.norm(missed) * np.linalg.norm(moved)):
+    if along * along <= 1e-16 * float((missed @ missed) * (moved @ moved)):
         return lacking
     update = np.outer(missed, missed) / along
     return update if lacking is None else lacking + update

@@ -225,7 +225,7 @@ class _Chain:
     def __init__(self, stack: Stack, *, thorough: bool, signed: bool, seed: int) -> None:
         self.stack, self.signed, self.thorough, self.seed = stack, signed, thorough, seed
         self.evaluations = 0
-        self.best: list[Local] = [Local(_without_arms(stack, signed=signed), 1, True)]
+        self.best: list[Local] = []
 
     @property
     def reached(self) -> int:
@@ -294,6 +294,8 @@ class _Chain:
 
     def extend(self, arms: int) -> None:
         """Add orders up to `arms`, or until none is better."""
+        if not self.best:
+            self.best.append(Local(_without_arms(self.stack, signed=self.signed), 1, True))
         while self.reached < arms:
             last = self.best[-1].point
             if last.sse <= self.stack.nothing:
