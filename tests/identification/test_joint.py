@@ -111,6 +111,17 @@ def test_the_true_arm_of_a_simple_pair_is_found() -> None:
     assert se["tau"][0] / 0.0125 < 0.03
 
 
+def test_two_relaxation_tests_and_a_hammer(broad_frf: FRF, broad_test: RampHold) -> None:
+    """Each test keeps its own tare, drift and noise."""
+    second = prepare(simulate_relaxation(BROAD, seed=11, ramp_time=0.3, hold_time=20.0).test)
+    found = identify(broad_frf, tests=[broad_test, second], mass=BROAD_MASS, seals=2)
+    omega = 2 * np.pi * 12.71
+    assert found.model.loss_factor(omega) == pytest.approx(BROAD.loss_factor(omega), rel=0.03)
+    told = [check for check in found.checks if check.name == "relaxation_still_explained"]
+    assert len(told) == 2
+    assert all(check.passed for check in told)
+
+
 def test_an_earlier_fit_alone_is_a_prior(broad_frf: FRF, broad_fit: Fit, joint: Fit) -> None:
     found = identify(
         broad_frf, fit=broad_fit, mass=BROAD_MASS, seals=2, arms=broad_fit.model.arms + 1

@@ -35,6 +35,18 @@ def test_a_constant_reading_stays_constant() -> None:
     assert (between_counts(np.arange(50.0), flat) == flat).all()
 
 
+def test_a_flicker_of_the_reading_is_no_motion() -> None:
+    t = np.arange(0, 3.0, 1e-3)
+    true = 8e-3 * np.clip(t - 0.5, 0, 1)
+    shaken = true + 5e-6 * np.random.default_rng(2).standard_normal(len(t))
+    counted = np.round(shaken / 2e-5) * 2e-5
+    held = t > 1.6
+    assert np.std(counted[held]) > 3e-6
+    read = between_counts(t, counted)
+    assert np.std(read[held]) < 1e-7
+    assert np.std((read - true)[(t > 0.55) & (t < 1.45)]) < 4e-6
+
+
 def test_noise_is_averaged_where_the_motion_is_straight() -> None:
     t = np.arange(0, 10.0, 1e-3)
     true = 8e-3 * np.clip(t - 0.5, 0, 1)

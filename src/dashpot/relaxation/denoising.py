@@ -18,8 +18,10 @@ from dashpot.relaxation.records import RampHold
 HALF_WIDTHS = (0, 1, 2, 3, 4, 6, 8, 11, 16, 23, 32, 45, 64, 91, 128, 181, 256, 362, 512, 724, 1024)
 # means of windows disagree if they are farther apart than this many standard deviations
 APART = 2.5
-# what is left of a count after reading between counts, as a part of it: its own scatter
-LEFT_OF_A_COUNT = 0.29
+# what is left of a count after reading between counts, as a part of it: half a sample in time
+LEFT_OF_A_COUNT = 0.15
+# a reading that returns within half as many samples has flickered
+FLICKER = 7
 
 
 def true_motion(test: RampHold) -> tuple[FloatArray, FloatArray]:
@@ -45,8 +47,9 @@ def between_counts(time: FloatArray, displacement: FloatArray) -> FloatArray:
     Where a reading changes, the true position is half way between both counts, so a straight
     line from change to change is much nearer to the truth than the staircase. On a reading that
     stays for longer than the motion takes to cross a count, the reading itself is the better
-    guess.
+    guess. A reading that changes and returns at once has flickered.
     """
+    displacement = _without_flicker(displacement)
     change = np.flatnonzero(np.diff(displacement))
     if len(change) < 2:
         return displacement
@@ -69,6 +72,13 @@ def between_counts(time: FloatArray, displacement: FloatArray) -> FloatArray:
     order = np.argsort(knots, kind="stable")
     knots, values = knots[order], values[order]
     return np.asarray(np.interp(time, knots, values, left=displacement[0], right=displacement[-1]))
+
+
+def _without_flicker(values: FloatArray) -> FloatArray:
+    """Running median of 7 samples: leaves a rising staircase as it is, flickers not."""
+    padded = np.pad(values, FLICKER // 2, mode="edge")
+    windows = np.lib.stride_tricks.sliding_window_view(padded, FLICKER)
+    return np.asarray(np.partition(windows, FLICKER // 2, axis=1)[:, FLICKER // 2])
 
 
 def denoised(values: FloatArray, noise: float) -> tuple[FloatArray, FloatArray]:
