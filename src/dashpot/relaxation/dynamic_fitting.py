@@ -1,0 +1,349 @@
+"""From a dynamic (DMA) test to a fitted solid, alone or together with relaxation tests."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Literal, NamedTuple, TypeAlias
+
+import numpy as np
+
+from dashpot._arrays import FloatArray
+from dashpot.checks import Check
+from dashpot.engine.blocks import Block, DesignBlock, frequency_block
+from dashpot.errors import FitError
+from dashpot.provenance import Source, Step
+from dashpot.relaxation import checks as bench
+from dashpot.relaxation import curve_checks as questions
+from dashpot.relaxation import curves
+from dashpot.relaxation.band import informed_band
+from dashpot.relaxation.design import Design, compressed, every_sample
+from dashpot.relaxation.dynamic import DynamicTest
+from dashpot.relaxation.fit import Fit
+from dashpot.relaxation.profiles import profiles
+from dashpot.relaxation.records import RampHold
+from dashpot.relaxation.spectrum import relative_scale
+from dashpot.relaxation.verdict import status_of
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+Weights: TypeAlias = Literal["relative", "modulus"]
+
+# sweeps this far apart in temperature are not one solid, K
+_ONE_TEMPERATURE = 2.0
+# half a decade: an arm farther out than this shows only its tail
+_BEYOND = float(np.sqrt(10.0))
+
+
+def fit_dynamic(
+    data: DynamicTest,
+    *,
+    arms: int | Literal["auto"] = "auto",
+    tests: RampHold | Sequence[RampHold] = (),
+    weights: Weights = "relative",
+    dashpot: bool = False,
+    temperature: float | None = None,
+    thorough: bool = False,
+    max_arms: int = 6,
+) -> Fit:
+    r"""Fit a generalized Maxwell solid to storage and loss, and to relaxation tests with them.
+
+    .. math:: K' + jK'' = k_\infty + \sum_j k_j \frac{j\omega\tau_j}{1 + j\omega\tau_j}
+        \; [+ j\omega b]
+
+    No starting guess is needed. Residuals of storage and of loss are relative, then each curve,
+    and each relaxation test, is divided by its own scatter about the best solid that it alone
+    allows, so that every test speaks as loudly as it is sure.
+
+    Parameters
+    ----------
+    data : DynamicTest
+        One temperature, or a master curve; the frequencies in any order.
+    arms : int or "auto"
+        Number of Maxwell arms; ``"auto"`` takes the number that BIC with the effective sample
+        size and the significance of every arm both support.
+    tests : RampHold or sequence of RampHold
+        Prepared relaxation tests of the same part, fitted in the same stack by their recorded
+        motion, each with its own tare and drift. `data` must then be in N/m.
+    weights : "relative" or "modulus"
+        Errors of storage and of loss relative to each value's own size, or both to the size of
+        the complex modulus (an error of the phase).
+    dashpot : bool
+        Allow a parallel dashpot b; not together with `tests`.
+    temperature : float, optional
+        K; takes the samples within 1 K of it out of sweeps at several temperatures.
+    thorough : bool
+        Add quasi-random starts.
+    max_arms : int
+        The most that ``"auto"`` tries.
+
+    Returns
+    -------
+    Fit
+        `method` is ``"dynamic"``, `unit` that of the data, the residuals in units of scatter.
+        `band` is the measured frequencies, Hz, and with tests also what they inform, unless
+        more than a decade between the two was not measured.
+
+    Raises
+    ------
+    FitError
+        If sweeps at several temperatures come without `temperature`, a storage is not above
+        0, or an option makes no sense.
+    """
+    data = _at_temperature(data, temperature)
+    records = _records(tests, data, dashpot=dashpot)
+    most = curves.asked_arms(arms, max_arms)
+    sets = [_sweep(data, weights, dashpot=dashpot, most=most)]
+    sets += _relaxations(records, most)
+    blocks = [one.block for one in sets]
+    rows = [row for one in sets for row in one.rows]
+    found = curves.chosen_arms(
+        blocks,
+        rows,
+        most,
+        auto=arms == "auto",
+        peak=max(float(np.abs(_target(row)).max()) for row in rows),
+        thorough=thorough,
+    )
+    model = curves.model_of(found.solution)
+    names, covariance = curves.rows_of(found.estimate)
+    band, met = _band(data, records, blocks[1:], model.k_0)
+    answers = (
+        *questions.of_dynamic(data),
+        *_checks(found, data, records, np.sqrt(np.diag(covariance))),
+        *met,
+    )
+    options = (
+        ("arms", str(arms)),
+        ("weights", weights),
+        ("dashpot", str(dashpot).lower()),
+        ("temperature", "all" if temperature is None else f"{temperature:g} K"),
+        ("thorough", str(thorough).lower()),
+    )
+    return Fit(
+        model=model,
+        status=status_of(
+            found.solution,
+            None if arms == "auto" else most,
+            answers,
+        ),
+        method="dynamic",
+        residual=curves.residual_of(found.estimate),
+        parameters=names,
+        covariance=covariance,
+        dof=found.estimate.dof,
+        band=band,
+        orders=found.orders,
+        certificate=curves.proof_of(blocks, found.solution),
+        profiles=profiles(blocks, found.estimate, suffix=""),
+        nuisance=curves.nuisance_of(found.estimate, tests=len(records)),
+        checks=answers,
+        source=_sources(data, records),
+        steps=(
+            *(step for record in records for step in record.steps),
+            _step(data, records, model, options),
+        ),
+        specimen=data.specimen,
+        unit=data.unit,
+    )
+
+
+class _Set(NamedTuple):
+    """One data set in units of its scatter: the block to solve, and one block per record."""
+
+    block: Block
+    rows: tuple[Block, ...]
+
+
+def _at_temperature(data: DynamicTest, temperature: float | None) -> DynamicTest:
+    if temperature is not None:
+        if data.temperature is None:
+            raise FitError(
+                f"temperature = {temperature:g} K was asked for, but the test has no temperatures; "
+                "leave it out"
+            )
+        near = np.abs(data.temperature - temperature) <= _ONE_TEMPERATURE / 2
+        if not near.any():
+            listed = ", ".join(f"{value:.0f}" for value in np.unique(np.round(data.temperature)))
+            raise FitError(
+                f"no sample within {_ONE_TEMPERATURE / 2:g} K of {temperature:g} K; the test has "
+                f"{listed} K"
+            )
+        data = replace(
+            data,
+            frequency=data.frequency[near],
+            storage=data.storage[near],
+            loss=data.loss[near],
+            temperature=data.temperature[near],
+        )
+    elif data.temperature is not None and np.ptp(data.temperature) > _ONE_TEMPERATURE:
+        raise FitError(
+            f"the sweeps were made between {data.temperature.min():.1f} K and "
+            f"{data.temperature.max():.1f} K, and one solid has one temperature: say which with "
+            "temperature=, or shift the sweeps to a master curve first"
+        )
+    order = np.argsort(data.frequency, kind="stable")
+    return replace(
+        data,
+        frequency=data.frequency[order],
+        storage=data.storage[order],
+        loss=data.loss[order],
+        temperature=None if data.temperature is None else data.temperature[order],
+    )
+
+
+def _records(
+    tests: RampHold | Sequence[RampHold], data: DynamicTest, *, dashpot: bool
+) -> tuple[RampHold, ...]:
+    records = (tests,) if isinstance(tests, RampHold) else tuple(tests)
+    for record in records:
+        if not isinstance(record, RampHold):
+            raise FitError(
+                f"tests takes prepared tests, found a {type(record).__name__}; call prepare(test)"
+            )
+    if records and data.unit != "N/m":
+        raise FitError(
+            f"the sweep is in {data.unit}, the relaxation tests in N and m; multiply storage and "
+            "loss by area over height to get N/m, or fit the two alone"
+        )
+    if records and dashpot:
+        raise FitError(
+            "a parallel dashpot is fitted to a sweep alone; leave out dashpot=True or the tests "
+            "(an arm much faster than the sweep is such a dashpot)"
+        )
+    return records
+
+
+def _sweep(data: DynamicTest, weights: str, *, dashpot: bool, most: int) -> _Set:
+    n, weight = len(data.frequency), _relative(data, weights)
+    block = _sweep_block(data, weight, dashpot=dashpot)
+    storage, loss = (
+        max(scatter, curves.ROUNDING)
+        for scatter in curves.scatters([block], _halves(block, n), most)
+    )
+    known = _sweep_block(data, (weight[0] / storage, weight[1] / loss), dashpot=dashpot)
+    return _Set(known, _halves(known, n))
+
+
+def _sweep_block(
+    data: DynamicTest, weight: tuple[FloatArray, FloatArray], *, dashpot: bool
+) -> DesignBlock:
+    return frequency_block(
+        data.omega,
+        data.value,  # type: ignore[arg-type]
+        weights=weight,
+        dashpot=dashpot,
+    )
+
+
+def _relative(data: DynamicTest, weights: str) -> tuple[FloatArray, FloatArray]:
+    bad = np.flatnonzero(data.storage <= 0)
+    if bad.size:
+        i = int(bad[0])
+        raise FitError(
+            f"the storage at {data.frequency[i]:.3g} Hz is {data.storage[i]:g}; no relaxing solid "
+            "has a storage <= 0 (mass moved along, or the phase is wrong): leave it out"
+        )
+    if weights == "modulus":
+        one = 1 / np.abs(data.value)
+        return one, one
+    if weights != "relative":
+        raise FitError(f"weights = {weights!r}; expected 'relative' or 'modulus'")
+    storage, loss = relative_scale(data)
+    return 1 / storage, 1 / loss
+
+
+def _halves(block: DesignBlock, n: int) -> tuple[Block, Block]:
+    """The storage and the loss of a sweep as records of their own, in order of frequency."""
+
+    def part(rows: slice) -> DesignBlock:
+        def columns(tau: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
+            arms, slope = block.columns(tau, derivative)
+            return arms[rows], slope[rows]
+
+        return replace(
+            block, target=block.target[rows], fixed=block.fixed[rows], columns=columns, samples=n
+        )
+
+    return part(slice(0, n)), part(slice(n, 2 * n))
+
+
+def _relaxations(records: Sequence[RampHold], most: int) -> list[_Set]:
+    design = Design("full")
+    blocks = compressed(records, design)
+    sets = []
+    for block, row in zip(blocks, every_sample(records, design, blocks), strict=True):
+        factor = 1 / curves.scatters([block], [row], most)[0]
+        sets.append(_Set(curves.Weighted(block, factor), (curves.Weighted(row, factor),)))
+    return sets
+
+
+def _checks(
+    found: curves.Chosen, data: DynamicTest, records: Sequence[RampHold], error: FloatArray
+) -> tuple[Check, ...]:
+    """Return the checks of the fit; `error` as the rows of the model."""
+    model, estimate = curves.model_of(found.solution), found.estimate
+    shortest, longest = 1 / float(data.omega.max()), 1 / float(data.omega.min())
+    if records:
+        shortest = min(shortest, *(2 * float(np.diff(one.time).min()) for one in records))
+        longest = max(longest, *(one.hold_time for one in records))
+    answers = [
+        bench.arms_distinct(model),
+        questions.arms_supported(model, error, unit=data.unit),
+        questions.tau_inside_window(
+            model,
+            (shortest / _BEYOND, longest * _BEYOND),
+            "the sweep and the holds" if records else "the sweep",
+        ),
+        questions.plateau_seen(
+            model, float(error[0]), unit=data.unit, further="sweep to lower frequencies"
+        ),
+        questions.residuals_random(estimate.kappa, estimate.sse, estimate.samples),
+        *questions.order(found.choice),
+    ]
+    if records:
+        spread = [
+            float(np.sqrt(np.mean(residual**2) * noise.kappa))
+            for residual, noise in zip(estimate.residuals, estimate.noises, strict=True)
+        ]
+        names = ["storage", "loss", *(f"relaxation test {i + 1}" for i in range(len(records)))]
+        answers.append(questions.data_agree(spread, names))
+    return tuple(answers)
+
+
+def _band(
+    data: DynamicTest, records: Sequence[RampHold], blocks: Sequence[Block], k_0: float
+) -> tuple[tuple[float, float], tuple[Check, ...]]:
+    """Return the frequencies that the tests inform, and whether they leave a gap."""
+    sweep = (float(data.frequency.min()), float(data.frequency.max()))
+    if not records:
+        return sweep, ()
+    # the blocks are in units of their own scatter
+    held = informed_band(records, blocks, stiffness=max(k_0, 1e-300), noise=1.0)
+    met = questions.bands_meet(sweep, held)
+    if not met.passed:
+        return sweep, (met,)
+    return (min(sweep[0], held[0]), max(sweep[1], held[1])), (met,)
+
+
+def _sources(data: DynamicTest, records: Sequence[RampHold]) -> tuple[Source, ...]:
+    every = (data.source, *(record.source for record in records))
+    return tuple(source for source in every if source is not None)
+
+
+def _step(
+    data: DynamicTest,
+    records: Sequence[RampHold],
+    model: GeneralizedMaxwell,
+    options: tuple[tuple[str, str], ...],
+) -> Step:
+    n = len(records)
+    beside = "" if not n else f" and {n} relaxation test{'s' * (n > 1)}"
+    says = (
+        f"fitted a generalized Maxwell solid with {model.arms} arm{'s' * (model.arms != 1)} to "
+        f"storage and loss at {len(data.frequency)} frequencies{beside}"
+    )
+    return Step("fit_dynamic", options, says)
+
+
+def _target(block: Block) -> FloatArray:
+    return block.evaluate(np.zeros(0), derivative=False).target
