@@ -146,4 +146,13 @@ DIALECTS = [
     Dialect("fortran exponents", ("Time (s)  Extension (mm)  Load (N)\n" + "".join(f"{t:.9E} {x:.9E} {f:.9E}\n".replace("E", "D") for t, x, f in zip(*truth(), strict=True))).encode()),
     Dialect("inches and pounds", ("Time (min),Extension (in),Load (lbf)\n" + "".join(f"{t / 60:.12f},{x / 25.4:.15f},{f / 4.4482216152605:.15f}\n" for t, x, f in zip(*truth(), strict=True))).encode()),
     Dialect("milli", ("Time (ms);pos (µm);F (mN)\n" + "".join(f"{t * 1e3:.2f};{x * 1e3:.2f};{f * 1e3:.2f}\n" for t, x, f in zip(*truth(), strict=True))).encode("cp1252")),
+    Dialect("fixed width with blanks", ("Time (s)    Temp (C)       Position (mm)  Load (N)\n" + "".join(f"{t:10.5f}  {20.0 if i % 10 == 0 else '':>8}     {x:12.5f}   {f:10.5f}\n" for i, (t, x, f) in enumerate(zip(*truth(), strict=True)))).encode()),
+    Dialect("apostrophes", ("Zeit [ms];Weg [µm];Kraft [mN]\n" + "".join(f"{t * 1e3:,.2f};{x * 1e3:,.2f};{f * 1e3:,.2f}\n".replace(",", "'") for t, x, f in zip(*truth(), strict=True))).encode()),
+    Dialect("german thousands", ("Zeit [ms];Weg [µm];Kraft [mN]\n" + "".join(f"{t * 1e3:,.2f};{x * 1e3:,.2f};{f * 1e3:,.2f}\n".translate(str.maketrans(",.", ".,")) for t, x, f in zip(*truth(), strict=True))).encode("cp1252")),
+    Dialect("iso date times", ("timestamp,position_mm,load_N\n" + "".join(f"1970-01-01T00:00:{t:09.6f},{x:.5f},{f:.5f}\n" for t, x, f in zip(*truth(), strict=True))).encode()),
+    Dialect("unit before name", ("[s] Time,[mm] Position,[N] Load\n" + table(",")).encode()),
+    Dialect("three header rows", ("Sensor;Clock;LVDT 1;Cell 2\nChannel;Time;Displacement;Force\nUnit;s;mm;N\n" + "".join(f"{i + 1};{row}\n" for i, row in enumerate(table(";").splitlines()))).encode()),
+    Dialect("catman", ("HBM_CATMAN_DATAFILE_40;;;\n;;;\nKanal 0;Kanal 1;Kanal 2;\nZeit;Wegaufnehmer;Kraftaufnehmer;\ns;mm;N;\n" + table(";", decimal=",", tail=";")).encode()),
+    Dialect("results before raw data", ('"Results Table"\n\n"","Maximum Load (N)","Extension at max (mm)"\n"1","1.93","8.0"\n\n"Raw Data"\n"Time","Extension","Load"\n"(s)","(mm)","(N)"\n' + table(",", quote=True)).encode()),
+    Dialect("nul padded", ("Time (s),Position (mm),Load (N)\n" + table(",")).encode() + b"\0" * 100),
 ]  # fmt: skip

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import subprocess
 import sys
 import zipfile
 from pathlib import Path
@@ -404,3 +405,34 @@ def test_a_missing_extra_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     monkeypatch.setitem(sys.modules, "nptdms", None)
     with pytest.raises(ReadError, match=r'npTDMS; install it with pip install "dashpot\[io\]"'):
         read_impact(tmp_path / "a.tdms")
+
+
+def test_each_accelerometer_has_its_sensitivity(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text(
+        "Time (s),Hammer (mV),Accel 1 (mV),Accel 2 (mV)\n"
+        + table(",", columns=(truth()[0], *(np.arange(float(ROWS)),) * 3))
+    )
+    assert inspect_file(path).kind == "impact"
+    with pytest.raises(ReadError, match=r"'Hammer' is labelled 'mV', a unit of voltage"):
+        read_impact(path)
+    with pytest.raises(ReadError, match=r"'Accel 1' .*; column 'Accel 2' .*acceleration=100mV/g"):
+        read_impact(path, options=ReadOptions(units={"force": "2mV/N"}))
+    units = {"force": "2mV/N", "Accel 1": "100mV/g", "accel 2": "10mV/(m/s^2)"}
+    test = read_impact(path, options=ReadOptions(units=units))
+    np.testing.assert_allclose(test.force, np.arange(ROWS) / 2)
+    np.testing.assert_allclose(test.acceleration[0], np.arange(ROWS) / 100 * 9.80665)
+    np.testing.assert_allclose(test.acceleration[1], np.arange(ROWS) / 10)
+
+
+def test_text_loads_no_heavy_library(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text("time [s],displacement [mm],force [N]\n" + table(","))
+    code = (
+        "import sys; from dashpot.io.read import read_relaxation, inspect_file; "
+        f"read_relaxation({str(path)!r}); inspect_file({str(path)!r}); "
+        "print([m for m in ('scipy', 'matplotlib', 'h5py', 'pyuff', 'nptdms', 'jinja2') "
+        "if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

@@ -74,16 +74,34 @@ def choose(raw: Raw, table: Table, roles: Sequence[Role], options: ReadOptions) 
                     f"and {one.role}; name the columns with --{other.role} and --{one.role}; they "
                     f"are {list_columns(table.columns)}"
                 )
-    return [channel(raw, table, one, options) for one in chosen]
+    return with_units(raw, table, chosen, options)
 
 
-def channel(raw: Raw, table: Table, one: Assigned, options: ReadOptions) -> Channel:
+def with_units(
+    raw: Raw, table: Table, chosen: Sequence[Assigned], options: ReadOptions
+) -> list[Channel]:
+    """Return assigned columns with their units.
+
+    Raises
+    ------
+    ReadError
+        With every unit that is missing, unknown or wrong, and how to give it.
+    """
+    found, asked = [], []
+    for one in chosen:
+        try:
+            found.append(channel(table, one, options))
+        except ReadError as error:
+            asked.append(str(error))
+    if asked:
+        raise ReadError(f"{raw.name}: " + "; ".join(asked))
+    return found
+
+
+def channel(table: Table, one: Assigned, options: ReadOptions) -> Channel:
     """Return an assigned column with its unit."""
     column = table.columns[one.index]
-    try:
-        unit = unit_for(column, one.index + 1, one.role, options)
-    except ReadError as error:
-        raise ReadError(f"{raw.name}: {error}") from None
+    unit = unit_for(column, one.index + 1, one.role, options)
     says = f"{one.role}: {column.label(one.index + 1)} [{unit.word}]"
     return Channel(one.role, one.index, unit, says + (f" ({one.reason})" if one.reason else ""))
 

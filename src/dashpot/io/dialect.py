@@ -228,7 +228,8 @@ def _fixed(lines: Sequence[str]) -> str:
     """Column breaks where every line is blank and the next character is not."""
     width = max((len(line) for line in lines), default=0)
     blank = [all(i >= len(line) or line[i] == " " for line in lines) for i in range(width)]
-    breaks = [i for i in range(1, width) if blank[i - 1] and not blank[i]]
+    begin = blank.index(False) if False in blank else width
+    breaks = [i for i in range(begin + 1, width) if blank[i - 1] and not blank[i]]
     return "fixed:" + ",".join(map(str, breaks)) if breaks else " "
 
 

@@ -88,7 +88,9 @@ def _one(raw: Raw, options: ReadOptions) -> ImpactTest:
             source=(channels.source(raw, table, chosen, notes),),
         )  # fmt: skip
     except DataError as error:
-        raise ReadError(f"{raw.name}: {error}") from None
+        advice = "; if the rows are evenly sampled, give the rate, for example --rate 2048Hz"
+        more = advice if "even sampling" in str(error) and options.rate is None else ""
+        raise ReadError(f"{raw.name}: {error}{more}") from None
 
 
 def _channels(raw: Raw, table: Table, options: ReadOptions) -> list[Channel]:
@@ -102,9 +104,8 @@ def _channels(raw: Raw, table: Table, options: ReadOptions) -> list[Channel]:
             f"{list_columns(table.columns)}; name each by its name or number with --acceleration"
         )
     says = "named by --acceleration" if options.acceleration else ""
-    return chosen + [
-        channels.channel(raw, table, Assigned("acceleration", i, says), options) for i in found
-    ]
+    more = [Assigned("acceleration", i, says) for i in found]
+    return chosen + channels.with_units(raw, table, more, options)
 
 
 def _whole(loaded: Loaded, file: str) -> None:

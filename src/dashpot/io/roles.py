@@ -85,9 +85,16 @@ def accelerations(table: Table, taken: Sequence[int], options: ReadOptions) -> t
         if i not in taken and vocabulary.matches(column.name).get("force", 0.0) < 1.5
     }
     best = max(scores.values(), default=0.0)
+    if best < 1.0:  # named so, but in volts or the like: the question is the unit
+        return tuple(i for i in scores if _named(table.columns[i], "acceleration"))
     # one unit-only column beside named ones is something else
     floor = 1.0 if best < 2.0 else 1.5 if best < 3.5 else best - 1.5
     return tuple(i for i, s in scores.items() if s >= max(1.0, floor))
+
+
+def _named(column: Column, role: Role) -> bool:
+    says = vocabulary.matches(column.name).get(role, 0.0)
+    return column.content == "number" and says >= 2.5
 
 
 def score(column: Column, role: Role, options: ReadOptions) -> float:
@@ -177,13 +184,14 @@ def mislabelled(column: Column, role: Role) -> str:
     """The sentence for a column whose label is no unit of its role."""
     dimension = DIMENSION[role]
     example = _EXAMPLE.get(role, "")
+    sensed = "100mV/g" if role == "acceleration" else f"22.5mV/{example}"
     found = units.dimensions(column.unit or "")
     kind = f"a unit of {' or '.join(found)}" if found else "no unit known"
     return (
         f"column '{column.name}' is labelled '{column.unit}', {kind}, where a unit of {dimension} "
         f"is expected: the label is wrong, or the signal was never calibrated; if its numbers are "
         f'{example}, add --units "{role}={example}"; if they are volts, give the sensitivity, '
-        f'for example --units "{role}=22.5mV/{example}"'
+        f'for example --units "{role}={sensed}"'
     )
 
 

@@ -38,7 +38,7 @@ _FIRST: dict[Role, str] = {
         carico força kuvvet yük voima kracht síla zatížení erő terhelés forță сила усилие
         нагрузка 力 载荷 載荷 荷重 负荷 負荷 负载 压力 하중 힘
         hammer impact excitation impulskraft""",
-    "acceleration": """acceleration accel acc accelerometer beschleunigung przyspieszenie
+    "acceleration": """acceleration accel acc accelerometer beschleunigung beschl przyspieszenie
         accélération aceleración accelerazione aceleração versnelling ivme kiihtyvyys zrychlení
         gyorsulás ускорение 加速度 가속도""",
     "frequency": """frequency freq frequenz prüffrequenz częstotliwość fréquence frecuencia
