@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+import numpy.typing as npt
 
 from dashpot._arrays import FloatArray
 from dashpot.identification.stiffness import DynamicStiffness
@@ -79,7 +80,8 @@ def dynamic_stiffness(
         for error, color, label in zip(one.nested, (ORANGE, GREEN, "#8f8f8f"), words, strict=True):
             panel.limits(ax, f, np.array([one.value - error, one.value + error]), color,
                          label=label, alpha=0.4)  # fmt: skip
-        ax.plot(measured.frequency, line.value, ".", color=GREY, markersize=0.8)
+        low, high = extent(measured.frequency, line.value)
+        ax.vlines(f, low, high, color=GREY, linewidth=0.7, label="range of the lines")
         ax.plot(f, one.value, ".", color=MEASURED.color, markersize=3, label="from the FRF")
         dense = np.geomspace(*span, 200)
         for solid, pen, who in ((fit, CHOSEN, "relaxation fit"), (joint, JOINT, "joint fit")):
@@ -118,13 +120,12 @@ def quantities(measured: DynamicStiffness) -> tuple[Quantity, Quantity, Quantity
     )  # fmt: skip
 
 
-def averaged(f: FloatArray, line: Quantity) -> tuple[FloatArray, Quantity]:
-    """The mean over every twelfth of an octave, lines weighted by their scatter.
+def averaged(f: FloatArray, line: Quantity, *, per_octave: int = 12) -> tuple[FloatArray, Quantity]:
+    """The mean over every part of an octave, lines weighted by their scatter.
 
     Scatter shrinks with the number of lines; the errors of phase and mass, alike in all, stay.
     """
-    bins = np.floor(12 * np.log2(f / f[0])).astype(np.intp)
-    starts = np.flatnonzero(np.concatenate(([True], np.diff(bins) > 0)))
+    starts = _bins(f, per_octave)
     weight = 1 / line.random**2 if (line.random > 0).all() else np.ones(len(f))
     total = np.add.reduceat(weight, starts)
 
@@ -135,6 +136,20 @@ def averaged(f: FloatArray, line: Quantity) -> tuple[FloatArray, Quantity]:
     return mean(f), Quantity(
         line.label, mean(line.value), scatter, mean(line.phase), mean(line.mass), line.good
     )
+
+
+def extent(
+    f: FloatArray, value: FloatArray, *, per_octave: int = 12
+) -> tuple[FloatArray, FloatArray]:
+    """The lowest and the highest line in every part of an octave."""
+    starts = _bins(f, per_octave)
+    return np.minimum.reduceat(value, starts), np.maximum.reduceat(value, starts)
+
+
+def _bins(f: FloatArray, per_octave: int) -> npt.NDArray[np.intp]:
+    """Where every part of an octave begins, empty ones left out."""
+    number = np.floor(per_octave * np.log2(f / f[0]))
+    return np.flatnonzero(np.concatenate(([True], np.diff(number) > 0)))
 
 
 def of_model(model: GeneralizedMaxwell, label: str, f: FloatArray) -> FloatArray:
@@ -161,7 +176,7 @@ def _view(one: Quantity, f: FloatArray) -> tuple[float, float]:
     error = one.nested[0]
     low = float(np.min((one.value - error)[near]))
     high = float(np.max((one.value + error)[near]))
-    if one.label != STORAGE:
+    if one.label != STORAGE and not one.good[1] > 2 * one.good[0]:
         # a lightly damped part is usable at its peak only: leave room for what is not
         middle = float(np.median(one.value[near]))
         low, high = min(low, -0.5 * abs(middle)), max(high, middle + 1.5 * abs(middle))

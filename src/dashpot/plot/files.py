@@ -78,7 +78,7 @@ def to_svg(figure: Figure, *, name: str = "figure", title: str = "") -> str:
     text = text[text.index("<svg") :].rstrip()
     text = re.sub(r"\s*<metadata>.*?</metadata>|\s*<!--.*?-->", "", text, flags=re.DOTALL)
     text = _renamed(text, name)
-    text = re.sub(r' d="[^"]*"', _rounded, text)
+    text = re.sub(r'(?<= d=")[^"]*', _rounded, text)
     label = f' role="img" aria-label="{escape(title)}"' if title else ' aria-hidden="true"'
     return text.replace("<svg", f"<svg{label}", 1)
 
@@ -101,5 +101,7 @@ def _renamed(text: str, name: str) -> str:
 
 
 def _rounded(path: re.Match[str]) -> str:
-    """A path's coordinates to a hundredth of a point, finer than any printer."""
-    return re.sub(r"(\.\d\d)\d+", r"\1", path[0])
+    """A path's coordinates to a hundredth of a point, finer than any printer, and no idle space."""
+    short = re.sub(r"(\.\d\d)\d+", r"\1", path[0])
+    short = re.sub(r"\.(\d)0\b|\.00\b", lambda m: f".{m[1]}" if m[1] and m[1] != "0" else "", short)
+    return re.sub(r"\s*([MLQCz])\s*", r"\1", short)

@@ -153,9 +153,11 @@ def _frequencies(
 
 
 def _points(ax: Axes, measured: DynamicStiffness, name: str) -> None:
-    """What the FRF says inside the band where it is good, with one standard deviation."""
+    """What the FRF says in thirds of an octave, where that is good, with one standard deviation."""
     lines = dict(zip(("storage", "damping", "loss_factor"), quantities(measured), strict=True))
-    f, one = averaged(measured.frequency, lines["damping" if name == "loss" else name])
+    f, one = averaged(
+        measured.frequency, lines["damping" if name == "loss" else name], per_octave=3
+    )
     good = (f >= one.good[0]) & (f <= one.good[1])
     factor = 2e-3 * np.pi * f if name == "loss" else np.ones(len(f))
     ax.errorbar(

@@ -97,8 +97,8 @@ def _hammer(study: Study) -> dict[str, Picture]:
         drawn["direct"] = _picture(
             "direct",
             plot.dynamic_stiffness(study.direct, fit=study.fit, joint=study.joint),
-            "One seal straight from the measured FRF, without a model: every line grey, the mean "
-            "of each twelfth of an octave black, with its errors laid upon each other.",
+            "One seal straight from the measured FRF, without a model: the mean of each twelfth of "
+            "an octave, the range of its lines (grey), and its errors laid upon each other.",
         )
     if study.impact is not None and study.measured is not None:
         drawn["hits"] = _picture(
