@@ -164,6 +164,17 @@ def test_any_grid_and_weights_take_the_recursion() -> None:
     assert found.converged
     np.testing.assert_allclose(found.tau, [0.5021, 16.416], rtol=0.1)
     assert found.sse == pytest.approx(len(time), rel=0.15)
+    orders = solve_orders([block], 2)
+    assert [order.order for order in orders] == [1, 2]
+    assert orders[1].sse == pytest.approx(found.sse, rel=1e-9)
+
+
+def test_a_record_that_starts_loaded_takes_the_recursion() -> None:
+    x = HISTORIES["steps and chirp"] + 1e-3
+    block = recorded_block(TIME, x, force_of(x, 2))
+    assert block.exact is block
+    orders = solve_orders([block], 2)
+    np.testing.assert_allclose(orders[1].tau, [0.5021, 16.416], rtol=0.1)
 
 
 def test_exact_data_come_back_to_ten_digits_and_no_further_arm() -> None:

@@ -21,7 +21,6 @@ from dashpot.engine.compression import SMALL, uniform_step
 from dashpot.engine.correlation import correlation_block
 from dashpot.engine.holds import window_of
 from dashpot.errors import DataError
-from dashpot.solids.history import decaying_sum
 
 
 def recorded_block(
@@ -127,25 +126,37 @@ def arm_columns(
 
 
 def _recursion(decay: FloatArray, increments: FloatArray, first: FloatArray) -> FloatArray:
-    r"""u_0 = first, u_i = decay u_{i-1} + increments_{i-1}, shape (M, N)."""
-    values = np.concatenate((first[None], increments))
-    if len(decay) != 1:
-        return decaying_sum(np.concatenate((np.zeros_like(first)[None], decay)), values)
-    # one decay for all: run many stretches side by side, then pass each one's end on
-    total, arms = values.shape
+    r"""u_0 = first, u_i = decay_{i-1} u_{i-1} + increments_{i-1}, shape (M, N).
+
+    Many stretches run side by side, one step of all at a time; then each one's end is passed on,
+    damped by the product of the decays since. `decay` has one row per step, or one for all.
+    """
+    total, arms = len(increments) + 1, increments.shape[1]
     length = int(np.ceil(np.sqrt(total)))
     stretches = -(-total // length)
-    out = np.zeros((length, stretches, arms))
-    padded = np.zeros((stretches * length, arms))
-    padded[:total] = values
-    by_step = np.ascontiguousarray(padded.reshape(stretches, length, arms).transpose(1, 0, 2))
+
+    def by_step(values: FloatArray) -> FloatArray:
+        padded = np.zeros((stretches * length, arms))
+        padded[total - len(values) : total] = values
+        return np.ascontiguousarray(padded.reshape(stretches, length, arms).transpose(1, 0, 2))
+
+    out = by_step(np.concatenate((first[None], increments)))
+    constant = len(decay) == 1
     u = np.zeros((stretches, arms))
-    for i in range(length):
-        u = u * decay + by_step[i]
-        out[i] = u
+    if constant:
+        since = (decay ** np.arange(1, length + 1)[:, None])[:, None, :]
+        for i in range(length):
+            u = u * decay + out[i]
+            out[i] = u
+    else:
+        since = by_step(decay)
+        for i in range(length):
+            u = u * since[i] + out[i]
+            out[i] = u
+            if i:
+                since[i] *= since[i - 1]
     carry = np.zeros((stretches, arms))
-    whole = decay[0] ** length
     for b in range(1, stretches):
-        carry[b] = carry[b - 1] * whole + u[b - 1]
-    out += (decay ** np.arange(1, length + 1)[:, None])[:, None, :] * carry
+        carry[b] = carry[b - 1] * since[-1, 0 if constant else b - 1] + u[b - 1]
+    out += since * carry
     return np.asarray(out.transpose(1, 0, 2).reshape(stretches * length, arms)[:total])
