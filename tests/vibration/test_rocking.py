@@ -74,7 +74,7 @@ def test_weights_null_the_rocking_of_the_real_block(real_hits):
     assert not check(mean, "rocking_cancelled").passed
     assert check(weighted, "rocking_cancelled").passed
     assert check(weighted, "rocking_cancelled").value <= 0.05
-    assert weighted.modes()[0].frequency == pytest.approx(19.763, abs=0.003)
+    assert weighted.modes()[0].frequency == pytest.approx(19.763, abs=0.006)
     assert weighted.modes()[0].damping_ratio == pytest.approx(0.0026, abs=1e-4)
 
 

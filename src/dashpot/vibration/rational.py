@@ -24,7 +24,7 @@ FLOOR = 1e-3  # relative error below which no line of a measured FRF is trusted
 FLOOR_OF_TOP = 3e-4  # and of the highest line: leakage is modelled that well
 STEPS = 60
 SLOW_POLES = (1e-3, 0.3, 1.5, 7.0)  # of the background, times the middle of the band
-SMALLEST_MODE = 0.02  # of the largest value in the band
+SMALLEST_MODE = 0.01  # of the largest value in the band
 
 
 @dataclass(frozen=True, eq=False)

@@ -57,12 +57,20 @@ def agreement(
 
 
 def disagreement(spectra: Spectra) -> FloatArray | None:
-    """How far each response is from what the other blows' FRF makes of its force, relative."""
+    """How far each response is from what another blow's FRF makes of its force, relative.
+
+    The median over the other blows, so that one bad blow does not discredit the good ones.
+    """
     if spectra.averages < ENOUGH:
         return None
-    others = leave_one_out(spectra)
-    misfit = np.abs(spectra.response - others * spectra.force) ** 2
-    return np.asarray(np.sqrt(misfit.sum(axis=1) / (np.abs(spectra.response) ** 2).sum(axis=1)))
+    force, response = spectra.force, spectra.response
+    each = response / force
+    size = np.linalg.norm(response, axis=1)
+    apart = [
+        np.linalg.norm(response[i] - np.delete(each, i, axis=0) * force[i], axis=1) / size[i]
+        for i in range(spectra.averages)
+    ]
+    return np.median(apart, axis=1)
 
 
 def checks_of(
