@@ -53,3 +53,10 @@ def test_the_smaller_answer_is_taken_and_disagreement_kept() -> None:
     assert not cautious.agreed
     frugal = choose([0, 1, 2], [9.0, 1.0, 2.0], [True, True, True])
     assert (frugal.arms, frugal.by_bic, frugal.by_significance) == (1, 1, 2)
+
+
+def test_a_choice_at_the_end_of_what_was_tried_is_capped() -> None:
+    scores = ([0, 1, 2], [9.0, 5.0, 1.0], [True, True, True])
+    assert choose(*scores, exhausted=False).capped
+    assert not choose(*scores).capped
+    assert not choose([0, 1, 2], [9.0, 1.0, 5.0], [True, True, True], exhausted=False).capped

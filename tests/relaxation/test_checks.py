@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from dashpot.checks import Check
+from dashpot.engine.order import Choice
 from dashpot.relaxation import checks, record_checks
 from dashpot.relaxation.fit import Fit, Status
 from dashpot.relaxation.fitting import fit
@@ -227,12 +228,19 @@ def test_drift_that_hides_a_slow_arm() -> None:
 
 
 def test_rules_that_disagree_say_so() -> None:
-    agreed = checks.order_agreed(2, 2, 2)
+    agreed = checks.order_agreed(Choice(2, 2, 2))
     assert agreed.passed
     assert agreed.says == "both rules choose 2 arms"
-    torn = checks.order_agreed(3, 1, 1)
+    torn = checks.order_agreed(Choice(1, 3, 1))
     assert not torn.passed
     assert "BIC supports 3 arms, the significance of k and tau supports 1 arm; 1 arm" in torn.says
+
+
+def test_a_choice_at_the_end_of_what_was_tried_says_so(test: RampHold) -> None:
+    check = named(fit(test, max_arms=1), "order_agreed")
+    assert not check.passed
+    assert "that is the most that was tried: raise max_arms above 1" in check.says
+    assert named(fit(test), "order_agreed").passed
 
 
 def test_eq_5_and_the_recorded_motion_disagree(test: RampHold) -> None:

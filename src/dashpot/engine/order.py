@@ -24,11 +24,19 @@ MAX_SE_LN_TAU = 0.5
 
 @dataclass(frozen=True)
 class Choice:
-    """The chosen number of arms, and what each rule would have chosen."""
+    """The chosen number of arms, and what each rule would have chosen.
+
+    Attributes
+    ----------
+    arms, by_bic, by_significance : int
+    capped : bool
+        The choice is the largest number that was tried, and more might be better still.
+    """
 
     arms: int
     by_bic: int
     by_significance: int
+    capped: bool = False
 
     @property
     def agreed(self) -> bool:
@@ -58,7 +66,13 @@ def significant(k: FloatArray, se_k: FloatArray, se_ln_tau: FloatArray) -> bool:
     return bool(np.all(k > MIN_K_OVER_SE * se_k) and np.all(se_ln_tau < MAX_SE_LN_TAU))
 
 
-def choose(arms: Sequence[int], bics: Sequence[float], significances: Sequence[bool]) -> Choice:
+def choose(
+    arms: Sequence[int],
+    bics: Sequence[float],
+    significances: Sequence[bool],
+    *,
+    exhausted: bool = True,
+) -> Choice:
     """Return the number of arms that both rules support.
 
     Parameters
@@ -67,7 +81,10 @@ def choose(arms: Sequence[int], bics: Sequence[float], significances: Sequence[b
         Candidates.
     bics, significances : sequences
         Score of each candidate, and whether all of its arms are significant.
+    exhausted : bool
+        False if larger numbers could still fit better and were not tried.
     """
     by_bic = arms[int(np.argmin(bics))]
     by_significance = max((n for n, yes in zip(arms, significances, strict=True) if yes), default=0)
-    return Choice(min(by_bic, by_significance), by_bic, by_significance)
+    chosen = min(by_bic, by_significance)
+    return Choice(chosen, by_bic, by_significance, capped=not exhausted and chosen == max(arms))

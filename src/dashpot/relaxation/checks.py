@@ -8,6 +8,7 @@ import numpy as np
 
 from dashpot._arrays import FloatArray
 from dashpot.checks import Check
+from dashpot.engine.order import Choice
 from dashpot.relaxation.records import RampHold
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -194,17 +195,20 @@ def residuals_steady(residuals: Sequence[FloatArray]) -> Check:
     return Check(name, passed, says, ratio, limit)
 
 
-def order_agreed(by_bic: int, by_significance: int, chosen: int) -> Check:
-    """The two rules for the number of arms agree."""
-    passed = by_bic == by_significance
-    if passed:
-        says = f"both rules choose {_arms(chosen)}"
-    else:
+def order_agreed(choice: Choice) -> Check:
+    """The two rules for the number of arms agree, on less than the most that was tried."""
+    passed = choice.agreed and not choice.capped
+    chosen = _arms(choice.arms)
+    if not choice.agreed:
         says = (
-            f"BIC supports {_arms(by_bic)}, the significance of k and tau supports "
-            f"{_arms(by_significance)}; {_arms(chosen)} taken: look at the residuals of both"
+            f"BIC supports {_arms(choice.by_bic)}, the significance of k and tau supports "
+            f"{_arms(choice.by_significance)}; {chosen} taken: look at the residuals of both"
         )
-    return Check("order_agreed", passed, says, float(by_bic), float(by_significance))
+    else:
+        says = f"both rules choose {chosen}"
+    if choice.capped:
+        says += f"; that is the most that was tried: raise max_arms above {choice.arms}"
+    return Check("order_agreed", passed, says, float(choice.by_bic), float(choice.by_significance))
 
 
 def hold_and_full_agree(

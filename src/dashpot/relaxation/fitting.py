@@ -35,7 +35,7 @@ def fit(
     thorough: bool = False,
     depth_law: bool = False,
     nuisance: Sequence[str] = NUISANCE,
-    max_arms: int = 4,
+    max_arms: int = 6,
 ) -> Fit:
     r"""Fit a generalized Maxwell solid to one prepared test, or to several at once.
 
@@ -95,6 +95,7 @@ def fit(
         range(len(trial)),
         [score.bic for score in trial],
         [score.significant for score in trial],
+        exhausted=len(trial) - 1 < most,
     )
     chosen = choice.arms if arms == "auto" else min(most, len(trial) - 1)
     estimate = estimated(

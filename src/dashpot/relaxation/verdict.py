@@ -78,7 +78,7 @@ def all_checks(
         checks.residuals_steady(estimate.residuals),
     ]
     if choice is not None:
-        found.append(checks.order_agreed(choice.by_bic, choice.by_significance, choice.arms))
+        found.append(checks.order_agreed(choice))
     if method == "full" and len(estimate.solution.groups) == 1:
         found.append(checks.hold_and_full_agree(model, _by_eq5(records, arms), error))
     return tuple(found)
