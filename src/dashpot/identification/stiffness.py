@@ -163,7 +163,9 @@ def dynamic_stiffness(
         phase_sd=float(phase_sd),
         storage_band=_about(frequency, peak, storage_sd <= STORAGE_LIMIT * np.abs(storage)),
         loss_band=_about(frequency, peak, loss_sd <= LOSS_LIMIT * np.abs(loss)),
-        checks=_causal(frequency, storage, loss, peak),
+        checks=_causal(
+            frequency, storage, loss, peak=peak, random=random, mass=parts["storage_mass"]
+        ),
         **{name: frozen(part) for name, part in parts.items()},
     )
 
@@ -194,29 +196,45 @@ def causal_loss_factor(frequency: FloatArray, storage: FloatArray, at: float) ->
     DataError
         If fewer than 3 lines lie there.
     """
+    near, share = _slope(frequency, storage, at)
+    return float(np.pi / 2 * share @ np.log(storage[near]))
+
+
+def _slope(frequency: FloatArray, storage: FloatArray, at: float) -> tuple[BoolArray, FloatArray]:
+    """The lines about `at`, and what each contributes to the slope of a straight line."""
     near = (frequency >= at / SLOPE_REACH) & (frequency <= at * SLOPE_REACH) & (storage > 0)
     if np.count_nonzero(near) < 3:
         raise DataError(f"fewer than 3 lines about {at:g} Hz: no slope of the stiffness there")
-    x, y = np.log(frequency[near]), np.log(storage[near])
-    # lines crowd at the upper end on a logarithmic axis
-    slope = np.polynomial.polynomial.polyfit(x, y, 1, w=np.exp(-x / 2))[1]
-    return float(np.pi / 2 * slope)
+    x = np.log(frequency[near])
+    weight = np.exp(-x)  # lines crowd at the upper end of a logarithmic axis
+    x = x - weight @ x / weight.sum()
+    return near, np.asarray(weight * x / (weight @ x**2))
 
 
 def _causal(
-    frequency: FloatArray, storage: FloatArray, loss: FloatArray, peak: float
+    frequency: FloatArray,
+    storage: FloatArray,
+    loss: FloatArray,
+    *,
+    peak: float,
+    random: FloatArray,
+    mass: FloatArray,
 ) -> tuple[Check, ...]:
+    """Whether loss and slope of the stiffness belong together, as far as the errors can tell."""
     try:
-        implied = causal_loss_factor(frequency, storage, peak)
+        near, share = _slope(frequency, storage, peak)
     except DataError:
         return ()
+    implied = causal_loss_factor(frequency, storage, peak)
+    scatter = share * random[near] / storage[near]
+    tilt = float(share @ (mass[near] / storage[near]))
+    error = float(np.pi / 2 * np.hypot(np.linalg.norm(scatter), tilt))
     top = int(np.argmin(np.abs(frequency - peak)))
     measured = float(loss[top] / storage[top])
-    off = abs(implied - measured) / abs(measured)
-    passed = off <= CAUSAL_LIMIT and measured > 0
+    passed = abs(implied - measured) <= max(CAUSAL_LIMIT * measured, 2 * error) and measured > 0
     says = (
         f"at {peak:.4g} Hz the loss factor is {measured:.3g}, and the rise of the stiffness with "
-        f"frequency implies {implied:.3g} (local Kramers-Kronig rule)"
+        f"frequency implies {implied:.3g}, known to {error:.2g} (local Kramers-Kronig rule)"
     )
     if not passed:
         says += ": mass, gain or phase of the channels is off, or another mode is near"
