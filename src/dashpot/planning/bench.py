@@ -59,19 +59,37 @@ class Bench:
             columns += [np.ones((len(t), 1)), t[:, None]]
         return np.hstack(columns)
 
+    def rows(self, model: GeneralizedMaxwell) -> FloatArray:
+        """The sensitivities in units of the noise, reduced to a triangle, shape (p, p)."""
+        return np.asarray(np.linalg.qr(self.sensitivity(model), mode="r")) / self.noise
+
 
 def expected_error(
-    model: GeneralizedMaxwell, bench: Bench, at: float, arm: int | None
+    model: GeneralizedMaxwell,
+    bench: Bench,
+    at: float,
+    arm: int | None,
+    hammer: FloatArray | None = None,
 ) -> ExpectedError:
-    """What the test leaves unknown at `at` Hz; `arm` is the index of the unseen arm."""
-    covariance = _covariance(bench.sensitivity(model), bench.noise)
+    """What the test leaves unknown at `at` Hz; `arm` is the index of the unseen arm.
+
+    `hammer` holds the rows of a hammer test in the same parameters and one more, the mass:
+    with them both tests are fitted together.
+    """
+    rows = bench.rows(model)
+    if hammer is not None:
+        own = hammer.shape[1] - 1
+        mass = np.vstack((np.zeros((len(rows), 1)), hammer[:, -1:]))
+        extra = np.zeros((len(hammer), rows.shape[1] - own))
+        rows = np.hstack((np.vstack((rows, np.hstack((hammer[:, :-1], extra)))), mass))
+    covariance = _covariance(rows)
     storage, loss_factor, gradients = _gradients(model, at)
     sizes = [
         float(np.sqrt(max(row @ covariance @ row, 0.0)))
         for row in np.pad(gradients, ((0, 0), (0, len(covariance) - gradients.shape[1])))
     ]
     return ExpectedError(
-        method=bench.method,
+        method=bench.method if hammer is None else "joint",
         ramp_time=bench.ramp_time,
         hold_time=bench.hold_time,
         storage_sd=sizes[0] / storage,
@@ -80,15 +98,13 @@ def expected_error(
     )
 
 
-def _covariance(sensitivity: FloatArray, noise: float) -> FloatArray:
-    """Return sigma^2 (J'J)^-1 by QR, huge where J says nothing."""
-    scale = np.linalg.norm(sensitivity, axis=0)
+def _covariance(rows: FloatArray) -> FloatArray:
+    """Return (J'J)^-1 by singular values, huge where J says nothing."""
+    scale = np.linalg.norm(rows, axis=0)
     scale[scale == 0] = 1.0
-    _, values, vectors = np.linalg.svd(
-        np.linalg.qr(sensitivity / scale, mode="r"), full_matrices=False
-    )
+    _, values, vectors = np.linalg.svd(rows / scale, full_matrices=False)
     values = np.maximum(values, SINGULAR * values[0])
-    root = noise * vectors.T / values / scale[:, None]
+    root = vectors.T / values / scale[:, None]
     return np.asarray(root @ root.T)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from dashpot._arrays import FloatArray
 from dashpot.planning.records import Pulse, RecordNeed
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.truncation import cut_accelerance, poles
@@ -47,6 +48,31 @@ def record_need(model: GeneralizedMaxwell, mass: float, record: float | None) ->
         record=record,
         peak_error=None if record is None else _peak_error(model, mass, pole, record),
     )
+
+
+def hammer_rows(
+    model: GeneralizedMaxwell,
+    mass: float,
+    *,
+    seals: float,
+    lines: FloatArray,
+    relative_sd: float,
+) -> FloatArray:
+    r"""Sensitivities of a hammer test in units of its scatter, shape (2n, p + 1).
+
+    .. math:: \frac{\partial \ln A}{\partial K} = -\frac{n}{m s^2 + n K}, \qquad
+              \frac{\partial \ln A}{\partial \ln m} = -\frac{m s^2}{m s^2 + n K}
+
+    Columns are k_inf, k, ln tau of one seal, then ln m; `relative_sd` is that of real and
+    imaginary part of each line.
+    """
+    s = 2j * np.pi * lines
+    x = s[:, None] * np.asarray(model.tau)
+    k = np.asarray(model.k)
+    slope = np.column_stack((np.ones_like(s), x / (1 + x), k * x / (1 + x) ** 2))
+    inverse = 1 / (mass * s**2 + seals * model.stiffness_at(s))
+    columns = -np.column_stack((seals * slope, mass * s**2)) * inverse[:, None]
+    return np.concatenate((columns.real, columns.imag)) / relative_sd
 
 
 def _peak_error(model: GeneralizedMaxwell, mass: float, pole: complex, record: float) -> float:

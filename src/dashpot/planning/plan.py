@@ -7,10 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from dashpot._arrays import FloatArray
 from dashpot.checks import Check
 from dashpot.errors import DataError
 from dashpot.planning.bench import Bench, expected_error
-from dashpot.planning.hammer import half_sine, mass_for_peak, record_need
+from dashpot.planning.hammer import half_sine, hammer_rows, mass_for_peak, record_need
 from dashpot.planning.records import ExpectedError, Plan, Pulse, RecordNeed
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -23,6 +24,9 @@ NEAR = 3.0
 WANTED = 0.1
 FASTER = (1 / 3, 1 / 10, 1 / 30)
 TIP_LIMIT_DB = -10.0
+# a hammer test informs the lines within this factor of the peak; their usual spacing, Hz
+AROUND = 3.5
+LINE_STEP = 0.1
 
 
 def plan(
@@ -41,6 +45,8 @@ def plan(
     seals: float = 1.0,
     record: float | None = None,
     pulse: float | None = None,
+    hits: int = 5,
+    coherence: float = 0.99,
     wanted: float = WANTED,
 ) -> Plan:
     r"""Tell what a test will tell at a frequency, before it is run.
@@ -76,6 +82,10 @@ def plan(
         Length of the planned impact record, s.
     pulse : float, optional
         Duration of the hammer pulse, s: soft rubber tips give 10 to 20 ms.
+    hits : int
+        How many hits of the hammer test are averaged.
+    coherence : float
+        Their coherence about the peak, below 1.
     wanted : float
         The relative standard deviation of the loss factor that would do.
 
@@ -85,7 +95,9 @@ def plan(
         If a number is not positive or the method unknown.
     """
     _positive(depth=depth, ramp_time=ramp_time, hold_time=hold_time, rate=rate, noise=noise, at=at)
-    _positive(mass=mass, seals=seals, record=record, pulse=pulse, wanted=wanted)
+    _positive(mass=mass, seals=seals, record=record, pulse=pulse, wanted=wanted, hits=hits)
+    if not 0 < coherence < 1:
+        raise DataError(f"coherence = {coherence!r}; expected a number between 0 and 1")
     if method not in {"full", "hold"}:
         raise DataError(f'method = {method!r}; expected "full" or "hold"')
     seal = USUAL_SEAL if model is None else model
@@ -93,9 +105,19 @@ def plan(
     index = None if arm is None else supposed.tau.index(arm[1])
     bench = Bench(depth, ramp_time, hold_time, rate, noise, method, drift)
     expected = expected_error(supposed, bench, at, index)
-    alternatives = tuple(expected_error(supposed, b, at, index) for b in _others(bench))
     total = seals * seal
     weight = mass_for_peak(total, at) if mass is None else mass
+    rows = hammer_rows(
+        supposed,
+        weight if mass is not None else mass_for_peak(seals * supposed, at),
+        seals=seals,
+        lines=_lines(at, record),
+        relative_sd=float(np.sqrt((1 - coherence) / (2 * hits * coherence))),
+    )
+    alternatives = (
+        *(expected_error(supposed, other, at, index) for other in _others(bench)),
+        expected_error(supposed, replace(bench, method="full"), at, index, rows),
+    )
     need = record_need(total, weight, record)
     tip = None if pulse is None else half_sine(pulse, at)
     band = (1 / (2 * np.pi * hold_time), 1 / (np.pi * ramp_time))
@@ -139,6 +161,14 @@ def _others(bench: Bench) -> list[Bench]:
         if bench.ramp_time * part * bench.rate >= 5
     ]
     return [replace(bench, method=other), *faster]
+
+
+def _lines(at: float, record: float | None) -> FloatArray:
+    """The lines that a hammer test would give about the peak, Hz."""
+    step = LINE_STEP if record is None else 1 / record
+    first, last = at / AROUND, at * AROUND
+    count = max(int((last - first) / step), 8)
+    return np.asarray(first + step * np.arange(count, dtype=float))
 
 
 # -- words ------------------------------------------------------------------------------------
@@ -237,23 +267,22 @@ def _advice(
 def _ramp_advice(
     expected: ExpectedError, alternatives: Sequence[ExpectedError], *, at: float, wanted: float
 ) -> str:
-    good = [e for e in alternatives if e.loss_factor_sd <= wanted]
+    joint = next(e for e in alternatives if e.method == "joint")
+    hammer = (
+        f"test the damping with a hammer test and fit both together (identify, "
+        f"{_percent(joint.loss_factor_sd)})"
+    )
+    good = [e for e in alternatives if e.loss_factor_sd <= wanted and e is not joint]
     start = (
         f"The loss factor at {at:g} Hz would be known to {_percent(expected.loss_factor_sd)} only"
     )
     if not good:
-        return (
-            f"{start}, and no faster ramp tried here brings it to {_percent(wanted)}: test the "
-            "damping with a hammer test and fit both together (identify)."
-        )
+        return f"{start}, and no faster ramp tried here brings it to {_percent(wanted)}: {hammer}."
     best = max(good, key=lambda e: e.ramp_time)
     how = f"ramp in {best.ramp_time:.3g} s" if best.ramp_time < expected.ramp_time else ""
     fit = "fit ramp and hold together" if best.method != expected.method else ""
     change = " and ".join(part for part in (how, fit) if part)
-    return (
-        f"{start}: {change} ({_percent(best.loss_factor_sd)}), or test the damping with a hammer "
-        "test and fit both together (identify)."
-    )
+    return f"{start}: {change} ({_percent(best.loss_factor_sd)}), or {hammer}."
 
 
 def _pulse_for(at: float) -> float:

@@ -15,7 +15,7 @@ class ExpectedError:
     Attributes
     ----------
     method : str
-        ``"full"`` or ``"hold"``.
+        ``"full"`` or ``"hold"``; ``"joint"`` for ramp, hold and a hammer test together.
     ramp_time, hold_time : float
         s.
     storage_sd, loss_factor_sd : float
@@ -102,7 +102,7 @@ class Plan:
     expected : ExpectedError
         Of the test as asked.
     alternatives : tuple of ExpectedError
-        Of the other method and of faster ramps.
+        Of the other method, of faster ramps, and of the same test with a hammer test.
     band : (float, float)
         The frequencies that the relaxation test can inform, Hz.
     record : RecordNeed
