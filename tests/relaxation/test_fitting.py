@@ -227,6 +227,15 @@ def test_uneven_sampling_changes_nothing(paper_seal: GeneralizedMaxwell) -> None
     assert five(fit(uneven, arms=2, method="hold").model) == pytest.approx(TRUTH, rel=1e-6)
 
 
+def test_rounded_time_stamps_are_an_even_clock(paper_seal: GeneralizedMaxwell) -> None:
+    test = ideal(paper_seal, rate=300.0, noise=5e-3)
+    rounded = replace(test, time=np.round(test.time, 5))
+    one, other = fit(test, arms=2), fit(rounded, arms=2)
+    assert five(other.model) == pytest.approx(five(one.model), rel=1e-5)
+    jittered = replace(test, time=test.time + 1e-3 * np.sin(1e4 * test.time))
+    assert five(fit(jittered, arms=2).model) != pytest.approx(five(one.model), rel=1e-5)
+
+
 def test_any_motion_is_fitted_in_full(paper_seal: GeneralizedMaxwell) -> None:
     """Two ramps, a creeping plate and a wobble: the recorded motion is the input."""
     t = np.arange(0, 4001) / 100.0

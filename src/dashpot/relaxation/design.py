@@ -22,6 +22,7 @@ NUISANCE = ("offset", "drift")
 # beyond this part of the depth, motion after the ramp is another ramp
 _SECOND_RAMP = 0.05
 _FEWEST = 8
+_ROUNDED = 0.01
 
 
 class Design(NamedTuple):
@@ -111,7 +112,18 @@ def _motion(test: RampHold) -> tuple[FloatArray, FloatArray, FloatArray]:
     """
     used = fitted_samples(test, Design("full"))
     x = test.displacement[used]
-    return test.time[used] - test.time[0], x - x[0], test.force[used]
+    return _evened(test.time[used] - test.time[0]), x - x[0], test.force[used]
+
+
+def _evened(time: FloatArray) -> FloatArray:
+    """Return an even clock whose stamps were rounded as the even clock it is, else `time`.
+
+    A text file rounds its times. Where every stamp is within a hundredth of a sample of a uniform
+    grid, that grid is meant, and the fit need not treat the record as unevenly sampled.
+    """
+    grid = np.linspace(time[0], time[-1], len(time))
+    step = (time[-1] - time[0]) / max(len(time) - 1, 1)
+    return grid if float(np.abs(time - grid).max()) <= _ROUNDED * step else time
 
 
 def _full(test: RampHold, i: int, design: Design) -> Block:
