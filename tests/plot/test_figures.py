@@ -16,7 +16,7 @@ from matplotlib.text import Text
 from dashpot import plot
 from dashpot.plot.direct import averaged, quantities
 from dashpot.plot.impact import force_spectrum
-from dashpot.plot.look import BLUE, COLUMN, MM, PAGE, REJECTED, SMALL
+from dashpot.plot.look import BLUE, COLUMN, MM, PAGE, REJECTED, SMALL, unit_of
 from dashpot.plot.panels.frequency import half_power, phase_axis, turned
 from dashpot.plot.relaxation import fits_to_show, fitted_force
 from dashpot.plot.vibration import smooth
@@ -120,6 +120,37 @@ def test_the_drawn_residual_is_that_of_a_real_fit(method):
     when, force = fitted_force(found, test)
     left = np.interp(when, test.time - test.onset, test.force) - force
     assert np.sqrt(np.mean(left**2)) == pytest.approx(found.residual.rms, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("size", "unit", "expected"),
+    [(2.1, "N", ("N", 1.0)), (4.6e-3, "N", ("mN", 1e3)), (2.2e-6, "N", ("µN", 1e6)),
+     (3e-16, "N", ("pN", 1e12)), (0.0, "N", ("N", 1.0)), (8e-3, "m", ("mm", 1e3)),
+     (1.9e-6, "m", ("µm", 1e6)), (4e-8, "m", ("nm", 1e9))],
+)  # fmt: skip
+def test_units_follow_the_size_of_the_thing(size, unit, expected):
+    assert unit_of(np.array([0.0, -size]), unit) == expected
+
+
+def test_a_record_of_a_microscope_is_drawn_in_its_own_units():
+    small = replace(
+        S.prepared, displacement=1e-4 * S.prepared.displacement, depth=1e-4 * S.prepared.depth,
+        force=1e-6 * S.prepared.force, force_noise=1e-6 * S.prepared.force_noise,
+    )  # fmt: skip
+    axes = plot.segments(small).axes
+    assert [axes[0].get_ylabel(), axes[2].get_ylabel()] == ["compression, µm", "force, µN"]
+    highest = max(line.get_ydata().max() for line in axes[2].get_lines())
+    assert highest == pytest.approx(S.prepared.force.max())
+
+
+def test_log_time_starts_within_the_ramp_even_if_sampling_slows_down_in_the_hold():
+    kept = np.unique(np.round(np.geomspace(1, len(S.prepared.time) - 1, 400)).astype(int))
+    sparse = replace(
+        S.prepared, time=S.prepared.time[kept], displacement=S.prepared.displacement[kept],
+        force=S.prepared.force[kept],
+    )  # fmt: skip
+    start, _ = plot.fit(S.fit, sparse).axes[1].get_xlim()
+    assert start <= 0.1 * sparse.ramp_time
 
 
 def test_a_fit_without_offset_is_drawn_without_one():

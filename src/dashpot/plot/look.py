@@ -11,6 +11,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
+import numpy as np
+
+from dashpot._arrays import FloatArray
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axes._secondary_axes import SecondaryAxis
@@ -73,6 +77,22 @@ def figure(width: float, height: float) -> Figure:
 
     engine = ConstrainedLayoutEngine(w_pad=0.02, h_pad=0.02, wspace=0.02, hspace=0.03)
     return Figure(figsize=(width * MM, height * MM), layout=engine, facecolor="white")
+
+
+def unit_of(values: FloatArray, unit: Literal["N", "m"]) -> tuple[str, float]:
+    """The word and the factor in which values, SI, read best: N, mN..., mm, µm...
+
+    A seal stays in N and mm; the cantilever of a microscope is in nN and nm.
+    """
+    size = float(np.max(np.abs(values), initial=0.0))
+    choices = {
+        "N": (("N", 1.0), ("mN", 1e3), ("µN", 1e6), ("nN", 1e9), ("pN", 1e12)),
+        "m": (("mm", 1e3), ("µm", 1e6), ("nm", 1e9)),
+    }[unit]
+    for word, factor in choices:
+        if size * factor >= 0.1:
+            return word, factor
+    return choices[0] if size == 0 else choices[-1]
 
 
 def plain(text: str) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 from dashpot.comparison import Comparison
 from dashpot.identification.bands import FRFBand
 from dashpot.plot import relaxation, vibration
-from dashpot.plot.look import NORMAL, PAGE, dress, figure, legend
+from dashpot.plot.look import NORMAL, PAGE, figure, legend, unit_of
 from dashpot.relaxation.fit import Fit
 from dashpot.relaxation.records import RampHold
 
@@ -50,9 +50,12 @@ def _bench(made: Figure | SubFigure, study: Story) -> None:
     shown = relaxation.fits_to_show(study.fit, study.alternatives)
     relaxation.draw_fits(upper, shown, study.prepared, chosen=study.fit)
     test = study.prepared
-    dress(upper, y="force, N",
-          title=f"Relaxation test: {1e3 * test.depth:.3g} mm in {test.ramp_time:.3g} s, "
-                f"held {test.hold_time:.3g} s")  # fmt: skip
+    word, factor = unit_of(test.displacement, "m")
+    upper.set_title(
+        f"Relaxation test: {factor * test.depth:.3g} {word} in {test.ramp_time:.3g} s, "
+        f"held {test.hold_time:.3g} s",
+        fontsize=NORMAL, loc="left", fontweight="bold",
+    )  # fmt: skip
     legend(upper, loc="lower right")
     relaxation.draw_residual(
         lower,
@@ -61,7 +64,7 @@ def _bench(made: Figure | SubFigure, study: Story) -> None:
         chosen=study.fit,
         others=[f for f in shown if f != study.fit],
     )
-    lower.set_ylabel("residual, mN", fontsize=NORMAL)
+    lower.set_ylabel(lower.get_ylabel().partition("\n")[2], fontsize=NORMAL)
     lower.set_xlabel(f"{relaxation.FROM_CONTACT} (log)", fontsize=NORMAL)
     made.align_ylabels([upper, lower])
 

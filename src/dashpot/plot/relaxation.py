@@ -19,6 +19,7 @@ from dashpot.plot.look import (
     log_axis,
     note,
     pen_of_arms,
+    unit_of,
 )
 from dashpot.plot.panels import time as panel
 from dashpot.plot.thinning import means
@@ -45,9 +46,11 @@ def segments(prepared: RampHold) -> Figure:
     made = figure(PAGE, 92)
     grid = made.subplots(2, 2, sharey="row", width_ratios=(1.0, 1.35))
     t = prepared.time - prepared.onset
+    length, to_length = unit_of(prepared.displacement, "m")
+    force, to_force = unit_of(prepared.force, "N")
     rows = (
-        (1e3 * prepared.displacement, "compression, mm"),
-        (prepared.force, "force, N"),
+        (to_length * prepared.displacement, f"compression, {length}"),
+        (to_force * prepared.force, f"force, {force}"),
     )
     for (ramp, hold), (values, label) in zip(grid, rows, strict=True):
         _zoom(ramp, t, values, prepared)
@@ -86,10 +89,12 @@ def fit(fit: Fit, prepared: RampHold, *, alternatives: Sequence[Fit] = ()) -> Fi
     )
     hold, whole = made.add_subplot(grid[0, 0]), made.add_subplot(grid[0, 1])
     draw_fits(hold, shown, prepared, chosen=fit, hold_only=True)
-    dress(hold, x=FROM_CONTACT, y="force, N", title="hold, linear time")
+    hold.set_title("hold, linear time", fontsize=NORMAL, loc="left", fontweight="bold")
     draw_fits(whole, shown, prepared, chosen=fit)
-    dress(whole, x=FROM_CONTACT, y="force, N", title="ramp and hold, log time")
-    legend(whole, loc="lower right")
+    whole.set_title("ramp and hold, log time", fontsize=NORMAL, loc="left", fontweight="bold")
+    for ax in (hold, whole):
+        ax.set_xlabel(FROM_CONTACT, fontsize=NORMAL)
+    legend(whole)
     panels = [made.add_subplot(row) for row in (grid[i, :] for i in range(1, 1 + len(shown)))]
     for ax, one in zip(panels, shown, strict=True):
         draw_residual(ax, one, prepared, chosen=fit)
@@ -113,15 +118,19 @@ def draw_fits(
     end = prepared.hold_end - prepared.onset
     start = prepared.ramp_time if hold_only else _log_start(prepared)
     seen = (t >= start) & (t <= end)
-    panel.trace(ax, t[seen], prepared.force[seen], DATA, log=not hold_only, label="measured")
+    unit, scale = unit_of(prepared.force, "N")
+    data = scale * prepared.force[seen]
+    panel.trace(ax, t[seen], data, DATA, log=not hold_only, label="measured")
     for one in shown:
         when, force = fitted_force(one, prepared)
         drawn = (when >= start) & (when <= end)
         pen = pen_of_arms(one.model.arms, chosen.model.arms)
-        panel.trace(ax, when[drawn], force[drawn], pen, log=not hold_only, label=name_of(one))
+        curve = scale * force[drawn]
+        panel.trace(ax, when[drawn], curve, pen, log=not hold_only, label=name_of(one))
     panel.segments(ax, _bounds(prepared))
     ax.set_xlim(start, end)
-    ax.set_ylim(*panel.outer_limits(prepared.force[seen]))
+    ax.set_ylim(*panel.outer_limits(data))
+    dress(ax, y=f"force, {unit}")
     if not hold_only:
         log_axis(ax, "x")
 
@@ -132,19 +141,23 @@ def draw_residual(
     """Measured less fitted force against log time; of `others` only the mean of each bin."""
     start, end = _log_start(prepared), prepared.hold_end - prepared.onset
     when, left = _left(one, prepared)
+    unit, scale = unit_of(left, "N")
     pen = pen_of_arms(one.model.arms, chosen.model.arms)
-    panel.residual(ax, when, left, pen, noise=prepared.force_noise, what=short_name_of(one))
-    seen = [1e3 * left]
+    panel.residual(
+        ax, when, scale * left, pen, noise=scale * prepared.force_noise, unit=unit,
+        what=short_name_of(one),
+    )  # fmt: skip
+    seen = [scale * left]
     for other in others:
         x, y = means(*_left(other, prepared), log=True)
         pen = pen_of_arms(other.model.arms, chosen.model.arms)
-        panel.trace(ax, x, 1e3 * y, pen, log=True)
-        seen.append(1e3 * y)
+        panel.trace(ax, x, scale * y, pen, log=True)
+        seen.append(scale * y)
     panel.segments(ax, _bounds(prepared))
     ax.set_ylim(*panel.outer_limits(*seen, margin=0.08))
     ax.set_xlim(start, end)
     log_axis(ax, "x")
-    note(ax, f"RMS {_milli(one.residual.rms)} mN", (0.995, 0.95), ha="right")
+    note(ax, f"RMS {_rms(one.residual.rms)}", (0.995, 0.95), ha="right")
 
 
 def _left(one: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
@@ -212,7 +225,10 @@ def _bounds(prepared: RampHold) -> tuple[float, float, float]:
 
 def _log_start(prepared: RampHold) -> float:
     """Where log time begins: a tenth of the ramp, but not between two samples."""
-    step = float(np.median(np.diff(prepared.time)))
+    near = (prepared.time >= prepared.onset) & (prepared.time <= prepared.ramp_end)
+    # sampling may slow down during the hold: the ramp's own steps count
+    steps = np.diff(prepared.time[near] if near.sum() > 1 else prepared.time)
+    step = float(np.median(steps))
     start = max(0.1 * prepared.ramp_time, 2 * step)
     digit = 10.0 ** np.floor(np.log10(start))
     return float(digit * np.floor(start / digit + 1e-9))
@@ -225,6 +241,7 @@ def _zoom(ax: Axes, t: FloatArray, values: FloatArray, prepared: RampHold) -> No
     panel.segments(ax, _bounds(prepared), before=low)
     panel.trace(ax, t[seen], values[seen], MEASURED)
     ax.set_xlim(low, high)
+    ax.locator_params(axis="x", nbins=6)
 
 
 def _hold(ax: Axes, t: FloatArray, values: FloatArray, prepared: RampHold) -> None:
@@ -237,14 +254,15 @@ def _hold(ax: Axes, t: FloatArray, values: FloatArray, prepared: RampHold) -> No
 
 
 def _name_segments(ramp: Axes, hold: Axes, prepared: RampHold) -> None:
-    top = 1e3 * prepared.depth
+    word, factor = unit_of(prepared.displacement, "m")
+    top = factor * prepared.depth
     low, _ = ramp.get_xlim()
     c = prepared.ramp_time
     middle = float(np.sqrt(c * (prepared.hold_end - prepared.onset)))
     words = [
         (ramp, 0.72 * c, 0.22 * top, f"ramp\n{c:.3g} s"),
         (ramp, 1.5 * c, 0.5 * top, "hold"),
-        (hold, middle, 0.5 * top, f"hold\n{prepared.hold_time:.3g} s at {top:.3g} mm"),
+        (hold, middle, 0.5 * top, f"hold\n{prepared.hold_time:.3g} s at {top:.3g} {word}"),
     ]
     if low < -0.2 * c:
         words.append((ramp, low / 2, 0.5 * top, "baseline"))
@@ -254,15 +272,18 @@ def _name_segments(ramp: Axes, hold: Axes, prepared: RampHold) -> None:
 
 def _say_force(ax: Axes, prepared: RampHold) -> None:
     held = prepared.force[prepared.hold]
+    word, factor = unit_of(held, "N")
     peak, last = float(np.max(held)), float(np.mean(held[-max(1, len(held) // 100) :]))
     note(
         ax,
-        f"highest {peak:.3g} N, last {last:.3g} N: {100 * (1 - last / peak):.0f} % relaxed",
+        f"highest {factor * peak:.3g} {word}, last {factor * last:.3g} {word}: "
+        f"{100 * (1 - last / peak):.0f} % relaxed",
         (0.97, 0.06),
         ha="right",
         va="bottom",
     )
 
 
-def _milli(newton: float) -> str:
-    return f"{1e3 * newton:.3g}"
+def _rms(newton: float) -> str:
+    word, factor = unit_of(np.array([newton]), "N")
+    return f"{factor * newton:.3g} {word}"

@@ -36,21 +36,21 @@ def residual(
     pen: Pen,
     *,
     noise: float,
+    unit: str,
     what: str,
 ) -> None:
-    """Residuals in mN against log time: every excursion pale, the mean of each bin in ink.
+    """Residuals against log time: every excursion pale, the mean of each bin in ink.
 
-    On the right the same in units of the noise's standard deviation, N, if it is known.
+    On the right the same in standard deviations of the noise, `noise` in `unit`, if it is known.
     """
-    x, y = extremes(time, 1e3 * values, log=True)
+    x, y = extremes(time, values, log=True)
     ax.plot(x, y, color=PALE, linewidth=0.5, zorder=1)
-    x, y = means(time, 1e3 * values, log=True)
+    x, y = means(time, values, log=True)
     ax.plot(x, y, color=pen.color, linestyle="-", linewidth=pen.width, zorder=3)
     ax.axhline(0.0, color=GREY, linewidth=0.5, zorder=2)
-    dress(ax, y=f"{what}\nresidual, mN")
+    dress(ax, y=f"{what}\nresidual, {unit}")
     if noise > 0:
-        unit = 1e3 * noise
-        right_axis(ax, "in noise SD", lambda y: y / unit, lambda y: y * unit)
+        right_axis(ax, "in noise SD", lambda y: y / noise, lambda y: y * noise)
 
 
 def segments(ax: Axes, bounds: tuple[float, float, float], *, before: float | None = None) -> None:
