@@ -436,3 +436,64 @@ def test_text_loads_no_heavy_library(tmp_path: Path) -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_lvm_without_a_step_takes_the_rate(tmp_path: Path) -> None:
+    path = tmp_path / "hits.lvm"
+    path.write_text("".join(row for row in lvm().splitlines(True) if "Delta_X" not in row))
+    with pytest.raises(ReadError, match="no column of time and no Delta_X; give the rate"):
+        read_impact(path)
+    assert [q.option for q in inspect_file(path).questions] == ["--rate RATE"]
+    assert read_impact(path, options=ReadOptions(rate=1000.0)).rate == pytest.approx(1000.0)
+
+
+# UFF
+def uff(path: Path, *, labels: tuple[str, str], length: float | None) -> None:
+    """A hammer and an accelerometer as time records, with or without dataset 164."""
+    import pyuff
+
+    common = {
+        "type": 58, "binary": 0, "func_type": 1, "x": 1e-3 * np.arange(30), "rsp_node": 1,
+        "rsp_dir": 3, "ref_node": 1, "ref_dir": 3, "abscissa_spec_data_type": 17,
+        "abscissa_axis_lab": "Time", "abscissa_axis_units_lab": "s",
+        "orddenom_spec_data_type": 0, "z_axis_spec_data_type": 0, "ord_data_type": 4,
+        "num_pts": 30, "abscissa_spacing": 1, "abscissa_min": 0.0, "abscissa_inc": 1e-3,
+        "id1": "hit", "id2": "NONE", "id3": "NONE", "id4": "NONE", "id5": "NONE",
+    }  # fmt: skip
+    sets = []
+    if length is not None:
+        sets.append(
+            pyuff.prepare_164(units_code=9, units_description="user", temp_mode=1, length=length,
+                              force=1.0, temp=1.0, temp_offset=0.0)
+        )  # fmt: skip
+    for name, kind, label in (("hammer", 13, labels[0]), ("response", 12, labels[1])):
+        sets.append(
+            {**common, "data": np.arange(30.0), "ordinate_spec_data_type": kind,
+             "ordinate_axis_lab": name, "ordinate_axis_units_lab": label}
+        )  # fmt: skip
+    pyuff.UFF(str(path)).write_sets(sets, mode="overwrite")
+
+
+@pytest.mark.parametrize(
+    ("labels", "length", "factor"),
+    [
+        (("N", "m/s^2"), None, 1.0),
+        (("N", "g"), None, 9.80665),
+        (("NONE", "NONE"), 1.0, 1.0),
+        (("NONE", "NONE"), 1000.0, 1e-3),  # dataset 164 says millimetres
+    ],
+)
+def test_uff_units(
+    tmp_path: Path, labels: tuple[str, str], length: float | None, factor: float
+) -> None:
+    uff(tmp_path / "a.uff", labels=labels, length=length)
+    test = read_impact(tmp_path / "a.uff")
+    np.testing.assert_allclose(test.acceleration[0], factor * np.arange(30.0))
+    np.testing.assert_allclose(test.force, np.arange(30.0))
+    assert test.channels == ("response",)
+
+
+def test_uff_without_units_asks(tmp_path: Path) -> None:
+    uff(tmp_path / "a.uff", labels=("NONE", "NONE"), length=None)
+    with pytest.raises(ReadError, match=r"'hammer' \(force\) has no unit"):
+        read_impact(tmp_path / "a.uff")

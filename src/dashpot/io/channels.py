@@ -13,8 +13,8 @@ from dashpot.io.formats import read_table
 from dashpot.io.kinds import cycle_peaks, kind_of
 from dashpot.io.opening import Raw
 from dashpot.io.options import ReadOptions
-from dashpot.io.roles import Assigned, Question, assign, list_columns, quoted, unit_for
-from dashpot.io.table import Loaded, Table
+from dashpot.io.roles import Assigned, assign, list_columns, quoted, unit_for
+from dashpot.io.table import Loaded, Question, Table
 from dashpot.io.vocabulary import Role
 from dashpot.provenance import Source
 from dashpot.units import Unit
@@ -43,7 +43,7 @@ def test_table(raw: Raw, options: ReadOptions) -> Table:
     """
     table = read_table(raw, options)
     if table.doubts:
-        raise ReadError(f"{raw.name}: {table.doubts[0]}")
+        raise ReadError(f"{raw.name}: {table.doubts[0].says}")
     peaks = cycle_peaks(table)
     if peaks and not (options.force or options.displacement or options.acceleration):
         raise ReadError(f"{raw.name} is not a test: {peaks}")

@@ -15,8 +15,8 @@ from dashpot.io.inspection import InspectedColumn, Inspection, Segment
 from dashpot.io.kinds import kind_of
 from dashpot.io.opening import open_raw
 from dashpot.io.options import ReadOptions
-from dashpot.io.roles import Assigned, Question, accelerations, assign, unit_for
-from dashpot.io.table import Loaded, Table
+from dashpot.io.roles import Assigned, accelerations, assign, unit_for
+from dashpot.io.table import Loaded, Question, Table
 from dashpot.io.vocabulary import Role
 
 _ROLES: dict[str, tuple[Role, ...]] = {
@@ -43,12 +43,11 @@ def inspect_file(path: str | Path, *, options: ReadOptions | None = None) -> Ins
     table = read_table(raw, options)
     kind, reason = kind_of(table, options)
     roles, questions = _proposal(table, kind, options)
-    doubts = tuple(Question(says, "--decimal") for says in table.doubts)
     numbers = [i for i, c in enumerate(table.columns) if c.content in {"number", "clock"}]
     loaded = channels.load(table, numbers, options, raw.name)
     by_index = {i: loaded.values[:, j] for j, i in enumerate(numbers)}
     time = _time(table, by_index, roles, options, len(loaded.values))
-    rate, even, duration = _sampling(time)
+    rate, even, duration = _sampling(time, loaded.starts)
     warnings = [*table.notes, *loaded.notes]
     if time is not None:
         warnings += cleaning.clock_notes(time[np.isfinite(time)])
@@ -60,7 +59,7 @@ def inspect_file(path: str | Path, *, options: ReadOptions | None = None) -> Ins
         encoding=table.encoding, delimiter=table.delimiter, decimal=table.decimal,
         header=table.header, columns=_columns(table, by_index, roles), rows=len(loaded.values),
         rate=rate, even=even, duration=duration, segments=_segments(loaded, time),
-        warnings=tuple(warnings), questions=(*doubts, *questions), simulated=table.simulated,
+        warnings=tuple(warnings), questions=(*table.doubts, *questions), simulated=table.simulated,
     )  # fmt: skip
 
 
@@ -127,16 +126,21 @@ def _time(
     return channels.si(by_index[index].copy(), unit)
 
 
-def _sampling(time: FloatArray | None) -> tuple[float | None, bool, float | None]:
-    """Median rate, whether it is even, and duration."""
-    known = time[np.isfinite(time)] if time is not None else np.empty(0)
-    steps = np.diff(known)
+def _sampling(
+    time: FloatArray | None, starts: tuple[int, ...]
+) -> tuple[float | None, bool, float | None]:
+    """Median rate, whether each segment is evenly sampled, and duration."""
+    if time is None:
+        return None, True, None
+    steps = np.diff(time)
+    steps[[start - 1 for start in starts[1:]]] = np.nan
+    steps = steps[np.isfinite(steps)]
     forward = steps[steps > 0]
     if forward.size == 0:
         return None, True, None
     step = float(np.median(forward))
     even = bool(np.abs(steps - step).max() <= 0.2 * step)
-    return 1 / step, even, float(known.max() - known.min())
+    return 1 / step, even, float(np.nanmax(time) - np.nanmin(time))
 
 
 def _segments(loaded: Loaded, time: FloatArray | None) -> tuple[Segment, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-from dashpot.io.roles import Question
+from dashpot.io.table import Question
 
 FileKind: TypeAlias = Literal["relaxation", "impact", "frf", "dma", "not-a-test", "unclear"]
 

@@ -19,7 +19,7 @@ from dashpot.io.header import part_unit
 from dashpot.io.opening import Raw
 from dashpot.io.options import ReadOptions
 from dashpot.io.rows import load_rows
-from dashpot.io.table import Column, Content, Loaded, Table
+from dashpot.io.table import Column, Content, Loaded, Question, Table
 
 _HEAD = 1 << 20
 _SURE = 1e-4
@@ -76,9 +76,9 @@ def read(raw: Raw, options: ReadOptions) -> Table:
     if not any(i not in clocks for i in dialect.numbers):
         raise ReadError(f"{raw.name}: no rows of numbers under the LVM header")
     columns = _columns(names, clocks, segments[0], dialect.contents)
-    hints, doubts = _rate(segments[0], counted)
+    notes, doubts = _rate(segments[0], counted)
     if len(set(segments[0].step[: len(columns)])) > 1 and _unlike(segments[0]):
-        doubts = ("channels have different Delta_X; export them at one rate",)
+        raise ReadError(f"{raw.name}: channels have different Delta_X; export them at one rate")
 
     def load(indexes: Sequence[int]) -> Loaded:
         blocks = decoded(raw.blocks(), encoding, raw.name)
@@ -87,7 +87,7 @@ def read(raw: Raw, options: ReadOptions) -> Table:
         loaded = _stacked(load_rows(blocks, dialect, read_for, name=raw.name), segments)
         if not (counted and 0 in indexes):
             return loaded
-        time = _counted(loaded, segments, raw.name)
+        time = _counted(loaded, segments)
         stack = [time if i == 0 else loaded.values[:, wanted.index(i)] for i in indexes]
         return replace(loaded, values=np.column_stack(stack))
 
@@ -99,9 +99,9 @@ def read(raw: Raw, options: ReadOptions) -> Table:
         delimiter="comma" if sign == "," else "tab",
         decimal="comma" if mark == "," else "point",
         header=tuple(line for line in lines[: ends[1]] if line.strip()),
-        notes=tuple(hints),
+        notes=() if options.rate is not None else tuple(notes),
         simulated=any("simulated" in line.casefold() for line in lines[: ends[1]]),
-        doubts=doubts,
+        doubts=() if options.rate is not None else doubts,
     )
 
 
@@ -201,12 +201,13 @@ def _columns(
     return columns
 
 
-def _rate(segment: _Segment, counted: bool) -> tuple[list[str], tuple[str, ...]]:
+def _rate(segment: _Segment, counted: bool) -> tuple[list[str], tuple[Question, ...]]:
     """A note where the step is printed with so few digits that the rate is uncertain."""
     if not counted:
         return [], ()
     if not segment.step or segment.step[0] <= 0:
-        return [], ("there is no column of time and no Delta_X; give the rate, --rate 1000Hz",)
+        says = "there is no column of time and no Delta_X; give the rate, --rate 1000Hz"
+        return [], (Question(says, "--rate RATE"),)
     rate = 1 / segment.step[0]
     doubt = segment.half_digit / segment.step[0]
     if doubt < _SURE or abs(rate - round(rate)) < 1e-6 * rate:
@@ -244,17 +245,15 @@ def _stacked(loaded: Loaded, segments: Sequence[_Segment]) -> Loaded:
     return replace(loaded, starts=tuple(starts), segments=tuple(names), notes=tuple(notes))
 
 
-def _counted(loaded: Loaded, segments: Sequence[_Segment], file: str) -> FloatArray:
+def _counted(loaded: Loaded, segments: Sequence[_Segment]) -> FloatArray:
     """Time of every row, from X0 and Delta_X of its segment."""
     time = np.empty(len(loaded.values))
     stops = (*loaded.starts[1:], len(loaded.values))
     for k, (start, stop) in enumerate(zip(loaded.starts, stops, strict=True)):
         segment = segments[min(k, len(segments) - 1)]
         if not segment.step:
-            raise ReadError(
-                f"{file}: segment {k + 1} has neither a column of time nor a Delta_X; give the "
-                "rate, --rate 1000Hz"
-            )
+            time[start:stop] = np.nan  # asked for before it is used
+            continue
         origin = segment.start[0] if segment.start else 0.0
         time[start:stop] = origin + segment.step[0] * np.arange(stop - start)
     return time

@@ -10,7 +10,7 @@ from dashpot import units
 from dashpot.errors import DataError, ReadError
 from dashpot.io import vocabulary
 from dashpot.io.options import ReadOptions
-from dashpot.io.table import Column, Table
+from dashpot.io.table import Column, Question, Table
 from dashpot.io.vocabulary import DIMENSION, Role
 from dashpot.units import Dimension, Unit
 
@@ -33,14 +33,6 @@ class Assigned:
     reason: str
     score: float = 0.0
     rivals: tuple[int, ...] = ()
-
-
-@dataclass(frozen=True)
-class Question:
-    """What a file leaves open, and the option that answers it."""
-
-    says: str
-    option: str
 
 
 def assign(table: Table, role: Role, options: ReadOptions) -> Assigned | Question:

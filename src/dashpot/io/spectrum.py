@@ -15,8 +15,8 @@ from dashpot.io.formats import read_table
 from dashpot.io.kinds import kind_of
 from dashpot.io.opening import Raw, open_raw
 from dashpot.io.options import ReadOptions
-from dashpot.io.roles import Assigned, Question, assign, list_columns, unit_for
-from dashpot.io.table import Table
+from dashpot.io.roles import Assigned, assign, list_columns, unit_for
+from dashpot.io.table import Question, Table
 from dashpot.io.vocabulary import Role
 from dashpot.provenance import Source
 from dashpot.relaxation.dynamic import DynamicTest
@@ -46,7 +46,7 @@ def read_frf(path: str | Path, *, options: ReadOptions | None = None) -> FRF:
     raw = open_raw(path)
     table = read_table(raw, options)
     if table.doubts:
-        raise ReadError(f"{raw.name}: {table.doubts[0]}")
+        raise ReadError(f"{raw.name}: {table.doubts[0].says}")
     index = {role: _maybe(table, role, options) for role in _FRF_ROLES}
     cartesian = index["real"] is not None and index["imaginary"] is not None
     polar = index["magnitude"] is not None and index["phase"] is not None
@@ -182,7 +182,7 @@ def read_dynamic(
     raw = open_raw(path)
     table = read_table(raw, options)
     if table.doubts:
-        raise ReadError(f"{raw.name}: {table.doubts[0]}")
+        raise ReadError(f"{raw.name}: {table.doubts[0].says}")
     roles: tuple[Role, ...] = ("frequency", "storage", "loss")
     found = {role: assign(table, role, options) for role in roles}
     asked = [answer.says for answer in found.values() if isinstance(answer, Question)]

@@ -13,6 +13,14 @@ Content: TypeAlias = Literal["number", "clock", "text", "blank"]
 
 
 @dataclass(frozen=True)
+class Question:
+    """What a file leaves open, and the option that answers it."""
+
+    says: str
+    option: str
+
+
+@dataclass(frozen=True)
 class Column:
     """One column: its name as found ("" if none), its unit as found (None if none)."""
 
@@ -72,8 +80,8 @@ class Table:
     header: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     simulated: bool = False
-    doubts: tuple[str, ...] = ()
-    """Questions that must be answered before the numbers can be trusted, each with its option."""
+    doubts: tuple[Question, ...] = ()
+    """What must be answered before the numbers can be trusted."""
     hints: tuple[str, ...] = ()
     """What the file says about a sampling rate, for when it has no time."""
 

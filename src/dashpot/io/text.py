@@ -13,7 +13,7 @@ from dashpot.io.header import name_columns
 from dashpot.io.opening import Raw
 from dashpot.io.options import ReadOptions
 from dashpot.io.rows import load_rows, title
-from dashpot.io.table import Loaded, Table
+from dashpot.io.table import Loaded, Question, Table
 
 _HEADS = (1 << 16, 1 << 20, 1 << 24)
 _LARGE = 1 << 28
@@ -80,10 +80,11 @@ def _table(
     example = ambiguous_commas(lines[dialect.first :], dialect) if options.decimal is None else None
     if example is not None:
         whole = example.replace(",", "")
-        doubts.append(
+        says = (
             f"numbers such as '{example}' can mean {example.replace(',', '.')} or {whole}; "
             f'say which with --decimal "," ({example.replace(",", ".")}) or --decimal "." ({whole})'
         )
+        doubts.append(Question(says, "--decimal MARK"))
     if dialect.mark == ".,":
         notes.append("decimal points and decimal commas are mixed; both are read as decimal marks")
     if raw.size > _LARGE:

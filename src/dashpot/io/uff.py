@@ -13,15 +13,13 @@ from dashpot.errors import ReadError
 from dashpot.io.foreign import extra
 from dashpot.io.opening import Raw
 from dashpot.io.options import ReadOptions
-from dashpot.io.table import Column, Table, in_memory
+from dashpot.io.table import Column, Question, Table, in_memory
 
 TIME, FRF_, COHERENCE = 1, 4, 6
 """Function types of dataset 58."""
 _PSD = 9
-_QUANTITY = {  # specific data type -> exponents of length and force, and of 1/s
-    8: ("m", 0), 11: ("m/s", 0), 12: ("m/s^2", 0), 9: ("N", 1), 13: ("N", 1), 17: ("s", None),
-    18: ("Hz", None),
-}  # fmt: skip
+_QUANTITY = {8: "m", 11: "m/s", 12: "m/s^2", 9: "N", 13: "N", 17: "s", 18: "Hz"}
+"""SI unit by the specific data type of an axis."""
 _BLANK = {"", "NONE", "NULL"}
 
 
@@ -80,14 +78,15 @@ def _frf(
     options: ReadOptions,
     notes: list[str],
 ) -> Table:
-    doubts: tuple[str, ...] = ()
+    doubts: tuple[Question, ...] = ()
     if options.segment is not None and options.segment > len(frfs):
         raise ReadError(
             f"{raw.name}: --segment {options.segment}, but the file has {len(frfs)} FRFs"
         )
     if options.segment is None and len(frfs) > 1:
         listed = ", ".join(f"{i + 1} {_title(entry)}" for i, entry in enumerate(frfs[:8]))
-        doubts = (f"{len(frfs)} FRFs in the file: {listed}; choose one, for example --segment 1",)
+        says = f"{len(frfs)} FRFs in the file: {listed}; choose one, for example --segment 1"
+        doubts = (Question(says, "--segment NUMBER"),)
     one = frfs[(options.segment or 1) - 1]
     unit = _label(one["ordinate_axis_units_lab"]) or _from_164(one, "ordinate", units)
     below = _label(one["orddenom_axis_units_lab"]) or _from_164(one, "orddenom", units)
@@ -103,9 +102,7 @@ def _frf(
         if same and len(columns) == 3:
             columns.append(Column("coherence", "1"))
             values.append(np.real(entry["data"]))
-    comments = tuple(f"# {one[key]}" for key in ("id1", "id2", "id3", "id4", "id5"))
-    table = _table(columns, values, "UFF 58", notes, comments)
-    return _with_doubts(table, doubts)
+    return _table(columns, values, one, notes, doubts)
 
 
 def _timed(
@@ -129,31 +126,26 @@ def _timed(
         name += " (PSD)" if entry["func_type"] == _PSD else ""
         columns.append(Column(name, unit, unit_from="file"))
         values.append(np.real(np.asarray(entry["data"])).astype(float))
-    comments = tuple(f"# {first[key]}" for key in ("id1", "id2", "id3", "id4", "id5"))
-    return _table(columns, values, "UFF 58", notes, comments)
+    return _table(columns, values, first, notes)
 
 
 def _table(
     columns: Sequence[Column],
     values: Sequence[FloatArray],
-    format_: str,
+    entry: dict[str, Any],
     notes: Sequence[str],
-    comments: tuple[str, ...],
+    doubts: tuple[Question, ...] = (),
 ) -> Table:
+    comments = tuple(f"# {entry[key]}" for key in ("id1", "id2", "id3", "id4", "id5"))
     return Table(
-        format=format_,
+        format="UFF 58",
+        doubts=doubts,
         columns=tuple(columns),
         load=in_memory(np.column_stack(values)),
         notes=tuple(notes),
         header=comments,
         simulated=any("simulated" in comment.casefold() for comment in comments),
     )
-
-
-def _with_doubts(table: Table, doubts: tuple[str, ...]) -> Table:
-    from dataclasses import replace
-
-    return replace(table, doubts=doubts)
 
 
 def _title(entry: dict[str, Any]) -> str:
@@ -178,7 +170,7 @@ def _from_164(entry: dict[str, Any], axis: str, units: dict[str, Any] | None) ->
     kind = int(entry.get(f"{axis}_spec_data_type", 0) or 0)
     if units is None or kind not in _QUANTITY:
         return None
-    word, _ = _QUANTITY[kind]
+    word = _QUANTITY[kind]
     length, force = float(units.get("length", 1.0)), float(units.get("force", 1.0))
     if word == "N":
         return {1.0: "N", 1000.0: "mN", 1e-3: "kN"}.get(force)
