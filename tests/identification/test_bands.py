@@ -147,6 +147,8 @@ def test_what_cannot_be_is_refused(broad_fit: Fit, broad_test: RampHold) -> None
         unseen_arm_band(broad_fit, broad_test, [0.0, 1.0])
     with pytest.raises(DataError, match="expected a coverage between 0 and 1"):
         parameter_band(broad_fit, [1.0], level=95)
+    with pytest.raises(DataError, match="the fit of that test"):
+        unseen_arm_band(replace(broad_fit, method="joint"), broad_test, [1.0])
     with pytest.raises(DataError, match="no relaxation test"):
         unseen_arm_band(broad_fit, [], [1.0])
     with pytest.raises(DataError, match="mass = 0"):

@@ -223,6 +223,11 @@ def _spectra(
     records = (tests,) if isinstance(tests, RampHold) else tuple(tests)
     if not records:
         raise DataError("no relaxation test: the unseen arms are those that such a test misses")
+    if fit.method not in {"full", "hold"}:
+        raise DataError(
+            f"the fit's method is {fit.method!r}: the unseen arms are bounded by the noise of the "
+            "relaxation test alone; give the fit of that test"
+        )
     benches = [bench_of(record, fit) for record in records]
     return Spectra(benches, fastest=fastest, limit=t_quantile(level, fit.dof) ** 2)
 

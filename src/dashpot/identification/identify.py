@@ -130,7 +130,8 @@ def _benches(records: Sequence[RampHold], fit: Fit | None) -> tuple[Fit | None, 
     from dashpot.relaxation.fitting import fit as fit_tests
 
     before = fit if fit is not None else fit_tests(list(records))
-    alone = [before] if len(records) == 1 else [fit_tests(record) for record in records]
+    told = len(records) == 1 and before.method in {"full", "hold"}
+    alone = [before] if told else [fit_tests(record) for record in records]
     return before, tuple(
         bench_of(record, before, noise=own.residual)
         for record, own in zip(records, alone, strict=True)

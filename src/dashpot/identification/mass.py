@@ -45,4 +45,4 @@ def infer_mass(model: GeneralizedMaxwell, frf: FRF) -> tuple[float, float]:
     mass = float((np.conj(slope) * u[1]).real / slope.real) if slope.real != 0 else 0.0
     if not (np.isfinite(mass) and mass > 0):
         raise DataError(f"no mass puts a peak of this model at {peak.frequency:.4g} Hz; give mass=")
-    return mass, 2 * mass * peak.frequency_se / peak.frequency
+    return mass, float(2 * mass * peak.frequency_se / peak.frequency)

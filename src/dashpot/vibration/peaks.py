@@ -149,12 +149,12 @@ def _parabola(s: ComplexArray, stiffness: ComplexArray, sd: FloatArray | None, f
     return Peak(
         frequency=peak / (2 * np.pi),
         height=top,
-        damping_ratio=sigma / abs(pole),
+        damping_ratio=float(sigma / abs(pole)),
         frequency_se=float(np.sqrt(variance))
         * _wander(c, spread, peak, centre, scale)
         / (2 * np.pi),
-        damping_se=error / peak,
-        half_power_lines=abs(sigma) / np.pi / step,
+        damping_se=float(error / peak),
+        half_power_lines=float(abs(sigma) / np.pi / step),
         decay=0.0 if frf.record is None else float(np.exp(-(sigma + frf.shift) * frf.record)),
     )
 
