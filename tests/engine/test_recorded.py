@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from dashpot.engine.blocks import Evaluation
 from dashpot.engine.certificate import certificate
 from dashpot.engine.correlation import CorrelationBlock
 from dashpot.engine.recorded import arm_columns, recorded_block
@@ -169,12 +170,55 @@ def test_any_grid_and_weights_take_the_recursion() -> None:
     assert orders[1].sse == pytest.approx(found.sse, rel=1e-9)
 
 
-def test_a_record_that_starts_loaded_takes_the_recursion() -> None:
+def jittered(count: int, history: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A long record on a clock of its own, its displacement, and weights."""
+    time = np.sort(GENERATOR.uniform(0, 40, count))
+    x = np.interp(time, TIME, HISTORIES[history]) + 1e-3
+    return time, x, np.where(time < 10, 1 / 2e-3, 1 / 2e-2)
+
+
+@pytest.mark.parametrize("history", HISTORIES)
+@pytest.mark.parametrize("arms", [1, 2, 3, 4])
+def test_reduced_optimum_is_the_full_optimum(history: str, arms: int) -> None:
+    time, x, weights = jittered(5000, history)
+    force = force_of(x, arms, sd=0.0, time=time) + GENERATOR.standard_normal(5000) / weights
+    block = recorded_block(time, x, force, offset="offset", weights=weights, window=slice(40, 4900))
+    assert len(block.evaluate(np.zeros(1)).target) < 120
+    assert block.samples == block.exact.samples == 4860
+    found = solve([block], arms)
+    full = solve([block.exact], arms, log_tau_start=found.log_tau)
+    assert found.sse == pytest.approx(full.sse, rel=1e-10)
+    np.testing.assert_allclose(found.log_tau, full.log_tau, atol=1e-8)
+    np.testing.assert_allclose(found.arms, full.arms, rtol=1e-8)
+
+
+@given(log_tau=st.lists(st.floats(np.log(0.02), np.log(300)), min_size=2, max_size=2, unique=True))
+@settings(max_examples=15, deadline=None)
+def test_reduced_columns_are_those_of_every_sample(log_tau: list[float]) -> None:
+    time, x, weights = jittered(3000, "steps and chirp")
+    block = recorded_block(time, x, force_of(x, 2, time=time), weights=weights)
+
+    def gram(rows: Evaluation, floor: float) -> np.ndarray:
+        every = np.column_stack((rows.fixed, rows.arms, rows.d_arms, rows.target))
+        product = every.T @ every
+        product[-1, -1] += floor
+        return product
+
+    at = np.array(log_tau)
+    full = gram(block.exact.evaluate(at), 0.0)
+    scale = np.sqrt(np.diagonal(full))
+    difference = gram(block.evaluate(at), block.floor) - full
+    assert np.abs(difference / scale / scale[:, None]).max() < 1e-10
+
+
+def test_a_record_that_starts_loaded_is_reduced_too() -> None:
     x = HISTORIES["steps and chirp"] + 1e-3
     block = recorded_block(TIME, x, force_of(x, 2))
-    assert block.exact is block
+    assert not isinstance(block, CorrelationBlock)
     orders = solve_orders([block], 2)
     np.testing.assert_allclose(orders[1].tau, [0.5021, 16.416], rtol=0.1)
+    full = solve([block.exact], 2, log_tau_start=orders[1].log_tau)
+    assert orders[1].sse == pytest.approx(full.sse, rel=1e-10)
 
 
 def test_exact_data_come_back_to_ten_digits_and_no_further_arm() -> None:

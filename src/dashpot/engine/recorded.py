@@ -20,7 +20,11 @@ from dashpot.engine.blocks import Block, DesignBlock
 from dashpot.engine.compression import SMALL, uniform_step
 from dashpot.engine.correlation import correlation_block
 from dashpot.engine.holds import window_of
+from dashpot.engine.reduction import reduced_block
 from dashpot.errors import DataError
+
+#: samples from which the recursion is worth reducing
+LONG = 2000
 
 
 def recorded_block(
@@ -39,7 +43,8 @@ def recorded_block(
 
     .. math:: F_i = k_\infty x_i + \sum_j k_j q_j(t_i) + F_0 + \dot F (t_i - t_w)
 
-    The form is chosen by the record: correlation on a uniform grid, recursion otherwise.
+    The form is chosen by the record: correlation on a uniform grid, recursion otherwise, reduced
+    (:mod:`dashpot.engine.reduction`) if it is long.
 
     Parameters
     ----------
@@ -74,7 +79,7 @@ def recorded_block(
     )
     step = uniform_step(time)
     if weights is not None or x[0] != 0 or len(time) <= SMALL or step is None:
-        return exact
+        return exact if stop - start < LONG else reduced_block(exact)
     return correlation_block(exact, time, x, start=start, stop=stop)
 
 
