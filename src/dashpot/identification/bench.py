@@ -129,6 +129,8 @@ def bench_of(test: RampHold, fit: Fit, *, noise: Residual | None = None) -> Benc
         return Bench(compressed((test,), Design("hold"))[0], weight, noise.kappa, {})
     x, left = true_motion(test)
     clock = test.time[: len(x)]
+    if isinstance(compressed((test,), Design("full"))[0], CorrelationBlock):
+        clock = np.linspace(clock[0], clock[-1], len(clock))  # even, but for its last digits
     time = clock - clock[0]
     block = recorded_block(time, x - x[0], test.force[: len(x)], offset="offset", drift="drift")
     motions: dict[str, BoolArray] = {}
