@@ -407,6 +407,16 @@ def test_too_few_samples_for_the_arms(paper_seal: GeneralizedMaxwell) -> None:
         fit(test, arms=6)
 
 
+def test_auto_tries_no_more_than_a_short_record_can_determine(
+    paper_seal: GeneralizedMaxwell,
+) -> None:
+    for hold in (7.0, 9.0, 12.0):
+        found = fit(ideal(paper_seal, rate=1.0, hold=hold))
+        assert len(found.orders) <= 1 + (found.residual.n - 4) // 2
+    dense = fit(ideal(paper_seal, rate=1.0, hold=12.0), arms=5)
+    assert dense.status is not Status.CONVERGED
+
+
 def test_eq_5_is_refused_on_a_hold_that_drifts(paper_seal: GeneralizedMaxwell) -> None:
     test = ideal(paper_seal)
     creeping = replace(test, displacement=test.displacement * (1 + 5e-4 * test.time.clip(0)))

@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 
 from dashpot.engine.blocks import Block
+from dashpot.engine.descent import Stack
 from dashpot.engine.order import choose
 from dashpot.engine.separable import solve, solve_orders
 from dashpot.errors import FitError
@@ -90,6 +91,8 @@ def fit(
     peak = max(float(np.abs(record.force).max()) for record in records)
     blocks = compressed(records, design)
     samples = every_sample(records, design, blocks)
+    if arms == "auto":
+        most = min(most, _determinable(blocks))
     trial = _tried(blocks, samples, most, peak=peak, thorough=thorough)
     choice = choose(
         range(len(trial)),
@@ -141,6 +144,12 @@ def _most_arms(arms: object, max_arms: object) -> int:
 def _whole(number: object) -> bool:
     whole = isinstance(number, int | np.integer) and not isinstance(number, bool)
     return whole and number >= 0  # type: ignore[operator]
+
+
+def _determinable(blocks: Sequence[Block]) -> int:
+    """Return how many arms the samples could determine at all."""
+    stack = Stack(blocks)
+    return max(0, (stack.samples - len(stack.names) - 1) // (1 + len(stack.groups)))
 
 
 def _checked_method(records: Sequence[RampHold], method: str) -> None:

@@ -86,7 +86,8 @@ def all_checks(
 
 def _by_eq5(records: Sequence[RampHold], arms: int) -> GeneralizedMaxwell | None:
     """Return what eq. 5 on the holds says with as many arms, where it applies."""
-    if any(eq5_obstacle(record) is not None for record in records):
+    held = sum(len(record.time[record.hold]) for record in records)
+    if held <= 1 + 2 * arms or any(eq5_obstacle(record) is not None for record in records):
         return None
     return solid_of(solve(compressed(records, Design("hold")), arms), "")
 
