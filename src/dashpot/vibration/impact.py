@@ -89,6 +89,8 @@ def estimate_frf(
     ISO 7626-5:2019; D. J. Ewins, *Modal Testing*; paper, "Experimental setup".
     """
     tests = (tests,) if isinstance(tests, ImpactTest) else tuple(tests)
+    if mass is not None and not (np.isfinite(mass) and mass > 0):
+        raise DataError(f"mass = {mass!r} kg; expected a number > 0")
     force, exponential, end = parse_window(window)
     blows = cut_blows(tests, record=record, pretrigger=pretrigger)
     taken = _taken(blows, [judge(blow) for blow in blows], accept, reject)
@@ -108,7 +110,10 @@ def estimate_frf(
     if any(moving_before(b) > STILL for b, t in zip(blows, taken, strict=True) if t):
         for _ in range(2):  # better poles take the earlier blow off better
             poles = _free_poles(average)
-            average = average_blows([calm(blow, poles) for blow in blows], taken, choices)
+            still = [calm(blow, poles) for blow in blows]
+            if not any(blow.calmed for blow in still):
+                break
+            average = average_blows(still, taken, choices)
     frf = _frf(average, choices)
     frf = replace(frf, source=tuple(dict.fromkeys(s for test in tests for s in test.source)))
     return replace(

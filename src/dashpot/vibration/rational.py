@@ -202,7 +202,8 @@ def _linear(
     for value, sd in zip(lines.value, lines.sd, strict=True):
         rows, y = _stack(columns, 1 / sd), _stack(value, 1 / sd)
         scale = np.linalg.norm(rows, axis=0)
-        c = np.linalg.lstsq(rows / scale, y, rcond=1e-12)[0] / scale
+        q, triangle = np.linalg.qr(rows / scale)
+        c = np.linalg.lstsq(triangle, q.T @ y, rcond=1e-12)[0] / scale
         r = y - rows @ c
         coefficients.append(c)
         residuals.append(r)
@@ -283,15 +284,22 @@ def _next_pole(lines: Lines, theta: FloatArray, misfit: FloatArray) -> FloatArra
     omega = lines.s.imag
     missed = (misfit * lines.sd**2).sum(axis=0)
     worst, step = float(omega[np.argmax(missed)]), float(np.median(np.diff(omega)))
+    weights = [1 / sd for sd in lines.sd]
     known = _columns(lines, theta)
-    best, start = np.inf, np.zeros(2)
+    bases = [np.linalg.qr(_stack(known, weight))[0] for weight in weights]
+    residuals = _linear(lines, known)[2]
+    best, start = -np.inf, np.zeros(2)
     for shift in (-1.5, -1.0, -0.5, 0.0, 0.5, 1.0, 1.5):
         for ratio in np.geomspace(3e-4, 0.4, 9):
             sigma, at = ratio * worst, max(worst + shift * step, omega[0] / 2)
-            columns = np.column_stack((*_mode_columns(lines, complex(-sigma, at)), known))
-            cost = _linear(lines, columns)[0]
-            if cost < best:
-                best, start = cost, np.array([np.log(sigma), at])
+            pair = np.column_stack(_mode_columns(lines, complex(-sigma, at)))
+            gain = 0.0
+            for weight, basis, r in zip(weights, bases, residuals, strict=True):
+                new = _stack(pair, weight)
+                new = new - basis @ (basis.T @ new)  # what the rest cannot say as well
+                gain += float(r @ new @ np.linalg.pinv(new.T @ new) @ (new.T @ r))
+            if gain > best:
+                best, start = gain, np.array([np.log(sigma), at])
     return start
 
 

@@ -70,7 +70,7 @@ def disagreement(spectra: Spectra) -> FloatArray | None:
         np.linalg.norm(response[i] - np.delete(each, i, axis=0) * force[i], axis=1) / size[i]
         for i in range(spectra.averages)
     ]
-    return np.median(apart, axis=1)
+    return np.asarray(np.median(apart, axis=1))
 
 
 def checks_of(
