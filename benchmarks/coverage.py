@@ -11,80 +11,21 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Callable
 
 import numpy as np
+from noises import NOISES, Noise, record
 
 from dashpot.relaxation.fitting import fit
-from dashpot.relaxation.records import RampHold
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 SEAL = GeneralizedMaxwell(k_inf=196.5, k=(117.5, 17.8), tau=(59.0 / 117.5, 292.2 / 17.8))
-DEPTH, RAMP, HOLD = 8e-3, 1.0, 40.0
-SPREAD = 0.005 * 2.1177
-QUANTUM = 1 / 1280
 NAMES = ("k_inf", "k1", "k2", "tau1", "tau2")
-
-Noise = Callable[[np.random.Generator, int, float], np.ndarray]
-
-
-def white(rng: np.random.Generator, n: int, _rate: float) -> np.ndarray:
-    return SPREAD * rng.standard_normal(n)
-
-
-def filtered(cutoff: float) -> Noise:
-    def noise(rng: np.random.Generator, n: int, rate: float) -> np.ndarray:
-        """White noise under a second-order Butterworth magnitude, twice (zero phase)."""
-        size = 2 * n
-        frequency = np.fft.rfftfreq(size, 1 / rate)
-        gain = 1.0 / (1.0 + (frequency / cutoff) ** 4)
-        spectrum = np.fft.rfft(rng.standard_normal(size)) * gain
-        return SPREAD * np.fft.irfft(spectrum, size)[:n]
-
-    return noise
-
-
-def autoregressive(correlation_time: float) -> Noise:
-    def noise(rng: np.random.Generator, n: int, rate: float) -> np.ndarray:
-        from scipy.signal import lfilter
-
-        rho = np.exp(-1.0 / (rate * correlation_time))
-        steps = np.sqrt(1 - rho**2) * rng.standard_normal(n)
-        steps[0] = rng.standard_normal()
-        return SPREAD * np.asarray(lfilter([1.0], [1.0, -rho], steps))
-
-    return noise
-
-
-NOISES: dict[str, Noise] = {
-    "white": white,
-    "10hz": filtered(10.0),
-    "2hz": filtered(2.0),
-    "ar20ms": autoregressive(0.02),
-    "ar500ms": autoregressive(0.5),
-}
-
-
-def record(noise: Noise, seed: int, *, rate: float = 1000.0, quantum: float = QUANTUM) -> RampHold:
-    rng = np.random.default_rng(seed)
-    t = np.arange(round((RAMP + HOLD) * rate) + 1) / rate
-    force = SEAL.ramp_hold_force(t, depth=DEPTH, ramp_time=RAMP) + noise(rng, len(t), rate)
-    if quantum:
-        force = np.round(force / quantum) * quantum
-    return RampHold(
-        time=t,
-        displacement=DEPTH * np.clip(t / RAMP, 0.0, 1.0),
-        force=force,
-        onset=0.0,
-        ramp_end=RAMP,
-        hold_end=RAMP + HOLD,
-        depth=DEPTH,
-    )
 
 
 def covered(noise: Noise, seed: int, *, method: str = "hold", rate: float = 1000.0) -> np.ndarray:
     """Which of the five intervals hold the truth."""
-    found = fit(record(noise, seed, rate=rate), arms=2, method=method)  # type: ignore[arg-type]
+    test = record(SEAL, noise, seed, rate=rate)
+    found = fit(test, arms=2, method=method)  # type: ignore[arg-type]
     if found.model.arms != SEAL.arms:
         return np.zeros(5, dtype=bool)
     bounds = found.intervals(0.95)

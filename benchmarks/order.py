@@ -12,11 +12,9 @@ import argparse
 import time
 from collections import Counter
 
-import numpy as np
-from coverage import DEPTH, HOLD, NOISES, QUANTUM, RAMP, Noise
+from noises import NOISES, Noise, record
 
 from dashpot.relaxation.fitting import fit
-from dashpot.relaxation.records import RampHold
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 RATE = 200.0
@@ -27,23 +25,9 @@ SEALS = {
 }
 
 
-def record(seal: GeneralizedMaxwell, noise: Noise, seed: int, *, rate: float = RATE) -> RampHold:
-    rng = np.random.default_rng(seed)
-    t = np.arange(round((RAMP + HOLD) * rate) + 1) / rate
-    force = seal.ramp_hold_force(t, depth=DEPTH, ramp_time=RAMP) + noise(rng, len(t), rate)
-    return RampHold(
-        time=t,
-        displacement=DEPTH * np.clip(t / RAMP, 0.0, 1.0),
-        force=np.round(force / QUANTUM) * QUANTUM,
-        onset=0.0,
-        ramp_end=RAMP,
-        hold_end=RAMP + HOLD,
-        depth=DEPTH,
-    )
-
-
 def chosen(arms: int, noise: Noise, seed: int, *, method: str = "hold") -> int:
-    return fit(record(SEALS[arms], noise, seed), method=method).model.arms  # type: ignore[arg-type]
+    test = record(SEALS[arms], noise, seed, rate=RATE)
+    return fit(test, method=method).model.arms  # type: ignore[arg-type]
 
 
 def main() -> None:
@@ -66,7 +50,9 @@ def main() -> None:
             wrong += [f"{arms} taken for {other} x{count}" for other, count in found.items()]
         cost = 1e3 * (time.process_time() - start) / (len(SEALS) * options.seeds)
         print(
-            f"{name:10}" + "".join(f"{share:8.2f}" for share in shares) + f"{cost:9.1f}  "
+            f"{name:10}"
+            + "".join(f"{share:8.2f}" for share in shares)
+            + f"{cost:9.1f}  "
             + ", ".join(wrong)
         )
 
