@@ -217,6 +217,16 @@ def test_two_displacements_are_asked(tmp_path: Path) -> None:
         read(tmp_path, text, displacement="Weg")
 
 
+def test_two_specimens_side_by_side_are_asked_by_number(tmp_path: Path) -> None:
+    head = ";".join(("Time [s]", "Weg [mm]", "Kraft [N]") * 2) + "\n"
+    text = head + table(";", columns=(*truth(), *truth()))
+    said = refused(tmp_path, text, "column 1 'Time' [s] and column 4 'Time' [s] could each be")
+    assert '--time "1"' in said
+    refused(tmp_path, text, "columns 1 and 4 have that name; give the number", time="Time")
+    named = {"time": "4", "displacement": "5", "force": "6"}
+    assert len(read(tmp_path, text, **named).time) == ROWS
+
+
 def test_three_forces_are_asked(tmp_path: Path) -> None:
     time, moved, force = truth()
     text = "t [s];z [mm];Fx [N];Fy [N];Fz [N]\n" + table(

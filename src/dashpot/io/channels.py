@@ -11,7 +11,7 @@ from dashpot._arrays import BoolArray, FloatArray
 from dashpot.errors import ReadError
 from dashpot.io.formats import read_table
 from dashpot.io.kinds import cycle_peaks, kind_of
-from dashpot.io.opening import Raw
+from dashpot.io.opening import Raw, about
 from dashpot.io.options import ReadOptions
 from dashpot.io.roles import Assigned, assign, list_columns, quoted, unit_for
 from dashpot.io.table import Loaded, Question, Table
@@ -58,7 +58,8 @@ def choose(raw: Raw, table: Table, roles: Sequence[Role], options: ReadOptions) 
     ReadError
         With every question that the file leaves open, in one sentence each.
     """
-    found = [assign(table, role, options) for role in roles]
+    with about(raw):
+        found = [assign(table, role, options) for role in roles]
     asked = [answer.says for answer in found if isinstance(answer, Question)]
     if asked:
         kind, reason = kind_of(table, options)

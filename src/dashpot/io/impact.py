@@ -11,7 +11,7 @@ from dashpot._arrays import FloatArray
 from dashpot.errors import DataError, ReadError
 from dashpot.io import channels
 from dashpot.io.channels import Channel
-from dashpot.io.opening import Raw, open_raw
+from dashpot.io.opening import Raw, about, open_raw
 from dashpot.io.options import ReadOptions
 from dashpot.io.roles import Assigned, accelerations, list_columns
 from dashpot.io.table import Loaded, Table
@@ -97,7 +97,8 @@ def _channels(raw: Raw, table: Table, options: ReadOptions) -> list[Channel]:
     """Time unless a rate is given, the hammer, and every acceleration."""
     wanted: list[Role] = ["force"] if options.rate is not None else ["time", "force"]
     chosen = channels.choose(raw, table, wanted, options)
-    found = accelerations(table, [c.index for c in chosen], options)
+    with about(raw):
+        found = accelerations(table, [c.index for c in chosen], options)
     if not found:
         raise ReadError(
             f"{raw.name}: no column is recognised as acceleration; the columns are "

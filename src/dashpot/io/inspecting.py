@@ -13,7 +13,7 @@ from dashpot.io import channels, cleaning
 from dashpot.io.formats import read_table
 from dashpot.io.inspection import InspectedColumn, Inspection, Segment
 from dashpot.io.kinds import kind_of
-from dashpot.io.opening import open_raw
+from dashpot.io.opening import about, open_raw
 from dashpot.io.options import ReadOptions
 from dashpot.io.roles import Assigned, accelerations, assign, unit_for
 from dashpot.io.table import Loaded, Question, Table
@@ -41,8 +41,9 @@ def inspect_file(path: str | Path, *, options: ReadOptions | None = None) -> Ins
     options = options or ReadOptions()
     raw = open_raw(path)
     table = read_table(raw, options)
-    kind, reason = kind_of(table, options)
-    roles, questions = _proposal(table, kind, options)
+    with about(raw):
+        kind, reason = kind_of(table, options)
+        roles, questions = _proposal(table, kind, options)
     numbers = [i for i, c in enumerate(table.columns) if c.content in {"number", "clock"}]
     loaded = channels.load(table, numbers, options, raw.name)
     by_index = {i: loaded.values[:, j] for j, i in enumerate(numbers)}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import sys
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from io import BytesIO
@@ -66,6 +67,18 @@ class Raw:
         return self.path
 
 
+@contextmanager
+def about(raw: Raw) -> Iterator[None]:
+    """Put the file's name before what is wrong with it."""
+    try:
+        yield
+    except ReadError as error:
+        text = str(error)
+        if text.startswith(raw.name):
+            raise
+        raise ReadError(f"{raw.name}: {text}") from None
+
+
 def open_raw(path: str | Path) -> Raw:
     """Return the file at `path`, or stdin for ``-``.
 
@@ -81,8 +94,11 @@ def open_raw(path: str | Path) -> Raw:
         try:
             if path.is_dir():
                 raise ReadError(f"{path} is a folder; give the file to read")
-            with path.open("rb"):
-                raw = Raw(path.name, path)
+            with path.open("rb") as stream:
+                # a pipe can be read only once
+                raw = (
+                    Raw(path.name, path) if path.is_file() else Raw(path.name, None, stream.read())
+                )
         except (OSError, ValueError) as error:
             reason = getattr(error, "strerror", None) or error
             raise ReadError(f"{path}: cannot be read: {reason}") from None

@@ -58,7 +58,7 @@ def assign(table: Table, role: Role, options: ReadOptions) -> Assigned | Questio
     if rivals:
         labels = [quoted(table.columns, i) for i in sorted((index, *rivals))]
         listed = ", ".join(labels[:-1]) + " and " + labels[-1]
-        best = table.columns[index].label(index + 1)
+        best = handle(table.columns, index)
         return Question(
             f'{listed} could each be the {role}; say which, for example --{role} "{best}"',
             f"--{role} NAME",
@@ -169,7 +169,7 @@ def _example(table: Table, role: Role) -> str:
     place = {"displacement": 1, "force": 2}.get(role, 0)
     unnamed = free and not any(table.columns[i].name for i in free)
     index = free[min(place, len(free) - 1)] if unnamed else (free or numbers or [0])[0]
-    return table.columns[index].label(index + 1)
+    return handle(table.columns, index) if table.columns else "NAME"
 
 
 def mislabelled(column: Column, role: Role) -> str:
@@ -269,7 +269,17 @@ def quoted(columns: Sequence[Column], index: int) -> str:
     """A column as the user sees it: its name and unit in quotes, or its number."""
     column = columns[index]
     unit = f" [{column.unit}]" if column.unit else ""
-    return f"'{column.name}{unit}'" if column.name else f"column {index + 1}{unit}"
+    if handle(columns, index) == column.name:
+        return f"'{column.name}{unit}'"
+    named = f" '{column.name}'" if column.name else ""
+    return f"column {index + 1}{named}{unit}"
+
+
+def handle(columns: Sequence[Column], index: int) -> str:
+    """What names one column and no other: its name, or its number where names repeat."""
+    name = columns[index].name.strip().casefold()
+    alone = sum(column.name.strip().casefold() == name for column in columns) == 1
+    return columns[index].name if name and alone else str(index + 1)
 
 
 def list_columns(columns: Sequence[Column]) -> str:

@@ -13,7 +13,7 @@ from dashpot.errors import DataError, ReadError
 from dashpot.io import channels
 from dashpot.io.formats import read_table
 from dashpot.io.kinds import kind_of
-from dashpot.io.opening import Raw, open_raw
+from dashpot.io.opening import Raw, about, open_raw
 from dashpot.io.options import ReadOptions
 from dashpot.io.roles import Assigned, assign, list_columns, unit_for
 from dashpot.io.table import Question, Table
@@ -47,7 +47,8 @@ def read_frf(path: str | Path, *, options: ReadOptions | None = None) -> FRF:
     table = read_table(raw, options)
     if table.doubts:
         raise ReadError(f"{raw.name}: {table.doubts[0].says}")
-    index = {role: _maybe(table, role, options) for role in _FRF_ROLES}
+    with about(raw):
+        index = {role: _maybe(table, role, options) for role in _FRF_ROLES}
     cartesian = index["real"] is not None and index["imaginary"] is not None
     polar = index["magnitude"] is not None and index["phase"] is not None
     if index["frequency"] is None or not (cartesian or polar):
@@ -184,13 +185,15 @@ def read_dynamic(
     if table.doubts:
         raise ReadError(f"{raw.name}: {table.doubts[0].says}")
     roles: tuple[Role, ...] = ("frequency", "storage", "loss")
-    found = {role: assign(table, role, options) for role in roles}
+    with about(raw):
+        found = {role: assign(table, role, options) for role in roles}
     asked = [answer.says for answer in found.values() if isinstance(answer, Question)]
     if asked:
         kind, reason = kind_of(table, options)
         hint = f" (it is not a DMA test: {reason})" if kind not in {"dma", "unclear"} else ""
         raise ReadError(f"{raw.name}: " + "; ".join(asked) + hint)
-    found["temperature"] = assign(table, "temperature", options)
+    with about(raw):
+        found["temperature"] = assign(table, "temperature", options)
     chosen = {role: answer for role, answer in found.items() if isinstance(answer, Assigned)}
     values, says, scale = {}, [], {}
     loaded = channels.load(table, [one.index for one in chosen.values()], options, raw.name)
