@@ -316,6 +316,31 @@ def test_phase_does_not_wrap_through_the_noise_of_an_accelerance(drawn):
     assert np.abs(np.diff(turned(S.measured.value, lowest))).max() < 90
 
 
+def test_an_frf_without_coherence_or_scatter_has_no_strip_for_it():
+    bare = replace(S.measured, coherence=None, sd=None, averages=1)
+    assert [ax.get_ylabel() for ax in plot.frf(bare).axes] == ["accelerance, (m/s²)/N", "phase, °"]
+
+
+def test_an_frf_that_starts_at_zero_frequency_is_drawn_on_log_axes():
+    frequency = np.concatenate(([0.0], S.measured.frequency))
+    value = np.concatenate(([0.0], S.measured.value))
+    from_zero = replace(S.measured, frequency=frequency, value=value, coherence=None, sd=None)
+    figure = plot.frf(from_zero)
+    plot.to_svg(figure)
+    assert figure.axes[0].get_xlim()[0] > 0
+
+
+def test_hits_of_an_undersampled_pulse_show_its_few_samples():
+    one = slice(0, S.impact.starts[1], 10)
+    few = replace(
+        S.impact, time=S.impact.time[one], force=S.impact.force[one],
+        acceleration=S.impact.acceleration[:, one], starts=(0,),
+    )  # fmt: skip
+    pulses, spectra, *_ = plot.hits(few, replace(S.measured, hits=())).axes
+    assert all(len(line.get_xdata()) >= 6 for line in pulses.get_lines())
+    assert spectra.get_xlim()[1] <= 0.5 * few.rate
+
+
 def test_half_power_rings_give_the_damping():
     frequency = np.linspace(12.0, 13.4, 4001)
     value = predict_frf(2 * PAPER, mass=PAPER_MASS, frequency=frequency).value

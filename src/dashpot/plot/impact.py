@@ -114,7 +114,7 @@ def _clock(blow: Blow) -> FloatArray:
 
 
 def _pulses(ax: Axes, judged: Sequence[Judged]) -> None:
-    width = max(blow.width(0.1) for blow, _ in judged)
+    width = max(max(blow.width(0.1), 8 / blow.rate) for blow, _ in judged)
     end = max(_last_pulse(blow) for blow, _ in judged) + 0.6 * width
     for blow, hit in judged:
         time = _clock(blow)
@@ -147,6 +147,6 @@ def _spectra(ax: Axes, judged: Sequence[Judged]) -> None:
         usable = min(ends)
         ax.axvspan(0, usable, color=SKY, alpha=0.16, linewidth=0, zorder=0)
         note(ax, f"usable to {usable:.0f} Hz (−{USABLE:.0f} dB)", (0.97, 0.95), ha="right")
-        ax.set_xlim(0, 2.2 * usable)
+        ax.set_xlim(0, min(2.2 * usable, 0.5 * judged[0][0].rate))
     ax.set_ylim(-50, 5)
     dress(ax, x="frequency, Hz", y="force, dB re 0 Hz", title="Force spectra")

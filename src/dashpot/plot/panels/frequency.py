@@ -153,9 +153,9 @@ def half_power(value: ComplexArray) -> list[int]:
     for side in (np.arange(peak, -1, -1), np.arange(peak, len(size))):
         below = np.flatnonzero(size[side] < target)
         if below.size:
-            pair = side[max(below[0] - 1, 0) : below[0] + 1]
+            pair = side[max(below[0] - 1, 1) : below[0] + 1]  # never the peak itself
             found.append(int(pair[np.argmin(np.abs(size[pair] - target))]))
-    return sorted({i for i in found if i != peak})
+    return sorted(found)
 
 
 def _line(ax: Axes, x: FloatArray, y: FloatArray, pen: Pen, label: str) -> None:
