@@ -66,10 +66,14 @@ class Response(ByValue):
 
     def correlate(self, values: FloatArray) -> FloatArray:
         """Compressed correlation of window values, shape (..., n), with the displacement."""
+        return self.lags.project(self.lag(values))[0]
+
+    def lag(self, values: FloatArray) -> FloatArray:
+        r"""Correlation :math:`\sum_{i \in W} v_i d_{i-l}` for all lags l, shape (..., count)."""
         padded = np.zeros((*values.shape[:-1], self.count))
         padded[..., self.start :] = values
         spectrum = np.fft.rfft(padded, self.size) * self.lagged
-        return self.lags.project(np.fft.irfft(spectrum, self.size)[..., : self.count])[0]
+        return np.asarray(np.fft.irfft(spectrum, self.size)[..., : self.count])
 
     def gram(self, tau: FloatArray, force: Force, *, derivative: bool) -> FloatArray:
         """Gram matrix of [fixed, arms, y] or [fixed, arms, y, slopes].
@@ -284,7 +288,7 @@ def response(
     """
     d = np.diff(x[:stop], prepend=0.0)
     size = _fast_length(2 * stop)
-    lags = compression(np.arange(stop, dtype=float))
+    lags = compression(np.arange(stop, dtype=float), step=1.0)
     before = np.zeros(stop)
     before[:start] = d[:start][::-1]
     ends = lags.project(np.stack((before, d[::-1])))[0]
@@ -300,9 +304,33 @@ def response(
         count=stop,
         step=float(time[-1] - time[0]) / (len(time) - 1),
     )
+    own = bare.lag(d[start:])
     # one sequence at a time stays in the cache
-    own = [bare.correlate(column) for column in (*fixed.T, d[start:])]
-    return replace(bare, sequences=np.concatenate((np.stack(own), ends)))
+    rows = [lags.project(_lagged(bare, column, x, own))[0] for column in fixed.T]
+    rows.append(lags.project(own)[0])
+    return replace(bare, sequences=np.concatenate((np.stack(rows), ends)))
+
+
+def _lagged(bare: Response, column: FloatArray, x: FloatArray, own: FloatArray) -> FloatArray:
+    r"""Correlation of a fixed column with the steps, in closed form where there is one.
+
+    For a constant the sum of the steps telescopes. For the displacement itself, summing by parts
+    over the window that ends at e and starts after b,
+
+    .. math:: C_x(l) - C_x(l+1) = -C_d(l+1) + x_e d_{e-l} - x_b d_{b-l}
+    """
+    start, stop = bare.start, bare.count
+    before = np.zeros(stop)
+    if (column == column[0]).all():
+        before[:start] = x[:start][::-1]
+        return np.asarray(column[0] * (x[:stop][::-1] - before))
+    if not np.array_equal(column, x[start:stop]):
+        return bare.lag(column)
+    d = np.diff(x[:stop], prepend=0.0)
+    before[:start] = d[:start][::-1]
+    falls = x[stop - 1] * d[::-1] - (x[start - 1] if start else 0.0) * before
+    falls[:-1] -= own[1:]
+    return np.cumsum(falls[::-1])[::-1]
 
 
 def correlation_block(
