@@ -65,7 +65,15 @@ class Compression:
 
     def project(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Compress weighted values, shape (..., M), to z (..., n) and floor (...)."""
-        floor = np.zeros(values.shape[:-1])
+        return self._through(values, floor=np.zeros(values.shape[:-1]))
+
+    def nodes_of(self, values: FloatArray) -> FloatArray:
+        """Compress and forget the floor: all that inner products with smooth functions need."""
+        return self._through(values, floor=None)[0]
+
+    def _through(
+        self, values: FloatArray, *, floor: FloatArray | None
+    ) -> tuple[FloatArray, FloatArray]:
         for sections in self.stages:
             parts = []
             for section in sections:
@@ -76,10 +84,11 @@ class Compression:
                     continue
                 shaped = piece.reshape(*values.shape[:-1], -1, length)
                 z = shaped @ section.basis
-                floor = floor + _aside(shaped, z, section.basis)
+                if floor is not None:
+                    floor = floor + _aside(shaped, z, section.basis)
                 parts.append(z.reshape(*values.shape[:-1], -1))
             values = np.concatenate(parts, axis=-1)
-        return values, floor
+        return values, np.zeros(0) if floor is None else floor
 
 
 def _aside(shaped: FloatArray, z: FloatArray, basis: FloatArray) -> FloatArray:

@@ -66,7 +66,7 @@ class Response(ByValue):
 
     def correlate(self, values: FloatArray) -> FloatArray:
         """Compressed correlation of window values, shape (..., n), with the displacement."""
-        return self.lags.project(self.lag(values))[0]
+        return self.lags.nodes_of(self.lag(values))
 
     def lag(self, values: FloatArray) -> FloatArray:
         r"""Correlation :math:`\sum_{i \in W} v_i d_{i-l}` for all lags l, shape (..., count)."""
@@ -74,6 +74,13 @@ class Response(ByValue):
         padded[..., self.start :] = values
         spectrum = np.fft.rfft(padded, self.size) * self.lagged
         return np.asarray(np.fft.irfft(spectrum, self.size)[..., : self.count])
+
+    def own_lag(self, steps: FloatArray) -> FloatArray:
+        """Correlation of the window's steps with all steps, shape (count,)."""
+        if self.start:
+            return self.lag(steps[self.start :])
+        power = self.lagged.real**2 + self.lagged.imag**2
+        return np.asarray(np.fft.irfft(power, self.size)[: self.count])
 
     def gram(self, tau: FloatArray, force: Force, *, derivative: bool) -> FloatArray:
         """Gram matrix of [fixed, arms, y] or [fixed, arms, y, slopes].
@@ -291,7 +298,7 @@ def response(
     lags = compression(np.arange(stop, dtype=float), step=1.0)
     before = np.zeros(stop)
     before[:start] = d[:start][::-1]
-    ends = lags.project(np.stack((before, d[::-1])))[0]
+    ends = lags.nodes_of(np.stack((before, d[::-1])))
     bare = Response(
         fixed=fixed,
         fixed_gram=fixed.T @ fixed,
@@ -304,10 +311,10 @@ def response(
         count=stop,
         step=float(time[-1] - time[0]) / (len(time) - 1),
     )
-    own = bare.lag(d[start:])
+    own = bare.own_lag(d)
     # one sequence at a time stays in the cache
-    rows = [lags.project(_lagged(bare, column, x, own))[0] for column in fixed.T]
-    rows.append(lags.project(own)[0])
+    rows = [lags.nodes_of(_lagged(bare, column, x, own)) for column in fixed.T]
+    rows.append(lags.nodes_of(own))
     return replace(bare, sequences=np.concatenate((np.stack(rows), ends)))
 
 
