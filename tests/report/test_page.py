@@ -19,7 +19,7 @@ from dashpot.relaxation.fit import Moved, Status
 from dashpot.relaxation.records import Specimen
 from dashpot.report import html
 from dashpot.report.numbers import with_error
-from dashpot.report.tables import Table
+from dashpot.report.table import Table
 from dashpot.vibration.frf import Hit
 from dashpot.vibration.modes import model_modes
 

@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 FREQUENCY = "frequency, Hz"
+PENS = (MEASURED, CHOSEN, JOINT, *OTHERS)
 
 # what people read: the unit, its size in SI, and the reference of its decibels
 SHOWN = {
@@ -66,7 +67,7 @@ def frf(
     """
     same = [measured, *(other.to(measured.kind) for other in others)]
     names = _names(labels, len(same))
-    pens = [MEASURED, CHOSEN, JOINT, *OTHERS][: len(same)]
+    pens = [PENS[i % len(PENS)] for i in range(len(same))]
     return _bode(
         list(zip(same, names, pens, strict=True)),
         band if measured.kind is Kind.ACCELERANCE else None,
@@ -119,7 +120,7 @@ def nyquist(measured: FRF, *others: FRF, labels: Sequence[str] = ()) -> Figure:
     ax = made.subplots()
     same = [measured, *(other.to(measured.kind) for other in others)]
     names = _names(labels, len(same))
-    for one, name, pen in zip(same, names, [MEASURED, CHOSEN, JOINT, *OTHERS], strict=False):
+    for one, name, pen in zip(same, names, PENS, strict=False):
         f, value = smooth(one)
         value = scale * value
         marks = panel.half_power(value)

@@ -6,9 +6,11 @@ import platform
 from importlib import metadata
 from typing import Any
 
-from dashpot.report import numbers, tables, words
+from dashpot.report import bench, hammer, numbers, words
 from dashpot.report.attachments import attachments
 from dashpot.report.pictures import pictures
+from dashpot.report.table import halves
+from dashpot.report.trust import checks
 from dashpot.study import Study
 
 
@@ -44,7 +46,7 @@ def html(study: Study) -> str:
 
 
 def _contents(study: Study) -> dict[str, Any]:
-    found = tables.checks(words.stages(study))
+    found = checks(words.stages(study))
     c = study.comparison
     return {
         "study": study,
@@ -56,27 +58,27 @@ def _contents(study: Study) -> dict[str, Any]:
         "failed": sum(mark == "bad" for mark in found.marks),
         "checks": found,
         "pictures": pictures(study),
-        "key": tables.key_numbers(study),
-        "peaks": tables.peaks(study),
-        "facts": tables.halves(tables.test_facts(study.prepared)),
-        "coefficients": tables.coefficients(study.fit, study.prepared.specimen.length),
-        "orders": tables.orders(study),
-        "routes": None if study.hold_fit is None else tables.two_routes(study.fit, study.hold_fit),
-        "nuisances": tables.nuisances(study.fit),
-        "frequency": tables.in_frequency(
+        "key": bench.key_numbers(study),
+        "peaks": hammer.peaks(study),
+        "facts": halves(bench.test_facts(study.prepared)),
+        "coefficients": bench.coefficients(study.fit, study.prepared.specimen.length),
+        "orders": bench.orders(study),
+        "routes": None if study.hold_fit is None else bench.two_routes(study.fit, study.hold_fit),
+        "nuisances": bench.nuisances(study.fit),
+        "frequency": bench.in_frequency(
             study.fit, study.unseen, None if c is None else c.measured_hz
         ),
-        "arms": None if c is None else tables.arms_tested(c),
-        "resonance": tables.resonance(study),
-        "hits": None if study.measured is None else tables.hits(study.measured),
-        "moved": None if study.joint is None else tables.moved(study.joint),
+        "arms": None if c is None else hammer.arms_tested(c),
+        "resonance": hammer.resonance(study),
+        "hits": None if study.measured is None else hammer.hits(study.measured),
+        "moved": None if study.joint is None else hammer.moved(study.joint),
         "joint_coefficients": None
         if study.joint is None
-        else tables.coefficients(study.joint, study.prepared.specimen.length),
+        else bench.coefficients(study.joint, study.prepared.specimen.length),
         "joint_arms": None
         if study.joint_comparison is None
-        else tables.arms_tested(study.joint_comparison),
-        "joint_nuisances": None if study.joint is None else tables.nuisances(study.joint),
+        else hammer.arms_tested(study.joint_comparison),
+        "joint_nuisances": None if study.joint is None else bench.nuisances(study.joint),
         "sources": words.sources(study),
         "steps": _steps(study),
         "attachments": attachments(study),
