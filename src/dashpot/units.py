@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 from functools import lru_cache
@@ -43,7 +44,7 @@ def _table() -> dict[str, Unit]:
         "mass": {"kg": 1.0, "g": 1e-3, "mg": 1e-6, "t": 1e3, "lb": 0.45359237},
         "acceleration": {"m/s^2": 1.0, "mm/s^2": 1e-3, "g": _G, "gn": _G},
         "velocity": {"m/s": 1.0, "mm/s": 1e-3, "mm/min": 1e-3 / 60},
-        "frequency": {"Hz": 1.0, "kHz": 1e3, "mHz": 1e-3},
+        "frequency": {"Hz": 1.0, "kHz": 1e3, "mHz": 1e-3, "rad/s": 0.5 / math.pi},
         "stiffness": {"N/m": 1.0, "N/mm": 1e3, "kN/m": 1e3, "kN/mm": 1e6},
         "damping": {"N*s/m": 1.0, "N*s/mm": 1e3},
         "strain": {"1": 1.0, "%": 1e-2, "mm/mm": 1.0, "m/m": 1.0},
@@ -99,6 +100,7 @@ _SPELLINGS = {
     "mm/s": "mm/sec мм/с",
     "Hz": "hertz гц 赫兹 1/s cps",
     "kHz": "kilohertz",
+    "rad/s": "rad/sec rad.s-1 rad*s^-1",
     "N/m": "n/meter",
     "N*s/m": "n.s/m ns/m n·s/m n-s/m n*s*m^-1",
     "N*s/mm": "n.s/mm ns/mm n·s/mm n-s/mm",

@@ -497,3 +497,17 @@ def test_uff_without_units_asks(tmp_path: Path) -> None:
     uff(tmp_path / "a.uff", labels=("NONE", "NONE"), length=None)
     with pytest.raises(ReadError, match=r"'hammer' \(force\) has no unit"):
         read_impact(tmp_path / "a.uff")
+
+
+def test_dma_by_other_names(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    omega = 2 * np.pi * np.array([0.1, 1.0, 10.0])
+    rows = "".join(f"{w!r},{10.0},{0.2}\n" for w in omega.tolist())
+    path.write_text("Angular frequency (rad/s),E' (MPa),tan delta\n" + rows)
+    test = read_dynamic(path)
+    np.testing.assert_allclose(test.frequency, [0.1, 1.0, 10.0])
+    np.testing.assert_allclose(test.loss, 2e6)
+    assert not inspect_file(path).questions
+    path.write_text("Frequency (Hz),Storage modulus (MPa),Loss modulus (N/mm)\n" + rows)
+    with pytest.raises(ReadError, match="storage is a stress and loss a stiffness"):
+        read_dynamic(path)

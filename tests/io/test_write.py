@@ -111,6 +111,12 @@ def test_frf_of_another_origin(tmp_path: Path) -> None:
     path.write_text("Frequency (Hz);Magnitude;Phase (deg)\n" + rows)
     with pytest.raises(ReadError, match=r"which tells no FRF; expected motion per force"):
         read_frf(path)
+    given = ReadOptions(units={"magnitude": "(m/s^2)/N"})
+    np.testing.assert_allclose(read_frf(path, options=given).value[0], -0.1j)
+    path.write_text("Frequency (Hz);Magnitude (dB);Phase (deg)\n" + rows)
+    with pytest.raises(ReadError, match=r"--units \"magnitude=\(m/s\^2\)/N\""):
+        read_frf(path)
+    np.testing.assert_allclose(read_frf(path, options=given).value[0], -1j * 10 ** (0.1 / 20))
     path.write_text("Frequency (Hz);Magnitude (m/N);Phase\n" + rows)
     with pytest.raises(ReadError, match="the phase has no unit"):
         read_frf(path)

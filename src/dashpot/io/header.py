@@ -18,7 +18,7 @@ _BRACKETS = re.compile(
 )
 _UNIT_FIRST = re.compile(r"^[\[(]([^\[\]()]+)[\])]\s*([^\[\]()]+)$")
 _MANGLED = re.compile(r"^(.*?)_+([^\W_]+(?:_[^\W_]+)?)_+$")
-_TAIL = re.compile(r"^(.*?)(?:\s*[,/:]\s*|\s+in\s+|[\s_.\-]+)([^\s,:_]+)$")
+_SIGNS = re.compile(r"\s*[,/:]\s*|\s+in\s+|[\s_.\-]+")
 _PLAIN_TAIL = re.compile(r"^(.*\S)(?:\s+in\s+|\s*,\s+|\s+/\s+)([^\s,:_]+)$")
 _REACH = 6
 
@@ -182,9 +182,10 @@ def part_unit(name: str) -> tuple[str, str | None]:
     match = _PLAIN_TAIL.match(text)
     if match and units.find(match[2]) and match[2] != "1":
         return match[1].strip(), match[2]
-    match = _TAIL.match(text)
-    if match and match[1] and _says(match[1], match[2]):
-        return match[1].strip(" _,/:"), match[2]
+    for sign in list(_SIGNS.finditer(text))[:-4:-1]:  # the last few places to cut, last first
+        stem, word = text[: sign.start()], text[sign.end() :]
+        if stem and word and _says(stem, word):
+            return stem.strip(" _,/:"), word
     return text, None
 
 

@@ -87,7 +87,10 @@ def _proposal(
             continue
         answer = assign(table, role, options)
         if isinstance(answer, Question):
-            questions += [] if role in _WELCOME else [answer]
+            needless = role == "loss" and isinstance(
+                assign(table, "loss_factor", options), Assigned
+            )
+            questions += [] if role in _WELCOME or needless else [answer]
             continue
         roles[answer.index] = (role, answer.reason)
         questions += [] if role in _WELCOME else _unit_question(table, answer, options)

@@ -95,10 +95,10 @@ def open_raw(path: str | Path) -> Raw:
             if path.is_dir():
                 raise ReadError(f"{path} is a folder; give the file to read")
             with path.open("rb") as stream:
-                # a pipe can be read only once
-                raw = (
-                    Raw(path.name, path) if path.is_file() else Raw(path.name, None, stream.read())
-                )
+                if path.is_file():
+                    raw = Raw(path.name, path)
+                else:  # a pipe can be read only once
+                    raw = Raw(path.name, None, stream.read())
         except (OSError, ValueError) as error:
             reason = getattr(error, "strerror", None) or error
             raise ReadError(f"{path}: cannot be read: {reason}") from None

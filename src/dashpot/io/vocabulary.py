@@ -43,7 +43,7 @@ _FIRST: dict[Role, str] = {
         gyorsulás ускорение 加速度 가속도""",
     "frequency": """frequency freq frequenz prüffrequenz częstotliwość fréquence frecuencia
         frequenza frequência frequentie frekans taajuus frekvence frekvencia частота 频率 頻率
-        周波数 주파수""",
+        周波数 주파수 omega ω kreisfrequenz""",
     "storage": """storage speichermodul e' g' e_stor e_storage g_stor g_storage k' storagemodulus
         zachowawczy conservation 储能模量 貯蔵弾性率 estor gstor""",
     "loss": """verlustmodul e'' g'' e" g" e_loss g_loss k'' k" lossmodulus stratności perte

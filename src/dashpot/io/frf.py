@@ -1,4 +1,4 @@
-"""From a file to an FRF or a dynamic (DMA) test."""
+"""From a file to an FRF."""
 
 from __future__ import annotations
 
@@ -12,15 +12,12 @@ from dashpot._arrays import ComplexArray, FloatArray
 from dashpot.errors import DataError, ReadError
 from dashpot.io import channels
 from dashpot.io.formats import read_table
-from dashpot.io.kinds import kind_of
 from dashpot.io.opening import Raw, about, open_raw
 from dashpot.io.options import ReadOptions
 from dashpot.io.roles import Assigned, assign, list_columns, unit_for
-from dashpot.io.table import Question, Table
+from dashpot.io.table import Table
 from dashpot.io.vocabulary import Role
 from dashpot.provenance import Source
-from dashpot.relaxation.dynamic import DynamicTest
-from dashpot.relaxation.records import Specimen
 from dashpot.vibration.frf import FRF, Kind
 
 _KINDS: dict[tuple[str, str], Kind] = {
@@ -60,7 +57,8 @@ def read_frf(path: str | Path, *, options: ReadOptions | None = None) -> FRF:
     said = _comments(table.header)
     loaded = channels.load(table, range(len(table.columns)), ReadOptions(), raw.name)
     column = {role: loaded.values[:, i] for role, i in index.items() if i is not None}
-    kind, factor = _kind(raw, table, index["real"] if cartesian else index["magnitude"])
+    role: Role = "real" if cartesian else "magnitude"
+    kind, factor = _kind(raw, table, role, index[role], options)
     value: ComplexArray = np.asarray(
         column["real"] + 1j * column["imaginary"]
         if cartesian
@@ -107,7 +105,9 @@ def _comments(header: tuple[str, ...]) -> dict[str, float]:
     return found
 
 
-def _kind(raw: Raw, table: Table, index: int | None) -> tuple[Kind, float]:
+def _kind(
+    raw: Raw, table: Table, role: Role, index: int | None, options: ReadOptions
+) -> tuple[Kind, float]:
     """Kind of the FRF and the factor to SI, from the unit, held against a ``kind:`` comment."""
     for line in table.header:
         match = re.match(r"\W*kind\s*:\s*(\w+)", line)
@@ -117,12 +117,13 @@ def _kind(raw: Raw, table: Table, index: int | None) -> tuple[Kind, float]:
     else:
         stated = None
     column = table.columns[index or 0]
-    ratio = _ratio(column.unit or "")
+    word = options.unit_of(role, column.name) or column.unit or ""
+    ratio = _ratio(word)
     if ratio is None:
         raise ReadError(
-            f"{raw.name}: '{column.name}' has the unit '{column.unit or ''}', which tells no FRF; "
+            f"{raw.name}: '{column.name}' has the unit '{word}', which tells no FRF; "
             "expected motion per force such as (m/s^2)/N, g/N, m/N, or force per motion such as "
-            f"N/m; write it into the header as '{column.name} [(m/s^2)/N]'"
+            f'N/m; add --units "{role}=(m/s^2)/N", or write it into the header'
         )
     kind, factor = ratio
     if stated is not None and stated is not kind:
@@ -159,70 +160,14 @@ def _polar(
         raise ReadError(
             f"{raw.name}: the phase has no unit; write 'phase [deg]' or 'phase [rad]' in the header"
         )
-    return np.asarray(column["magnitude"] * np.exp(1j * column["phase"] * angle.factor))
+    magnitude = column["magnitude"]
+    if (table.columns[index["magnitude"] or 0].unit or "").casefold().startswith("db"):
+        magnitude = 10 ** (magnitude / 20)  # dB re 1 of the unit given by --units
+    return np.asarray(magnitude * np.exp(1j * column["phase"] * angle.factor))
 
 
 def _hertz(raw: Raw, table: Table, index: int, options: ReadOptions) -> float:
     try:
         return unit_for(table.columns[index], index + 1, "frequency", options).factor
     except ReadError as error:
-        raise ReadError(f"{raw.name}: {error}") from None
-
-
-def read_dynamic(
-    path: str | Path, *, options: ReadOptions | None = None, specimen: Specimen | None = None
-) -> DynamicTest:
-    """Return the dynamic (DMA) test in a file, in SI units.
-
-    Raises
-    ------
-    ReadError
-        If frequency, storage or loss is not found, or has no unit.
-    """
-    options = options or ReadOptions()
-    raw = open_raw(path)
-    table = read_table(raw, options)
-    if table.doubts:
-        raise ReadError(f"{raw.name}: {table.doubts[0].says}")
-    roles: tuple[Role, ...] = ("frequency", "storage", "loss")
-    with about(raw):
-        found = {role: assign(table, role, options) for role in roles}
-    asked = [answer.says for answer in found.values() if isinstance(answer, Question)]
-    if asked:
-        kind, reason = kind_of(table, options)
-        hint = f" (it is not a DMA test: {reason})" if kind not in {"dma", "unclear"} else ""
-        raise ReadError(f"{raw.name}: " + "; ".join(asked) + hint)
-    with about(raw):
-        found["temperature"] = assign(table, "temperature", options)
-    chosen = {role: answer for role, answer in found.items() if isinstance(answer, Assigned)}
-    values, says, scale = {}, [], {}
-    loaded = channels.load(table, [one.index for one in chosen.values()], options, raw.name)
-    whole = np.isfinite(loaded.values).all(axis=1)
-    for j, (role, one) in enumerate(chosen.items()):
-        column = table.columns[one.index]
-        try:
-            unit = unit_for(column, one.index + 1, role, options)
-        except ReadError as error:
-            raise ReadError(f"{raw.name}: {error}") from None
-        values[role] = loaded.values[whole, j] * unit.factor + unit.offset
-        scale[role] = unit.dimension
-        says.append(f"{role}: {column.label(one.index + 1)} [{unit.word}]")
-    if scale["storage"] != scale["loss"]:
-        raise ReadError(
-            f"{raw.name}: storage is a {scale['storage']} and loss a {scale['loss']}; "
-            "expected both in one kind of unit, such as MPa or N/mm"
-        )
-    notes = [*table.notes, *loaded.notes]
-    if not whole.all():
-        row = int(np.flatnonzero(~whole)[0])
-        notes.append(
-            f"{int((~whole).sum())} rows lack a number and were left out, first {loaded.where(row)}"
-        )
-    source = Source(raw.name, raw.sha256, table.format, tuple(says), tuple(notes), table.simulated)
-    try:
-        return DynamicTest(
-            values["frequency"], values["storage"], values["loss"], values.get("temperature"),
-            "N/m" if scale["storage"] == "stiffness" else "Pa", specimen or Specimen(), source,
-        )  # fmt: skip
-    except DataError as error:
         raise ReadError(f"{raw.name}: {error}") from None

@@ -1,0 +1,93 @@
+"""From a file to a dynamic (DMA) test."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from dashpot.errors import DataError, ReadError
+from dashpot.io import channels
+from dashpot.io.formats import read_table
+from dashpot.io.kinds import kind_of
+from dashpot.io.opening import Raw, about, open_raw
+from dashpot.io.options import ReadOptions
+from dashpot.io.roles import Assigned, assign
+from dashpot.io.table import Question, Table
+from dashpot.io.vocabulary import Role
+from dashpot.relaxation.dynamic import DynamicTest
+from dashpot.relaxation.records import Specimen
+
+_ROLES: tuple[Role, ...] = ("frequency", "storage", "loss")
+
+
+def read_dynamic(
+    path: str | Path, *, options: ReadOptions | None = None, specimen: Specimen | None = None
+) -> DynamicTest:
+    """Return the dynamic (DMA) test in a file, in SI units.
+
+    Storage and loss are moduli or stiffnesses; where there is no loss, it is storage times the
+    loss factor (tan delta). Rows that lack a number are left out with a note.
+
+    Raises
+    ------
+    ReadError
+        If frequency, storage or loss is not found, or has no unit.
+    """
+    options = options or ReadOptions()
+    raw = open_raw(path)
+    table = read_table(raw, options)
+    if table.doubts:
+        raise ReadError(f"{raw.name}: {table.doubts[0].says}")
+    with about(raw):
+        wanted, ratio = _columns(raw, table, options)
+    chosen = channels.with_units(raw, table, wanted, options)
+    indexes = [c.index for c in chosen] + ([] if ratio is None else [ratio])
+    loaded = channels.load(table, indexes, options, raw.name)
+    whole = np.isfinite(loaded.values).all(axis=1)
+    values = {c.role: channels.si(loaded.values[whole, j], c.unit) for j, c in enumerate(chosen)}
+    kinds = {c.role: c.unit.dimension for c in chosen}
+    notes = [*table.notes, *loaded.notes]
+    if ratio is not None:
+        percent = table.columns[ratio].unit == "%"
+        values["loss"] = values["storage"] * loaded.values[whole, -1] / (100 if percent else 1)
+        notes.append(f"loss is storage times '{table.columns[ratio].name}'")
+    elif kinds["storage"] != kinds["loss"]:
+        raise ReadError(
+            f"{raw.name}: storage is a {kinds['storage']} and loss a {kinds['loss']}; "
+            "expected both in one kind of unit, such as MPa or N/mm"
+        )
+    if not whole.all():
+        missing = np.flatnonzero(~whole)
+        first = loaded.where(int(missing[0]))
+        notes.append(f"{missing.size} rows lack a number and were left out, first {first}")
+    try:
+        return DynamicTest(
+            values["frequency"],
+            values["storage"],
+            values["loss"],
+            values.get("temperature"),
+            "N/m" if kinds["storage"] == "stiffness" else "Pa",
+            specimen or Specimen(),
+            channels.source(raw, table, chosen, notes),
+        )
+    except DataError as error:
+        raise ReadError(f"{raw.name}: {error}") from None
+
+
+def _columns(raw: Raw, table: Table, options: ReadOptions) -> tuple[list[Assigned], int | None]:
+    """The columns by role, and that of the loss factor if there is no loss."""
+    found = {role: assign(table, role, options) for role in _ROLES}
+    ratio = None
+    if isinstance(found["loss"], Question):
+        answer = assign(table, "loss_factor", options)
+        if isinstance(answer, Assigned):
+            ratio = answer.index
+            del found["loss"]
+    asked = [answer.says for answer in found.values() if isinstance(answer, Question)]
+    if asked:
+        kind, reason = kind_of(table, options)
+        hint = f" (it is not a DMA test: {reason})" if kind not in {"dma", "unclear"} else ""
+        raise ReadError(f"{raw.name}: " + "; ".join(asked) + hint)
+    found["temperature"] = assign(table, "temperature", options)
+    return [answer for answer in found.values() if isinstance(answer, Assigned)], ratio
