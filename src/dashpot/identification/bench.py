@@ -12,6 +12,7 @@ from dashpot._arrays import BoolArray, FloatArray
 from dashpot.engine.blocks import Block, DesignBlock, Evaluation
 from dashpot.engine.correlation import CorrelationBlock, correlation_block
 from dashpot.engine.recorded import recorded_block
+from dashpot.identification.reduced import reduced
 from dashpot.relaxation.denoising import APART, true_motion
 from dashpot.relaxation.design import Design, compressed
 from dashpot.relaxation.fit import Fit, Residual
@@ -20,6 +21,8 @@ from dashpot.relaxation.records import RampHold
 
 # a dashpot is an arm far faster than anything in the window
 DASHPOT = 1e-3
+# relaxation times of a record on an uneven clock: from this, s, to this many of its windows
+SHORTEST, LONGEST = 1e-6, 10.0
 SOLID = ("k_inf", "b")
 STRETCHES = 50
 
@@ -178,7 +181,8 @@ def _widened(
     )
     if isinstance(block, CorrelationBlock):
         return correlation_block(wide, time, x, start=0, stop=len(time))
-    return wide
+    low, high = exact.window
+    return reduced(wide, shortest=min(DASHPOT * low, SHORTEST), longest=LONGEST * high)
 
 
 @dataclass(frozen=True, eq=False)
