@@ -19,8 +19,9 @@ import numpy.typing as npt
 
 from dashpot._arrays import BoolArray, ByValue, FloatArray
 from dashpot.engine.blocks import Block
+from dashpot.engine.chain import DOUBT
 from dashpot.engine.descent import FINISHED, LONGEST_STEP, TAIL
-from dashpot.engine.separable import DOUBT, Solution, solve
+from dashpot.engine.separable import Solution, solve
 from dashpot.errors import FitError
 
 IndexArray: TypeAlias = npt.NDArray[np.intp]

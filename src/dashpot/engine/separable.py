@@ -4,30 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from dashpot._arrays import BoolArray, ByValue, FloatArray, frozen
 from dashpot.engine.blocks import Block
-from dashpot.engine.descent import FINISHED, Local, Point, Stack, descend, point_at, relative_offset
-from dashpot.engine.starts import (
-    Grid,
-    inserted,
-    paired,
-    partitioned,
-    peaks_of,
-    scattered,
-    single,
-)
+from dashpot.engine.chain import Chain
+from dashpot.engine.descent import Local, Stack, descend, relative_offset
 from dashpot.errors import FitError
 
-LOOSE = 1e-4
-EXTRA_STARTS = 16
-DOUBT = 0.1
-LOOK = 48
-#: in units of the noise variance
-FAR = 20.0
 RESOLVED = 1e-9
 
 
@@ -159,11 +144,11 @@ def solve(
     stack = _checked(blocks, arms)
     if log_tau_start is not None:
         return _from_start(stack, np.asarray(log_tau_start, dtype=float), arms, signed=signed)
-    chain = _Chain(stack, thorough=thorough, signed=signed, seed=seed)
+    chain = Chain(stack, thorough=thorough, signed=signed, seed=seed)
     if chain.leap(arms):
-        return chain.solution(-1, requested=arms)
+        return _of(chain, -1, requested=arms)
     chain.extend(arms)
-    return chain.solution(chain.reached, requested=arms)
+    return _of(chain, chain.reached, requested=arms)
 
 
 def solve_orders(
@@ -180,10 +165,10 @@ def solve_orders(
     does, it holds the solution without arms.
     """
     stack = _checked(blocks, max_arms)
-    chain = _Chain(stack, thorough=thorough, signed=signed, seed=seed)
+    chain = Chain(stack, thorough=thorough, signed=signed, seed=seed)
     chain.extend(max_arms)
     orders = range(min(1, chain.reached), chain.reached + 1)
-    return tuple(chain.solution(n, requested=n) for n in orders)
+    return tuple(_of(chain, n, requested=n) for n in orders)
 
 
 def full_jacobian(blocks: Sequence[Block], solution: Solution) -> Jacobian:
@@ -219,170 +204,14 @@ def _checked(blocks: Sequence[Block], arms: int) -> Stack:
     return stack
 
 
-class _Chain:
-    """The best optimum for 0, 1, 2, ... arms, each started from the one before."""
-
-    def __init__(self, stack: Stack, *, thorough: bool, signed: bool, seed: int) -> None:
-        self.stack, self.signed, self.thorough, self.seed = stack, signed, thorough, seed
-        self.evaluations = 0
-        self.best: list[Local] = []
-
-    @property
-    def reached(self) -> int:
-        return len(self.best) - 1
-
-    @cached_property
-    def grid(self) -> Grid:
-        return Grid(self.stack)
-
-    @cached_property
-    def spectrum(self) -> FloatArray:
-        return self.grid.spectrum()
-
-    @cached_property
-    def peaks(self) -> tuple[FloatArray, FloatArray]:
-        return peaks_of(self.grid, self.spectrum)
-
-    def leap(self, arms: int) -> bool:
-        """Go straight to `arms` if that leaves no doubt."""
-        found = self._undoubted(arms) if arms else None
-        if found is not None:
-            self.best.append(found)
-        return found is not None
-
-    def _undoubted(self, arms: int) -> Local | None:
-        """The optimum next to the best of the whole grid, if nothing about it is in doubt.
-
-        Doubt is a relaxation time that is not known to 10 %, or that sits at the edge of the
-        window, or a coefficient that is not positive; with more than two arms, whose start is
-        not the best of all sets, also an SSE well above that of the best positive spectrum.
-        A well-determined optimum that started from the best of the whole grid has no rival.
-        """
-        if self.thorough or self.signed or len(self.stack.groups) > 1:
-            return None
-        local = None
-        for start in self._sure_starts(arms):
-            local = descend(self.stack, start, damping=1e-6)
-        if local is None:
-            return None
-        self.evaluations += local.evaluations
-        point = local.point
-        low, high = self.stack.bounds
-        spare = self.stack.samples - len(point.beta) - arms
-        if (
-            not local.converged
-            or point.sse <= 100 * self.stack.nothing
-            or spare < 10
-            or (point.beta[self.stack.restricted(arms, signed=False)] <= 0).any()
-            or not (low < point.log_tau.min() and point.log_tau.max() < high)
-        ):
-            return None
-        noise = (self.stack.floor + point.sse) / spare
-        known = np.diagonal(np.linalg.inv(point.curvature)) * noise < DOUBT**2
-        if not known.all():
-            return None
-        if arms > 2 and point.sse - self.grid.left_by(self.spectrum) > FAR * noise:
-            return None
-        return local
-
-    def _sure_starts(self, arms: int) -> list[FloatArray]:
-        if arms > 2:
-            return partitioned(self.grid, *self.peaks, arms, count=1)
-        look = Grid(self.stack, LOOK)
-        start = paired(look) if arms == 2 else single(look)
-        return [] if start is None else [start]
-
-    def extend(self, arms: int) -> None:
-        """Add orders up to `arms`, or until none is better."""
-        if not self.best:
-            self.best.append(Local(_without_arms(self.stack, signed=self.signed), 1, True))
-        while self.reached < arms:
-            last = self.best[-1].point
-            if last.sse <= self.stack.nothing:
-                return
-            found = self._undoubted(self.reached + 1) or self._best_with(self.reached + 1)
-            worth = last.sse - 1e-10 * (self.stack.floor + last.sse) - self.stack.nothing
-            if found is None or found.point.sse >= worth:
-                return
-            self.best.append(found)
-
-    def solution(self, order: int, *, requested: int) -> Solution:
-        return _solution(
-            self.stack,
-            self.best[order],
-            requested=requested,
-            evaluations=self.evaluations,
-            signed=self.signed,
-        )
-
-    def _best_with(self, arms: int) -> Local | None:
-        starts = inserted(self.grid, self.best[-1].point, signed=self.signed)
-        if not self.signed:
-            starts = partitioned(self.grid, *self.peaks, arms) + starts
-        if self.thorough:
-            starts += scattered(self.stack, arms, EXTRA_STARTS, self.seed)
-        restricted = self.stack.restricted(arms, signed=self.signed)
-        allowed: list[Local] = []
-        refused: list[Local] = []
-        for start in starts:
-            rivals = [np.sort(local.point.log_tau) for local in allowed + refused]
-            local = self._descend(start, rivals)
-            if local is not None:
-                feasible = (local.point.beta[restricted] >= 0).all()
-                (allowed if feasible else refused).append(local)
-        reach = min((local.point.sse for local in allowed), default=np.inf)
-        pushed = [local.point.log_tau for local in refused if local.point.sse < reach]
-        for start in pushed + ([] if allowed else starts[-2:]):
-            local = self._descend(start, (), restricted=restricted)
-            if local is not None and not (local.point.beta[-arms:] == 0).all():
-                allowed.append(local)
-        full = [local for local in allowed if _carries(local.point, self.stack)]
-        if not full:
-            return None
-        winner = min(full, key=lambda local: local.point.sse)
-        bound = (winner.point.beta[restricted] == 0).any()
-        polished = self._descend(
-            winner.point.log_tau, (), restricted=restricted if bound else None, finished=FINISHED
-        )
-        if polished is None or not _carries(polished.point, self.stack):
-            return winner
-        if (polished.point.beta[restricted] < 0).any():
-            return winner
-        return polished
-
-    def _descend(
-        self,
-        start: FloatArray,
-        rivals: Sequence[FloatArray],
-        *,
-        restricted: BoolArray | None = None,
-        finished: float = LOOSE,
-    ) -> Local | None:
-        local = descend(self.stack, start, restricted=restricted, rivals=rivals, finished=finished)
-        self.evaluations += local.evaluations if local is not None else 4
-        return local
-
-
-def _carries(point: Point, stack: Stack) -> bool:
-    """True if every arm carries something in some group."""
-    arms = len(point.log_tau)
-    k = point.beta[len(stack.names) :].reshape(len(stack.groups), arms)
-    return bool((k != 0).any(axis=0).all())
-
-
-def _without_arms(stack: Stack, *, signed: bool) -> Point:
-    nothing = np.zeros(0)
-    if not stack.names:
-        target = stack.evaluate(nothing, derivative=False).target
-        return Point(nothing, nothing, float(target @ target), nothing, np.zeros((0, 0)))
-    restricted = None if signed else stack.restricted(0, signed=False)
-    point = point_at(stack, nothing, restricted=restricted)
-    if point is None:
-        raise FitError(
-            "the columns that do not relax are not independent in this data; "
-            "fit fewer of " + ", ".join(stack.names)
-        )
-    return point
+def _of(chain: Chain, order: int, *, requested: int) -> Solution:
+    return _solution(
+        chain.stack,
+        chain.best[order],
+        requested=requested,
+        evaluations=chain.evaluations,
+        signed=chain.signed,
+    )
 
 
 def _from_start(stack: Stack, start: FloatArray, arms: int, *, signed: bool) -> Solution:
