@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot._arrays import FloatArray, increasing, same_length, samples
-from dashpot.engine.nnls import nonnegative
+from dashpot.engine.pivoting import pivoted
 from dashpot.errors import DataError, FitError
 from dashpot.provenance import Source
 from dashpot.relaxation.dynamic import DynamicTest
@@ -195,7 +195,7 @@ def _nonnegative(columns: FloatArray, target: FloatArray) -> FloatArray:
     length = np.linalg.norm(columns, axis=0)
     length = np.where(length > 0, length, 1.0)
     unit = columns / length
-    return nonnegative(unit.T @ unit, unit.T @ target) / length
+    return pivoted(unit.T @ unit, unit.T @ target) / length
 
 
 def _solid(found: FloatArray, grid: FloatArray) -> GeneralizedMaxwell:

@@ -1,0 +1,248 @@
+"""Master curves and known relaxation spectra, ours beside whatever peers are installed.
+
+Run: OMP_NUM_THREADS=1 python benchmarks/master_curves.py [FOLDER OF REAL MEASUREMENTS]
+
+The norm: root mean square, and largest, of model/data - 1, over every value of E(t), or of E' and
+E'' alike. Terms without an instantaneous modulus get the one that serves them best on this norm.
+Times are medians of thread CPU milliseconds. Peers: pyvisco and lmfit if they can be imported;
+the terms that a commercial FE code found for the same data, and the answers that pyReSpect's own
+tests state, come with the data.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from dashpot.io.read import read_dynamic
+from dashpot.relaxation.dynamic import DynamicTest
+from dashpot.relaxation.dynamic_fitting import fit_dynamic
+from dashpot.relaxation.modulus_fitting import fit_modulus
+from dashpot.relaxation.spectrum import dynamic_master_curve, master_curve
+from dashpot.simulation.seals import BROAD
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+DEFAULT = Path(__file__).resolve().parents[2] / "shared" / "data"
+
+
+def timed(work: Callable[[], Any], repeats: int = 9) -> tuple[Any, float]:
+    """The result, and the median thread CPU time in ms."""
+    spent = []
+    for _ in range(repeats):
+        start = time.thread_time()
+        result = work()
+        spent.append(1e3 * (time.thread_time() - start))
+    return result, float(np.median(spent))
+
+
+def quiet(work: Callable[[], Any]) -> Any:
+    with contextlib.redirect_stdout(io.StringIO()):
+        return work()
+
+
+def terms_of(file: Path) -> np.ndarray:
+    """Pairs of relative modulus and relaxation time out of TBDATA lines."""
+    lines = [line for line in file.read_text().splitlines() if line.startswith("TBDATA")]
+    return np.array([float(word) for line in lines for word in line.split(",")[2:]]).reshape(-1, 2)
+
+
+def prony_time(t: np.ndarray, terms: np.ndarray) -> np.ndarray:
+    g, tau = terms.T
+    return 1 - g.sum() + np.exp(-t[:, None] / tau) @ g
+
+
+def prony_frequency(omega: np.ndarray, terms: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    g, tau = terms.T
+    x = omega[:, None] * tau
+    return 1 - g.sum() + (x * x / (1 + x * x)) @ g, (x / (1 + x * x)) @ g
+
+
+def percent(error: np.ndarray) -> str:
+    rms, largest = np.sqrt(np.mean(error**2)), np.abs(error).max()
+    return f"{100 * rms:8.3f} {100 * largest:8.2f}"
+
+
+# -- relaxation over 31 decades -------------------------------------------------------------------
+
+
+def over_time(folder: Path) -> None:
+    t, modulus = np.loadtxt(folder / "time_user_master.csv", delimiter=",", skiprows=2, unpack=True)
+    print(f"\nE(t), {len(t)} values over {np.log10(t[-1] / t[0]):.0f} decades")
+    print(f"{'':34s} arms   rms %   max %      ms")
+    ours = {}
+    for per_decade in (1, 2, 4):
+        found, spent = timed(lambda n=per_decade: master_curve(t, modulus, per_decade=n))
+        error = found.model.relaxation(t) / modulus - 1
+        ours[per_decade] = spent
+        name = f"dashpot, {per_decade} per decade"
+        print(f"{name:34s} {found.model.arms:4d}{percent(error)} {spent:9.2f}")
+    table = np.loadtxt(folder / "ansys-reference" / "prony_terms_KPf_MD.csv", delimiter=",")
+    error = 1739.03 * prony_time(t, table) / modulus - 1
+    print(f"{'commercial FE code':34s} {len(table):4d}{percent(error)}")
+    theirs = pyvisco_terms(folder / "time_user_master.csv", "time")
+    if theirs is not None:
+        e_0, terms, spent = theirs
+        error = e_0 * prony_time(t, terms) / modulus - 1
+        ratio = spent / ours[4]
+        print(f"{'pyvisco':34s} {len(terms):4d}{percent(error)} {spent:9.2f}  ({ratio:.0f}x ours)")
+
+
+# -- storage and loss over 26 decades -------------------------------------------------------------
+
+
+def over_frequency(folder: Path) -> None:
+    data = read_dynamic(folder / "freq_user_master.csv")
+    print(f"\nE', E'', {len(data.frequency)} frequencies; E' at the lowest is "
+          f"{1e-6 * data.storage[0]:.1f} MPa")  # fmt: skip
+    print(f"{'':34s} arms   rms %   max %  | E' rms, max %  |  E'' rms, max %  | E'(f_min)     ms")
+    ours = 0.0
+    for per_decade in (1, 4):
+        found, ours = timed(lambda n=per_decade: dynamic_master_curve(data, per_decade=n))
+        value = found.model.complex_stiffness(data.omega)
+        told(f"dashpot, {per_decade} per decade", found.model.arms, data, value, ours)
+    terms = terms_of(folder / "ansys-reference" / "freq_master.prony_terms.MPL")
+    storage, loss = prony_frequency(data.omega, terms)
+    ratio = np.concatenate((storage / data.storage, loss / data.loss))
+    e_0 = ratio.sum() / (ratio @ ratio)
+    told("commercial FE code, best E_0", len(terms), data, e_0 * (storage + 1j * loss))
+    theirs = pyvisco_terms(folder / "freq_user_master.csv", "freq")
+    if theirs is not None:
+        e_0, terms, spent = theirs
+        storage, loss = prony_frequency(data.omega, terms)
+        told("pyvisco", len(terms), data, 1e6 * e_0 * (storage + 1j * loss), spent)
+    found, spent = timed(lambda: fit_dynamic(data), repeats=3)
+    value = found.model.complex_stiffness(data.omega)
+    told("dashpot, fewest arms", found.model.arms, data, value, spent)
+    print("  " + next(check.says for check in found.checks if check.name == "kramers_kronig"))
+
+
+def told(
+    name: str, arms: int, data: DynamicTest, value: np.ndarray, spent: float | None = None
+) -> None:
+    storage, loss = value.real / data.storage - 1, value.imag / data.loss - 1
+    both = np.concatenate((storage, loss))
+    lowest = 1e-6 * value.real[np.argmin(data.frequency)]
+    cost = "" if spent is None else f"{spent:9.2f}"
+    print(f"{name:34s} {arms:4d}{percent(both)}  |{percent(storage)}|{percent(loss)} "
+          f"| {lowest:7.1f} {cost}")  # fmt: skip
+
+
+def pyvisco_terms(file: Path, domain: str) -> tuple[float, np.ndarray, float] | None:
+    """E_0, terms and CPU ms of pyvisco with its defaults; None if it is not installed."""
+    try:
+        from pyvisco import load, master, prony
+    except ImportError:
+        print("pyvisco                            (not installed)")
+        return None
+    curve, _ = load.user_master(load.file(str(file)), domain, 0, "E")
+    curve = master.smooth(curve, 1)
+    found, spent = timed(
+        lambda: quiet(lambda: prony.fit(prony.discretize(curve), curve)), repeats=3
+    )
+    table = found[0]["df_terms"]
+    return float(found[0]["E_0"]), table[["alpha_i", "tau_i"]].to_numpy(), spent
+
+
+# -- known answers --------------------------------------------------------------------------------
+
+
+def known_answers(folder: Path) -> None:
+    print("\npyReSpect's tests, fewest arms (its stated answers in brackets)")
+    stated = {
+        "test1": "tau 5, 50",
+        "test2": "g 1, 1, 1, 1 at tau 0.05, 0.5, 5, 50",
+    }
+    for name, answer in stated.items():
+        t, modulus = np.loadtxt(folder / f"{name}.dat", unpack=True)
+        found, spent = timed(lambda t=t, m=modulus: fit_modulus(t, m), repeats=3)
+        print(f"{name}: {terms_said(found.model)}  [{answer}]  {found.status.name}, {spent:.0f} ms")
+        lmfit_modes(t, modulus, found.model, found.residual.sse)
+    for name, plateau in (("test3", 0.0), ("test7", 10.0)):
+        t, modulus = np.loadtxt(folder / f"{name}.dat", unpack=True)
+        found, spent = timed(lambda t=t, m=modulus: master_curve(t, m))
+        print(f"{name}: plateau {found.model.k_inf:.3f} [{plateau:g}], {found.model.arms} arms, "
+              f"max error {found.largest:.1e}, {spent:.1f} ms")  # fmt: skip
+
+
+def lmfit_modes(t: np.ndarray, modulus: np.ndarray, model: GeneralizedMaxwell, ours: float) -> None:
+    """The same relative residuals in lmfit, told the number of arms, from even relaxation times."""
+    try:
+        import lmfit
+    except ImportError:
+        print("  lmfit (not installed)")
+        return
+    start = lmfit.Parameters()
+    start.add("g0", value=1e-3 * modulus.max(), min=0)
+    for j, tau in enumerate(np.geomspace(t[0], t[-1], model.arms + 2)[1:-1]):
+        start.add(f"g{j + 1}", value=modulus[0] / model.arms, min=0)
+        start.add(f"ln_tau{j + 1}", value=np.log(tau))
+
+    def residual(p: Any) -> np.ndarray:
+        value = np.full(len(t), float(p["g0"]))
+        for j in range(1, model.arms + 1):
+            value = value + p[f"g{j}"] * np.exp(-t / np.exp(float(p[f"ln_tau{j}"])))
+        return value / modulus - 1
+
+    found, spent = timed(lambda: lmfit.minimize(residual, start), repeats=3)
+    tau = sorted(float(np.exp(found.params[f"ln_tau{j}"])) for j in range(1, model.arms + 1))
+    said = ", ".join(f"{value:.5g}" for value in tau)
+    print(f"  lmfit, told {model.arms} arms: tau {said}; SSE {found.chisqr / ours:.3g} times ours, "
+          f"{spent:.0f} ms")  # fmt: skip
+
+
+def terms_said(model: GeneralizedMaxwell) -> str:
+    pairs = zip(model.k, model.tau, strict=True)
+    return ", ".join(f"g {k:.7g} at tau {tau:.7g}" for k, tau in pairs)
+
+
+# -- a sweep and a hold together ------------------------------------------------------------------
+
+
+def together() -> None:
+    from dashpot.relaxation.fitting import fit
+    from dashpot.relaxation.records import RampHold
+
+    generator = np.random.default_rng(0)
+    frequency = np.geomspace(1.0, 50.0, 30)
+    value = BROAD.complex_stiffness(2 * np.pi * frequency)
+    one, two = 1 + 0.005 * generator.standard_normal((2, 30))
+    data = DynamicTest(frequency, value.real * one, value.imag * two, unit="N/m")
+    t = np.arange(41_001) / 1000.0
+    force = BROAD.ramp_hold_force(t, depth=8e-3, ramp_time=1.0)
+    held = RampHold(
+        t, 8e-3 * np.clip(t, 0, 1), force + 5e-3 * generator.standard_normal(len(t)),
+        onset=0.0, ramp_end=1.0, hold_end=41.0, depth=8e-3, force_noise=5e-3,
+    )  # fmt: skip
+    omega = 2 * np.pi * np.geomspace(0.004, 50.0, 100)
+    print("\nthe broad seal (5 arms): sweep 1-50 Hz with 0.5 %, and 1 s + 40 s at 1 kHz with 5 mN")
+    for name, work in (
+        ("sweep alone", lambda: fit_dynamic(data)),
+        ("hold alone", lambda: fit(held)),
+        ("together", lambda: fit_dynamic(data, tests=held)),
+    ):
+        found, spent = timed(work, repeats=3)
+        error = found.model.loss(omega) / BROAD.loss(omega) - 1
+        print(f"{name:34s} {found.model.arms:4d} arms, loss 0.004-50 Hz off by "
+              f"{100 * np.abs(error).max():6.1f} % at most, {spent:.0f} ms")  # fmt: skip
+
+
+def main() -> None:
+    data = Path(sys.argv[1]) if len(sys.argv) > 1 else DEFAULT
+    if data.is_dir():
+        over_time(data / "pyvisco-master-curves")
+        over_frequency(data / "pyvisco-master-curves")
+        known_answers(data / "pyrespect-time-tests")
+    else:
+        print(f"no real measurements at {data}; give their folder as the first argument")
+    together()
+
+
+if __name__ == "__main__":
+    main()
