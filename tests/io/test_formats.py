@@ -511,3 +511,20 @@ def test_dma_by_other_names(tmp_path: Path) -> None:
     path.write_text("Frequency (Hz),Storage modulus (MPa),Loss modulus (N/mm)\n" + rows)
     with pytest.raises(ReadError, match="storage is a stress and loss a stiffness"):
         read_dynamic(path)
+
+
+def test_what_unpacks_to_too_much_is_passed_over(tmp_path: Path) -> None:
+    path = tmp_path / "a.h5"
+    with h5py.File(path, "w") as file:
+        file.create_dataset("bomb", shape=(1 << 34,), chunks=(1 << 20,), dtype="f8")
+        for name, values in zip(("time_s", "displacement_mm", "force_N"), truth(), strict=True):
+            file[name] = values
+    test = read_relaxation(path)
+    same(test)
+    assert any("'bomb' with 17179869184 values was passed over" in n for n in test.source.notes)
+    path = tmp_path / "a.xlsx"
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as file:
+        file.writestr("xl/workbook.xml", "<a/>")
+        file.filelist[0].file_size = 1 << 32
+    with pytest.raises(ReadError, match=r"unpacks to 4.3 GB"):
+        read_relaxation(path)

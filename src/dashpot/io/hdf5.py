@@ -16,6 +16,8 @@ from dashpot.io.table import Table
 _UNIT = ("unit", "units", "Unit", "Units", "unit_string", "UNIT")
 _NAMES = ("columns", "names", "channels", "column_names", "fields")
 _TEXT = 1000
+_LARGEST = 1 << 28
+"""Values in one dataset; a small file can claim any number of them."""
 
 
 def read(raw: Raw, options: ReadOptions) -> Table:
@@ -36,18 +38,21 @@ def read(raw: Raw, options: ReadOptions) -> Table:
             group = file[options.sheet]
         arrays: list[Named] = []
         notes: list[str] = []
-        _walk(group, "", arrays, h5py)
+        _walk(group, "", arrays, notes)
     matlab = raw.head(10) == b"MATLAB 7.3"
     return gather(arrays, file=raw.name, format_="MAT 7.3" if matlab else "HDF5", notes=notes)
 
 
-def _walk(node: Any, name: str, arrays: list[Named], h5py: Any) -> None:
-    if isinstance(node, h5py.Dataset):
-        _dataset(node, name, arrays)
+def _walk(node: Any, name: str, arrays: list[Named], notes: list[str]) -> None:
+    if hasattr(node, "dtype"):
+        if node.size is not None and node.size <= _LARGEST:
+            _dataset(node, name, arrays)
+        else:
+            notes.append(f"'{name}' with {node.size} values was passed over")
         return
     for key, child in node.items():
         if not key.startswith("#") and key not in _UNIT:
-            _walk(child, f"{name}.{key}".strip("."), arrays, h5py)
+            _walk(child, f"{name}.{key}".strip("."), arrays, notes)
 
 
 def _dataset(node: Any, name: str, arrays: list[Named]) -> None:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import datetime as dt
-from typing import Any
+import zipfile
+from typing import Any, BinaryIO
 
 from dashpot.errors import ReadError
 from dashpot.io.foreign import extra
@@ -11,6 +12,9 @@ from dashpot.io.kinds import kind_of
 from dashpot.io.opening import Raw
 from dashpot.io.options import ReadOptions
 from dashpot.io.table import Table
+
+_LARGEST = 1 << 31
+"""Bytes of an unpacked workbook."""
 
 
 def read(raw: Raw, options: ReadOptions) -> Table:
@@ -23,6 +27,7 @@ def read(raw: Raw, options: ReadOptions) -> Table:
     """
     calamine = extra("python_calamine", "python-calamine", raw.name, "spreadsheets")
     with raw.open() as stream:
+        _refuse_bomb(raw.name, stream)
         book = calamine.CalamineWorkbook.from_filelike(stream)
     names = book.sheet_names
     if options.sheet is not None and options.sheet not in names:
@@ -51,6 +56,16 @@ def read(raw: Raw, options: ReadOptions) -> Table:
             f'"{likely[0]}"'
         )
     return tables[likely[0]]
+
+
+def _refuse_bomb(file: str, stream: BinaryIO) -> None:
+    """Refuse a zipped workbook that unpacks to more than any test needs."""
+    if stream.read(2) == b"PK":
+        with zipfile.ZipFile(stream) as packed:
+            size = sum(entry.file_size for entry in packed.infolist())
+        if size > _LARGEST:
+            raise ReadError(f"{file}: unpacks to {size / 1e9:.1f} GB; export it as text instead")
+    stream.seek(0)
 
 
 def _sheet(raw: Raw, lines: list[str], options: ReadOptions) -> Table:
