@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import broad_seal
 import numpy as np
 import pytest
 
@@ -20,6 +21,21 @@ from dashpot.simulation.seals import BROAD, BROAD_MASS, PAPER
 from dashpot.vibration.frf import FRF
 
 AT = np.array([0.05, 0.3, 1.0, 5.0, 12.71, 30.0])
+
+
+@pytest.fixture(scope="module")
+def broad_fit() -> Fit:
+    return broad_seal.fitted()
+
+
+@pytest.fixture(scope="module")
+def broad_frf() -> FRF:
+    return broad_seal.measured()
+
+
+@pytest.fixture(scope="module")
+def broad_test() -> RampHold:
+    return broad_seal.prepared()
 
 
 def test_the_truth_lies_in_the_unseen_arm_band(broad_fit: Fit, broad_test: RampHold) -> None:

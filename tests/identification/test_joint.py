@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import broad_seal
 import numpy as np
 import pytest
 
@@ -24,6 +25,21 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.frf import FRF
 from dashpot.vibration.impact import estimate_frf
 from dashpot.vibration.prediction import predict_frf
+
+
+@pytest.fixture(scope="module")
+def broad_fit() -> Fit:
+    return broad_seal.fitted()
+
+
+@pytest.fixture(scope="module")
+def broad_frf() -> FRF:
+    return broad_seal.measured()
+
+
+@pytest.fixture(scope="module")
+def broad_test() -> RampHold:
+    return broad_seal.prepared()
 
 
 @pytest.fixture(scope="module")

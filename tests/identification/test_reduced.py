@@ -5,6 +5,7 @@ from __future__ import annotations
 import time as clock
 from dataclasses import replace
 
+import broad_seal
 import numpy as np
 import pytest
 
@@ -14,6 +15,16 @@ from dashpot.identification.reduced import reduced
 from dashpot.relaxation.fit import Fit
 from dashpot.relaxation.records import RampHold
 from dashpot.simulation.seals import BROAD
+
+
+@pytest.fixture(scope="module")
+def broad_fit() -> Fit:
+    return broad_seal.fitted()
+
+
+@pytest.fixture(scope="module")
+def broad_test() -> RampHold:
+    return broad_seal.prepared()
 
 
 def test_it_is_the_block_in_other_coordinates() -> None:

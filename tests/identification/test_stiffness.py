@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import broad_seal
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -18,6 +19,11 @@ from dashpot.vibration.prediction import predict_frf
 
 LINES = np.array([1.0, 2.0, 5.0, 8.0, 10.0, 12.0, 12.71, 13.0, 15.0, 20.0, 30.0, 50.0])
 MASS = 0.05202
+
+
+@pytest.fixture(scope="module")
+def broad_frf() -> FRF:
+    return broad_seal.measured()
 
 
 def at(values: np.ndarray, *frequencies: float) -> list[float]:

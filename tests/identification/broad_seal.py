@@ -1,8 +1,8 @@
-"""The broad seal on both virtual rigs, once for all tests here."""
+"""The broad seal on both virtual rigs, made once for all tests here."""
 
 from __future__ import annotations
 
-import pytest
+from functools import cache
 
 from dashpot.relaxation.fit import Fit
 from dashpot.relaxation.fitting import fit
@@ -15,16 +15,16 @@ from dashpot.vibration.frf import FRF
 from dashpot.vibration.impact import estimate_frf
 
 
-@pytest.fixture(scope="session")
-def broad_test() -> RampHold:
+@cache
+def prepared() -> RampHold:
     return prepare(simulate_relaxation(BROAD, seed=3).test)
 
 
-@pytest.fixture(scope="session")
-def broad_fit(broad_test: RampHold) -> Fit:
-    return fit(broad_test)
+@cache
+def fitted() -> Fit:
+    return fit(prepared())
 
 
-@pytest.fixture(scope="session")
-def broad_frf() -> FRF:
+@cache
+def measured() -> FRF:
     return estimate_frf(simulate_impact(BROAD, mass=BROAD_MASS, seed=3).test)
