@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dashpot.vibration.estimators import (
@@ -60,6 +60,7 @@ def test_the_other_noise_biases_h1_down_and_h2_up():
     assert np.median(np.abs(estimate(many, "H2") / TRUE)[low]) > 1.1
 
 
+@settings(deadline=None)
 @given(st.floats(1e-3, 1e3), st.floats(1e-3, 1e3), st.sampled_from(list(Estimator)))
 def test_no_estimator_depends_on_the_channels_units(force_unit, response_unit, estimator):
     plain = spectra(blows=4, force_noise=0.1, response_noise=0.2)

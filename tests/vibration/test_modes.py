@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dashpot.errors import DataError, FitError
@@ -147,6 +147,19 @@ def test_the_kind_of_frf_does_not_matter(paper_seal, kind):
     (mode,) = frf.modes()
     assert mode.frequency == pytest.approx(TRUE[0], rel=1e-5)
     assert mode.damping_ratio == pytest.approx(TRUE[1], rel=1e-3)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.floats(1.0, 200.0), st.floats(1e-3, 0.4), st.floats(0.0, 0.2), st.sampled_from([40, 300]))
+def test_a_predicted_block_has_the_mode_it_has(frequency, zeta, shift, lines):
+    """Kelvin-Voigt, whatever the damping, window and spacing of the lines."""
+    omega, mass = 2 * np.pi * frequency, 0.3
+    solid = GeneralizedMaxwell(mass * omega**2, b=2 * zeta * omega * mass)
+    f = np.geomspace(frequency / 10, 6 * frequency, lines)
+    (mode,) = predict_frf(solid, mass=mass, frequency=f, shift=shift * omega).modes()
+    assert mode.frequency == pytest.approx(frequency, rel=1e-6)
+    assert mode.damping_ratio == pytest.approx(zeta, rel=1e-4)
+    assert mode.modal_mass == pytest.approx(mass, rel=1e-3)
 
 
 def _modal(frequency, modes, record=None, shift=0.0):

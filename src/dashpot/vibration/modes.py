@@ -86,7 +86,7 @@ def model_modes(model: GeneralizedMaxwell, mass: float) -> tuple[Mode, ...]:
     >>> seal = GeneralizedMaxwell(196.5, k=(117.5, 17.8), tau=(59 / 117.5, 292.2 / 17.8))
     >>> (mode,) = model_modes(2 * seal, mass=0.1040426)
     >>> round(mode.frequency, 4), round(mode.damping_ratio, 6)
-    (12.7098, 0.004435)
+    (12.7097, 0.004435)
     """
     if not (np.isfinite(mass) and mass > 0):
         raise DataError(f"mass = {mass!r} kg; expected a number > 0")

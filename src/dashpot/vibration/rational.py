@@ -23,6 +23,7 @@ from dashpot._arrays import BoolArray, ComplexArray, FloatArray
 FLOOR = 1e-3  # relative error below which no line of a measured FRF is trusted
 FLOOR_OF_TOP = 3e-4  # and of the highest line: leakage is modelled that well
 STEPS = 60
+MOST_DAMPED = 0.75  # sigma / omega of a mode; beyond it is relaxation
 SLOW_POLES = (1e-3, 0.3, 1.5, 7.0)  # of the background, times the middle of the band
 SMALLEST_MODE = 0.01  # of the largest value in the band
 
@@ -148,14 +149,14 @@ def residues_at(lines: Lines, poles: ComplexArray) -> ComplexArray:
 
 
 def _prune(lines: Lines, theta: FloatArray) -> FloatArray:
-    """Drop what is no mode, the lowest first, until all are."""
+    """Drop what is no mode until all are."""
     while theta.size:
         c = _solve(lines, theta)[1]
-        bad = [i for i in range(len(theta) // 2) if not _is_mode(lines, theta, c, i)]
-        if not bad:
+        good = [i for i in range(len(theta) // 2) if _is_mode(lines, theta, c, i)]
+        if 2 * len(good) == len(theta):
             break
-        worst = min(bad, key=lambda i: float(np.abs(_residues(c, i)).max()))
-        theta = _refine(lines, np.delete(theta, [2 * worst, 2 * worst + 1]))
+        theta = theta.reshape(-1, 2)[good].ravel()
+        theta = _refine(lines, theta) if theta.size else theta
     return theta
 
 
@@ -263,7 +264,7 @@ def _refine(lines: Lines, theta: FloatArray) -> FloatArray:
             step = np.linalg.solve(normal + damping * np.diag(diagonal), gradient)
             step[0::2] = np.clip(step[0::2], -2.0, 2.0)
             trial = theta + step
-            if (trial[1::2] > 0).all():
+            if (np.exp(trial[0::2]) < MOST_DAMPED * trial[1::2]).all():
                 trial_cost, trial_c, trial_r = _solve(lines, trial)
                 if trial_cost <= cost:
                     moved = True
@@ -288,18 +289,21 @@ def _next_pole(lines: Lines, theta: FloatArray, misfit: FloatArray) -> FloatArra
     known = _columns(lines, theta)
     bases = [np.linalg.qr(_stack(known, weight))[0] for weight in weights]
     residuals = _linear(lines, known)[2]
+    ratios = np.geomspace(3e-4, 0.4, 9)
+    # sharp peaks stand where most is missed, to a line; broad ones may be missed most beside it
+    trials = [(r * worst, worst + i * step) for r in ratios for i in np.linspace(-1.5, 1.5, 7)]
+    broad = np.geomspace(omega[0], omega[-1], 16)[1:-1]
+    trials += [(r * at, float(at)) for r in ratios[5:] for at in broad]
     best, start = -np.inf, np.zeros(2)
-    for shift in (-1.5, -1.0, -0.5, 0.0, 0.5, 1.0, 1.5):
-        for ratio in np.geomspace(3e-4, 0.4, 9):
-            sigma, at = ratio * worst, max(worst + shift * step, omega[0] / 2)
-            pair = np.column_stack(_mode_columns(lines, complex(-sigma, at)))
-            gain = 0.0
-            for weight, basis, r in zip(weights, bases, residuals, strict=True):
-                new = _stack(pair, weight)
-                new = new - basis @ (basis.T @ new)  # what the rest cannot say as well
-                gain += float(r @ new @ np.linalg.pinv(new.T @ new) @ (new.T @ r))
-            if gain > best:
-                best, start = gain, np.array([np.log(sigma), at])
+    for sigma, at in trials:
+        pair = np.column_stack(_mode_columns(lines, complex(-sigma, at)))
+        gain = 0.0
+        for weight, basis, r in zip(weights, bases, residuals, strict=True):
+            new = _stack(pair, weight)
+            new = new - basis @ (basis.T @ new)  # what the rest cannot say as well
+            gain += float(r @ new @ np.linalg.pinv(new.T @ new) @ (new.T @ r))
+        if gain > best:
+            best, start = gain, np.array([np.log(sigma), at])
     return start
 
 
@@ -353,7 +357,7 @@ def _is_mode(lines: Lines, theta: FloatArray, coefficients: list[FloatArray], i:
     p, others = poles[i], np.delete(poles, i)
     residue = np.abs(_residues(coefficients, i))
     omega, record = lines.s.imag, lines.record
-    if not omega[0] < p.imag < omega[-1] or -p.real > 0.6 * abs(p):
+    if not omega[0] < p.imag < omega[-1] or -p.real > 0.99 * MOST_DAMPED * p.imag:
         return False
     if record is not None and -p.real * record < 1e-2:
         return False
