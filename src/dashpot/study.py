@@ -37,8 +37,8 @@ STIFFNESS_LINES = np.geomspace(1e-3, 100.0, 61)
 """Where the unseen-arm band is drawn, Hz: from the hold to past the hammer."""
 
 
-BAND_LINES = 121
-"""Lines of the predicted FRF's limits."""
+BAND_LINES, PEAK_LINES = 121, 181
+"""Lines of the predicted FRF's limits: over the whole band, and about the peak."""
 
 
 @dataclass(frozen=True)
@@ -217,7 +217,9 @@ def _room(
     low, high = _lines(seals * chosen.model.k_0, mass)[[0, -1]]
     if measured is not None:
         low, high = max(low, measured.frequency[0]), min(high, measured.frequency[-1])
-    lines = np.geomspace(low, high, BAND_LINES)
+    top = np.sqrt(seals * chosen.model.k_0 / mass) / (2 * np.pi)
+    near = np.geomspace(max(low, 0.75 * top), min(high, 1.3 * top), PEAK_LINES)
+    lines = np.union1d(np.geomspace(low, high, BAND_LINES), near if near[0] < near[-1] else ())
     return frf_band(chosen, prepared, mass=mass, frequency=lines, seals=seals)
 
 
