@@ -155,4 +155,7 @@ DIALECTS = [
     Dialect("catman", ("HBM_CATMAN_DATAFILE_40;;;\n;;;\nKanal 0;Kanal 1;Kanal 2;\nZeit;Wegaufnehmer;Kraftaufnehmer;\ns;mm;N;\n" + table(";", decimal=",", tail=";")).encode()),
     Dialect("results before raw data", ('"Results Table"\n\n"","Maximum Load (N)","Extension at max (mm)"\n"1","1.93","8.0"\n\n"Raw Data"\n"Time","Extension","Load"\n"(s)","(mm)","(N)"\n' + table(",", quote=True)).encode()),
     Dialect("nul padded", ("Time (s),Position (mm),Load (N)\n" + table(",")).encode() + b"\0" * 100),
+    Dialect("clock with a units row", ("Uhrzeit;Weg;Kraft\nhh:mm:ss;mm;N\n" + "".join(f"00:00:{t:08.5f};{x:.5f};{f:.5f}\n" for t, x, f in zip(*truth(), strict=True))).encode()),
+    Dialect("six units for five names", ("Time,Force,Displacement,Mold opening,Temp\r\r\ns,N,mm,mm,C,-\r\r\n" + table(",", columns=(truth()[0], truth()[2], truth()[1], truth()[1] + 1, truth()[0]), end="\r\r\n")).encode()),
+    Dialect("tags round the data", ("<INFO>\nDate:\t01\n<DATA>\nTime, s\tPosition (z), mm\tFz, N\n" + table("\t") + "<END DATA>\n").encode()),
 ]  # fmt: skip

@@ -80,7 +80,7 @@ def test_unknown_unit_names_the_known_ones(tmp_path: Path) -> None:
 
 def test_wrong_dimension_is_explained(tmp_path: Path) -> None:
     text = "Time (s);Displacement (mm);Force (g)\n" + table(";")
-    refused(tmp_path, text, "labelled 'g'", '--units "force=N"', "22.5mV/N")
+    refused(tmp_path, text, "labelled 'g'", '--units "force=N"', '"force=gf"', "22.5mV/N")
     test = read(tmp_path, text, units={"force": "N"})
     np.testing.assert_allclose(test.force, truth()[2])
 

@@ -10,7 +10,7 @@ from dashpot import units
 from dashpot.io import cells as cell
 from dashpot.io import vocabulary
 from dashpot.io.dialect import Dialect
-from dashpot.io.table import Column
+from dashpot.io.table import Column, Content
 
 _COMMENT = re.compile(r"^\s*(?:#+|%+|//+|\$+|!+|\*+|'+|--+|>+|@+)\s*")
 _BRACKETS = re.compile(
@@ -50,15 +50,15 @@ def name_columns(lines: Sequence[str], dialect: Dialect) -> tuple[Column, ...]:
     return tuple(columns)
 
 
-def _column(name: str, word: str | None, content: str) -> Column:
+def _column(name: str, word: str | None, content: Content) -> Column:
+    if content == "clock":  # read as seconds, whatever "hh:mm:ss" stands over it
+        return Column(part_unit(name)[0], "s", content, "clock times")
     if word is not None and word.strip(" -[]()<>{}"):
         stem, inner = part_unit(name)
         same = inner is not None and units.find(inner) == units.find(_strip(word))
-        return Column(stem if same else name, _strip(word), content, "units row")  # type: ignore[arg-type]
+        return Column(stem if same else name, _strip(word), content, "units row")
     stem, unit = part_unit(name)
-    if content == "clock" and unit is None:
-        return Column(stem, "s", content, "clock times")  # type: ignore[arg-type]
-    return Column(stem, unit, content, "name" if unit is not None else "")  # type: ignore[arg-type]
+    return Column(stem, unit, content, "name" if unit is not None else "")
 
 
 def _strip(word: str) -> str:

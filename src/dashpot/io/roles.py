@@ -18,6 +18,7 @@ _EXAMPLE = {
     "time": "s", "displacement": "mm", "force": "N", "acceleration": "m/s^2", "frequency": "Hz",
     "storage": "MPa", "loss": "MPa", "temperature": "degC",
 }  # fmt: skip
+_WEIGHTS = {"g": "gf", "kg": "kgf", "lb": "lbf"}
 _SENSITIVITY = re.compile(
     r"([\d.]+(?:e[+-]?\d+)?)\s*(m|u|µ)?V\s*/\s*\(?([^()]+)\)?\Z", re.IGNORECASE
 )
@@ -177,13 +178,17 @@ def mislabelled(column: Column, role: Role) -> str:
     dimension = DIMENSION[role]
     example = _EXAMPLE.get(role, "")
     sensed = "100mV/g" if role == "acceleration" else f"22.5mV/{example}"
-    found = units.dimensions(column.unit or "")
+    word = column.unit or ""
+    found = units.dimensions(word)
     kind = f"a unit of {' or '.join(found)}" if found else "no unit known"
+    mass = units.find(word, "mass")
+    weight = _WEIGHTS.get(mass.word, "") if mass is not None and role == "force" else ""
+    weighed = f'; if they are a weight, add --units "force={weight}"' if weight else ""
     return (
         f"column '{column.name}' is labelled '{column.unit}', {kind}, where a unit of {dimension} "
         f"is expected: the label is wrong, or the signal was never calibrated; if its numbers are "
-        f'{example}, add --units "{role}={example}"; if they are volts, give the sensitivity, '
-        f'for example --units "{role}={sensed}"'
+        f'{example}, add --units "{role}={example}"{weighed}; if they are volts, give the '
+        f'sensitivity, for example --units "{role}={sensed}"'
     )
 
 

@@ -90,7 +90,7 @@ def load_rows(
     if got.between and got.rows:
         number, words = got.between[0]
         notes.append(
-            f"{len(got.between)} lines after the table are no rows and were passed over, "
+            f"what follows the table is no row and was passed over ({len(got.between)} lines) "
             f"from line {number}: '{words.strip()[:40]}'"
         )
     return Loaded(values, tuple(got.starts), tuple(got.segments), tuple(got.lines), tuple(notes))
