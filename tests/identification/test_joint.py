@@ -83,6 +83,15 @@ def test_the_mass_is_known_better_than_it_was_given(joint: Fit) -> None:
     assert mass.value == pytest.approx(BROAD_MASS, rel=0.01)
 
 
+def test_no_mass_need_be_given(broad_frf: FRF, broad_test: RampHold, broad_fit: Fit) -> None:
+    """The relaxation gives the stiffness, the lines above the peak the mass."""
+    found = identify(broad_frf, tests=broad_test, fit=broad_fit, seals=2)
+    assert mass_of(found) == pytest.approx(BROAD_MASS, rel=0.015)
+    after = held_against(broad_frf, found, mass_of(found))
+    assert abs(after.frequency_error) < 0.002
+    assert abs(10 ** (after.ratio_db / 20) - 1) < 0.05
+
+
 def test_what_moved_is_told(joint: Fit, broad_fit: Fit) -> None:
     moved = {item.name: item for item in joint.moved}
     assert moved["k_inf"].before == broad_fit.model.k_inf
