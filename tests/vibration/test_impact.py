@@ -180,6 +180,23 @@ def test_a_short_record_is_told_how_long_to_be(strike):
     assert lines.value == pytest.approx(0.112747 * 4, rel=0.02)
 
 
+@pytest.mark.parametrize(("milliseconds", "level"), [(10, -0.131), (20, -0.529)])
+def test_the_tip_is_judged_by_its_force_at_the_resonance(strike, milliseconds, level):
+    """A half-sine's spectrum, cos(pi f T) / (1 - (2 f T)^2), at 12.71 Hz."""
+    frf = estimate_frf(strike(hits=3, pulse=milliseconds / 1000, on_sample=True))
+    assert check(frf, "hammer_excites").passed
+    # the nearest line stands at 12.75 Hz
+    assert check(frf, "hammer_excites").value == pytest.approx(level, abs=0.006)
+    # the first zero of the spectrum is at 1.5 / T, 20 dB down somewhat below
+    assert 0.8 < frf.frequency[-1] * milliseconds / 1500 < 0.95
+
+
+def test_a_tip_too_soft_is_said(strike, paper_seal):
+    frf = estimate_frf(strike(hits=3, pulse=0.1, noise=(0.0, 1e-4)), band=(2, 40))
+    assert not check(frf, "hammer_excites").passed
+    assert "harder tip" in check(frf, "hammer_excites").says
+
+
 def test_a_heavily_damped_seal_needs_no_more(strike, broad_seal):
     frf = estimate_frf(strike(2 * broad_seal, 0.114829829, hits=3, noise=NOISE), mass=0.114829829)
     assert [c.says for c in frf.checks if not c.passed] == []

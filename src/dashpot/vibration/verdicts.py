@@ -20,6 +20,7 @@ ENOUGH = 3  # good blows
 COHERENT = 0.9
 LINES = 5  # in the half-power band
 TIME_CONSTANTS = 6  # of decay that a record should hold: FRF errors below 0.5 %
+WEAK = 10.0  # dB that the force may have fallen at the resonance
 ROCKING = 0.05
 OFF_CENTRE = 0.25  # of the bounce that rocking may be at the accelerometers
 OUTLIER = 5.0  # times the usual disagreement between a blow and the others
@@ -85,7 +86,7 @@ def checks_of(
     main = modes[0] if modes else None
     checks = [_enough(frf), _coherent(frf, main), _resonance(frf, main)]
     if main is not None:
-        checks += [_long_enough(frf, main), _lines(frf, main)]
+        checks += [_long_enough(frf, main), _lines(frf, main), _excited(frf, spectra, main)]
     if spectra.averages >= ENOUGH and main is not None:
         checks.append(_stable(frf, spectra, estimator, main))
     if combination is not None:
@@ -199,6 +200,20 @@ def _lines(frf: FRF, main: Mode) -> Check:
         lines,
         LINES,
     )
+
+
+def _excited(frf: FRF, spectra: Spectra, main: Mode) -> Check:
+    """How far the pulse's spectrum has fallen where the block resonates."""
+    power = (np.abs(spectra.force) ** 2).mean(axis=0)
+    at = int(np.argmin(np.abs(frf.frequency - main.frequency)))
+    level = 10 * float(np.log10(power[at] / power[:3].mean()))
+    says = (
+        f"at the resonance the hammer's force is {max(-level, 0.0):.2g} dB below its plateau; "
+        f"lines up to {frf.frequency[-1]:.3g} Hz are kept"
+    )
+    if level >= -WEAK:
+        return Check("hammer_excites", True, says, level, -WEAK)
+    return Check("hammer_excites", False, f"{says}; take a harder tip", level, -WEAK)
 
 
 def _stable(frf: FRF, spectra: Spectra, estimator: Estimator, main: Mode) -> Check:
