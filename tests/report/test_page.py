@@ -141,7 +141,7 @@ def test_the_verdict_comes_first_and_names_the_cause(whole):
     text = Page(whole).text
     assert text.index("Maxwell arms") < text.index("The relaxation test")
     assert "damping is not tested by the relaxation test" in text
-    assert "Fitted to both tests at once (the hammer adds two arms)" in text
+    assert "Fitted to both tests at once, a solid of four arms meets the hammer" in text
     # the frequency and the height that the joint fit misses by, as the comparison has them
     after = S.joint_comparison
     assert f"{100 * abs(after.frequency_error):.2f} % in frequency" in text
@@ -195,6 +195,17 @@ def test_simulated_records_are_stamped_loudly(whole, sketch):
         fit=replace(S.fit, source=()),
     )
     assert "simulated" not in sketch(real).lower()
+
+
+def test_simulated_records_in_memory_are_stamped_too(sketch):
+    rig = Specimen(notes="simulated")
+    made = replace(
+        handmade.bench_only(),
+        test=replace(S.test, source=None),
+        prepared=replace(S.prepared, source=None, specimen=rig),
+        fit=replace(S.fit, source=()),
+    )
+    assert "SIMULATED" in sketch(made)
 
 
 def test_provenance_names_files_hashes_and_steps(whole):

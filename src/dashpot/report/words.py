@@ -63,16 +63,11 @@ def _joint(study: Study) -> str:
     joint, after = study.joint, study.joint_comparison
     if joint is None or after is None:
         return ""
-    new = joint.model.arms - study.fit.model.arms
-    added = (
-        f"the hammer adds {COUNT.get(new, str(new))} arm{'' if new == 1 else 's'}"
-        if new > 0
-        else "the same number of arms"
-    )
+    arms = COUNT.get(joint.model.arms, str(joint.model.arms))
     return (
-        f"Fitted to both tests at once ({added}), the solid meets the hammer within "
-        f"{max(100 * abs(after.frequency_error), 0.01):.2f} % in frequency and "
-        f"{max(abs(after.ratio_db), 0.1):.1f} dB at the peak."
+        f"Fitted to both tests at once, a solid of {arms} arm{'' if joint.model.arms == 1 else 's'} "
+        f"meets the hammer within {max(100 * abs(after.frequency_error), 0.01):.2f} % in frequency "
+        f"and {max(abs(after.ratio_db), 0.1):.1f} dB at the peak."
     )
 
 
@@ -105,8 +100,11 @@ def inferred_mass(study: Study) -> str:
 
 
 def simulated(study: Study) -> tuple[str, ...]:
-    """The files that the virtual rig or hammer made."""
-    return tuple(source.file for source in sources(study) if source.simulated)
+    """The files that the virtual rig or hammer made; a record in memory says so in its notes."""
+    files = tuple(source.file for source in sources(study) if source.simulated)
+    if not files and "simulated" in study.prepared.specimen.notes.lower():
+        return ("records in memory",)
+    return files
 
 
 def sources(study: Study) -> tuple[Source, ...]:
