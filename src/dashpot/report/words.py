@@ -63,9 +63,10 @@ def _joint(study: Study) -> str:
     joint, after = study.joint, study.joint_comparison
     if joint is None or after is None:
         return ""
-    arms = COUNT.get(joint.model.arms, str(joint.model.arms))
+    count = joint.model.arms
+    arms = f"{COUNT.get(count, str(count))} arm{'' if count == 1 else 's'}"
     return (
-        f"Fitted to both tests at once, a solid of {arms} arm{'' if joint.model.arms == 1 else 's'} "
+        f"Fitted to both tests at once, a solid of {arms} "
         f"meets the hammer within {max(100 * abs(after.frequency_error), 0.01):.2f} % in frequency "
         f"and {max(abs(after.ratio_db), 0.1):.1f} dB at the peak."
     )
