@@ -126,6 +126,16 @@ def test_segments_that_start_again_are_asked(tmp_path: Path) -> None:
     refused(tmp_path, text, "--segment 3, but the file has 2 segments", segment=3)
 
 
+def test_one_remark_does_not_part_a_record(tmp_path: Path) -> None:
+    rows = table(";").splitlines()
+    path = tmp_path / "hit.csv"
+    head = "time [s];hammer [N];acceleration 1 [m/s^2]\n"
+    parts = {"# a lorry 3 passed": (0,), "# record: 2": (0, 30), head[:-1]: (0, 30)}
+    for between, starts in parts.items():
+        path.write_text(head + "\n".join([*rows[:30], between, *rows[30:]]) + "\n")
+        assert read_impact(path).starts == starts
+
+
 # row 4: repeated stamps
 def test_one_repeated_stamp_is_dropped_with_a_note(tmp_path: Path) -> None:
     test = read(tmp_path, lines(_20="1.90000;8.0;1.7"))

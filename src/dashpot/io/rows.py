@@ -43,7 +43,7 @@ class _Gathered:
             seen.append(line)
 
     def add(self, values: FloatArray, line: int) -> None:
-        if self.between and self.rows:
+        if self.rows and not _remark(self.between):
             self.starts.append(self.rows)
             self.segments.append(title([text for _, text in self.between]))
         self.between.clear()
@@ -52,6 +52,14 @@ class _Gathered:
             self.lines.append((self.rows, line))
         self.parts.append(values)
         self.rows += len(values)
+
+
+def _remark(between: Sequence[tuple[int, str]]) -> bool:
+    """Whether there is nothing between two rows, or but one comment: no new segment."""
+    lines = [text for _, text in between]
+    return not lines or (
+        len(lines) == 1 and re.match(r"\s*[#%$!]", lines[0]) is not None and not title(lines)
+    )
 
 
 def load_rows(
