@@ -275,7 +275,7 @@ def test_mass_that_moves_along_is_found() -> None:
     found = fit_dynamic(replace(data, storage=data.storage - 1e-5 * data.omega**2), arms=1)
     check = next(check for check in found.checks if check.name == "storage_rises")
     assert not check.passed
-    assert "at 1e+03 Hz, which no relaxing solid does: mass moved along" in check.says
+    assert "% at 1e+03 Hz, which no relaxing solid does: mass moved along" in check.says
 
 
 def test_the_wrong_sign_of_the_loss_is_found() -> None:

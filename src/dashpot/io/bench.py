@@ -1,0 +1,31 @@
+"""From a file to the test of a bench, whichever it is: ramp and hold, or a dynamic sweep."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from dashpot.errors import ReadError
+from dashpot.io.dynamic import read_dynamic
+from dashpot.io.inspecting import inspect_file
+from dashpot.io.options import ReadOptions
+from dashpot.io.relaxation import read_relaxation
+from dashpot.relaxation.dynamic import DynamicTest
+from dashpot.relaxation.records import RelaxationTest, Specimen
+
+
+def read_bench(
+    path: str | Path, *, options: ReadOptions | None = None, specimen: Specimen | None = None
+) -> RelaxationTest | DynamicTest:
+    """Return the relaxation test or the dynamic (DMA) test in a file, in SI units.
+
+    Raises
+    ------
+    ReadError
+        If the file is neither, or leaves open which column is what or in which unit.
+    """
+    try:
+        return read_relaxation(path, options=options, specimen=specimen)
+    except ReadError:
+        if str(path) == "-" or inspect_file(path, options=options).kind != "dma":
+            raise
+    return read_dynamic(path, options=options, specimen=specimen)
