@@ -293,6 +293,15 @@ def test_wrong_encoding_names_the_option(tmp_path: Path) -> None:
     refused(tmp_path, content, "encoding 'klingon' is unknown", encoding="klingon")
 
 
+def test_a_stray_byte_far_down_is_no_obstacle(tmp_path: Path) -> None:
+    time = np.arange(9000) / 100
+    rows = table(";", columns=(time, np.minimum(time, 1.0), time))
+    test = read(
+        tmp_path, HEAD.encode() + rows.encode() + "Prüfung beendet bei 23 °C\n".encode("cp1252")
+    )
+    assert len(test.time) == 9000
+
+
 def test_an_impact_with_a_hole_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "hit.csv"
     path.write_text(

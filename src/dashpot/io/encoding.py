@@ -43,7 +43,9 @@ def find_encoding(head: bytes) -> str:
 
 def _code_page(head: bytes) -> str:
     # only lines with a letter beyond ASCII can tell, and the first few hundred are enough
-    telling = b"\n".join([line for line in head.splitlines() if not line.isascii()][:200])
+    lines = head.splitlines()
+    whole = lines[:-1] if len(lines) > 1 else lines  # the last may be cut within a character
+    telling = b"\n".join([line for line in whole if not line.isascii()][:200])
     scored = []
     for rank, name in enumerate(("gb18030", *_EIGHT_BIT)):
         try:
@@ -78,8 +80,13 @@ def _likely(text: str, codec: str) -> float:
     return score
 
 
-def decoded(blocks: Iterable[bytes], encoding: str, name: str) -> Iterator[str]:
+def decoded(
+    blocks: Iterable[bytes], encoding: str, name: str, *, found: bool = False
+) -> Iterator[str]:
     """Decode blocks of bytes to text with one kind of line end, each ending with a line end.
+
+    Where the encoding was `found`, not given, a stray byte becomes a question mark: it stands in
+    a word, never in a number.
 
     Raises
     ------
@@ -87,7 +94,7 @@ def decoded(blocks: Iterable[bytes], encoding: str, name: str) -> Iterator[str]:
         If the encoding is unknown, or the bytes are not in it.
     """
     try:
-        decoder = codecs.getincrementaldecoder(encoding)()
+        decoder = codecs.getincrementaldecoder(encoding)("replace" if found else "strict")
     except LookupError:
         raise ReadError(
             f"{name}: encoding '{encoding}' is unknown; give --encoding utf-8, utf-16, cp1252, "

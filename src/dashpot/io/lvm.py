@@ -56,7 +56,8 @@ def read(raw: Raw, options: ReadOptions) -> Table:
         If the header is not that of an LVM file, or its segments differ in their channels.
     """
     encoding = options.encoding or find_encoding(raw.head(_HEAD))
-    first = next(decoded([raw.head(_HEAD)], encoding, raw.name), "")
+    found = options.encoding is None
+    first = next(decoded([raw.head(_HEAD)], encoding, raw.name, found=found), "")
     lines = first.split("\n")
     ends = [i for i, line in enumerate(lines) if line.startswith(_END)]
     if len(ends) < 2 or ends[1] + 1 >= len(lines):
@@ -65,7 +66,7 @@ def read(raw: Raw, options: ReadOptions) -> Table:
     names = cell.split(lines[ends[1] + 1], sign)
     top = ends[1] + 2
     mark = _mark(first, lines[top : top + 50], sign, options)
-    segments = _segments(decoded(raw.blocks(), encoding, raw.name), sign, mark)
+    segments = _segments(decoded(raw.blocks(), encoding, raw.name, found=found), sign, mark)
     if not segments or any(s.channels != segments[0].channels for s in segments):
         raise ReadError(f"{raw.name}: the LVM segments differ in their channels; export them apart")
     comment = bool(names) and names[-1].casefold() == "comment"
@@ -81,7 +82,7 @@ def read(raw: Raw, options: ReadOptions) -> Table:
         raise ReadError(f"{raw.name}: channels have different Delta_X; export them at one rate")
 
     def load(indexes: Sequence[int]) -> Loaded:
-        blocks = decoded(raw.blocks(), encoding, raw.name)
+        blocks = decoded(raw.blocks(), encoding, raw.name, found=found)
         wanted = [i for i in indexes if not (counted and i == 0)]
         read_for = wanted or [next(i for i in dialect.numbers if i not in clocks)]
         loaded = _stacked(load_rows(blocks, dialect, read_for, name=raw.name), segments)

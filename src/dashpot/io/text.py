@@ -31,7 +31,7 @@ def read(raw: Raw, options: ReadOptions) -> Table:
     """
     encoding = options.encoding or find_encoding(raw.head(_HEADS[0]))
     for size in _HEADS:
-        lines, whole = _lines(raw, encoding, size)
+        lines, whole = _lines(raw, encoding, size, found=options.encoding is None)
         lines = [*[""] * min(options.skip_rows, len(lines)), *lines[options.skip_rows :]]
         dialect = find_dialect(lines, delimiter=options.delimiter, decimal=options.decimal)
         if dialect is not None or whole:
@@ -41,7 +41,7 @@ def read(raw: Raw, options: ReadOptions) -> Table:
     return _table(raw, encoding, lines, dialect, options)
 
 
-def _lines(raw: Raw, encoding: str, size: int) -> tuple[list[str], bool]:
+def _lines(raw: Raw, encoding: str, size: int, *, found: bool) -> tuple[list[str], bool]:
     """The lines of the first bytes, and whether that is the whole file."""
     head = raw.head(size)
     whole = len(head) == raw.size
@@ -53,16 +53,16 @@ def _lines(raw: Raw, encoding: str, size: int) -> tuple[list[str], bool]:
             "content; export it as text (csv, txt)"
         )
     if not whole:  # an incremental decoder waits for the rest of a character cut in two
-        text = "".join(_partial(head, encoding, raw.name))
+        text = "".join(_partial(head, encoding, raw.name, found=found))
         return text.split("\n")[:-1], False
-    text = "".join(decoded([head], encoding, raw.name))
+    text = "".join(decoded([head], encoding, raw.name, found=found))
     return text.removesuffix("\n").split("\n"), True
 
 
-def _partial(head: bytes, encoding: str, name: str) -> list[str]:
+def _partial(head: bytes, encoding: str, name: str, *, found: bool) -> list[str]:
     out = []
     try:
-        for text in decoded([head], encoding, name):
+        for text in decoded([head], encoding, name, found=found):
             out.append(text)
     except ReadError:
         # the last character is cut in two; anything else fails again when the rows are read
@@ -96,7 +96,8 @@ def _table(
         notes.append(f"text decoded as {encoding}")
 
     def load(indexes: Sequence[int]) -> Loaded:
-        blocks = decoded(raw.blocks(), encoding, raw.name)
+        found = options.encoding is None
+        blocks = decoded(raw.blocks(), encoding, raw.name, found=found)
         return load_rows(blocks, dialect, indexes, name=raw.name, first=title(header))
 
     return Table(
