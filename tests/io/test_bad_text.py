@@ -302,6 +302,10 @@ def test_a_stray_byte_far_down_is_no_obstacle(tmp_path: Path) -> None:
     assert len(test.time) == 9000
 
 
+def test_lost_line_ends_are_refused(tmp_path: Path) -> None:
+    refused(tmp_path, HEAD + table(";") + "1;" * (5 << 20), "a line of more than 8 million")
+
+
 def test_an_impact_with_a_hole_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "hit.csv"
     path.write_text(

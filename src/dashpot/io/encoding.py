@@ -14,6 +14,7 @@ _MARKS = (
     (codecs.BOM_UTF32_LE, "utf-32"), (codecs.BOM_UTF32_BE, "utf-32"),
     (codecs.BOM_UTF16_LE, "utf-16"), (codecs.BOM_UTF16_BE, "utf-16"),
 )  # fmt: skip
+_LONGEST = 1 << 23
 _EIGHT_BIT = ("cp1252", "cp1250", "cp1254", "cp1251", "cp932", "cp949", "big5")
 
 
@@ -108,6 +109,11 @@ def decoded(
             rest = text[cut:]
             if cut:
                 yield _ends(text[:cut])
+            elif len(rest) > _LONGEST:
+                raise ReadError(
+                    f"{name}: a line of more than {_LONGEST >> 20} million characters; this is no "
+                    "text of rows, or its line ends were lost: export it again"
+                )
         rest += decoder.decode(b"", final=True)
     except UnicodeDecodeError as error:
         raise ReadError(
