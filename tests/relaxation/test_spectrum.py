@@ -193,6 +193,14 @@ def test_noise_that_crosses_zero_is_fitted_with_uniform_weights() -> None:
     assert tau[1][0] < 50.0 < tau[1][1]
 
 
+def test_large_noise_brings_no_bias() -> None:
+    """Weights by the size of the data themselves would lower every stiffness by 2 %."""
+    t, solid = np.geomspace(1e-3, 10, 60), GeneralizedMaxwell(1.0, (2.0,), (0.1,))
+    noise = 1 + 0.1 * np.random.default_rng(0).standard_normal((40, len(t)))
+    found = [fit_modulus(t, row * solid.relaxation(t), arms=1).model.k_0 for row in noise]
+    assert np.mean(found) == pytest.approx(solid.k_0, rel=0.008)
+
+
 # -- what is refused ------------------------------------------------------------------------------
 
 

@@ -160,16 +160,35 @@ def chosen_arms(
     return Chosen(estimate, scores, choice if auto else None)
 
 
-def scatters(blocks: Sequence[Block], samples: Sequence[Block], most: int) -> list[float]:
-    """Return the spread of one independent residual of each record, at the most arms it bears."""
+class Alone(NamedTuple):
+    """The best that one test allows: its solid, and the scatter that each of its records leaves.
+
+    Attributes
+    ----------
+    model : GeneralizedMaxwell
+    scatter : tuple of float
+        Spread of one independent residual (rms times root kappa) of each record, never below
+        the rounding of the data.
+    """
+
+    model: GeneralizedMaxwell
+    scatter: tuple[float, ...]
+
+
+def alone(blocks: Sequence[Block], samples: Sequence[Block], most: int) -> Alone:
+    """Fit one test with as many arms as it bears, up to `most`."""
     most = bearable(blocks, most)
     best = solve_orders(blocks, most)[-1] if most else solve(blocks, 0)
     peaks = [_largest(block, best) for block in samples]
     estimate = estimated(best, samples, peak=max(peaks))
-    return [
-        max(float(np.sqrt(np.mean(residual**2) * noise.kappa)), ROUNDING * peak)
-        for residual, noise, peak in zip(estimate.residuals, estimate.noises, peaks, strict=True)
+    spreads = [
+        float(np.sqrt(np.mean(residual**2) * noise.kappa))
+        for residual, noise in zip(estimate.residuals, estimate.noises, strict=True)
     ]
+    return Alone(
+        model_of(best),
+        tuple(max(one, ROUNDING * (peak or 1.0)) for one, peak in zip(spreads, peaks, strict=True)),
+    )
 
 
 def bearable(blocks: Sequence[Block], most: int) -> int:

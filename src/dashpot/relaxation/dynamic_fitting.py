@@ -8,7 +8,7 @@ from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
-from dashpot._arrays import FloatArray
+from dashpot._arrays import ComplexArray, FloatArray
 from dashpot.checks import Check
 from dashpot.engine.blocks import Block, DesignBlock, frequency_block
 from dashpot.errors import FitError
@@ -32,6 +32,8 @@ Weights: TypeAlias = Literal["relative", "modulus"]
 _ONE_TEMPERATURE = 2.0
 # half a decade: an arm farther out than this shows only its tail
 _BEYOND = float(np.sqrt(10.0))
+# a fit that expects less than this part of a value does not follow it: no ground for a weight
+_DOUBTED = 0.1
 
 
 def fit_dynamic(
@@ -50,9 +52,10 @@ def fit_dynamic(
     .. math:: K' + jK'' = k_\infty + \sum_j k_j \frac{j\omega\tau_j}{1 + j\omega\tau_j}
         \; [+ j\omega b]
 
-    No starting guess is needed. Residuals of storage and of loss are relative, then each curve,
-    and each relaxation test, is divided by its own scatter about the best solid that it alone
-    allows, so that every test speaks as loudly as it is sure.
+    No starting guess is needed. Residuals of storage and of loss are relative to what the best
+    solid of the sweep alone expects there; then each curve, and each relaxation test, is divided
+    by its own scatter about the best solid that it alone allows, so that every test speaks as
+    loudly as it is sure.
 
     Parameters
     ----------
@@ -65,8 +68,8 @@ def fit_dynamic(
         Prepared relaxation tests of the same part, fitted in the same stack by their recorded
         motion, each with its own tare and drift. `data` must then be in N/m.
     weights : "relative" or "modulus"
-        Errors of storage and of loss relative to each value's own size, or both to the size of
-        the complex modulus (an error of the phase).
+        Errors of storage and of loss relative each to its own size, or both to the size of the
+        complex modulus (an error of the phase).
     dashpot : bool
         Allow a parallel dashpot b; not together with `tests`.
     temperature : float, optional
@@ -214,28 +217,31 @@ def _records(
 
 
 def _sweep(data: DynamicTest, weights: str, *, dashpot: bool, most: int) -> _Set:
-    n, weight = len(data.frequency), _relative(data, weights)
-    block = _sweep_block(data, weight, dashpot=dashpot)
-    storage, loss = (
-        max(scatter, curves.ROUNDING)
-        for scatter in curves.scatters([block], _halves(block, n), most)
-    )
-    known = _sweep_block(data, (weight[0] / storage, weight[1] / loss), dashpot=dashpot)
+    _checked(data, weights)
+    n = len(data.frequency)
+    first = _sweep_block(data, _scale(data, data.value, weights), dashpot=dashpot)
+    best = curves.alone([first], _halves(first, n), most)
+    # the size of noisy data is a biased weight: low values would speak loudest
+    storage, loss = _scale(data, best.model.complex_stiffness(data.omega), weights)
+    scale = (storage * best.scatter[0], loss * best.scatter[1])
+    known = _sweep_block(data, scale, dashpot=dashpot)
     return _Set(known, _halves(known, n))
 
 
 def _sweep_block(
-    data: DynamicTest, weight: tuple[FloatArray, FloatArray], *, dashpot: bool
+    data: DynamicTest, scale: tuple[FloatArray, FloatArray], *, dashpot: bool
 ) -> DesignBlock:
     return frequency_block(
         data.omega,
         data.value,  # type: ignore[arg-type]
-        weights=weight,
+        weights=(1 / scale[0], 1 / scale[1]),
         dashpot=dashpot,
     )
 
 
-def _relative(data: DynamicTest, weights: str) -> tuple[FloatArray, FloatArray]:
+def _checked(data: DynamicTest, weights: str) -> None:
+    if weights not in ("relative", "modulus"):
+        raise FitError(f"weights = {weights!r}; expected 'relative' or 'modulus'")
     bad = np.flatnonzero(data.storage <= 0)
     if bad.size:
         i = int(bad[0])
@@ -243,13 +249,20 @@ def _relative(data: DynamicTest, weights: str) -> tuple[FloatArray, FloatArray]:
             f"the storage at {data.frequency[i]:.3g} Hz is {data.storage[i]:g}; no relaxing solid "
             "has a storage <= 0 (mass moved along, or the phase is wrong): leave it out"
         )
+
+
+def _scale(
+    data: DynamicTest, expected: ComplexArray, weights: str
+) -> tuple[FloatArray, FloatArray]:
+    """Return what errors of storage and loss are relative to: the size expected of each."""
+    size = np.maximum(np.abs(expected), _DOUBTED * np.abs(data.value))
     if weights == "modulus":
-        one = 1 / np.abs(data.value)
-        return one, one
-    if weights != "relative":
-        raise FitError(f"weights = {weights!r}; expected 'relative' or 'modulus'")
+        return size, size
     storage, loss = relative_scale(data)
-    return 1 / storage, 1 / loss
+    return (
+        np.maximum(np.abs(expected.real), _DOUBTED * storage),
+        np.maximum(np.abs(expected.imag), _DOUBTED * loss),
+    )
 
 
 def _halves(block: DesignBlock, n: int) -> tuple[Block, Block]:
@@ -272,7 +285,7 @@ def _relaxations(records: Sequence[RampHold], most: int) -> list[_Set]:
     blocks = compressed(records, design)
     sets = []
     for block, row in zip(blocks, every_sample(records, design, blocks), strict=True):
-        factor = 1 / curves.scatters([block], [row], most)[0]
+        factor = 1 / curves.alone([block], [row], most).scatter[0]
         sets.append(_Set(curves.Weighted(block, factor), (curves.Weighted(row, factor),)))
     return sets
 

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot._arrays import FloatArray, increasing, same_length, samples
+from dashpot.engine.blocks import DesignBlock
 from dashpot.engine.holds import decay_block
 from dashpot.errors import DataError, FitError
 from dashpot.provenance import Source, Step
@@ -19,6 +20,9 @@ from dashpot.relaxation.fit import Fit
 from dashpot.relaxation.profiles import profiles
 from dashpot.relaxation.records import Specimen
 from dashpot.relaxation.verdict import status_of
+
+# a fit that expects less than this part of a value does not follow it: no ground for a weight
+_DOUBTED = 0.1
 
 
 def fit_modulus(
@@ -49,7 +53,7 @@ def fit_modulus(
     arms : int or "auto"
         ``"auto"`` takes the number that BIC and the significance of every arm both support.
     weights : "relative" or "uniform"
-        Residuals relative to each value, or all alike.
+        Residuals relative to what the best solid expects, or all alike.
     thorough : bool
         Add quasi-random starts.
     max_arms : int
@@ -78,12 +82,15 @@ def fit_modulus(
         raise DataError(f"time[0] = {t[0]:g} s; expected the time since the step, >= 0")
     if unit not in {"Pa", "N/m"}:
         raise FitError(f"unit = {unit!r}; expected 'Pa' or 'N/m'")
-    weight = _weights(values, weights)
     most = curves.asked_arms(arms, max_arms)
     window = _window(t)
-    block = replace(
-        decay_block(t, values, weights=weight, compress=False), window=(window[0], 10 * window[1])
-    )
+    weight = _weights(values, weights)
+    if weights == "relative":
+        # the size of noisy data is a biased weight: low values would speak loudest
+        first = _block(t, values, weight, window)
+        expected = curves.alone([first], [first], most).model.relaxation(t)
+        weight = 1 / np.maximum(expected, _DOUBTED * values)
+    block = _block(t, values, weight, window)
     found = curves.chosen_arms(
         [block],
         [block],
@@ -132,6 +139,13 @@ def fit_modulus(
         specimen=specimen or Specimen(),
         unit=unit,
     )
+
+
+def _block(
+    t: FloatArray, values: FloatArray, weight: FloatArray, window: tuple[float, float]
+) -> DesignBlock:
+    block = decay_block(t, values, weights=weight, compress=False)
+    return replace(block, window=(window[0], 10 * window[1]))
 
 
 def _window(t: FloatArray) -> tuple[float, float]:
