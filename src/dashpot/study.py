@@ -146,7 +146,7 @@ def characterise(
     """
     prepared = prepare(test, filter=filter)
     chosen = fit(prepared, arms=arms)
-    inferred = mass is None and measured is not None
+    weighed = mass
     if mass is None and measured is not None:
         mass, _ = infer_mass(seals * chosen.model, measured)
     prediction = comparison = None
@@ -156,7 +156,9 @@ def characterise(
         )
     both = mended = agreement = None
     if joint and measured is not None and mass is not None:
-        both = identify(measured, tests=[prepared], mass=mass, seals=seals, band=band)
+        both = identify(
+            measured, tests=[prepared], fit=chosen, mass=weighed, seals=seals, band=band
+        )
         mended, agreement = _predicted(
             both, measured, mass=_mass_of(both, mass), seals=seals, band=band, depth=prepared.depth
         )
@@ -171,7 +173,7 @@ def characterise(
         hold_fit=hold_fit,
         seals=seals,
         mass=mass,
-        mass_inferred=inferred,
+        mass_inferred=weighed is None and mass is not None,
         prediction=prediction,
         impact=impact,
         measured=measured,

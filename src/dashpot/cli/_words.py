@@ -67,7 +67,7 @@ def fit(found: Fit) -> str:
             for item in found.nuisance
         )
         lines.append(f"  nuisance    {listed}")
-    lines += _orders(found)
+    lines += [*_orders(found), *_moved(found)]
     bad = failed(found.checks)
     passed = sum(check.passed for check in found.checks)
     lines.append(f"  checks      {passed} of {len(found.checks)} passed")
@@ -107,6 +107,24 @@ def _parameters(found: Fit) -> list[str]:
         row(f"b_{j + 1}", model.arm_b[j], error["b"][j], unit="N s/mm")
     if model.b > 0:
         rows.append(["b", rounded(model.b * 1e-3), "", "", "N s/mm"])
+    return table(rows)
+
+
+def _moved(found: Fit) -> list[str]:
+    """Return what a further test changed, one parameter a row."""
+    if not found.moved:
+        return []
+    rows = [["  moved", "before", "after", "by, in SE before"]]
+    for item in found.moved:
+        scale, unit = (1e-3, "N/mm") if item.unit == "N/m" else (1.0, item.unit)
+        after = f"{rounded(item.after * scale, item.after_se * scale)} {unit}"
+        if item.before is None or not item.before_se:
+            rows.append([f"  {item.name}", "-", after, "new"])
+            continue
+        before = f"{rounded(item.before * scale, item.before_se * scale)} {unit}"
+        rows.append(
+            [f"  {item.name}", before, after, f"{(item.after - item.before) / item.before_se:+.2g}"]
+        )
     return table(rows)
 
 

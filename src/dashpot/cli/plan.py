@@ -25,6 +25,8 @@ from dashpot.cli._shell import Outcome, Quantity, failed, reports
 @click.option("--seals", type=float, default=1.0, show_default=True, help="Seals in parallel.")
 @click.option("--record", type=Quantity("time"), help="Planned record after a hit.")
 @click.option("--pulse", type=Quantity("time"), help="Hammer pulse; soft tips give 10 to 20 ms.")
+@click.option("--hits", type=click.IntRange(1), default=5, show_default=True)
+@click.option("--coherence", type=float, default=0.99, show_default=True, help="Of those hits.")
 @click.option("--wanted", type=float, default=10.0, show_default=True, help="SD that would do, %.")
 @reports
 def command(
@@ -44,6 +46,8 @@ def command(
     seals: float,
     record: float | None,
     pulse: float | None,
+    hits: int,
+    coherence: float,
     wanted: float,
 ) -> Outcome:
     """Tell how well a planned test will know stiffness and loss factor at a frequency.
@@ -80,6 +84,8 @@ def command(
         record=record,
         pulse=pulse,
         wanted=wanted / 100,
+        hits=hits,
+        coherence=coherence,
     )
     text = "\n".join([str(found), *failed(found.checks)])
     return Outcome(lambda: document(found), text, found.checks)

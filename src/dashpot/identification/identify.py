@@ -20,7 +20,8 @@ from dashpot.vibration.frf import FRF
 Given: TypeAlias = float | tuple[float, float] | None
 
 # a block on a balance, with its glue, studs and a part of the seals' own mass
-USUAL_MASS_SD = 0.01
+# a block on a workshop balance: 0.1 g of 100 g
+USUAL_MASS_SD = 0.001
 USUAL_GAIN_SD = 0.01
 USUAL_DELAY_SD = 1e-4
 MOST_ARMS = 3
@@ -73,7 +74,7 @@ def identify(
         Hz, and damping ratio of the mass on the seals. A pair is a value and its standard
         deviation, a number is exact (Zhang and Richards 2007).
     mass_sd : float, optional
-        Standard deviation of the mass, kg; 1 % by default, 0 if exact.
+        Standard deviation of the mass, kg; 0.1 % by default, 0 if exact.
     gain_sd, delay_sd : float
         What acceleration over force may be off by, relative, and late by, s; 0 if exact.
     band : (float, float), optional

@@ -20,6 +20,8 @@ HALF_WIDTHS = (0, 1, 2, 3, 4, 6, 8, 11, 16, 23, 32, 45, 64, 91, 128, 181, 256, 3
 APART = 2.5
 # what is left of a count after reading between counts, as a part of it: half a sample in time
 LEFT_OF_A_COUNT = 0.15
+# equal neighbours so much closer than the depth are arithmetic, not counts
+LEAST_COUNT = 1e-6
 # a reading that returns within half as many samples has flickered
 FLICKER = 7
 
@@ -36,7 +38,7 @@ def true_motion(test: RampHold) -> tuple[FloatArray, FloatArray]:
     time, x = test.time[used], test.displacement[used]
     step = encoder_step(test)
     noise = test.displacement_noise
-    if step > 0:
+    if step > LEAST_COUNT * test.depth:
         x, noise = between_counts(time, x), LEFT_OF_A_COUNT * step
     return denoised(x, noise) if noise > 0 else (x, np.zeros(len(x)))
 

@@ -9,9 +9,9 @@ import numpy as np
 
 from dashpot._arrays import FloatArray
 from dashpot.engine.blocks import Block, DesignBlock
-from dashpot.engine.correlation import CorrelationBlock
 from dashpot.engine.holds import hold_block, window_of
 from dashpot.engine.recorded import recorded_block
+from dashpot.relaxation.denoising import true_motion
 from dashpot.relaxation.record_checks import MAX_CREEP, hold_creep
 from dashpot.relaxation.records import RampHold
 
@@ -45,7 +45,7 @@ def every_sample(
     """Return the blocks of :func:`compressed` with one row per sample, in the record's order."""
     if design.method == "hold":
         return tuple(_hold_samples(test, i, design) for i, test in enumerate(tests))
-    return tuple(b.exact if isinstance(b, CorrelationBlock) else b for b in blocks)
+    return tuple(b.exact for b in blocks)
 
 
 def fitted_samples(test: RampHold, design: Design) -> slice:
@@ -111,7 +111,7 @@ def _motion(test: RampHold) -> tuple[FloatArray, FloatArray, FloatArray]:
     A seal that the record finds in contact is at rest there: the force of that rest is offset.
     """
     used = fitted_samples(test, Design("full"))
-    x = test.displacement[used]
+    x, _ = true_motion(test)
     return _evened(test.time[used] - test.time[0]), x - x[0], test.force[used]
 
 

@@ -28,7 +28,9 @@ def poles(model: GeneralizedMaxwell, mass: float) -> ComplexArray:
 def residues(model: GeneralizedMaxwell, mass: float, at: ComplexArray) -> ComplexArray:
     r"""Residues of the receptance at its simple poles: :math:`1 / (2 m p + K'(p))`, m/(N s)."""
     tau = np.asarray(model.tau)
-    slope = (np.asarray(model.k) * tau / (1 + at[:, None] * tau) ** 2).sum(axis=1) + model.b
+    # an arm too weak to shift its own pole has an infinite slope there, and no residue
+    with np.errstate(divide="ignore"):
+        slope = (np.asarray(model.k) * tau / (1 + at[:, None] * tau) ** 2).sum(axis=1) + model.b
     return np.asarray(1 / (2 * mass * at + slope))
 
 
