@@ -18,7 +18,9 @@ from dashpot.relaxation.dynamic import DynamicTest
 from dashpot.relaxation.dynamic_fitting import fit_dynamic
 from dashpot.relaxation.fit import Fit, Status
 from dashpot.relaxation.fitting import fit
+from dashpot.relaxation.preparation import prepare
 from dashpot.relaxation.records import RampHold
+from dashpot.simulation.rig import simulate_relaxation
 from dashpot.simulation.seals import BROAD
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -223,6 +225,17 @@ def test_together_they_see_what_neither_sees_alone() -> None:
     assert worst(joint.model) < 0.05
     assert worst(fit_dynamic(data).model) > 0.3
     assert worst(fit(held).model) > 0.3
+
+
+def test_a_raw_record_of_the_rig_and_a_sweep_are_fitted_together() -> None:
+    held = prepare(simulate_relaxation(BROAD, seed=1).test)
+    found = fit_dynamic(sweep(BROAD, np.geomspace(1.0, 50.0, 30), noise=0.005, seed=1), tests=held)
+    assert found.ok
+    assert found.model.arms == BROAD.arms
+    omega = 2 * np.pi * np.geomspace(0.004, 50.0, 60)
+    assert np.abs(found.model.loss(omega) / BROAD.loss(omega) - 1).max() < 0.06
+    said = found.intervals(level=0.99)["tau"]
+    assert all(low < tau < high for (low, high), tau in zip(said, BROAD.tau, strict=True))
 
 
 def test_tare_and_drift_of_each_relaxation_test_are_told() -> None:
