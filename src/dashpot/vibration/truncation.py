@@ -27,11 +27,13 @@ def poles(model: GeneralizedMaxwell, mass: float) -> ComplexArray:
 
 def residues(model: GeneralizedMaxwell, mass: float, at: ComplexArray) -> ComplexArray:
     r"""Residues of the receptance at its simple poles: :math:`1 / (2 m p + K'(p))`, m/(N s)."""
-    tau = np.asarray(model.tau)
+    factor = 1 + at[:, None] * np.asarray(model.tau)
     # an arm too weak to shift its own pole has an infinite slope there, and no residue
-    with np.errstate(divide="ignore"):
-        slope = (np.asarray(model.k) * tau / (1 + at[:, None] * tau) ** 2).sum(axis=1) + model.b
-    return np.asarray(1 / (2 * mass * at + slope))
+    own = np.abs(factor).min(axis=1, initial=1.0) > 0
+    slope = (np.asarray(model.arm_b) / factor[own] ** 2).sum(axis=1) + model.b
+    found = np.zeros(len(at), dtype=complex)
+    found[own] = 1 / (2 * mass * at[own] + slope)
+    return found
 
 
 def cut_accelerance(
