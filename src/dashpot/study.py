@@ -104,6 +104,13 @@ class Study:
     frf_band: FRFBand | None = None
     checks: tuple[Check, ...] = ()
 
+    @property
+    def every_check(self) -> tuple[Check, ...]:
+        """The checks of the bench, of the hammer, of their comparison, and of the story."""
+        hammer = () if self.measured is None else self.measured.checks
+        held = () if self.comparison is None else self.comparison.checks
+        return (*self.fit.checks, *hammer, *held, *self.checks)
+
 
 def characterise(
     test: RelaxationTest,
@@ -187,7 +194,7 @@ def characterise(
         if measured is None or mass is None
         else dynamic_stiffness(measured, mass, seals=seals, band=band),
         frf_band=None if mass is None else _room(chosen, prepared, measured, mass, seals),
-        checks=(*chosen.checks, *checks, *(comparison.checks if comparison else ())),
+        checks=checks,
     )
 
 

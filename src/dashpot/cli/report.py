@@ -90,4 +90,4 @@ def command(
         written.append(output or "report.html")
         write(written[-1], html(study))
     text = "" if output == "-" else _words.study(study)
-    return Outcome(lambda: document(study) | {"report": written[-1]}, text, study.checks)
+    return Outcome(lambda: document(study) | {"report": written[-1]}, text, study.every_check)

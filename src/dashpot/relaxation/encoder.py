@@ -10,7 +10,8 @@ have given to the pulse of motion that was not there,
 
 from the run's first reading to the next one. Over a short run that is e k_0. All runs are
 independent, so :math:`\sum J^T\delta\,\delta^T J` joins the middle of the sandwich: the error of
-the depth held, which scales every stiffness, and that of each step on the way.
+the depth held, which scales every stiffness, and that of each step on the way. So does a contact
+found behind an air gap: its error shifts all motion after it.
 """
 
 from __future__ import annotations
@@ -36,11 +37,15 @@ class Encoder(NamedTuple):
         m.
     step : float
         Step q of the readings, m; 0 if they show none.
+    onset, contact_error : float
+        First contact, s, and the standard deviation of the position where it was found, m.
     """
 
     time: FloatArray
     readings: FloatArray
     step: float
+    onset: float = 0.0
+    contact_error: float = 0.0
 
 
 class Kernel(NamedTuple):
@@ -57,10 +62,22 @@ class Kernel(NamedTuple):
 
 def encoder_term(jacobian: FloatArray, encoder: Encoder, kernel: Kernel) -> FloatArray:
     """Return what one record's encoder adds to the middle of the sandwich, shape (p, p)."""
-    time, readings, step = encoder
+    contact = _contact_term(jacobian, encoder, kernel)
+    return contact if encoder.step == 0.0 else contact + _steps_term(jacobian, encoder, kernel)
+
+
+def _contact_term(jacobian: FloatArray, encoder: Encoder, kernel: Kernel) -> FloatArray:
+    """Return what an error of the contact adds: a step of motion when the plate touches."""
+    if encoder.contact_error == 0.0:
+        return np.zeros((jacobian.shape[1],) * 2)
+    touched = int(np.searchsorted(encoder.time, encoder.onset))
+    lean = kernel(encoder.time[touched:] - encoder.onset) @ jacobian[touched:]
+    return np.asarray(encoder.contact_error**2 * np.outer(lean, lean))
+
+
+def _steps_term(jacobian: FloatArray, encoder: Encoder, kernel: Kernel) -> FloatArray:
+    time, readings, step = encoder.time, encoder.readings, encoder.step
     size = jacobian.shape[1]
-    if step == 0.0:
-        return np.zeros((size, size))
     starts = np.concatenate(([0], np.flatnonzero(np.diff(readings)) + 1))
     ends = np.concatenate((starts[1:], [len(readings)]))
     rests = ends - starts > _REST * len(readings)

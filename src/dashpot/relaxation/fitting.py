@@ -174,6 +174,8 @@ def _encoders(records: Sequence[RampHold], design: Design) -> tuple[Encoder, ...
             record.time[: record.hold.stop],
             record.displacement[: record.hold.stop],
             encoder_step(record),
+            record.onset,
+            record.contact_error,
         )
         for record in records
     )

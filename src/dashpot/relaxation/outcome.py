@@ -87,7 +87,7 @@ def outcome(
         certificate=_certificate(blocks, solution),
         profiles=profiles(blocks, estimate, suffix=suffix),
         nuisance=_nuisance(estimate),
-        checks=found,
+        checks=(*(check for record in records for check in record.checks), *found),
         source=tuple(record.source for record in records if record.source is not None),
         steps=(
             *(step for record in records for step in record.steps),

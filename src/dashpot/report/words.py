@@ -118,7 +118,8 @@ def sources(study: Study) -> tuple[Source, ...]:
 
 def stages(study: Study) -> list[tuple[str, tuple[Check, ...]]]:
     """The checks of every stage, in the order of the work."""
-    groups = [("relaxation", study.prepared.checks), ("fit", study.fit.checks)]
+    of_fit = tuple(check for check in study.fit.checks if check not in study.prepared.checks)
+    groups = [("relaxation", study.prepared.checks), ("fit", of_fit)]
     if study.measured is not None:
         groups.append(("hammer", study.measured.checks))
     if study.direct is not None:
