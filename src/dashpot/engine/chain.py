@@ -153,7 +153,8 @@ class Chain:
         )
         if polished is None or not _carries(polished.point, self.stack):
             return winner
-        if (polished.point.beta[restricted] < 0).any():
+        # at the bound a restricted polish may leave the rounding of a zero, which is no sign
+        if not bound and (polished.point.beta[restricted] < 0).any():
             return winner
         return polished
 
