@@ -49,7 +49,10 @@ def main() -> None:
     for name in commands:
         cpu, wall = (statistics.median(run[name][i] for run in runs) for i in (0, 1))
         print(f"{name:24} {cpu * 1e3:7.0f} ms CPU {wall * 1e3:7.0f} ms wall")
-    for ours, theirs in (("dashpot fit", "import numpy, loadtxt"), ("dashpot --help", "import click")):
+    for ours, theirs in (
+        ("dashpot fit", "import numpy, loadtxt"),
+        ("dashpot --help", "import click"),
+    ):
         ratio = statistics.median(run[ours][0] / run[theirs][0] for run in runs)
         print(f"{ours} / ({theirs}): {ratio:.2f} in CPU time, median of {PAIRS} pairs")
 

@@ -11,6 +11,7 @@ FOLDER = Path(__file__).parent / "pictures"
 
 
 def main() -> None:
+    """Run the whole story and save its picture."""
     bench = simulate_relaxation(BROAD, seed=0)
     hammer = simulate_impact(BROAD, mass=BROAD_MASS, seed=0)
     frf = dp.estimate_frf(hammer.test, mass=BROAD_MASS)

@@ -17,6 +17,7 @@ from dashpot.errors import DataError, ReadError
 from dashpot.job import Job
 from dashpot.planning import plan
 from dashpot.provenance import Source, Step
+from dashpot.relaxation.dynamic import DynamicTest
 from dashpot.relaxation.fit import Fit, Nuisance, Profile, Residual, Status
 from dashpot.relaxation.records import RampHold, RelaxationTest, Specimen
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -61,6 +62,7 @@ IMPACT = ImpactTest(TIME, TIME, np.array([TIME, -TIME]), positions=(0.05, -0.05)
 PREDICTED = predict_frf(2 * MODEL, mass=0.104, frequency=FREQUENCY)
 NOUNS = [
     MODEL,
+    DynamicTest(np.array([1.0, 2.0, 5.0]), np.array([3.0, 4.0, 5.0]), np.array([0.1, 0.2, 0.1])),
     TEST,
     RAMP,
     FIT,
@@ -120,6 +122,16 @@ def test_the_least_fit_of_the_contract_is_read():
     assert fit.model == GeneralizedMaxwell(196.5, (117.5,), (0.5021,))
     assert fit.ok
     assert fit.band == (0.004, 0.32)
+    assert fit.standard_error["k"] == pytest.approx((0.2,))
+    assert fit.standard_error["tau"] == pytest.approx((0.003,))
+
+
+def test_a_fit_that_tells_no_errors_claims_none():
+    fit = from_json(
+        '{"schema": "dashpot/fit@1", "model": {"k_inf": 1.0, "arms": [{"k": 2.0, "tau": 3.0}]}}'
+    )
+    assert fit.standard_error["k_inf"] == float("inf")
+    assert fit.intervals()["tau"] == ((0.0, float("inf")),)
 
 
 @pytest.mark.parametrize(

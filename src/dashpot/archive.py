@@ -13,6 +13,7 @@ from dashpot.comparison import Comparison
 from dashpot.errors import DataError, ReadError
 from dashpot.job import Job
 from dashpot.planning import Plan
+from dashpot.relaxation.dynamic import DynamicTest
 from dashpot.relaxation.fit import Fit, Status
 from dashpot.relaxation.records import RampHold, RelaxationTest
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -24,6 +25,7 @@ SCHEMAS: dict[str, type] = {
     "dashpot/model@1": GeneralizedMaxwell,
     "dashpot/relaxation-test@1": RelaxationTest,
     "dashpot/ramp-hold@1": RampHold,
+    "dashpot/dynamic-test@1": DynamicTest,
     "dashpot/fit@1": Fit,
     "dashpot/impact-test@1": ImpactTest,
     "dashpot/frf@1": FRF,
@@ -227,9 +229,7 @@ def _restored_fit(found: dict[str, Any]) -> dict[str, Any]:
     defaults: dict[str, Any] = {
         "method": "full",
         "residual": {"n": 0, "sse": 0.0, "rms": 0.0},
-        "parameters": [],
-        "covariance": [],
-        "dof": 0.0,
+        **_told_errors(found),
     }
     found = defaults | found | {"status": names[status]}
     found["residual"] = defaults["residual"] | found["residual"]
@@ -237,6 +237,31 @@ def _restored_fit(found: dict[str, Any]) -> dict[str, Any]:
     # the bare contract lists neither a candidate's significance nor its solid
     found["orders"] = [order for order in found.get("orders", []) if "model" in order]
     return found
+
+
+def _told_errors(found: dict[str, Any]) -> dict[str, Any]:
+    """Return the covariance that bare standard errors stand for: uncorrelated, normal."""
+    told = found.get("standard_error")
+    if not told:
+        return {"parameters": [], "covariance": [], "dof": 0.0}
+    taus = found["model"]["tau"]
+    # standard errors are laid out as the model is, and so were restored like one
+    k, tau = ([*told[name], *(None for _ in taus)][: len(taus)] for name in ("k", "tau"))
+    numbers = range(1, len(taus) + 1)
+    variances = [
+        _square(told["k_inf"]),
+        *(_square(error) for error in k),
+        *(_square(error) / time**2 for error, time in zip(tau, taus, strict=True)),
+    ]
+    return {
+        "parameters": ["k_inf", *(f"k_{j}" for j in numbers), *(f"ln_tau_{j}" for j in numbers)],
+        "covariance": np.diag(variances).tolist(),
+        "dof": float("inf"),
+    }
+
+
+def _square(error: float | None) -> float:
+    return np.inf if error is None else float(error) ** 2
 
 
 def _array(kind: type, value: Any) -> Any:

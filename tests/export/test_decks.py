@@ -20,6 +20,8 @@ from dashpot.errors import ExportError
 from dashpot.export.sealline import SealLine
 from dashpot.export.unit_systems import UNIT_SYSTEMS
 from dashpot.provenance import Source
+from dashpot.relaxation.dynamic import DynamicTest
+from dashpot.relaxation.dynamic_fitting import fit_dynamic
 from dashpot.relaxation.fit import Fit, Residual, Status
 from dashpot.relaxation.records import Specimen
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -487,3 +489,14 @@ def test_forms_and_targets_are_the_same_list():
     assert set(export.FORMS) == set(export.TARGETS)
     for name, function in export.TARGETS.items():
         assert getattr(export, name) is function
+
+
+def test_a_material_goes_into_material_cards_only():
+    omega = 2 * np.pi * np.geomspace(0.01, 10, 40)
+    rubber = GeneralizedMaxwell(1e6, (5e5,), (0.1,))
+    K = rubber.complex_stiffness(omega)
+    fit = fit_dynamic(DynamicTest(omega / (2 * np.pi), K.real, K.imag), arms=1)
+    assert fit.unit == "Pa"
+    with pytest.raises(ExportError, match=r"springs and dashpots are in N/m.*--form prony"):
+        export.nastran(fit, units="SI", allow=("all",))
+    assert "TB,PRONY" in export.ansys(fit, units="SI", allow=("all",), form="prony")

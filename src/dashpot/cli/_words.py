@@ -52,8 +52,9 @@ def fit(found: Fit) -> str:
     lines = [head + f"method {found.method}", *_parameters(found), ""]
     residual = found.residual
     lines.append(f"  status      {found.status.value}")
-    in_force = found.method in {"full", "hold"}
+    in_force, relative = found.method in {"full", "hold"}, found.method in {"dynamic", "modulus"}
     size = f"{residual.rms * 1e3:.3g} mN rms" if in_force else f"{residual.rms:.3g} of the noise"
+    size = f"{100 * residual.rms:.3g} % rms" if relative else size
     lines.append(
         f"  residual    {size} over {residual.n} samples (each worth 1/{residual.kappa:.3g})"
     )
@@ -74,8 +75,12 @@ def fit(found: Fit) -> str:
     return "\n".join(lines + bad)
 
 
+_SHOWN = {"N/m": ("N/mm", "N s/mm", 1e-3), "Pa": ("MPa", "MPa s", 1e-6)}
+
+
 def _parameters(found: Fit) -> list[str]:
     model, error, interval = found.model, found.standard_error, found.intervals(level=0.95)
+    stiffness, damping, size = _SHOWN.get(found.unit, (found.unit, f"{found.unit} s", 1.0))
     rows = [["", "value", "± SE", "95 % interval", "unit"]]
 
     def row(
@@ -85,17 +90,20 @@ def _parameters(found: Fit) -> list[str]:
         *,
         unit: str,
         ends: tuple[float, float] | None = None,
-        scale: float = 1e-3,
+        scale: float = size,
     ) -> None:
         between = ""
+        if not math.isfinite(se):
+            rows.append([name, rounded(value * scale), "unknown", "", unit])
+            return
         if ends:
             low, high = (rounded(end * scale, se * scale) for end in ends)
             between = f"{low} to {high}"
         rows.append([name, rounded(value * scale, se * scale), f"{se * scale:.2g}", between, unit])
 
-    row("k_inf", model.k_inf, error["k_inf"], ends=interval["k_inf"], unit="N/mm")
+    row("k_inf", model.k_inf, error["k_inf"], ends=interval["k_inf"], unit=stiffness)
     for j in range(model.arms):
-        row(f"k_{j + 1}", model.k[j], error["k"][j], ends=interval["k"][j], unit="N/mm")
+        row(f"k_{j + 1}", model.k[j], error["k"][j], ends=interval["k"][j], unit=stiffness)
         row(
             f"tau_{j + 1}",
             model.tau[j],
@@ -104,9 +112,9 @@ def _parameters(found: Fit) -> list[str]:
             unit="s",
             scale=1,
         )
-        row(f"b_{j + 1}", model.arm_b[j], error["b"][j], unit="N s/mm")
+        row(f"b_{j + 1}", model.arm_b[j], error["b"][j], unit=damping)
     if model.b > 0:
-        rows.append(["b", rounded(model.b * 1e-3), "", "", "N s/mm"])
+        rows.append(["b", rounded(model.b * size), "", "", damping])
     return table(rows)
 
 
@@ -116,7 +124,7 @@ def _moved(found: Fit) -> list[str]:
         return []
     rows = [["  moved", "before", "after", "by, in SE before"]]
     for item in found.moved:
-        scale, unit = (1e-3, "N/mm") if item.unit == "N/m" else (1.0, item.unit)
+        unit, _, scale = _SHOWN.get(item.unit, (item.unit, "", 1.0))
         after = f"{rounded(item.after * scale, item.after_se * scale)} {unit}"
         if item.before is None or not item.before_se:
             rows.append([f"  {item.name}", "-", after, "new"])

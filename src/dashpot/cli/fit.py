@@ -9,6 +9,7 @@ import click
 from dashpot.cli._reading import reading
 from dashpot.cli._shell import Arms, Outcome, printed, reports, write
 from dashpot.cli._specimen import specimen
+from dashpot.errors import FitError
 
 if TYPE_CHECKING:
     from dashpot.io.options import ReadOptions
@@ -48,25 +49,41 @@ def command(
 ) -> Outcome:
     """Fit a generalized Maxwell solid to the ramp and hold in FILE; several files fit together.
 
+    FILE may also be a dynamic (DMA) sweep: storage and loss against frequency.
+
     \b
     dashpot fit seal_8mm.csv
     dashpot fit seal_8mm.csv --arms 2 --method hold -o fit.json --plot fit.png
     dashpot fit seal_4mm.csv seal_8mm.csv --depth-law
     """
     from dashpot.cli import _words
-    from dashpot.io.read import read_relaxation
-    from dashpot.relaxation.fitting import fit
+    from dashpot.io.bench import read_bench
+    from dashpot.relaxation.dynamic import DynamicTest
     from dashpot.relaxation.preparation import prepare
 
+    tests = [read_bench(path, options=options, specimen=specimen) for path in files]
+    sweeps = [test for test in tests if isinstance(test, DynamicTest)]
     prepared = [
-        prepare(read_relaxation(path, options=options, specimen=specimen), filter=filter_)
-        for path in files
+        prepare(test, filter=filter_) for test in tests if not isinstance(test, DynamicTest)
     ]
-    found = fit(prepared, arms=arms, method=method, depth_law=depth_law, thorough=thorough)
+    if sweeps:
+        if len(sweeps) > 1 or depth_law or method == "hold":
+            raise FitError(
+                "a dynamic sweep is fitted one at a time, alone or with relaxation tests of the "
+                "same part, without --depth-law and --method hold"
+            )
+        from dashpot.relaxation.dynamic_fitting import fit_dynamic
+
+        found = fit_dynamic(sweeps[0], arms=arms, tests=prepared, thorough=thorough)
+    else:
+        from dashpot.relaxation.fitting import fit
+
+        found = fit(prepared, arms=arms, method=method, depth_law=depth_law, thorough=thorough)
     if picture:
         from dashpot import plot
 
-        plot.save(plot.fit(found, prepared[0]), picture)
+        drawn = plot.fit(found, prepared[0]) if prepared else plot.stiffness(found)
+        plot.save(drawn, picture)
 
     def content() -> dict[str, Any]:
         from dashpot.archive import document

@@ -98,7 +98,7 @@ class Comparison:
 
     @property
     def z(self) -> FloatArray | None:
-        """|predicted - measured| over the measured standard deviation, per line; None if unknown.
+        """Distance of each line in its measured standard deviation; None if unknown.
 
         The standard deviation is that of the complex value, so that z is about 1 where the
         model holds.

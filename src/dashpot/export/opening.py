@@ -79,6 +79,11 @@ def open_deck(
     described = specimen or (fit.specimen if fit else Specimen())
     if model.k_0 == 0 and model.b == 0:
         raise ExportError("the solid has neither stiffness nor damping; there is nothing to write")
+    if fit and fit.unit != "N/m" and not prony:
+        raise ExportError(
+            f"the fit is of a material, in {fit.unit}, and springs and dashpots are in N/m; "
+            "write a material card (form='prony'; command line: --form prony)"
+        )
     if prony and model.b > 0:
         raise ExportError(
             f"b = {model.b:g} N s/m: a Prony series cannot hold a parallel dashpot; "

@@ -74,8 +74,9 @@ def fit_many(
         N, tared, compression positive, one record per row.
     displacement : array_like, shape (M,), optional
         The recorded displacement, m, zero before contact. Fastest on a uniform clock.
-    ramp : (depth, ramp_time), optional
-        m and s: an ideal ramp that starts at time[0], where no displacement was recorded.
+    ramp : pair of float, optional
+        Depth, m, and ramp time, s, of an ideal ramp from time[0] on, where no displacement was
+        recorded.
     arms : int
         Maxwell arms of each solid.
     method : {"full", "hold"}

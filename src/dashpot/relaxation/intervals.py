@@ -146,12 +146,19 @@ def _row(parameters: Sequence[str], name: str) -> int | None:
 
 
 def _se(estimates: Estimates, name: str) -> float:
-    """Return the standard error of one row; 0 for a parameter that was held fixed."""
+    """Return the standard error of one row; 0 for a parameter that was held fixed.
+
+    Where no parameter has a row, nothing was held: nothing is known of any.
+    """
+    if not estimates.parameters:
+        return inf
     row = _row(estimates.parameters, name)
     return 0.0 if row is None else sqrt(max(float(estimates.covariance[row, row]), 0.0))
 
 
 def _se_log_b(estimates: Estimates, arm: int) -> float:
+    if not estimates.parameters:
+        return inf
     k = estimates.k[arm - 1]
     rows = [_row(estimates.parameters, name) for name in (f"k_{arm}", f"ln_tau_{arm}")]
     gradient = np.zeros(len(estimates.parameters))
