@@ -23,6 +23,7 @@ from dashpot.plot.look import (
 )
 from dashpot.plot.panels import time as panel
 from dashpot.plot.thinning import means
+from dashpot.relaxation.denoising import true_motion
 from dashpot.relaxation.fit import Fit
 from dashpot.relaxation.records import RampHold
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -173,7 +174,7 @@ def fitted_force(one: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
     """Time from first contact and the force that the fit says at it, N.
 
     A fit of the hold answers to the ideal ramp of the paper's eq. (5), on the hold only. Every
-    other answers to the recorded displacement, with the offset and drift of the load cell that
+    other answers to the motion behind the recorded displacement, with the offset and drift of the load cell that
     the fit allowed: given the solid, they are what least squares makes of the rest.
     """
     model = _at_depth(one, prepared.depth)
@@ -183,7 +184,7 @@ def fitted_force(one: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
             since, depth=prepared.depth, ramp_time=prepared.ramp_time
         )
     used = slice(0, prepared.hold.stop)
-    time, x = prepared.time[used], prepared.displacement[used]
+    time, (x, _) = prepared.time[used], true_motion(prepared)
     force = model.force(time, x - x[0])
     terms = {"offset": np.ones(len(time)), "drift": time - time[0]}
     allowed = {term.name.partition(" ")[0] for term in one.nuisance}
