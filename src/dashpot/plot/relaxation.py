@@ -174,8 +174,8 @@ def fitted_force(one: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
     """Time from first contact and the force that the fit says at it, N.
 
     A fit of the hold answers to the ideal ramp of the paper's eq. (5), on the hold only. Every
-    other answers to the motion behind the recorded displacement, with the offset and drift of the load cell that
-    the fit allowed: given the solid, they are what least squares makes of the rest.
+    other answers to the motion behind the recorded displacement, with the offset and drift of the
+    load cell that the fit allowed: given the solid, they are what least squares makes of the rest.
     """
     model = _at_depth(one, prepared.depth)
     if one.method == "hold":
