@@ -23,6 +23,7 @@ from dashpot.relaxation.fit import Fit, Residual, Status
 from dashpot.relaxation.profiles import profiles
 from dashpot.relaxation.records import RampHold
 from dashpot.relaxation.spectrum import dynamic_master_curve, relative_scale
+from dashpot.relaxation.telling import asked_arms, nuisance_of, proof_of, residual_of
 from dashpot.relaxation.verdict import status_of
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -96,7 +97,7 @@ def fit_dynamic(
     """
     data = _at_temperature(data, temperature)
     records = _records(tests, data, dashpot=dashpot)
-    most = curves.asked_arms(arms, max_arms)
+    most = asked_arms(arms, max_arms)
     sets = [_sweep(data, weights, dashpot=dashpot, most=most)]
     sets += _relaxations(records, most)
     blocks = [one.block for one in sets]
@@ -132,15 +133,15 @@ def fit_dynamic(
             answers,
         ),
         method="dynamic",
-        residual=curves.residual_of(found.estimate),
+        residual=residual_of(found.estimate),
         parameters=names,
         covariance=covariance,
         dof=found.estimate.dof,
         band=band,
         orders=found.orders,
-        certificate=curves.proof_of(blocks, found.solution),
+        certificate=proof_of(blocks, found.solution),
         profiles=profiles(blocks, found.estimate, suffix=""),
-        nuisance=curves.nuisance_of(found.estimate, tests=len(records)),
+        nuisance=nuisance_of(found.estimate, tests=len(records)),
         checks=answers,
         source=_sources(data, records),
         steps=(

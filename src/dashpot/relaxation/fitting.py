@@ -26,6 +26,7 @@ from dashpot.relaxation.fit import Fit
 from dashpot.relaxation.outcome import outcome
 from dashpot.relaxation.record_checks import encoder_step
 from dashpot.relaxation.records import RampHold
+from dashpot.relaxation.telling import asked_arms
 
 
 def fit(
@@ -85,7 +86,7 @@ def fit(
         recorded history.
     """
     records = _records(tests)
-    most = _most_arms(arms, max_arms)
+    most = asked_arms(arms, max_arms)
     _checked_method(records, method)
     design = Design(method, depth_law, _checked_nuisance(nuisance))
     peak = max(float(np.abs(record.force).max()) for record in records)
@@ -127,23 +128,6 @@ def _records(tests: RampHold | Sequence[RampHold]) -> tuple[RampHold, ...]:
                 "call fit(prepare(test))"
             )
     return records
-
-
-def _most_arms(arms: object, max_arms: object) -> int:
-    if arms == "auto":
-        if not _whole(max_arms):
-            raise FitError(f"max_arms = {max_arms!r}; expected a whole number >= 0")
-        return int(max_arms)  # type: ignore[call-overload,no-any-return]
-    if not _whole(arms):
-        raise FitError(
-            f'arms = {arms!r}; expected "auto" or a whole number of arms, 0 for a spring alone'
-        )
-    return int(arms)  # type: ignore[call-overload,no-any-return]
-
-
-def _whole(number: object) -> bool:
-    whole = isinstance(number, int | np.integer) and not isinstance(number, bool)
-    return whole and number >= 0  # type: ignore[operator]
 
 
 def _determinable(blocks: Sequence[Block]) -> int:

@@ -19,6 +19,7 @@ from dashpot.relaxation import curves
 from dashpot.relaxation.fit import Fit
 from dashpot.relaxation.profiles import profiles
 from dashpot.relaxation.records import Specimen
+from dashpot.relaxation.telling import asked_arms, proof_of, residual_of
 from dashpot.relaxation.verdict import status_of
 
 # a fit that expects less than this part of a value does not follow it: no ground for a weight
@@ -82,7 +83,7 @@ def fit_modulus(
         raise DataError(f"time[0] = {t[0]:g} s; expected the time since the step, >= 0")
     if unit not in {"Pa", "N/m"}:
         raise FitError(f"unit = {unit!r}; expected 'Pa' or 'N/m'")
-    most = curves.asked_arms(arms, max_arms)
+    most = asked_arms(arms, max_arms)
     window = _window(t)
     weight = _weights(values, weights)
     if weights == "relative":
@@ -125,13 +126,13 @@ def fit_modulus(
             asked,
         ),
         method="modulus",
-        residual=curves.residual_of(found.estimate),
+        residual=residual_of(found.estimate),
         parameters=names,
         covariance=covariance,
         dof=found.estimate.dof,
         band=(float(1 / (2 * np.pi * seen[-1])), float(1 / (2 * np.pi * seen[0]))),
         orders=found.orders,
-        certificate=curves.proof_of([block], found.solution),
+        certificate=proof_of([block], found.solution),
         profiles=profiles([block], found.estimate, suffix=""),
         checks=asked,
         source=() if source is None else (source,),

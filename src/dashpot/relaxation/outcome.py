@@ -7,18 +7,17 @@ from collections.abc import Sequence
 import numpy as np
 
 from dashpot.engine.blocks import Block
-from dashpot.engine.certificate import certificate
 from dashpot.engine.order import Choice
-from dashpot.engine.separable import Solution
 from dashpot.provenance import Step
 from dashpot.relaxation import checks
 from dashpot.relaxation.band import informed_band
 from dashpot.relaxation.design import Design
 from dashpot.relaxation.estimate import Estimate, Score
-from dashpot.relaxation.fit import AtDepth, Certificate, Fit, Nuisance, OrderScore, Residual
+from dashpot.relaxation.fit import AtDepth, Fit, OrderScore
 from dashpot.relaxation.profiles import profiles
 from dashpot.relaxation.record_checks import depth_doubt
 from dashpot.relaxation.records import RampHold
+from dashpot.relaxation.telling import nuisance_of, proof_of, residual_of
 from dashpot.relaxation.verdict import all_checks, solid_of, status_of
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -78,15 +77,15 @@ def outcome(
         model=model,
         status=status_of(solution, asked, found),
         method=method,
-        residual=_residual(estimate),
+        residual=residual_of(estimate),
         parameters=names,
         covariance=covariance,
         dof=estimate.dof,
         band=band,
         orders=tuple(_order(score, suffix) for score in scores),
-        certificate=_certificate(blocks, solution),
+        certificate=proof_of(blocks, solution),
         profiles=profiles(blocks, estimate, suffix=suffix),
-        nuisance=_nuisance(estimate),
+        nuisance=nuisance_of(estimate, tests=len(records)),
         checks=(*(check for record in records for check in record.checks), *found),
         source=tuple(record.source for record in records if record.source is not None),
         steps=(
@@ -120,37 +119,6 @@ def _order(score: Score, suffix: str) -> OrderScore:
     )
 
 
-def _residual(estimate: Estimate) -> Residual:
-    weights = [residual @ residual for residual in estimate.residuals]
-    total = sum(weights)
-    watson = [noise.durbin_watson for noise in estimate.noises]
-    return Residual(
-        n=estimate.samples,
-        sse=estimate.sse,
-        rms=float(np.sqrt(estimate.sse / estimate.samples)),
-        kappa=estimate.kappa,
-        durbin_watson=float(np.average(watson, weights=weights)) if total > 0 else 2.0,
-    )
-
-
-def _nuisance(estimate: Estimate) -> tuple[Nuisance, ...]:
-    units = {"offset": "N", "drift": "N/s"}
-    several = len(estimate.residuals) > 1
-    found = []
-    for name in estimate.solution.fixed_names:
-        kind, _, test = name.partition("@")
-        if kind in units:
-            found.append(
-                Nuisance(
-                    name=f"{kind} of test {int(test) + 1}" if several else kind,
-                    value=estimate.solution.coefficient(name),
-                    standard_error=estimate.standard_error(name),
-                    unit=units[kind],
-                )
-            )
-    return tuple(found)
-
-
 def _by_depth(records: Sequence[RampHold], estimate: Estimate) -> tuple[AtDepth, ...]:
     solution, arms = estimate.solution, range(1, estimate.solution.order + 1)
     found = [
@@ -164,18 +132,6 @@ def _by_depth(records: Sequence[RampHold], estimate: Estimate) -> tuple[AtDepth,
         for i, record in enumerate(records)
     ]
     return tuple(sorted(found, key=lambda at: at.depth))
-
-
-def _certificate(blocks: Sequence[Block], solution: Solution) -> Certificate:
-    proof = certificate(blocks, solution)
-    if proof.optimal:
-        says = "no positive spectrum, with any number of arms, fits better"
-    else:
-        says = (
-            f"the best positive spectrum with any number of arms would lower the sum of squares "
-            f"by {100 * proof.gap:.2g} %"
-        )
-    return Certificate(proof.optimal, proof.gap, proof.tau, says)
 
 
 def _step(
