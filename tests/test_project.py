@@ -12,6 +12,7 @@ from click.testing import CliRunner
 from dashpot import project as folder
 from dashpot.cli import main
 from dashpot.errors import DataError, ReadError
+from dashpot.io.options import ReadOptions, load_profile
 from dashpot.io.write import write_relaxation
 from dashpot.job import Job
 from dashpot.simulation.rig import simulate_relaxation
@@ -52,6 +53,13 @@ def test_a_project_recomputes_itself(kept, raw):
     lines = [json.loads(line) for line in kept.history_file.read_text().splitlines()]
     assert lines[1]["previous"] == lines[0]["hash"]
     assert {"numpy", "scipy", "dashpot", "python"} <= set(lines[0]["software"])
+
+
+def test_what_was_said_of_reading_is_kept_as_a_profile(kept, raw):
+    folder.record(kept, Job(str(raw), arms=1, reading=ReadOptions(force="force", decimal="point")))
+    (profile,) = (kept.folder / "profiles").iterdir()
+    assert load_profile(profile) == ReadOptions(force="force", decimal="point")
+    assert not failures(kept)
 
 
 def test_a_changed_raw_file_is_noticed(kept):

@@ -135,6 +135,7 @@ def _fit_contract(fit: Fit, plain: dict[str, Any]) -> dict[str, Any]:
     head = {key: plain.pop(key) for key in ("status", "model", "residual")}
     mass = next((item.value for item in fit.nuisance if item.name == "mass"), None)
     return {
+        "id": fit.identity,
         "status": head["status"],
         "ok": fit.ok,
         "says": fit.status.value,

@@ -5,7 +5,8 @@
     project/
       dashpot.toml      what this folder is
       raw/              input files, byte for byte, never overwritten
-      records/          results, named by the first 16 digits of their own hash
+      profiles/         what was said of how to read them, TOML
+      records/          results, named by the first 16 digits of the hash of job and result
       reports/          HTML, one per result
       history.jsonl     one line per operation, each with the hash of the line before it
 
@@ -32,6 +33,7 @@ from dashpot._version import __version__
 from dashpot.archive import document, from_json, to_json
 from dashpot.checks import Check
 from dashpot.errors import DataError, ReadError
+from dashpot.io.options import ReadOptions, dump_profile
 from dashpot.job import Job, run
 from dashpot.report import html
 from dashpot.study import Study
@@ -74,7 +76,7 @@ def create(folder: str | Path) -> Project:
         raise DataError(
             f"{path} holds files but no dashpot.toml; choose an empty folder for a new project"
         )
-    for part in ("raw", "records", "reports"):
+    for part in ("raw", "profiles", "records", "reports"):
         (path / part).mkdir(parents=True, exist_ok=True)
     _place(path / "dashpot.toml", f'schema = "{SCHEMA}"\nname = {json.dumps(path.name)}\n'.encode())
     return Project(path)
@@ -112,8 +114,10 @@ def record(project: Project, job: Job) -> tuple[Study, Path]:
         )
         study = run(_inside(project, kept))
         result = json.dumps(results(study), indent=2, ensure_ascii=False).encode()
-        name = _sha256(result)[:16]
+        # two questions may have one answer, but not one report
+        name = _sha256(to_json(kept).encode() + result)[:16]
         outputs = {f"records/{name}.json": result, f"reports/{name}.html": html(study).encode()}
+        outputs |= _profiles(kept)
         for place, content in outputs.items():
             _place(project.folder / place, content)
         _append(
@@ -202,6 +206,13 @@ def _inside(project: Project, job: Job) -> Job:
         relaxation=str(_within(project, job.relaxation)),
         impact=tuple(str(_within(project, path)) for path in job.impact),
     )
+
+
+def _profiles(job: Job) -> dict[str, bytes]:
+    """Return the reading profiles of a job, where the user said anything, by their place."""
+    said = {dump_profile(options) for options in (job.reading, job.reading_impact)}
+    texts = [text.encode() for text in said - {dump_profile(ReadOptions())}]
+    return {f"profiles/{_sha256(text)[:16]}.toml": text for text in texts}
 
 
 def _place(path: Path, content: bytes) -> None:

@@ -82,7 +82,11 @@ def command(
     if picture:
         from dashpot import plot
 
-        drawn = plot.fit(found, prepared[0]) if prepared else plot.stiffness(found)
+        if sweeps or len(prepared) > 1:
+            drawn = plot.fit(found, prepared[0]) if prepared else plot.stiffness(found)
+        else:
+            others = [fit(prepared, arms=n, method=method) for n in (1, 2)]  # the paper's Fig. 4
+            drawn = plot.fit(found, prepared[0], alternatives=others)
         plot.save(drawn, picture)
 
     def content() -> dict[str, Any]:

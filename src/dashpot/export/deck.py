@@ -33,6 +33,8 @@ class Deck:
         What was wrong and written all the same, one sentence each.
     doubts : tuple of str
         What the failed checks of the fit say.
+    identity : str
+        Of the fit; empty for a bare model.
     """
 
     model: GeneralizedMaxwell
@@ -42,6 +44,7 @@ class Deck:
     source: tuple[Source, ...] = ()
     overrides: tuple[str, ...] = ()
     doubts: tuple[str, ...] = ()
+    identity: str = ""
 
     # -- the solid in deck units ----------------------------------------------------------------
 
@@ -125,7 +128,8 @@ class Deck:
     def _sources(self) -> list[str]:
         if not self.source:
             return ["source: a model in memory; no file is known to stand behind it"]
-        lines = [f"source: {each.file} sha256 {each.sha256}" for each in self.source]
+        lines = [f"fit: {self.identity}"] if self.identity else []
+        lines += [f"source: {each.file} sha256 {each.sha256}" for each in self.source]
         if any(each.simulated for each in self.source):
             lines.append("SIMULATED: the test behind this deck was made by a virtual rig")
         return lines

@@ -106,6 +106,7 @@ def open_deck(
         source=fit.source if fit else (),
         overrides=tuple(problems.values()),
         doubts=tuple(check.says for check in fit.checks if not check.passed) if fit else (),
+        identity=fit.identity if fit else "",
     )
 
 

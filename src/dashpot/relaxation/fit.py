@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import TYPE_CHECKING, TypedDict
@@ -271,6 +272,20 @@ class Fit(ByValue):
     def ok(self) -> bool:
         """True if the fit converged; what it must not be asked stands in `checks`."""
         return self.status is Status.CONVERGED
+
+    @property
+    def identity(self) -> str:
+        """Sixteen hexadecimal digits that name this result: of its solid, method and raw files.
+
+        Decks and reports carry it, so that each can be traced to the fit it came from.
+        """
+        model = self.model
+        stands_for = (
+            (model.k_inf, model.k, model.tau, model.b),
+            self.method,
+            tuple(source.sha256 for source in self.source),
+        )
+        return hashlib.sha256(repr(stands_for).encode()).hexdigest()[:16]
 
     @property
     def standard_error(self) -> StandardErrors:

@@ -83,6 +83,8 @@ def _contents(study: Study) -> dict[str, Any]:
         "steps": _steps(study),
         "attachments": attachments(study),
         "versions": versions(),
+        "identity": study.fit.identity,
+        "joint_identity": "" if study.joint is None else study.joint.identity,
         "band": numbers.hertz(study.fit.band),
         "mass": None if study.mass is None else numbers.rounded(1e3 * study.mass, digits=4),
         "rms": numbers.rounded(1e3 * study.fit.residual.rms),

@@ -5,6 +5,7 @@
 %   arm 2: k = 0.0178 N/mm, tau = 16.41573034 s, b = 0.2922 N s/mm
 % temperature: 296.15 K (23 degC)
 % contact length: 100 mm
+% fit: f461af37467c50f8
 % source: seal_8mm.csv sha256 2c26b46b68ffc68ff99b453c1d30413413422d706483bfa0f98a5e886266e7ae
 % identified band: 0.004 to 0.32 Hz; whatever lies outside is EXTRAPOLATED from the fitted arms
 % not solver-verified: no solver of this kind runs in dashpot's tests
