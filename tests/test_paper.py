@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from dashpot.errors import DataError
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.vibration.prediction import predict_frf
+from dashpot.vibration.prediction import moving_mass, predict_frf
 
 # Table 1, in the paper's units: N/mm and N s/mm
 K_INF, K1, K2, B1, B2 = 0.1965, 0.1175, 0.0178, 0.0590, 0.2922
@@ -198,3 +199,22 @@ def test_step_assumption_misjudges_the_stiffness(paper_seal):
         arm = GeneralizedMaxwell(0.0, (k,), (tau,))
         seen = arm.ramp_hold_force([1.0], depth=1.0, ramp_time=1.0)[0]
         assert seen / k - 1 == pytest.approx(error, abs=5e-5)
+
+
+def test_a_third_of_the_seals_mass_moves_along():
+    """Kulik's rod at 10 : 1: with a third of it the stiffness is 0.021 % off, not 3.25 %."""
+    mass, check = moving_mass(0.1, seal=0.005, seals=2)
+    assert mass == pytest.approx(0.1 + 0.01 / 3)
+    assert not check.passed
+    assert check.value == pytest.approx(0.1)
+    assert moving_mass(0.1, seal=0.0005, seals=2)[1].passed
+    # the first resonance of a rod of mass 1 under a block of mass 10 obeys x tan x = 1/10
+    low, high = 0.1, 1.0
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (middle, high) if middle * np.tan(middle) < 0.1 else (low, middle)
+    exact = low**2  # of omega^2 m_rod / k_rod
+    assert exact * 10 - 1 == pytest.approx(-0.0325, abs=5e-5)
+    assert exact * (10 + 1 / 3) - 1 == pytest.approx(-0.00021, abs=5e-6)
+    with pytest.raises(DataError, match="seal mass = -1"):
+        moving_mass(0.1, seal=-1)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
@@ -13,6 +13,7 @@ from dashpot.relaxation.records import Specimen
 from dashpot.study import Study, characterise
 from dashpot.vibration.frf import FRF
 from dashpot.vibration.impact import estimate_frf
+from dashpot.vibration.prediction import moving_mass
 from dashpot.vibration.records import ImpactTest
 
 
@@ -43,8 +44,8 @@ class Job:
         File of the relaxation test.
     impact : tuple of str
         Files of hits, or one file with an FRF.
-    mass : float or None
-        kg.
+    mass, seal_mass : float or None
+        Of the block and of one seal, kg.
     seals : float
     arms : int or "auto"
     band : (float, float) or None
@@ -60,6 +61,7 @@ class Job:
     relaxation: str
     impact: tuple[str, ...] = ()
     mass: float | None = None
+    seal_mass: float | None = None
     seals: float = 1.0
     arms: int | Literal["auto"] = "auto"
     band: tuple[float, float] | None = None
@@ -75,21 +77,26 @@ def run(job: Job) -> Study:
     """Read the files of a job and characterise the seal."""
     test = read_relaxation(job.relaxation, options=job.reading, specimen=job.specimen)
     impact = measured = None
+    mass, noted = job.mass, ()
+    if mass is not None and job.seal_mass is not None:
+        mass, check = moving_mass(mass, seal=job.seal_mass, seals=job.seals)
+        noted = (check,)
     if job.impact:
         impact, measured = read_measured(
-            job.impact, choices=job.hammer, options=job.reading_impact, mass=job.mass
+            job.impact, choices=job.hammer, options=job.reading_impact, mass=mass
         )
-    return characterise(
+    study = characterise(
         test,
         measured,
         impact=impact,
-        mass=job.mass,
+        mass=mass,
         seals=job.seals,
         arms=job.arms,
         band=job.band,
         filter=job.filter,
         joint=job.joint,
     )
+    return replace(study, checks=(*study.checks, *noted))
 
 
 def read_measured(

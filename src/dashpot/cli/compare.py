@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 @click.option(
     "--mass", type=Quantity("mass"), help="Block mass; inferred, and said so, if missing."
 )
+@click.option("--seal-mass", type=Quantity("mass"), help="Of one seal; a third moves along.")
 @click.option("--seals", type=float, default=1.0, show_default=True, help="Seals in parallel.")
 @click.option("--band", type=Range("frequency"), help="Lines compared, e.g. 5:40Hz.")
 @click.option("--plot", "picture", metavar="FILE", help="Save the figure (png, svg, pdf).")
@@ -32,6 +33,7 @@ def command(
     fit: str,
     measured: tuple[str, ...],
     mass: float | None,
+    seal_mass: float | None,
     seals: float,
     band: tuple[float, float] | None,
     picture: str | None,
@@ -49,10 +51,14 @@ def command(
     from dashpot.comparison import compare
     from dashpot.identification.mass import infer_mass
     from dashpot.job import read_measured
-    from dashpot.vibration.prediction import predict_frf
+    from dashpot.vibration.prediction import moving_mass, predict_frf
 
     found = read_fit(fit)
     _, frf = read_measured(measured, choices=hammer, options=options, mass=mass)
+    noted = ()
+    if mass is not None and seal_mass is not None:
+        mass, check = moving_mass(mass, seal=seal_mass, seals=seals)
+        noted = (check,)
     inferred = mass is None
     if mass is None:
         mass, _ = infer_mass(seals * found.model, frf)
@@ -74,6 +80,8 @@ def command(
             f"  mass        {mass * 1e3:.5g} g, inferred from the measured FRF: the agreement in "
             "frequency then proves nothing; give --mass to test it"
         )
-    checks = (*result.checks, *frf.checks)
+    checks = (*result.checks, *frf.checks, *noted)
     given = {"mass": mass, "mass_inferred": inferred, "seals": seals}
-    return Outcome(lambda: document(result) | given, "\n".join(lines + failed(frf.checks)), checks)
+    return Outcome(
+        lambda: document(result) | given, "\n".join(lines + failed((*frf.checks, *noted))), checks
+    )

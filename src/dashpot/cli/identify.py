@@ -8,7 +8,7 @@ import click
 
 from dashpot.cli._hammer import hammer
 from dashpot.cli._reading import reading
-from dashpot.cli._shell import Arms, Outcome, Quantity, Range, printed, reports, write
+from dashpot.cli._shell import Arms, Outcome, Quantity, Range, failed, printed, reports, write
 
 if TYPE_CHECKING:
     from dashpot.io.options import ReadOptions
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 @click.option("--with", "together", metavar="FIT|RELAXATION", multiple=True, help="Fit together.")
 @click.option("--mass", type=Quantity("mass"), required=True, help="Block mass, e.g. 104g.")
 @click.option("--mass-sd", type=Quantity("mass"), help="How well the mass is known.")
+@click.option("--seal-mass", type=Quantity("mass"), help="Of one seal; a third moves along.")
 @click.option("--seals", type=float, default=1.0, show_default=True, help="Seals in parallel.")
 @click.option("--arms", type=Arms(), default="auto", show_default=True, help="Maxwell arms.")
 @click.option("--parallel-dashpot", is_flag=True, help="A dashpot b beside the arms.")
@@ -39,6 +40,7 @@ def command(
     together: tuple[str, ...],
     mass: float,
     mass_sd: float | None,
+    seal_mass: float | None,
     seals: float,
     arms: int | Literal["auto"],
     parallel_dashpot: bool,
@@ -63,8 +65,13 @@ def command(
     from dashpot.cli import _words
     from dashpot.identification import identify
     from dashpot.job import read_measured
+    from dashpot.vibration.prediction import moving_mass
 
     _, frf = read_measured(measured, choices=hammer, options=options, mass=mass)
+    noted = ()
+    if seal_mass is not None:
+        mass, check = moving_mass(mass, seal=seal_mass, seals=seals)
+        noted = (check,)
     tests, fits = _partners(together)
     found = identify(
         frf.band(*band) if band else frf,
@@ -81,8 +88,8 @@ def command(
     )
     if output:
         write(output, printed(document(found)) + "\n")
-    text = "" if output == "-" else _words.fit(found)
-    return Outcome(lambda: document(found), text, found.checks)
+    text = "" if output == "-" else "\n".join([_words.fit(found), *failed(noted)])
+    return Outcome(lambda: document(found), text, (*found.checks, *noted))
 
 
 def _partners(paths: tuple[str, ...]) -> tuple[list[RampHold], list[Fit]]:

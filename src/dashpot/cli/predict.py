@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from dashpot.cli._shell import Outcome, Quantity, Range, reports, write
+from dashpot.cli._shell import Outcome, Quantity, Range, failed, reports, write
 
 if TYPE_CHECKING:
     from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 @click.command("predict", short_help="The FRF of a mass on the fitted seal.")
 @click.argument("fit")
 @click.option("--mass", type=Quantity("mass"), required=True, help="Block mass, e.g. 104g.")
+@click.option("--seal-mass", type=Quantity("mass"), help="Of one seal; a third moves along.")
 @click.option("--seals", type=float, default=1.0, show_default=True, help="Seals in parallel.")
 @click.option(
     "--band", type=Range("frequency"), default="1:50Hz", show_default=True, help="Frequencies."
@@ -34,6 +35,7 @@ def command(
     *,
     fit: str,
     mass: float,
+    seal_mass: float | None,
     seals: float,
     band: tuple[float, float],
     lines: int,
@@ -53,25 +55,27 @@ def command(
     from dashpot.cli._inputs import read_fit
     from dashpot.io.write import write_frf
     from dashpot.vibration.modes import model_modes
-    from dashpot.vibration.prediction import predict_frf
+    from dashpot.vibration.prediction import moving_mass, predict_frf
 
     found = read_fit(fit)
+    moving, noted = moving_mass(mass, seal=seal_mass or 0.0, seals=seals)
     solid = seals * found.model
-    frf = predict_frf(solid, mass=mass, frequency=np.linspace(*band, lines), kind=kind)
-    modes = model_modes(solid, mass)
+    frf = predict_frf(solid, mass=moving, frequency=np.linspace(*band, lines), kind=kind)
+    modes = model_modes(solid, moving)
     if picture:
         from dashpot import plot
 
         plot.save(plot.frf(frf), picture)
     if output:
         write(output, write_frf(frf))
-    peak = _peak(solid, mass, frf)
+    peak = _peak(solid, moving, frf)
     extrapolated = [
         mode.frequency for mode in modes if not found.band[0] <= mode.frequency <= found.band[1]
     ]
     document = {
         "schema": "dashpot/prediction@1",
         "mass": mass,
+        "moving_mass": moving,
         "seals": seals,
         "kind": str(frf.kind),
         "unit": frf.unit,
@@ -86,7 +90,8 @@ def command(
         "imag": frf.value.imag.tolist(),
     }
     text = _words.prediction(found, frf, modes, peak=peak, mass=mass, seals=seals)
-    return Outcome(lambda: document, "" if output == "-" else text)
+    text = "\n".join([text, *failed([noted])])
+    return Outcome(lambda: document, "" if output == "-" else text, (noted,))
 
 
 def _peak(solid: GeneralizedMaxwell, mass: float, frf: FRF) -> tuple[float, float]:

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 @click.option(
     "--mass", type=Quantity("mass"), help="Block mass; inferred, and said so, if missing."
 )
+@click.option("--seal-mass", type=Quantity("mass"), help="Of one seal; a third moves along.")
 @click.option("--seals", type=float, default=1.0, show_default=True, help="Seals in parallel.")
 @click.option("--arms", type=Arms(), default="auto", show_default=True, help="Maxwell arms.")
 @click.option("--band", type=Range("frequency"), help="Lines compared, e.g. 5:40Hz.")
@@ -39,6 +40,7 @@ def command(
     relaxation: str,
     impact: tuple[str, ...],
     mass: float | None,
+    seal_mass: float | None,
     seals: float,
     arms: int | Literal["auto"],
     band: tuple[float, float] | None,
@@ -67,6 +69,7 @@ def command(
         relaxation=relaxation,
         impact=impact,
         mass=mass,
+        seal_mass=seal_mass,
         seals=seals,
         arms=arms,
         band=band,

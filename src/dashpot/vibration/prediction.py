@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot._arrays import samples
+from dashpot.checks import Check
 from dashpot.errors import DataError
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.frf import FRF, Kind
@@ -62,3 +63,45 @@ def predict_frf(
         Kind.DYNAMIC_STIFFNESS: lambda: 1 / receptance,
     }[kind]()
     return FRF(frequency=f, value=value, kind=kind, shift=shift)
+
+
+# above this part of the block's mass the seals' own inertia shifts the peak by a third of a percent
+NEGLIGIBLE_SEAL = 0.02
+
+
+def moving_mass(block: float, *, seal: float, seals: float = 1.0) -> tuple[float, Check]:
+    r"""Mass that moves when a block rests on seals that have a mass of their own.
+
+    .. math:: m = m_{\mathrm{block}} + n\,m_{\mathrm{seal}} / 3
+
+    A third of a spring's mass moves with its free end (Rayleigh), as long as no wave runs within
+    the seal. The paper neglects it.
+
+    Parameters
+    ----------
+    block, seal : float
+        Mass of the block and of the compressed part of one seal, kg.
+    seals : float
+        How many carry the block.
+
+    Returns
+    -------
+    mass : float
+        kg.
+    check : Check
+        ``seal_mass_negligible``: whether all seals weigh less than 2 % of the block.
+    """
+    for name, value, least in (("block", block, "> 0"), ("seal", seal, ">= 0")):
+        if not (np.isfinite(value) and (value > 0 or (value == 0 and name == "seal"))):
+            raise DataError(f"{name} mass = {value!r} kg; expected a number {least}")
+    part = seals * seal / block
+    passed = part <= NEGLIGIBLE_SEAL
+    says = f"the seals weigh {100 * part:.2g} % of the block"
+    if not passed:
+        says += (
+            ": a third of that moves along and is counted as mass; the rest, and waves within the "
+            "seal, are not modelled: use a heavier block"
+        )
+    return block + seals * seal / 3, Check(
+        "seal_mass_negligible", passed, says, part, NEGLIGIBLE_SEAL
+    )
