@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
+from dashpot.checks import Check
 from dashpot.io.options import ReadOptions
 from dashpot.io.read import inspect_file, read_frf, read_impact, read_relaxation
 from dashpot.relaxation.records import Specimen
@@ -77,7 +78,8 @@ def run(job: Job) -> Study:
     """Read the files of a job and characterise the seal."""
     test = read_relaxation(job.relaxation, options=job.reading, specimen=job.specimen)
     impact = measured = None
-    mass, noted = job.mass, ()
+    mass = job.mass
+    noted: tuple[Check, ...] = ()
     if mass is not None and job.seal_mass is not None:
         mass, check = moving_mass(mass, seal=job.seal_mass, seals=job.seals)
         noted = (check,)

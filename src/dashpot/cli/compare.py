@@ -11,6 +11,7 @@ from dashpot.cli._reading import reading
 from dashpot.cli._shell import Outcome, Quantity, Range, failed, reports
 
 if TYPE_CHECKING:
+    from dashpot.checks import Check
     from dashpot.io.options import ReadOptions
     from dashpot.job import HammerChoices
 
@@ -55,7 +56,7 @@ def command(
 
     found = read_fit(fit)
     _, frf = read_measured(measured, choices=hammer, options=options, mass=mass)
-    noted = ()
+    noted: tuple[Check, ...] = ()
     if mass is not None and seal_mass is not None:
         mass, check = moving_mass(mass, seal=seal_mass, seals=seals)
         noted = (check,)

@@ -11,6 +11,7 @@ from dashpot.cli._reading import reading
 from dashpot.cli._shell import Arms, Outcome, Quantity, Range, failed, printed, reports, write
 
 if TYPE_CHECKING:
+    from dashpot.checks import Check
     from dashpot.io.options import ReadOptions
     from dashpot.job import HammerChoices
     from dashpot.relaxation.fit import Fit
@@ -68,7 +69,7 @@ def command(
     from dashpot.vibration.prediction import moving_mass
 
     _, frf = read_measured(measured, choices=hammer, options=options, mass=mass)
-    noted = ()
+    noted: tuple[Check, ...] = ()
     if seal_mass is not None:
         mass, check = moving_mass(mass, seal=seal_mass, seals=seals)
         noted = (check,)
