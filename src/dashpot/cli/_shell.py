@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 import sys
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -138,3 +139,8 @@ def write(path: str, text: str) -> None:
 def failed(checks: Iterable[Check]) -> list[str]:
     """Return one line for each failed check, for the text of a command."""
     return [f"  ! {check.name}: {check.says}" for check in checks if not check.passed]
+
+
+def finite(value: float | None) -> float | None:
+    """Return the number, or None where there is none to tell."""
+    return value if value is not None and math.isfinite(value) else None

@@ -2,16 +2,27 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
 from dashpot.cli._hammer import hammer
 from dashpot.cli._reading import reading
-from dashpot.cli._shell import Arms, Outcome, Quantity, Range, failed, printed, reports, write
+from dashpot.cli._shell import (
+    Arms,
+    Outcome,
+    Quantity,
+    Range,
+    failed,
+    finite,
+    printed,
+    reports,
+    write,
+)
 
 if TYPE_CHECKING:
     from dashpot.checks import Check
+    from dashpot.identification import DynamicStiffness
     from dashpot.io.options import ReadOptions
     from dashpot.job import HammerChoices
     from dashpot.relaxation.fit import Fit
@@ -31,6 +42,7 @@ if TYPE_CHECKING:
 @click.option("--natural-frequency", type=Quantity("frequency"), help="Known; constrains the fit.")
 @click.option("--damping-ratio", type=float, help="Known; constrains the fit.")
 @click.option("--band", type=Range("frequency"), help="Lines fitted, e.g. 5:40Hz.")
+@click.option("--direct", metavar="FILE", help="Write k(f), c(f) and loss factor as CSV.")
 @click.option("-o", "--output", metavar="FILE", help="Write the fit as JSON; - is stdout.")
 @reports
 @hammer
@@ -49,11 +61,15 @@ def command(
     natural_frequency: float | None,
     damping_ratio: float | None,
     band: tuple[float, float] | None,
+    direct: str | None,
     output: str | None,
     hammer: HammerChoices,
     options: ReadOptions,
 ) -> Outcome:
     """Identify the solid under a mass from the hits or the FRF in IMPACT|FRF.
+
+    Stiffness k(f), damping c(f) and loss factor come straight from the FRF, with what 1 % of mass
+    and 1 degree of phase do to them; then a Maxwell solid is fitted to the FRF itself.
 
     With a relaxation test (or its fit) both speak at once: the test tells the slow arms, the
     hammer the fast ones, and the result says which parameters moved.
@@ -64,7 +80,8 @@ def command(
     """
     from dashpot.archive import document
     from dashpot.cli import _words
-    from dashpot.identification import identify
+    from dashpot.identification import dynamic_stiffness, identify
+    from dashpot.io.options import ReadOptions
     from dashpot.job import read_measured
     from dashpot.vibration.prediction import moving_mass
 
@@ -73,7 +90,10 @@ def command(
     if seal_mass is not None:
         mass, check = moving_mass(mass, seal=seal_mass, seals=seals)
         noted = (check,)
-    tests, fits = _partners(together)
+    tests, fits = _partners(together, ReadOptions(units=options.units))
+    straight = dynamic_stiffness(frf, mass, seals=seals)
+    if direct:
+        write(direct, _table(straight))
     found = identify(
         frf.band(*band) if band else frf,
         tests=tests,
@@ -90,10 +110,47 @@ def command(
     if output:
         write(output, printed(document(found)) + "\n")
     text = "" if output == "-" else "\n".join([_words.fit(found), *failed(noted)])
-    return Outcome(lambda: document(found), text, (*found.checks, *noted))
+    return Outcome(
+        lambda: document(found) | {"direct": _plain(straight)}, text, (*found.checks, *noted)
+    )
 
 
-def _partners(paths: tuple[str, ...]) -> tuple[list[RampHold], list[Fit]]:
+def _plain(straight: DynamicStiffness) -> dict[str, Any]:
+    """Return stiffness and damping straight from the FRF, each with all its errors."""
+    return {
+        "frequency_hz": straight.frequency.tolist(),
+        "stiffness": straight.storage.tolist(),
+        "stiffness_sd": straight.storage_sd.tolist(),
+        "damping": straight.damping.tolist(),
+        "loss_factor": straight.loss_factor.tolist(),
+        "loss_factor_sd": straight.loss_factor_sd.tolist(),
+        "stiffness_band_hz": [finite(end) for end in straight.storage_band],
+        "loss_band_hz": [finite(end) for end in straight.loss_band],
+    }
+
+
+def _table(straight: DynamicStiffness) -> str:
+    """Return them as CSV, with the bands where they are good in the head."""
+    head = (
+        f"# stiffness good to 10 % from {straight.storage_band[0]:.4g} to "
+        f"{straight.storage_band[1]:.4g} Hz, loss to 30 % from {straight.loss_band[0]:.4g} to "
+        f"{straight.loss_band[1]:.4g} Hz\n"
+        "frequency [Hz],stiffness [N/m],sd of stiffness [N/m],damping [N*s/m],loss factor [1],"
+        "sd of loss factor [1]\n"
+    )
+    columns = (
+        straight.frequency,
+        straight.storage,
+        straight.storage_sd,
+        straight.damping,
+        straight.loss_factor,
+        straight.loss_factor_sd,
+    )
+    rows = zip(*(column.tolist() for column in columns), strict=True)
+    return head + "".join(",".join(map(repr, row)) + "\n" for row in rows)
+
+
+def _partners(paths: tuple[str, ...], options: ReadOptions) -> tuple[list[RampHold], list[Fit]]:
     """Return the relaxation tests and the fits among the files given with ``--with``."""
     from dashpot.cli._inputs import looks_like_json, read_fit
     from dashpot.errors import ReadError
@@ -101,7 +158,11 @@ def _partners(paths: tuple[str, ...]) -> tuple[list[RampHold], list[Fit]]:
     from dashpot.relaxation.preparation import prepare
 
     fits = [read_fit(path) for path in paths if looks_like_json(path)]
-    tests = [prepare(read_relaxation(path)) for path in paths if not looks_like_json(path)]
+    tests = [
+        prepare(read_relaxation(path, options=options))
+        for path in paths
+        if not looks_like_json(path)
+    ]
     if len(fits) > 1 or (fits and tests):
         raise ReadError("--with takes relaxation tests or one fit, not both: leave the fit out")
     return tests, fits

@@ -8,7 +8,7 @@ import click
 
 from dashpot.cli._hammer import hammer
 from dashpot.cli._reading import reading
-from dashpot.cli._shell import Outcome, Quantity, Range, reports, said, write
+from dashpot.cli._shell import Outcome, Quantity, Range, finite, reports, said, write
 
 if TYPE_CHECKING:
     from dashpot.io.options import ReadOptions
@@ -112,10 +112,3 @@ def impact_document(
         "file": file,
         "frf": whole,
     }
-
-
-def finite(value: float | None) -> float | None:
-    """Return the number, or None where there is none to tell."""
-    import math
-
-    return value if value is not None and math.isfinite(value) else None

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from dashpot.cli._shell import Outcome, Quantity, Range, failed, reports, write
 
 if TYPE_CHECKING:
+    from dashpot.identification import FRFBand
+    from dashpot.relaxation.fit import Fit
     from dashpot.solids.maxwell import GeneralizedMaxwell
     from dashpot.vibration.frf import FRF
 
@@ -28,6 +30,7 @@ if TYPE_CHECKING:
     default="accelerance",
     show_default=True,
 )
+@click.option("--with", "records", metavar="FILE", multiple=True, help="The relaxation record(s).")
 @click.option("--plot", "picture", metavar="FILE", help="Save the figure (png, svg, pdf).")
 @click.option("-o", "--output", metavar="FILE", help="Write the FRF as CSV; - is stdout.")
 @reports
@@ -40,14 +43,19 @@ def command(
     band: tuple[float, float],
     lines: int,
     kind: str,
+    records: tuple[str, ...],
     picture: str | None,
     output: str | None,
 ) -> Outcome:
     """Predict the frequency response of a mass on the seal of FIT (a fit's JSON file).
 
+    The standard errors of the fit become limits of the prediction; with the record that was
+    fitted (--with) so does the room it leaves for arms that it cannot see.
+
     \b
     dashpot predict fit.json --mass 104g --seals 2
     dashpot predict fit.json --mass 104g --seals 2 --band 1:50Hz -o frf.csv
+    dashpot predict fit.json --mass 104g --seals 2 --with seal_8mm.csv --plot frf.png
     """
     import numpy as np
 
@@ -62,10 +70,11 @@ def command(
     solid = seals * found.model
     frf = predict_frf(solid, mass=moving, frequency=np.linspace(*band, lines), kind=kind)
     modes = model_modes(solid, moving)
+    limits = _limits(found, records, mass=moving, seals=seals, frf=frf)
     if picture:
         from dashpot import plot
 
-        plot.save(plot.frf(frf), picture)
+        plot.save(plot.frf(frf, band=limits if frf.kind == "accelerance" else None), picture)
     if output:
         write(output, write_frf(frf))
     peak = _peak(solid, moving, frf)
@@ -88,10 +97,47 @@ def command(
         "frequency_hz": frf.frequency.tolist(),
         "real": frf.value.real.tolist(),
         "imag": frf.value.imag.tolist(),
+        "limits": _plain(found, limits, mass=moving, seals=seals, frf=frf),
     }
     text = _words.prediction(found, frf, modes, peak=peak, mass=mass, seals=seals)
     text = "\n".join([text, *failed([noted])])
     return Outcome(lambda: document, "" if output == "-" else text, (noted,))
+
+
+def _limits(
+    found: Fit, records: tuple[str, ...], *, mass: float, seals: float, frf: FRF
+) -> FRFBand | None:
+    """Return both kinds of limits, about the lines predicted, if the record is at hand."""
+    import numpy as np
+
+    from dashpot.identification import frf_band
+    from dashpot.io.read import read_relaxation
+    from dashpot.relaxation.preparation import prepare
+
+    if not records:
+        return None
+    tests = [prepare(read_relaxation(path)) for path in records]
+    lines = np.linspace(max(frf.frequency[0], 1e-3), frf.frequency[-1], 401)
+    return frf_band(found, tests, mass=mass, frequency=lines, seals=seals)
+
+
+def _plain(
+    found: Fit, limits: FRFBand | None, *, mass: float, seals: float, frf: FRF
+) -> dict[str, Any]:
+    """Return the limits of the accelerance, 1/kg; null where nothing limits it."""
+    import numpy as np
+
+    from dashpot.identification import formal_frf_band
+
+    lines = frf.frequency[frf.frequency > 0]
+    f = np.linspace(lines[0], lines[-1], 401) if limits is None else limits.frequency
+    formal = formal_frf_band(found, mass=mass, frequency=f, seals=seals)
+    document: dict[str, Any] = {"frequency_hz": f.tolist(), "parameter": formal.tolist()}
+    if limits is not None:
+        document["unseen"] = [
+            [float(value) if np.isfinite(value) else None for value in row] for row in limits.unseen
+        ]
+    return document
 
 
 def _peak(solid: GeneralizedMaxwell, mass: float, frf: FRF) -> tuple[float, float]:

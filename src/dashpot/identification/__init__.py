@@ -1,6 +1,12 @@
 """Viscoelastic solids from vibration, alone or together with relaxation."""
 
-from dashpot.identification.bands import FRFBand, frf_band, parameter_band, unseen_arm_band
+from dashpot.identification.bands import (
+    FRFBand,
+    formal_frf_band,
+    frf_band,
+    parameter_band,
+    unseen_arm_band,
+)
 from dashpot.identification.identify import identify
 from dashpot.identification.mass import infer_mass
 from dashpot.identification.stiffness import (
@@ -14,6 +20,7 @@ __all__ = [
     "FRFBand",
     "causal_loss_factor",
     "dynamic_stiffness",
+    "formal_frf_band",
     "frf_band",
     "identify",
     "infer_mass",

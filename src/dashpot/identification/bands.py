@@ -148,29 +148,55 @@ def frf_band(
         Hz, > 0.
     seals, level : float
     """
-    if not (np.isfinite(mass) and mass > 0):
-        raise DataError(f"mass = {mass!r} kg; expected a number > 0")
     f = _frequencies(frequency)
     omega = 2 * np.pi * f
-    inertia = mass * omega**2 / seals
-
-    def magnitude(distance: FloatArray) -> FloatArray:
-        # where a spectrum without loss may resonate at the line, nothing limits the response
-        with np.errstate(divide="ignore"):
-            return np.asarray(omega**2 / (seals * distance))
-
-    own = np.abs(fit.model.complex_stiffness(omega) - inertia)
-    drawn = np.abs(_drawn(fit, omega) - inertia)
+    own, formal = _formal(fit, omega, mass=mass, seals=seals, level=level)
     spectra = _spectra(fit, tests, fastest=float(omega[-1]), level=level)
-    near, far = _distances(spectra, f, inertia)
+    near, far = _distances(spectra, f, mass * omega**2 / seals)
     return FRFBand(
         frequency=f,
-        magnitude=magnitude(own),
-        parameter=magnitude(_quantiles(drawn, own, level)[::-1]),
-        unseen=np.array([magnitude(far), magnitude(near)]),
+        magnitude=own,
+        parameter=formal,
+        unseen=np.array([_magnitude(omega, far, seals), _magnitude(omega, near, seals)]),
         says=f"{100 * level:g} % limits of a predicted accelerance: by the fit's standard errors, "
         "and by every spectrum that the relaxation test does not reject",
     )
+
+
+def formal_frf_band(
+    fit: Fit,
+    *,
+    mass: float,
+    frequency: npt.ArrayLike,
+    seals: float = 1.0,
+    level: float = 0.95,
+) -> FloatArray:
+    """Lowest and highest accelerance, 1/kg, that the standard errors allow, shape (2, n).
+
+    Parameters are those of :func:`frf_band`, but for the tests: arms that the fit does not have
+    are not in it.
+    """
+    omega = 2 * np.pi * _frequencies(frequency)
+    return _formal(fit, omega, mass=mass, seals=seals, level=level)[1]
+
+
+def _formal(
+    fit: Fit, omega: FloatArray, *, mass: float, seals: float, level: float
+) -> tuple[FloatArray, FloatArray]:
+    """The fit's own accelerance, shape (n,), and its limits by the draws, shape (2, n)."""
+    if not (np.isfinite(mass) and mass > 0):
+        raise DataError(f"mass = {mass!r} kg; expected a number > 0")
+    inertia = mass * omega**2 / seals
+    own = np.abs(fit.model.complex_stiffness(omega) - inertia)
+    drawn = np.abs(_drawn(fit, omega) - inertia)
+    limits = _quantiles(drawn, own, level)[::-1]
+    return _magnitude(omega, own, seals), _magnitude(omega, limits, seals)
+
+
+def _magnitude(omega: FloatArray, distance: FloatArray, seals: float) -> FloatArray:
+    # where a spectrum without loss may resonate at the line, nothing limits the response
+    with np.errstate(divide="ignore"):
+        return np.asarray(omega**2 / (seals * distance))
 
 
 # -- draws ------------------------------------------------------------------------------------
