@@ -209,3 +209,18 @@ def test_the_first_wrong_thing_a_user_does(folder, tmp_path, monkeypatch, words,
 def test_strict_turns_a_failed_check_into_exit_code_1(folder):
     run("fit", folder / "seal_8mm.csv", "--arms", "2", expect=0)
     run("fit", folder / "seal_8mm.csv", "--arms", "2", "--strict", expect=1)
+
+
+def test_one_profile_for_the_bench_and_one_for_the_hammer(folder, tmp_path):
+    """Hammer columns whose names say nothing are named in a profile of their own."""
+    lines = (folder / "impact.csv").read_text().splitlines()
+    head = next(i for i, line in enumerate(lines) if line.startswith("time"))
+    lines[head] = "time [s],ch1,ch2 [m/s^2],ch3 [m/s^2]"
+    (tmp_path / "raw.csv").write_text("\n".join(lines) + "\n")
+    run("inspect", tmp_path / "raw.csv", "--force", "ch1", "--units", "force=N",
+        "--save-profile", tmp_path / "hammer.toml")  # fmt: skip
+    found = document(
+        "report", folder / "seal_8mm.csv", "--impact", tmp_path / "raw.csv", *MASS, "--no-joint",
+        "--impact-profile", tmp_path / "hammer.toml", "-o", tmp_path / "r.html",
+    )  # fmt: skip
+    assert found["comparison"]["peak"]["measured_hz"] == pytest.approx(12.71, abs=0.1)

@@ -62,6 +62,15 @@ def test_what_was_said_of_reading_is_kept_as_a_profile(kept, raw):
     assert not failures(kept)
 
 
+def test_the_fit_in_a_project_goes_into_a_deck(kept):
+    place = next((kept.folder / "records").glob("*.fit.json"))
+    words = ["export", str(place), "--to", "csv", "--units", "SI", "--force"]
+    result = CliRunner().invoke(main, words)
+    assert result.exit_code == 0, result.output
+    identity = json.loads(place.read_text())["id"]
+    assert f"fit: {identity}" in result.stdout
+
+
 def test_a_changed_raw_file_is_noticed(kept):
     place = kept.folder / "raw" / "seal.csv"
     place.write_bytes(place.read_bytes().replace(b"time [s]", b"time [S]"))
@@ -69,7 +78,7 @@ def test_a_changed_raw_file_is_noticed(kept):
 
 
 def test_a_changed_result_is_noticed(kept):
-    place = next((kept.folder / "records").iterdir())
+    place = next((kept.folder / "records").glob("*.fit.json"))
     place.write_text(place.read_text().replace('"k_inf"', '"k_inf" '))
     assert "file_unchanged" in failures(kept)
 

@@ -6,7 +6,8 @@
       dashpot.toml      what this folder is
       raw/              input files, byte for byte, never overwritten
       profiles/         what was said of how to read them, TOML
-      records/          results, named by the first 16 digits of the hash of job and result
+      records/          results, named by the first 16 digits of the hash of job and result, and
+                        the fits among them, which every command reads
       reports/          HTML, one per result
       history.jsonl     one line per operation, each with the hash of the line before it
 
@@ -117,6 +118,12 @@ def record(project: Project, job: Job) -> tuple[Study, Path]:
         # two questions may have one answer, but not one report
         name = _sha256(to_json(kept).encode() + result)[:16]
         outputs = {f"records/{name}.json": result, f"reports/{name}.html": html(study).encode()}
+        fits = {"fit": study.fit, "joint": study.joint}
+        outputs |= {
+            f"records/{name}.{what}.json": to_json(fit).encode()
+            for what, fit in fits.items()
+            if fit is not None
+        }
         outputs |= _profiles(kept)
         for place, content in outputs.items():
             _place(project.folder / place, content)

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 @click.option(
     "--mass", type=Quantity("mass"), help="Block mass; inferred, and said so, if missing."
 )
+@click.option("--impact-profile", metavar="FILE", help="Saved answers for the impact files.")
 @click.option("--seal-mass", type=Quantity("mass"), help="Of one seal; a third moves along.")
 @click.option("--seals", type=float, default=1.0, show_default=True, help="Seals in parallel.")
 @click.option("--arms", type=Arms(), default="auto", show_default=True, help="Maxwell arms.")
@@ -39,6 +40,7 @@ def command(
     *,
     relaxation: str,
     impact: tuple[str, ...],
+    impact_profile: str | None,
     mass: float | None,
     seal_mass: float | None,
     seals: float,
@@ -61,10 +63,14 @@ def command(
     """
     from dashpot.archive import document
     from dashpot.cli import _words
-    from dashpot.io.options import ReadOptions
+    from dashpot.io.options import ReadOptions, load_profile
     from dashpot.job import Job, run
     from dashpot.report import html
 
+    # columns named for the bench file need not exist in the hammer's; units do no harm
+    of_impact = ReadOptions(units=options.units, acceleration=options.acceleration)
+    if impact_profile:
+        of_impact = of_impact.over(load_profile(impact_profile))
     job = Job(
         relaxation=relaxation,
         impact=impact,
@@ -77,8 +83,7 @@ def command(
         joint=not no_joint,
         specimen=specimen,
         reading=options,
-        # columns named for the bench file need not exist in the hammer's; units do no harm
-        reading_impact=ReadOptions(units=options.units, acceleration=options.acceleration),
+        reading_impact=of_impact,
         hammer=hammer,
     )
     if project:
