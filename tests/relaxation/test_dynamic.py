@@ -368,3 +368,19 @@ def test_one_isotherm_of_a_real_machine(shared_data: Path) -> None:
 def test_a_master_curve_that_contradicts_itself_is_told(shared_data: Path) -> None:
     data = read_dynamic(shared_data / "pyvisco-master-curves" / "freq_user_master.csv")
     assert "kramers_kronig" in failed(fit_dynamic(data, arms=3))
+
+
+def test_a_spectrum_too_broad_for_a_few_arms_is_told_as_a_dense_one() -> None:
+    """Twenty decades of equal arms: six cannot follow, so a table is given and called one."""
+    many = GeneralizedMaxwell(1e6, (1e6,) * 20, tuple(10.0**n for n in range(-10, 10)))
+    frequency = np.geomspace(1e-11, 1e10, 150)
+    K = many.complex_stiffness(2 * np.pi * frequency)
+    found = fit_dynamic(DynamicTest(frequency, K.real, K.imag))
+    check = next(check for check in found.checks if check.name == "few_arms_suffice")
+    assert not check.passed
+    assert found.status is Status.NOT_IDENTIFIED
+    assert found.model.arms > 6
+    np.testing.assert_allclose(found.model.complex_stiffness(2 * np.pi * frequency), K, rtol=0.02)
+    assert found.standard_error["k_inf"] == np.inf
+    few = fit_dynamic(DynamicTest(frequency, K.real, K.imag), arms=3)
+    assert few.model.arms == 3

@@ -17,12 +17,13 @@ from dashpot.relaxation import checks as bench
 from dashpot.relaxation import curve_checks as questions
 from dashpot.relaxation import curves
 from dashpot.relaxation.band import informed_band
+from dashpot.relaxation.dense import dense_where_few_fail
 from dashpot.relaxation.design import Design, compressed, every_sample
 from dashpot.relaxation.dynamic import DynamicTest
-from dashpot.relaxation.fit import Fit, Residual, Status
+from dashpot.relaxation.fit import Fit
 from dashpot.relaxation.profiles import profiles
 from dashpot.relaxation.records import RampHold
-from dashpot.relaxation.spectrum import dynamic_master_curve, relative_scale
+from dashpot.relaxation.spectrum import relative_scale
 from dashpot.relaxation.telling import asked_arms, nuisance_of, proof_of, residual_of
 from dashpot.relaxation.verdict import status_of
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -33,8 +34,6 @@ Weights: TypeAlias = Literal["relative", "modulus"]
 _ONE_TEMPERATURE = 2.0
 # half a decade: an arm farther out than this shows only its tail
 _BEYOND = float(np.sqrt(10.0))
-# curves missed by more than this are not followed, and a dense spectrum must miss far less
-_FOLLOWED, _MUCH_BETTER = 0.05, 0.5
 # a fit that expects less than this part of a value does not follow it: no ground for a weight
 _DOUBTED = 0.1
 
@@ -151,44 +150,7 @@ def fit_dynamic(
         specimen=data.specimen,
         unit=data.unit,
     )
-    return few if arms != "auto" or records or dashpot else _dense_where_few_fail(few, data)
-
-
-def _dense_where_few_fail(few: Fit, data: DynamicTest) -> Fit:
-    """Return the fit, or the dense spectrum where no small number of arms follows the curves."""
-    missed = _relative_rms(few.model, data)
-    if missed < _FOLLOWED:
-        return few
-    dense = dynamic_master_curve(data)
-    if dense.rms > _MUCH_BETTER * missed:
-        return few
-    says = (
-        f"no number of arms up to {max(order.arms for order in few.orders)} follows the curves: "
-        f"{few.model.arms} leave {100 * missed:.2g} % rms. This is the dense spectrum on an even "
-        f"grid, {dense.model.arms} arms that leave {100 * dense.rms:.2g} %: a table for a solver, "
-        "whose single arms mean nothing"
-    )
-    values = 2 * len(data.frequency)
-    return replace(
-        few,
-        model=dense.model,
-        status=Status.NOT_IDENTIFIED,
-        residual=Residual(values, values * dense.rms**2, dense.rms),
-        parameters=(),
-        covariance=np.zeros((0, 0)),
-        dof=float("inf"),
-        certificate=None,
-        profiles=(),
-        checks=(*few.checks, Check("few_arms_suffice", False, says, missed, _FOLLOWED)),
-    )
-
-
-def _relative_rms(model: GeneralizedMaxwell, data: DynamicTest) -> float:
-    """Return the root mean square relative error of storage and loss together."""
-    K = model.complex_stiffness(2 * np.pi * data.frequency)
-    storage, loss = relative_scale(data)
-    errors = np.concatenate(((K.real - data.storage) / storage, (K.imag - data.loss) / loss))
-    return float(np.sqrt(np.mean(errors**2)))
+    return few if arms != "auto" or records or dashpot else dense_where_few_fail(few, data)
 
 
 class _Set(NamedTuple):
