@@ -500,3 +500,28 @@ def test_a_material_goes_into_material_cards_only():
     with pytest.raises(ExportError, match=r"springs and dashpots are in N/m.*--form prony"):
         export.nastran(fit, units="SI", allow=("all",))
     assert "TB,PRONY" in export.ansys(fit, units="SI", allow=("all",), form="prony")
+
+
+@pytest.mark.parametrize(
+    ("points", "pieces"),
+    [
+        ([(0, 0, 0), (1, 1, 0), (1, 0, 0), (0, 1, 0)], "from point 0 meets the one from point 2"),
+        ([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0.5, 0, 0)], "from point 0 meets the one from point 2"),
+        ([(0, 0, 0), (2, 0, 0), (2, 1, 0), (1, 0, 0), (0, 0, 0)], "crosses itself"),
+    ],
+)
+def test_a_seal_line_that_crosses_itself_is_refused(points, pieces):
+    with pytest.raises(ExportError, match=pieces):
+        SealLine(points, 0.1)
+
+
+def test_a_closed_or_a_passing_seal_line_is_no_crossing():
+    assert SealLine([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 0)], 0.1).length == 4
+    SealLine([(0, 0, 0), (1, 1, 0), (1, 0, 0.1), (0, 1, 0.1)], 0.1)  # passes 50 mm above itself
+
+
+@given(st.integers(3, 12), st.floats(0.1, 5.0))
+def test_a_convex_loop_never_crosses_itself(corners: int, size: float):
+    angle = 2 * np.pi * np.arange(corners + 1) / corners
+    loop = size * np.column_stack((np.cos(angle), np.sin(angle), 0.2 * np.cos(3 * angle)))
+    assert SealLine(loop, size / 50).elements > 0

@@ -49,6 +49,12 @@ class SealLine(ByValue):
                 f"pitch = {self.pitch!r} m on a seal line of {steps.sum():g} m; expected a "
                 "distance > 0 that fits on it"
             )
+        crossing = _first_crossing(points, nearer_than=1e-6 * float(steps.sum()))
+        if crossing is not None:
+            raise ExportError(
+                f"the seal line crosses itself: its piece from point {crossing[0]} meets the one "
+                f"from point {crossing[1]}; check the order of the points"
+            )
         if not np.linalg.norm(self.normal) > 0:
             raise ExportError("the normal of the seal line has no direction")
         object.__setattr__(self, "points", frozen(points))
@@ -76,3 +82,39 @@ class SealLine(ByValue):
         )
         middles = (np.arange(self.elements) + 0.5) * self.piece
         return np.stack([np.interp(middles, along, self.points[:, i]) for i in range(3)], axis=1)
+
+
+def _first_crossing(points: FloatArray, *, nearer_than: float) -> tuple[int, int] | None:
+    """Return the first two pieces that meet and are not neighbours, by their first points."""
+    pieces = len(points) - 1
+    closed = bool(np.linalg.norm(points[0] - points[-1]) <= nearer_than)
+    for i in range(pieces):
+        for j in range(i + 2, pieces):
+            neighbours = closed and i == 0 and j == pieces - 1
+            if not neighbours and _distance(points[i : i + 2], points[j : j + 2]) < nearer_than:
+                return i, j
+    return None
+
+
+def _distance(first: FloatArray, second: FloatArray) -> float:
+    """Return the distance of two straight pieces, each of shape (2, 3).
+
+    It is that of the lines where both feet of the common normal lie within, else that of an end
+    from the other piece.
+    """
+    a, b, between = first[1] - first[0], second[1] - second[0], second[0] - first[0]
+    normal = np.cross(a, b)
+    square = float(normal @ normal)
+    if square > 0:
+        s = float(np.cross(between, b) @ normal) / square
+        t = float(np.cross(between, a) @ normal) / square
+        if 0 <= s <= 1 and 0 <= t <= 1:
+            return float(np.linalg.norm(between + t * b - s * a))
+    ends = [(point, second) for point in first] + [(point, first) for point in second]
+    return min(_from_piece(point, piece) for point, piece in ends)
+
+
+def _from_piece(point: FloatArray, piece: FloatArray) -> float:
+    along = piece[1] - piece[0]
+    share = np.clip((point - piece[0]) @ along / (along @ along), 0.0, 1.0)
+    return float(np.linalg.norm(point - piece[0] - share * along))
