@@ -251,7 +251,8 @@ def _alone(project: Project) -> Iterator[None]:
         owner = lock.read_text(encoding="utf-8").strip()
         if owner.isdecimal() and _alive(int(owner)):
             raise DataError(
-                f"{project.folder} is in use by process {owner}; try again when it is done"
+                f"{project.folder} is in use by process {owner}; try again when it is done (if no "
+                f"dashpot runs, remove {lock})"
             ) from None
         lock.unlink(missing_ok=True)
         descriptor = os.open(lock, os.O_CREAT | os.O_EXCL | os.O_WRONLY)
@@ -264,6 +265,8 @@ def _alone(project: Project) -> Iterator[None]:
 
 
 def _alive(process: int) -> bool:
+    if os.name == "nt":
+        return True  # there is no harmless signal to ask with
     try:
         os.kill(process, 0)
     except ProcessLookupError:

@@ -156,3 +156,19 @@ def test_a_contact_found_behind_air_widens_the_intervals(seed: int) -> None:
     assert error["k"][0] > 1.5 * sure.standard_error["k"][0]
     assert abs(found.model.k[0] - PAPER.k[0]) < 3.5 * error["k"][0]
     assert abs(found.model.k_inf - PAPER.k_inf) < 3.5 * error["k_inf"]
+
+
+def test_two_in_parallel_are_twice_as_stiff_and_as_well_known() -> None:
+    one = fit(prepare(simulate_relaxation(PAPER, seed=0).test), arms=2)
+    two = one.in_parallel(2)
+    assert two.model == 2 * one.model
+    assert two.standard_error["k"] == pytest.approx([2 * se for se in one.standard_error["k"]])
+    assert two.standard_error["tau"] == pytest.approx(one.standard_error["tau"])
+    assert two.steps[-1].says == f"2 in parallel of fit {one.identity}"
+
+
+def test_what_was_taken_out_of_the_motion_is_a_step() -> None:
+    prepared = prepare(simulate_relaxation(PAPER, hold_time=10.0, seed=0).test)
+    (step,) = [step for step in fit(prepared, arms=1).steps if step.name == "motion"]
+    assert "counts of 20 um" in step.says
+    assert not [s for s in fit(prepared, arms=1, method="hold").steps if s.name == "motion"]

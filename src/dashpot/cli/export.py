@@ -80,11 +80,9 @@ def command(
     from dashpot.cli._inputs import read_fit
 
     found = read_fit(fit)
-    described = _described(found.specimen, specimen)
+    found = replace(found, specimen=_described(found.specimen, specimen))
     if seals != 1:
-        length = None if described.length is None else seals * described.length
-        found = replace(found, model=seals * found.model)
-        described = replace(described, length=length)
+        found = found.in_parallel(seals)
     choices: dict[str, Any] = {
         "form": form,
         "frequency_range": frequency_range,
@@ -98,7 +96,6 @@ def command(
     deck = export.TARGETS[target](
         found,
         units=units,
-        specimen=described,
         allow=("all",) if force else allow,
         **_taken(target, choices),
     )

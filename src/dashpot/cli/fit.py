@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     type=click.Choice(["full", "hold"]),
     default="full",
     show_default=True,
-    help="full: the recorded displacement; hold: the paper's eq. 5.",
+    help="full: the recorded motion, ramp and hold; hold: the paper's eq. 5.",
 )
 @click.option("--depth-law", is_flag=True, help="Several depths: shared times, k for each depth.")
 @click.option("--thorough", is_flag=True, help="Add quasi-random starts.")

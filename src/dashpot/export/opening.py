@@ -106,8 +106,14 @@ def open_deck(
         source=fit.source if fit else (),
         overrides=tuple(problems.values()),
         doubts=tuple(check.says for check in fit.checks if not check.passed) if fit else (),
-        identity=fit.identity if fit else "",
+        identity=_identity(fit) if fit else "",
     )
+
+
+def _identity(fit: Fit) -> str:
+    """Return the fit's name, and that of the fit it was scaled from."""
+    from_one = [step.says for step in fit.steps if step.name == "parallel"]
+    return ", ".join([fit.identity, *from_one])
 
 
 def choose_form(form: str, forms: Sequence[str], target: str) -> str:

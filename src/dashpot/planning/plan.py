@@ -14,9 +14,10 @@ from dashpot.planning.bench import Bench, expected_error
 from dashpot.planning.hammer import half_sine, hammer_rows, mass_for_peak, record_need
 from dashpot.planning.records import ExpectedError, Plan, Pulse, RecordNeed
 from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.table1 import TABLE_1
 
 # the seal of the paper's Table 1, where the user knows nothing better yet
-USUAL_SEAL = GeneralizedMaxwell(196.5, (117.5, 17.8), (59.0 / 117.5, 292.2 / 17.8))
+USUAL_SEAL = TABLE_1
 # an arm of this part of the instantaneous stiffness is what sponge rubber may hide
 USUAL_PART = 0.1
 # an arm of the model this near, as a factor in time, already stands for the unseen one

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import TYPE_CHECKING, TypedDict
 
@@ -272,6 +272,32 @@ class Fit(ByValue):
     def ok(self) -> bool:
         """True if the fit converged; what it must not be asked stands in `checks`."""
         return self.status is Status.CONVERGED
+
+    def in_parallel(self, count: float) -> Fit:
+        """The fit of `count` such parts side by side: stiffnesses, errors and length scale alike.
+
+        What belongs to the fitted record alone (orders, certificate, nuisances) stays behind.
+        """
+        scale = np.array([1.0 if name.startswith("ln_") else count for name in self.parameters])
+        length = None if self.specimen.length is None else count * self.specimen.length
+        step = Step(
+            "parallel",
+            (("count", f"{count:g}"), ("of", self.identity)),
+            f"{count:g} in parallel of fit {self.identity}",
+        )
+        return replace(
+            self,
+            model=count * self.model,
+            covariance=self.covariance * np.outer(scale, scale),
+            profiles=tuple(one for one in self.profiles if one.parameter.startswith("ln_tau")),
+            specimen=replace(self.specimen, length=length),
+            steps=(*self.steps, step),
+            orders=(),
+            certificate=None,
+            nuisance=(),
+            by_depth=(),
+            moved=(),
+        )
 
     @property
     def identity(self) -> str:

@@ -42,7 +42,9 @@ def fit(
     r"""Fit a generalized Maxwell solid to one prepared test, or to several at once.
 
     ``method="full"`` answers the *recorded* motion x(t) from the first sample to the end of the
-    hold, with the tare and drift of the load cell as nuisance terms,
+    hold, freed of the encoder's counts and noise where it shows any
+    (:func:`~dashpot.relaxation.denoising.true_motion`), with the tare and drift of the load cell
+    as nuisance terms; the force is never filtered,
 
     .. math:: F(t) = k_\infty x(t) + \sum_j k_j \int_0^t e^{-(t-u)/\tau_j} \dot x(u)\,du
               + F_0 + \dot F t

@@ -15,7 +15,7 @@ from dashpot.relaxation.design import Design
 from dashpot.relaxation.estimate import Estimate, Score
 from dashpot.relaxation.fit import AtDepth, Fit, OrderScore
 from dashpot.relaxation.profiles import profiles
-from dashpot.relaxation.record_checks import depth_doubt
+from dashpot.relaxation.record_checks import depth_doubt, encoder_step
 from dashpot.relaxation.records import RampHold
 from dashpot.relaxation.telling import nuisance_of, proof_of, residual_of
 from dashpot.relaxation.verdict import all_checks, solid_of, status_of
@@ -90,6 +90,7 @@ def outcome(
         source=tuple(record.source for record in records if record.source is not None),
         steps=(
             *(step for record in records for step in record.steps),
+            *_motion_steps(records, design),
             _step(records, model, design, asked=asked, thorough=thorough),
         ),
         by_depth=_by_depth(records, estimate) if depth_law else (),
@@ -155,3 +156,20 @@ def _step(
         f"{plural} by method {design.method!r}"
     )
     return Step("fit", options, says)
+
+
+def _motion_steps(records: Sequence[RampHold], design: Design) -> tuple[Step, ...]:
+    """Return what was taken out of each recorded displacement before the fit answered to it."""
+    if design.method == "hold":
+        return ()
+    steps = []
+    for record in records:
+        count, noise = encoder_step(record), record.displacement_noise
+        if count > 0 or noise > 0:
+            says = (
+                f"read the displacement between counts of {1e6 * count:.3g} um and averaged its "
+                f"scatter of {1e6 * noise:.3g} um where the motion allows; the force is as recorded"
+            )
+            told = (("count", f"{count:.6g} m"), ("noise", f"{noise:.6g} m"))
+            steps.append(Step("motion", told, says))
+    return tuple(steps)

@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.table1 import TABLE_1
 
-PAPER = GeneralizedMaxwell(k_inf=196.5, k=(117.5, 17.8), tau=(59.0 / 117.5, 292.2 / 17.8))
+PAPER = TABLE_1
 """Table 1 of the paper at 8 mm, N/m and s: no damping to speak of at 12.71 Hz."""
 
 BROAD = PAPER + GeneralizedMaxwell(k_inf=0.0, k=(20.0, 20.0, 20.0), tau=(0.08, 0.016, 0.0032))
