@@ -9,6 +9,7 @@ counts and of its noise first.
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from dashpot._arrays import FloatArray
 from dashpot.relaxation.record_checks import encoder_step
@@ -94,21 +95,31 @@ def denoised(values: FloatArray, noise: float) -> tuple[FloatArray, FloatArray]:
     confidence intervals.
     """
     n = len(values)
-    index = np.arange(n)
-    room = np.minimum(index, n - 1 - index)
     total = np.concatenate(([0.0], np.cumsum(values - values[0])))
     best, sd = np.array(values), np.full(n, noise)
     low, high = np.full(n, -np.inf), np.full(n, np.inf)
     open_still = np.ones(n, dtype=bool)
-    for width in HALF_WIDTHS:
-        w = np.minimum(width, room)
-        count = 2 * w + 1
-        mean = values[0] + (total[index + w + 1] - total[index - w]) / count
+
+    def widen(
+        here: slice | npt.NDArray[np.intp], sums: FloatArray, count: FloatArray | int
+    ) -> None:
+        mean = values[0] + sums / count
         half = APART * noise / np.sqrt(count)
-        low, high = np.maximum(low, mean - half), np.minimum(high, mean + half)
-        open_still &= low <= high
-        best = np.where(open_still, mean, best)
-        sd = np.where(open_still, noise / np.sqrt(count), sd)
-        if not open_still.any():
+        low[here] = np.maximum(low[here], mean - half)
+        high[here] = np.minimum(high[here], mean + half)
+        open_still[here] &= low[here] <= high[here]
+        best[here] = np.where(open_still[here], mean, best[here])
+        sd[here] = np.where(open_still[here], noise / np.sqrt(count), sd[here])
+
+    for width in HALF_WIDTHS:
+        count = 2 * width + 1
+        if count > n:
             break
+        widen(slice(width, n - width), total[count:] - total[:-count], count)
+    # nearer to an end than the widest window, the last one is as wide as there is room
+    index = np.arange(n)
+    room = np.minimum(index, n - 1 - index)
+    ends = np.flatnonzero(room < HALF_WIDTHS[-1])
+    w = room[ends]
+    widen(ends, total[ends + w + 1] - total[ends - w], 2 * w + 1)
     return best, sd
