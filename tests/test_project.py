@@ -12,7 +12,8 @@ from click.testing import CliRunner
 from dashpot import project as folder
 from dashpot.cli import main
 from dashpot.errors import DataError, ReadError
-from dashpot.io.options import ReadOptions, load_profile
+from dashpot.io.options import ReadOptions
+from dashpot.io.profile import load_profile
 from dashpot.io.write import write_relaxation
 from dashpot.job import Job
 from dashpot.simulation.rig import simulate_relaxation

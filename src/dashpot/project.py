@@ -34,7 +34,8 @@ from dashpot._version import __version__
 from dashpot.archive import document, from_json, to_json
 from dashpot.checks import Check
 from dashpot.errors import DataError, ReadError
-from dashpot.io.options import ReadOptions, dump_profile
+from dashpot.io.options import ReadOptions
+from dashpot.io.profile import dump_profile
 from dashpot.job import Job, run
 from dashpot.report import html
 from dashpot.study import Study

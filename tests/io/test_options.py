@@ -9,7 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dashpot.errors import DataError, ReadError
-from dashpot.io.options import ReadOptions, dump_profile, load_profile, parse_units
+from dashpot.io.options import ReadOptions, parse_units
+from dashpot.io.profile import dump_profile, load_profile
 
 text = st.text(st.characters(blacklist_categories=("Cs",)), min_size=1, max_size=12)
 maybe = st.none() | text

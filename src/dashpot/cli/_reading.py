@@ -54,8 +54,12 @@ def reading(function: Callable[..., T]) -> Callable[..., T]:
 def _options(
     *, units: tuple[str, ...], profile: str | None, acceleration: tuple[str, ...], **said: Any
 ) -> ReadOptions:
-    from dashpot.io.options import ReadOptions, load_profile, parse_units
+    from dashpot.io.options import ReadOptions, parse_units
 
     named = {role: unit for text in units for role, unit in parse_units(text).items()}
     options = ReadOptions(units=named, acceleration=acceleration, **said)
-    return options.over(load_profile(profile)) if profile else options
+    if not profile:
+        return options
+    from dashpot.io.profile import load_profile
+
+    return options.over(load_profile(profile))

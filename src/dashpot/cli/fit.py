@@ -58,14 +58,12 @@ def command(
     """
     from dashpot.cli import _words
     from dashpot.io.bench import read_bench
-    from dashpot.relaxation.dynamic import DynamicTest
     from dashpot.relaxation.preparation import prepare
+    from dashpot.relaxation.records import RelaxationTest
 
     tests = [read_bench(path, options=options, specimen=specimen) for path in files]
-    sweeps = [test for test in tests if isinstance(test, DynamicTest)]
-    prepared = [
-        prepare(test, filter=filter_) for test in tests if not isinstance(test, DynamicTest)
-    ]
+    sweeps = [test for test in tests if not isinstance(test, RelaxationTest)]
+    prepared = [prepare(test, filter=filter_) for test in tests if isinstance(test, RelaxationTest)]
     if sweeps:
         if len(sweeps) > 1 or depth_law or method == "hold":
             raise FitError(

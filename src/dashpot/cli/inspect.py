@@ -26,7 +26,7 @@ def command(*, files: tuple[str, ...], save_profile: str | None, options: ReadOp
     dashpot inspect raw.txt --force Kraft --units "force=N" --save-profile lab.toml
     """
     from dashpot.cli import _inspection
-    from dashpot.io.options import dump_profile
+    from dashpot.io.profile import dump_profile
     from dashpot.io.read import inspect_file
 
     found = [inspect_file(path, options=options) for path in files]

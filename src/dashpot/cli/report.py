@@ -63,7 +63,8 @@ def command(
     """
     from dashpot.archive import document
     from dashpot.cli import _words
-    from dashpot.io.options import ReadOptions, load_profile
+    from dashpot.io.options import ReadOptions
+    from dashpot.io.profile import load_profile
     from dashpot.job import Job, run
     from dashpot.report import html
 

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from dashpot.errors import ReadError
-from dashpot.io.dynamic import read_dynamic
-from dashpot.io.inspecting import inspect_file
 from dashpot.io.options import ReadOptions
 from dashpot.io.relaxation import read_relaxation
-from dashpot.relaxation.dynamic import DynamicTest
 from dashpot.relaxation.records import RelaxationTest, Specimen
+
+if TYPE_CHECKING:
+    from dashpot.relaxation.dynamic import DynamicTest
 
 
 def read_bench(
@@ -26,6 +27,9 @@ def read_bench(
     try:
         return read_relaxation(path, options=options, specimen=specimen)
     except ReadError:
+        from dashpot.io.dynamic import read_dynamic
+        from dashpot.io.inspecting import inspect_file
+
         if str(path) == "-" or inspect_file(path, options=options).kind != "dma":
             raise
     return read_dynamic(path, options=options, specimen=specimen)

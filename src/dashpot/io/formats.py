@@ -10,7 +10,6 @@ from dashpot.errors import DashpotError, ReadError
 from dashpot.io.opening import Raw
 from dashpot.io.options import ReadOptions
 from dashpot.io.table import Table
-from dashpot.io.transducer import calibrated
 
 _OURS = {"text", "lvm", "trios"}
 _MAGIC: tuple[tuple[bytes, str], ...] = (
@@ -59,4 +58,8 @@ def read_table(raw: Raw, options: ReadOptions) -> Table:
             f"{raw.name}: a broken or unknown variety of {name}: {type(error).__name__}: {error}; "
             "export it again, or as text"
         ) from error
-    return calibrated(table, options, raw.name)
+    if options.calibration is None:
+        return table
+    from dashpot.io.transducer import calibrated
+
+    return calibrated(table, options.calibration, axis=options.axis, file=raw.name)

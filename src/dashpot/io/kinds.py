@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from dashpot.io import vocabulary
-from dashpot.io.inspection import FileKind
 from dashpot.io.options import ReadOptions
 from dashpot.io.roles import accelerations, score
 from dashpot.io.table import Table
 from dashpot.io.vocabulary import Role
+
+if TYPE_CHECKING:
+    from dashpot.io.inspection import FileKind
 
 
 def kind_of(table: Table, options: ReadOptions) -> tuple[FileKind, str]:

@@ -11,7 +11,6 @@ import numpy as np
 from dashpot import units
 from dashpot.errors import ReadError
 from dashpot.io import ati
-from dashpot.io.options import ReadOptions
 from dashpot.io.table import Column, Loaded, Table
 
 _GAUGE = re.compile(r"(?:.*\b|.*_|)(?:sg|g|gauge|gage|ch|ai|v|volt|voltage)[\s_]*(\d)\b.*", re.I)
@@ -19,7 +18,7 @@ _REST = 0.02
 """Share of the record, from its start, whose median is taken as the unloaded voltages."""
 
 
-def calibrated(table: Table, options: ReadOptions, file: str) -> Table:
+def calibrated(table: Table, calibration_file: str, *, axis: str, file: str) -> Table:
     """Return the table with the transducer's axis as one more column, the force.
 
     The bias is the median of the first rows, subtracted in volts.
@@ -29,17 +28,13 @@ def calibrated(table: Table, options: ReadOptions, file: str) -> Table:
     ReadError
         If the table has not six columns of gauge voltages, in order.
     """
-    if options.calibration is None:
-        return table
-    if options.axis not in ati.AXES:
-        raise ReadError(f"--axis {options.axis}: expected one of {', '.join(ati.AXES)}")
-    calibration = ati.read_calibration(options.calibration)
+    if axis not in ati.AXES:
+        raise ReadError(f"--axis {axis}: expected one of {', '.join(ati.AXES)}")
+    calibration = ati.read_calibration(calibration_file)
     gauges, factor = _gauges(table, file)
-    row = ati.AXES.index(options.axis)
+    row = ati.AXES.index(axis)
     place = len(table.columns)
-    column = Column(
-        options.axis, "N" if row < 3 else "N*m", unit_from=f"calibration {calibration.serial}"
-    )
+    column = Column(axis, "N" if row < 3 else "N*m", unit_from=f"calibration {calibration.serial}")
 
     def load(indexes: Sequence[int]) -> Loaded:
         plain = [i for i in indexes if i != place]
@@ -52,7 +47,7 @@ def calibrated(table: Table, options: ReadOptions, file: str) -> Table:
         loads = calibration.load(volts, bias)
         known = np.isfinite(loads).all(axis=0)
         says = (
-            f"{options.axis} from six gauge voltages by the calibration of {calibration.serial} "
+            f"{axis} from six gauge voltages by the calibration of {calibration.serial} "
             f"({calibration.part}, {calibration.date}); the median of the first {rest} rows is "
             "taken as unloaded and subtracted in volts"
         )
