@@ -20,7 +20,8 @@ import numpy.typing as npt
 from dashpot._arrays import BoolArray, ByValue, FloatArray
 from dashpot.engine.blocks import Block
 from dashpot.engine.chain import DOUBT
-from dashpot.engine.descent import FINISHED, LONGEST_STEP, TAIL
+from dashpot.engine.compression import PLAIN
+from dashpot.engine.descent import FINISHED, LINEAR, LONGEST_STEP, REST, TAIL, UNCHANGED
 from dashpot.engine.separable import Solution, solve
 from dashpot.errors import FitError
 
@@ -130,20 +131,23 @@ def solve_many(family: Family, records: FloatArray, arms: int) -> ManySolutions:
         )
     count = len(records)
     out = _empty(count, arms, family.fixed_count)
-    out.finite[:] = _usable(records)
     look = _Look(family, arms) if arms in LOOK else None
     for first in range(0, count, CHUNK):
-        rows = slice(first, min(first + CHUNK, count))
-        finite = out.finite[rows]
-        index = first + np.flatnonzero(finite)
-        if not len(index):
-            continue
-        sure = np.zeros(len(index), dtype=bool)
-        if look is not None:
-            whole = records[rows] if finite.all() else records[index]
-            seen = family.see(whole)
-            sure = _together(family, look, seen, index, out)
-        for i in index[~sure]:
+        chunk = records[first : first + CHUNK]
+        index = first + np.arange(len(chunk))
+        if look is None:
+            out.finite[index] = _usable(chunk)
+            index = index[out.finite[index]]
+        else:
+            with np.errstate(over="ignore", invalid="ignore"):
+                seen = family.see(chunk)
+                finite = np.isfinite(seen.floor + seen.energy)
+            out.finite[index] = finite
+            index = index[finite]
+            if len(index):
+                sure = _together(family, look, seen.take(finite), index, out)
+                index = index[~sure]
+        for i in index:
             _alone(family.block, records[i], arms, int(i), out)
     return out
 
@@ -223,11 +227,16 @@ class _Look:
             told_apart = np.linalg.eigvalsh(parts)[:, 0] > 1e-7
             self.sets = self.sets[told_apart]
             self.inverse = np.linalg.inv(parts[told_apart])
-        picked = moment[:, self.sets]
-        beta = np.einsum("cij,rcj->rci", self.inverse, picked)
-        gain = np.where((beta > 0).all(axis=2), (beta * picked).sum(axis=2), 0.0)
-        best = np.argmax(gain, axis=1)
-        return self.log_tau[self.sets[best]], gain[np.arange(len(gain)), best] > 0
+        # one row per set: whole rows of records are picked, added and compared
+        picked = [moment.T[column] for column in self.sets.T]
+        gain, positive = np.zeros(picked[0].shape), np.ones(picked[0].shape, dtype=bool)
+        for i, row in enumerate(picked):
+            beta = sum(self.inverse[:, i, j, None] * other for j, other in enumerate(picked))
+            positive &= beta > 0
+            gain += beta * row
+        gain *= positive
+        best = np.argmax(gain, axis=0)
+        return self.log_tau[self.sets[best]], gain[best, np.arange(gain.shape[1])] > 0
 
 
 class _Points(NamedTuple):
@@ -235,10 +244,15 @@ class _Points(NamedTuple):
     sse: FloatArray  # (R,)
     gradient: FloatArray  # (R, N)
     curvature: FloatArray  # (R, N, N)
+    turn: FloatArray  # (R, q + N, N)
 
     def put(self, index: IndexArray, new: _Points) -> None:
         for old, fresh in zip(self, new, strict=True):
             old[index] = fresh
+
+    def ahead(self, index: IndexArray, step: FloatArray) -> None:
+        """Move beta by short steps (R, N), along which it is linear."""
+        self.beta[index] += (self.turn[index] @ step[..., None])[..., 0]
 
     def take(self, index: IndexArray | BoolArray) -> _Points:
         return _Points(*(part[index] for part in self))
@@ -259,34 +273,37 @@ def _points(family: Family, log_tau: FloatArray, seen: Seen, *, exact: bool = Fa
     lean = (residual[:, None, :] @ outside)[:, 0]
     inside = inverse[:, q:] * lean[..., None]
     outside = outside * k[:, None, :]
-    curvature = np.swapaxes(outside, 1, 2) @ outside + inside @ np.swapaxes(inside, 1, 2)
-    sse = np.where(dependent, np.inf, (residual * residual).sum(axis=1))
-    return _Points(beta, sse, -k * lean, curvature)
+    turned = np.swapaxes(inside, 1, 2)
+    curvature = np.swapaxes(outside, 1, 2) @ outside + inside @ turned
+    turn = inverse @ (turned - factor[:, :p, p:-1] * k[:, None, :])
+    sse = np.where(dependent, np.inf, np.vecdot(residual, residual))
+    return _Points(beta, sse, -k * lean, curvature, turn)
 
 
 def _together(
     family: Family, look: _Look, seen: Seen, index: IndexArray, out: ManySolutions
 ) -> BoolArray:
     """Descend all records of a chunk; write the ones that leave no doubt, and say which."""
-    log_tau, started = look.starts(seen)
-    converged = _descend(family, log_tau, seen, started)
-    point = _points(family, converged.log_tau, seen, exact=True)
+    start, started = look.starts(seen)
+    log_tau, point, done = _descend(family, start, seen, started)
     low, high = family.bounds
     q, arms = family.fixed_count, log_tau.shape[1]
     spare = max(family.samples - q - 2 * arms, 1)
+    sure = started & done & (point.sse > 100 * family.grain * seen.energy)
+    sure &= (point.beta[:, q:] > 0).all(axis=1)
+    sure &= (point.beta[:, :q] > 0)[:, family.nonnegative].all(axis=1)
+    sure &= ((log_tau > low) & (log_tau < high)).all(axis=1)
+    small = np.flatnonzero(sure & (point.sse < PLAIN * seen.energy))
+    if len(small):
+        point.put(small, _points(family, log_tau[small], seen.take(small), exact=True))
     sse = seen.floor + point.sse
-    positive = (point.beta[:, q:] > 0).all(axis=1)
-    positive &= (point.beta[:, :q] > 0)[:, family.nonnegative].all(axis=1)
-    inside = ((converged.log_tau > low) & (converged.log_tau < high)).all(axis=1)
-    sure = started & converged.done & positive & inside
-    sure &= point.sse > 100 * family.grain * seen.energy
     checked = np.flatnonzero(sure)
     known = np.linalg.inv(point.curvature[checked])
     variance = np.diagonal(known, axis1=1, axis2=2) * (sse[checked] / spare)[:, None]
     sure[checked] = ((variance > 0) & (variance < DOUBT**2)).all(axis=1) & (spare >= 10)
     rows = index[sure]
-    order = np.argsort(converged.log_tau[sure], axis=1)
-    out.log_tau[rows] = np.take_along_axis(converged.log_tau[sure], order, axis=1)
+    order = np.argsort(log_tau[sure], axis=1)
+    out.log_tau[rows] = np.take_along_axis(log_tau[sure], order, axis=1)
     out.arms[rows] = np.take_along_axis(point.beta[sure, q:], order, axis=1)
     out.fixed[rows] = point.beta[sure, :q]
     out.sse[rows] = sse[sure]
@@ -297,34 +314,46 @@ def _together(
 
 class _Descended(NamedTuple):
     log_tau: FloatArray
+    point: _Points
     done: BoolArray
 
 
 def _descend(
-    family: Family, log_tau: FloatArray, seen: Seen, started: BoolArray, limit: int = 40
+    family: Family, start: FloatArray, seen: Seen, started: BoolArray, limit: int = 40
 ) -> _Descended:
     """The descent of :func:`dashpot.engine.descent.descend`, for all records at once."""
     low, high = family.bounds
+    log_tau = start.copy()
     here = _points(family, log_tau, seen)
+    rounding = family.grain * seen.energy
     done = np.zeros(len(log_tau), dtype=bool)
-    damping = np.full(len(log_tau), 1e-3)
+    damping = np.full(len(log_tau), 1e-6)
+    last = np.full(len(log_tau), np.inf)
     active = np.flatnonzero(started & np.isfinite(here.sse))
     for _ in range(limit):
         if not len(active):
             break
         now = here.take(active)
         trial = np.clip(log_tau[active] + _steps(now, damping[active]), low, high)
-        moved = np.abs(trial - log_tau[active]).max(axis=1)
-        done[active[moved <= FINISHED]] = True
-        left = moved > FINISHED
-        active, trial, moved, before = active[left], trial[left], moved[left], now.sse[left]
+        step = trial - log_tau[active]
+        moved = np.abs(step).max(axis=1)
+        over = (moved <= LINEAR) & (damping[active] < LINEAR) & (moved**2 <= REST * last[active])
+        over &= np.abs(np.vecdot(now.gradient, step)) <= UNCHANGED * now.sse
+        over |= moved <= FINISHED
+        ended = active[over]
+        log_tau[ended] = trial[over]
+        here.ahead(ended, step[over])
+        done[ended] = True
+        active, trial, moved, before = active[~over], trial[~over], moved[~over], now.sse[~over]
         if not len(active):
             break
         new = _points(family, trial, seen.take(active))
         tail = moved < TAIL
-        better = (new.sse < before) | (tail & (new.sse <= before * (1 + 1e-8)))
+        flat = before * (1 + 1e-8) + rounding[active]
+        better = (new.sse < before) | (tail & (new.sse <= flat))
         taken = active[better]
         log_tau[taken] = trial[better]
+        last[taken] = moved[better]
         here.put(taken, new.take(better))
         damping[taken] = np.where(tail[better], 0.0, 0.1 * damping[taken])
         stuck = ~better & tail & (damping[active] == 0.0)
@@ -332,7 +361,7 @@ def _descend(
         refused = active[~better]
         damping[refused] = 10 * np.maximum(damping[refused], 1e-6)
         active = active[~stuck & (damping[active] < 1e9)]
-    return _Descended(log_tau, done)
+    return _Descended(log_tau, here, done)
 
 
 def _steps(point: _Points, damping: FloatArray) -> FloatArray:

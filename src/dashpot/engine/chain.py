@@ -182,7 +182,8 @@ def _without_arms(stack: Stack, *, signed: bool) -> Point:
     nothing = np.zeros(0)
     if not stack.names:
         target = stack.evaluate(nothing, derivative=False).target
-        return Point(nothing, nothing, float(target @ target), nothing, np.zeros((0, 0)))
+        none = np.zeros((0, 0))
+        return Point(nothing, nothing, float(target @ target), nothing, none, none)
     restricted = None if signed else stack.restricted(0, signed=False)
     point = point_at(stack, nothing, restricted=restricted)
     if point is None:

@@ -9,9 +9,9 @@ samples, and x_i, w_i the nodes and weights of the Gauss rule of that discrete m
           + \sum_{i} \bigl(z_i - \sqrt{w_i} F(x_i)\bigr)^2 + O(10^{-11} |F|),
           \qquad z_i = \sqrt{w_i} \sum_p P_p(x_i)\, (P'y)_p
 
-for every smooth F at once. The floor is summed from explicit residuals, never as a difference
-of large numbers. Golub and Welsch, *Math. Comp.* 23 (1969), give nodes and weights from the
-Jacobi matrix P' x P.
+for every smooth F at once. The floor is |y|^2 - |z|^2, y counted from its last value, where that
+difference keeps 10 digits, and the sum of explicit residuals where it does not. Golub and Welsch,
+*Math. Comp.* 23 (1969), give nodes and weights from the Jacobi matrix P' x P.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -27,16 +28,19 @@ from dashpot._arrays import FloatArray
 
 NODES = 13
 SUB_NODES = 8
-LONGEST_PIECE = 1024
+#: samples of a piece, which starts at NODES times its length or later
+PIECES = (1, 32, 256, 2048)
 SMALL = 300
 #: samples worked on at once
 IN_CACHE = 16_384
+_COUNTED = np.arange(float(IN_CACHE))
 #: relative accuracy of a compressed model's columns
 ACCURACY = 1e-11
+#: share of the data's sum of squares from which a difference of such sums keeps 10 digits
+PLAIN = 1e-5
 
 
-@dataclass(frozen=True, eq=False)
-class _Section:
+class _Section(NamedTuple):
     """Samples start:stop, cut into equal pieces, each projected on the same orthonormal basis."""
 
     start: int
@@ -56,39 +60,72 @@ class Compression:
         Square roots of their weights: the columns of a model F are root_weight * F(nodes).
     step : float or None
         The interval of a uniform sampling.
+    weighted : bool
+        The values to compress come multiplied by weights.
     """
 
     nodes: FloatArray
     root_weight: FloatArray
     stages: tuple[tuple[_Section, ...], ...]
     step: float | None = None
+    weighted: bool = False
+
+    @property
+    def samples(self) -> int:
+        """How many samples are compressed."""
+        return self.stages[0][-1].stop if self.stages else len(self.nodes)
 
     def project(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Compress weighted values, shape (..., M), to z (..., n) and floor (...)."""
-        return self._through(values, floor=np.zeros(values.shape[:-1]))
+        if self.weighted or not self.stages:
+            return self._explicit(values)
+        # a constant is its own compression; without it the differences below are of small numbers
+        last = values[..., -1:]
+        rest = values - last
+        z = self._through(rest)
+        energy = _squares(rest)
+        floor = energy - _squares(z)
+        if (floor < PLAIN * energy).any():
+            z, floor = self._explicit(rest)
+        return z + last * self.root_weight, floor
 
     def nodes_of(self, values: FloatArray) -> FloatArray:
         """Compress and forget the floor: all that inner products with smooth functions need."""
-        return self._through(values, floor=None)[0]
+        return self._through(values)
 
-    def _through(
-        self, values: FloatArray, *, floor: FloatArray | None
-    ) -> tuple[FloatArray, FloatArray]:
+    def _through(self, values: FloatArray) -> FloatArray:
+        for sections in self.stages:
+            values = np.concatenate([_cut(values, section)[1] for section in sections], axis=-1)
+        return values
+
+    def _explicit(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """As `project`, the floor summed from what every basis leaves."""
+        floor = np.zeros(values.shape[:-1])
         for sections in self.stages:
             parts = []
             for section in sections:
-                piece = values[..., section.start : section.stop]
-                length, points = section.basis.shape
-                if length == points == 1:
-                    parts.append(piece)
-                    continue
-                shaped = piece.reshape(*values.shape[:-1], -1, length)
-                z = shaped @ section.basis
-                if floor is not None:
-                    floor = floor + _aside(shaped, z, section.basis)
-                parts.append(z.reshape(*values.shape[:-1], -1))
+                pieces, z = _cut(values, section)
+                if len(section.basis) > 1:
+                    floor = floor + _aside(pieces, z.reshape(*pieces.shape[:-1], -1), section.basis)
+                parts.append(z)
             values = np.concatenate(parts, axis=-1)
-        return values, np.zeros(0) if floor is None else floor
+        return values, floor
+
+
+def _squares(values: FloatArray) -> FloatArray:
+    return np.asarray(np.vecdot(values, values))
+
+
+def _cut(values: FloatArray, section: _Section) -> tuple[FloatArray, FloatArray]:
+    """A section's pieces, (..., pieces, length), and their projections, (..., points)."""
+    part = values[..., section.start : section.stop]
+    length = len(section.basis)
+    if length == 1:
+        return part, part
+    if length == part.shape[-1]:
+        return part[..., None, :], part @ section.basis
+    pieces = part.reshape(*values.shape[:-1], -1, length)
+    return pieces, (pieces @ section.basis).reshape(*values.shape[:-1], -1)
 
 
 def _aside(shaped: FloatArray, z: FloatArray, basis: FloatArray) -> FloatArray:
@@ -126,7 +163,7 @@ def compression(
         return Compression(nodes, counted.root_weight, counted.stages, step)
     root = np.ones(len(position)) if weights is None else weights
     nodes, root, sections = _blocks(position - position[0], root)
-    return Compression(position[0] + nodes, root, (sections,), step)
+    return Compression(position[0] + nodes, root, (sections,), step, weights is not None)
 
 
 def uncompressed(
@@ -134,7 +171,7 @@ def uncompressed(
 ) -> Compression:
     """Every sample its own node."""
     root = np.ones(len(position)) if weights is None else weights
-    return Compression(position, root, (), step or uniform_step(position))
+    return Compression(position, root, (), step or uniform_step(position), weights is not None)
 
 
 def uniform_step(position: FloatArray) -> float | None:
@@ -145,12 +182,13 @@ def uniform_step(position: FloatArray) -> float | None:
     if not step > 0:
         return None
     tolerance = max(1e-9 * step, 8e-16 * float(max(abs(position[0]), abs(position[-1]))))
-    grid = step * np.arange(min(len(position), IN_CACHE))
+    grid = step * _COUNTED[: len(position)]
     for first in range(0, len(position), IN_CACHE):
         here = position[first : first + IN_CACHE]
         off = here - grid[: len(here)]
         off -= float(position[0]) + step * first
-        if max(float(off.max()), -float(off.min())) > tolerance:
+        # the sum of squares, which is cheaper, bounds the largest
+        if off @ off > tolerance**2 and max(float(off.max()), -float(off.min())) > tolerance:
             return None
     return step
 
@@ -158,25 +196,25 @@ def uniform_step(position: FloatArray) -> float | None:
 @lru_cache(maxsize=32)
 def _uniform(count: int) -> Compression:
     """Plan for samples 0, 1, 2, ... in two stages: short equal pieces, then doubling blocks."""
-    edges = _doubling(count)
+    position: list[FloatArray] = []
+    weight: list[FloatArray] = []
     sections: list[_Section] = []
-    position: list[FloatArray] = [np.zeros(0)]
-    weight: list[FloatArray] = [np.zeros(0)]
-    for first, stop in pairwise(edges):
-        length, start = _power_of_two(min(first // NODES, LONGEST_PIECE)), first
-        while start < stop:
-            pieces = (stop - start) // length
-            if pieces:
-                nodes, root, basis = _piece(length)
-                offset = start + length * np.arange(pieces)
-                position.append((offset[:, None] + nodes).ravel())
-                weight.append(np.tile(root, pieces))
-                sections.append(_Section(start, start + pieces * length, basis))
+    start = 0
+    # ever longer pieces while they are short beside their distance from the start, then the rest
+    until = [*(min(count, NODES * longer) for longer in PIECES[1:]), count]
+    rest = [(length, count) for length in PIECES[::-1]]
+    for length, stop in [*zip(PIECES, until, strict=True), *rest]:
+        pieces = (stop - start) // length
+        if pieces > 0:
+            nodes, root, basis = _piece(length)
+            first = start + length * np.arange(pieces)
+            position.append((first[:, None] + nodes).ravel())
+            weight.append(np.tile(root, pieces))
+            sections.append(_Section(start, start + pieces * length, basis))
             start += pieces * length
-            length //= 2
-            length = length if length > 2 * SUB_NODES else 1
     at, root = np.concatenate(position), np.concatenate(weight)
-    nodes, root, second = _blocks(at, root, np.searchsorted(at, np.array(edges[1:-1]) - 0.5))
+    edges = np.array(_doubling(count)[1:-1]) - 0.5
+    nodes, root, second = _blocks(at, root, np.searchsorted(at, edges))
     return Compression(nodes, root, (tuple(sections), second))
 
 
@@ -186,11 +224,6 @@ def _piece(length: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     if length == 1:
         return np.zeros(1), np.ones(1), np.ones((1, 1))
     return gauss(np.arange(float(length)), np.ones(length), SUB_NODES)
-
-
-def _power_of_two(value: int) -> int:
-    length = 1 << max(value.bit_length() - 1, 0)
-    return length if length > 2 * SUB_NODES else 1
 
 
 def _doubling(count: int) -> list[int]:

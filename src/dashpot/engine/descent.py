@@ -3,7 +3,7 @@ r"""From one start to the nearest optimum in ln tau, linear parameters solved ex
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -20,6 +20,12 @@ ROUNDING = 1e-7
 #: Gauss-Newton that converges creeps when a step is more than this part of the last
 SLOW = 1e-3
 FINISHED = 1e-11
+#: so short a step changes the linear parameters in proportion, to rounding
+LINEAR = 1e-7
+#: what then may be left of ln tau
+REST = 1e-10
+#: and by how much, in parts of it, the SSE may fall
+UNCHANGED = 1e-12
 
 
 class Rows(NamedTuple):
@@ -92,8 +98,8 @@ class Stack:
 class Point(NamedTuple):
     r"""One trial of ln tau with everything linear solved.
 
-    `gradient` is J'r and `curvature` J'J of the reduced residual, both per ln tau; `sse` is
-    without the stack's floor.
+    `gradient` is J'r and `curvature` J'J of the reduced residual, both per ln tau, `turn`
+    (p, N) the derivative of beta by ln tau; `sse` is without the stack's floor.
     """
 
     log_tau: FloatArray
@@ -101,6 +107,11 @@ class Point(NamedTuple):
     sse: float
     gradient: FloatArray
     curvature: FloatArray
+    turn: FloatArray
+
+    def ahead(self, step: FloatArray) -> Point:
+        """The point a short step away, where beta is linear and the SSE is flat."""
+        return self._replace(log_tau=self.log_tau + step, beta=self.beta + self.turn @ step)
 
 
 class Local(NamedTuple):
@@ -127,7 +138,10 @@ def point_at(
     .. math:: [\Phi, D, y] \to
         \begin{bmatrix} R & Q'D & Q'y \\ 0 & D_\perp & r \end{bmatrix}
 
-    where D_perp and r are in coordinates orthogonal to Q.
+    where D_perp and r are in coordinates orthogonal to Q. In the same letters
+
+    .. math:: \frac{\partial\beta}{\partial\ln\tau_j}
+        = -R^{-1} Q' D_j \beta_j + R^{-1} R^{-T} e_j (D_j' r)
 
     With `restricted`, those coefficients are kept >= 0; an arm at zero has no derivative.
     Returns None if the columns are dependent to 13 digits.
@@ -137,32 +151,47 @@ def point_at(
     active = None if restricted is None else nonnegative_columns(phi, target, restricted)
     used = phi if active is None else phi[:, active]
     p, arms = used.shape[1], len(log_tau)
-    beside = np.concatenate((used, slope, target[:, None]), axis=1)
-    factor: FloatArray = np.linalg.qr(beside, mode="r")  # type: ignore[assignment]
+    factor = triangle(np.concatenate((used.T, slope.T, target[None])))
     r = factor[:p, :p]
-    pivot = np.diagonal(r)
+    pivot = r.diagonal()
     if len(factor) < p or (pivot * pivot <= 1e-26 * (r * r).sum(axis=0)).any():
         return None
     inverse: FloatArray = np.linalg.inv(r).astype(float, copy=False)
     beta = inverse @ factor[:p, -1]
+    along = inverse @ factor[:p, p:-1]
+    towards = inverse
     if active is not None:
-        beta, inverse = _spread(active, beta), _spread(active, inverse)
+        beta, along, towards = (_spread(active, each) for each in (beta, along, inverse))
     k, residual, outside = beta[fixed:], factor[p:, -1], factor[p:, p:-1]
     lean = residual @ outside
-    inside = inverse[fixed:] * lean[:, None]
-    outside = outside * k
+    inside = towards[fixed:] * lean[:, None]
+    outside, along = outside * k, along * k
     lean = k * lean
     if len(k) > arms:
         lean = lean.reshape(-1, arms).sum(axis=0)
         inside = inside.reshape(-1, arms, p).sum(axis=0)
         outside = outside.reshape(len(outside), -1, arms).sum(axis=1)
+        along = along.reshape(len(along), -1, arms).sum(axis=1)
     return Point(
         log_tau,
         beta,
         float(residual @ residual),
         -lean,
         outside.T @ outside + inside @ inside.T,
+        towards @ inside.T - along,
     )
+
+
+def triangle(columns: FloatArray) -> FloatArray:
+    """The upper triangular factor of a matrix given by its columns, shape (c, n)."""
+    raw: FloatArray = np.linalg.qr(columns.T, mode="raw")[0]
+    c = len(columns)
+    return np.asarray(raw.T[:c] * _upper(c)[: raw.shape[1]])
+
+
+@lru_cache(maxsize=64)
+def _upper(size: int) -> FloatArray:
+    return np.triu(np.ones((size, size)))
 
 
 def _spread(active: BoolArray, values: FloatArray) -> FloatArray:
@@ -185,10 +214,11 @@ def descend(
     r"""Levenberg-Marquardt in ln tau with steps of at most 1.5, inside the stack's window.
 
     Far away a step must lower the SSE; within 1e-5 the SSE is flat to its last digits, so the
-    undamped step itself decides: the descent ends when it falls below `finished`. Where the
-    residual is large J'J is a poor Hessian and such steps only creep; what the gradients say it
-    lacks is then learned from step to step (as in J. E. Dennis, D. M. Gay, R. E. Welsch,
-    *ACM Trans. Math. Softw.* 7, 1981, with the symmetric rank-one update).
+    undamped step itself decides: the descent ends when it falls below `finished`, or when, at
+    the rate of the last steps, next to nothing is left of it. Where the residual is large J'J is
+    a poor Hessian and such steps only creep; what the gradients say it lacks is then learned
+    from step to step (as in J. E. Dennis, D. M. Gay, R. E. Welsch, *ACM Trans. Math. Softw.* 7,
+    1981, with the symmetric rank-one update).
 
     Returns None when it runs into one of the `rivals` (optima already known) or when the
     start cannot be evaluated.
@@ -206,6 +236,10 @@ def descend(
         moved = float(np.abs(trial - here.log_tau).max(initial=0.0))
         if moved <= finished:
             return Local(here, count, True)
+        if damping < LINEAR and moved <= LINEAR and moved * moved <= REST * last:
+            step = trial - here.log_tau
+            if abs(float(here.gradient @ step)) <= UNCHANGED * here.sse:
+                return Local(here.ahead(step), count, True)
         new = point_at(stack, trial, restricted=restricted)
         tail = moved < TAIL
         if new is not None and (
@@ -247,27 +281,35 @@ def _step(
 ) -> FloatArray:
     """The damped step, with arms held that press against the window or carry nothing."""
     gradient, curvature = point.gradient, point.curvature
-    scale = np.diagonal(curvature)
+    scale = curvature.diagonal()
     # an estimate that would turn the step uphill is no Hessian
     if lacking is not None:
         hessian = curvature + lacking
         if np.linalg.eigvalsh(hessian)[0] > 1e-3 * scale.min():
             curvature = hessian
-    free = scale > 0
-    free &= ~((point.log_tau <= low) & (gradient > 0))
-    free &= ~((point.log_tau >= high) & (gradient < 0))
-    step = np.zeros(len(gradient))
-    if not free.any():
-        return step
-    index = np.flatnonzero(free)
-    part = curvature[index[:, None], index]
-    part.ravel()[:: len(part) + 1] += max(damping, 1e-15) * scale[index]
-    try:
-        step[index] = -np.linalg.solve(part, gradient[index])
-    except np.linalg.LinAlgError:
-        step[index] = -gradient[index] / scale[index]
+    ridge = max(damping, 1e-15) * scale
+    at = point.log_tau
+    if len(at) and scale.min() > 0 and low < at.min() and at.max() < high:
+        step = _solved(curvature, gradient, ridge)
+    else:
+        free = scale > 0
+        free &= ~((at <= low) & (gradient > 0))
+        free &= ~((at >= high) & (gradient < 0))
+        index = np.flatnonzero(free)
+        step = np.zeros(len(gradient))
+        if not len(index):
+            return step
+        part = curvature[index[:, None], index]
+        step[index] = _solved(part, gradient[index], ridge[index])
     longest = float(np.abs(step).max())
     return step if longest <= LONGEST_STEP else np.clip(step, -LONGEST_STEP, LONGEST_STEP)
+
+
+def _solved(curvature: FloatArray, gradient: FloatArray, ridge: FloatArray) -> FloatArray:
+    try:
+        return np.asarray(-np.linalg.solve(curvature + np.diag(ridge), gradient))
+    except np.linalg.LinAlgError:
+        return np.asarray(-gradient / (curvature.diagonal() + ridge))
 
 
 def relative_offset(point: Point, sse: float) -> float:

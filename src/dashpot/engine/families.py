@@ -5,35 +5,45 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
 from dashpot._arrays import BoolArray, ByValue, FloatArray
 from dashpot.engine.batch import Seen
 from dashpot.engine.blocks import Block, DesignBlock
-from dashpot.engine.compression import ACCURACY, Compression, compression, uniform_step
+from dashpot.engine.compression import Compression, compression, uniform_step
 from dashpot.engine.correlation import GRAIN, Force, Response, response, upper_factor
 from dashpot.engine.holds import decay_block, hold_block, ramp_hold_block
 from dashpot.engine.recorded import recorded_block
 from dashpot.errors import DataError
 
+IndexArray: TypeAlias = npt.NDArray[np.intp]
+
+#: samples compressed together
+AT_ONCE = 400_000
+TIMES_PER_FOLD = 9.5
+RANK = 1e-14
+
 
 def decay_family(time: FloatArray, *, constant: str | None = "k_inf") -> CompressedFamily:
     """Plain decays from t = 0 (:func:`~dashpot.engine.holds.decay_block`)."""
-    return _compressed((time,), partial(decay_block, time, constant=constant))
+    return _compressed(time, (compression(time),), partial(decay_block, constant=constant))
 
 
 def hold_family(time: FloatArray, *, depth: float, ramp_time: float) -> CompressedFamily:
     """Holds after an ideal ramp (:func:`~dashpot.engine.holds.hold_block`)."""
-    make = partial(hold_block, time, depth=depth, ramp_time=ramp_time)
-    return _compressed((time,), make)
+    make = partial(hold_block, depth=depth, ramp_time=ramp_time)
+    return _compressed(time, (compression(time),), make)
 
 
 def ramp_hold_family(time: FloatArray, *, depth: float, ramp_time: float) -> CompressedFamily:
     """Ideal ramps and holds (:func:`~dashpot.engine.holds.ramp_hold_block`)."""
-    make = partial(ramp_hold_block, time, depth=depth, ramp_time=ramp_time)
+    make = partial(ramp_hold_block, depth=depth, ramp_time=ramp_time)
     first = int(np.searchsorted(time, ramp_time))
-    return _compressed((time[:first], time[first:] - ramp_time), make)
+    plans = compression(time[:first]), compression(time[first:] - ramp_time)
+    return _compressed(time, plans, make, second_from=ramp_time)
 
 
 def recorded_family(
@@ -69,20 +79,87 @@ def _recorded_block(
 
 
 def _compressed(
-    times: tuple[FloatArray, ...], make: Callable[[FloatArray], DesignBlock]
+    time: FloatArray,
+    plans: tuple[Compression, ...],
+    make: Callable[..., DesignBlock],
+    *,
+    second_from: float = 0.0,
 ) -> CompressedFamily:
-    lengths = tuple(len(part) for part in times)
-    plans = tuple(compression(part) for part in times)
-    return CompressedFamily(make(np.zeros(sum(lengths))), plans, lengths, make)
+    origins = (0.0, second_from)
+    nodes = np.concatenate([plan.nodes + at for plan, at in zip(plans, origins, strict=False)])
+    root = np.concatenate([plan.root_weight for plan in plans])
+
+    def at_nodes(chosen: slice | IndexArray) -> DesignBlock:
+        return make(
+            nodes[chosen], np.zeros(len(nodes[chosen])), weights=root[chosen], compress=False
+        )
+
+    template = make(time, np.zeros(len(time)))
+    return CompressedFamily(
+        template, plans, _space(template, at_nodes), lambda values: make(time, values)
+    )
+
+
+class _Space(NamedTuple):
+    r"""The few dimensions that the compressed columns of a sampling live in.
+
+    With B an orthonormal basis of them, the fixed columns first, :math:`G = B_f F`, and S as many
+    nodes as it has columns, so chosen that B_S is well conditioned,
+
+    .. math:: B'\varphi(\tau) = B_S^{-1} \varphi_S(\tau)
+
+    Attributes
+    ----------
+    basis : array, shape (n, q + r)
+    triangle : array, shape (q, q)
+        F.
+    inverse : array, shape (q + r, q + r)
+        The inverse of B_S.
+    chosen : DesignBlock
+        The columns at the nodes S alone.
+    """
+
+    basis: FloatArray
+    triangle: FloatArray
+    inverse: FloatArray
+    chosen: DesignBlock
+
+
+def _space(template: DesignBlock, at_nodes: Callable[[slice | IndexArray], DesignBlock]) -> _Space:
+    low, high = np.log(template.window)
+    tau = np.exp(np.linspace(low, high, round(TIMES_PER_FOLD * (high - low))))
+    columns = template.columns(tau, False)[0]
+    fixed = np.linalg.qr(template.fixed)[0]
+    swept = columns - fixed @ (fixed.T @ columns)
+    u, s, _ = np.linalg.svd(swept / np.linalg.norm(columns, axis=0), full_matrices=False)
+    # the last directions hold rounding along the fixed columns
+    basis, r = np.linalg.qr(np.concatenate((template.fixed, u[:, s > RANK * s[0]]), axis=1))
+    nodes, q = _independent(basis), template.fixed.shape[1]
+    return _Space(basis, r[:q, :q], np.linalg.inv(basis[nodes]), at_nodes(nodes))
+
+
+def _independent(basis: FloatArray) -> IndexArray:
+    """As many rows as there are columns, each the farthest from the span of those before it."""
+    rest, chosen = basis.copy(), []
+    for _ in range(basis.shape[1]):
+        square = np.vecdot(rest, rest)
+        chosen.append(int(np.argmax(square)))
+        unit = rest[chosen[-1]] / np.sqrt(square[chosen[-1]])
+        rest -= np.outer(rest @ unit, unit)
+    return np.sort(np.array(chosen))
 
 
 @dataclass(frozen=True, eq=False)
 class CompressedFamily(ByValue):
-    """Records of a hold, a ramp and hold, or a plain decay on one sampling."""
+    """Records of a hold, a ramp and hold, or a plain decay on one sampling.
+
+    A record is seen as its coordinates in the space of the sampling's columns, those along the
+    fixed columns apart: Gram matrices of the others then hold no large constant.
+    """
 
     template: DesignBlock
     plans: tuple[Compression, ...]
-    lengths: tuple[int, ...]
+    space: _Space
     again: Callable[[FloatArray], DesignBlock]
 
     @property
@@ -108,46 +185,58 @@ class CompressedFamily(ByValue):
 
     @property
     def grain(self) -> float:
-        """Relative sum of squares that is compression or rounding; the Gram matrix needs more."""
-        return max(ACCURACY**2, 1e-13)
+        """Relative sum of squares below which a Gram matrix holds rounding only."""
+        return GRAIN
 
     def see(self, values: FloatArray) -> Seen:
         """Compress a few records at a time: they stay in the cache."""
-        few = max(1, 400_000 // values.shape[1])
+        few = max(1, AT_ONCE // values.shape[1])
         parts = [self._project(values[i : i + few]) for i in range(0, len(values), few)]
         z = np.concatenate([part[0] for part in parts])
-        return Seen((z,), np.concatenate([part[1] for part in parts]), (z * z).sum(axis=1))
+        at = z @ self.space.basis
+        rest = z - at @ self.space.basis.T
+        floor = np.concatenate([part[1] for part in parts]) + np.vecdot(rest, rest)
+        q = self.fixed_count
+        return Seen((at[:, :q], at[:, q:]), floor, np.vecdot(at[:, q:], at[:, q:]))
 
     def _project(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
         z, floor, first = [], np.zeros(len(values)), 0
-        for plan, length in zip(self.plans, self.lengths, strict=True):
-            part, aside = plan.project(values[:, first : first + length])
+        for plan in self.plans:
+            part, aside = plan.project(values[:, first : first + plan.samples])
             z.append(part)
             floor += aside
-            first += length
+            first += plan.samples
         return np.concatenate(z, axis=1), floor
 
     def factor(self, tau: FloatArray, seen: Seen, *, exact: bool) -> FloatArray:
         """Triangular factors of [fixed, arms, slopes, y] at tau (R, N), one per record."""
-        (z,) = seen.data
+        along, beside = seen.data
         count, arms = tau.shape
-        q, n = self.fixed_count, z.shape[1]
-        columns, slopes = self.template.columns(tau.ravel(), True)
-        stack = np.empty((count, q + 2 * arms + 1, n))
-        stack[:, :q] = self.template.fixed.T
-        stack[:, q : q + arms] = columns.T.reshape(count, arms, n)
-        stack[:, q + arms : -1] = slopes.T.reshape(count, arms, n)
-        stack[:, -1] = z
+        q, size = self.fixed_count, 2 * arms + 1
+        both = np.empty((count, size, q + beside.shape[1]))
+        columns, slopes = self.space.chosen.columns(tau.ravel(), True)
+        both[:, :arms] = (columns.T @ self.space.inverse.T).reshape(count, arms, -1)
+        both[:, arms:-1] = (slopes.T @ self.space.inverse.T).reshape(count, arms, -1)
+        both[:, -1, :q], both[:, -1, q:] = along, beside
+        swept = both[:, :, q:]
+        out = np.zeros((count, q + size, q + size))
+        out[:, :q, :q] = self.space.triangle
+        out[:, :q, q:] = both[:, :, :q].transpose(0, 2, 1)
         if exact:
-            return np.asarray(np.linalg.qr(stack.transpose(0, 2, 1), mode="r"))
-        return upper_factor(stack @ stack.transpose(0, 2, 1))
+            out[:, q:, q:] = np.linalg.qr(swept.transpose(0, 2, 1), mode="r")
+        else:
+            out[:, q:, q:] = upper_factor(swept @ swept.transpose(0, 2, 1))
+        return out
 
     def moments(self, tau: FloatArray, seen: Seen) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Gram of [fixed, arms] at shared tau (G,), products with y: (R, q) and (R, G)."""
-        (z,) = seen.data
-        columns = self.template.columns(tau, False)[0]
-        every = np.concatenate((self.template.fixed, columns), axis=1)
-        return every.T @ every, z @ self.template.fixed, z @ columns
+        columns = self.space.inverse @ self.space.chosen.columns(tau, False)[0]
+        q = self.fixed_count
+        fixed = np.zeros((len(columns), q))
+        fixed[:q] = self.space.triangle
+        every = np.concatenate((fixed, columns), axis=1)
+        at = np.concatenate(seen.data, axis=1) @ every
+        return every.T @ every, at[:, :q], at[:, q:]
 
     def block(self, values: FloatArray) -> Block:
         """One record as a block, shape (M,)."""

@@ -46,9 +46,9 @@ def decay_block(
     fixed = {} if constant is None else {constant: np.ones(len(plan.nodes))}
 
     def columns(tau: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
-        x = plan.nodes[:, None] / tau
-        arms = plan.root_weight[:, None] * np.exp(-x)
-        return arms, x * arms if derivative else arms
+        x = plan.nodes / tau[:, None]
+        arms = plan.root_weight * np.exp(-x)
+        return arms.T, (x * arms if derivative else arms).T
 
     full = partial(decay_block, time, values, constant=constant, weights=weights)
     return _block([plan], [(values, weights)], fixed, columns, time, full=full, arm_group=arm_group)
@@ -190,14 +190,20 @@ def _hold(
     plan: Compression, tau: FloatArray, depth: float, ramp_time: float, *, derivative: bool
 ) -> tuple[FloatArray, FloatArray]:
     x = ramp_time / tau
-    mean = -np.expm1(-x) / x if ramp_time > 0 else np.ones(len(tau))
-    s = plan.nodes[:, None] / tau
-    decay = (depth * plan.root_weight)[:, None] * np.exp(-s)
-    arms = mean * decay
+    lost = np.expm1(-x)
+    mean = -lost / x if ramp_time > 0 else np.ones(len(tau))
+    # a column is a row until the end: long rows are fast
+    s = plan.nodes * (-1 / tau)[:, None]
+    decay = np.exp(s)
+    decay *= depth * plan.root_weight
+    arms = mean[:, None] * decay
     if not derivative:
-        return arms, arms
+        return arms.T, arms.T
     # d/d ln tau of g(c/tau) is g - e^{-c/tau}
-    return arms, arms * s + (mean - np.exp(-x)) * decay
+    decay *= (mean - (1 + lost))[:, None]
+    s *= arms
+    decay -= s
+    return arms.T, decay.T
 
 
 def _block(
