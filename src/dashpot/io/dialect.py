@@ -100,7 +100,7 @@ def find_dialect(
         delimiters = tuple({_fixed(window) for window in windows})
     if delimiter is None:
         # a fixed-width table whose cells may be blank
-        delimiters += tuple({_fixed(_digits(window)) for window in windows})
+        delimiters += tuple({_fixed(_digits(window)) for window in windows} - {*delimiters})
     marks = _MARKS if decimal is None else tuple(m for m in _MARKS if m == decimal)
     for sign, mark in product(delimiters, marks):
         for window in windows:
@@ -180,9 +180,10 @@ def _contents(run: Sequence[Sequence[str]], mark: Mark) -> tuple[Content, ...]:
     held: list[Content] = []
     for i in range(width):
         column = [row[i] for row in run if i < len(row) and row[i]]
-        numbers = sum(cell.number(text, mark) is not None for text in column)
-        clocks = sum(cell.clock(text) is not None for text in column)
-        missing = sum(cell.is_missing(text) for text in column)
+        others = [text for text in column if cell.number(text, mark) is None]
+        numbers = len(column) - len(others)
+        clocks = sum(cell.clock(text) is not None for text in others)
+        missing = sum(cell.is_missing(text) for text in others)
         if not column or missing == len(column):
             held.append("blank")
         elif clocks > numbers and clocks + missing >= 0.6 * len(column):
