@@ -71,11 +71,15 @@ def find_contact(displacement: FloatArray, force: FloatArray, *, noise: float) -
 
 
 def _searched(x: FloatArray, f: FloatArray, seen: int) -> Contact:
-    low, high = float(x.min()), float(x.max())
+    # the samples of one reading are one row: while the plate rests, nearly all of them
+    reading, which, count = np.unique(x, return_inverse=True, return_counts=True)
+    mean = np.bincount(which, f) / count
+    within = float(np.square(f - mean[which]).sum())
+    low, high = float(reading[0]), float(reading[-1])
     best = low
     for _ in range(3):
         trials = np.linspace(low, high, 41)
-        sums = np.array([_misfit(x, f, trial) for trial in trials])
+        sums = [_misfit(reading, mean, np.sqrt(count), trial, within) for trial in trials]
         i = int(np.argmin(sums))
         best = float(trials[i])
         low, high = float(trials[max(i - 2, 0)]), float(trials[min(i + 2, 40)])
@@ -88,12 +92,14 @@ def _columns(x: FloatArray, contact: float) -> FloatArray:
     return np.stack((np.ones(len(x)), pressed / scale, (pressed / scale) ** 2), axis=1)
 
 
-def _misfit(x: FloatArray, f: FloatArray, contact: float) -> float:
-    columns = _columns(x, contact)
-    solution = np.linalg.lstsq(columns, f, rcond=1e-10)[0]
-    r = f - columns @ solution
+def _misfit(
+    reading: FloatArray, mean: FloatArray, weight: FloatArray, contact: float, within: float
+) -> float:
+    columns = weight[:, None] * _columns(reading, contact)
+    solution = np.linalg.lstsq(columns, weight * mean, rcond=1e-10)[0]
+    r = weight * mean - columns @ solution
     # a force that falls at first contact is no contact
-    return float(r @ r) * (1.0 if solution[1] >= 0 else 4.0)
+    return (float(r @ r) + within) * (1.0 if solution[1] >= 0 else 4.0)
 
 
 def _doubt(x: FloatArray, f: FloatArray, contact: float) -> float:

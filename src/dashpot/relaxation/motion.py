@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -76,9 +77,12 @@ def find_motion(
     DataError
         If nothing is held.
     """
-    turn = _direction(time, displacement) if sign is None else sign
+    turn = sign or 1
+    segments = find_segments(time, turn * displacement)
+    if sign is None and _falls_first(segments):
+        turn = -1
+        segments = find_segments(time, -displacement)
     x = turn * displacement
-    segments = find_segments(time, x)
     if not cycles_of(segments):
         raise DataError(nothing_held(segments, where, _advice(time, x, force)))
     index, cycles = choose_cycle(segments, number, where=where)
@@ -167,9 +171,9 @@ def _of_cycle(
     )  # fmt: skip
 
 
-def _direction(time: FloatArray, displacement: FloatArray) -> int:
-    moves = [part.kind for part in find_segments(time, displacement) if part.kind != "hold"]
-    return -1 if moves[:1] == ["unload"] else 1
+def _falls_first(segments: Sequence[Segment]) -> bool:
+    moves = [part.kind for part in segments if part.kind != "hold"]
+    return moves[:1] == ["unload"]
 
 
 def _advice(time: FloatArray, x: FloatArray, force: FloatArray) -> str:

@@ -78,26 +78,27 @@ def prepare(
     clean = without_spikes(test.time, test.force)
     turn = _answer(clean, motion) if sign is None else sign
     x, force = motion.sign * test.displacement, turn * test.force
-    before, touch = _touch(test.time, x, turn * clean, motion, given=contact)
-    pressed = from_contact(
-        test.time, test.displacement, motion, touch.displacement, doubt=_least_gap(x, motion)
-    )
+    count = quantum(x)
+    gap = _least_gap(count, motion)
+    before, touch = _touch(test.time, x, turn * clean, motion, given=contact, least_gap=gap)
+    pressed = from_contact(test.time, test.displacement, motion, touch.displacement, doubt=gap)
     if pressed is not motion:
         # the plate was first moved through air: the ramp that meets the seal is the first
         motion = pressed
-        before, touch = _touch(test.time, x, turn * clean, motion, given=contact)
+        gap = _least_gap(count, motion)
+        before, touch = _touch(test.time, x, turn * clean, motion, given=contact, least_gap=gap)
     force, tared = zeroed(test.time, force, before, drift=drift, where=where)
     times = _times(motion, touch, test.time, (onset, ramp_end, hold_end))
-    record = _record(test, x, force, motion, touch, times=times)
+    record = _record(test, x, force, motion, touch, times=times, count=count)
     rise = _risen(record, before, where)
-    record = replace(record, preload=_preload(record, before, touch, rise))
+    preload = _preload(record, before, touch, rise)
     notices.refuse_unresolved(where, rise, test.force)
     notices.refuse_saturated(where, record, rise)
     checks = [
         notices.single_loading(motion.index, motion.cycles, asked=cycle is not None),
         notices.baseline_recorded(before),
         notices.contact_found(touch, record.depth, given=contact is not None),
-        notices.preload_absent(record.preload, rise),
+        notices.preload_absent(preload, rise),
         notices.overshoot_small(record, moves=motion.cycle.moves),
         notices.samples_unbroken(record),
         notices.spikes_absent(record),
@@ -111,7 +112,7 @@ def prepare(
         checks.append(filter_bias(record, by))
         record = filtered(record, by)
         steps.append(Step("filter", (("filter", str(by)),), checks[-1].says))
-    return replace(record, steps=tuple(steps), checks=tuple(checks))
+    return replace(record, preload=preload, steps=tuple(steps), checks=tuple(checks))
 
 
 def _refuse_choices(
@@ -159,7 +160,13 @@ def _answer(force: FloatArray, motion: Motion) -> int:
 
 
 def _touch(
-    time: FloatArray, x: FloatArray, force: FloatArray, motion: Motion, *, given: float | None
+    time: FloatArray,
+    x: FloatArray,
+    force: FloatArray,
+    motion: Motion,
+    *,
+    given: float | None,
+    least_gap: float,
 ) -> tuple[Baseline, Touch]:
     """First contact, and the baseline before it."""
     still = slice(motion.start, motion.departure + 1)
@@ -185,7 +192,7 @@ def _touch(
             noise=max(noise, 1e-6 * (float(force[peak]) - level)),
             rest=motion.rest,
             level=motion.cycle.hold.level,
-            least_gap=_least_gap(x, motion),
+            least_gap=least_gap,
             rested=motion.cycle.rest is not None,
         )
     if touch.gap > 0:
@@ -196,9 +203,9 @@ def _touch(
     return before, touch
 
 
-def _least_gap(x: FloatArray, motion: Motion) -> float:
+def _least_gap(count: float, motion: Motion) -> float:
     """The smallest air gap worth telling from none, m."""
-    return max(2 * quantum(x), 0.005 * (motion.cycle.hold.level - motion.rest))
+    return max(2 * count, 0.005 * (motion.cycle.hold.level - motion.rest))
 
 
 def _times(
@@ -231,6 +238,7 @@ def _record(
     touch: Touch,
     *,
     times: tuple[float, float, float],
+    count: float,
 ) -> RampHold:
     """Trim to the loading and count compression from contact."""
     onset, ramp_end, hold_end = times
@@ -261,7 +269,7 @@ def _record(
         hold_end=hold_end,
         depth=_mean(t[held], compression[held]),
         force_noise=scatter(t[late], force[late]),
-        displacement_noise=max(scatter(t[late], x[late]), quantum(x) / 12**0.5),
+        displacement_noise=max(scatter(t[late], x[late]), count / 12**0.5),
         contact_error=touch.standard_error,
         specimen=test.specimen,
         source=test.source,

@@ -40,8 +40,11 @@ def _misses(time: FloatArray, values: FloatArray) -> FloatArray:
 def spikes(time: FloatArray, values: FloatArray) -> BoolArray:
     """True where one sample stands apart while its two neighbours agree."""
     apart = np.abs(values - median_of_three(values))
-    limit = max(10 * scatter(time, values), 0.02 * float(np.ptp(values)))
     agreed = np.zeros(len(values), dtype=bool)
+    limit = 0.02 * float(np.ptp(values))
+    if not (apart > limit).any():  # of most records no more need be known
+        return agreed
+    limit = max(10 * scatter(time, values), limit)
     agreed[1:-1] = np.abs(values[2:] - values[:-2]) < 0.3 * apart[1:-1]
     return np.asarray(agreed & (apart > limit))
 
