@@ -27,7 +27,7 @@ FAMILIES = {
 }
 
 
-def records(family: Family, arms: int, count: int, seed: int) -> np.ndarray:
+def records(family: Family, arms: int, count: int, seed: int, *, noise: float = 2e-3) -> np.ndarray:
     """Random solids seen through the family's own columns, plus noise."""
     generator = np.random.default_rng(seed)
     out = []
@@ -38,7 +38,7 @@ def records(family: Family, arms: int, count: int, seed: int) -> np.ndarray:
         clean = 2 * rows.fixed[:, 0] + rows.arms @ k
         full = np.zeros(len(TIME))
         full[-len(clean) :] = clean
-        out.append(full + 2e-3 * np.ptp(clean) * generator.standard_normal(len(full)))
+        out.append(full + noise * np.ptp(clean) * generator.standard_normal(len(full)))
     return np.array(out)
 
 
@@ -57,6 +57,38 @@ def test_each_record_has_the_optimum_of_its_own_fit(name: str, arms: int) -> Non
         np.testing.assert_allclose(many.log_tau[row, :n], one.log_tau, atol=1e-7)
         np.testing.assert_allclose(many.arms[row, :n], one.arms[0], rtol=1e-6)
         np.testing.assert_allclose(many.fixed[row], one.fixed, rtol=1e-7)
+
+
+@pytest.mark.parametrize("name", ["decay", "hold", "ramp and hold"])
+@pytest.mark.parametrize("tau", [0.03, 0.5, 7.0, 250.0])
+def test_columns_in_the_space_of_a_sampling_are_those_at_its_nodes(name: str, tau: float) -> None:
+    family = FAMILIES[name]()
+    space = family.space
+    count = space.basis.shape[1]
+    assert count < 50 < len(space.basis)
+    np.testing.assert_allclose(space.basis.T @ space.basis, np.eye(count), atol=1e-12)
+    for at_nodes, chosen in zip(
+        family.template.columns(np.array([tau]), True),
+        space.chosen.columns(np.array([tau]), True),
+        strict=True,
+    ):
+        norm = np.linalg.norm(at_nodes)
+        np.testing.assert_allclose(
+            space.basis @ (space.inverse @ chosen), at_nodes, atol=1e-11 * norm
+        )
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+@pytest.mark.parametrize("relative", [0.1, 1e-3, 1e-5])
+def test_quiet_and_noisy_records_have_the_sse_of_every_sample(name: str, relative: float) -> None:
+    family = FAMILIES[name]()
+    data = records(family, 2, 6, seed=2, noise=relative)
+    many = solve_many(family, data, 2)
+    assert relative == 0.1 or (many.order == 2).all()
+    for row in np.flatnonzero(many.order == 2):
+        exact = family.block(data[row]).exact.evaluate(many.log_tau[row], False)
+        rest = exact.target - exact.fixed @ many.fixed[row] - exact.arms @ many.arms[row]
+        assert many.sse[row] == pytest.approx(rest @ rest, rel=1e-9)
 
 
 def test_one_bad_record_spoils_no_other() -> None:

@@ -154,6 +154,22 @@ def test_projection_is_orthogonal(seed: int) -> None:
     np.testing.assert_allclose((z * z).sum(axis=1) + floor, (values * values).sum(axis=1))
 
 
+@pytest.mark.parametrize("count", [301, 417, 3400, 27_000, 60_001])
+@pytest.mark.parametrize("sd", [1.0, 1e-2, 1e-3, 1e-6])
+def test_the_floor_is_what_the_nodes_leave_however_small(count: int, sd: float) -> None:
+    time = np.arange(count) / 100
+    noise = sd * GENERATOR.standard_normal((2, count))
+    plan = compression(time)
+    assert plan.samples == count
+    z, floor = plan.project(50 + 3 * np.exp(-time / 2) + noise)
+    # the decay and the constant live at the nodes: only noise is set aside
+    within, aside = plan.project(noise)
+    np.testing.assert_allclose(floor, aside, rtol=1e-9 / min(sd, 1e-2))
+    np.testing.assert_allclose(aside + np.square(within).sum(axis=1), np.square(noise).sum(axis=1))
+    decay = plan.root_weight * (50 + 3 * np.exp(-plan.nodes / 2))
+    np.testing.assert_allclose(z - within, np.stack((decay, decay)), rtol=1e-10, atol=1e-9)
+
+
 def test_small_records_stay_raw() -> None:
     time = np.arange(200) / 10
     plan = compression(time)

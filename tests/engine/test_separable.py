@@ -68,6 +68,13 @@ def test_gradient_and_curvature_are_those_of_the_reduced_residual(log_tau: list[
     np.testing.assert_allclose(point.gradient, jacobian.T @ r, rtol=1e-4, atol=1e-6 * r @ r)
     scale = np.abs(point.curvature).max()
     np.testing.assert_allclose(point.curvature, jacobian.T @ jacobian, rtol=1e-4, atol=1e-6 * scale)
+    step = 1e-6 * np.arange(1, len(theta) + 1)
+    moved = point_at(stack, theta + step)
+    assert moved is not None
+    np.testing.assert_allclose(point.ahead(step).beta, moved.beta, rtol=1e-7, atol=1e-8)
+    # and not by chance: the step is seen
+    if len(theta) == 1:
+        assert np.abs(moved.beta - point.beta).max() > 1e-7
 
 
 def test_full_jacobian_is_the_derivative_of_the_model() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol, TypeAlias
 
@@ -50,6 +50,10 @@ class Block(Protocol):
         Sum of squares that no model of the block's family can remove.
     grain : float
         Sum of squares below which a residual is rounding or compression, not data.
+    energy : float
+        Sum of squares of the target.
+    sampling : hashable or None
+        Blocks of equal sampling have equal columns; None if nothing is known.
     turning : bool
         The orthogonal coordinates of `evaluate` depend on the relaxation times, so that only
         columns evaluated together may be compared.
@@ -72,6 +76,10 @@ class Block(Protocol):
     def floor(self) -> float: ...  # noqa: D102
     @property
     def grain(self) -> float: ...  # noqa: D102
+    @property
+    def energy(self) -> float: ...  # noqa: D102
+    @property
+    def sampling(self) -> Hashable: ...  # noqa: D102
     @property
     def turning(self) -> bool: ...  # noqa: D102
     @property
@@ -96,7 +104,7 @@ class DesignBlock:
 
     The columns are returned in the coordinates of `target`: weighted, and projected if the
     data were. `accuracy` is the relative accuracy of target and columns; `full` makes the same
-    block with every sample as a row.
+    block with every sample as a row; blocks of equal `sampling`, where known, have equal columns.
     """
 
     target: FloatArray
@@ -109,6 +117,7 @@ class DesignBlock:
     arm_group: str = "k"
     accuracy: float = 1e-15
     full: Callable[[], DesignBlock] | None = None
+    sampling: Hashable = None
 
     def __post_init__(self) -> None:
         rows = len(self.target)
@@ -131,9 +140,14 @@ class DesignBlock:
         return False
 
     @property
+    def energy(self) -> float:
+        """Sum of squares of the target."""
+        return float(self.target @ self.target)
+
+    @property
     def grain(self) -> float:
         """Sum of squares below which a residual is rounding or compression, not data."""
-        return self.accuracy**2 * float(self.target @ self.target)
+        return self.accuracy**2 * self.energy
 
     def evaluate(self, log_tau: FloatArray, derivative: bool = True) -> Evaluation:
         """Return target and design matrix at these relaxation times."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -17,13 +17,19 @@ from dashpot.engine.starts import (
     peaks_of,
     scattered,
     single,
+    tripled,
 )
 from dashpot.errors import FitError
 
 LOOSE = 1e-4
 EXTRA_STARTS = 16
 DOUBT = 0.1
-LOOK = 48
+#: numbers of arms for which every set of points of a grid is tried, and the points of that grid
+LOOK: dict[int, tuple[Callable[[Grid], FloatArray | None], int]] = {
+    1: (single, 48),
+    2: (paired, 48),
+    3: (tripled, 32),
+}
 #: in units of the noise variance
 FAR = 20.0
 
@@ -70,7 +76,7 @@ class Chain:
         """The optimum next to the best of the whole grid, if nothing about it is in doubt.
 
         Doubt is a relaxation time that is not known to 10 %, or that sits at the edge of the
-        window, or a coefficient that is not positive; with more than two arms, whose start is
+        window, or a coefficient that is not positive; with more arms than three, whose start is
         not the best of all sets, also an SSE well above that of the best positive spectrum.
         A well-determined optimum that started from the best of the whole grid has no rival.
         """
@@ -97,15 +103,15 @@ class Chain:
         known = np.diagonal(np.linalg.inv(point.curvature)) * noise < DOUBT**2
         if not known.all():
             return None
-        if arms > 2 and point.sse - self.grid.left_by(self.spectrum) > FAR * noise:
+        if arms not in LOOK and point.sse - self.grid.left_by(self.spectrum) > FAR * noise:
             return None
         return local
 
     def _sure_starts(self, arms: int) -> list[FloatArray]:
-        if arms > 2:
+        if arms not in LOOK:
             return partitioned(self.grid, *self.peaks, arms, count=1)
-        look = Grid(self.stack, LOOK)
-        start = paired(look) if arms == 2 else single(look)
+        best_set, size = LOOK[arms]
+        start = best_set(Grid(self.stack, size))
         return [] if start is None else [start]
 
     def extend(self, arms: int) -> None:

@@ -166,14 +166,23 @@ class CorrelationBlock:
         return 0.0
 
     @property
+    def sampling(self) -> None:
+        """Columns turn with the data."""
+
+    @property
     def turning(self) -> bool:
         """Each Cholesky factor has its own coordinates."""
         return True
 
     @property
+    def energy(self) -> float:
+        """Sum of squares of the force in the window."""
+        return float(self.force.energy)
+
+    @property
     def grain(self) -> float:
         """Sum of squares below which the Gram matrix holds rounding only."""
-        return GRAIN * float(self.force.energy)
+        return GRAIN * self.energy
 
     @property
     def samples(self) -> int:

@@ -52,6 +52,8 @@ class Stack:
         shortest = min(block.window[0] for block in blocks)
         longest = max(block.window[1] for block in blocks)
         self.bounds = (float(np.log(shortest)), float(np.log(longest)))
+        #: stacks of equal sampling have equal columns
+        self.sampling = blocks[0].sampling if len(blocks) == 1 else None
         #: the blocks' coordinates depend on tau, so only columns evaluated together compare
         self.turning = any(block.turning for block in blocks)
         #: sum of squares below which a residual is rounding
@@ -60,8 +62,7 @@ class Stack:
     @cached_property
     def energy(self) -> float:
         """Sum of squares of the target."""
-        middle = np.array([0.5 * (self.bounds[0] + self.bounds[1])])
-        return float(np.square(self.evaluate(middle, derivative=False).target).sum())
+        return float(sum(block.energy for block in self.blocks))
 
     @property
     def nothing(self) -> float:
@@ -78,7 +79,8 @@ class Stack:
         """Return the stacked target, design matrix and slopes."""
         if len(self.blocks) == 1:
             one = self.blocks[0].evaluate(log_tau, derivative)
-            return Rows(one.target, np.concatenate((one.fixed, one.arms), axis=1), one.d_arms)
+            # columns stand as contiguous rows, turned: that is how they are made and factored
+            return Rows(one.target, np.concatenate((one.fixed.T, one.arms.T)).T, one.d_arms)
         parts = [block.evaluate(log_tau, derivative) for block in self.blocks]
         rows = sum(len(part.target) for part in parts)
         arms, q = len(log_tau), len(self.names)
@@ -289,7 +291,7 @@ def _step(
             curvature = hessian
     ridge = max(damping, 1e-15) * scale
     at = point.log_tau
-    if len(at) and scale.min() > 0 and low < at.min() and at.max() < high:
+    if all(low < value < high for value in at.tolist()) and all(scale.tolist()):
         step = _solved(curvature, gradient, ridge)
     else:
         free = scale > 0
@@ -319,5 +321,8 @@ def relative_offset(point: Point, sse: float) -> float:
     """
     if not len(point.gradient) or sse <= 0:
         return 0.0
-    step = np.linalg.lstsq(point.curvature, point.gradient, rcond=1e-14)[0]
+    try:
+        step = np.linalg.solve(point.curvature, point.gradient)
+    except np.linalg.LinAlgError:
+        step = np.linalg.lstsq(point.curvature, point.gradient, rcond=1e-14)[0]
     return float(np.sqrt(abs(point.gradient @ step) / sse))

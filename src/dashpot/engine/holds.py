@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from functools import partial
 
 import numpy as np
@@ -51,7 +51,17 @@ def decay_block(
         return arms.T, (x * arms if derivative else arms).T
 
     full = partial(decay_block, time, values, constant=constant, weights=weights)
-    return _block([plan], [(values, weights)], fixed, columns, time, full=full, arm_group=arm_group)
+    sampling = _sampling("decay", time, step, weights, compress, constant)
+    return _block(
+        [plan],
+        [(values, weights)],
+        fixed,
+        columns,
+        time,
+        full=full,
+        arm_group=arm_group,
+        sampling=sampling,
+    )
 
 
 def hold_block(
@@ -105,7 +115,17 @@ def hold_block(
         drift=drift,
         weights=weights,
     )
-    return _block([plan], [(force, weights)], fixed, columns, time, full=full, arm_group=arm_group)
+    sampling = _sampling("hold", time, step, weights, compress, depth, ramp_time, k_inf, drift)
+    return _block(
+        [plan],
+        [(force, weights)],
+        fixed,
+        columns,
+        time,
+        full=full,
+        arm_group=arm_group,
+        sampling=sampling,
+    )
 
 
 def ramp_hold_block(
@@ -171,7 +191,18 @@ def ramp_hold_block(
         drift=drift,
         weights=weights,
     )
-    return _block([ramp, hold], data, fixed, columns, time, full=full, arm_group=arm_group)
+    names = (k_inf, offset, drift)
+    sampling = _sampling("ramp", time, step, weights, compress, depth, ramp_time, *names)
+    return _block(
+        [ramp, hold],
+        data,
+        fixed,
+        columns,
+        time,
+        full=full,
+        arm_group=arm_group,
+        sampling=sampling,
+    )
 
 
 def window_of(time: FloatArray, step: float | None = None) -> tuple[float, float]:
@@ -215,6 +246,7 @@ def _block(
     *,
     full: Callable[..., DesignBlock],
     arm_group: str,
+    sampling: Hashable,
 ) -> DesignBlock:
     target, floor = [], 0.0
     for plan, (values, weights) in zip(plans, data, strict=True):
@@ -236,7 +268,22 @@ def _block(
         arm_group=arm_group,
         accuracy=ACCURACY if compressed else 1e-15,
         full=partial(full, arm_group=arm_group, compress=False) if compressed else None,
+        sampling=sampling,
     )
+
+
+def _sampling(
+    kind: str,
+    time: FloatArray,
+    step: float | None,
+    weights: FloatArray | None,
+    compress: bool,
+    *parameters: float | str | None,
+) -> Hashable:
+    """What the columns of a uniform record follow from."""
+    if weights is not None or step is None or not compress:
+        return None
+    return kind, len(time), float(time[0]), step, parameters
 
 
 def _checked(

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
+from collections.abc import Hashable
+from functools import lru_cache
 from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from dashpot._arrays import FloatArray
 from dashpot.engine.descent import Point, Stack
@@ -12,44 +17,89 @@ from dashpot.engine.nnls import nonnegative
 
 GRID = 72
 MOST_PEAKS = 9
+#: samplings whose lattices are kept
+KEPT = 8
 
 
-class Grid:
-    """All the stack's columns on a grid of ln tau, free of the fixed columns, of unit length.
+class Lattice(NamedTuple):
+    """A stack's columns on a grid of ln tau, free of the fixed columns, of unit length.
 
     Attributes
     ----------
     log_tau : array, shape (m,)
-    columns : array, shape (n, G m)
-        Group by group.
+    rows : array, shape (G m, n)
+        A row per column of the design matrix, group by group.
     length : array, shape (G m,)
         Norms before they were made one.
-    gram, moment, energy
-        Inner products of columns, of columns with the target, of the target; fixed columns
-        swept out.
+    gram : array, shape (G m, G m)
+    basis : array, shape (n, q)
+        Orthonormal columns that span the fixed ones.
+    """
+
+    log_tau: FloatArray
+    rows: FloatArray
+    length: FloatArray
+    gram: FloatArray
+    basis: FloatArray
+
+    @classmethod
+    def of(cls, stack: Stack, size: int) -> tuple[Lattice, FloatArray]:
+        """The lattice, and the target in its coordinates."""
+        log_tau = np.linspace(*stack.bounds, size)
+        target, phi, _ = stack.evaluate(log_tau, derivative=False)
+        q = len(stack.names)
+        rows = np.ascontiguousarray(phi.T[q:])
+        basis = np.linalg.qr(phi[:, :q])[0] if q else np.zeros((len(target), 0))
+        raw = np.vecdot(rows, rows)
+        rows -= (rows @ basis) @ basis.T
+        left = np.vecdot(rows, rows)
+        # a column that the fixed ones explain to seven digits points nowhere
+        length = np.sqrt(np.where(left > 1e-14 * raw, left, np.inf))
+        rows /= length[:, None]
+        return cls(log_tau, rows, length, rows @ rows.T, basis), target
+
+
+class _Known(OrderedDict[Hashable, Lattice]):
+    """The lattices of the last few samplings."""
+
+    def of(self, stack: Stack, size: int) -> tuple[Lattice, FloatArray]:
+        key = (stack.sampling, size)
+        if stack.sampling is None:
+            return Lattice.of(stack, size)
+        if key in self:
+            return self[key], stack.blocks[0].evaluate(np.zeros(0), False).target
+        found, target = Lattice.of(stack, size)
+        self[key] = found
+        if len(self) > KEPT:
+            self.popitem(last=False)
+        return found, target
+
+
+_KNOWN = _Known()
+
+
+class Grid:
+    """A stack on a grid of ln tau: its columns, and what they have in common with its data.
+
+    Attributes
+    ----------
+    log_tau, columns, length, gram
+        Of the :class:`Lattice`; columns of shape (n, G m).
+    moment : array, shape (G m,)
+        Inner products of columns with the target.
+    energy : float
+        Sum of squares of the target, fixed columns swept out.
     """
 
     def __init__(self, stack: Stack, size: int = GRID) -> None:
+        lattice, target = _KNOWN.of(stack, size)
         self.stack = stack
-        self.log_tau = np.linspace(*stack.bounds, size)
         self.groups = len(stack.groups)
-        rows = stack.evaluate(self.log_tau, derivative=False)
-        q = len(stack.names)
-        target, columns = rows.target, rows.phi[:, q:]
-        if q:
-            basis = np.linalg.qr(rows.phi[:, :q])[0]
-            raw = np.linalg.norm(columns, axis=0)
-            columns = columns - basis @ (basis.T @ columns)
-            target = target - basis @ (basis.T @ target)
-        else:
-            raw = np.linalg.norm(columns, axis=0)
-        left = np.linalg.norm(columns, axis=0)
-        # a column that the fixed ones explain to seven digits points nowhere
-        self.length = np.where(left > 1e-7 * raw, left, np.inf)
-        self.columns = columns / self.length
-        self.gram = self.columns.T @ self.columns
-        self.moment = self.columns.T @ target
-        self.energy = float(target @ target)
+        self.log_tau, self.length, self.gram = lattice.log_tau, lattice.length, lattice.gram
+        self.columns = lattice.rows.T
+        self.moment = lattice.rows @ target
+        rest = target - lattice.basis @ (lattice.basis.T @ target)
+        self.energy = float(rest @ rest)
 
     def spectrum(self) -> FloatArray:
         """Best non-negative spectrum on the grid, in unit columns, shape (G, m)."""
@@ -124,6 +174,31 @@ def paired(grid: Grid) -> FloatArray | None:
     if gain.flat[best] <= 0:
         return None
     return grid.log_tau[np.sort(np.unravel_index(best, gain.shape))]
+
+
+def tripled(grid: Grid) -> FloatArray | None:
+    """The three grid points whose columns, with positive coefficients, fit best: Cramer's rule."""
+    first, second, third = _triples(len(grid.log_tau))
+    m1, m2, m3 = grid.moment[first], grid.moment[second], grid.moment[third]
+    c12, c13, c23 = (grid.gram[i, j] for i, j in ((first, second), (first, third), (second, third)))
+    minor12, minor13, minor23 = c13 * c23 - c12, c12 * c23 - c13, c12 * c13 - c23
+    beta1 = (1 - c23 * c23) * m1 + minor12 * m2 + minor13 * m3
+    beta2 = minor12 * m1 + (1 - c13 * c13) * m2 + minor23 * m3
+    beta3 = minor13 * m1 + minor23 * m2 + (1 - c12 * c12) * m3
+    determinant = 1 - c23 * c23 + c12 * minor12 + c13 * minor13
+    allowed = (np.minimum(np.minimum(beta1, beta2), beta3) > 0) & (determinant > 1e-10)
+    gain = np.divide(
+        beta1 * m1 + beta2 * m2 + beta3 * m3, determinant, out=np.zeros_like(m1), where=allowed
+    )
+    best = int(np.argmax(gain))
+    return grid.log_tau[[first[best], second[best], third[best]]] if gain[best] > 0 else None
+
+
+@lru_cache(maxsize=2)
+def _triples(size: int) -> tuple[npt.NDArray[np.intp], ...]:
+    """All i < j < k below size."""
+    i = np.arange(size)
+    return np.nonzero((i[:, None, None] < i[:, None]) & (i[:, None] < i))
 
 
 def inserted(grid: Grid, point: Point, *, signed: bool, count: int = 2) -> list[FloatArray]:

@@ -210,6 +210,15 @@ class WeightedBlock:
         return self.bench.weight**2 * self.bench.block.grain
 
     @property
+    def energy(self) -> float:
+        """Weighted."""
+        return self.bench.weight**2 * self.bench.block.energy
+
+    @property
+    def sampling(self) -> None:
+        """Not known: the weight is the record's own."""
+
+    @property
     def turning(self) -> bool:
         """As the block's."""
         return self.bench.block.turning

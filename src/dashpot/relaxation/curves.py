@@ -43,6 +43,14 @@ class Weighted:
         return self.factor**2 * self.block.grain
 
     @property
+    def energy(self) -> float:  # noqa: D102
+        return self.factor**2 * self.block.energy
+
+    @property
+    def sampling(self) -> None:  # noqa: D102
+        return None
+
+    @property
     def turning(self) -> bool:  # noqa: D102
         return self.block.turning
 

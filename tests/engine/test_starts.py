@@ -1,0 +1,81 @@
+"""Where the engine looks first: every set of grid points, and what is kept of a sampling."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from dashpot.engine.descent import Stack
+from dashpot.engine.holds import decay_block, hold_block, ramp_hold_block
+from dashpot.engine.separable import solve
+from dashpot.engine.starts import Grid, Lattice, paired, single, tripled
+
+TIME = np.arange(3000) / 100
+GENERATOR = np.random.default_rng(3)
+SETS = {1: single, 2: paired, 3: tripled}
+
+
+def record(arms: int) -> np.ndarray:
+    tau = 0.1 * 7.0 ** np.arange(arms) * np.exp(GENERATOR.uniform(-0.5, 0.5, arms))
+    clean = 2 + np.exp(-TIME[:, None] / tau) @ GENERATOR.uniform(0.5, 2, arms)
+    return clean + 0.05 * GENERATOR.standard_normal(len(TIME))
+
+
+@pytest.mark.parametrize("arms", SETS)
+@pytest.mark.parametrize("seen", [1, 2, 3])
+def test_the_best_set_of_grid_points_is_that_of_brute_force(arms: int, seen: int) -> None:
+    stack = Stack([decay_block(TIME, record(seen))])
+    grid = Grid(stack, 14)
+    target, phi, _ = stack.evaluate(grid.log_tau, derivative=False)
+    best, where = np.inf, ()
+    for chosen in combinations(range(14), arms):
+        columns = phi[:, [0, *(1 + i for i in chosen)]]
+        beta = np.linalg.lstsq(columns, target, rcond=None)[0]
+        sse = float(np.square(target - columns @ beta).sum())
+        if (beta[1:] > 0).all() and sse < best:
+            best, where = sse, chosen
+    found = SETS[arms](grid)
+    if not where:
+        assert found is None
+    else:
+        assert found is not None
+        np.testing.assert_array_equal(found, grid.log_tau[list(where)])
+
+
+def test_rising_data_have_no_set_of_positive_arms() -> None:
+    grid = Grid(Stack([decay_block(TIME, 1 - np.exp(-TIME / 3))]), 12)
+    assert all(best_set(grid) is None for best_set in SETS.values())
+
+
+def test_a_kept_lattice_is_the_one_made_anew() -> None:
+    records = [record(2) for _ in range(3)]
+    blocks = [
+        *(decay_block(TIME, y) for y in records),
+        *(decay_block(TIME, y, constant=None) for y in records[:2]),
+        *(decay_block(2 * TIME, y) for y in records[:2]),
+        *(hold_block(TIME, y, depth=2.0, ramp_time=c) for y in records[:2] for c in (0.5, 1.0)),
+        *(hold_block(TIME, y, depth=2.0, ramp_time=1.0, drift="d") for y in records[:2]),
+        *(ramp_hold_block(TIME, y, depth=2.0, ramp_time=1.0) for y in records[:2]),
+        *(decay_block(TIME, y) for y in records),
+    ]
+    for block in blocks:
+        stack = Stack([block])
+        grid = Grid(stack)
+        lattice, target = Lattice.of(stack, len(grid.log_tau))
+        np.testing.assert_array_equal(grid.columns, lattice.rows.T)
+        np.testing.assert_array_equal(grid.moment, lattice.rows @ target)
+        np.testing.assert_array_equal(grid.gram, lattice.gram)
+
+
+def test_weights_and_uneven_clocks_are_never_taken_for_a_known_sampling() -> None:
+    y = record(2)
+    weights = 1 + np.exp(-TIME)
+    assert decay_block(TIME, y).sampling is not None
+    assert decay_block(TIME, y, weights=weights).sampling is None
+    assert decay_block(TIME**1.1, y).sampling is None
+    # the second of two such fits is its own
+    first = solve([decay_block(TIME**1.1, y)], 2)
+    again = solve([decay_block(TIME**1.2, y)], 2)
+    assert np.abs(first.log_tau - again.log_tau).max() > 0.01
