@@ -4,8 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.stats import chi2
 
-from dashpot.engine.order import bic, choose, significant
+from dashpot.engine.order import (
+    MAX_CHANCE,
+    bic,
+    bic_of_deviance,
+    chance_beyond,
+    choose,
+    needed,
+    significant,
+)
 
 
 def test_bic_is_its_formula() -> None:
@@ -60,3 +71,28 @@ def test_a_choice_at_the_end_of_what_was_tried_is_capped() -> None:
     assert choose(*scores, exhausted=False).capped
     assert not choose(*scores).capped
     assert not choose([0, 1, 2], [9.0, 1.0, 5.0], [True, True, True], exhausted=False).capped
+
+
+def test_the_bic_of_a_deviance_is_its_formula() -> None:
+    assert bic_of_deviance(30.0, effective=50.0, parameters=5) == pytest.approx(
+        30.0 + 5 * np.log(50.0)
+    )
+
+
+@given(value=st.floats(0.0, 200.0), dof=st.integers(1, 12))
+def test_chance_is_the_tail_of_chi_square(value: float, dof: int) -> None:
+    assert chance_beyond(value, dof) == pytest.approx(chi2.sf(value, dof), rel=1e-10, abs=1e-300)
+
+
+@pytest.mark.parametrize("parameters", [1, 2, 3, 5])
+def test_an_arm_is_needed_beyond_three_standard_errors_of_chance(parameters: int) -> None:
+    limit = chi2.isf(MAX_CHANCE, parameters)
+    assert chi2.sf(9.0, 1) == pytest.approx(MAX_CHANCE)
+    assert needed(1.001 * limit, parameters)
+    assert not needed(0.999 * limit, parameters)
+    assert not needed(-1.0, parameters)
+
+
+def test_the_choice_tells_how_it_was_judged() -> None:
+    assert choose([0, 1], [2.0, 1.0], [True, True], in_noise_metric=True).in_noise_metric
+    assert not choose([0, 1], [2.0, 1.0], [True, True]).in_noise_metric

@@ -15,6 +15,7 @@ from dashpot.engine.uncertainty import (
     geyer_cut,
     noise_of,
     sandwich,
+    unevenness,
     white,
 )
 
@@ -142,3 +143,19 @@ def test_below_one_degree_of_freedom_nothing_is_known() -> None:
     assert t_quantile(0.95, 0.5) == np.inf
     assert t_quantile(0.95, -3.0) == np.inf
     assert t_quantile(0.95, np.inf) == pytest.approx(1.959963985, rel=1e-6)
+
+
+def test_white_noise_is_even_and_slow_noise_is_not() -> None:
+    """The dense eigenvalues of (J'J)^-1 J' Gamma J, whatever the columns' units."""
+    t = np.linspace(0.0, 1.0, 400)
+    jacobian = np.exp(-t[:, None] / [0.02, 0.2, 2.0]) * [1.0, 1e3, 1e-3]
+    assert unevenness([jacobian], [Noise(400, np.array([0.5]), 1.0, 2.0)]) == pytest.approx(1.0)
+    gamma = 0.97 ** np.arange(200) - 0.97**200
+    lag = np.abs(np.arange(400)[:, None] - np.arange(400))
+    toeplitz = np.where(lag < 200, gamma[np.minimum(lag, 199)], 0.0)
+    basis = np.linalg.qr(jacobian)[0]
+    shares = np.linalg.eigvalsh(basis.T @ toeplitz @ basis)
+    noise = Noise(400, gamma, 60.0, 0.06)
+    assert unevenness([jacobian], [noise]) == pytest.approx(shares[-1] / shares[0], rel=1e-6)
+    assert shares[-1] > 5 * shares[0]
+    assert unevenness([np.zeros((400, 2))], [noise]) == 1.0

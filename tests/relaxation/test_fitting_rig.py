@@ -110,15 +110,58 @@ def test_coverage_is_nominal_for_every_noise(name: str) -> None:
 
 
 @pytest.mark.parametrize("arms", [1, 2, 3])
-@pytest.mark.parametrize("name", ["white", "10hz", "ar20ms"])
+@pytest.mark.parametrize("name", list(coverage.NOISES))
 def test_the_right_number_of_arms(name: str, arms: int) -> None:
     found = [order.chosen(arms, coverage.NOISES[name], seed) for seed in range(3)]
     assert found == [arms] * 3
 
 
+@pytest.mark.parametrize("seed", [17, 28, 66])
+def test_arms_as_fast_as_the_noise_are_counted_in_its_metric(seed: int) -> None:
+    """Seeds of which plain least squares supports two arms, by one rule or the other."""
+    test = coverage.record(order.SEALS[3], coverage.NOISES["ar500ms"], seed, rate=order.RATE)
+    found = fit(test, method="hold")
+    assert found.model.arms == 3
+    check = {check.name: check for check in found.checks}
+    assert check["order_agreed"].passed
+    assert "in its own metric" in check["order_agreed"].says
+    assert [score.significant for score in found.orders[1:4]] == [True] * 3
+    # that an arm is needed is not that it is known
+    located = bool(np.all(np.array(found.standard_error["tau"]) < 0.5 * np.array(found.model.tau)))
+    assert check["arms_supported"].passed is located
+    assert located or "the record rejects fewer arms" in check["arms_supported"].says
+
+
+@pytest.mark.parametrize("name", ["white", "10hz"])
+def test_even_noise_needs_no_metric(name: str) -> None:
+    found = fit(
+        coverage.record(order.SEALS[2], coverage.NOISES[name], 0, rate=200.0), method="hold"
+    )
+    says = next(check.says for check in found.checks if check.name == "order_agreed")
+    assert "metric" not in says
+
+
+@pytest.mark.parametrize("arms", [1, 2])
+@pytest.mark.parametrize("rate", [20.0, 1000.0])
+def test_no_arm_too_many_under_slow_noise_at_any_rate(rate: float, arms: int) -> None:
+    noise = coverage.NOISES["ar500ms"]
+    tests = [coverage.record(order.SEALS[arms], noise, seed, rate=rate) for seed in range(4)]
+    assert [fit(test, method="hold").model.arms for test in tests] == [arms] * 4
+
+
+def test_several_tests_are_judged_each_in_the_metric_of_its_noise() -> None:
+    names = ("ar500ms", "white", "2hz")
+    tests = [
+        coverage.record(order.SEALS[3], coverage.NOISES[name], seed, rate=100.0)
+        for seed, name in enumerate(names)
+    ]
+    for depth_law in (False, True):
+        assert fit(tests, method="hold", depth_law=depth_law).model.arms == 3
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("arms", [1, 2, 3])
-@pytest.mark.parametrize("name", ["white", "10hz", "2hz", "ar20ms"])
+@pytest.mark.parametrize("name", list(coverage.NOISES))
 def test_the_right_number_of_arms_in_97_of_100(name: str, arms: int) -> None:
     found = [order.chosen(arms, coverage.NOISES[name], seed) for seed in range(100)]
     assert found.count(arms) >= 97

@@ -129,13 +129,41 @@ def sandwich(
     """
     middle = np.sum(
         [
-            _toeplitz_form(jacobian, noise.autocovariance)
+            toeplitz_form(jacobian, noise.autocovariance)
             for jacobian, noise in zip(jacobians, noises, strict=True)
         ],
         axis=0,
     )
     information = np.sum([jacobian.T @ jacobian for jacobian in jacobians], axis=0)
     return _covariance(information, middle if further is None else middle + further)
+
+
+def unevenness(jacobians: Sequence[FloatArray], noises: Sequence[Noise]) -> float:
+    r"""Return how much more of the noise meets one direction of the parameters than another.
+
+    The ratio u of the largest to the smallest eigenvalue of :math:`(J^TJ)^{-1} J^T\Gamma J`: 1 for
+    white noise, and for any that is flat over the frequencies of the arms. Noise whose power
+    varies by a factor u leaves least squares an efficiency of :math:`4u/(1+u)^2` at worst, 0.89
+    at 2. Source: P. Bloomfield and G. S. Watson, Biometrika 62 (1975) 121.
+    """
+    stacked = np.concatenate(jacobians)
+    scale = np.linalg.norm(stacked, axis=0)
+    there = scale > 0.0
+    if not there.any():
+        return 1.0
+    scaled = [jacobian[:, there] / scale[there] for jacobian in jacobians]
+    middle = np.sum(
+        [
+            toeplitz_form(jacobian, noise.autocovariance)
+            for jacobian, noise in zip(scaled, noises, strict=True)
+        ],
+        axis=0,
+    )
+    values, vectors = np.linalg.eigh(np.sum([j.T @ j for j in scaled], axis=0))
+    sharp = values > _SINGULAR * values[-1]
+    orthonormal = vectors[:, sharp] / np.sqrt(values[sharp])
+    shares = np.linalg.eigvalsh(orthonormal.T @ middle @ orthonormal)
+    return float(shares[-1] / shares[0]) if shares[0] > 0.0 else np.inf
 
 
 def white(jacobian: FloatArray, variance: float) -> FloatArray:
@@ -153,8 +181,8 @@ def fast_length(n: int) -> int:
     return best
 
 
-def _toeplitz_form(jacobian: FloatArray, gamma: FloatArray) -> FloatArray:
-    """Return J' Gamma J through the circulant that contains Gamma: Parseval's sum."""
+def toeplitz_form(jacobian: FloatArray, gamma: FloatArray) -> FloatArray:
+    """Return J' Gamma J through the circulant that contains Gamma, by Parseval's sum."""
     n, _ = jacobian.shape
     lags = len(gamma)
     if lags == 1:

@@ -55,8 +55,14 @@ def arms_distinct(model: GeneralizedMaxwell) -> Check:
     return Check("arms_distinct", passed, says, ratios[j], MIN_TAU_RATIO)
 
 
-def arms_supported(model: GeneralizedMaxwell, se_k: FloatArray, se_ln_tau: FloatArray) -> Check:
-    """Every arm stands out of the noise."""
+def arms_supported(
+    model: GeneralizedMaxwell,
+    se_k: FloatArray,
+    se_ln_tau: FloatArray,
+    *,
+    needed: bool = False,
+) -> Check:
+    """Every arm stands out of the noise; `needed` if fewer arms were rejected all the same."""
     name = "arms_supported"
     weak = [
         f"arm {j} (k = {1e-3 * k:.3g} N/mm, tau = {tau:.3g} s)"
@@ -69,7 +75,13 @@ def arms_supported(model: GeneralizedMaxwell, se_k: FloatArray, se_ln_tau: Float
         (k / sk if sk > 0 else np.inf for k, sk in zip(model.k, se_k, strict=True)), default=None
     )
     value = None if value is None or not np.isfinite(value) else float(value)
-    if weak:
+    if weak and needed:
+        says = (
+            f"{' and '.join(weak)} is needed, since the record rejects fewer arms, but is hardly "
+            "known: k is below 3 standard errors or tau is uncertain by more than a factor 1.6; "
+            "hold longer, or quieten the slow noise"
+        )
+    elif weak:
         says = (
             f"{' and '.join(weak)} cannot be told from noise: k is below 3 standard errors or "
             "tau is uncertain by more than a factor 1.6; fit fewer arms"
@@ -206,6 +218,8 @@ def order_agreed(choice: Choice) -> Check:
         )
     else:
         says = f"both rules choose {chosen}"
+    if choice.in_noise_metric:
+        says += "; the noise is as slow as the arms, so fits in its own metric were judged"
     if choice.capped:
         says += f"; that is the most that was tried: raise max_arms above {choice.arms}"
     return Check("order_agreed", passed, says, float(choice.by_bic), float(choice.by_significance))

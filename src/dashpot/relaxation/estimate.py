@@ -11,7 +11,7 @@ from dashpot._arrays import FloatArray
 from dashpot.engine.blocks import Block
 from dashpot.engine.descent import Stack
 from dashpot.engine.order import bic, significant
-from dashpot.engine.separable import Solution, full_jacobian
+from dashpot.engine.separable import Jacobian, Solution, full_jacobian
 from dashpot.engine.uncertainty import Noise, noise_of, sandwich, white
 from dashpot.relaxation.encoder import Encoder, Kernel, encoder_term
 
@@ -130,13 +130,8 @@ def estimated(
         Of each record, where the recorded motion is fitted.
     """
     whole = full_jacobian(every_sample, solution)
-    cuts = np.cumsum([block.samples for block in every_sample])[:-1]
-    residuals = tuple(np.split(whole.residual, cuts))
-    jacobians = np.split(whole.matrix, cuts)
-    noises = tuple(
-        noise_of(residual, jacobian, rounding=_ROUNDING * peak)
-        for residual, jacobian in zip(residuals, jacobians, strict=True)
-    )
+    residuals, jacobians = by_record(whole, every_sample)
+    noises = noises_of(residuals, jacobians, peak=peak)
     further = None
     if encoders is not None:
         further = np.sum(
@@ -150,6 +145,29 @@ def estimated(
     return Estimate(
         solution, whole.names, covariance, whole.matrix.T @ whole.matrix, residuals, noises
     )
+
+
+def by_record(
+    whole: Jacobian, every_sample: Sequence[Block]
+) -> tuple[tuple[FloatArray, ...], list[FloatArray]]:
+    """Return residuals and Jacobians, one of each per record."""
+    cuts = np.cumsum([block.samples for block in every_sample])[:-1]
+    return tuple(np.split(whole.residual, cuts)), np.split(whole.matrix, cuts)
+
+
+def noises_of(
+    residuals: Sequence[FloatArray], jacobians: Sequence[FloatArray], *, peak: float
+) -> tuple[Noise, ...]:
+    """Return what the residuals of each record say about its noise."""
+    return tuple(
+        noise_of(residual, jacobian, rounding=rounding(peak))
+        for residual, jacobian in zip(residuals, jacobians, strict=True)
+    )
+
+
+def rounding(peak: float) -> float:
+    """Return the rms that rounding alone leaves of data with this largest force."""
+    return _ROUNDING * peak
 
 
 def _kernel(solution: Solution, block: Block) -> Kernel:
@@ -171,7 +189,7 @@ def effective_samples(solution: Solution, every_sample: Sequence[Block], *, peak
         fixed = [solution.coefficient(name) for name in stack.names]
         arms = solution.arms[solution.groups.index(block.arm_group)]
         residual = rows.target - rows.phi @ np.concatenate((fixed, arms))
-        total += noise_of(residual, rounding=_ROUNDING * peak).effective
+        total += noise_of(residual, rounding=rounding(peak)).effective
     return total
 
 
@@ -195,7 +213,7 @@ def scored(
     peak : float
         Largest force, N; sets what rounding alone leaves.
     """
-    floor = max(solution.samples * (_ROUNDING * peak) ** 2, Stack(blocks).grain)
+    floor = max(solution.samples * rounding(peak) ** 2, Stack(blocks).grain)
     jacobian = full_jacobian(blocks, solution)
     parameters = len(jacobian.names)
 

@@ -87,9 +87,10 @@ class OrderScore:
     sse : float
         Sum of squared residuals.
     bic : float
-        Bayesian information criterion with the effective sample size.
+        Bayesian information criterion with the effective sample size; differences count.
     significant : bool
-        Every arm has k > 3 SE and SE(ln tau) < 0.5.
+        Every arm has k > 3 SE and SE(ln tau) < 0.5. Where the noise was as slow as the arms:
+        chance does not explain what the last arm takes off the deviance.
     model : GeneralizedMaxwell
         The best solid with this many arms.
     """

@@ -9,7 +9,7 @@ import numpy as np
 
 from dashpot.engine.blocks import Block
 from dashpot.engine.descent import Stack
-from dashpot.engine.order import choose
+from dashpot.engine.order import Choice, choose
 from dashpot.engine.separable import solve, solve_orders
 from dashpot.errors import FitError
 from dashpot.relaxation.design import (
@@ -22,11 +22,15 @@ from dashpot.relaxation.design import (
 )
 from dashpot.relaxation.encoder import Encoder
 from dashpot.relaxation.estimate import Score, effective_samples, estimated, scored
+from dashpot.relaxation.evidence import in_noise_metric
 from dashpot.relaxation.fit import Fit
 from dashpot.relaxation.outcome import outcome
 from dashpot.relaxation.record_checks import encoder_step
 from dashpot.relaxation.records import RampHold
 from dashpot.relaxation.telling import asked_arms
+
+# residuals of which so many count as one are too nearly white for their metric to matter
+_PALE = 2.0
 
 
 def fit(
@@ -64,7 +68,8 @@ def fit(
         drift.
     arms : int or "auto"
         Number of Maxwell arms; 0 is a spring. ``"auto"`` takes the number that BIC with the
-        effective sample size and the significance of every arm both support.
+        effective sample size and the significance of every arm both support; under noise as slow
+        as the arms, by fits in the metric of that noise (:mod:`dashpot.engine.order`).
     method : "full" or "hold"
     thorough : bool
         Add quasi-random starts.
@@ -96,13 +101,13 @@ def fit(
     samples = every_sample(records, design, blocks)
     if arms == "auto":
         most = min(most, _determinable(blocks))
-    trial = _tried(blocks, samples, most, peak=peak, thorough=thorough)
-    choice = choose(
-        range(len(trial)),
-        [score.bic for score in trial],
-        [score.significant for score in trial],
-        exhausted=len(trial) - 1 < most,
-    )
+    trial, effective = _tried(blocks, samples, most, peak=peak, thorough=thorough)
+    exhausted = len(trial) - 1 < most
+    choice = _choice(trial, exhausted=exhausted)
+    if arms == "auto" and effective * _PALE < trial[-1].solution.samples:
+        anew = in_noise_metric(trial, choice, samples, peak=peak, thorough=thorough)
+        if anew is not None:
+            trial, choice = anew, _choice(anew, exhausted=exhausted, in_noise_metric=True)
     chosen = choice.arms if arms == "auto" else min(most, len(trial) - 1)
     estimate = estimated(
         trial[chosen].solution, samples, peak=peak, encoders=_encoders(records, design)
@@ -183,12 +188,26 @@ def _tried(
     *,
     peak: float,
     thorough: bool,
-) -> tuple[Score, ...]:
-    """Return every number of arms from none up, judged by the residuals of the largest."""
+) -> tuple[tuple[Score, ...], float]:
+    """Return every number of arms from none up, judged by the residuals of the largest.
+
+    Their effective number is returned beside.
+    """
     solutions = [solve(blocks, 0)]
     if most:
         solutions += [s for s in solve_orders(blocks, most, thorough=thorough) if s.order]
     effective = effective_samples(solutions[-1], samples, peak=peak)
-    return tuple(
+    scores = tuple(
         scored(solution, blocks, samples, effective=effective, peak=peak) for solution in solutions
+    )
+    return scores, effective
+
+
+def _choice(trial: Sequence[Score], *, exhausted: bool, in_noise_metric: bool = False) -> Choice:
+    return choose(
+        range(len(trial)),
+        [score.bic for score in trial],
+        [score.significant for score in trial],
+        exhausted=exhausted,
+        in_noise_metric=in_noise_metric,
     )

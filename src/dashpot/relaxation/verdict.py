@@ -64,7 +64,12 @@ def all_checks(
         *of_records(records, method=method),
         checks.hold_long_enough(model, records),
         checks.arms_distinct(model),
-        checks.arms_supported(model, error[1 : 1 + arms], error[1 + arms :]),
+        checks.arms_supported(
+            model,
+            error[1 : 1 + arms],
+            error[1 + arms :],
+            needed=choice is not None and choice.in_noise_metric,
+        ),
         checks.tau_inside_window(model, records),
         checks.k_inf_positive(model, float(error[0])),
         checks.residuals_random(

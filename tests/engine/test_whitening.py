@@ -1,0 +1,135 @@
+"""Data in the metric of their noise, against dense generalised least squares."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.linalg import toeplitz
+
+from dashpot.engine.blocks import Block, DesignBlock
+from dashpot.engine.holds import hold_block
+from dashpot.engine.recorded import recorded_block
+from dashpot.engine.separable import full_jacobian, solve
+from dashpot.engine.uncertainty import Noise
+from dashpot.engine.whitening import whitened_block
+
+STEP = 0.02
+TIME = STEP * np.arange(600)
+TAU = np.array([0.4, 3.0])
+K = np.array([120.0, 40.0])
+DEPTH, RAMP = 8e-3, 1.0
+
+
+def held(noise: np.ndarray | float = 0.0) -> DesignBlock:
+    """Eq. 5 on a hold of 12 s, every sample a row."""
+    mean = TAU / RAMP * -np.expm1(-RAMP / TAU)
+    force = DEPTH * (200.0 + np.exp(-TIME[:, None] / TAU) @ (K * mean))
+    return hold_block(TIME, force + noise, depth=DEPTH, ramp_time=RAMP, compress=False)
+
+
+def moved(noise: np.ndarray | float = 0.0) -> Block:
+    """A ramp and hold by its recorded motion, with a tare and a drift."""
+    x = DEPTH * np.clip(TIME / RAMP, 0.0, 1.0)
+    columns = recorded_block(TIME, x, 0 * TIME).exact.evaluate(np.log(TAU))
+    force = 200.0 * x + columns.arms @ K
+    return recorded_block(TIME, x, force + noise, offset="offset", drift="drift").exact
+
+
+def slow(correlation: float, variance: float = 1e-4) -> Noise:
+    """Autoregressive noise with this correlation time, s, told by its autocovariance."""
+    rho = float(np.exp(-STEP / correlation))
+    gamma = variance * rho ** np.arange(len(TIME))
+    return Noise(len(TIME), gamma, (1 + rho) / (1 - rho), 2 * (1 - rho))
+
+
+def white(variance: float = 1e-4) -> Noise:
+    return Noise(len(TIME), np.array([variance]), 1.0, 2.0)
+
+
+@pytest.mark.parametrize("make", [held, moved])
+def test_in_the_metric_of_white_noise_the_fit_is_least_squares(
+    make: Callable[[np.ndarray], Block],
+) -> None:
+    exact = make(1e-2 * np.random.default_rng(0).standard_normal(len(TIME)))
+    block = whitened_block(exact, white())
+    plain = [solve([exact], n) for n in (0, 1, 2)]
+    metric = [solve([block], n) for n in (0, 1, 2)]
+    for one, other in zip(plain, metric, strict=True):
+        np.testing.assert_allclose(one.log_tau, other.log_tau, atol=1e-6)
+        np.testing.assert_allclose(one.fixed, other.fixed, rtol=1e-6, atol=1e-8)
+    falls = -np.diff([one.sse for one in plain]) / 1e-4
+    np.testing.assert_allclose(-np.diff([one.sse for one in metric]), falls, rtol=1e-6)
+
+
+def test_the_columns_are_those_of_the_record_at_any_relaxation_time() -> None:
+    """In the metric of unit white noise the inner products are the record's own."""
+    exact = moved()
+    block = whitened_block(exact, white(1.0))
+    at = np.log([0.05, 0.17, 0.9, 4.4, 30.0, 100.0])
+    mine, theirs = block.evaluate(at), exact.evaluate(at)
+    for one, other in ((mine.arms, theirs.arms), (mine.d_arms, theirs.d_arms)):
+        scale = np.sqrt(np.diag(other.T @ other))
+        difference = (one.T @ one - other.T @ other) / np.outer(scale, scale)
+        assert np.abs(difference).max() < 1e-6
+    np.testing.assert_allclose(mine.target @ mine.arms, theirs.target @ theirs.arms, rtol=1e-6)
+
+
+@pytest.mark.parametrize(("make", "better"), [(held, 1.5), (moved, 1.0)])
+def test_what_is_known_is_what_generalised_least_squares_knows(
+    make: Callable[[], Block], better: float
+) -> None:
+    """The dense inverse of Gamma: nothing is gained, and no more than a tenth is lost."""
+    exact, noise = make(), slow(0.5)
+    solution = solve([exact], 2)
+    block = whitened_block(exact, noise)
+    jacobian = full_jacobian([exact], solution).matrix
+    best = np.linalg.inv(jacobian.T @ np.linalg.solve(toeplitz(noise.autocovariance), jacobian))
+    weighted = full_jacobian([block], solution).matrix
+    mine = np.linalg.inv(weighted.T @ weighted)
+    loss = np.sqrt(np.diag(mine) / np.diag(best))
+    assert np.all(loss > 1 - 1e-6)
+    assert np.all(loss < 1.1)
+    inverse = np.linalg.inv(jacobian.T @ jacobian)
+    plain = inverse @ jacobian.T @ toeplitz(noise.autocovariance) @ jacobian @ inverse
+    # on a hold, plain least squares knows far less of the fast arm
+    fast = len(block.fixed_names)
+    assert plain[fast, fast] > better * mine[fast, fast]
+
+
+@given(
+    correlation=st.floats(0.03, 3.0),
+    ripple=st.floats(0.0, 20.0),
+)
+def test_no_direction_is_trusted_better_than_under_white_noise(
+    correlation: float, ripple: float
+) -> None:
+    """However little a filter left above its cut-off, and whatever hum there is below."""
+    lag = STEP * np.arange(len(TIME))
+    gamma = 1e-4 * np.exp(-0.5 * (lag / correlation) ** 2) * np.cos(ripple * lag)
+    exact = held()
+    block = whitened_block(exact, Noise(len(TIME), gamma, 1.0, 2.0))
+    at = np.log(np.array([0.05, 0.4, 3.0, 20.0]))
+    mine = block.evaluate(at, derivative=False).arms
+    theirs = exact.evaluate(at, derivative=False).arms
+    excess = np.linalg.eigvalsh(mine.T @ mine - theirs.T @ theirs / 1e-4)
+    assert excess.max() <= 1e-6 * np.sum(theirs**2) / 1e-4
+
+
+def test_the_fall_of_the_deviance_under_slow_noise_is_chance() -> None:
+    """One arm more than the truth, 60 seeds: half the falls are next to nothing, none convinces."""
+    rho = float(np.exp(-STEP / 0.5))
+    rng = np.random.default_rng(3)
+    falls = []
+    for _ in range(60):
+        drawn = np.sqrt(1 - rho**2) * rng.standard_normal(len(TIME))
+        drawn[0] /= np.sqrt(1 - rho**2)
+        for i in range(1, len(TIME)):
+            drawn[i] += rho * drawn[i - 1]
+        block = whitened_block(held(1e-2 * drawn), slow(0.5))
+        falls.append(solve([block], 2).sse - solve([block], 3).sse)
+    assert np.median(falls) < 1.0
+    assert max(falls) < 11.83
