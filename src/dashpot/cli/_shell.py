@@ -6,9 +6,8 @@ import functools
 import math
 import sys
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
@@ -19,8 +18,7 @@ if TYPE_CHECKING:
     from dashpot.units import Dimension
 
 
-@dataclass(frozen=True)
-class Outcome:
+class Outcome(NamedTuple):
     """What a command found: a document for programs, text for people, and its checks.
 
     The document is made when it is asked for: the archive knows every noun, and importing all of

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import itertools
 import re
 from collections.abc import Sequence
@@ -102,6 +101,8 @@ def split(line: str, delimiter: str, *, trim: bool = True) -> list[str]:
 
 
 def _quoted(line: str, delimiter: str) -> list[str]:
+    import csv
+
     try:
         rows = list(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
     except csv.Error:

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from dashpot._arrays import FloatArray
 
 
-@dataclass(frozen=True)
-class Contact:
+class Contact(NamedTuple):
     """Where the plate met the seal.
 
     Attributes
@@ -122,8 +121,7 @@ def _doubt(x: FloatArray, f: FloatArray, contact: float) -> float:
     return scale * float(np.sqrt(max(variance * inverse[-1, -1], 0.0)) / size[-1])
 
 
-@dataclass(frozen=True)
-class Touch:
+class Touch(NamedTuple):
     """What is taken for first contact.
 
     Attributes

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,8 +13,7 @@ _LEAST_HOLD = 0.2
 """A stop shorter than this part of the ramp before it is a turning point, not a hold."""
 
 
-@dataclass(frozen=True)
-class Cycle:
+class Cycle(NamedTuple):
     """One loading of the seal: a rest, at least one ramp, at least one hold.
 
     Attributes

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -10,8 +10,7 @@ from dashpot._arrays import FloatArray
 from dashpot.relaxation.segmentation import Segment
 
 
-@dataclass(frozen=True)
-class IdealRamp:
+class IdealRamp(NamedTuple):
     """A straight ramp: ``x = level + speed * (t - at)``.
 
     Attributes
