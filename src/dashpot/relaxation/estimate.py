@@ -117,6 +117,7 @@ def estimated(
     *,
     peak: float,
     encoders: Sequence[Encoder] | None = None,
+    whole: Jacobian | None = None,
 ) -> Estimate:
     """Return the solution's uncertainty from one block per record with a row per sample.
 
@@ -128,8 +129,10 @@ def estimated(
         The largest force, N: it sets what rounding alone leaves.
     encoders : sequence of Encoder, optional
         Of each record, where the recorded motion is fitted.
+    whole : Jacobian, optional
+        Of every sample, where it is known already.
     """
-    whole = full_jacobian(every_sample, solution)
+    whole = whole or full_jacobian(every_sample, solution)
     residuals, jacobians = by_record(whole, every_sample)
     noises = noises_of(residuals, jacobians, peak=peak)
     further = None

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 
 from dashpot.engine.blocks import Block
 from dashpot.engine.order import Choice, bic_of_deviance, needed
-from dashpot.engine.separable import Solution, full_jacobian, solve, solve_orders
+from dashpot.engine.separable import Jacobian, Solution, solve, solve_orders
 from dashpot.engine.uncertainty import unevenness
 from dashpot.engine.whitening import whitened_block
 from dashpot.relaxation.estimate import Score, by_record, noises_of, rounding
@@ -20,6 +20,7 @@ def in_noise_metric(
     scores: Sequence[Score],
     choice: Choice,
     every_sample: Sequence[Block],
+    whole: Callable[[int], Jacobian],
     *,
     peak: float,
     thorough: bool,
@@ -34,18 +35,20 @@ def in_noise_metric(
         What they say. The noise is uneven if it is so to the arms that either rule supports.
     every_sample : sequence of Block
         One per record, a row per sample. Their noise is that of the largest model's residuals.
+    whole : callable
+        Residual and Jacobian of every sample for one number of arms.
     peak : float
         The largest force, N: it sets what rounding alone leaves.
     thorough : bool
         Add quasi-random starts.
     """
     solutions = [score.solution for score in scores]
-    largest = by_record(full_jacobian(every_sample, solutions[-1]), every_sample)
+    largest = by_record(whole(len(solutions) - 1), every_sample)
     noises = noises_of(*largest, peak=peak)
     if any(noise.autocovariance[0] <= rounding(peak) ** 2 for noise in noises):
         return None
     supported = min(max(choice.by_bic, choice.by_significance, 1), len(solutions) - 1)
-    _, jacobians = by_record(full_jacobian(every_sample, solutions[supported]), every_sample)
+    _, jacobians = by_record(whole(supported), every_sample)
     if unevenness(jacobians, noises) < _MAX_UNEVENNESS:
         return None
     blocks = [

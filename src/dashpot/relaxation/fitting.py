@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from dashpot.engine.blocks import Block
 from dashpot.engine.descent import Stack
 from dashpot.engine.order import Choice, choose
-from dashpot.engine.separable import solve, solve_orders
+from dashpot.engine.separable import Jacobian, full_jacobian, solve, solve_orders
 from dashpot.errors import FitError
 from dashpot.relaxation.design import (
     NUISANCE,
@@ -104,13 +105,22 @@ def fit(
     trial, effective = _tried(blocks, samples, most, peak=peak, thorough=thorough)
     exhausted = len(trial) - 1 < most
     choice = _choice(trial, exhausted=exhausted)
+
+    @lru_cache(maxsize=1)  # the order that the rules support is, as a rule, the one chosen
+    def whole(order: int) -> Jacobian:
+        return full_jacobian(samples, trial[order].solution)
+
     if arms == "auto" and effective * _PALE < trial[-1].solution.samples:
-        anew = in_noise_metric(trial, choice, samples, peak=peak, thorough=thorough)
+        anew = in_noise_metric(trial, choice, samples, whole, peak=peak, thorough=thorough)
         if anew is not None:
             trial, choice = anew, _choice(anew, exhausted=exhausted, in_noise_metric=True)
     chosen = choice.arms if arms == "auto" else min(most, len(trial) - 1)
     estimate = estimated(
-        trial[chosen].solution, samples, peak=peak, encoders=_encoders(records, design)
+        trial[chosen].solution,
+        samples,
+        peak=peak,
+        encoders=_encoders(records, design),
+        whole=whole(chosen),
     )
     return outcome(
         records,
