@@ -27,9 +27,13 @@ import numpy as np
 from dashpot._arrays import ByValue, ComplexArray, FloatArray
 from dashpot.engine.blocks import DesignBlock, Evaluation
 from dashpot.engine.compression import Compression, compression
+from dashpot.engine.fourier import fast_length
 
 #: relative sum of squares below which a Gram matrix holds rounding only
 GRAIN = 1e-14
+_SIGNS = np.array([[1.0], [-1.0]])
+#: so many columns of decays are dependent to rounding
+MANY = 24
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,20 +74,23 @@ class Response(ByValue):
 
     def lag(self, values: FloatArray) -> FloatArray:
         r"""Correlation :math:`\sum_{i \in W} v_i d_{i-l}` for all lags l, shape (..., count)."""
-        padded = np.zeros((*values.shape[:-1], self.count))
-        padded[..., self.start :] = values
-        spectrum = np.fft.rfft(padded, self.size) * self.lagged
+        if self.start:
+            padded = np.zeros((*values.shape[:-1], self.count))
+            padded[..., self.start :] = values
+            values = padded
+        spectrum = np.fft.rfft(values, self.size)
+        spectrum *= self.lagged
         return np.asarray(np.fft.irfft(spectrum, self.size)[..., : self.count])
 
     def own_lag(self, steps: FloatArray) -> FloatArray:
         """Correlation of the window's steps with all steps, shape (count,)."""
         if self.start:
             return self.lag(steps[self.start :])
-        power = self.lagged.real**2 + self.lagged.imag**2
+        power = self.lagged * self.lagged.conj()
         return np.asarray(np.fft.irfft(power, self.size)[: self.count])
 
     def gram(self, tau: FloatArray, force: Force, *, derivative: bool) -> FloatArray:
-        """Gram matrix of [fixed, arms, y] or [fixed, arms, y, slopes].
+        """Gram matrix of [fixed, arms, y] or [fixed, arms, slopes, y].
 
         For tau of shape (..., N) and a force of leading shape (...).
         """
@@ -91,16 +98,18 @@ class Response(ByValue):
         q, arms = self.fixed.shape[1], tau.shape[-1]
         size = q + 1 + (2 * arms if derivative else arms)
         gram = np.empty((*tau.shape[:-1], size, size))
-        here, y = slice(q, q + arms), q + arms
+        here, y = slice(q, q + arms), size - 1
         gram[..., :q, :q] = self.fixed_gram
         gram[..., :q, y] = gram[..., y, :q] = force.fixed
         gram[..., y, y] = force.energy
-        products = _products(arm, self.energy)
-        gram[..., here, here] = products.qq
         _mirror(gram, slice(q), here, arm.g[..., None, :] * arm.sums[..., :q, :])
         _mirror(gram, y, here, arm.g * arm.y)
-        if derivative:
-            there = slice(y + 1, None)
+        if not derivative:
+            gram[..., here, here] = _values(arm, self.energy)
+        else:
+            products = _products(arm, self.energy)
+            gram[..., here, here] = products.qq
+            there = slice(q + arms, y)
             slopes = arm.dg[..., None, :] * arm.sums + arm.g[..., None, :] * arm.slopes
             _mirror(gram, slice(q), there, slopes[..., :q, :])
             _mirror(gram, y, there, arm.dg * arm.y + arm.g * arm.dy)
@@ -144,7 +153,7 @@ class Force(NamedTuple):
     @classmethod
     def of(cls, response: Response, values: FloatArray) -> Force:
         """Correlate window values of shape (..., n)."""
-        energy = np.einsum("...i,...i->...", values, values)
+        energy = np.asarray(np.vecdot(values, values))
         return cls(response.correlate(values), values @ response.fixed, energy)
 
 
@@ -209,9 +218,9 @@ class CorrelationBlock:
         gram = self.response.gram(np.exp(log_tau), self.force, derivative=derivative)
         factor = upper_factor(gram)
         q, arms = len(self.fixed_names), len(log_tau)
-        y = q + arms
-        slope = slice(y + 1, None) if derivative else slice(q, y)
-        return Evaluation(factor[:, y], factor[:, :q], factor[:, q:y], factor[:, slope])
+        own = slice(q, q + arms)
+        slope = slice(q + arms, -1) if derivative else own
+        return Evaluation(factor[:, -1], factor[:, :q], factor[:, own], factor[:, slope])
 
 
 class _ArmSums(NamedTuple):
@@ -233,31 +242,42 @@ class _Products(NamedTuple):
 
 def _products(arm: _ArmSums, energy: float) -> _Products:
     r"""Inner products of arms and of their derivatives, by the quotient rule on num/den."""
-    s, ds = arm.sums[..., -3, :], arm.slopes[..., -3, :]
-    da = arm.a * arm.z
-    before, last = (arm.a * arm.sums[..., row, :] for row in (-2, -1))
-    d_before, d_last = (
-        da * arm.sums[..., row, :] + arm.a * arm.slopes[..., row, :] for row in (-2, -1)
-    )
-    den = -np.expm1(-(arm.z[..., :, None] + arm.z[..., None, :]))
-    num = s[..., :, None] + s[..., None, :] - energy + _outer(before, before) - _outer(last, last)
+    arms = arm.z.shape[-1]
+    ds = arm.slopes[..., -3, :]
+    a, da = arm.a[..., None, :], (arm.a * arm.z)[..., None, :]
+    ends = a * arm.sums[..., -2:, :]
+    d_ends = da * arm.sums[..., -2:, :] + a * arm.slopes[..., -2:, :]
+    # before the window less its last sample: values and derivatives at once
+    both = np.concatenate((ends, d_ends), axis=-1)
+    gained = _turned(both * _SIGNS) @ both
+    den, num = _quotient(arm, energy, gained[..., :arms, :arms])
     u = num / den
-    num_k = ds[..., None, :] + _outer(before, d_before) - _outer(last, d_last)
-    den_k = -_outer(arm.a, da)
+    num_k = ds[..., None, :] + gained[..., :arms, arms:]
+    den_k = -_turned(a) * da
     u_k = (num_k - u * den_k) / den
-    num_jk = _outer(d_before, d_before) - _outer(d_last, d_last)
-    u_jk = num_jk - _turned(u_k) * den_k - u_k * _turned(den_k) + u * _outer(da, da)
-    g, dg = arm.g, arm.dg
-    cross = _outer(dg, g) * u_k
+    crossed = _turned(u_k) * den_k
+    u_jk = gained[..., arms:, arms:] - crossed - _turned(crossed) + u * (_turned(da) * da)
+    g, dg = arm.g[..., None, :], arm.dg[..., None, :]
+    gg, g_dg = _turned(g) * g, _turned(g) * dg
+    cross = _turned(g_dg) * u_k
     return _Products(
-        qq=_outer(g, g) * u,
-        qp=_outer(g, dg) * u + _outer(g, g) * u_k,
-        pp=_outer(dg, dg) * u + cross + _turned(cross) + _outer(g, g) * u_jk / den,
+        qq=gg * u,
+        qp=g_dg * u + gg * u_k,
+        pp=_turned(dg) * dg * u + cross + _turned(cross) + gg * u_jk / den,
     )
 
 
-def _outer(a: FloatArray, b: FloatArray) -> FloatArray:
-    return np.asarray(a[..., :, None] * b[..., None, :])
+def _values(arm: _ArmSums, energy: float) -> FloatArray:
+    """Inner products of arms alone."""
+    ends = arm.a[..., None, :] * arm.sums[..., -2:, :]
+    den, num = _quotient(arm, energy, _turned(ends * _SIGNS) @ ends)
+    return np.asarray(arm.g[..., :, None] * arm.g[..., None, :] * num / den)
+
+
+def _quotient(arm: _ArmSums, energy: float, gained: FloatArray) -> tuple[FloatArray, FloatArray]:
+    s = arm.sums[..., -3, :]
+    den = -np.expm1(-(arm.z[..., :, None] + arm.z[..., None, :]))
+    return den, s[..., :, None] + s[..., None, :] - energy + gained
 
 
 def _turned(a: FloatArray) -> FloatArray:
@@ -275,8 +295,11 @@ def upper_factor(gram: FloatArray) -> FloatArray:
     Dependent columns leave a ridge of rounding size, never an error.
     """
     scale = np.sqrt(np.maximum(np.diagonal(gram, axis1=-2, axis2=-1), 1e-300))
-    unit = gram / _outer(scale, scale)
+    unit = gram / (scale[..., :, None] * scale[..., None, :])
     ridge = 0.0
+    if unit.shape[-1] > MANY:
+        ridge = GRAIN
+        unit = unit + ridge * np.eye(unit.shape[-1])
     while True:
         try:
             lower = np.linalg.cholesky(unit)
@@ -302,18 +325,22 @@ def response(
     start, stop : int
         The window.
     """
-    d = np.diff(x[:stop], prepend=0.0)
-    size = _fast_length(2 * stop)
+    d = x[:stop].copy()
+    d[1:] -= x[: stop - 1]
+    size = fast_length(2 * stop)
     lags = compression(np.arange(stop, dtype=float), step=1.0)
-    before = np.zeros(stop)
-    before[:start] = d[:start][::-1]
-    ends = lags.nodes_of(np.stack((before, d[::-1])))
+    before = np.zeros(len(lags.nodes))
+    if start:
+        before = lags.nodes_of(_turned_back(d, start))
+    # one sequence at a time stays in the cache
+    last = lags.nodes_of(d[::-1])
+    lagged = np.fft.rfft(d, size)
     bare = Response(
         fixed=fixed,
         fixed_gram=fixed.T @ fixed,
-        sequences=ends,
+        sequences=np.stack((before, last)),
         lags=lags,
-        lagged=np.fft.rfft(d, size).conj(),
+        lagged=np.conjugate(lagged, out=lagged),
         size=size,
         energy=float(d[start:] @ d[start:]),
         start=start,
@@ -321,13 +348,20 @@ def response(
         step=float(time[-1] - time[0]) / (len(time) - 1),
     )
     own = bare.own_lag(d)
-    # one sequence at a time stays in the cache
-    rows = [lags.nodes_of(_lagged(bare, column, x, own)) for column in fixed.T]
-    rows.append(lags.nodes_of(own))
-    return replace(bare, sequences=np.concatenate((np.stack(rows), ends)))
+    rows = [lags.nodes_of(_lagged(bare, column, x, d, own)) for column in fixed.T]
+    return replace(bare, sequences=np.stack((*rows, lags.nodes_of(own), before, last)))
 
 
-def _lagged(bare: Response, column: FloatArray, x: FloatArray, own: FloatArray) -> FloatArray:
+def _turned_back(values: FloatArray, start: int) -> FloatArray:
+    """The values before `start`, the last first, then zeros."""
+    out = np.zeros(len(values))
+    out[:start] = values[:start][::-1]
+    return out
+
+
+def _lagged(
+    bare: Response, column: FloatArray, x: FloatArray, d: FloatArray, own: FloatArray
+) -> FloatArray:
     r"""Correlation of a fixed column with the steps, in closed form where there is one.
 
     For a constant the sum of the steps telescopes. For the displacement itself, summing by parts
@@ -336,17 +370,16 @@ def _lagged(bare: Response, column: FloatArray, x: FloatArray, own: FloatArray) 
     .. math:: C_x(l) - C_x(l+1) = -C_d(l+1) + x_e d_{e-l} - x_b d_{b-l}
     """
     start, stop = bare.start, bare.count
-    before = np.zeros(stop)
-    if (column == column[0]).all():
-        before[:start] = x[:start][::-1]
-        return np.asarray(column[0] * (x[:stop][::-1] - before))
+    if column[0] == column[-1] and (column == column[0]).all():
+        return np.asarray(column[0] * (x[:stop][::-1] - _turned_back(x[:stop], start)))
     if not np.array_equal(column, x[start:stop]):
         return bare.lag(column)
-    d = np.diff(x[:stop], prepend=0.0)
-    before[:start] = d[:start][::-1]
-    falls = x[stop - 1] * d[::-1] - (x[start - 1] if start else 0.0) * before
-    falls[:-1] -= own[1:]
-    return np.cumsum(falls[::-1])[::-1]
+    # from the last lag to the first
+    falls = x[stop - 1] * d
+    if start:
+        falls -= x[start - 1] * _turned_back(d, start)[::-1]
+    falls[1:] -= own[:0:-1]
+    return np.cumsum(falls)[::-1]
 
 
 def correlation_block(
@@ -355,17 +388,3 @@ def correlation_block(
     """The block of one force: its record correlated, every sample kept in `exact`."""
     seen = response(time, x, exact.fixed, start=start, stop=stop)
     return CorrelationBlock(exact, seen, Force.of(seen, exact.target))
-
-
-def _fast_length(least: int) -> int:
-    """The smallest 2^i 3^j 5^k >= least."""
-    best = 1 << (least - 1).bit_length()
-    five = 1
-    while five < best:
-        three = five
-        while three < best:
-            rest = -(-least // three)
-            best = min(best, three << (rest - 1).bit_length())
-            three *= 3
-        five *= 5
-    return best

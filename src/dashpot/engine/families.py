@@ -288,10 +288,7 @@ class RecordedFamily(ByValue):
 
     def factor(self, tau: FloatArray, seen: Seen, *, exact: bool) -> FloatArray:  # noqa: ARG002
         """Triangular factors of [fixed, arms, slopes, y] at tau (R, N), one per record."""
-        p = self.fixed_count + tau.shape[1]
-        order = np.concatenate((np.arange(p), np.arange(p + 1, p + 1 + tau.shape[1]), [p]))
-        gram = self.response.gram(tau, Force(*seen.data), derivative=True)
-        return upper_factor(gram[:, order[:, None], order])
+        return upper_factor(self.response.gram(tau, Force(*seen.data), derivative=True))
 
     def moments(self, tau: FloatArray, seen: Seen) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Gram of [fixed, arms] at shared tau (G,), products with y: (R, q) and (R, G)."""

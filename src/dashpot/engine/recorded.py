@@ -74,10 +74,17 @@ def recorded_block(
         fixed[offset] = np.ones(stop - start)
     if drift is not None:
         fixed[drift] = time[start:stop] - time[start]
-    exact = recursion_block(
-        time, x, y, window=slice(start, stop), fixed=fixed, weights=weights, arm_group=arm_group
-    )
     step = uniform_step(time)
+    exact = recursion_block(
+        time,
+        x,
+        y,
+        window=slice(start, stop),
+        fixed=fixed,
+        step=step,
+        weights=weights,
+        arm_group=arm_group,
+    )
     if weights is not None or x[0] != 0 or len(time) <= SMALL or step is None:
         return exact if stop - start < LONG else reduced_block(exact)
     return correlation_block(exact, time, x, start=start, stop=stop)
@@ -90,10 +97,14 @@ def recursion_block(
     *,
     window: slice,
     fixed: dict[str, FloatArray],
+    step: float | None = None,
     weights: FloatArray | None = None,
     arm_group: str = "k",
 ) -> DesignBlock:
-    """The full record, every sample a row, arms by recursion: any grid, any weights."""
+    """The full record, every sample a row, arms by recursion: any grid, any weights.
+
+    `step` is the interval of a grid known to be uniform.
+    """
     root = None if weights is None else weights[window, None]
 
     def columns(tau: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
@@ -101,13 +112,14 @@ def recursion_block(
         q, p = q[window], p[window]
         return (q, p) if root is None else (root * q, root * p)
 
-    matrix = np.column_stack(list(fixed.values()))
+    columns_fixed = [column[:, None] for column in fixed.values()]
+    matrix = columns_fixed[0] if len(fixed) == 1 else np.concatenate(columns_fixed, axis=1)
     return DesignBlock(
         target=y[window] if root is None else root[:, 0] * y[window],
         fixed=matrix if root is None else root * matrix,
         fixed_names=tuple(fixed),
         columns=columns,
-        window=window_of(time, uniform_step(time)),
+        window=window_of(time, step),
         arm_group=arm_group,
     )
 
