@@ -74,6 +74,17 @@ def increasing(name: str, values: FloatArray) -> FloatArray:
     return values
 
 
+def median(values: FloatArray) -> float:
+    """Return the median of finite values, shape (n,).
+
+    ``numpy.median`` does the same, but imports ``numpy.ma`` to look for a mask, which takes an
+    eighth of the time of importing NumPy itself; nothing else of a fit needs it.
+    """
+    low, high = (len(values) - 1) // 2, len(values) // 2
+    parted = np.partition(values, (low, high))
+    return 0.5 * float(parted[low] + parted[high])
+
+
 def frozen(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
     """Return a read-only view of a private copy."""
     copy = np.array(values)

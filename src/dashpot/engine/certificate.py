@@ -97,7 +97,7 @@ def _refined(
     support = grid[weight > 0]
     step = (bounds[1] - bounds[0]) / GRID / 8.0**round_
     near = support[:, None] + step * np.arange(-8, 9) / 8
-    return np.unique(np.concatenate((np.clip(near, *bounds).ravel(), bounds)))
+    return np.array(sorted({*np.clip(near, *bounds).flat, *bounds}))
 
 
 def _polished(stack: Stack, grid: FloatArray, weight: FloatArray) -> float:

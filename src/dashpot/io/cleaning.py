@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dashpot._arrays import BoolArray, FloatArray
+from dashpot._arrays import BoolArray, FloatArray, median
 from dashpot.errors import ReadError
 from dashpot.io.table import Loaded
 
@@ -115,7 +115,7 @@ def drop_repeats(time: FloatArray, loaded: Loaded, *, file: str) -> tuple[BoolAr
 
 def clock_notes(time: FloatArray) -> list[str]:
     """Say if the sampling is so fast or slow that the unit of time may be wrong."""
-    step = float(np.median(np.diff(time))) if len(time) > 1 else 0.0
+    step = median(np.diff(time)) if len(time) > 1 else 0.0
     if step <= 0:
         return []
     rate = 1 / step
@@ -151,4 +151,4 @@ def _relaxes(values: FloatArray) -> float:
             float(np.ptp(late) / away.max()) if away.max() > 0 and peak > 0.5 * len(values) else 0.0
         )
     tail = away[int(0.9 * len(away)) :]
-    return float((away[peak] - np.median(tail)) / away[peak])
+    return float((away[peak] - median(tail)) / away[peak])

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from dashpot._arrays import FloatArray
+from dashpot._arrays import FloatArray, median
 from dashpot.relaxation.record_checks import encoder_step
 from dashpot.relaxation.records import RampHold
 
@@ -59,7 +59,7 @@ def between_counts(time: FloatArray, displacement: FloatArray) -> FloatArray:
     at = 0.5 * (time[change] + time[change + 1])
     half_way = 0.5 * (displacement[change] + displacement[change + 1])
     stay = np.diff(at)
-    crossing = float(np.median(stay))
+    crossing = median(stay)
     # readings before the first change, between changes, and after the last one
     level = displacement[np.append(change, change[-1] + 1)]
     start, stop = np.append(-np.inf, at), np.append(at, np.inf)

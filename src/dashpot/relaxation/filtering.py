@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from dashpot._arrays import FloatArray
+from dashpot._arrays import FloatArray, median
 from dashpot.checks import Check
 from dashpot.errors import DashpotError, DataError
 from dashpot.relaxation.records import RampHold
@@ -207,7 +207,7 @@ def _cutoff(text: str, value: str) -> float:
 
 def _even_rate(time: FloatArray, by: Filter) -> float:
     steps = np.diff(time)
-    usual = float(np.median(steps))
+    usual = median(steps)
     worst = int(np.argmax(np.abs(steps - usual)))
     if abs(steps[worst] - usual) > 0.2 * usual:
         raise DataError(

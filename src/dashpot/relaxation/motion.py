@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dashpot._arrays import FloatArray
+from dashpot._arrays import FloatArray, median
 from dashpot.errors import DataError
 from dashpot.relaxation.cycles import Cycle, choose_cycle, cycles_of, nothing_held
 from dashpot.relaxation.ramps import IdealRamp, ideal_ramp
@@ -118,15 +118,15 @@ def given_motion(
             f"{corner - first} samples lie in the ramp and {last - corner} in the hold that were "
             "given; expected at least 1 and 3"
         )
-    rise = float(np.median(displacement[corner : last + 1]) - displacement[first])
+    rise = median(displacement[corner : last + 1]) - float(displacement[first])
     turn = sign or (1 if rise > 0 else -1)
     x = turn * displacement
     if turn * rise <= 0:
         raise DataError("the displacement does not rise between the onset and the hold given")
-    level = float(np.median(x[corner : last + 1]))
+    level = median(x[corner : last + 1])
     rest = None
     if first >= 1:
-        before = float(np.median(x[: first + 1]))
+        before = median(x[: first + 1])
         rest = Segment("hold", 0, first, float(time[0]), onset, before, before)
     ramp = Segment("load", first, corner, onset, ramp_end, float(x[first]), level)
     hold = Segment("hold", corner, last, ramp_end, hold_end, level, level)
@@ -204,7 +204,7 @@ def _resting(x: FloatArray, rest: Segment | None, ramp: Segment) -> float:
     if rest is None:
         return float(x[ramp.first])
     late = rest.first + (rest.last - rest.first) // 2
-    return float(np.median(x[late : rest.last + 1]))
+    return median(x[late : rest.last + 1])
 
 
 def _held(time: FloatArray, x: FloatArray, cycle: Cycle) -> float:
@@ -216,7 +216,7 @@ def _held(time: FloatArray, x: FloatArray, cycle: Cycle) -> float:
     late = max(0.6 * ramp.duration, 0.02 * hold.duration)
     settled = (since >= 0.1 * ramp.duration) & (since <= late)
     values = x[hold.first : hold.last + 1]
-    return float(np.median(values[settled] if np.count_nonzero(settled) >= 5 else values[1:7]))
+    return median(values[settled] if np.count_nonzero(settled) >= 5 else values[1:7])
 
 
 def _last_held(x: FloatArray, hold: Segment, grain: float) -> int:
@@ -224,7 +224,7 @@ def _last_held(x: FloatArray, hold: Segment, grain: float) -> int:
     if hold.last == len(x) - 1:
         return hold.last
     late = x[hold.first + 3 * (hold.last - hold.first) // 4 : hold.last + 1]
-    level = float(np.median(late))
+    level = median(late)
     half = (hold.first + hold.last) // 2
     still = np.abs(x[half : hold.last + 1] - level) <= max(grain, 2e-3 * abs(np.ptp(x)))
     return half + int(np.flatnonzero(still)[-1])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dashpot._arrays import BoolArray, FloatArray
+from dashpot._arrays import BoolArray, FloatArray, median
 from dashpot.checks import Check
 from dashpot.errors import DataError
 from dashpot.relaxation.baseline import Baseline
@@ -178,7 +178,7 @@ def samples_unbroken(test: RampHold) -> Check:
     pauses = np.diff(test.time[early])
     worst = float(pauses.max(initial=0.0))
     share = worst / test.ramp_time
-    usual = float(np.median(pauses)) if pauses.size else 0.0
+    usual = median(pauses) if pauses.size else 0.0
     passed = share <= MAX_PAUSE or worst <= 3 * usual
     says = f"the longest pause between samples, from onset to a ramp after it, is {worst:.3g} s"
     if not passed:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from dashpot._arrays import FloatArray
+from dashpot._arrays import FloatArray, median
 from dashpot.errors import DataError
 from dashpot.provenance import Step
 from dashpot.relaxation import notices
@@ -153,7 +153,7 @@ def _motion(
 
 def _answer(force: FloatArray, motion: Motion) -> int:
     """1 if the force rises as the plate presses, else -1."""
-    before = float(np.median(force[motion.start : motion.departure + 1][-50:]))
+    before = median(force[motion.start : motion.departure + 1][-50:])
     after = force[motion.line.last : motion.stop + 1]
     furthest = after[np.argmax(np.abs(after - before))]
     return 1 if furthest >= before else -1
@@ -184,7 +184,7 @@ def _touch(
         rising = slice(motion.start, peak + 1)
         level, noise = before.level, before.noise
         if not before.long_enough:
-            level = float(np.median(force[rising][:5]))
+            level = median(force[rising][:5])
             noise = scatter(time[rising], force[rising])
         touch = touch_of(
             x[rising],
@@ -226,7 +226,7 @@ def _times(
 def _snapped(moment: float, time: FloatArray) -> float:
     """A moment that only rounding parts from a sample is that sample."""
     i = int(np.argmin(np.abs(time - moment)))
-    step = float(np.median(np.diff(time)))
+    step = median(np.diff(time))
     return float(time[i]) if abs(time[i] - moment) < 1e-6 * step else moment
 
 

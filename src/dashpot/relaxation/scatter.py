@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dashpot._arrays import BoolArray, FloatArray
+from dashpot._arrays import BoolArray, FloatArray, median
 
 
 def scatter(time: FloatArray, values: FloatArray) -> float:
@@ -27,7 +27,7 @@ def usual_scatter(time: FloatArray, values: FloatArray) -> float:
     """The same by the median: blind to corners and glitches, and to half of all samples."""
     if len(values) < 5:
         return 0.0
-    return 1.4826 * float(np.median(np.abs(_misses(time, values))))
+    return 1.4826 * median(np.abs(_misses(time, values)))
 
 
 def _misses(time: FloatArray, values: FloatArray) -> FloatArray:

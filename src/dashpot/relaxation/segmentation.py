@@ -6,7 +6,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from dashpot._arrays import FloatArray
+from dashpot._arrays import FloatArray, median
 from dashpot.relaxation.scatter import median_of_three, quantum, usual_scatter
 
 _LEAST_MOVE = 0.05
@@ -85,7 +85,7 @@ def _segment(
 ) -> Segment:
     origin, level = float(x[first]), float(x[last])
     if kind == "hold":
-        origin = level = float(np.median(x[first : last + 1]))
+        origin = level = median(x[first : last + 1])
     return Segment(kind, first, last, float(time[first]), float(time[last]), origin, level)
 
 
