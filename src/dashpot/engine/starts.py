@@ -157,10 +157,11 @@ def single(grid: Grid) -> FloatArray | None:
 
 
 def paired(grid: Grid) -> FloatArray | None:
-    r"""The two grid points whose columns, both with positive coefficients, fit best.
+    r"""Next to the two grid points whose columns, both with positive coefficients, fit best.
 
     All pairs at once: unit columns with cosine c and moments m_1, m_2 explain
-    :math:`(m_1^2 + m_2^2 - 2 c\, m_1 m_2)/(1 - c^2)` of the sum of squares.
+    :math:`(m_1^2 + m_2^2 - 2 c\, m_1 m_2)/(1 - c^2)` of the sum of squares. The best of them and
+    its neighbours then tell where between the points that is largest.
     """
     cosine, m = grid.gram, grid.moment
     determinant = 1.0 - cosine * cosine
@@ -173,7 +174,25 @@ def paired(grid: Grid) -> FloatArray | None:
     best = int(np.argmax(gain))
     if gain.flat[best] <= 0:
         return None
-    return grid.log_tau[np.sort(np.unravel_index(best, gain.shape))]
+    i, j = sorted(divmod(best, len(m)))
+    step = grid.log_tau[1] - grid.log_tau[0]
+    return np.asarray(grid.log_tau[[i, j]] + step * _vertex(gain, i, j))
+
+
+def _vertex(gain: FloatArray, i: int, j: int) -> FloatArray:
+    """Where the parabola through a largest value and its eight neighbours has its maximum."""
+    nowhere = np.zeros(2)
+    if not 0 < i < j - 2 < len(gain) - 3:
+        return nowhere
+    (a, b, c), (d, e, f), (g, h, k) = gain[i - 1 : i + 2, j - 1 : j + 2].tolist()
+    down, across, mixed = b - 2 * e + h, d - 2 * e + f, (a - c - g + k) / 4
+    determinant = down * across - mixed * mixed
+    if min(a, b, c, d, f, g, h, k) <= 0 or down >= 0 or determinant <= 0:
+        return nowhere
+    by_row, by_column = (h - b) / 2, (f - d) / 2
+    row = (mixed * by_column - across * by_row) / determinant
+    column = (mixed * by_row - down * by_column) / determinant
+    return np.asarray(np.clip((row, column), -1.0, 1.0))
 
 
 def tripled(grid: Grid) -> FloatArray | None:
