@@ -30,7 +30,7 @@ IndexArray: TypeAlias = npt.NDArray[np.intp]
 CHUNK = 256
 #: grid points for the first look, by number of arms: every set of them is tried; more arms have
 #: too many sets, and go one by one
-LOOK = {1: 72, 2: 40}
+LOOK = {1: 72, 2: 40, 3: 24}
 
 
 @dataclass(frozen=True, eq=False)
