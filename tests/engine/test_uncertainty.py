@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from dashpot.engine.student import central_probability, t_quantile
 from dashpot.engine.uncertainty import (
     Noise,
     autocovariance,
-    fast_length,
     geyer_cut,
     noise_of,
     sandwich,
@@ -34,16 +31,6 @@ def test_autocovariance_is_the_plain_sum() -> None:
     r = np.random.default_rng(1).standard_normal(137)
     plain = [r[: len(r) - lag] @ r[lag:] / len(r) for lag in range(len(r))]
     np.testing.assert_allclose(autocovariance(r), plain, atol=1e-14)
-
-
-@given(st.integers(1, 10_000))
-def test_fast_length_is_smooth_and_long_enough(n: int) -> None:
-    size = fast_length(n)
-    assert n <= size < 2 * n + 1
-    for prime in (2, 3, 5):
-        while size % prime == 0:
-            size //= prime
-    assert size == 1
 
 
 def test_the_cut_stops_where_a_pair_of_lags_falls_to_zero() -> None:

@@ -18,9 +18,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from dashpot._arrays import FloatArray
+from dashpot.engine.fourier import fast_length
 
 # a direction whose share of the information is below this is a rounding error, not knowledge
 _SINGULAR = 1e-13
+# residuals of which so many count as one are too nearly white to be uneven
+_PALE = 2.0
+# noise as even as this costs least squares no more than a tenth of what the data know
+_EVEN = 2.0
 # parameters per effective residual beyond which the fit's own part is given back lag by lag
 _WORTH_GIVING_BACK = 0.005
 _ROUNDS = 3
@@ -96,7 +101,8 @@ def _taken(jacobian: FloatArray) -> FloatArray:
     n = len(jacobian)
     size = fast_length(2 * n)
     columns = np.fft.rfft(np.linalg.qr(jacobian)[0].T, size, axis=1)
-    return np.asarray(np.fft.irfft((np.abs(columns) ** 2).sum(axis=0), size)[:n])
+    power = columns.real**2 + columns.imag**2
+    return np.asarray(np.fft.irfft(power.sum(axis=0), size)[:n])
 
 
 def autocovariance(residual: FloatArray) -> FloatArray:
@@ -104,7 +110,8 @@ def autocovariance(residual: FloatArray) -> FloatArray:
     n = len(residual)
     size = fast_length(2 * n)
     spectrum = np.fft.rfft(residual, size)
-    return np.asarray(np.fft.irfft(np.abs(spectrum) ** 2, size)[:n] / n)
+    power = spectrum.real**2 + spectrum.imag**2
+    return np.asarray(np.fft.irfft(power, size)[:n] / n)
 
 
 def geyer_cut(gamma: FloatArray) -> int:
@@ -146,39 +153,40 @@ def unevenness(jacobians: Sequence[FloatArray], noises: Sequence[Noise]) -> floa
     varies by a factor u leaves least squares an efficiency of :math:`4u/(1+u)^2` at worst, 0.89
     at 2. Source: P. Bloomfield and G. S. Watson, Biometrika 62 (1975) 121.
     """
-    stacked = np.concatenate(jacobians)
-    scale = np.linalg.norm(stacked, axis=0)
-    there = scale > 0.0
-    if not there.any():
-        return 1.0
-    scaled = [jacobian[:, there] / scale[there] for jacobian in jacobians]
     middle = np.sum(
         [
             toeplitz_form(jacobian, noise.autocovariance)
-            for jacobian, noise in zip(scaled, noises, strict=True)
+            for jacobian, noise in zip(jacobians, noises, strict=True)
         ],
         axis=0,
     )
-    values, vectors = np.linalg.eigh(np.sum([j.T @ j for j in scaled], axis=0))
+    information = np.sum([jacobian.T @ jacobian for jacobian in jacobians], axis=0)
+    scale = np.sqrt(np.diag(information))
+    there = scale > 0.0
+    if not there.any():
+        return 1.0
+    used, norm = np.ix_(there, there), np.outer(scale[there], scale[there])
+    values, vectors = np.linalg.eigh(information[used] / norm)
     sharp = values > _SINGULAR * values[-1]
     orthonormal = vectors[:, sharp] / np.sqrt(values[sharp])
-    shares = np.linalg.eigvalsh(orthonormal.T @ middle @ orthonormal)
+    shares = np.linalg.eigvalsh(orthonormal.T @ (middle[used] / norm) @ orthonormal)
     return float(shares[-1] / shares[0]) if shares[0] > 0.0 else np.inf
+
+
+def pale(samples: int, effective: float) -> bool:
+    """Return True if the noise is too nearly white to be worth asking whether it is uneven."""
+    return samples <= _PALE * effective
+
+
+def uneven(jacobians: Sequence[FloatArray], noises: Sequence[Noise]) -> bool:
+    """Return True if least squares is no fair judge of what meets so different amounts of noise."""
+    return unevenness(jacobians, noises) > _EVEN
 
 
 def white(jacobian: FloatArray, variance: float) -> FloatArray:
     """Return the covariance for independent residuals of this variance, shape (p, p)."""
     information = jacobian.T @ jacobian
     return _covariance(information, variance * information)
-
-
-def fast_length(n: int) -> int:
-    """Return the smallest length >= n of the form 2^a 3^b 5^c that an FFT likes."""
-    best = 1 << max(n - 1, 0).bit_length()
-    for odd in (3, 5, 9, 15, 25, 27, 45, 75, 81, 125):
-        power = max(-(-n // odd) - 1, 0).bit_length()
-        best = min(best, odd << power)
-    return best
 
 
 def toeplitz_form(jacobian: FloatArray, gamma: FloatArray) -> FloatArray:
@@ -193,13 +201,14 @@ def toeplitz_form(jacobian: FloatArray, gamma: FloatArray) -> FloatArray:
     circulant[-(lags - 1) :] = gamma[:0:-1]
     # a cut autocovariance need not be positive definite; a power spectrum must not be negative
     spectrum = np.maximum(np.fft.rfft(circulant).real, 0.0)
-    columns = np.fft.rfft(jacobian.T, size, axis=1)
     twice = np.full(len(spectrum), 2.0)
     twice[0] = 1.0
     if size % 2 == 0:
         twice[-1] = 1.0
-    weighted = columns * (spectrum * twice / size)
-    return np.asarray(columns.real @ weighted.real.T + columns.imag @ weighted.imag.T)
+    # real and imaginary parts side by side, so that one real product serves both
+    columns = np.ascontiguousarray(np.fft.rfft(jacobian, size, axis=0)).view(np.float64)
+    both = columns.T @ (columns * (spectrum * twice / size)[:, None])
+    return np.asarray(both[::2, ::2] + both[1::2, 1::2])
 
 
 def _covariance(information: FloatArray, middle: FloatArray) -> FloatArray:
