@@ -20,6 +20,7 @@ from scipy.optimize import least_squares
 from scipy.signal import lfilter
 
 from dashpot.engine import compression
+from dashpot.engine import starts as first_look
 from dashpot.engine.batch import solve_many
 from dashpot.engine.families import hold_family, recorded_family
 from dashpot.engine.holds import hold_block
@@ -114,7 +115,7 @@ def single_holds() -> None:
         def fresh(fit: Callable[[], Solution] = fit) -> Solution:
             compression._uniform.cache_clear()
             compression._piece.cache_clear()
-            starts._KNOWN.clear()
+            first_look._KNOWN.clear()
             return fit()
 
         theirs = rival(lambda p, s=seconds, f=force: hold(s, p) - f, arms, starts)

@@ -233,15 +233,20 @@ def descend(
     lacking: FloatArray | None = None
     last = np.inf
     for count in range(2, limit + 2):
-        step = _step(here, lacking, damping, low, high)
-        trial = np.minimum(np.maximum(here.log_tau + step, low), high)
-        moved = float(np.abs(trial - here.log_tau).max(initial=0.0))
+        trial = here.log_tau + _step(here, lacking, damping, low, high)
+        if not all(low <= value <= high for value in trial.tolist()):
+            trial = np.clip(trial, low, high)
+        step = trial - here.log_tau
+        moved = max(map(abs, step.tolist()), default=0.0)
         if moved <= finished:
             return Local(here, count, True)
-        if damping < LINEAR and moved <= LINEAR and moved * moved <= REST * last:
-            step = trial - here.log_tau
-            if abs(float(here.gradient @ step)) <= UNCHANGED * here.sse:
-                return Local(here.ahead(step), count, True)
+        if (
+            damping < LINEAR
+            and moved <= LINEAR
+            and moved * moved <= REST * last
+            and abs(float(here.gradient @ step)) <= UNCHANGED * here.sse
+        ):
+            return Local(here.ahead(step), count, True)
         new = point_at(stack, trial, restricted=restricted)
         tail = moved < TAIL
         if new is not None and (
@@ -303,7 +308,7 @@ def _step(
             return step
         part = curvature[index[:, None], index]
         step[index] = _solved(part, gradient[index], ridge[index])
-    longest = float(np.abs(step).max())
+    longest = max(map(abs, step.tolist()))
     return step if longest <= LONGEST_STEP else np.clip(step, -LONGEST_STEP, LONGEST_STEP)
 
 

@@ -192,7 +192,7 @@ def _vertex(gain: FloatArray, i: int, j: int) -> FloatArray:
     by_row, by_column = (h - b) / 2, (f - d) / 2
     row = (mixed * by_column - across * by_row) / determinant
     column = (mixed * by_row - down * by_column) / determinant
-    return np.asarray(np.clip((row, column), -1.0, 1.0))
+    return np.array([max(-1.0, min(1.0, row)), max(-1.0, min(1.0, column))])
 
 
 def tripled(grid: Grid) -> FloatArray | None:
