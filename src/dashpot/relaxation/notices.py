@@ -51,13 +51,14 @@ def refuse_saturated(where: str, test: RampHold, rise: float) -> None:
     top = float(test.force.max())
     first, last = _longest(test.force >= top - 1e-9 * abs(top))
     count = last - first + 1
+    if count < 5:
+        return
     moved = float(np.ptp(test.displacement[first : last + 1]))
     step = quantum(test.force)
     # over so far the force climbs by three quanta even at half its mean rate
     far = max(0.02 * test.depth, 6 * step * test.depth / rise, 4 * test.displacement_noise)
-    while_moving = count >= 5 and moved > far
     too_even = count >= 10 and 0 < step < 2 * test.force_noise
-    if not (while_moving or too_even):
+    if not (moved > far or too_even):
         return
     plausible = columns_plausible(test)
     if not plausible.passed:

@@ -165,7 +165,7 @@ def encoder_step(test: RampHold) -> float:
 
     Noise beyond half a step dithers it away: readings then average to the truth.
     """
-    step = quantum(test.displacement)
+    step = test.displacement_quantum
     return 0.0 if test.displacement_noise > 0.5 * step else step
 
 

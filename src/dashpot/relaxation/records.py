@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from dashpot._arrays import ByValue, FloatArray, increasing, same_length, sample
 from dashpot.checks import Check
 from dashpot.errors import DataError
 from dashpot.provenance import Source, Step
+from dashpot.relaxation.scatter import quantum
 
 
 @dataclass(frozen=True)
@@ -148,6 +150,11 @@ class RampHold(ByValue):
     def hold_time(self) -> float:
         """Duration of the hold, s."""
         return self.hold_end - self.ramp_end
+
+    @cached_property
+    def displacement_quantum(self) -> float:
+        """The step of the displacement's readings, m; 0 if none shows."""
+        return quantum(self.displacement)
 
     @property
     def hold(self) -> slice:
