@@ -12,11 +12,12 @@ the first fit on a sampling, with nothing cached.
 from __future__ import annotations
 
 import time
+import warnings
 from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import least_squares
+from scipy.optimize import curve_fit, least_squares
 from scipy.signal import lfilter
 
 from dashpot.engine import compression
@@ -53,6 +54,13 @@ def hold(seconds: np.ndarray, p: np.ndarray) -> np.ndarray:
     return DEPTH * force
 
 
+def blind_start(arms: int) -> np.ndarray:
+    """Stiffnesses log-uniform in 1e-3..10 N/mm, relaxation times in 1e-2..1e2 s."""
+    k = GENERATOR.uniform(np.log(1e-3), np.log(10), arms + 1)
+    tau = GENERATOR.uniform(np.log(1e-2), np.log(1e2), arms)
+    return np.exp(np.concatenate((k, tau)))
+
+
 class Rival(NamedTuple):
     good: float  # median CPU seconds from good starts
     blind: float  # from blind ones
@@ -70,14 +78,7 @@ def rival(residual: Callable[[np.ndarray], np.ndarray], arms: int, starts: int) 
             if spent is good:
                 start = truth * 2 ** GENERATOR.uniform(-1, 1, len(truth))
             else:
-                start = np.exp(
-                    np.concatenate(
-                        (
-                            GENERATOR.uniform(np.log(1e-3), np.log(10), arms + 1),
-                            GENERATOR.uniform(np.log(1e-2), np.log(1e2), arms),
-                        )
-                    )
-                )
+                start = blind_start(arms)
             begun = time.thread_time()
             found = least_squares(residual, start, bounds=(0, np.inf))
             spent.append(time.thread_time() - begun)
@@ -120,7 +121,7 @@ def single_holds() -> None:
 
         theirs = rival(lambda p, s=seconds, f=force: hold(s, p) - f, arms, starts)
         label = f"one fit, 41 s @ {rate // 1000} kHz, N = {arms}"
-        row(label, cpu(fit, 15), theirs, target, fit().sse)
+        row(label, cpu(fit, 101), theirs, target, fit().sse)
         row(label + ", cold", cpu(fresh, 7), theirs)
 
 
@@ -167,8 +168,65 @@ def recorded() -> None:
     row("  the same in a batch, per record", ours, theirs, 10)
 
 
+def leastsq_of_lmfit(residual: Callable[[np.ndarray], np.ndarray], start: np.ndarray) -> float:
+    """The SSE that lmfit's default ends at, every parameter kept >= 0."""
+    import lmfit
+
+    parameters = lmfit.Parameters()
+    for i, value in enumerate(start):
+        parameters.add(f"p{i}", value=value, min=0)
+    found = lmfit.minimize(lambda p: residual(np.array(list(p.valuesdict().values()))), parameters)
+    return float(found.chisqr)
+
+
+def others(starts: int = 20) -> None:
+    """What else people fit with, from blind starts: the optimum found, and the time it took."""
+    seconds = np.arange(40_001) / 1000
+    for arms in (2, 3):
+        k, tau = TRUTH[arms]
+        force = hold(seconds, np.array((K_INF, *k, *tau)))
+        force = force + NOISE * GENERATOR.standard_normal(len(force))
+        best = solve([hold_block(seconds, force, depth=DEPTH, ramp_time=1.0)], arms).sse
+
+        def residual(p: np.ndarray, force: np.ndarray = force) -> np.ndarray:
+            return hold(seconds, p) - force
+
+        def by_curve_fit(start: np.ndarray, force: np.ndarray = force) -> float:
+            found = curve_fit(lambda s, *p: hold(s, np.array(p)), seconds, force, start)[0]
+            return float(np.square(hold(seconds, found) - force).sum())
+
+        methods = {
+            "curve_fit": by_curve_fit,
+            "least_squares (trf, >= 0)": lambda start, residual=residual: float(
+                2 * least_squares(residual, start, bounds=(0, np.inf)).cost
+            ),
+            "lmfit (leastsq, >= 0)": lambda start, r=residual: leastsq_of_lmfit(r, start),
+        }
+        for name, method in methods.items():
+            hits, spent = 0, []
+            for _ in range(starts):
+                begun = time.thread_time()
+                try:
+                    with np.errstate(all="ignore"), warnings.catch_warnings():
+                        warnings.simplefilter("ignore")
+                        sse = method(blind_start(arms))
+                except ImportError:
+                    print(f"  {name}: not installed")
+                    break
+                except (RuntimeError, ValueError):
+                    sse = np.inf
+                spent.append(time.thread_time() - begun)
+                hits += sse < best * (1 + 1e-6)
+            else:
+                print(
+                    f"  N = {arms}  {name:28s} optimum from {hits:2d} of {starts} blind starts,"
+                    f" {1e3 * np.median(spent):7.0f} ms each"
+                )
+
+
 if __name__ == "__main__":
     print(f"{'':44s} {'ours ms':>8s} {'good ms':>9s} {'ratio':>7s} {'blind ms':>9s} {'ratio':>7s}")
     single_holds()
     batch()
     recorded()
+    others()
