@@ -91,3 +91,32 @@ def test_a_side_the_data_leave_open_ends_at_the_window(
     )
     assert deviance.max() < 11.0
     assert (value[0], value[-1]) == pytest.approx(stack.bounds)
+
+
+def test_where_the_noise_is_louder_the_same_sse_means_less(
+    problem: tuple[Stack, Optimum, np.ndarray],
+) -> None:
+    """A noise that grows with tau opens the upper side and leaves the lower one alone."""
+    stack, optimum, _ = problem
+
+    def louder(beta: np.ndarray, log_tau: np.ndarray) -> float:
+        return float(np.exp(2.0 * max(log_tau[1] - optimum.log_tau[1], 0.0)))
+
+    plain, loud = (
+        profile(
+            stack, optimum, Coordinate.LOG_TAU, 1,
+            step=0.1, scale=NOISE**2, limit=11.0, louder=noise,
+        )
+        for noise in (None, louder)
+    )  # fmt: skip
+    best = float(optimum.log_tau[1])
+    for value, deviance in zip(*loud, strict=True):
+        quiet = float(np.interp(value, *plain))
+        if value <= best:
+            assert deviance == pytest.approx(quiet, abs=0.05, rel=0.02)
+        elif value < plain[0][-1]:
+            assert deviance == pytest.approx(
+                quiet / np.exp(2.0 * (value - best)), abs=0.05, rel=0.05
+            )
+    assert loud[0][-1] == pytest.approx(plain[0][-1])
+    assert loud[1][-1] < 0.1 * plain[1][-1]

@@ -15,7 +15,7 @@ from dashpot.engine.holds import hold_block
 from dashpot.engine.recorded import recorded_block
 from dashpot.engine.separable import full_jacobian, solve
 from dashpot.engine.uncertainty import Noise
-from dashpot.engine.whitening import whitened_block
+from dashpot.engine.whitening import Loudness, whitened_block
 
 STEP = 0.02
 TIME = STEP * np.arange(600)
@@ -117,6 +117,42 @@ def test_no_direction_is_trusted_better_than_under_white_noise(
     theirs = exact.evaluate(at, derivative=False).arms
     excess = np.linalg.eigvalsh(mine.T @ mine - theirs.T @ theirs / 1e-4)
     assert excess.max() <= 1e-6 * np.sum(theirs**2) / 1e-4
+
+
+@pytest.mark.parametrize("make", [held, moved])
+def test_the_noise_that_meets_a_change_is_its_dense_quadratic_form(
+    make: Callable[[], Block],
+) -> None:
+    exact, noise = make(), slow(0.5)
+    solution = solve([exact], 2)
+    loudness = Loudness([exact], [noise], solution)
+    jacobian = full_jacobian([exact], solution).matrix
+    dense = toeplitz(noise.autocovariance)
+    inverse = np.linalg.inv(jacobian.T @ jacobian)
+    for step in inverse:
+        change = jacobian @ step
+        assert loudness.towards(step) == pytest.approx(
+            change @ dense @ change / (change @ change), rel=0.02
+        )
+    beta, log_tau = np.concatenate((solution.fixed, solution.arms.ravel())), solution.log_tau
+    before = exact.evaluate(log_tau)
+    for shift in np.array([[0.0, 1.2], [0.4, 0.0], [-0.3, -0.5]]):
+        moved_to = log_tau + shift
+        after = exact.evaluate(moved_to)
+        change = np.concatenate((after.fixed - before.fixed, after.arms - before.arms), axis=1)
+        change = change @ beta
+        assert loudness.at(beta, moved_to) == pytest.approx(
+            change @ dense @ change / (change @ change), rel=0.02
+        )
+
+
+def test_white_noise_meets_every_change_alike() -> None:
+    exact = held(1e-2 * np.random.default_rng(1).standard_normal(len(TIME)))
+    solution = solve([exact], 2)
+    loudness = Loudness([exact], [white(0.3)], solution)
+    assert loudness.towards(np.array([1.0, -2.0, 0.3, 0.1, 0.7])) == pytest.approx(0.3)
+    beta = np.concatenate((solution.fixed, solution.arms.ravel()))
+    assert loudness.at(1.1 * beta, solution.log_tau + 0.2) == pytest.approx(0.3)
 
 
 def test_the_fall_of_the_deviance_under_slow_noise_is_chance() -> None:

@@ -82,11 +82,24 @@ def test_intervals_stay_honest_when_the_encoder_is_the_worst_part(
     assert error[0] / value[0] > 0.5 * encoder / np.sqrt(6) / 8e-3
 
 
-@pytest.mark.parametrize("name", ["white", "10hz", "ar20ms"])
+@pytest.mark.parametrize("name", ["white", "10hz", "ar20ms", "ar500ms"])
 def test_intervals_cover_the_truth_under_correlated_noise(name: str) -> None:
     """25 seeds at 200 Hz; the benchmark has 1000 at 1 kHz."""
     hits = [coverage.covered(coverage.NOISES[name], seed, rate=200.0) for seed in range(25)]
     assert np.mean(hits) > 0.88
+
+
+@pytest.mark.parametrize("seed", [17, 67, 94, 205])
+def test_a_profile_counts_the_noise_that_it_meets_on_its_way(seed: int) -> None:
+    """Slow noise took these plateaus for higher: the way down leads to slower arms, where it is
+    louder than at the optimum.
+    """
+    test = coverage.record(coverage.SEAL, coverage.NOISES["ar500ms"], seed, rate=200.0)
+    found = fit(test, arms=2)
+    low, high = found.intervals(0.95)["k_inf"]
+    assert low < coverage.SEAL.k_inf < high
+    # the standard error at the optimum knows nothing of that
+    assert found.model.k_inf - 2.0 * found.standard_error["k_inf"] > coverage.SEAL.k_inf
 
 
 def test_naive_intervals_would_not_cover() -> None:

@@ -6,10 +6,16 @@ r"""Profile likelihood: how bad the best fit becomes when one parameter is held 
 compared with the square of Student's t. Unlike a standard error it sees that a likelihood is
 skewed, or open on one side. Source: D. M. Bates and D. G. Watts, *Nonlinear Regression Analysis
 and Its Applications* (1988), ch. 6.
+
+The noise of a correlated record is not equally loud to every change of the model, and a profile
+that bends walks from one kind of change to another: with :math:`d(v)` the change of the model on
+the way from the optimum to v, :math:`\kappa s^2` grows as :math:`d'\Gamma d / d'd`. In a linear
+model that is constant, and the deviance is the square of (v - optimum) / SE by the sandwich.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from enum import Enum
 from typing import NamedTuple
 
@@ -47,6 +53,7 @@ def profile(
     step: float,
     scale: float,
     limit: float,
+    louder: Callable[[FloatArray, FloatArray], float] | None = None,
 ) -> tuple[FloatArray, FloatArray]:
     """Return trial values, ascending, and the deviance of each; the optimum is among them.
 
@@ -64,12 +71,21 @@ def profile(
         kappa s^2, what one unit of deviance costs in SSE.
     limit : float
         The walk ends where the deviance exceeds this, or where the window of the data ends.
+    louder : callable, optional
+        How many times the noise at the optimum meets the way from there to linear parameters
+        and ln tau; once, if left out.
     """
     held = _Held(stack, coordinate, index, len(optimum.beta))
     start = np.concatenate((optimum.beta, optimum.log_tau))
     best = held.sse(start)
+
+    def deviance_at(point: FloatArray) -> float:
+        times = 1.0 if louder is None else louder(point[: held.linear], point[held.linear :])
+        return max(held.sse(point) - best, 0.0) / (scale * times)
+
     sides = [
-        _walk(held, start, best, step=sign * step, scale=scale, limit=limit) for sign in (-1.0, 1.0)
+        _walk(held, start, deviance_at, step=sign * step, tolerance=1e-4 * scale, limit=limit)
+        for sign in (-1.0, 1.0)
     ]
     values = [*reversed(sides[0]), (held.value(start), 0.0), *sides[1]]
     value, deviance = np.array(values).T
@@ -77,7 +93,13 @@ def profile(
 
 
 def _walk(
-    held: _Held, start: FloatArray, best: float, *, step: float, scale: float, limit: float
+    held: _Held,
+    start: FloatArray,
+    deviance_at: Callable[[FloatArray], float],
+    *,
+    step: float,
+    tolerance: float,
+    limit: float,
 ) -> list[tuple[float, float]]:
     low, high = held.range
     point, value, root = start.copy(), held.value(start), 0.0
@@ -88,8 +110,8 @@ def _walk(
         if nearest == value:
             break
         step = nearest - value
-        there = held.fitted(point, nearest, tolerance=1e-4 * scale)
-        deviance = max(held.sse(there) - best, 0.0) / scale
+        there = held.fitted(point, nearest, tolerance=tolerance)
+        deviance = deviance_at(there)
         rise = float(np.sqrt(deviance)) - root
         # aim at a rise in the root of the deviance over which interpolation is good
         step *= float(np.clip(_RISE / max(rise, 1e-3), 0.1, 2.0))

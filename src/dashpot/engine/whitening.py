@@ -1,34 +1,30 @@
-r"""A record in the metric of its own noise, where least squares is generalised least squares.
+r"""A record in the metric of its own noise.
 
-Every model of a block lies in the span of its fixed columns and of its arms' columns at some fifty
-relaxation times; with Q an orthonormal basis of that span, about forty columns, and
-:math:`\Gamma` the Toeplitz matrix of the noise's autocovariance,
+With Q the span of the record's models (:mod:`dashpot.engine.span`) and :math:`\Gamma` the
+Toeplitz matrix of the noise's autocovariance,
 
-.. math:: z = Q'y, \qquad C = Q'\Gamma Q = V \,\mathrm{diag}(c)\, V', \qquad
-    \chi^2(\theta) = \sum_i \frac{\bigl(V'(z - Q'm(\theta))\bigr)_i^2}{\max(c_i, \gamma_0)}
+.. math:: C = Q'\Gamma Q = V \,\mathrm{diag}(c)\, V', \qquad
+    \chi^2(\theta) = \sum_i \frac{\bigl(V'Q'(y - m(\theta))\bigr)_i^2}{\max(c_i, \gamma_0)}
 
-is the deviance of a model m in units of chi-square: fast detail counts for more where the noise is
-slow. What the data hold outside the span no model can answer. No direction is trusted better than
-white noise of the same variance would let it be: a filter leaves next to nothing above its
+is the deviance of a model m in units of chi-square, and its least value is that of generalised
+least squares: fast detail counts for more where the noise is slow. No direction is trusted better
+than white noise of the same variance would let it be: a filter leaves next to nothing above its
 cut-off, and to believe that would let its transients decide.
 Source: A. C. Aitken, Proceedings of the Royal Society of Edinburgh 55 (1936) 42.
 """
 
 from __future__ import annotations
 
-from functools import lru_cache
+from collections.abc import Sequence
 
 import numpy as np
 
 from dashpot._arrays import FloatArray
 from dashpot.engine.blocks import Block, DesignBlock
+from dashpot.engine.descent import Stack
+from dashpot.engine.separable import Solution, full_jacobian
+from dashpot.engine.span import Span, span_of
 from dashpot.engine.uncertainty import Noise, toeplitz_form
-
-_TIMES_PER_FOLD = 5.0
-_LAGS = 300
-# kernels weaker than this part of the strongest change no deviance
-_RANK = 1e-9
-_ACCURACY = 1e-7
 
 
 def whitened_block(exact: Block, noise: Noise) -> DesignBlock:
@@ -41,44 +37,73 @@ def whitened_block(exact: Block, noise: Noise) -> DesignBlock:
     noise : Noise
         Of its residuals, with a positive variance.
     """
-    shortest, longest = exact.window
-    # kernels scale with the clock: they are made for a window that starts at one
-    tau, lags, span, weights = _kernels(round(float(np.log(longest / shortest)) + 0.05, 1))
-    whole = exact.evaluate(np.log(tau * shortest), derivative=False)
-    space = np.concatenate((whole.arms @ span, whole.fixed), axis=1)
-    basis, factor = np.linalg.qr(space)
-    variance, axes = np.linalg.eigh(toeplitz_form(basis, noise.autocovariance))
-    whiten = (axes / np.sqrt(np.maximum(variance, noise.autocovariance[0]))).T
-    rows = whiten @ factor
-    operator, fixed = rows[:, : span.shape[1]] @ weights, rows[:, span.shape[1] :]
-    lag = lags * shortest
+    span = span_of(exact)
+    variance, axes = _principal(span, noise)
+    whiten = (axes / np.sqrt(variance)).T
+    plain = span.block
 
     def columns(at: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
-        x = lag[:, None] / at
-        decay = np.exp(-x)
-        arms = operator @ decay
-        return (arms, operator @ (x * decay)) if derivative else (arms, arms)
+        arms, slopes = plain.columns(at, derivative)
+        return whiten @ arms, whiten @ slopes if derivative else arms
 
     return DesignBlock(
-        target=whiten @ (basis.T @ whole.target),
-        fixed=fixed,
-        fixed_names=exact.fixed_names,
+        target=whiten @ plain.target,
+        fixed=whiten @ plain.fixed,
+        fixed_names=plain.fixed_names,
         columns=columns,
-        window=exact.window,
-        samples=exact.samples,
-        arm_group=exact.arm_group,
-        accuracy=_ACCURACY,
+        window=plain.window,
+        samples=plain.samples,
+        arm_group=plain.arm_group,
+        accuracy=plain.accuracy,
     )
 
 
-@lru_cache(maxsize=8)
-def _kernels(folds: float) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    r"""Fixed times, lags, V and :math:`S^{-1}U'` of the kernels :math:`e^{-t/\tau} = USV'`.
+class Loudness:
+    r"""The noise that meets a change d of the model, :math:`d'\Gamma d / d'd`.
 
-    Any kernel of the window, one to e**folds, is the fixed ones times :math:`V S^{-1}U'e(\tau)`.
+    Parameters
+    ----------
+    every_sample : sequence of Block
+        One per record, every sample a row.
+    noises : sequence of Noise
+    solution : Solution
+        The model that changes.
     """
-    tau = np.exp(np.linspace(-0.3, folds + 0.3, round(_TIMES_PER_FOLD * folds)))
-    lags = np.concatenate(([0.0], np.exp(np.linspace(np.log(0.25), folds, _LAGS))))
-    u, s, vt = np.linalg.svd(np.exp(-lags[:, None] / tau), full_matrices=False)
-    keep = s > _RANK * s[0]
-    return tau, lags, vt[keep].T, u[:, keep].T / s[keep, None]
+
+    def __init__(
+        self, every_sample: Sequence[Block], noises: Sequence[Noise], solution: Solution
+    ) -> None:
+        spans = [span_of(block) for block in every_sample]
+        blocks = [span.block for span in spans]
+        self._stack = Stack(blocks)
+        self._cuts = np.cumsum([len(block.target) for block in blocks])[:-1]
+        self._principal = [_principal(*pair) for pair in zip(spans, noises, strict=True)]
+        self._jacobian = full_jacobian(blocks, solution).matrix
+        self._model = self._at(
+            np.concatenate((solution.fixed, solution.arms.ravel())), solution.log_tau
+        )
+
+    def towards(self, step: FloatArray) -> float:
+        """Return it for a small step of the parameters, in the order of the Jacobian."""
+        return self._of(self._jacobian @ step)
+
+    def at(self, beta: FloatArray, log_tau: FloatArray) -> float:
+        """Return it for the way to other linear parameters and relaxation times."""
+        return self._of(self._at(beta, log_tau) - self._model)
+
+    def _at(self, beta: FloatArray, log_tau: FloatArray) -> FloatArray:
+        return np.asarray(self._stack.evaluate(log_tau, derivative=False).phi @ beta)
+
+    def _of(self, change: FloatArray) -> float:
+        parts = np.split(change, self._cuts)
+        loud = sum(
+            float(variance @ (axes.T @ part) ** 2)
+            for part, (variance, axes) in zip(parts, self._principal, strict=True)
+        )
+        return loud / max(float(change @ change), 1e-300)
+
+
+def _principal(span: Span, noise: Noise) -> tuple[FloatArray, FloatArray]:
+    """Return the variances of the noise along its principal axes, and these as columns."""
+    variance, axes = np.linalg.eigh(toeplitz_form(span.basis, noise.autocovariance))
+    return np.maximum(variance, noise.autocovariance[0]), axes

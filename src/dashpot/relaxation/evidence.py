@@ -8,12 +8,9 @@ from itertools import pairwise
 from dashpot.engine.blocks import Block
 from dashpot.engine.order import Choice, bic_of_deviance, needed
 from dashpot.engine.separable import Jacobian, Solution, solve, solve_orders
-from dashpot.engine.uncertainty import unevenness
+from dashpot.engine.uncertainty import uneven
 from dashpot.engine.whitening import whitened_block
 from dashpot.relaxation.estimate import Score, by_record, noises_of, rounding
-
-# noise as even as this costs least squares no more than a tenth of what the data know
-_MAX_UNEVENNESS = 2.0
 
 
 def in_noise_metric(
@@ -49,7 +46,7 @@ def in_noise_metric(
         return None
     supported = min(max(choice.by_bic, choice.by_significance, 1), len(solutions) - 1)
     _, jacobians = by_record(whole(supported), every_sample)
-    if unevenness(jacobians, noises) < _MAX_UNEVENNESS:
+    if not uneven(jacobians, noises):
         return None
     blocks = [
         whitened_block(block, noise) for block, noise in zip(every_sample, noises, strict=True)

@@ -12,6 +12,7 @@ from dashpot.engine.blocks import Block
 from dashpot.engine.descent import Stack
 from dashpot.engine.order import Choice, choose
 from dashpot.engine.separable import Jacobian, full_jacobian, solve, solve_orders
+from dashpot.engine.uncertainty import pale
 from dashpot.errors import FitError
 from dashpot.relaxation.design import (
     NUISANCE,
@@ -29,9 +30,6 @@ from dashpot.relaxation.outcome import outcome
 from dashpot.relaxation.record_checks import encoder_step
 from dashpot.relaxation.records import RampHold
 from dashpot.relaxation.telling import asked_arms
-
-# residuals of which so many count as one are too nearly white for their metric to matter
-_PALE = 2.0
 
 
 def fit(
@@ -110,7 +108,7 @@ def fit(
     def whole(order: int) -> Jacobian:
         return full_jacobian(samples, trial[order].solution)
 
-    if arms == "auto" and effective * _PALE < trial[-1].solution.samples:
+    if arms == "auto" and not pale(trial[-1].solution.samples, effective):
         anew = in_noise_metric(trial, choice, samples, whole, peak=peak, thorough=thorough)
         if anew is not None:
             trial, choice = anew, _choice(anew, exhausted=exhausted, in_noise_metric=True)
@@ -125,6 +123,7 @@ def fit(
     return outcome(
         records,
         blocks,
+        samples,
         estimate,
         trial,
         choice=choice if arms == "auto" else None,

@@ -25,6 +25,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 def outcome(
     records: Sequence[RampHold],
     blocks: Sequence[Block],
+    samples: Sequence[Block],
     estimate: Estimate,
     scores: Sequence[Score],
     *,
@@ -38,8 +39,8 @@ def outcome(
     Parameters
     ----------
     records : sequence of RampHold
-    blocks : sequence of Block
-        Their compressed data.
+    blocks, samples : sequences of Block
+        Their compressed data, and all of it.
     estimate : Estimate
         The chosen number of arms.
     scores : sequence of Score
@@ -84,7 +85,7 @@ def outcome(
         band=band,
         orders=tuple(_order(score, suffix) for score in scores),
         certificate=proof_of(blocks, solution),
-        profiles=profiles(blocks, estimate, suffix=suffix),
+        profiles=profiles(blocks, estimate, suffix=suffix, every_sample=samples),
         nuisance=nuisance_of(estimate, tests=len(records)),
         checks=(*(check for record in records for check in record.checks), *found),
         source=tuple(record.source for record in records if record.source is not None),

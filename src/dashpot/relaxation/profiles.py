@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -10,8 +10,11 @@ from dashpot._arrays import FloatArray
 from dashpot.engine.blocks import Block
 from dashpot.engine.descent import Stack
 from dashpot.engine.profile import Coordinate, Optimum, profile
+from dashpot.engine.separable import full_jacobian
 from dashpot.engine.student import t_quantile
-from dashpot.relaxation.estimate import Estimate
+from dashpot.engine.uncertainty import pale, uneven
+from dashpot.engine.whitening import Loudness
+from dashpot.relaxation.estimate import Estimate, by_record
 from dashpot.relaxation.fit import Profile
 
 # below this SE(ln tau) the likelihood is Gaussian for all that intervals need
@@ -20,7 +23,13 @@ WALD_SUFFICES = 0.05
 _WIDEST_LEVEL = 0.999
 
 
-def profiles(blocks: Sequence[Block], estimate: Estimate, *, suffix: str) -> tuple[Profile, ...]:
+def profiles(
+    blocks: Sequence[Block],
+    estimate: Estimate,
+    *,
+    suffix: str,
+    every_sample: Sequence[Block] | None = None,
+) -> tuple[Profile, ...]:
     """Return the profiles of tau, k and b of every arm with SE(ln tau) >= 0.05, and of k_inf.
 
     Parameters
@@ -30,6 +39,9 @@ def profiles(blocks: Sequence[Block], estimate: Estimate, *, suffix: str) -> tup
     estimate : Estimate
     suffix : str
         Which arm group is the model's, ``""`` or ``"@0"``.
+    every_sample : sequence of Block, optional
+        The data with a row per sample, in the order of time: noise as slow as the arms is then
+        counted as each profile meets it.
     """
     solution = estimate.solution
     if not solution.order or estimate.dof < 1.0:
@@ -43,7 +55,8 @@ def profiles(blocks: Sequence[Block], estimate: Estimate, *, suffix: str) -> tup
     ]
     if not doubtful:
         return ()
-    walk = _Walk(blocks, estimate)
+    loudness = None if every_sample is None else _loudness(every_sample, estimate)
+    walk = _Walk(blocks, estimate, loudness)
     found = [
         Profile(name, *values)
         for number, j in doubtful
@@ -58,11 +71,24 @@ def profiles(blocks: Sequence[Block], estimate: Estimate, *, suffix: str) -> tup
     return tuple(found)
 
 
+def _loudness(every_sample: Sequence[Block], estimate: Estimate) -> Loudness | None:
+    """Return how loud the noise is to each change of the model, None if about equally."""
+    if pale(estimate.samples, estimate.effective):
+        return None
+    _, jacobians = by_record(full_jacobian(every_sample, estimate.solution), every_sample)
+    if not uneven(jacobians, estimate.noises):
+        return None
+    return Loudness(every_sample, estimate.noises, estimate.solution)
+
+
 class _Walk:
     """Profiles of one estimate, each scaled so that it begins as its own covariance says."""
 
-    def __init__(self, blocks: Sequence[Block], estimate: Estimate) -> None:
+    def __init__(
+        self, blocks: Sequence[Block], estimate: Estimate, loudness: Loudness | None
+    ) -> None:
         self.estimate = estimate
+        self.loudness = loudness
         self.stack = Stack(blocks)
         solution = estimate.solution
         self.optimum = Optimum(
@@ -113,4 +139,12 @@ class _Walk:
         return profile(
             self.stack, self.optimum, coordinate, index,
             step=max(step, 1e-9), scale=max(scale, 1e-300), limit=self.limit,
+            louder=self._louder(self.inverse @ gradient),
         )  # fmt: skip
+
+    def _louder(self, first: FloatArray) -> Callable[[FloatArray, FloatArray], float] | None:
+        loudness = self.loudness
+        if loudness is None:
+            return None
+        at_optimum = loudness.towards(first)
+        return lambda beta, log_tau: loudness.at(beta, log_tau) / at_optimum
