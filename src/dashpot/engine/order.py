@@ -26,8 +26,8 @@ for the Wald ratio; R. B. Davies, Biometrika 74 (1987) 33, for a parameter witho
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import erfc, exp, gamma, sqrt
+from typing import NamedTuple
 
 import numpy as np
 
@@ -39,8 +39,7 @@ MAX_SE_LN_TAU = 0.5
 MAX_CHANCE = erfc(MIN_K_OVER_SE / sqrt(2.0))
 
 
-@dataclass(frozen=True)
-class Choice:
+class Choice(NamedTuple):
     """The chosen number of arms, and what each rule would have chosen.
 
     Attributes

@@ -24,7 +24,6 @@ from dashpot.relaxation.design import (
 )
 from dashpot.relaxation.encoder import Encoder
 from dashpot.relaxation.estimate import Score, effective_samples, estimated, scored
-from dashpot.relaxation.evidence import in_noise_metric
 from dashpot.relaxation.fit import Fit
 from dashpot.relaxation.outcome import outcome
 from dashpot.relaxation.record_checks import encoder_step
@@ -109,6 +108,8 @@ def fit(
         return full_jacobian(samples, trial[order].solution)
 
     if arms == "auto" and not pale(trial[-1].solution.samples, effective):
+        from dashpot.relaxation.evidence import in_noise_metric
+
         anew = in_noise_metric(trial, choice, samples, whole, peak=peak, thorough=thorough)
         if anew is not None:
             trial, choice = anew, _choice(anew, exhausted=exhausted, in_noise_metric=True)
@@ -200,11 +201,15 @@ def _tried(
 ) -> tuple[tuple[Score, ...], float]:
     """Return every number of arms from none up, judged by the residuals of the largest.
 
-    Their effective number is returned beside.
+    Their effective number is returned beside. Where any number of further arms together would
+    gain less than BIC asks for one, one more is tried for the record.
     """
     solutions = [solve(blocks, 0)]
     if most:
-        solutions += [s for s in solve_orders(blocks, most, thorough=thorough) if s.order]
+        stack = Stack(blocks)
+        one_more = 0.0 if thorough else (1 + len(stack.groups)) * float(np.log(stack.samples))
+        found = solve_orders(blocks, most, negligible=one_more, thorough=thorough)
+        solutions += [solution for solution in found if solution.order]
     effective = effective_samples(solutions[-1], samples, peak=peak)
     scores = tuple(
         scored(solution, blocks, samples, effective=effective, peak=peak) for solution in solutions

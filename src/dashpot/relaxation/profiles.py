@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,9 +14,11 @@ from dashpot.engine.profile import Coordinate, Optimum, profile
 from dashpot.engine.separable import full_jacobian
 from dashpot.engine.student import t_quantile
 from dashpot.engine.uncertainty import pale, uneven
-from dashpot.engine.whitening import Loudness
 from dashpot.relaxation.estimate import Estimate, by_record
 from dashpot.relaxation.fit import Profile
+
+if TYPE_CHECKING:
+    from dashpot.engine.whitening import Loudness
 
 # below this SE(ln tau) the likelihood is Gaussian for all that intervals need
 WALD_SUFFICES = 0.05
@@ -78,6 +81,8 @@ def _loudness(every_sample: Sequence[Block], estimate: Estimate) -> Loudness | N
     _, jacobians = by_record(full_jacobian(every_sample, estimate.solution), every_sample)
     if not uneven(jacobians, estimate.noises):
         return None
+    from dashpot.engine.whitening import Loudness
+
     return Loudness(every_sample, estimate.noises, estimate.solution)
 
 
