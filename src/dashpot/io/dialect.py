@@ -94,7 +94,8 @@ def find_dialect(
     the pair under which most cells of equally wide neighbouring lines are numbers is taken.
     """
     windows = list(_windows(lines))
-    best: tuple[float, Dialect] | None = None
+    best: Dialect | None = None
+    highest = 0.0
     delimiters: tuple[str, ...] = _DELIMITERS if delimiter is None else (delimiter,)
     if delimiter == "fixed":
         delimiters = tuple({_fixed(window) for window in windows})
@@ -106,12 +107,10 @@ def find_dialect(
         for window in windows:
             if len(sign) == 1 and sign != " " and not any(sign in line for line in window):
                 continue
-            score, contents = _best_run(window, sign, mark)
-            if contents and (best is None or score > best[0]):
-                best = (score, Dialect(sign, mark, contents))
-    if best is None:
-        return None
-    return _from_the_top(lines, best[1])
+            score, contents = _best_run(window, sign, mark, above=highest)
+            if contents:
+                highest, best = score, Dialect(sign, mark, contents)
+    return None if best is None else _from_the_top(lines, best)
 
 
 def _windows(lines: Sequence[str]) -> Iterator[list[str]]:
@@ -124,10 +123,14 @@ def _windows(lines: Sequence[str]) -> Iterator[list[str]]:
         yield full[stop - _SAMPLE : stop]
 
 
-def _best_run(lines: Sequence[str], sign: str, mark: Mark) -> tuple[float, tuple[Content, ...]]:
-    """Score and columns of the best run of lines of one width."""
+def _best_run(
+    lines: Sequence[str], sign: str, mark: Mark, *, above: float
+) -> tuple[float, tuple[Content, ...]]:
+    """Score and columns of the best run of lines of one width, if it scores above `above`."""
     rows = [cell.split(line, sign, trim=False) for line in lines]
-    best: tuple[float, tuple[Content, ...]] = (0.0, ())
+    best: tuple[float, tuple[Content, ...]] = (above, ())
+    if len(rows) * max(map(len, rows), default=0) <= above:  # even if all cells were numbers
+        return best
     for run in _runs(rows, mark):
         contents = _contents(run, mark)
         numbers = sum(held in {"number", "clock"} for held in contents)
