@@ -163,6 +163,23 @@ def test_equilibrium_stiffness_is_never_negative() -> None:
     assert free.sse < found.sse
 
 
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("sd", [0.2, 1e-2, 1e-4])
+def test_no_order_left_out_could_have_gained(seed: int, sd: float) -> None:
+    generator = np.random.default_rng(seed)
+    tau = 0.1 * np.cumprod(generator.uniform(2, 8, 3))
+    block = decay_block(TIME, decay(list(tau), [1.0, 0.3, 0.5]) + noise(seed, sd))
+    every = solve_orders([block], 6)
+    some = solve_orders([block], 6, negligible=20.0)
+    assert [s.sse for s in some] == [s.sse for s in every[: len(some)]]
+    spare = len(TIME) - len(every)
+    for left_out in every[len(some) :]:
+        assert some[-2].sse - left_out.sse < 20.0 * some[-2].sse / spare
+    # it is not stopped for nothing, nor late
+    before = [some[i].sse - some[i + 1].sse for i in range(len(some) - 2)]
+    assert all(gain > 20.0 * some[i + 1].sse / len(TIME) for i, gain in enumerate(before[:-1]))
+
+
 def test_orders_share_one_chain_and_agree_with_single_solves() -> None:
     data = decay([0.3, 2.0, 15.0], [1.0, 1.0, 1.0]) + noise(4, 1e-3)
     block = decay_block(TIME, data)

@@ -9,8 +9,8 @@ import numpy as np
 
 from dashpot._arrays import FloatArray
 from dashpot.engine.blocks import Block
+from dashpot.engine.cone import Cone
 from dashpot.engine.descent import Stack, descend
-from dashpot.engine.nnls import nonnegative
 from dashpot.engine.separable import Solution
 
 GRID = 96
@@ -52,30 +52,22 @@ def certificate(blocks: Sequence[Block], solution: Solution) -> Optimality:
     ln tau that holds the solution's own arms, refined around its support, and polished off it.
     """
     stack = Stack(blocks)
-    q, groups = len(stack.names), len(stack.groups)
+    groups = len(stack.groups)
     # k_inf resting at zero is no free direction: its column then is not swept out
     loose = ~(stack.restricted(0, signed=False) & (solution.fixed == 0))
     grid = np.linspace(*stack.bounds, GRID)
     best, left, lean, place = np.inf, 0.0, -np.inf, 0.0
     for round_ in range(ROUNDS):
         together = np.concatenate((solution.log_tau, grid))
-        target, phi, _ = stack.evaluate(together, derivative=False)
-        every = phi[:, q:].reshape(len(target), groups, -1)
-        own = every[:, :, : solution.order].reshape(len(target), -1)
-        residual = target - phi[:, :q] @ solution.fixed - own @ solution.arms.ravel()
-        basis = np.linalg.qr(phi[:, :q][:, loose])[0]
-        swept = phi[:, q:] - basis @ (basis.T @ phi[:, q:])
-        length = np.linalg.norm(swept, axis=0)
-        raw = np.linalg.norm(phi[:, q:], axis=0)
-        swept = swept / np.where(length > 1e-7 * raw, length, np.inf)
+        cone = Cone.of(stack, together, loose=loose)
         if round_ == 0:
+            own = cone.arms[:, :, : solution.order].reshape(len(cone.target), -1)
+            residual = cone.target - cone.fixed @ solution.fixed - own @ solution.arms.ravel()
             left = float(residual @ residual)
-            towards = (swept.T @ residual).reshape(groups, -1).max(axis=0)
+            towards = (cone.columns.T @ residual).reshape(groups, -1).max(axis=0)
             lean, place = float(towards.max()), float(together[np.argmax(towards)])
-        aim = target - basis @ (basis.T @ target)
-        x = nonnegative(swept.T @ swept, swept.T @ aim, limit=200)
-        rest = aim - swept @ x
-        best = min(best, float(rest @ rest))
+        x, sse = cone.best()
+        best = min(best, sse)
         weight = x.reshape(groups, -1).sum(axis=0)
         grid = _refined(together, weight, round_, stack.bounds)
     best = min(best, _polished(stack, together, weight))

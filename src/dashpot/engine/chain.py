@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from dashpot._arrays import BoolArray, FloatArray
+from dashpot.engine.cone import Cone
 from dashpot.engine.descent import FINISHED, Local, Point, Stack, descend, point_at
 from dashpot.engine.starts import (
     Grid,
@@ -114,11 +115,16 @@ class Chain:
         start = best_set(Grid(self.stack, size))
         return [] if start is None else [start]
 
-    def extend(self, arms: int) -> None:
-        """Add orders up to `arms`, or until none is better."""
+    def extend(self, arms: int, *, negligible: float = 0.0) -> None:
+        """Add orders up to `arms`, or until none is better.
+
+        Where no positive spectrum whatever would lower the SSE by `negligible` noise variances
+        any more, one further order is enough.
+        """
+        enough = False
         if not self.best:
             self.best.append(Local(_without_arms(self.stack, signed=self.signed), 1, True))
-        while self.reached < arms:
+        while self.reached < arms and not enough:
             last = self.best[-1].point
             if last.sse <= self.stack.nothing:
                 return
@@ -126,7 +132,19 @@ class Chain:
             worth = last.sse - 1e-10 * (self.stack.floor + last.sse) - self.stack.nothing
             if found is None or found.point.sse >= worth:
                 return
+            if not self.signed:
+                spare = max(self.stack.samples - len(last.beta) - len(last.log_tau), 1)
+                least = negligible * (self.stack.floor + last.sse) / spare
+                enough = last.sse - found.point.sse < least and last.sse - self._any() < least
             self.best.append(found)
+
+    def _any(self) -> float:
+        """The SSE of the best positive spectrum on the grid and beside the last arms."""
+        point = self.best[-1].point
+        together = np.concatenate((point.log_tau, self.grid.log_tau))
+        fixed = point.beta[: len(self.stack.names)]
+        loose = ~(self.stack.restricted(0, signed=False) & (fixed == 0))
+        return Cone.of(self.stack, together, loose=loose).best()[1]
 
     def _best_with(self, arms: int) -> Local | None:
         starts = inserted(self.grid, self.best[-1].point, signed=self.signed)
