@@ -21,6 +21,7 @@ from dashpot.engine.blocks import Block, DesignBlock
 
 _TIMES_PER_FOLD = 5.0
 _LAGS = 300
+_AT_ONCE = 16
 # kernels weaker than this part of the strongest change no deviance
 _RANK = 1e-9
 _ACCURACY = 1e-7
@@ -46,9 +47,15 @@ def span_of(exact: Block) -> Span:
     shortest, longest = exact.window
     # kernels scale with the clock: they are made for a window that starts at one
     tau, lags, right, left = _kernels(round(float(np.log(longest / shortest)) + 0.05, 1))
-    whole = exact.evaluate(np.log(tau * shortest), derivative=False)
-    basis, factor = np.linalg.qr(np.concatenate((whole.arms @ right, whole.fixed), axis=1))
+    plain = exact.evaluate(np.zeros(0), derivative=False)
     rank = right.shape[1]
+    space = np.zeros((len(plain.target), rank + plain.fixed.shape[1]))
+    for first in range(0, len(tau), _AT_ONCE):
+        part = slice(first, first + _AT_ONCE)
+        arms = exact.evaluate(np.log(tau[part] * shortest), derivative=False).arms
+        space[:, :rank] += arms @ right[part]
+    space[:, rank:] = plain.fixed
+    basis, factor = np.linalg.qr(space)
     operator, lag = factor[:, :rank] @ left, lags * shortest
 
     def columns(at: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
@@ -58,7 +65,7 @@ def span_of(exact: Block) -> Span:
         return (arms, operator @ (x * decay)) if derivative else (arms, arms)
 
     block = DesignBlock(
-        target=basis.T @ whole.target,
+        target=basis.T @ plain.target,
         fixed=factor[:, rank:],
         fixed_names=exact.fixed_names,
         columns=columns,

@@ -77,8 +77,8 @@ def arms_supported(
     value = None if value is None or not np.isfinite(value) else float(value)
     if weak and needed:
         says = (
-            f"{' and '.join(weak)} is needed, since the record rejects fewer arms, but is hardly "
-            "known: k is below 3 standard errors or tau is uncertain by more than a factor 1.6; "
+            f"the record rejects fewer arms, yet hardly tells {' and '.join(weak)}: k is below 3 "
+            "standard errors or tau is uncertain by more than a factor 1.6; "
             "hold longer, or quieten the slow noise"
         )
     elif weak:
