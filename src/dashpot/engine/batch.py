@@ -338,7 +338,7 @@ def _descend(
         step = trial - log_tau[active]
         moved = np.abs(step).max(axis=1)
         over = (moved <= LINEAR) & (damping[active] < LINEAR) & (moved**2 <= REST * last[active])
-        over &= np.abs(np.vecdot(now.gradient, step)) <= UNCHANGED * now.sse
+        over &= np.abs(np.vecdot(now.gradient, step)) <= UNCHANGED * (seen.floor[active] + now.sse)
         over |= moved <= FINISHED
         ended = active[over]
         log_tau[ended] = trial[over]

@@ -21,9 +21,9 @@ ROUNDING = 1e-7
 SLOW = 1e-3
 FINISHED = 1e-11
 #: so short a step changes the linear parameters in proportion, to rounding
-LINEAR = 1e-7
+LINEAR = 1e-6
 #: what then may be left of ln tau
-REST = 1e-10
+REST = 1e-9
 #: and by how much, in parts of it, the SSE may fall
 UNCHANGED = 1e-12
 
@@ -244,7 +244,7 @@ def descend(
             damping < LINEAR
             and moved <= LINEAR
             and moved * moved <= REST * last
-            and abs(float(here.gradient @ step)) <= UNCHANGED * here.sse
+            and abs(float(here.gradient @ step)) <= UNCHANGED * (stack.floor + here.sse)
         ):
             return Local(here.ahead(step), count, True)
         new = point_at(stack, trial, restricted=restricted)
