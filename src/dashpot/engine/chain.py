@@ -29,7 +29,7 @@ DOUBT = 0.1
 LOOK: dict[int, tuple[Callable[[Grid], FloatArray | None], int]] = {
     1: (single, 48),
     2: (paired, 48),
-    3: (tripled, 32),
+    3: (tripled, 94),
 }
 #: in units of the noise variance
 FAR = 20.0

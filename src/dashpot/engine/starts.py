@@ -6,7 +6,7 @@ from collections import OrderedDict
 from collections.abc import Hashable
 from functools import lru_cache
 from itertools import combinations
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -15,7 +15,11 @@ from dashpot._arrays import FloatArray
 from dashpot.engine.descent import Point, Stack
 from dashpot.engine.nnls import nonnegative
 
+IndexArray: TypeAlias = npt.NDArray[np.intp]
+
 GRID = 72
+#: triples are first looked for among every so-many-th point
+COARSE = 3
 MOST_PEAKS = 9
 #: samplings whose lattices are kept
 KEPT = 8
@@ -196,9 +200,28 @@ def _vertex(gain: FloatArray, i: int, j: int) -> FloatArray:
 
 
 def tripled(grid: Grid) -> FloatArray | None:
-    """The three grid points whose columns, with positive coefficients, fit best: Cramer's rule."""
-    first, second, third = _triples(len(grid.log_tau))
-    m1, m2, m3 = grid.moment[first], grid.moment[second], grid.moment[third]
+    """The three grid points whose columns, with positive coefficients, fit best.
+
+    Of every third point, all triples; then around the best of them, the points between.
+    """
+    last = len(grid.log_tau) - 1
+    sets = _triples(1 + last // COARSE)
+    gain = _triple_gain(grid, sets)
+    best = int(np.argmax(gain))
+    if gain[best] <= 0:
+        return None
+    around = np.indices((2 * COARSE - 1,) * 3).reshape(3, -1) - (COARSE - 1)
+    finer = np.clip(around + np.array([[each[best]] for each in sets]), 0, last)
+    return np.asarray(grid.log_tau[finer[:, int(np.argmax(_triple_gain(grid, finer)))]])
+
+
+def _triple_gain(grid: Grid, sets: IndexArray) -> FloatArray:
+    """What triples of grid points, (3, sets), explain of the sum of squares: Cramer's rule.
+
+    Zero where a coefficient would not be positive, or two points are one.
+    """
+    first, second, third = sets
+    m1, m2, m3 = grid.moment[sets]
     c12, c13, c23 = (grid.gram[i, j] for i, j in ((first, second), (first, third), (second, third)))
     minor12, minor13, minor23 = c13 * c23 - c12, c12 * c23 - c13, c12 * c13 - c23
     beta1 = (1 - c23 * c23) * m1 + minor12 * m2 + minor13 * m3
@@ -206,18 +229,16 @@ def tripled(grid: Grid) -> FloatArray | None:
     beta3 = minor13 * m1 + minor23 * m2 + (1 - c12 * c12) * m3
     determinant = 1 - c23 * c23 + c12 * minor12 + c13 * minor13
     allowed = (np.minimum(np.minimum(beta1, beta2), beta3) > 0) & (determinant > 1e-10)
-    gain = np.divide(
-        beta1 * m1 + beta2 * m2 + beta3 * m3, determinant, out=np.zeros_like(m1), where=allowed
-    )
-    best = int(np.argmax(gain))
-    return grid.log_tau[[first[best], second[best], third[best]]] if gain[best] > 0 else None
+    explained = beta1 * m1 + beta2 * m2 + beta3 * m3
+    nothing = np.zeros_like(m1)
+    return np.asarray(np.divide(explained, determinant, out=nothing, where=allowed))
 
 
 @lru_cache(maxsize=2)
-def _triples(size: int) -> tuple[npt.NDArray[np.intp], ...]:
-    """All i < j < k below size."""
+def _triples(size: int) -> IndexArray:
+    """All i < j < k below size, three rows, every COARSE-th point of a grid."""
     i = np.arange(size)
-    return np.nonzero((i[:, None, None] < i[:, None]) & (i[:, None] < i))
+    return COARSE * np.array(np.nonzero((i[:, None, None] < i[:, None]) & (i[:, None] < i)))
 
 
 def inserted(grid: Grid, point: Point, *, signed: bool, count: int = 2) -> list[FloatArray]:
