@@ -9,6 +9,9 @@ from pathlib import Path
 import pytest
 
 import dashpot
+from dashpot.io.write import write_relaxation
+from dashpot.simulation.rig import simulate_relaxation
+from dashpot.simulation.seals import PAPER
 
 ROOT = Path(__file__).resolve().parents[1]
 HEAVY = {
@@ -64,6 +67,20 @@ def test_fitting_a_text_file_loads_numpy_only(tmp_path):
         "dp.fit(dp.prepare(dp.read_relaxation(p)), arms=1).intervals()\n"
     )
     assert not modules_after(code) & (HEAVY - {"msgspec"})
+
+
+def test_fitting_from_the_shell_loads_what_it_needs(tmp_path):
+    file = tmp_path / "seal.csv"
+    file.write_text(write_relaxation(simulate_relaxation(PAPER, hold_time=5.0).test))
+    loaded = modules_after(
+        "from click.testing import CliRunner; from dashpot.cli import main;"
+        f"result = CliRunner().invoke(main, ['fit', {str(file)!r}]); assert not result.exit_code"
+    )
+    others = {
+        "tomllib", "xml.etree.ElementTree", "numpy.polynomial", "numpy.random", "scipy",
+        "dashpot.archive", "dashpot.io.inspecting", "dashpot.io.transducer", "dashpot.vibration",
+    }  # fmt: skip
+    assert not loaded & (HEAVY | others)
 
 
 @pytest.mark.parametrize("name", dashpot.__all__)
