@@ -228,7 +228,7 @@ def _length(found: Sequence[_Found], rate: float, before: int, record: float | N
     room = []
     for blow in found:
         end = blow.record.stop - blow.record.start if blow.next is None else blow.next - before
-        room.append(end - blow.onset + before)
+        room.append(end - blow.onset + min(before, blow.onset))
     usual = float(np.median(room))
     return max(before + 8, min(r for r in room if r >= 0.5 * usual))
 

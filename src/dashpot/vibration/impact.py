@@ -192,7 +192,7 @@ def _taken(
     ]
     if not any(taken):
         why = "; ".join(
-            f"hit {name}: {' '.join(verdict.faults) or 'rejected by name'}"
+            f"hit {name}: {'. Also: '.join(verdict.faults) or 'rejected by name'}"
             for name, verdict in zip(names, verdicts, strict=True)
         )
         raise DataError(f"no hit is left to average. {why}. To use one anyway, accept it by name")
