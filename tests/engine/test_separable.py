@@ -226,6 +226,17 @@ def test_results_repeat_to_the_last_digit() -> None:
     assert solve([block], 3, thorough=True) == solve([block], 3, thorough=True)
 
 
+def test_a_descent_that_asks_for_the_sse_alone_ends_sooner_and_has_it() -> None:
+    stack = Stack([decay_block(TIME, decay([0.2, 1.1, 9.0], [1.0, 0.4, 0.6]) + noise(1))])
+    start = np.log([0.1, 2.0, 5.0])
+    whole, flat = descend(stack, start), descend(stack, start, flat=1e-6)
+    assert whole is not None
+    assert flat is not None
+    assert flat.evaluations < whole.evaluations
+    total = stack.floor + whole.point.sse
+    assert 0 <= flat.point.sse - whole.point.sse < 1e-5 * total
+
+
 def test_certificate_proves_an_optimum_and_finds_a_missing_arm() -> None:
     # two thousand samples of exact data: nothing is left to gain
     clean = decay_block(TIME, decay([0.5, 9.0], [1.0, 2.0]))

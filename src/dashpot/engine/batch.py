@@ -12,20 +12,17 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import combinations
-from typing import NamedTuple, Protocol, TypeAlias
+from typing import NamedTuple, Protocol
 
 import numpy as np
-import numpy.typing as npt
 
-from dashpot._arrays import BoolArray, ByValue, FloatArray
+from dashpot._arrays import BoolArray, ByValue, FloatArray, IndexArray
 from dashpot.engine.blocks import Block
 from dashpot.engine.chain import DOUBT
 from dashpot.engine.compression import PLAIN
 from dashpot.engine.descent import FINISHED, LINEAR, LONGEST_STEP, REST, TAIL, UNCHANGED
 from dashpot.engine.separable import Solution, solve
 from dashpot.errors import FitError
-
-IndexArray: TypeAlias = npt.NDArray[np.intp]
 
 CHUNK = 256
 #: grid points for the first look, by number of arms: every set of them is tried; more arms have

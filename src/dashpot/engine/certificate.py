@@ -100,5 +100,6 @@ def _polished(stack: Stack, grid: FloatArray, weight: FloatArray) -> float:
         return np.inf
     runs = np.split(order, np.flatnonzero(np.diff(grid[order]) > ONE_ARM) + 1)
     start = np.array([weight[run] @ grid[run] / weight[run].sum() for run in runs])
-    local = descend(stack, start, restricted=stack.restricted(len(start), signed=False))
+    restricted = stack.restricted(len(start), signed=False)
+    local = descend(stack, start, restricted=restricted, flat=1e-3 * CERTAIN)
     return np.inf if local is None else local.point.sse

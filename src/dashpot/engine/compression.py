@@ -22,9 +22,8 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-from dashpot._arrays import FloatArray
+from dashpot._arrays import FloatArray, IndexArray
 
 NODES = 13
 SUB_NODES = 8
@@ -237,16 +236,16 @@ def _doubling(count: int) -> list[int]:
 
 
 def _blocks(
-    position: FloatArray, root_weight: FloatArray, cuts: npt.NDArray[np.intp] | None = None
+    position: FloatArray, root_weight: FloatArray, cuts: IndexArray | None = None
 ) -> tuple[FloatArray, FloatArray, tuple[_Section, ...]]:
     """Gauss nodes of every block; cuts are the indices where a new block starts."""
     if cuts is None:
         first = position[NODES]
         doublings = int(np.ceil(np.log2(position[-1] / first)))
         cuts = np.searchsorted(position, first * 2.0 ** np.arange(doublings))
-    edges = np.unique(np.concatenate(([0], cuts, [len(position)]))).astype(int)
+    edges = sorted({0, *cuts.tolist(), len(position)})
     nodes, roots, sections = [], [], []
-    for start, stop in pairwise(edges.tolist()):
+    for start, stop in pairwise(edges):
         here = slice(start, stop)
         if here.stop - here.start <= NODES:
             nodes.append(position[here])

@@ -210,6 +210,7 @@ def descend(
     restricted: BoolArray | None = None,
     rivals: Sequence[FloatArray] = (),
     finished: float = FINISHED,
+    flat: float = 0.0,
     damping: float = 1e-3,
     limit: int = 60,
 ) -> Local | None:
@@ -221,6 +222,8 @@ def descend(
     a poor Hessian and such steps only creep; what the gradients say it lacks is then learned
     from step to step (as in J. E. Dennis, D. M. Gay, R. E. Welsch, *ACM Trans. Math. Softw.* 7,
     1981, with the symmetric rank-one update).
+
+    With `flat` it ends where a step promises to lower the SSE by less than that part of it.
 
     Returns None when it runs into one of the `rivals` (optima already known) or when the
     start cannot be evaluated.
@@ -238,13 +241,14 @@ def descend(
             trial = np.clip(trial, low, high)
         step = trial - here.log_tau
         moved = max(map(abs, step.tolist()), default=0.0)
-        if moved <= finished:
+        fall, sse = abs(float(here.gradient @ step)), stack.floor + here.sse
+        if moved <= finished or fall < flat * sse:
             return Local(here, count, True)
         if (
             damping < LINEAR
             and moved <= LINEAR
             and moved * moved <= REST * last
-            and abs(float(here.gradient @ step)) <= UNCHANGED * (stack.floor + here.sse)
+            and fall <= UNCHANGED * sse
         ):
             return Local(here.ahead(step), count, True)
         new = point_at(stack, trial, restricted=restricted)

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-from dashpot._arrays import BoolArray, ByValue, FloatArray
+from dashpot._arrays import BoolArray, ByValue, FloatArray, IndexArray
 from dashpot.engine.batch import Seen
 from dashpot.engine.blocks import Block, DesignBlock
 from dashpot.engine.compression import Compression, compression, uniform_step
@@ -18,8 +17,6 @@ from dashpot.engine.correlation import GRAIN, Force, Response, response, upper_f
 from dashpot.engine.holds import decay_block, hold_block, ramp_hold_block
 from dashpot.engine.recorded import recorded_block
 from dashpot.errors import DataError
-
-IndexArray: TypeAlias = npt.NDArray[np.intp]
 
 #: samples compressed together
 AT_ONCE = 400_000

@@ -6,16 +6,13 @@ from collections import OrderedDict
 from collections.abc import Hashable
 from functools import lru_cache
 from itertools import combinations
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-from dashpot._arrays import FloatArray
+from dashpot._arrays import FloatArray, IndexArray
 from dashpot.engine.descent import Point, Stack
 from dashpot.engine.nnls import nonnegative
-
-IndexArray: TypeAlias = npt.NDArray[np.intp]
 
 GRID = 72
 #: triples are first looked for among every so-many-th point

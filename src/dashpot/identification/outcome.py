@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
-from dashpot._arrays import FloatArray
+from dashpot._arrays import FloatArray, IndexArray
 from dashpot.checks import Check
 from dashpot.identification.joint import DELAY_UNIT
 from dashpot.identification.search import Candidate, window_ends
@@ -63,7 +62,7 @@ def told(
 
 
 def _physical(
-    covariance: FloatArray, model: GeneralizedMaxwell, order: npt.NDArray[np.intp], *, dashpot: bool
+    covariance: FloatArray, model: GeneralizedMaxwell, order: IndexArray, *, dashpot: bool
 ) -> tuple[tuple[str, ...], FloatArray]:
     """Covariance of k_inf, k, ln tau and b from that of their logarithms, arms ascending."""
     N = model.arms

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
-from dashpot._arrays import FloatArray
+from dashpot._arrays import FloatArray, IndexArray
 from dashpot.identification.stiffness import DynamicStiffness
 from dashpot.plot.look import (
     CHOSEN,
@@ -146,7 +145,7 @@ def extent(
     return np.minimum.reduceat(value, starts), np.maximum.reduceat(value, starts)
 
 
-def _bins(f: FloatArray, per_octave: int) -> npt.NDArray[np.intp]:
+def _bins(f: FloatArray, per_octave: int) -> IndexArray:
     """Where every part of an octave begins, empty ones left out."""
     number = np.floor(per_octave * np.log2(f / f[0]))
     return np.flatnonzero(np.concatenate(([True], np.diff(number) > 0)))

@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TypeAlias
-
 import numpy as np
-import numpy.typing as npt
 
-from dashpot._arrays import FloatArray
-
-IndexArray: TypeAlias = npt.NDArray[np.intp]
+from dashpot._arrays import FloatArray, IndexArray
 
 
 def extremes(

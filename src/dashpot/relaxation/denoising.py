@@ -9,9 +9,8 @@ counts and of its noise first.
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
-from dashpot._arrays import FloatArray, median
+from dashpot._arrays import FloatArray, IndexArray, median
 from dashpot.relaxation.record_checks import encoder_step
 from dashpot.relaxation.records import RampHold
 
@@ -100,9 +99,7 @@ def denoised(values: FloatArray, noise: float) -> tuple[FloatArray, FloatArray]:
     low, high = np.full(n, -np.inf), np.full(n, np.inf)
     open_still = np.ones(n, dtype=bool)
 
-    def widen(
-        here: slice | npt.NDArray[np.intp], sums: FloatArray, count: FloatArray | int
-    ) -> None:
+    def widen(here: slice | IndexArray, sums: FloatArray, count: FloatArray | int) -> None:
         mean = values[0] + sums / count
         half = APART * noise / np.sqrt(count)
         low[here] = np.maximum(low[here], mean - half)
