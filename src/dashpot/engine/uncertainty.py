@@ -22,8 +22,8 @@ from dashpot.engine.fourier import fast_length
 
 # a direction whose share of the information is below this is a rounding error, not knowledge
 _SINGULAR = 1e-13
-# residuals of which so many count as one are too nearly white to be uneven
-_PALE = 2.0
+# residuals of which so many count as one are too nearly white to be worth the question
+_PALE = 3.0
 # noise as even as this costs least squares no more than a tenth of what the data know
 _EVEN = 2.0
 # parameters per effective residual beyond which the fit's own part is given back lag by lag
@@ -173,9 +173,9 @@ def unevenness(jacobians: Sequence[FloatArray], noises: Sequence[Noise]) -> floa
     return float(shares[-1] / shares[0]) if shares[0] > 0.0 else np.inf
 
 
-def pale(samples: int, effective: float) -> bool:
+def pale(noises: Sequence[Noise]) -> bool:
     """Return True if the noise is too nearly white to be worth asking whether it is uneven."""
-    return samples <= _PALE * effective
+    return all(noise.kappa <= _PALE for noise in noises)
 
 
 def uneven(jacobians: Sequence[FloatArray], noises: Sequence[Noise]) -> bool:

@@ -185,15 +185,22 @@ def _kernel(solution: Solution, block: Block) -> Kernel:
 
 def effective_samples(solution: Solution, every_sample: Sequence[Block], *, peak: float) -> float:
     """Return the effective number of independent residuals of a solution, over all records."""
-    total = 0.0
+    return sum(noise.effective for noise in residual_noises(solution, every_sample, peak=peak))
+
+
+def residual_noises(
+    solution: Solution, every_sample: Sequence[Block], *, peak: float
+) -> tuple[Noise, ...]:
+    """Return each record's noise as its residuals show it, less the part that the fit took."""
+    found = []
     for block in every_sample:
         stack = Stack([block])
         rows = stack.evaluate(solution.log_tau, derivative=False)
         fixed = [solution.coefficient(name) for name in stack.names]
         arms = solution.arms[solution.groups.index(block.arm_group)]
         residual = rows.target - rows.phi @ np.concatenate((fixed, arms))
-        total += noise_of(residual, rounding=rounding(peak)).effective
-    return total
+        found.append(noise_of(residual, rounding=rounding(peak)))
+    return tuple(found)
 
 
 def scored(

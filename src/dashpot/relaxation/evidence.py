@@ -2,51 +2,42 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from itertools import pairwise
 
 from dashpot.engine.blocks import Block
-from dashpot.engine.order import Choice, bic_of_deviance, needed
+from dashpot.engine.order import bic_of_deviance, needed
 from dashpot.engine.separable import Jacobian, Solution, solve, solve_orders
-from dashpot.engine.uncertainty import uneven
 from dashpot.engine.whitening import whitened_block
 from dashpot.relaxation.estimate import Score, by_record, noises_of, rounding
 
 
 def in_noise_metric(
     scores: Sequence[Score],
-    choice: Choice,
     every_sample: Sequence[Block],
-    whole: Callable[[int], Jacobian],
+    largest: Jacobian,
     *,
     peak: float,
     thorough: bool,
 ) -> tuple[Score, ...] | None:
-    """Return every number of arms judged anew, or None if plain least squares is fit to judge.
+    """Return every number of arms judged anew, or None if a record has no noise.
 
     Parameters
     ----------
     scores : sequence of Score
         By plain least squares, no arm first.
-    choice : Choice
-        What they say. The noise is uneven if it is so to the arms that either rule supports.
     every_sample : sequence of Block
-        One per record, a row per sample. Their noise is that of the largest model's residuals.
-    whole : callable
-        Residual and Jacobian of every sample for one number of arms.
+        One per record, a row per sample.
+    largest : Jacobian
+        Residual and Jacobian of every sample for the most arms: they tell the noise.
     peak : float
         The largest force, N: it sets what rounding alone leaves.
     thorough : bool
         Add quasi-random starts.
     """
     solutions = [score.solution for score in scores]
-    largest = by_record(whole(len(solutions) - 1), every_sample)
-    noises = noises_of(*largest, peak=peak)
+    noises = noises_of(*by_record(largest, every_sample), peak=peak)
     if any(noise.autocovariance[0] <= rounding(peak) ** 2 for noise in noises):
-        return None
-    supported = min(max(choice.by_bic, choice.by_significance, 1), len(solutions) - 1)
-    _, jacobians = by_record(whole(supported), every_sample)
-    if not uneven(jacobians, noises):
         return None
     blocks = [
         whitened_block(block, noise) for block, noise in zip(every_sample, noises, strict=True)

@@ -12,7 +12,7 @@ from dashpot.engine.blocks import Block
 from dashpot.engine.descent import Stack
 from dashpot.engine.order import Choice, choose
 from dashpot.engine.separable import Jacobian, full_jacobian, solve, solve_orders
-from dashpot.engine.uncertainty import pale
+from dashpot.engine.uncertainty import Noise, pale, uneven
 from dashpot.errors import FitError
 from dashpot.relaxation.design import (
     NUISANCE,
@@ -23,7 +23,7 @@ from dashpot.relaxation.design import (
     every_sample,
 )
 from dashpot.relaxation.encoder import Encoder
-from dashpot.relaxation.estimate import Score, effective_samples, estimated, scored
+from dashpot.relaxation.estimate import Score, by_record, estimated, residual_noises, scored
 from dashpot.relaxation.fit import Fit
 from dashpot.relaxation.outcome import outcome
 from dashpot.relaxation.record_checks import encoder_step
@@ -99,7 +99,7 @@ def fit(
     samples = every_sample(records, design, blocks)
     if arms == "auto":
         most = min(most, _determinable(blocks))
-    trial, effective = _tried(blocks, samples, most, peak=peak, thorough=thorough)
+    trial, noises = _tried(blocks, samples, most, peak=peak, thorough=thorough)
     exhausted = len(trial) - 1 < most
     choice = _choice(trial, exhausted=exhausted)
 
@@ -107,10 +107,17 @@ def fit(
     def whole(order: int) -> Jacobian:
         return full_jacobian(samples, trial[order].solution)
 
-    if arms == "auto" and not pale(trial[-1].solution.samples, effective):
+    # least squares is a fair judge where the noise is even to the arms that a rule supports
+    supported = min(max(choice.by_bic, choice.by_significance, 1), len(trial) - 1)
+    if (
+        arms == "auto"
+        and not pale(noises)
+        and uneven(by_record(whole(supported), samples)[1], noises)
+    ):
         from dashpot.relaxation.evidence import in_noise_metric
 
-        anew = in_noise_metric(trial, choice, samples, whole, peak=peak, thorough=thorough)
+        largest = whole(len(trial) - 1)
+        anew = in_noise_metric(trial, samples, largest, peak=peak, thorough=thorough)
         if anew is not None:
             trial, choice = anew, _choice(anew, exhausted=exhausted, in_noise_metric=True)
     chosen = choice.arms if arms == "auto" else min(most, len(trial) - 1)
@@ -198,11 +205,11 @@ def _tried(
     *,
     peak: float,
     thorough: bool,
-) -> tuple[tuple[Score, ...], float]:
+) -> tuple[tuple[Score, ...], tuple[Noise, ...]]:
     """Return every number of arms from none up, judged by the residuals of the largest.
 
-    Their effective number is returned beside. Where any number of further arms together would
-    gain less than BIC asks for one, one more is tried for the record.
+    The noise of each record in these is returned beside. Where any number of further arms
+    together would gain less than BIC asks for one, one more is tried for the record.
     """
     solutions = [solve(blocks, 0)]
     if most:
@@ -210,11 +217,12 @@ def _tried(
         one_more = 0.0 if thorough else (1 + len(stack.groups)) * float(np.log(stack.samples))
         found = solve_orders(blocks, most, negligible=one_more, thorough=thorough)
         solutions += [solution for solution in found if solution.order]
-    effective = effective_samples(solutions[-1], samples, peak=peak)
+    noises = residual_noises(solutions[-1], samples, peak=peak)
+    effective = sum(noise.effective for noise in noises)
     scores = tuple(
         scored(solution, blocks, samples, effective=effective, peak=peak) for solution in solutions
     )
-    return scores, effective
+    return scores, noises
 
 
 def _choice(trial: Sequence[Score], *, exhausted: bool, in_noise_metric: bool = False) -> Choice:

@@ -76,7 +76,7 @@ def profiles(
 
 def _loudness(every_sample: Sequence[Block], estimate: Estimate) -> Loudness | None:
     """Return how loud the noise is to each change of the model, None if about equally."""
-    if pale(estimate.samples, estimate.effective):
+    if pale(estimate.noises):
         return None
     _, jacobians = by_record(full_jacobian(every_sample, estimate.solution), every_sample)
     if not uneven(jacobians, estimate.noises):
