@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cached_property
+from itertools import compress
 
 import numpy as np
 
@@ -22,7 +23,9 @@ from dashpot.engine.starts import (
 )
 from dashpot.errors import FitError
 
+#: where descents that are yet to be compared end: steps, and falls of the SSE
 LOOSE = 1e-4
+FLAT = 1e-10
 EXTRA_STARTS = 16
 DOUBT = 0.1
 #: numbers of arms for which every set of points of a grid is tried, and the points of that grid
@@ -43,8 +46,8 @@ class Chain:
 
     def __init__(self, stack: Stack, *, thorough: bool, signed: bool, seed: int) -> None:
         self.stack, self.signed, self.thorough, self.seed = stack, signed, thorough, seed
-        self.evaluations = 0
         self.best: list[Local] = []
+        self._attempts: dict[int, Local | None] = {}
 
     @property
     def reached(self) -> int:
@@ -81,14 +84,9 @@ class Chain:
         not the best of all sets, also an SSE well above that of the best positive spectrum.
         A well-determined optimum that started from the best of the whole grid has no rival.
         """
-        if self.thorough or self.signed or len(self.stack.groups) > 1:
-            return None
-        local = None
-        for start in self._sure_starts(arms):
-            local = descend(self.stack, start, damping=1e-6)
+        local = self._attempt(arms)
         if local is None:
             return None
-        self.evaluations += local.evaluations
         point = local.point
         low, high = self.stack.bounds
         spare = self.stack.samples - len(point.beta) - arms
@@ -108,12 +106,22 @@ class Chain:
             return None
         return local
 
-    def _sure_starts(self, arms: int) -> list[FloatArray]:
-        if arms not in LOOK:
-            return partitioned(self.grid, *self.peaks, arms, count=1)
-        best_set, size = LOOK[arms]
-        start = best_set(Grid(self.stack, size))
-        return [] if start is None else [start]
+    def _attempt(self, arms: int) -> Local | None:
+        """The optimum next to the best set of grid points, or next to the spectrum's peaks."""
+        if self.thorough or self.signed or len(self.stack.groups) > 1:
+            return None
+        if arms not in self._attempts:
+            start = self._first_start(arms)
+            self._attempts[arms] = (
+                None if start is None else descend(self.stack, start, damping=1e-6)
+            )
+        return self._attempts[arms]
+
+    def _first_start(self, arms: int) -> FloatArray | None:
+        if arms in LOOK:
+            best_set, size = LOOK[arms]
+            return best_set(Grid(self.stack, size))
+        return next(iter(partitioned(self.grid, *self.peaks, arms, count=1)), None)
 
     def extend(self, arms: int, *, negligible: float = 0.0) -> None:
         """Add orders up to `arms`, or until none is better.
@@ -153,14 +161,15 @@ class Chain:
         if self.thorough:
             starts += scattered(self.stack, arms, EXTRA_STARTS, self.seed)
         restricted = self.stack.restricted(arms, signed=self.signed)
-        allowed: list[Local] = []
-        refused: list[Local] = []
+        first = self._attempt(arms)
+        found = [] if first is None else [first]
         for start in starts:
-            rivals = [np.sort(local.point.log_tau) for local in allowed + refused]
-            local = self._descend(start, rivals)
+            local = self._descend(start, [np.sort(rival.point.log_tau) for rival in found])
             if local is not None:
-                feasible = (local.point.beta[restricted] >= 0).all()
-                (allowed if feasible else refused).append(local)
+                found.append(local)
+        feasible = [bool((local.point.beta[restricted] >= 0).all()) for local in found]
+        allowed = list(compress(found, feasible))
+        refused = [local for local, ok in zip(found, feasible, strict=True) if not ok]
         reach = min((local.point.sse for local in allowed), default=np.inf)
         pushed = [local.point.log_tau for local in refused if local.point.sse < reach]
         for start in pushed + ([] if allowed else starts[-2:]):
@@ -190,9 +199,14 @@ class Chain:
         restricted: BoolArray | None = None,
         finished: float = LOOSE,
     ) -> Local | None:
-        local = descend(self.stack, start, restricted=restricted, rivals=rivals, finished=finished)
-        self.evaluations += local.evaluations if local is not None else 4
-        return local
+        return descend(
+            self.stack,
+            start,
+            restricted=restricted,
+            rivals=rivals,
+            finished=finished,
+            flat=0.0 if finished == FINISHED else FLAT,
+        )
 
 
 def _carries(point: Point, stack: Stack) -> bool:

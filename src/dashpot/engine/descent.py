@@ -24,6 +24,8 @@ FINISHED = 1e-11
 LINEAR = 1e-6
 #: what then may be left of ln tau
 REST = 1e-9
+#: a step so little damped promises what there is to gain
+DAMPED = 1e-3
 #: and by how much, in parts of it, the SSE may fall
 UNCHANGED = 1e-12
 
@@ -52,6 +54,8 @@ class Stack:
         shortest = min(block.window[0] for block in blocks)
         longest = max(block.window[1] for block in blocks)
         self.bounds = (float(np.log(shortest)), float(np.log(longest)))
+        #: how often :func:`point_at` was asked
+        self.trials = 0
         #: stacks of equal sampling have equal columns
         self.sampling = blocks[0].sampling if len(blocks) == 1 else None
         #: the blocks' coordinates depend on tau, so only columns evaluated together compare
@@ -148,6 +152,7 @@ def point_at(
     With `restricted`, those coefficients are kept >= 0; an arm at zero has no derivative.
     Returns None if the columns are dependent to 13 digits.
     """
+    stack.trials += 1
     target, phi, slope = stack.evaluate(log_tau)
     fixed = phi.shape[1] - slope.shape[1]
     active = None if restricted is None else nonnegative_columns(phi, target, restricted)
@@ -242,7 +247,7 @@ def descend(
         step = trial - here.log_tau
         moved = max(map(abs, step.tolist()), default=0.0)
         fall, sse = abs(float(here.gradient @ step)), stack.floor + here.sse
-        if moved <= finished or fall < flat * sse:
+        if moved <= finished or (fall < flat * sse and damping <= DAMPED):
             return Local(here, count, True)
         if (
             damping < LINEAR

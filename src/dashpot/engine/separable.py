@@ -212,7 +212,7 @@ def _of(chain: Chain, order: int, *, requested: int) -> Solution:
         chain.stack,
         chain.best[order],
         requested=requested,
-        evaluations=chain.evaluations,
+        evaluations=chain.stack.trials,
         signed=chain.signed,
     )
 
@@ -229,7 +229,7 @@ def _from_start(stack: Stack, start: FloatArray, arms: int, *, signed: bool) -> 
         raise FitError(
             "the columns at the start are not independent; start from different relaxation times"
         )
-    return _solution(stack, local, requested=arms, evaluations=local.evaluations, signed=signed)
+    return _solution(stack, local, requested=arms, evaluations=stack.trials, signed=signed)
 
 
 def _resolved(stack: Stack, local: Local) -> tuple[Stack, Local]:
