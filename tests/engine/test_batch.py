@@ -59,6 +59,20 @@ def test_each_record_has_the_optimum_of_its_own_fit(name: str, arms: int) -> Non
         np.testing.assert_allclose(many.fixed[row], one.fixed, rtol=1e-7)
 
 
+@pytest.mark.parametrize("name", ["decay", "ramp and hold", "recorded"])
+@pytest.mark.parametrize(("seen", "arms", "noise"), [(2, 2, 0.1), (1, 2, 0.01), (3, 3, 0.03)])
+def test_doubtful_records_have_the_optimum_of_their_own_fit(
+    name: str, seen: int, arms: int, noise: float
+) -> None:
+    family = FAMILIES[name]()
+    data = records(family, seen, 10, seed=7, noise=noise)
+    many = solve_many(family, data, arms)
+    for row, values in enumerate(data):
+        one = solve([family.block(values)], arms)
+        assert many.order[row] == one.order
+        assert many.sse[row] == pytest.approx(one.sse, rel=1e-8)
+
+
 @pytest.mark.parametrize("name", ["decay", "hold", "ramp and hold"])
 @pytest.mark.parametrize("tau", [0.03, 0.5, 7.0, 250.0])
 def test_columns_in_the_space_of_a_sampling_are_those_at_its_nodes(name: str, tau: float) -> None:

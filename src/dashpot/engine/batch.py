@@ -9,8 +9,9 @@ one, so that the result is that of :func:`dashpot.engine.separable.solve`.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 from typing import NamedTuple, Protocol
 
@@ -28,6 +29,8 @@ CHUNK = 256
 #: grid points for the first look, by number of arms: every set of them is tried; more arms have
 #: too many sets, and go one by one
 LOOK = {1: 72, 2: 40, 3: 24}
+#: further peaks of the first look that are tried where a relaxation time is not well known
+RIVALS = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,8 +213,8 @@ class _Look:
         self.sets = np.array(list(combinations(range(LOOK[arms]), arms)))
         self.inverse: FloatArray | None = None
 
-    def starts(self, seen: Seen) -> tuple[FloatArray, BoolArray]:
-        """Return ln tau (R, N) and whether a set with positive coefficients was found."""
+    def gains(self, seen: Seen) -> FloatArray:
+        """What each set explains of each record, (sets, R); zero without positive coefficients."""
         gram, with_fixed, with_grid = self.family.moments(np.exp(self.log_tau), seen)
         q = self.family.fixed_count
         across = np.linalg.solve(gram[:q, :q], gram[:q, q:])
@@ -231,9 +234,31 @@ class _Look:
             beta = sum(self.inverse[:, i, j, None] * other for j, other in enumerate(picked))
             positive &= beta > 0
             gain += beta * row
-        gain *= positive
+        return gain * positive
+
+    def best(self, gain: FloatArray) -> tuple[FloatArray, BoolArray]:
+        """Return ln tau (R, N) of the best set of each record, and whether it explains anything."""
         best = np.argmax(gain, axis=0)
         return self.log_tau[self.sets[best]], gain[best, np.arange(gain.shape[1])] > 0
+
+    def peaks(self, gain: FloatArray, count: int) -> Iterator[tuple[FloatArray, BoolArray]]:
+        """Yield what `best` says of the second, third, ... highest local maximum of each record."""
+        left = gain * (gain >= np.maximum.reduce([gain[beside] for beside in self.beside.T]))
+        records = np.arange(gain.shape[1])
+        for _ in range(count):
+            left[np.argmax(left, axis=0), records] = 0.0
+            yield self.best(left)
+
+    @cached_property
+    def beside(self) -> IndexArray:
+        """The sets next to each set, shape (sets, 3^N); itself where there is none."""
+        size = len(self.log_tau) + 2
+        shape = (size,) * self.sets.shape[1]
+        row = np.full(size ** len(shape), -1)
+        row[np.ravel_multi_index((self.sets + 1).T, shape)] = np.arange(len(self.sets))
+        around = np.indices((3,) * len(shape)).reshape(len(shape), -1)
+        found = row[np.ravel_multi_index(self.sets.T[:, :, None] + around[:, None], shape)]
+        return np.where(found < 0, np.arange(len(self.sets))[:, None], found)
 
 
 class _Points(NamedTuple):
@@ -281,23 +306,20 @@ def _together(
     family: Family, look: _Look, seen: Seen, index: IndexArray, out: ManySolutions
 ) -> BoolArray:
     """Descend all records of a chunk; write the ones that leave no doubt, and say which."""
-    start, started = look.starts(seen)
-    log_tau, point, done = _descend(family, start, seen, started)
-    low, high = family.bounds
+    gain = look.gains(seen)
+    found = _descend(family, *look.best(gain), seen)
+    sure = _proper(family, found, seen)
+    weak = np.flatnonzero(sure)
+    weak = weak[~_known(family, found.take(weak), seen.take(weak))]
+    if len(weak):
+        best, sure[weak] = _compared(family, look, gain[:, weak], found.take(weak), seen.take(weak))
+        found.put(weak, best)
+    log_tau, point, _ = found
     q, arms = family.fixed_count, log_tau.shape[1]
-    spare = max(family.samples - q - 2 * arms, 1)
-    sure = started & done & (point.sse > 100 * family.grain * seen.energy)
-    sure &= (point.beta[:, q:] > 0).all(axis=1)
-    sure &= (point.beta[:, :q] > 0)[:, family.nonnegative].all(axis=1)
-    sure &= ((log_tau > low) & (log_tau < high)).all(axis=1)
     small = np.flatnonzero(sure & (point.sse < PLAIN * seen.energy))
     if len(small):
         point.put(small, _points(family, log_tau[small], seen.take(small), exact=True))
     sse = seen.floor + point.sse
-    checked = np.flatnonzero(sure)
-    known = np.linalg.inv(point.curvature[checked])
-    variance = np.diagonal(known, axis1=1, axis2=2) * (sse[checked] / spare)[:, None]
-    sure[checked] = ((variance > 0) & (variance < DOUBT**2)).all(axis=1) & (spare >= 10)
     rows = index[sure]
     order = np.argsort(log_tau[sure], axis=1)
     out.log_tau[rows] = np.take_along_axis(log_tau[sure], order, axis=1)
@@ -309,14 +331,59 @@ def _together(
     return sure
 
 
+def _proper(family: Family, found: _Descended, seen: Seen) -> BoolArray:
+    """Which records have an optimum inside the window, all coefficients positive."""
+    low, high = family.bounds
+    q, beta = family.fixed_count, found.point.beta
+    proper = found.done & (found.point.sse > 100 * family.grain * seen.energy)
+    proper &= (beta[:, q:] > 0).all(axis=1) & (beta[:, :q] > 0)[:, family.nonnegative].all(axis=1)
+    proper &= ((found.log_tau > low) & (found.log_tau < high)).all(axis=1)
+    return proper
+
+
+def _known(family: Family, found: _Descended, seen: Seen) -> BoolArray:
+    """Which records know every relaxation time so well that no other optimum can be better."""
+    count, arms = found.log_tau.shape
+    spare = family.samples - family.fixed_count - 2 * arms
+    if spare < 10:
+        return np.zeros(count, dtype=bool)
+    curvature = found.point.curvature
+    scale = np.maximum(np.diagonal(curvature, axis1=1, axis2=2), 1e-300)
+    unit = curvature / np.sqrt(scale[:, :, None] * scale[:, None, :]) + 1e-14 * np.eye(arms)
+    variance = np.diagonal(np.linalg.inv(unit), axis1=1, axis2=2) / scale
+    noise = (seen.floor + found.point.sse) / spare
+    known = (variance > 0) & (variance * noise[:, None] < DOUBT**2)
+    return np.asarray(known.all(axis=1))
+
+
+def _compared(
+    family: Family, look: _Look, gain: FloatArray, found: _Descended, seen: Seen
+) -> tuple[_Descended, BoolArray]:
+    """The best of what was found and of descents from other peaks, and where it is proper."""
+    proper = np.ones(len(found.done), dtype=bool)
+    for start, started in look.peaks(gain, RIVALS):
+        other = _descend(family, start, started, seen)
+        better = np.flatnonzero(other.point.sse < found.point.sse * (1 - 1e-10))
+        proper[better] = _proper(family, other, seen)[better]
+        found.put(better, other.take(better))
+    return found, proper
+
+
 class _Descended(NamedTuple):
     log_tau: FloatArray
     point: _Points
     done: BoolArray
 
+    def put(self, index: IndexArray, new: _Descended) -> None:
+        self.log_tau[index], self.done[index] = new.log_tau, new.done
+        self.point.put(index, new.point)
+
+    def take(self, index: IndexArray | BoolArray) -> _Descended:
+        return _Descended(self.log_tau[index], self.point.take(index), self.done[index])
+
 
 def _descend(
-    family: Family, start: FloatArray, seen: Seen, started: BoolArray, limit: int = 40
+    family: Family, start: FloatArray, started: BoolArray, seen: Seen, limit: int = 40
 ) -> _Descended:
     """The descent of :func:`dashpot.engine.descent.descend`, for all records at once."""
     low, high = family.bounds
