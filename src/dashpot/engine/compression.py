@@ -16,6 +16,7 @@ difference keeps 10 digits, and the sum of explicit residuals where it does not.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
@@ -81,7 +82,7 @@ class Compression:
         # a constant is its own compression; without it the differences below are of small numbers
         last = values[..., -1:]
         rest = values - last
-        z = self._through(rest)
+        z = _through(rest, self.stages)
         energy = _squares(rest)
         floor = energy - _squares(z)
         if (floor < PLAIN * energy).any():
@@ -90,12 +91,12 @@ class Compression:
 
     def nodes_of(self, values: FloatArray) -> FloatArray:
         """Compress and forget the floor: all that inner products with smooth functions need."""
-        return self._through(values)
+        return _through(values, self.stages)
 
-    def _through(self, values: FloatArray) -> FloatArray:
-        for sections in self.stages:
-            values = np.concatenate([_cut(values, section)[1] for section in sections], axis=-1)
-        return values
+    def nodes_of_each(self, sequences: Sequence[FloatArray]) -> FloatArray:
+        """As `nodes_of`, for sequences of shape (M,), as rows: one by one while they are long."""
+        first = np.stack([_through(each, self.stages[:1]) for each in sequences])
+        return _through(first, self.stages[1:])
 
     def _explicit(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
         """As `project`, the floor summed from what every basis leaves."""
@@ -109,6 +110,12 @@ class Compression:
                 parts.append(z)
             values = np.concatenate(parts, axis=-1)
         return values, floor
+
+
+def _through(values: FloatArray, stages: Sequence[tuple[_Section, ...]]) -> FloatArray:
+    for sections in stages:
+        values = np.concatenate([_cut(values, section)[1] for section in sections], axis=-1)
+    return values
 
 
 def _squares(values: FloatArray) -> FloatArray:

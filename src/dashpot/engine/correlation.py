@@ -86,7 +86,8 @@ class Response(ByValue):
         """Correlation of the window's steps with all steps, shape (count,)."""
         if self.start:
             return self.lag(steps[self.start :])
-        power = self.lagged * self.lagged.conj()
+        power = self.lagged.conj()
+        power *= self.lagged
         return np.asarray(np.fft.irfft(power, self.size)[: self.count])
 
     def gram(self, tau: FloatArray, force: Force, *, derivative: bool) -> FloatArray:
@@ -332,13 +333,11 @@ def response(
     before = np.zeros(len(lags.nodes))
     if start:
         before = lags.nodes_of(_turned_back(d, start))
-    # one sequence at a time stays in the cache
-    last = lags.nodes_of(d[::-1])
     lagged = np.fft.rfft(d, size)
     bare = Response(
         fixed=fixed,
         fixed_gram=fixed.T @ fixed,
-        sequences=np.stack((before, last)),
+        sequences=before[None],
         lags=lags,
         lagged=np.conjugate(lagged, out=lagged),
         size=size,
@@ -348,8 +347,9 @@ def response(
         step=float(time[-1] - time[0]) / (len(time) - 1),
     )
     own = bare.own_lag(d)
-    rows = [lags.nodes_of(_lagged(bare, column, x, d, own)) for column in fixed.T]
-    return replace(bare, sequences=np.stack((*rows, lags.nodes_of(own), before, last)))
+    rows = [_lagged(bare, column, x, d, own) for column in fixed.T]
+    nodes = lags.nodes_of_each([*rows, own, d[::-1]])
+    return replace(bare, sequences=np.concatenate((nodes[:-1], before[None], nodes[-1:])))
 
 
 def _turned_back(values: FloatArray, start: int) -> FloatArray:
