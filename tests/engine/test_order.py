@@ -66,6 +66,20 @@ def test_the_smaller_answer_is_taken_and_disagreement_kept() -> None:
     assert (frugal.arms, frugal.by_bic, frugal.by_significance) == (1, 1, 2)
 
 
+def test_what_bic_rejects_decisively_is_not_chosen() -> None:
+    scores = [0, 1, 2, 3], [900.0, 300.0, 120.0, 10.0], [True, True, False, False]
+    assert choose(*scores).arms == 1
+    decided = choose(*scores, decisive=50.0)
+    assert (decided.arms, decided.by_bic, decided.by_significance) == (3, 3, 1)
+    assert decided.fewer_rejected
+    assert not decided.agreed
+    # fewest of what is left, and never fewer than both rules support
+    near = choose([0, 1, 2, 3], [900.0, 300.0, 40.0, 10.0], scores[2], decisive=50.0)
+    assert (near.arms, near.fewer_rejected) == (2, True)
+    frugal = choose([0, 1, 2], [30.0, 1.0, 2.0], [True, True, True], decisive=50.0)
+    assert (frugal.arms, frugal.fewer_rejected) == (1, False)
+
+
 def test_a_choice_at_the_end_of_what_was_tried_is_capped() -> None:
     scores = ([0, 1, 2], [9.0, 5.0, 1.0], [True, True, True])
     assert choose(*scores, exhausted=False).capped

@@ -4,8 +4,11 @@ r"""How many arms the data support, by two rules that fail in different ways.
   correlated residuals do not count as fresh evidence.
 * Significance: every arm has k > 3 SE and SE(ln tau) < 0.5.
 
-The smaller of the two answers is taken: an arm that either rule doubts is not worth its place.
-Where they disagree the caller is told.
+The smaller of the two answers is taken: an arm that either rule doubts is not worth its place. But
+a number of arms that BIC rejects by more than 50 is no answer. Such a fall is significant (11.8
+for the k and tau of an arm) even if only one in four of the residuals counted that kappa lets
+count; the arm is there, however poorly its k and tau are told apart from a plateau and a drift.
+Where the rules disagree the caller is told.
 Source: G. Schwarz, Annals of Statistics 6 (1978) 461, with the sample size of a correlated record.
 
 Where the noise is as slow as the arms, one :math:`M_\mathrm{eff}` is wrong for all of them: fast
@@ -39,12 +42,17 @@ MAX_SE_LN_TAU = 0.5
 MAX_CHANCE = erfc(MIN_K_OVER_SE / sqrt(2.0))
 
 
+#: a difference of BIC that outweighs doubt about k and tau
+DECISIVE = 50.0
+
+
 class Choice(NamedTuple):
     """The chosen number of arms, and what each rule would have chosen.
 
     Attributes
     ----------
     arms, by_bic, by_significance : int
+        `arms` is the smaller of the two, unless BIC is decisive.
     capped : bool
         The choice is the largest number that was tried, and more might be better still.
     in_noise_metric : bool
@@ -56,6 +64,11 @@ class Choice(NamedTuple):
     by_significance: int
     capped: bool = False
     in_noise_metric: bool = False
+
+    @property
+    def fewer_rejected(self) -> bool:
+        """True if the arms are needed though they are not all significant."""
+        return self.in_noise_metric or self.arms > self.by_significance
 
     @property
     def agreed(self) -> bool:
@@ -118,6 +131,7 @@ def choose(
     *,
     exhausted: bool = True,
     in_noise_metric: bool = False,
+    decisive: float = np.inf,
 ) -> Choice:
     """Return the number of arms that both rules support.
 
@@ -131,10 +145,13 @@ def choose(
         False if larger numbers could still fit better and were not tried.
     in_noise_metric : bool
         How the scores were made; kept in the choice.
+    decisive : float
+        How much worse than the best BIC the choice may be.
     """
     by_bic = arms[int(np.argmin(bics))]
     by_significance = max((n for n, yes in zip(arms, significances, strict=True) if yes), default=0)
-    chosen = min(by_bic, by_significance)
+    allowed = (n for n, score in zip(arms, bics, strict=True) if score <= min(bics) + decisive)
+    chosen = min(n for n in allowed if n >= min(by_bic, by_significance))
     return Choice(
         chosen,
         by_bic,

@@ -10,7 +10,7 @@ import numpy as np
 
 from dashpot.engine.blocks import Block
 from dashpot.engine.descent import Stack
-from dashpot.engine.order import Choice, choose
+from dashpot.engine.order import DECISIVE, Choice, choose
 from dashpot.engine.separable import Jacobian, full_jacobian, solve, solve_orders
 from dashpot.engine.uncertainty import Noise, pale, uneven
 from dashpot.errors import FitError
@@ -232,4 +232,5 @@ def _choice(trial: Sequence[Score], *, exhausted: bool, in_noise_metric: bool = 
         [score.significant for score in trial],
         exhausted=exhausted,
         in_noise_metric=in_noise_metric,
+        decisive=DECISIVE,
     )

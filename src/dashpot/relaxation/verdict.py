@@ -68,7 +68,7 @@ def all_checks(
             model,
             error[1 : 1 + arms],
             error[1 + arms :],
-            needed=choice is not None and choice.in_noise_metric,
+            needed=choice is not None and choice.fewer_rejected,
         ),
         checks.tau_inside_window(model, records),
         checks.k_inf_positive(model, float(error[0])),
