@@ -114,7 +114,7 @@ def single_holds() -> None:
             return solve([hold_block(seconds, force, depth=DEPTH, ramp_time=1.0)], n)
 
         def fresh(fit: Callable[[], Solution] = fit) -> Solution:
-            compression._uniform.cache_clear()
+            compression.counted.cache_clear()
             compression._piece.cache_clear()
             first_look._KNOWN.clear()
             return fit()
@@ -161,7 +161,7 @@ def recorded() -> None:
         return solve([recorded_block(seconds, x, force)], 2)
 
     theirs = rival(residual, 2, 7)
-    row("any recorded history, 41k points, N = 2", cpu(fit, 9), theirs, 10, fit().sse)
+    row("any recorded history, 41k points, N = 2", cpu(fit, 41), theirs, 10, fit().sse)
     forces = force + 0.1 * NOISE * GENERATOR.standard_normal((64, len(force)))
     family = recorded_family(seconds, x)
     ours = cpu(lambda: solve_many(family, forces, 2), 3) / len(forces)

@@ -164,9 +164,9 @@ def compression(
     if len(position) <= SMALL:
         return uncompressed(position, weights, step=step)
     if weights is None and step is not None:
-        counted = _uniform(len(position))
-        nodes = position[0] + step * counted.nodes
-        return Compression(nodes, counted.root_weight, counted.stages, step)
+        plan = counted(len(position))
+        nodes = position[0] + step * plan.nodes
+        return Compression(nodes, plan.root_weight, plan.stages, step)
     root = np.ones(len(position)) if weights is None else weights
     nodes, root, sections = _blocks(position - position[0], root)
     return Compression(position[0] + nodes, root, (sections,), step, weights is not None)
@@ -200,8 +200,10 @@ def uniform_step(position: FloatArray) -> float | None:
 
 
 @lru_cache(maxsize=32)
-def _uniform(count: int) -> Compression:
+def counted(count: int) -> Compression:
     """Plan for samples 0, 1, 2, ... in two stages: short equal pieces, then doubling blocks."""
+    if count <= SMALL:
+        return uncompressed(np.arange(float(count)))
     position: list[FloatArray] = []
     weight: list[FloatArray] = []
     sections: list[_Section] = []

@@ -26,7 +26,7 @@ import numpy as np
 
 from dashpot._arrays import ByValue, ComplexArray, FloatArray
 from dashpot.engine.blocks import DesignBlock, Evaluation
-from dashpot.engine.compression import Compression, compression
+from dashpot.engine.compression import Compression, counted
 from dashpot.engine.fourier import fast_length
 
 #: relative sum of squares below which a Gram matrix holds rounding only
@@ -329,7 +329,7 @@ def response(
     d = x[:stop].copy()
     d[1:] -= x[: stop - 1]
     size = fast_length(2 * stop)
-    lags = compression(np.arange(stop, dtype=float), step=1.0)
+    lags = counted(stop)
     before = np.zeros(len(lags.nodes))
     if start:
         before = lags.nodes_of(_turned_back(d, start))
