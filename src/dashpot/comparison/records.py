@@ -118,15 +118,15 @@ class Comparison:
                 "peak frequency, Hz",
                 f"{self.predicted_hz:.3f}",
                 f"{self.measured_hz:.3f}",
-                f"{100 * self.frequency_error:+.2f} %",
+                f"{100 * self.frequency_error:+z.2f} %",
             ),
             (
                 "peak height, 1/kg",
                 f"{self.predicted_peak:.2f}",
                 f"{self.measured_peak:.2f}",
-                f"{self.ratio_db:+.2f} dB",
+                f"{self.ratio_db:+z.2f} dB",
             ),
-            ("damping ratio", *damping, "" if error is None else f"{100 * error:+.1f} %"),
+            ("damping ratio", *damping, "" if error is None else f"{100 * error:+z.1f} %"),
         ]
         lines = [f"{a:<20}{b:>12}{c:>12}{d:>13}" for a, b, c, d in rows]
         lines.append(

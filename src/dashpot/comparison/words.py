@@ -41,8 +41,8 @@ def _frequency(c: Comparison) -> Check:
     passed = abs(error) <= FREQUENCY_LIMIT
     says = (
         f"the predicted peak is at {c.predicted_hz:.3f} Hz, the measured one at "
-        f"{c.measured_hz:.3f} Hz ({100 * error:+.2f} %), so the storage stiffness there is "
-        f"{100 * ((1 + error) ** 2 - 1):+.1f} % off"
+        f"{c.measured_hz:.3f} Hz ({100 * error:+z.2f} %), so the storage stiffness there is "
+        f"{100 * ((1 + error) ** 2 - 1):+z.1f} % off"
     )
     advice = "" if passed else ": check mass, number of seals, length and preload"
     return Check("stiffness_agrees", passed, says + advice, abs(error), FREQUENCY_LIMIT)
@@ -52,7 +52,7 @@ def _height(c: Comparison) -> Check:
     passed = abs(c.ratio_db) <= PEAK_LIMIT_DB
     says = (
         f"the predicted peak is {10 ** (c.ratio_db / 20):.3g} times the measured one "
-        f"({c.ratio_db:+.1f} dB)"
+        f"({c.ratio_db:+z.1f} dB)"
     )
     cause = "damping is underestimated" if c.ratio_db > 0 else "damping is overestimated"
     return Check(
@@ -174,11 +174,11 @@ def verdict(c: Comparison, fit: Fit | None) -> str:
     if not slip.passed:
         return f"A unit slip is likely before anything else: {slip.says}."
     stiffness = "agrees" if passed["stiffness_agrees"] else "does not agree"
-    first = f"Stiffness {stiffness} (peak frequency {100 * c.frequency_error:+.1f} %)"
+    first = f"Stiffness {stiffness} (peak frequency {100 * c.frequency_error:+z.1f} %)"
     damped = passed["peak_agrees"] and passed["damping_agrees"]
-    size = f"peak {c.ratio_db:+.1f} dB"
+    size = f"peak {c.ratio_db:+z.1f} dB"
     if c.damping_ratio_error is not None:
-        size += f", damping ratio {100 * c.damping_ratio_error:+.0f} %"
+        size += f", damping ratio {100 * c.damping_ratio_error:+z.0f} %"
     if fit is None:
         second = f"damping {'agrees' if damped else 'does not agree'} ({size})"
         return f"{first}; {second}."
