@@ -21,6 +21,7 @@ from .identification import infer_mass as infer_mass
 from .identification import unseen_arm_band as unseen_arm_band
 from .io.bench import read_bench as read_bench
 from .io.dynamic import read_dynamic as read_dynamic
+from .io.modulus import read_modulus as read_modulus
 from .io.read import inspect_file as inspect_file
 from .io.read import read_frf as read_frf
 from .io.read import read_impact as read_impact
@@ -36,6 +37,7 @@ from .relaxation.elastic import compare_with_curve as compare_with_curve
 from .relaxation.fit import Fit as Fit
 from .relaxation.fit import Status as Status
 from .relaxation.fitting import fit as fit
+from .relaxation.modulus import RelaxationModulus as RelaxationModulus
 from .relaxation.modulus_fitting import fit_modulus as fit_modulus
 from .relaxation.preparation import prepare as prepare
 from .relaxation.records import RampHold as RampHold

@@ -20,16 +20,17 @@ from dashpot.io.read import (
     read_dynamic,
     read_frf,
     read_impact,
+    read_modulus,
     read_relaxation,
 )
 
-READERS = (inspect_file, read_relaxation, read_impact, read_frf, read_dynamic)
+READERS = (inspect_file, read_relaxation, read_impact, read_frf, read_dynamic, read_modulus)
 NAMED = ReadOptions(
     time="1", displacement="2", force="3", acceleration=("2",), frequency="1", storage="2",
-    loss="3",
+    loss="3", modulus="2",
     units={
         "time": "s", "displacement": "mm", "force": "N", "acceleration": "g", "frequency": "Hz",
-        "storage": "Pa", "loss": "Pa",
+        "storage": "Pa", "loss": "Pa", "modulus": "Pa",
     },
 )  # fmt: skip
 QUICK = settings(

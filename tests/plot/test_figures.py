@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 from dataclasses import replace
+from itertools import pairwise
 
 import handmade
 import numpy as np
@@ -22,6 +23,7 @@ from dashpot.plot.relaxation import fits_to_show, fitted_force
 from dashpot.plot.vibration import smooth
 from dashpot.relaxation.fit import AtDepth
 from dashpot.relaxation.fitting import fit
+from dashpot.relaxation.modulus_fitting import fit_modulus
 from dashpot.relaxation.preparation import prepare
 from dashpot.simulation.rig import simulate_relaxation
 from dashpot.simulation.seals import BROAD, PAPER, PAPER_MASS
@@ -218,6 +220,28 @@ def test_stiffness_shows_newtons_per_millimetre(drawn):
     curve = next(one for one in ax.get_lines() if one.get_label() == "joint fit")
     at = curve.get_xdata()
     assert curve.get_ydata() == pytest.approx(1e-3 * S.joint.model.storage(2 * np.pi * at))
+
+
+def test_a_material_is_drawn_in_megapascals():
+    t = np.geomspace(1e-3, 1e3, 100)
+    found = fit_modulus(t, 1e6 * (1 + 2 * np.exp(-t / 0.1)))
+    ax = plot.stiffness(found).axes[0]
+    assert ax.get_ylabel() == "storage modulus E′, MPa"
+    assert max(np.nanmax(line.get_ydata()) for line in ax.get_lines()) == pytest.approx(3.0, 0.01)
+    stems = plot.spectrum(found).axes[0]
+    assert stems.get_ylabel() == "modulus E, MPa"
+    assert stems.get_ylim()[1] == pytest.approx(2.2, 0.1)
+
+
+def test_a_very_wide_axis_has_few_numbers():
+    figure = plot.spectrum(
+        replace(S.fit, band=(1e-15, 1e3), parameters=(), covariance=np.zeros((0, 0)))
+    )
+    figure.canvas.draw()
+    labels = [text for text in figure.axes[0].get_xticklabels() if text.get_text()]
+    assert 2 <= len(labels) <= 8
+    boxes = [text.get_window_extent() for text in labels]
+    assert all(a.x1 < b.x0 for a, b in pairwise(boxes))
 
 
 def test_stiffness_from_the_frf_is_drawn_with_its_scatter_where_it_is_good():

@@ -12,8 +12,16 @@ from dashpot.cli._specimen import specimen
 from dashpot.errors import FitError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from matplotlib.figure import Figure
+
     from dashpot.io.options import ReadOptions
-    from dashpot.relaxation.records import Specimen
+    from dashpot.relaxation.dynamic import DynamicTest
+    from dashpot.relaxation.fit import Fit
+    from dashpot.relaxation.records import RelaxationTest, Specimen
+
+    Fitted = tuple[Fit, Callable[[], Figure]]
 
 
 @click.command("fit", short_help="The solid behind a relaxation test, and how well it is known.")
@@ -29,6 +37,7 @@ if TYPE_CHECKING:
 @click.option("--depth-law", is_flag=True, help="Several depths: shared times, k for each depth.")
 @click.option("--thorough", is_flag=True, help="Add quasi-random starts.")
 @click.option("--filter", "filter_", metavar="SPEC", help="E.g. lowpass:10Hz; off by default.")
+@click.option("--modulus", metavar="COLUMN", help="FILE is a modulus over time, E(t): its column.")
 @click.option("--plot", "picture", metavar="FILE", help="Save the figure (png, svg, pdf).")
 @click.option("-o", "--output", metavar="FILE", help="Write the fit as JSON; - is stdout.")
 @reports
@@ -42,6 +51,7 @@ def command(
     depth_law: bool,
     thorough: bool,
     filter_: str | None,
+    modulus: str | None,
     picture: str | None,
     output: str | None,
     specimen: Specimen,
@@ -49,19 +59,88 @@ def command(
 ) -> Outcome:
     """Fit a generalized Maxwell solid to the ramp and hold in FILE; several files fit together.
 
-    FILE may also be a dynamic (DMA) sweep: storage and loss against frequency.
+    FILE may also be a dynamic (DMA) sweep, storage and loss against frequency, or, with
+    --modulus, a relaxation modulus over time.
 
     \b
     dashpot fit seal_8mm.csv
     dashpot fit seal_8mm.csv --arms 2 --method hold -o fit.json --plot fit.png
     dashpot fit seal_4mm.csv seal_8mm.csv --depth-law
+    dashpot fit curve.csv --modulus "E(t)"
     """
+    if modulus is not None:
+        if len(files) > 1 or depth_law or method == "hold" or filter_:
+            raise FitError(
+                "a relaxation modulus is fitted one at a time, without --depth-law, --method hold "
+                "and --filter: it is the answer to a step already"
+            )
+        found, draw = _of_modulus(
+            files[0], modulus, arms, thorough=thorough, specimen=specimen, options=options
+        )
+    else:
+        from dashpot.io.bench import read_bench
+
+        tests = [read_bench(path, options=options, specimen=specimen) for path in files]
+        found, draw = _of_tests(
+            tests, arms, method=method, depth_law=depth_law, thorough=thorough, filter_=filter_
+        )
+    if picture:
+        from dashpot import plot
+
+        plot.save(draw(), picture)
+
+    def content() -> dict[str, Any]:
+        from dashpot.archive import document
+
+        return document(found)
+
+    if output:
+        write(output, printed(content()) + "\n")
+
     from dashpot.cli import _words
-    from dashpot.io.bench import read_bench
+
+    return Outcome(content, "" if output == "-" else _words.fit(found), found.checks)
+
+
+def _of_modulus(
+    file: str,
+    column: str,
+    arms: int | Literal["auto"],
+    *,
+    thorough: bool,
+    specimen: Specimen,
+    options: ReadOptions,
+) -> Fitted:
+    from dataclasses import replace
+
+    from dashpot.io.modulus import read_modulus
+    from dashpot.relaxation.modulus_fitting import fit_modulus
+
+    curve = read_modulus(file, options=replace(options, modulus=column), specimen=specimen)
+    found = fit_modulus(
+        curve.time,
+        curve.modulus,
+        arms=arms,
+        thorough=thorough,
+        unit=curve.unit,
+        source=curve.source,
+        specimen=curve.specimen,
+    )
+    return found, lambda: _stiffness(found)
+
+
+def _of_tests(
+    tests: Sequence[RelaxationTest | DynamicTest],
+    arms: int | Literal["auto"],
+    *,
+    method: Literal["full", "hold"],
+    depth_law: bool,
+    thorough: bool,
+    filter_: str | None,
+) -> Fitted:
     from dashpot.relaxation.preparation import prepare
     from dashpot.relaxation.records import RelaxationTest
 
-    tests = [read_bench(path, options=options, specimen=specimen) for path in files]
     sweeps = [test for test in tests if not isinstance(test, RelaxationTest)]
     prepared = [prepare(test, filter=filter_) for test in tests if isinstance(test, RelaxationTest)]
     if sweeps:
@@ -77,21 +156,21 @@ def command(
         from dashpot.relaxation.fitting import fit
 
         found = fit(prepared, arms=arms, method=method, depth_law=depth_law, thorough=thorough)
-    if picture:
+
+    def draw() -> Figure:
         from dashpot import plot
 
+        if not prepared:
+            return _stiffness(found)
         if sweeps or len(prepared) > 1:
-            drawn = plot.fit(found, prepared[0]) if prepared else plot.stiffness(found)
-        else:
-            others = [fit(prepared, arms=n, method=method) for n in (1, 2)]  # the paper's Fig. 4
-            drawn = plot.fit(found, prepared[0], alternatives=others)
-        plot.save(drawn, picture)
+            return plot.fit(found, prepared[0])
+        others = [fit(prepared, arms=n, method=method) for n in (1, 2)]  # the paper's Fig. 4
+        return plot.fit(found, prepared[0], alternatives=others)
 
-    def content() -> dict[str, Any]:
-        from dashpot.archive import document
+    return found, draw
 
-        return document(found)
 
-    if output:
-        write(output, printed(content()) + "\n")
-    return Outcome(content, "" if output == "-" else _words.fit(found), found.checks)
+def _stiffness(found: Fit) -> Figure:
+    from dashpot import plot
+
+    return plot.stiffness(found)

@@ -128,14 +128,15 @@ def _problems(
 ) -> dict[str, str]:
     found: dict[str, str] = {}
     if fit:
-        for name in ("temperature", "length"):
+        # a material has no contact length
+        for name in ("temperature", "length") if fit.unit == "N/m" else ("temperature",):
             if getattr(specimen, name) is None:
                 found[name] = PROBLEMS[name]
         doubt = _doubt(fit)
         if doubt:
             found["not_identified"] = f"{PROBLEMS['not_identified']}: {doubt}"
     if prony and sum(round(k / model.k_0, 10) for k in model.k) >= 1:
-        found["prony_sum"] = f"{PROBLEMS['prony_sum']} (k_inf = {model.k_inf:.4g} N/m)"
+        found["prony_sum"] = f"{PROBLEMS['prony_sum']} (k_inf = {model.k_inf:.4g})"
     return found
 
 
@@ -147,10 +148,10 @@ def _doubt(fit: Fit) -> str | None:
     if not fit.model.k_inf > 0:
         return "k_inf = 0, so the relaxation had not ended when the test did"
     if not 3 * errors["k_inf"] < fit.model.k_inf:
-        return f"k_inf = {fit.model.k_inf:.4g} +- {errors['k_inf']:.2g} N/m"
+        return f"k_inf = {fit.model.k_inf:.4g} +- {errors['k_inf']:.2g} {fit.unit}"
     for j, (k, tau) in enumerate(zip(fit.model.k, fit.model.tau, strict=True)):
         if not 3 * errors["k"][j] < k:
-            return f"arm {j + 1} has k = {k:.4g} +- {errors['k'][j]:.2g} N/m"
+            return f"arm {j + 1} has k = {k:.4g} +- {errors['k'][j]:.2g} {fit.unit}"
         if not 2 * errors["tau"][j] < tau:
             return f"arm {j + 1} has tau = {tau:.4g} +- {errors['tau'][j]:.2g} s"
     return None

@@ -13,6 +13,7 @@ from dashpot.io.dialect import Dialect
 from dashpot.io.table import Column, Content
 
 _COMMENT = re.compile(r"^\s*(?:#+|%+|//+|\$+|!+|\*+|'+|--+|>+|@+)\s*")
+_OF_TIME = re.compile(r"[A-Za-z]\(t\)")  # E(t): no tonnes
 _BRACKETS = re.compile(
     r"^(.*?)\s*[\[(<{]\s*([^\[\](){}<>]*(?:\([^()]*\))?[^\[\](){}<>]*?)\s*[\])>}]\s*$", re.DOTALL
 )
@@ -168,6 +169,8 @@ def part_unit(name: str) -> tuple[str, str | None]:
     (('Force', 'N'), ('Load', 'kN'), ('Kraft', 'N'), ('time', None))
     """
     text = unicodedata.normalize("NFKC", name.replace("²", "^2")).strip().strip("\"'").strip()
+    if _OF_TIME.fullmatch(text):
+        return text, None
     match = _UNIT_FIRST.match(text)
     if match and units.find(match[1]):
         return match[2].strip(), match[1].strip()

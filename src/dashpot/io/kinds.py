@@ -44,7 +44,7 @@ def kind_of(table: Table, options: ReadOptions) -> tuple[FileKind, str]:
     if has("modulus") and timed:
         return "not-a-test", (
             "it is a relaxation modulus over time, a curve derived from a test, with no "
-            "displacement and force"
+            "displacement and force; dashpot fit --modulus COLUMN fits the curve itself"
         )
     if has("viscosity") or (has("shear_rate") and not timed):
         return "not-a-test", "it is a flow curve of a rheometer (viscosity, shear rate)"

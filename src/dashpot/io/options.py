@@ -9,7 +9,7 @@ from dashpot.errors import DataError
 
 ROLES = (
     "time", "displacement", "force", "acceleration",
-    "frequency", "storage", "loss", "temperature",
+    "frequency", "storage", "loss", "temperature", "modulus",
 )  # fmt: skip
 """Every role that a column can be given by name."""
 
@@ -26,7 +26,7 @@ class ReadOptions:
 
     Attributes
     ----------
-    time, displacement, force, frequency, storage, loss, temperature : str or None
+    time, displacement, force, frequency, storage, loss, temperature, modulus : str or None
         The column that plays this role: its name in the file, or its number counted from 1.
         In an impact test `force` is the hammer.
     acceleration : tuple of str
@@ -57,6 +57,7 @@ class ReadOptions:
     storage: str | None = None
     loss: str | None = None
     temperature: str | None = None
+    modulus: str | None = None
     units: Mapping[str, str] | tuple[tuple[str, str], ...] = ()
     rate: float | None = None
     delimiter: str | None = None

@@ -16,8 +16,9 @@ from dashpot.units import Dimension, Unit
 
 _EXAMPLE = {
     "time": "s", "displacement": "mm", "force": "N", "acceleration": "m/s^2", "frequency": "Hz",
-    "storage": "MPa", "loss": "MPa", "temperature": "degC",
+    "storage": "MPa", "loss": "MPa", "temperature": "degC", "modulus": "MPa",
 }  # fmt: skip
+_MODULI = {"storage", "loss", "modulus"}  # of a part they are stiffnesses
 _WEIGHTS = {"g": "gf", "kg": "kgf", "lb": "lbf"}
 _SENSITIVITY = re.compile(
     r"([\d.]+(?:e[+-]?\d+)?)\s*(m|u|µ)?V\s*/\s*\(?([^()]+)\)?\Z", re.IGNORECASE
@@ -103,7 +104,7 @@ def score(column: Column, role: Role, options: ReadOptions) -> float:
     fits = False
     if word is not None and dimension is not None:
         fits = units.find(word, dimension) is not None or (
-            role in {"storage", "loss"} and units.find(word, "stiffness") is not None
+            role in _MODULI and units.find(word, "stiffness") is not None
         )
         if not fits and units.find(word) is not None and not _SENSITIVITY.match(word):
             return 0.0
@@ -248,7 +249,7 @@ def unit_for(column: Column, number: int, role: Role, options: ReadOptions) -> U
 
 
 def _modulus_or(word: str, role: Role, dimension: Dimension) -> Unit:
-    if role in {"storage", "loss"} and (stiffness := units.find(word, "stiffness")) is not None:
+    if role in _MODULI and (stiffness := units.find(word, "stiffness")) is not None:
         return stiffness
     return units.parse_unit(word, dimension)
 

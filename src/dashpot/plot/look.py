@@ -29,6 +29,8 @@ COLUMN, PAGE = 88.0, 180.0
 """Widths of one and of two columns of a journal, mm."""
 
 SMALL, NORMAL = 7.0, 7.5
+#: a log axis wider than this has room for few numbers, and plain ones are short in these limits
+WIDE, PLAIN = 1e6, (1e-4, 1e5)
 """Sizes of tick labels and legends, and of axis labels, points."""
 
 BLACK, GREY, PALE = "#000000", "#767676", "#d9d9d9"
@@ -122,8 +124,8 @@ def dress(ax: Axes, *, x: str = "", y: str = "", title: str = "") -> Axes:
 
 
 def log_axis(ax: Axes, which: Which) -> None:
-    """Make an axis logarithmic with plain numbers on it: 0.1, 1, 10, not powers of ten."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+    """Make an axis logarithmic with plain numbers on it; a very wide one has powers of ten."""
+    from matplotlib.ticker import FuncFormatter, LogFormatterMathtext, LogLocator, NullFormatter
 
     if which == "x":
         ax.set_xscale("log")
@@ -133,10 +135,19 @@ def log_axis(ax: Axes, which: Which) -> None:
     low, high = sorted(ax.get_xlim() if which == "x" else ax.get_ylim())
     ratio = high / low if low > 0 else 1e3
     subs = (1.0,) if ratio > 200 else (1.0, 2.0, 5.0) if ratio > 8 else (1, 1.5, 2, 3, 5, 7)
+    axis.set_minor_formatter(NullFormatter())
+    plain = PLAIN[0] <= low and high <= PLAIN[1]
+    axis.set_major_formatter(
+        FuncFormatter(lambda value, _: f"{value:g}")
+        if plain or ratio <= WIDE
+        else LogFormatterMathtext()
+    )
+    if ratio > WIDE:
+        axis.set_major_locator(LogLocator(base=10, numticks=6))
+        axis.set_minor_locator(LogLocator(base=10, numticks=50))
+        return
     axis.set_major_locator(LogLocator(base=10, subs=subs, numticks=15))
     axis.set_minor_locator(LogLocator(base=10, subs=range(1, 10), numticks=100))
-    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axis.set_minor_formatter(NullFormatter())
 
 
 def legend(ax: Axes, *, loc: Corner = "best") -> None:

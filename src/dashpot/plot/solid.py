@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -44,20 +44,23 @@ def spectrum(fit: Fit, *, joint: Fit | None = None) -> Figure:
     """
     made = figure(COLUMN, 72)
     ax = made.subplots()
+    words = _words(fit)
     low, high = (1 / (2 * np.pi * f) for f in reversed(fit.band))
-    spectrum_panel.window(ax, low, high, label="seen by the relaxation test")
-    _stems(ax, fit, CHOSEN.color, "relaxation fit, with 95 % intervals of k and τ", width=3.2)
+    spectrum_panel.window(ax, low, high, label=words.seen)
+    named = f", with 95 % intervals of {words.plateau[0]} and τ"
+    label = words.fit + named if fit.parameters else words.fit
+    _stems(ax, fit, CHOSEN.color, label, width=3.2)
     if joint is not None:
         _stems(ax, joint, JOINT.color, "joint fit", width=1.1)
-    k_inf = 1e-3 * fit.model.k_inf
+    k_inf = words.scale * fit.model.k_inf
     ax.axhline(k_inf, color=CHOSEN.color, linewidth=0.9, linestyle=(0, (4, 2)))
     shown = [*fit.model.tau, *(joint.model.tau if joint else ())]
     ax.set_xlim(min([low, *shown]) / 4, max([high, *shown]) * 4)
     ax.set_ylim(0, 1.12 * ax.get_ylim()[1])
     log_axis(ax, "x")
-    dress(ax, x="relaxation time τ, s", y="stiffness k, N/mm")
+    dress(ax, x="relaxation time τ, s", y=words.arm)
     ax.annotate(
-        "k∞", (0.02, k_inf), xycoords=("axes fraction", "data"), xytext=(0, 1.5),
+        words.plateau, (0.02, k_inf), xycoords=("axes fraction", "data"), xytext=(0, 1.5),
         textcoords="offset points", fontsize=SMALL, color=CHOSEN.color, va="bottom",
     )  # fmt: skip
     legend_above(made, ax, columns=1)
@@ -73,7 +76,7 @@ def stiffness(
     measured: DynamicStiffness | None = None,
     mark: float | None = None,
 ) -> Figure:
-    """Storage stiffness, loss stiffness and loss factor of one seal against frequency.
+    """Storage, loss and loss factor against frequency: stiffness of one seal, or a modulus.
 
     Solid where the relaxation test informs the model, dashed where it is extrapolated.
 
@@ -92,11 +95,11 @@ def stiffness(
     made = figure(PAGE, 78)
     axes = made.subplots(1, 3)
     f = _frequencies(fit, measured, unseen, mark)
+    words = _words(fit)
     names = ("storage", "loss", "loss_factor")
-    labels = ("storage stiffness K′, N/mm", "loss stiffness K″, N/mm", "loss factor K″/K′, –")
-    for ax, name, label in zip(axes, names, labels, strict=True):
-        factor = 1.0 if name == "loss_factor" else 1e-3
-        panel.identified(ax, fit.band, label="seen by the relaxation test")
+    for ax, name, label in zip(axes, names, words.axes, strict=True):
+        factor = 1.0 if name == "loss_factor" else words.scale
+        panel.identified(ax, fit.band, label=words.seen)
         if unseen is not None:
             panel.limits(ax, unseen.frequency, factor * getattr(unseen, name), PURPLE,
                          label="room for arms it cannot see", alpha=0.25)  # fmt: skip
@@ -104,7 +107,7 @@ def stiffness(
             panel.limits(ax, parameters.frequency, factor * getattr(parameters, name),
                          BLUE, label="standard errors (95 %)", alpha=0.35)  # fmt: skip
         curve = factor * getattr(fit.model, name)(2 * np.pi * f)
-        panel.known_and_extrapolated(ax, f, curve, CHOSEN, known=fit.band, label="relaxation fit")
+        panel.known_and_extrapolated(ax, f, curve, CHOSEN, known=fit.band, label=words.fit)
         if joint is not None:
             ax.plot(f, factor * getattr(joint.model, name)(2 * np.pi * f), color=JOINT.color,
                     linestyle=JOINT.dashes, linewidth=JOINT.width, label="joint fit")  # fmt: skip
@@ -123,17 +126,41 @@ def stiffness(
     return made
 
 
+class _Words(NamedTuple):
+    """What a fit is called on an axis, and the factor from SI to the unit said there."""
+
+    scale: float
+    arm: str
+    plateau: str
+    axes: tuple[str, str, str]
+    seen: str
+    fit: str
+
+
+def _words(fit: Fit) -> _Words:
+    of_force = fit.method in {"full", "hold"}
+    seen = "seen by the relaxation test" if of_force else "seen by the test"
+    name = "relaxation fit" if of_force else "fit"
+    if fit.unit == "Pa":
+        axes = ("storage modulus E′, MPa", "loss modulus E″, MPa", "loss factor E″/E′, –")
+        return _Words(1e-6, "modulus E, MPa", "E∞", axes, seen, name)
+    axes = ("storage stiffness K′, N/mm", "loss stiffness K″, N/mm", "loss factor K″/K′, –")
+    return _Words(1e-3, "stiffness k, N/mm", "k∞", axes, seen, name)
+
+
 def _stems(ax: Axes, one: Fit, color: str, label: str, *, width: float) -> None:
-    bounds = one.intervals(level=0.95)
+    # a dense spectrum has no intervals to draw
+    bounds = one.intervals(level=0.95) if one.parameters else {"tau": (), "k": ()}
+    scale = _words(one).scale
     low, high = (1 / (2 * np.pi * f) for f in reversed(one.band))
     spectrum_panel.stems(
         ax,
         one.model.tau,
-        tuple(1e-3 * k for k in one.model.k),
+        tuple(scale * k for k in one.model.k),
         color,
         # an open end is drawn to the edge of what could matter
         tau_range=tuple((max(a, low / 10), min(b, high * 10)) for a, b in bounds["tau"]),
-        k_range=tuple((1e-3 * a, 1e-3 * min(b, one.model.k_0)) for a, b in bounds["k"]),
+        k_range=tuple((scale * a, scale * min(b, one.model.k_0)) for a, b in bounds["k"]),
         label=label,
         width=width,
     )

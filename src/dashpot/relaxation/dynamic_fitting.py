@@ -23,7 +23,7 @@ from dashpot.relaxation.dynamic import DynamicTest
 from dashpot.relaxation.fit import Fit
 from dashpot.relaxation.profiles import profiles
 from dashpot.relaxation.records import RampHold
-from dashpot.relaxation.spectrum import relative_scale
+from dashpot.relaxation.spectrum import dynamic_master_curve, relative_scale
 from dashpot.relaxation.telling import asked_arms, nuisance_of, proof_of, residual_of
 from dashpot.relaxation.verdict import status_of
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -150,7 +150,17 @@ def fit_dynamic(
         specimen=data.specimen,
         unit=data.unit,
     )
-    return few if arms != "auto" or records or dashpot else dense_where_few_fail(few, data)
+    if arms != "auto" or records or dashpot:
+        return few
+    error = _relative_error(few.model, data)
+    return dense_where_few_fail(few, error, lambda: dynamic_master_curve(data))
+
+
+def _relative_error(model: GeneralizedMaxwell, data: DynamicTest) -> FloatArray:
+    """Errors of storage, then of loss, relative to each."""
+    K = model.complex_stiffness(data.omega)
+    storage, loss = relative_scale(data)
+    return np.concatenate(((K.real - data.storage) / storage, (K.imag - data.loss) / loss))
 
 
 class _Set(NamedTuple):

@@ -16,14 +16,18 @@ from dashpot.provenance import Source, Step
 from dashpot.relaxation import checks as bench
 from dashpot.relaxation import curve_checks as questions
 from dashpot.relaxation import curves
+from dashpot.relaxation.dense import dense_where_few_fail
 from dashpot.relaxation.fit import Fit
 from dashpot.relaxation.profiles import profiles
 from dashpot.relaxation.records import Specimen
+from dashpot.relaxation.spectrum import master_curve
 from dashpot.relaxation.telling import asked_arms, proof_of, residual_of
 from dashpot.relaxation.verdict import status_of
 
 # a fit that expects less than this part of a value does not follow it: no ground for a weight
 _DOUBTED = 0.1
+# a dense spectrum needs a curve
+_LEAST = 3
 
 
 def fit_modulus(
@@ -52,7 +56,9 @@ def fit_modulus(
     modulus : array_like, shape (n,)
         In `unit`; > 0 with relative weights.
     arms : int or "auto"
-        ``"auto"`` takes the number that BIC and the significance of every arm both support.
+        ``"auto"`` takes the number that BIC and the significance of every arm both support; if no
+        number up to `max_arms` follows the curve, with relative weights, the dense spectrum of
+        :func:`~dashpot.relaxation.spectrum.master_curve` stands in, without standard errors.
     weights : "relative" or "uniform"
         Residuals relative to what the best solid expects, or all alike.
     thorough : bool
@@ -118,7 +124,7 @@ def fit_modulus(
         f"fitted a generalized Maxwell solid with {model.arms} arms to {len(t)} values of a "
         "relaxation modulus",
     )
-    return Fit(
+    few = Fit(
         model=model,
         status=status_of(
             found.solution,
@@ -140,6 +146,11 @@ def fit_modulus(
         specimen=specimen or Specimen(),
         unit=unit,
     )
+    later = t > 0
+    if arms != "auto" or weights != "relative" or later.sum() < _LEAST:
+        return few
+    error = model.relaxation(t) / values - 1.0
+    return dense_where_few_fail(few, error, lambda: master_curve(t[later], values[later]))
 
 
 def _block(

@@ -1,0 +1,64 @@
+"""From a file to a relaxation modulus over time."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from dashpot.errors import DataError, ReadError
+from dashpot.io import channels
+from dashpot.io.formats import read_table
+from dashpot.io.opening import about, open_raw
+from dashpot.io.options import ReadOptions
+from dashpot.io.roles import Assigned, assign
+from dashpot.io.table import Question
+from dashpot.io.vocabulary import Role
+from dashpot.relaxation.modulus import RelaxationModulus
+from dashpot.relaxation.records import Specimen
+
+_ROLES: tuple[Role, ...] = ("time", "modulus")
+
+
+def read_modulus(
+    path: str | Path, *, options: ReadOptions | None = None, specimen: Specimen | None = None
+) -> RelaxationModulus:
+    """Return the relaxation modulus E(t) in a file, in SI units.
+
+    Rows that lack a number are left out with a note.
+
+    Raises
+    ------
+    ReadError
+        If time or modulus is not found or has no unit, or time does not increase.
+    """
+    options = options or ReadOptions()
+    raw = open_raw(path)
+    table = read_table(raw, options)
+    if table.doubts:
+        raise ReadError(f"{raw.name}: {table.doubts[0].says}")
+    with about(raw):
+        found = [assign(table, role, options) for role in _ROLES]
+    asked = [answer.says for answer in found if isinstance(answer, Question)]
+    if asked:
+        raise ReadError(f"{raw.name}: " + "; ".join(asked))
+    wanted = [answer for answer in found if isinstance(answer, Assigned)]
+    chosen = channels.with_units(raw, table, wanted, options)
+    loaded = channels.load(table, [c.index for c in chosen], options, raw.name)
+    whole = np.isfinite(loaded.values).all(axis=1)
+    time, modulus = (channels.si(loaded.values[whole, j], c.unit) for j, c in enumerate(chosen))
+    notes = [*table.notes, *loaded.notes]
+    if not whole.all():
+        missing = np.flatnonzero(~whole)
+        first = loaded.where(int(missing[0]))
+        notes.append(f"{missing.size} rows lack a number and were left out, first {first}")
+    try:
+        return RelaxationModulus(
+            time,
+            modulus,
+            "N/m" if chosen[1].unit.dimension == "stiffness" else "Pa",
+            specimen or Specimen(),
+            channels.source(raw, table, chosen, notes),
+        )
+    except DataError as error:
+        raise ReadError(f"{raw.name}: {error}") from None
