@@ -8,6 +8,7 @@ import numpy as np
 
 from dashpot.errors import ReadError
 from dashpot.io.gathering import Named, gather, real
+from dashpot.io.matfile import check_elements
 from dashpot.io.opening import Raw
 from dashpot.io.options import ReadOptions
 from dashpot.io.table import Table
@@ -21,6 +22,7 @@ def read(raw: Raw, options: ReadOptions) -> Table:
     from scipy.io import loadmat
 
     with raw.open() as stream:
+        check_elements(stream, raw.name)
         content: dict[str, Any] = loadmat(stream, simplify_cells=True)  # type: ignore[arg-type]
     arrays: list[Named] = []
     for name, value in content.items():
