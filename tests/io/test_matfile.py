@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
+import random
 import struct
+import warnings
 from io import BytesIO
 
 import numpy as np
@@ -80,3 +83,39 @@ def test_a_file_cut_short_is_said(compressed: bool, left: int) -> None:
     content = saved(do_compression=compressed).getvalue()[:left]
     with pytest.raises(ReadError, match="the MAT file is damaged near byte"):
         check_elements(BytesIO(content), "a.mat")
+
+
+def test_counts_that_do_not_add_up_are_said() -> None:
+    good = saved({"a_long_name": np.arange(9.0)}).getvalue()
+    for at, put, why in (
+        (144, 0x806, "an element where 0 bytes are left"),  # complex, but nothing imaginary
+        (160, 10**6, "an array of 9000000 values in"),
+        (152, 0x10005, "an array with 1 bytes of dimensions"),
+    ):
+        content = bytearray(good)
+        content[at : at + 4] = struct.pack("<I", put)
+        with pytest.raises(ReadError, match=why):
+            check_elements(BytesIO(content), "a.mat")
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_what_passes_does_not_end_the_process(seed: int) -> None:
+    """Thousands of damaged files: SciPy may refuse what is left, and lives to say so."""
+    draw = random.Random(seed)  # noqa: S311
+    small = {name: value for name, value in CONTENT.items() if name != "numbers"}
+    files = [saved(small).getvalue(), saved(small, do_compression=True).getvalue()]
+    refused = 0
+    for _ in range(800):
+        content = bytearray(draw.choice(files))
+        for _ in range(draw.randint(1, 4)):
+            at = draw.randrange(124, len(content))
+            content[at : at + draw.randint(0, 2)] = draw.randbytes(draw.randint(0, 2))
+        try:
+            check_elements(BytesIO(content), "a.mat")
+        except ReadError:
+            refused += 1
+            continue
+        with contextlib.suppress(Exception), warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            loadmat(BytesIO(content), simplify_cells=True)
+    assert 100 < refused < 800
