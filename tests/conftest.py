@@ -2,11 +2,21 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
-from dashpot.solids.maxwell import GeneralizedMaxwell
+# one worker per core already: threads of BLAS beside them only wait for each other
+for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+    os.environ.setdefault(name, "1")
+
+from dashpot.solids.maxwell import GeneralizedMaxwell  # noqa: E402
+
+# how long an example takes is the machine's affair
+settings.register_profile("dashpot", deadline=None)
+settings.load_profile("dashpot")
 
 
 @pytest.fixture(scope="session")
