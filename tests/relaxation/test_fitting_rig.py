@@ -228,3 +228,12 @@ def test_what_was_taken_out_of_the_motion_is_a_step() -> None:
     (step,) = [step for step in fit(prepared, arms=1).steps if step.name == "motion"]
     assert "counts of 20 um" in step.says
     assert not [s for s in fit(prepared, arms=1, method="hold").steps if s.name == "motion"]
+
+
+def test_arms_asked_for_are_tried_beyond_what_auto_would() -> None:
+    prepared = prepare(simulate_relaxation(PAPER).test)
+    auto, asked = fit(prepared), fit(prepared, arms=5)
+    tried = [order.arms for order in auto.orders]
+    assert tried == [0, 1, 2, 3]
+    assert asked.model.arms > max(tried)
+    assert asked.orders[-1].sse < auto.orders[-1].sse

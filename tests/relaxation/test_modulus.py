@@ -106,6 +106,12 @@ def test_the_shell_says_how_a_curve_is_fitted_and_with_what_it_is_not(tmp_path: 
     assert "there is no such column" in shell("fit", file, "--modulus", "G", expect=2)
 
 
+def test_a_profile_may_name_the_column(tmp_path: Path) -> None:
+    file, profile = curve_file(tmp_path / "a.csv"), tmp_path / "lab.toml"
+    profile.write_text('[columns]\nmodulus = "E(t)"\n')
+    assert "2 Maxwell arms, method modulus" in shell("fit", file, "--profile", profile)
+
+
 def test_a_curve_too_broad_for_a_few_arms_is_told_as_a_dense_spectrum() -> None:
     many = GeneralizedMaxwell(1e6, (1e6,) * 20, tuple(10.0**n for n in range(-10, 10)))
     time = np.concatenate(([0.0], np.geomspace(1e-11, 1e10, 200)))

@@ -68,14 +68,15 @@ def command(
     dashpot fit seal_4mm.csv seal_8mm.csv --depth-law
     dashpot fit curve.csv --modulus "E(t)"
     """
-    if modulus is not None:
+    column = modulus or options.modulus
+    if column is not None:
         if len(files) > 1 or depth_law or method == "hold" or filter_:
             raise FitError(
                 "a relaxation modulus is fitted one at a time, without --depth-law, --method hold "
                 "and --filter: it is the answer to a step already"
             )
         found, draw = _of_modulus(
-            files[0], modulus, arms, thorough=thorough, specimen=specimen, options=options
+            files[0], column, arms, thorough=thorough, specimen=specimen, options=options
         )
     else:
         from dashpot.io.bench import read_bench

@@ -99,7 +99,9 @@ def fit(
     samples = every_sample(records, design, blocks)
     if arms == "auto":
         most = min(most, _determinable(blocks))
-    trial, noises = _tried(blocks, samples, most, peak=peak, thorough=thorough)
+    trial, noises = _tried(
+        blocks, samples, most, every=arms != "auto" or thorough, peak=peak, thorough=thorough
+    )
     exhausted = len(trial) - 1 < most
     choice = _choice(trial, exhausted=exhausted)
 
@@ -203,18 +205,19 @@ def _tried(
     samples: Sequence[Block],
     most: int,
     *,
+    every: bool,
     peak: float,
     thorough: bool,
 ) -> tuple[tuple[Score, ...], tuple[Noise, ...]]:
-    """Return every number of arms from none up, judged by the residuals of the largest.
+    """Return the numbers of arms from none up, judged by the residuals of the largest.
 
-    The noise of each record in these is returned beside. Where any number of further arms
-    together would gain less than BIC asks for one, one more is tried for the record.
+    The noise of each record in these is returned beside. Unless `every` number is asked for, only
+    one more is tried where all further arms together would gain less than BIC asks for one.
     """
     solutions = [solve(blocks, 0)]
     if most:
         stack = Stack(blocks)
-        one_more = 0.0 if thorough else (1 + len(stack.groups)) * float(np.log(stack.samples))
+        one_more = 0.0 if every else (1 + len(stack.groups)) * float(np.log(stack.samples))
         found = solve_orders(blocks, most, negligible=one_more, thorough=thorough)
         solutions += [solution for solution in found if solution.order]
     noises = residual_noises(solutions[-1], samples, peak=peak)
