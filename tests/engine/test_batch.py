@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dashpot.engine.batch import Family, solve_each, solve_many
+from dashpot.engine.batch import solve_each, solve_many
 from dashpot.engine.families import (
     decay_family,
     hold_family,
     ramp_hold_family,
     recorded_family,
 )
+from dashpot.engine.family import Family
 from dashpot.engine.recorded import recorded_block
 from dashpot.engine.separable import solve
 from dashpot.errors import DataError, FitError

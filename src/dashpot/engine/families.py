@@ -5,23 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import NamedTuple
 
 import numpy as np
 
 from dashpot._arrays import BoolArray, ByValue, FloatArray, IndexArray
-from dashpot.engine.batch import Seen
 from dashpot.engine.blocks import Block, DesignBlock
 from dashpot.engine.compression import Compression, compression, uniform_step
 from dashpot.engine.correlation import GRAIN, Force, Response, response, upper_factor
+from dashpot.engine.family import Seen
 from dashpot.engine.holds import decay_block, hold_block, ramp_hold_block
 from dashpot.engine.recorded import recorded_block
+from dashpot.engine.space import Space, space_of
 from dashpot.errors import DataError
 
 #: samples compressed together
 AT_ONCE = 400_000
-TIMES_PER_FOLD = 9.5
-RANK = 1e-14
 
 
 def decay_family(time: FloatArray, *, constant: str | None = "k_inf") -> CompressedFamily:
@@ -93,57 +91,8 @@ def _compressed(
 
     template = make(time, np.zeros(len(time)))
     return CompressedFamily(
-        template, plans, _space(template, at_nodes), lambda values: make(time, values)
+        template, plans, space_of(template, at_nodes), lambda values: make(time, values)
     )
-
-
-class _Space(NamedTuple):
-    r"""The few dimensions that the compressed columns of a sampling live in.
-
-    With B an orthonormal basis of them, the fixed columns first, :math:`G = B_f F`, and S as many
-    nodes as it has columns, so chosen that B_S is well conditioned,
-
-    .. math:: B'\varphi(\tau) = B_S^{-1} \varphi_S(\tau)
-
-    Attributes
-    ----------
-    basis : array, shape (n, q + r)
-    triangle : array, shape (q, q)
-        F.
-    inverse : array, shape (q + r, q + r)
-        The inverse of B_S.
-    chosen : DesignBlock
-        The columns at the nodes S alone.
-    """
-
-    basis: FloatArray
-    triangle: FloatArray
-    inverse: FloatArray
-    chosen: DesignBlock
-
-
-def _space(template: DesignBlock, at_nodes: Callable[[slice | IndexArray], DesignBlock]) -> _Space:
-    low, high = np.log(template.window)
-    tau = np.exp(np.linspace(low, high, round(TIMES_PER_FOLD * (high - low))))
-    columns = template.columns(tau, False)[0]
-    fixed = np.linalg.qr(template.fixed)[0]
-    swept = columns - fixed @ (fixed.T @ columns)
-    u, s, _ = np.linalg.svd(swept / np.linalg.norm(columns, axis=0), full_matrices=False)
-    # the last directions hold rounding along the fixed columns
-    basis, r = np.linalg.qr(np.concatenate((template.fixed, u[:, s > RANK * s[0]]), axis=1))
-    nodes, q = _independent(basis), template.fixed.shape[1]
-    return _Space(basis, r[:q, :q], np.linalg.inv(basis[nodes]), at_nodes(nodes))
-
-
-def _independent(basis: FloatArray) -> IndexArray:
-    """As many rows as there are columns, each the farthest from the span of those before it."""
-    rest, chosen = basis.copy(), []
-    for _ in range(basis.shape[1]):
-        square = np.vecdot(rest, rest)
-        chosen.append(int(np.argmax(square)))
-        unit = rest[chosen[-1]] / np.sqrt(square[chosen[-1]])
-        rest -= np.outer(rest @ unit, unit)
-    return np.sort(np.array(chosen))
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,7 +105,7 @@ class CompressedFamily(ByValue):
 
     template: DesignBlock
     plans: tuple[Compression, ...]
-    space: _Space
+    space: Space
     again: Callable[[FloatArray], DesignBlock]
 
     @property
