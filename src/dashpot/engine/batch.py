@@ -25,7 +25,7 @@ from dashpot.engine.separable import Solution, solve
 from dashpot.engine.side_by_side import Descended, descend_together, points_at
 from dashpot.errors import FitError
 
-CHUNK = 256
+CHUNK = 128
 #: further peaks of the first look that are tried where a relaxation time is not well known
 RIVALS = 3
 
