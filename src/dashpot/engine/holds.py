@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Hashable
 from functools import partial
 
 import numpy as np
@@ -51,17 +51,7 @@ def decay_block(
         return arms.T, (x * arms if derivative else arms).T
 
     full = partial(decay_block, time, values, constant=constant, weights=weights)
-    sampling = _sampling("decay", time, step, weights, compress, constant)
-    return _block(
-        [plan],
-        [(values, weights)],
-        fixed,
-        columns,
-        time,
-        full=full,
-        arm_group=arm_group,
-        sampling=sampling,
-    )
+    return _block([plan], [(values, weights)], fixed, columns, time, full=full, arm_group=arm_group)
 
 
 def hold_block(
@@ -115,17 +105,7 @@ def hold_block(
         drift=drift,
         weights=weights,
     )
-    sampling = _sampling("hold", time, step, weights, compress, depth, ramp_time, k_inf, drift)
-    return _block(
-        [plan],
-        [(force, weights)],
-        fixed,
-        columns,
-        time,
-        full=full,
-        arm_group=arm_group,
-        sampling=sampling,
-    )
+    return _block([plan], [(force, weights)], fixed, columns, time, full=full, arm_group=arm_group)
 
 
 def ramp_hold_block(
@@ -191,18 +171,7 @@ def ramp_hold_block(
         drift=drift,
         weights=weights,
     )
-    names = (k_inf, offset, drift)
-    sampling = _sampling("ramp", time, step, weights, compress, depth, ramp_time, *names)
-    return _block(
-        [ramp, hold],
-        data,
-        fixed,
-        columns,
-        time,
-        full=full,
-        arm_group=arm_group,
-        sampling=sampling,
-    )
+    return _block([ramp, hold], data, fixed, columns, time, full=full, arm_group=arm_group)
 
 
 def window_of(time: FloatArray, step: float | None = None) -> tuple[float, float]:
@@ -244,9 +213,8 @@ def _block(
     columns: Columns,
     time: FloatArray,
     *,
-    full: Callable[..., DesignBlock],
+    full: partial[DesignBlock],
     arm_group: str,
-    sampling: Hashable,
 ) -> DesignBlock:
     target, floor = [], 0.0
     for plan, (values, weights) in zip(plans, data, strict=True):
@@ -268,22 +236,16 @@ def _block(
         arm_group=arm_group,
         accuracy=ACCURACY if compressed else 1e-15,
         full=partial(full, arm_group=arm_group, compress=False) if compressed else None,
-        sampling=sampling,
+        sampling=_sampling(full, time, plans[-1].step) if compressed else None,
     )
 
 
-def _sampling(
-    kind: str,
-    time: FloatArray,
-    step: float | None,
-    weights: FloatArray | None,
-    compress: bool,
-    *parameters: float | str | None,
-) -> Hashable:
-    """What the columns of a uniform record follow from."""
-    if weights is not None or step is None or not compress:
+def _sampling(full: partial[DesignBlock], time: FloatArray, step: float | None) -> Hashable:
+    """What the columns of a compressed record follow from: its clock and all but its data."""
+    parameters = dict(full.keywords)
+    if parameters.pop("weights") is not None or step is None:
         return None
-    return kind, len(time), float(time[0]), step, parameters
+    return full.func.__name__, len(time), float(time[0]), step, tuple(parameters.items())
 
 
 def _checked(

@@ -33,6 +33,20 @@ class Channel:
     says: str
 
 
+def sure_table(raw: Raw, options: ReadOptions) -> Table:
+    """Return the table of a file.
+
+    Raises
+    ------
+    ReadError
+        If its numbers can be read two ways.
+    """
+    table = read_table(raw, options)
+    if table.doubts:
+        raise ReadError(f"{raw.name}: {table.doubts[0].says}")
+    return table
+
+
 def test_table(raw: Raw, options: ReadOptions) -> Table:
     """Return the table of a file that claims to be a test.
 
@@ -41,9 +55,7 @@ def test_table(raw: Raw, options: ReadOptions) -> Table:
     ReadError
         If its numbers can be read two ways, or it is a summary of cycles.
     """
-    table = read_table(raw, options)
-    if table.doubts:
-        raise ReadError(f"{raw.name}: {table.doubts[0].says}")
+    table = sure_table(raw, options)
     peaks = cycle_peaks(table)
     if peaks and not (options.force or options.displacement or options.acceleration):
         raise ReadError(f"{raw.name} is not a test: {peaks}")
@@ -154,6 +166,17 @@ def load(table: Table, indexes: Sequence[int], options: ReadOptions, file: str) 
         note = f"{marks} values of 9.9e37 or more are an instrument's overload mark, not numbers"
         loaded = replace(loaded, notes=(*loaded.notes, note))
     return loaded
+
+
+def whole_rows(loaded: Loaded) -> tuple[FloatArray, tuple[str, ...]]:
+    """Return the rows that lack no number, and notes: of loading, and how many are left out."""
+    whole = np.isfinite(loaded.values).all(axis=1)
+    missing = np.flatnonzero(~whole)
+    if not missing.size:
+        return loaded.values, loaded.notes
+    first = loaded.where(int(missing[0]))
+    note = f"{missing.size} rows lack a number and were left out, first {first}"
+    return loaded.values[whole], (*loaded.notes, note)
 
 
 def part(loaded: Loaded, options: ReadOptions, file: str) -> Loaded:

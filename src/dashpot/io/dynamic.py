@@ -4,11 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-
 from dashpot.errors import DataError, ReadError
 from dashpot.io import channels
-from dashpot.io.formats import read_table
 from dashpot.io.kinds import kind_of
 from dashpot.io.opening import Raw, about, open_raw
 from dashpot.io.options import ReadOptions
@@ -36,31 +33,25 @@ def read_dynamic(
     """
     options = options or ReadOptions()
     raw = open_raw(path)
-    table = read_table(raw, options)
-    if table.doubts:
-        raise ReadError(f"{raw.name}: {table.doubts[0].says}")
+    table = channels.sure_table(raw, options)
     with about(raw):
         wanted, ratio = _columns(raw, table, options)
     chosen = channels.with_units(raw, table, wanted, options)
     indexes = [c.index for c in chosen] + ([] if ratio is None else [ratio])
     loaded = channels.load(table, indexes, options, raw.name)
-    whole = np.isfinite(loaded.values).all(axis=1)
-    values = {c.role: channels.si(loaded.values[whole, j], c.unit) for j, c in enumerate(chosen)}
+    rows, gaps = channels.whole_rows(loaded)
+    values = {c.role: channels.si(rows[:, j].copy(), c.unit) for j, c in enumerate(chosen)}
     kinds = {c.role: c.unit.dimension for c in chosen}
-    notes = [*table.notes, *loaded.notes]
+    notes = [*table.notes, *gaps]
     if ratio is not None:
         percent = table.columns[ratio].unit == "%"
-        values["loss"] = values["storage"] * loaded.values[whole, -1] / (100 if percent else 1)
+        values["loss"] = values["storage"] * rows[:, -1] / (100 if percent else 1)
         notes.append(f"loss is storage times '{table.columns[ratio].name}'")
     elif kinds["storage"] != kinds["loss"]:
         raise ReadError(
             f"{raw.name}: storage is a {kinds['storage']} and loss a {kinds['loss']}; "
             "expected both in one kind of unit, such as MPa or N/mm"
         )
-    if not whole.all():
-        missing = np.flatnonzero(~whole)
-        first = loaded.where(int(missing[0]))
-        notes.append(f"{missing.size} rows lack a number and were left out, first {first}")
     try:
         return DynamicTest(
             values["frequency"],

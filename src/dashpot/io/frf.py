@@ -11,7 +11,6 @@ from dashpot import units
 from dashpot._arrays import ComplexArray, FloatArray
 from dashpot.errors import DataError, ReadError
 from dashpot.io import channels
-from dashpot.io.formats import read_table
 from dashpot.io.opening import Raw, about, open_raw
 from dashpot.io.options import ReadOptions
 from dashpot.io.roles import Assigned, assign, list_columns, unit_for
@@ -41,9 +40,7 @@ def read_frf(path: str | Path, *, options: ReadOptions | None = None) -> FRF:
     """
     options = options or ReadOptions()
     raw = open_raw(path)
-    table = read_table(raw, options)
-    if table.doubts:
-        raise ReadError(f"{raw.name}: {table.doubts[0].says}")
+    table = channels.sure_table(raw, options)
     with about(raw):
         index = {role: _maybe(table, role, options) for role in _FRF_ROLES}
     cartesian = index["real"] is not None and index["imaginary"] is not None

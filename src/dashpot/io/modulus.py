@@ -4,11 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-
 from dashpot.errors import DataError, ReadError
 from dashpot.io import channels
-from dashpot.io.formats import read_table
 from dashpot.io.opening import about, open_raw
 from dashpot.io.options import ReadOptions
 from dashpot.io.roles import Assigned, assign
@@ -34,9 +31,7 @@ def read_modulus(
     """
     options = options or ReadOptions()
     raw = open_raw(path)
-    table = read_table(raw, options)
-    if table.doubts:
-        raise ReadError(f"{raw.name}: {table.doubts[0].says}")
+    table = channels.sure_table(raw, options)
     with about(raw):
         found = [assign(table, role, options) for role in _ROLES]
     asked = [answer.says for answer in found if isinstance(answer, Question)]
@@ -45,20 +40,15 @@ def read_modulus(
     wanted = [answer for answer in found if isinstance(answer, Assigned)]
     chosen = channels.with_units(raw, table, wanted, options)
     loaded = channels.load(table, [c.index for c in chosen], options, raw.name)
-    whole = np.isfinite(loaded.values).all(axis=1)
-    time, modulus = (channels.si(loaded.values[whole, j], c.unit) for j, c in enumerate(chosen))
-    notes = [*table.notes, *loaded.notes]
-    if not whole.all():
-        missing = np.flatnonzero(~whole)
-        first = loaded.where(int(missing[0]))
-        notes.append(f"{missing.size} rows lack a number and were left out, first {first}")
+    rows, notes = channels.whole_rows(loaded)
+    time, modulus = (channels.si(rows[:, j].copy(), c.unit) for j, c in enumerate(chosen))
     try:
         return RelaxationModulus(
             time,
             modulus,
             "N/m" if chosen[1].unit.dimension == "stiffness" else "Pa",
             specimen or Specimen(),
-            channels.source(raw, table, chosen, notes),
+            channels.source(raw, table, chosen, (*table.notes, *notes)),
         )
     except DataError as error:
         raise ReadError(f"{raw.name}: {error}") from None
