@@ -17,9 +17,9 @@ import time
 from pathlib import Path
 from resource import RUSAGE_CHILDREN, getrusage
 
-from dashpot.io.write import write_relaxation
-from dashpot.simulation.rig import simulate_relaxation
-from dashpot.simulation.seals import PAPER
+from dashpot.io.writers.text import write_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.solids.table_1 import PAPER
 
 ROUNDS = 25
 ENVIRONMENT = {

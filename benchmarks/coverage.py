@@ -15,7 +15,7 @@ import time
 import numpy as np
 from noises import NOISES, Noise, record
 
-from dashpot.relaxation.fitting import fit
+from dashpot.fitting.relaxation import fit
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 SEAL = GeneralizedMaxwell(k_inf=196.5, k=(117.5, 17.8), tau=(59.0 / 117.5, 292.2 / 17.8))

@@ -20,13 +20,13 @@ import numpy as np
 from scipy.optimize import curve_fit, least_squares
 from scipy.signal import lfilter
 
-from dashpot.engine import compression
-from dashpot.engine import starts as first_look
-from dashpot.engine.batch import solve_many
-from dashpot.engine.families import hold_family, recorded_family
-from dashpot.engine.holds import hold_block
-from dashpot.engine.recorded import arm_columns, recorded_block
-from dashpot.engine.separable import Solution, solve
+from dashpot.engine.blocks import compression
+from dashpot.engine.blocks.families import hold_family, recorded_family
+from dashpot.engine.blocks.hold import hold_block
+from dashpot.engine.blocks.recorded import arm_columns, recorded_block
+from dashpot.engine.solver import starts as first_look
+from dashpot.engine.solver.many_records import solve_many
+from dashpot.engine.solver.variable_projection import Solution, solve
 
 DEPTH = 8.0  # mm, so that k is in N/mm and both see numbers of order one
 K_INF = 0.1965

@@ -21,14 +21,14 @@ from typing import Any
 
 import numpy as np
 
+from dashpot.fitting.curve_checks import kramers_kronig
+from dashpot.fitting.dynamic import fit_dynamic
+from dashpot.fitting.modulus import fit_modulus
+from dashpot.fitting.spectrum import dynamic_master_curve, master_curve
 from dashpot.io.read import read_dynamic
-from dashpot.relaxation.curve_checks import kramers_kronig
-from dashpot.relaxation.dynamic import DynamicTest
-from dashpot.relaxation.dynamic_fitting import fit_dynamic
-from dashpot.relaxation.modulus_fitting import fit_modulus
-from dashpot.relaxation.spectrum import dynamic_master_curve, master_curve
-from dashpot.simulation.seals import BROAD
+from dashpot.records.dynamic import DynamicTest
 from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.table_1 import BROAD
 
 DEFAULT = Path(__file__).resolve().parents[2] / "shared" / "data"
 
@@ -204,8 +204,8 @@ def terms_said(model: GeneralizedMaxwell) -> str:
 
 
 def together() -> None:
-    from dashpot.relaxation.fitting import fit
-    from dashpot.relaxation.records import RampHold
+    from dashpot.fitting.relaxation import fit
+    from dashpot.records.relaxation import RampHold
 
     generator = np.random.default_rng(0)
     frequency = np.geomspace(1.0, 50.0, 30)

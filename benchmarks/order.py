@@ -14,7 +14,7 @@ from collections import Counter
 
 from noises import NOISES, Noise, record
 
-from dashpot.relaxation.fitting import fit
+from dashpot.fitting.relaxation import fit
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 RATE = 200.0

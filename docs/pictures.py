@@ -3,9 +3,9 @@
 from pathlib import Path
 
 import dashpot as dp
-from dashpot.simulation.hammer import simulate_impact
-from dashpot.simulation.rig import simulate_relaxation
-from dashpot.simulation.seals import BROAD, BROAD_MASS
+from dashpot.simulation.impact import simulate_impact
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.solids.table_1 import BROAD, BROAD_MASS
 
 FOLDER = Path(__file__).parent / "pictures"
 

@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 import dashpot
-from dashpot.io.write import write_relaxation
-from dashpot.simulation.rig import simulate_relaxation
-from dashpot.simulation.seals import PAPER
+from dashpot.io.writers.text import write_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.solids.table_1 import PAPER
 
 ROOT = Path(__file__).resolve().parents[1]
 HEAVY = {
@@ -59,9 +59,9 @@ def test_fitting_a_text_file_loads_numpy_only(tmp_path):
     code = (
         "import dashpot as dp\n"
         f"p = {str(tmp_path / 'seal.csv')!r}\n"
-        "from dashpot.simulation.rig import simulate_relaxation\n"
-        "from dashpot.simulation.seals import PAPER\n"
-        "from dashpot.io.write import write_relaxation\n"
+        "from dashpot.simulation.relaxation import simulate_relaxation\n"
+        "from dashpot.solids.table_1 import PAPER\n"
+        "from dashpot.io.writers.text import write_relaxation\n"
         "made = simulate_relaxation(PAPER, hold_time=5.0)\n"
         "open(p, 'w').write(write_relaxation(made.test))\n"
         "dp.fit(dp.prepare(dp.read_relaxation(p)), arms=1).intervals()\n"
@@ -78,7 +78,8 @@ def test_fitting_from_the_shell_loads_what_it_needs(tmp_path):
     )
     others = {
         "tomllib", "xml.etree.ElementTree", "numpy.ma", "numpy.polynomial", "numpy.random", "scipy",
-        "dashpot.archive", "dashpot.io.inspecting", "dashpot.io.transducer", "dashpot.vibration",
+        "dashpot.workflow.archive", "dashpot.io.readers.inspect", "dashpot.io.formats.transducer",
+        "dashpot.vibration",
     }  # fmt: skip
     assert not loaded & (HEAVY | others)
 

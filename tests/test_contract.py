@@ -12,10 +12,10 @@ from click.testing import CliRunner
 
 import dashpot as dp
 from dashpot.cli import main
-from dashpot.io.write import write_impact, write_relaxation
-from dashpot.simulation.hammer import Hammer, simulate_impact
-from dashpot.simulation.rig import simulate_relaxation
-from dashpot.simulation.seals import BROAD, BROAD_MASS
+from dashpot.io.writers.text import write_impact, write_relaxation
+from dashpot.simulation.impact import Hammer, simulate_impact
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.solids.table_1 import BROAD, BROAD_MASS
 
 README = Path(__file__).resolve().parents[1] / "README.md"
 MASS = ["--mass", f"{BROAD_MASS} kg", "--seals", "2"]

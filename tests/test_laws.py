@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dashpot.errors import DataError
+from dashpot.base.errors import DataError
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.vibration.prediction import predict_frf
+from dashpot.vibration.systems.prediction import predict_frf
 
 stiffness = st.floats(1e-2, 1e6)
 time = st.floats(1e-4, 1e4)

@@ -5,17 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dashpot.engine.batch import solve_each, solve_many
-from dashpot.engine.families import (
+from dashpot.base.errors import DataError, FitError
+from dashpot.engine.blocks.families import (
     decay_family,
     hold_family,
     ramp_hold_family,
     recorded_family,
 )
-from dashpot.engine.family import Family
-from dashpot.engine.recorded import recorded_block
-from dashpot.engine.separable import solve
-from dashpot.errors import DataError, FitError
+from dashpot.engine.blocks.family import Family
+from dashpot.engine.blocks.recorded import recorded_block
+from dashpot.engine.solver.many_records import solve_each, solve_many
+from dashpot.engine.solver.variable_projection import solve
 
 TIME = np.arange(3001) / 100
 X = 8e-3 * np.minimum(TIME, 1.0)

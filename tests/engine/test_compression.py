@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dashpot.engine.compression import compression, uniform_step
-from dashpot.engine.holds import decay_block, hold_block, ramp_hold_block
-from dashpot.engine.separable import solve
-from dashpot.errors import DataError
+from dashpot.base.errors import DataError
+from dashpot.engine.blocks.compression import compression, uniform_step
+from dashpot.engine.blocks.hold import decay_block, hold_block, ramp_hold_block
+from dashpot.engine.solver.variable_projection import solve
 
 DEPTH, RAMP = 8e-3, 1.0
 GENERATOR = np.random.default_rng(11)

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import chi2
 
-from dashpot.engine.order import (
+from dashpot.engine.inference.order import (
     MAX_CHANCE,
     bic,
     bic_of_deviance,

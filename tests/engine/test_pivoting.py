@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dashpot.engine.nnls import nonnegative
-from dashpot.engine.pivoting import pivoted
+from dashpot.engine.solver.nnls import nonnegative
+from dashpot.engine.solver.pivoted_nnls import pivoted
 
 
 @given(st.integers(0, 2**31), st.integers(1, 40), st.sampled_from([0.0, 0.3, 3.0]))

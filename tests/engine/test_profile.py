@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from dashpot.engine.descent import Stack
-from dashpot.engine.holds import decay_block
-from dashpot.engine.profile import Coordinate, Optimum, profile
-from dashpot.engine.separable import solve
+from dashpot.engine.blocks.hold import decay_block
+from dashpot.engine.inference.profile_likelihood import Coordinate, Optimum, profile
+from dashpot.engine.solver.descent import Stack
+from dashpot.engine.solver.variable_projection import solve
 
 TIME = np.linspace(0.0, 10.0, 400)
 NOISE = 0.02
@@ -99,18 +99,18 @@ def test_where_the_noise_is_louder_the_same_sse_means_less(
     """A noise that grows with tau opens the upper side and leaves the lower one alone."""
     stack, optimum, _ = problem
 
-    def louder(beta: np.ndarray, log_tau: np.ndarray) -> float:
+    def relative_gain(beta: np.ndarray, log_tau: np.ndarray) -> float:
         return float(np.exp(2.0 * max(log_tau[1] - optimum.log_tau[1], 0.0)))
 
-    plain, loud = (
+    plain, met = (
         profile(
             stack, optimum, Coordinate.LOG_TAU, 1,
-            step=0.1, scale=NOISE**2, limit=11.0, louder=noise,
+            step=0.1, scale=NOISE**2, limit=11.0, relative_gain=noise,
         )
-        for noise in (None, louder)
+        for noise in (None, relative_gain)
     )  # fmt: skip
     best = float(optimum.log_tau[1])
-    for value, deviance in zip(*loud, strict=True):
+    for value, deviance in zip(*met, strict=True):
         quiet = float(np.interp(value, *plain))
         if value <= best:
             assert deviance == pytest.approx(quiet, abs=0.05, rel=0.02)
@@ -118,5 +118,5 @@ def test_where_the_noise_is_louder_the_same_sse_means_less(
             assert deviance == pytest.approx(
                 quiet / np.exp(2.0 * (value - best)), abs=0.05, rel=0.05
             )
-    assert loud[0][-1] == pytest.approx(plain[0][-1])
-    assert loud[1][-1] < 0.1 * plain[1][-1]
+    assert met[0][-1] == pytest.approx(plain[0][-1])
+    assert met[1][-1] < 0.1 * plain[1][-1]

@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dashpot.engine.blocks import Evaluation
-from dashpot.engine.certificate import certificate
-from dashpot.engine.correlation import CorrelationBlock
-from dashpot.engine.recorded import arm_columns, recorded_block
-from dashpot.engine.separable import Solution, solve, solve_orders
-from dashpot.errors import DataError
-from dashpot.solids.history import arm_response
+from dashpot.base.errors import DataError
+from dashpot.engine.blocks.block import Evaluation
+from dashpot.engine.blocks.correlation import CorrelationBlock
+from dashpot.engine.blocks.recorded import arm_columns, recorded_block
+from dashpot.engine.solver.certificate import certificate
+from dashpot.engine.solver.variable_projection import Solution, solve, solve_orders
+from dashpot.solids.maxwell import arm_response
 
 TIME = np.arange(6001) / 150
 GENERATOR = np.random.default_rng(5)

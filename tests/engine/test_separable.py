@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dashpot.engine.blocks import DesignBlock, frequency_block
-from dashpot.engine.certificate import certificate
-from dashpot.engine.descent import Stack, descend, point_at
-from dashpot.engine.holds import decay_block, hold_block
-from dashpot.engine.nnls import nonnegative, nonnegative_columns
-from dashpot.engine.separable import full_jacobian, solve, solve_orders
-from dashpot.errors import DataError, FitError
+from dashpot.base.errors import DataError, FitError
+from dashpot.engine.blocks.block import DesignBlock, frequency_block
+from dashpot.engine.blocks.hold import decay_block, hold_block
+from dashpot.engine.solver.certificate import certificate
+from dashpot.engine.solver.descent import Stack, descend, point_at
+from dashpot.engine.solver.nnls import nonnegative, nonnegative_columns
+from dashpot.engine.solver.variable_projection import full_jacobian, solve, solve_orders
 
 TIME = np.arange(4001) / 100
 
@@ -98,9 +98,9 @@ def test_full_jacobian_is_the_derivative_of_the_model() -> None:
         slope = (model(parameters + step) - model(parameters - step)) / 2e-6
         np.testing.assert_allclose(column, slope, atol=1e-7 * np.abs(slope).max())
     # at the optimum the residual is orthogonal to every column
-    lean = jacobian.matrix.T @ jacobian.residual
+    dual_gradient = jacobian.matrix.T @ jacobian.residual
     norms = np.linalg.norm(jacobian.matrix, axis=0) * np.linalg.norm(jacobian.residual)
-    assert np.abs(lean / norms).max() < 1e-9
+    assert np.abs(dual_gradient / norms).max() < 1e-9
 
 
 def test_stacked_optimum_is_scipys() -> None:
@@ -245,7 +245,7 @@ def test_certificate_proves_an_optimum_and_finds_a_missing_arm() -> None:
     short = certificate([noisy], solve([noisy], 1))
     assert not short.optimal
     assert short.gap > 0.5
-    assert short.lean > 0
+    assert short.dual_gradient > 0
     assert short.tau is not None
     full = certificate([noisy], solve([noisy], 2))
     assert full.gap < 1e-2

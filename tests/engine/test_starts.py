@@ -8,10 +8,10 @@ from itertools import combinations, product
 import numpy as np
 import pytest
 
-from dashpot.engine.descent import Stack
-from dashpot.engine.holds import decay_block, hold_block, ramp_hold_block
-from dashpot.engine.separable import solve
-from dashpot.engine.starts import Grid, Lattice, paired, single, tripled
+from dashpot.engine.blocks.hold import decay_block, hold_block, ramp_hold_block
+from dashpot.engine.solver.descent import Stack
+from dashpot.engine.solver.starts import Grid, Lattice, paired, single, tripled
+from dashpot.engine.solver.variable_projection import solve
 
 TIME = np.arange(3000) / 100
 GENERATOR = np.random.default_rng(3)

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dashpot.engine.student import central_probability, t_quantile
-from dashpot.engine.uncertainty import (
+from dashpot.base.student_t import central_probability, t_quantile
+from dashpot.engine.inference.covariance import (
     Noise,
     autocovariance,
     geyer_cut,
+    noise_gain_ratio,
     noise_of,
     sandwich,
-    unevenness,
     white,
 )
 
@@ -84,11 +84,11 @@ def test_sandwich_is_the_dense_toeplitz_form() -> None:
 
 def test_records_keep_their_own_noise() -> None:
     rng = np.random.default_rng(6)
-    quiet, loud = rng.standard_normal((2, 100, 2))
+    quiet, met = rng.standard_normal((2, 100, 2))
     noises = [Noise(100, np.array([0.01]), 1.0, 2.0), Noise(100, np.array([4.0]), 1.0, 2.0)]
-    h = np.linalg.inv(quiet.T @ quiet + loud.T @ loud)
-    expected = h @ (0.01 * quiet.T @ quiet + 4.0 * loud.T @ loud) @ h
-    np.testing.assert_allclose(sandwich([quiet, loud], noises), expected, rtol=1e-12)
+    h = np.linalg.inv(quiet.T @ quiet + met.T @ met)
+    expected = h @ (0.01 * quiet.T @ quiet + 4.0 * met.T @ met) @ h
+    np.testing.assert_allclose(sandwich([quiet, met], noises), expected, rtol=1e-12)
 
 
 def test_what_the_data_do_not_determine_is_infinitely_uncertain() -> None:
@@ -136,13 +136,15 @@ def test_white_noise_is_even_and_slow_noise_is_not() -> None:
     """The dense eigenvalues of (J'J)^-1 J' Gamma J, whatever the columns' units."""
     t = np.linspace(0.0, 1.0, 400)
     jacobian = np.exp(-t[:, None] / [0.02, 0.2, 2.0]) * [1.0, 1e3, 1e-3]
-    assert unevenness([jacobian], [Noise(400, np.array([0.5]), 1.0, 2.0)]) == pytest.approx(1.0)
+    assert noise_gain_ratio([jacobian], [Noise(400, np.array([0.5]), 1.0, 2.0)]) == pytest.approx(
+        1.0
+    )
     gamma = 0.97 ** np.arange(200) - 0.97**200
     lag = np.abs(np.arange(400)[:, None] - np.arange(400))
     toeplitz = np.where(lag < 200, gamma[np.minimum(lag, 199)], 0.0)
     basis = np.linalg.qr(jacobian)[0]
     shares = np.linalg.eigvalsh(basis.T @ toeplitz @ basis)
     noise = Noise(400, gamma, 60.0, 0.06)
-    assert unevenness([jacobian], [noise]) == pytest.approx(shares[-1] / shares[0], rel=1e-6)
+    assert noise_gain_ratio([jacobian], [noise]) == pytest.approx(shares[-1] / shares[0], rel=1e-6)
     assert shares[-1] > 5 * shares[0]
-    assert unevenness([np.zeros((400, 2))], [noise]) == 1.0
+    assert noise_gain_ratio([np.zeros((400, 2))], [noise]) == 1.0

@@ -10,12 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.linalg import toeplitz
 
-from dashpot.engine.blocks import Block, DesignBlock
-from dashpot.engine.holds import hold_block
-from dashpot.engine.recorded import recorded_block
-from dashpot.engine.separable import full_jacobian, solve
-from dashpot.engine.uncertainty import Noise
-from dashpot.engine.whitening import Loudness, whitened_block
+from dashpot.engine.blocks.block import Block, DesignBlock
+from dashpot.engine.blocks.hold import hold_block
+from dashpot.engine.blocks.recorded import recorded_block
+from dashpot.engine.inference.covariance import Noise
+from dashpot.engine.inference.whitening import NoiseGain, whitened_block
+from dashpot.engine.solver.variable_projection import full_jacobian, solve
 
 STEP = 0.02
 TIME = STEP * np.arange(600)
@@ -125,13 +125,13 @@ def test_the_noise_that_meets_a_change_is_its_dense_quadratic_form(
 ) -> None:
     exact, noise = make(), slow(0.5)
     solution = solve([exact], 2)
-    loudness = Loudness([exact], [noise], solution)
+    noise_gain = NoiseGain([exact], [noise], solution)
     jacobian = full_jacobian([exact], solution).matrix
     dense = toeplitz(noise.autocovariance)
     inverse = np.linalg.inv(jacobian.T @ jacobian)
     for step in inverse:
         change = jacobian @ step
-        assert loudness.towards(step) == pytest.approx(
+        assert noise_gain.towards(step) == pytest.approx(
             change @ dense @ change / (change @ change), rel=0.02
         )
     beta, log_tau = np.concatenate((solution.fixed, solution.arms.ravel())), solution.log_tau
@@ -141,7 +141,7 @@ def test_the_noise_that_meets_a_change_is_its_dense_quadratic_form(
         after = exact.evaluate(moved_to)
         change = np.concatenate((after.fixed - before.fixed, after.arms - before.arms), axis=1)
         change = change @ beta
-        assert loudness.at(beta, moved_to) == pytest.approx(
+        assert noise_gain.at(beta, moved_to) == pytest.approx(
             change @ dense @ change / (change @ change), rel=0.02
         )
 
@@ -149,10 +149,10 @@ def test_the_noise_that_meets_a_change_is_its_dense_quadratic_form(
 def test_white_noise_meets_every_change_alike() -> None:
     exact = held(1e-2 * np.random.default_rng(1).standard_normal(len(TIME)))
     solution = solve([exact], 2)
-    loudness = Loudness([exact], [white(0.3)], solution)
-    assert loudness.towards(np.array([1.0, -2.0, 0.3, 0.1, 0.7])) == pytest.approx(0.3)
+    noise_gain = NoiseGain([exact], [white(0.3)], solution)
+    assert noise_gain.towards(np.array([1.0, -2.0, 0.3, 0.1, 0.7])) == pytest.approx(0.3)
     beta = np.concatenate((solution.fixed, solution.arms.ravel()))
-    assert loudness.at(1.1 * beta, solution.log_tau + 0.2) == pytest.approx(0.3)
+    assert noise_gain.at(1.1 * beta, solution.log_tau + 0.2) == pytest.approx(0.3)
 
 
 def test_the_fall_of_the_deviance_under_slow_noise_is_chance() -> None:

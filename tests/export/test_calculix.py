@@ -13,7 +13,7 @@ import pytest
 from dashpot import export
 from dashpot.export.unit_systems import UNIT_SYSTEMS
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.vibration.prediction import predict_frf
+from dashpot.vibration.systems.prediction import predict_frf
 
 pytestmark = pytest.mark.skipif(
     shutil.which("ccx") is None, reason="CalculiX is not installed: apt-get install calculix-ccx"

@@ -13,17 +13,19 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from kit.fits import a_fit, altered
 
 from dashpot import export
-from dashpot.checks import Check
-from dashpot.errors import ExportError
-from dashpot.export.sealline import SealLine
+from dashpot.base.checks import Check
+from dashpot.base.errors import ExportError
+from dashpot.base.provenance import Source
 from dashpot.export.unit_systems import UNIT_SYSTEMS
-from dashpot.provenance import Source
-from dashpot.relaxation.dynamic import DynamicTest
-from dashpot.relaxation.dynamic_fitting import fit_dynamic
-from dashpot.relaxation.fit import Fit, Residual, Status
-from dashpot.relaxation.records import Specimen
+from dashpot.fitting.dynamic import fit_dynamic
+from dashpot.records.dynamic import DynamicTest
+from dashpot.records.estimate import Residual
+from dashpot.records.fit import Fit, Status
+from dashpot.records.specimen import Specimen
+from dashpot.seals.line import SealLine
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 GOLDEN = Path(__file__).parent / "golden"
@@ -45,15 +47,11 @@ every_deck = pytest.mark.parametrize(
 
 @pytest.fixture(scope="module")
 def fit(paper_seal) -> Fit:
-    return Fit(
-        model=paper_seal,
-        status=Status.CONVERGED,
-        method="full",
+    return a_fit(
+        paper_seal,
         residual=Residual(n=41000, sse=1e-3, rms=1.6e-4),
-        parameters=("k_inf", "k_1", "k_2", "ln_tau_1", "ln_tau_2"),
         covariance=np.diag([0.1, 0.2, 0.05, 1e-3, 1e-3]) ** 2,
         dof=1000.0,
-        band=(0.004, 0.32),
         source=(Source(file="seal_8mm.csv", sha256=SHA),),
         specimen=SPECIMEN,
     )
@@ -92,7 +90,7 @@ def test_a_bare_model_says_what_is_not_known(paper_seal, target, form, extra):
 
 @every_deck
 def test_simulated_tests_are_stamped(fit, target, form, extra):
-    simulated = replace(fit, source=(Source(file="rig.csv", sha256=SHA, simulated=True),))
+    simulated = altered(fit, source=(Source(file="rig.csv", sha256=SHA, simulated=True),))
     assert "SIMULATED" in write(target, simulated, form=form, **extra)
 
 
@@ -110,7 +108,7 @@ def test_only_what_a_solver_here_runs_claims_to_be_solver_verified(fit):
 
 @pytest.mark.parametrize("sign", ["\n", "\r\n*NODE", "\x00", "é", "\u2028"])
 def test_a_file_name_cannot_break_out_of_its_comment(fit, sign):
-    odd = replace(fit, source=(Source(file=f"seal{sign}99, 1.csv", sha256=SHA),))
+    odd = altered(fit, source=(Source(file=f"seal{sign}99, 1.csv", sha256=SHA),))
     for target, form, extra in DECKS:
         plain, broken = (write(target, each, form=form, **extra) for each in (fit, odd))
         assert len(plain.splitlines()) == len(broken.splitlines())
@@ -118,7 +116,7 @@ def test_a_file_name_cannot_break_out_of_its_comment(fit, sign):
 
 
 def test_extrapolated_rows_are_marked(fit):
-    wide = replace(fit, band=(2.0, 20.0))
+    wide = altered(fit, band=(2.0, 20.0))
     table = export.nastran(wide, units="mm-t-s")
     assert re.search(r"\$ EXTRAPOLATED: \d+ of \d+ rows, from 1 to 100 Hz", table)
     connector = export.abaqus(wide, units="mm-t-s", form="connector").splitlines()
@@ -136,7 +134,7 @@ def test_extrapolated_rows_are_marked(fit):
 
 
 def test_an_arm_outside_the_band_is_marked(fit):
-    slow = replace(fit, band=(0.1, 1.0))
+    slow = altered(fit, band=(0.1, 1.0))
     assert "[0.009695 Hz lies outside the identified band]" in write("ansys", slow)
 
 
@@ -151,7 +149,7 @@ def test_a_fit_without_its_conditions_is_refused(fit, target, form, extra, missi
         "length": "the contact length is not stated",
     }
     name, sentence = missing, says[missing]
-    bare = replace(fit, specimen=replace(SPECIMEN, **{missing: None}))
+    bare = altered(fit, specimen=replace(SPECIMEN, **{missing: None}))
     with pytest.raises(ExportError, match=sentence) as refused:
         write(target, bare, form=form, **extra)
     assert f"'{name}'" in str(refused.value)
@@ -165,13 +163,13 @@ def test_a_fit_without_its_conditions_is_refused(fit, target, form, extra, missi
 @every_deck
 def test_an_unidentified_fit_is_refused(fit, target, form, extra):
     doubtful = {
-        "at the edge of the measured window": replace(fit, status=Status.TAU_AT_BOUND),
-        "arm 2 has k = 17.8": replace(fit, covariance=np.diag([0.1, 0.2, 8.0, 1e-3, 1e-3]) ** 2),
-        "arm 1 has tau = 0.5021": replace(
+        "at the edge of the measured window": altered(fit, status=Status.TAU_AT_BOUND),
+        "arm 2 has k = 17.8": altered(fit, covariance=np.diag([0.1, 0.2, 8.0, 1e-3, 1e-3]) ** 2),
+        "arm 1 has tau = 0.5021": altered(
             fit, covariance=np.diag([0.1, 0.2, 0.05, 0.8, 1e-3]) ** 2
         ),
-        "k_inf = 196.5": replace(fit, covariance=np.diag([100.0, 0.2, 0.05, 1e-3, 1e-3]) ** 2),
-        "arm 1 has k": replace(fit, covariance=np.diag([0.1, np.inf, 0.05, 1e-3, 1e-3])),
+        "k_inf = 196.5": altered(fit, covariance=np.diag([100.0, 0.2, 0.05, 1e-3, 1e-3]) ** 2),
+        "arm 1 has k": altered(fit, covariance=np.diag([0.1, np.inf, 0.05, 1e-3, 1e-3])),
     }
     for sentence, each in doubtful.items():
         with pytest.raises(ExportError, match="do not determine every parameter") as refused:
@@ -183,20 +181,20 @@ def test_an_unidentified_fit_is_refused(fit, target, form, extra):
 
 def test_everything_that_is_missing_is_said_at_once(fit):
     with pytest.raises(ExportError) as refused:
-        write("nastran", replace(fit, specimen=Specimen(), status=Status.TAU_AT_BOUND))
+        write("nastran", altered(fit, specimen=Specimen(), status=Status.TAU_AT_BOUND))
     for words in ("temperature", "contact length", "determine every parameter", "--length 100mm"):
         assert words in str(refused.value)
 
 
 def test_failed_checks_travel_with_the_deck(fit):
     checks = (Check("hold_long_enough", False, "the hold is short."), Check("fine", True, "good."))
-    deck = write("ansys", replace(fit, checks=checks))
+    deck = write("ansys", altered(fit, checks=checks))
     assert "! CHECK FAILED: the hold is short." in deck
     assert "good." not in deck
 
 
 def test_fewer_arms_than_asked_is_no_reason_to_refuse(fit):
-    assert write("nastran", replace(fit, status=Status.FEWER_ARMS))
+    assert write("nastran", altered(fit, status=Status.FEWER_ARMS))
 
 
 PRONY = [(target, extra) for target, form, extra in DECKS if form == "prony"]

@@ -9,20 +9,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bulkdata import Bush, read_cards, real
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from kit.bulkdata import Bush, read_cards, real
 
 from dashpot import export
-from dashpot.errors import ExportError
+from dashpot.base.errors import ExportError
+from dashpot.export.frequency_tables import tabulate
 from dashpot.export.nastran import bush_property
-from dashpot.export.numbers import packed
-from dashpot.export.sealline import SealLine
-from dashpot.export.tables import tabulate
+from dashpot.export.number_fields import packed
 from dashpot.export.unit_systems import UNIT_SYSTEMS
-from dashpot.relaxation.records import Specimen
+from dashpot.records.specimen import Specimen
+from dashpot.seals.line import SealLine
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.vibration.prediction import predict_frf
+from dashpot.vibration.systems.prediction import predict_frf
 
 GOLDEN = Path(__file__).parent / "golden"
 positive = st.floats(-2, 2).map(lambda power: 10.0**power)

@@ -11,9 +11,9 @@ import pytest
 
 from dashpot import export
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.vibration.bodies import Mount, point_mass
-from dashpot.vibration.motion import respond
-from dashpot.vibration.systems import System
+from dashpot.vibration.systems.bodies import Mount, point_mass
+from dashpot.vibration.systems.system import System
+from dashpot.vibration.systems.time_response import respond
 
 RUN = """
 import json, sys

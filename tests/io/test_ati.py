@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from io_look_alikes import truth
+from kit.look_alikes import truth
 
-from dashpot.errors import ReadError
-from dashpot.io.ati import AXES, read_calibration
+from dashpot.base.errors import ReadError
+from dashpot.io.formats.ati import AXES, read_calibration
 from dashpot.io.options import ReadOptions
 from dashpot.io.read import read_relaxation
 

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from io_look_alikes import ROWS, table, truth
+from kit.look_alikes import ROWS, table, truth
 
-from dashpot.errors import ReadError
+from dashpot.base.errors import ReadError
 from dashpot.io.options import ReadOptions
 from dashpot.io.read import inspect_file, read_impact, read_relaxation
 

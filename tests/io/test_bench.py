@@ -7,10 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dashpot.errors import ReadError
-from dashpot.io.bench import read_bench
-from dashpot.relaxation.dynamic import DynamicTest
-from dashpot.relaxation.records import RelaxationTest, Specimen
+from dashpot.base.errors import ReadError
+from dashpot.io.readers.bench import read_bench
+from dashpot.records.dynamic import DynamicTest
+from dashpot.records.relaxation import RelaxationTest
+from dashpot.records.specimen import Specimen
 
 
 def test_a_ramp_and_hold_is_a_relaxation_test(tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from io_look_alikes import DIALECTS, truth
+from kit.look_alikes import DIALECTS, truth
 
 from dashpot.io.read import inspect_file, read_relaxation
 

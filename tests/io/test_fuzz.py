@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
-from io_look_alikes import DIALECTS
+from kit.look_alikes import DIALECTS
 
-from dashpot.errors import ReadError
-from dashpot.io import ati
+from dashpot.base.errors import ReadError
+from dashpot.io.formats import ati
 from dashpot.io.options import ReadOptions
 from dashpot.io.read import (
     inspect_file,
@@ -101,11 +101,10 @@ def wounded(draw: st.DrawFn, files: list[bytes]) -> bytes:
 def instruments(folder: Path) -> list[bytes]:
     """One small file of each binary format."""
     import h5py
+    from kit.instruments import frf, lvm, sheet, tdms, workbook
     from scipy.io import savemat
-    from test_formats import lvm, sheet, tdms, workbook
-    from test_write import frf
 
-    from dashpot.io.write_uff import write_frf_uff
+    from dashpot.io.writers.uff import write_frf_uff
 
     tdms(folder / "a.tdms", hits=2)
     write_frf_uff(frf(n=10), folder / "a.uff")

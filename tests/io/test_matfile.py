@@ -13,8 +13,8 @@ import pytest
 from scipy.io import loadmat, savemat
 from scipy.sparse import csc_matrix
 
-from dashpot.errors import ReadError
-from dashpot.io.matfile import check_elements
+from dashpot.base.errors import ReadError
+from dashpot.io.formats.matfile import check_elements
 
 CONTENT = {
     "numbers": np.random.default_rng(0).standard_normal((3000, 3)),

@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dashpot.errors import DataError, ReadError
+from dashpot.base.errors import DataError, ReadError
 from dashpot.io.options import ReadOptions, parse_units
-from dashpot.io.profile import dump_profile, load_profile
+from dashpot.io.reading_profile import dump_profile, load_profile
 
 text = st.text(st.characters(blacklist_categories=("Cs",)), min_size=1, max_size=12)
 maybe = st.none() | text

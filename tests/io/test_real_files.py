@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dashpot.errors import ReadError
+from dashpot.base.errors import ReadError
 from dashpot.io.options import ReadOptions
 from dashpot.io.read import (
     inspect_file,
@@ -17,7 +17,7 @@ from dashpot.io.read import (
     read_impact,
     read_relaxation,
 )
-from dashpot.vibration.frf import Kind
+from dashpot.records.frf import Kind
 
 HAMMER = "lvm_read_F_m1_m2/long_single_header_multi_ch.lvm"
 

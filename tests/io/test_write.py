@@ -10,32 +10,19 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from kit.instruments import frf
 
-from dashpot.errors import ReadError
+from dashpot.base.errors import ReadError
+from dashpot.base.provenance import Source
 from dashpot.io.options import ReadOptions
 from dashpot.io.read import inspect_file, read_frf, read_impact, read_relaxation
-from dashpot.io.write import neutral, write_frf, write_impact, write_relaxation
-from dashpot.io.write_uff import write_frf_uff
-from dashpot.provenance import Source
-from dashpot.relaxation.records import RelaxationTest
-from dashpot.vibration.frf import FRF, Kind
-from dashpot.vibration.records import ImpactTest
+from dashpot.io.writers.text import neutral, write_frf, write_impact, write_relaxation
+from dashpot.io.writers.uff import write_frf_uff
+from dashpot.records.frf import Kind
+from dashpot.records.impact import ImpactTest
+from dashpot.records.relaxation import RelaxationTest
 
 finite = st.floats(-1e6, 1e6, allow_nan=False, width=64)
-
-
-def frf(kind: Kind = Kind.ACCELERANCE, *, measured: bool = True, n: int = 40) -> FRF:
-    rng = np.random.default_rng(3)
-    return FRF(
-        np.linspace(1.0, 40.0, n),
-        rng.normal(size=n) + 1j * rng.normal(size=n),
-        kind,
-        coherence=rng.uniform(size=n) if measured else None,
-        sd=rng.uniform(size=n) if measured else None,
-        shift=0.25 if measured else 0.0,
-        record=8.0 if measured else None,
-        averages=5 if measured else 0,
-    )
 
 
 @settings(max_examples=40, deadline=None)

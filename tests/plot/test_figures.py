@@ -7,28 +7,30 @@ import subprocess
 import sys
 from dataclasses import replace
 from itertools import pairwise
+from pathlib import Path
 
-import handmade
 import numpy as np
 import pytest
+from kit import handmade
+from kit.fits import altered
 from matplotlib.colors import to_hex
 from matplotlib.text import Text
 
 from dashpot import plot
-from dashpot.plot.direct import averaged, quantities
+from dashpot.fitting.modulus import fit_modulus
+from dashpot.fitting.relaxation import fit
+from dashpot.plot.dynamic_stiffness import averaged, quantities
 from dashpot.plot.impact import force_spectrum
-from dashpot.plot.look import BLUE, COLUMN, MM, PAGE, REJECTED, SMALL, unit_of
 from dashpot.plot.panels.frequency import half_power, phase_axis, turned
 from dashpot.plot.relaxation import fits_to_show, fitted_force
+from dashpot.plot.style import BLUE, COLUMN, MM, PAGE, REJECTED, SMALL, unit_of
 from dashpot.plot.vibration import smooth
-from dashpot.relaxation.fit import AtDepth
-from dashpot.relaxation.fitting import fit
-from dashpot.relaxation.modulus_fitting import fit_modulus
-from dashpot.relaxation.preparation import prepare
-from dashpot.simulation.rig import simulate_relaxation
-from dashpot.simulation.seals import BROAD, PAPER, PAPER_MASS
-from dashpot.vibration.blows import Blow
-from dashpot.vibration.prediction import predict_frf
+from dashpot.preparation.prepare import prepare
+from dashpot.records.fit import AtDepth
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.solids.table_1 import BROAD, PAPER, PAPER_MASS
+from dashpot.vibration.impact.hits import HitBlock
+from dashpot.vibration.systems.prediction import predict_frf
 
 S = handmade.study()
 
@@ -97,12 +99,12 @@ def test_figures_fit_a_journal_and_can_be_read(drawn, name):
 
 def test_matplotlib_is_loaded_by_the_first_figure_and_pyplot_never():
     code = (
-        "import sys, dashpot.plot as plot, handmade\n"
+        "import sys, dashpot.plot as plot; from kit import handmade\n"
         "assert not any(m.startswith('matplotlib') for m in sys.modules)\n"
         "plot.to_svg(plot.segments(handmade.prepared()))\n"
         "assert 'matplotlib.pyplot' not in sys.modules\n"
     )
-    folder = str(handmade.__file__).rpartition("/")[0]
+    folder = Path(__file__).parents[1]
     subprocess.run([sys.executable, "-c", code], check=True, cwd=folder)
 
 
@@ -157,7 +159,7 @@ def test_log_time_starts_within_the_ramp_even_if_sampling_slows_down_in_the_hold
 
 
 def test_a_fit_without_offset_is_drawn_without_one():
-    bare = replace(S.fit, nuisance=())
+    bare = altered(S.fit, nuisance=())
     _, with_offset = fitted_force(S.fit, S.prepared)
     _, without = fitted_force(bare, S.prepared)
     assert without[0] == 0.0
@@ -168,10 +170,10 @@ def test_several_depths_are_drawn_at_their_own_stiffness():
     at = AtDepth(
         depth=8e-3, k_inf=S.fit.model.k_inf, k_inf_se=0.1, k=S.fit.model.k, k_se=(0.1, 0.1)
     )
-    several = replace(S.fit, by_depth=(replace(at, depth=4e-3, k_inf=100.0), at))
+    several = altered(S.fit, by_depth=(replace(at, depth=4e-3, k_inf=100.0), at))
     assert np.array_equal(fitted_force(several, S.prepared)[1], fitted_force(S.fit, S.prepared)[1])
     shallow = replace(S.prepared, depth=4.2e-3)
-    without_offset = replace(several, nuisance=())
+    without_offset = altered(several, nuisance=())
     assert fitted_force(without_offset, shallow)[1].max() < 0.9 * S.prepared.force.max()
 
 
@@ -235,7 +237,7 @@ def test_a_material_is_drawn_in_megapascals():
 
 def test_a_very_wide_axis_has_few_numbers():
     figure = plot.spectrum(
-        replace(S.fit, band=(1e-15, 1e3), parameters=(), covariance=np.zeros((0, 0)))
+        altered(S.fit, band=(1e-15, 1e3), parameters=(), covariance=np.zeros((0, 0)))
     )
     figure.canvas.draw()
     labels = [text for text in figure.axes[0].get_xticklabels() if text.get_text()]
@@ -382,12 +384,12 @@ def test_the_force_spectrum_is_that_of_a_half_sine(width, expected):
     rate = 51_200.0
     time = np.arange(-0.02, 0.2, 1 / rate)
     force = np.where((time >= 0) & (time <= width), 3.0 * np.sin(np.pi * time / width), 0.0)
-    blow = Blow(
+    hit = HitBlock(
         name="1", time=0.0, rate=rate, onset=int(np.argmax(time >= 0)), force=force,
         acceleration=np.zeros((1, len(force))), noise=np.zeros(2), ringing=np.zeros(1),
         offset=np.zeros(2),
     )  # fmt: skip
-    frequency, level = force_spectrum(blow)
+    frequency, level = force_spectrum(hit)
     # the foot of the pulse below 2 % of its peak is left out
     assert np.interp(12.71, frequency, level) == pytest.approx(expected, abs=0.01)
 
@@ -396,7 +398,7 @@ def test_rejected_hits_are_seen_and_named(drawn):
     pulses = drawn["hits"].axes[0]
     rejected = [one for one in pulses.get_lines() if one.get_color() == REJECTED.color]
     assert [one.get_label() for one in rejected] == ["hit 3: rejected"]
-    assert rejected[0].get_xdata().max() > 60.0  # the second blow, 60 ms later, is in sight
+    assert rejected[0].get_xdata().max() > 60.0  # the second hit, 60 ms later, is in sight
     assert pulses.get_title(loc="left") == "4 of 5 hits accepted"
 
 

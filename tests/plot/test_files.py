@@ -6,12 +6,13 @@ import re
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
+from pathlib import Path
 
-import handmade
 import pytest
+from kit import handmade
 
 from dashpot import plot
-from dashpot.errors import ExportError
+from dashpot.base.errors import ExportError
 
 S = handmade.study()
 
@@ -32,10 +33,10 @@ def test_the_same_figure_gives_the_same_bytes(tmp_path, figure, suffix):
 
 def test_another_process_gives_the_same_svg(figure):
     code = (
-        "import handmade as h; from dashpot import plot; import sys;"
+        "from kit import handmade as h; from dashpot import plot; import sys;"
         "sys.stdout.write(plot.to_svg(plot.fit(h.study().fit, h.study().prepared)))"
     )
-    folder = str(handmade.__file__).rpartition("/")[0]
+    folder = Path(__file__).parents[1]
     other = subprocess.run(
         [sys.executable, "-X", "utf8", "-c", code], check=True, capture_output=True, cwd=folder,
         encoding="utf-8",

@@ -9,19 +9,20 @@ from dataclasses import replace
 from html import unescape
 from html.parser import HTMLParser
 
-import handmade
 import pytest
+from kit import handmade
+from kit.fits import altered
 
-from dashpot.archive import from_json
-from dashpot.checks import Check
-from dashpot.provenance import Source, Step
-from dashpot.relaxation.fit import Moved, Status
-from dashpot.relaxation.records import Specimen
+from dashpot.base.checks import Check
+from dashpot.base.numbers import with_error
+from dashpot.base.provenance import Source, Step
+from dashpot.records.fit import Moved, Status
+from dashpot.records.frf import Hit
+from dashpot.records.specimen import Specimen
 from dashpot.report import html
-from dashpot.report.numbers import with_error
-from dashpot.report.table import Table
-from dashpot.vibration.frf import Hit
-from dashpot.vibration.modes import model_modes
+from dashpot.report.tables import Table
+from dashpot.vibration.modal.modes import model_modes
+from dashpot.workflow.archive import from_json
 
 S = handmade.study()
 VOID = {"meta", "br", "link", "img", "hr", "input"}
@@ -192,7 +193,7 @@ def test_simulated_records_are_stamped_loudly(whole, sketch):
         handmade.bench_only(),
         test=replace(S.test, source=replace(S.test.source, simulated=False)),
         prepared=replace(S.prepared, source=None),
-        fit=replace(S.fit, source=()),
+        fit=altered(S.fit, source=()),
     )
     assert "simulated" not in sketch(real).lower()
 
@@ -203,7 +204,7 @@ def test_simulated_records_in_memory_are_stamped_too(sketch):
         handmade.bench_only(),
         test=replace(S.test, source=None),
         prepared=replace(S.prepared, source=None, specimen=rig),
-        fit=replace(S.fit, source=()),
+        fit=altered(S.fit, source=()),
     )
     assert "SIMULATED" in sketch(made)
 
@@ -217,7 +218,7 @@ def test_provenance_names_files_hashes_and_steps(whole):
 
 
 def test_hits_are_listed_with_the_reason_of_a_rejection(whole):
-    assert "a second blow of 40 % struck 60 ms after the first" in Page(whole).text
+    assert "a second hit of 40 % struck 60 ms after the first" in Page(whole).text
 
 
 def test_what_the_hammer_moved_is_told(sketch):
@@ -226,7 +227,7 @@ def test_what_the_hammer_moved_is_told(sketch):
         Moved("tau_1", None, None, 0.0117, 0.0003, "s"),
         Moved("b", 1.0, None, 2.0, 0.1, "N s/m"),
     )
-    text = sketch(replace(S, joint=replace(S.joint, moved=moved)))
+    text = sketch(replace(S, joint=altered(S.joint, moved=moved)))
     assert "What the hammer moved" in text
     assert "+0.51 % (1.4 SE)" in text
     assert "τ₁, s 0.01170 ± 0.00030 new" in text
@@ -299,7 +300,7 @@ def test_an_inferred_mass_is_called_inferred(sketch):
 
 
 def test_a_fit_in_trouble_says_so_at_the_top(sketch):
-    lame = replace(handmade.bench_only(), fit=replace(S.fit, status=Status.TAU_AT_BOUND))
+    lame = replace(handmade.bench_only(), fit=altered(S.fit, status=Status.TAU_AT_BOUND))
     text = sketch(lame)
     assert f"The fit needs care: {Status.TAU_AT_BOUND.value}." in text[:1500]
 
@@ -308,7 +309,7 @@ def test_a_spring_without_arms_and_a_seal_without_source_are_reported():
     spring = handmade.fit_at(())
     bare = replace(
         handmade.bench_only(),
-        fit=replace(spring, source=(), steps=()),
+        fit=altered(spring, source=(), steps=()),
         alternatives=(),
         test=replace(S.test, source=None),
         prepared=replace(S.prepared, source=None, steps=(), preload=0.3),
@@ -333,7 +334,7 @@ def test_whatever_came_from_a_file_is_escaped(sketch):
         S,
         test=replace(S.test, source=source),
         prepared=replace(S.prepared, source=source, specimen=Specimen(notes=EVIL), checks=(check,)),
-        fit=replace(S.fit, steps=(step,), certificate=replace(S.fit.certificate, says=EVIL)),
+        fit=altered(S.fit, steps=(step,), certificate=replace(S.fit.certificate, says=EVIL)),
         measured=replace(S.measured, hits=(hit,), source=(source,), steps=(step,)),
         impact=replace(S.impact, channels=(EVIL, EVIL)),
         comparison=replace(S.comparison, verdict=EVIL),

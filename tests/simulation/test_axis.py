@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from dashpot.errors import DataError
+from dashpot.base.errors import DataError
 from dashpot.simulation.axis import Axis, setpoints
 
 

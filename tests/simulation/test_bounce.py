@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from dashpot.errors import DataError
+from dashpot.base.errors import DataError
 from dashpot.simulation.bounce import Oscillator, Pulse
-from dashpot.simulation.seals import BROAD, BROAD_MASS, PAPER, PAPER_MASS
 from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER, PAPER_MASS
 
 
 def test_the_poles_are_the_references():

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dashpot.errors import DataError
+from dashpot.base.errors import DataError
 from dashpot.simulation.axis import Axis
-from dashpot.simulation.rig import Rig, in_steps, simulate_path, simulate_relaxation
-from dashpot.simulation.seals import BROAD, BROAD_MASS, PAPER, PAPER_MASS, SEALS
+from dashpot.simulation.relaxation import Rig, in_steps, simulate_path, simulate_relaxation
+from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER, PAPER_MASS, SEALS
 
 
 def test_the_seals_are_the_papers_and_the_broad_one(paper_seal):

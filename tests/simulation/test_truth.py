@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import json
 
-from dashpot.simulation.hammer import Hammer, simulate_impact
-from dashpot.simulation.rig import Rig, simulate_relaxation
-from dashpot.simulation.seals import BROAD, BROAD_MASS, PAPER
+from dashpot.simulation.impact import Hammer, simulate_impact
+from dashpot.simulation.relaxation import Rig, simulate_relaxation
 from dashpot.simulation.truth import stamp, truth_json
+from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER
 
 
 def test_a_relaxation_is_stamped_and_its_truth_told():

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dashpot.errors import DataError
-from dashpot.simulation.hammer import Hammer, simulate_impact
-from dashpot.simulation.seals import BROAD, BROAD_MASS, PAPER, PAPER_MASS
-from dashpot.vibration.prediction import predict_frf
+from dashpot.base.errors import DataError
+from dashpot.simulation.impact import Hammer, simulate_impact
+from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER, PAPER_MASS
+from dashpot.vibration.systems.prediction import predict_frf
 
 
 def ratio(test):

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dashpot.errors import DataError
+from dashpot.base.errors import DataError
 from dashpot.solids.interconversion import (
     CreepSpectrum,
     creep_spectrum,

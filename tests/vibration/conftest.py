@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from dashpot.records.impact import ImpactTest
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.vibration.records import ImpactTest
 
 MASS = 0.1040426  # kg: two of the paper's seals then resonate at 12.71 Hz
 BROAD_MASS = 0.114829829

@@ -1,4 +1,4 @@
-"""From hammer blows to an FRF: the known FRF comes back, and what cannot be trusted is said."""
+"""From hammer hits to an FRF: the known FRF comes back, and what cannot be trusted is said."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dashpot.errors import DataError
-from dashpot.simulation.hammer import Hammer, simulate_impact
-from dashpot.vibration.frf import FRF, Kind
-from dashpot.vibration.impact import estimate_frf
-from dashpot.vibration.modes import model_modes
-from dashpot.vibration.prediction import predict_frf
-from dashpot.vibration.records import ImpactTest
+from dashpot.base.errors import DataError
+from dashpot.records.frf import FRF, Kind
+from dashpot.records.impact import ImpactTest
+from dashpot.simulation.impact import Hammer, simulate_impact
+from dashpot.vibration.impact.frf_estimation import estimate_frf
+from dashpot.vibration.modal.modes import model_modes
+from dashpot.vibration.systems.prediction import predict_frf
 
 MASS = 0.1040426
 NOISE = (5e-3, 0.02)
@@ -316,7 +316,7 @@ def test_choices_that_cannot_be_are_refused(strike, choice, says):
 
 def test_no_blow_no_frf():
     quiet = np.random.default_rng(0).standard_normal(4000)
-    with pytest.raises(DataError, match="no hammer blow found"):
+    with pytest.raises(DataError, match="no hammer hit found"):
         estimate_frf(ImpactTest(np.arange(4000) / 1000, 0.01 * quiet, quiet[None]))
 
 

@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dashpot.errors import DataError
+from dashpot.base.errors import DataError
+from dashpot.records.frf import FRF, Kind
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.vibration.frf import FRF, Kind
-from dashpot.vibration.peaks import find_peak, random_sd
-from dashpot.vibration.prediction import predict_frf
-from dashpot.vibration.truncation import cut_accelerance, poles, residues
+from dashpot.vibration.modal.peaks import find_peak, random_sd
+from dashpot.vibration.modal.truncation import cut_accelerance, poles, residues
+from dashpot.vibration.systems.prediction import predict_frf
 
 PAPER = GeneralizedMaxwell(196.5, (117.5, 17.8), (59.0 / 117.5, 292.2 / 17.8))
 

@@ -1,18 +1,18 @@
-"""Verdicts on hammer blows."""
+"""Verdicts on hammer hits."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from dashpot.vibration.blows import Blow
-from dashpot.vibration.quality import flat_topped, judge, second_pulse
+from dashpot.vibration.impact.hits import HitBlock
+from dashpot.vibration.impact.quality import flat_topped, judge, second_pulse
 
 BEFORE = 200
 
 
-def blow(force, rate=2048.0, *, response=None, noise=0.0, seconds=4.0):
-    """A blow with a given pulse and a response that decays within the record."""
+def hit(force, rate=2048.0, *, response=None, noise=0.0, seconds=4.0):
+    """A hit with a given pulse and a response that decays within the record."""
     random = np.random.default_rng(0)
     n = round(seconds * rate)
     f = np.zeros(n)
@@ -20,7 +20,7 @@ def blow(force, rate=2048.0, *, response=None, noise=0.0, seconds=4.0):
     t = (np.arange(n) - BEFORE) / rate
     a = np.where(t > 0, np.exp(-2 * t) * np.sin(80 * t), 0) if response is None else response
     f = f + noise * random.standard_normal(n)
-    return Blow(
+    return HitBlock(
         name="1", time=0.0, rate=rate, onset=BEFORE, force=f, acceleration=a[None, :],
         noise=np.array([noise, 0.0]), ringing=np.zeros(1), offset=np.zeros(2),
     )  # fmt: skip
@@ -47,7 +47,7 @@ def haversine(milliseconds, rate=2048.0):
 )
 @pytest.mark.parametrize("noise", [0.0, 1e-3, 0.01])
 def test_a_clean_pulse_of_a_soft_tip_is_no_double_hit(shape, milliseconds, rate, noise):
-    verdict = judge(blow(3 * shape(milliseconds, rate), rate, noise=noise, seconds=3.5))
+    verdict = judge(hit(3 * shape(milliseconds, rate), rate, noise=noise, seconds=3.5))
     assert verdict.faults == ()
 
 
@@ -56,7 +56,7 @@ def test_a_clean_pulse_of_a_soft_tip_is_no_double_hit(shape, milliseconds, rate,
 def test_a_second_pulse_is_a_double_hit(share, gap):
     first = 3 * half_sine(12)
     force = np.concatenate((first, np.zeros(2 * gap), share * first))
-    (fault,) = judge(blow(force, noise=0.005)).faults
+    (fault,) = judge(hit(force, noise=0.005)).faults
     assert fault.startswith(f"double hit: a second pulse of {100 * share:.0f} %")
     assert fault.endswith("ms after it")
 
@@ -64,28 +64,28 @@ def test_a_second_pulse_is_a_double_hit(share, gap):
 def test_a_smaller_pulse_before_the_main_one_counts_too():
     first = 3 * half_sine(12)
     force = np.concatenate((0.3 * first, np.zeros(100), first))
-    (fault,) = judge(blow(force)).faults
+    (fault,) = judge(hit(force)).faults
     assert fault.endswith("before it")
 
 
 def test_two_humps_that_touch_are_a_double_hit():
     t = np.arange(80) / 80
     humps = np.exp(-(((t - 0.3) / 0.1) ** 2)) + 0.8 * np.exp(-(((t - 0.7) / 0.1) ** 2))
-    height, after = second_pulse(blow(humps))
+    height, after = second_pulse(hit(humps))
     assert height > 0.5
     assert after == pytest.approx(0.4 * 80 / 2048, rel=0.1)
 
 
 def test_ringing_of_a_filter_about_a_short_pulse_is_no_double_hit():
     ringing = np.sinc((np.arange(60) - 20.4) * 0.9)
-    assert judge(blow(ringing)).faults == ()
+    assert judge(hit(ringing)).faults == ()
 
 
 @pytest.mark.parametrize("level", [0.5, 0.8, 0.93])
 @pytest.mark.parametrize("noise", [0.0, 0.002, 0.01])
 def test_an_overloaded_hammer_is_noticed_under_noise(level, noise):
     clipped = 3 * np.minimum(half_sine(15), level)
-    (fault,) = judge(blow(clipped, noise=noise)).faults
+    (fault,) = judge(hit(clipped, noise=noise)).faults
     assert "hammer overload: the pulse is flat" in fault
 
 
@@ -97,13 +97,13 @@ def test_a_short_pulse_is_flat_only_where_neighbours_are_equal():
 def test_an_overloaded_accelerometer_is_noticed():
     t = np.arange(8192) / 2048
     response = np.clip(20 * np.exp(-2 * t) * np.sin(80 * t), -12, 12)
-    (fault,) = judge(blow(half_sine(12), response=response)).faults
+    (fault,) = judge(hit(half_sine(12), response=response)).faults
     assert "acceleration 1 overloads: it is flat at 12" in fault
 
 
 def test_a_record_that_begins_inside_the_pulse_is_useless():
-    late = blow(half_sine(12))
-    cut = Blow(
+    late = hit(half_sine(12))
+    cut = HitBlock(
         name="1", time=0.0, rate=late.rate, onset=0, force=late.force[BEFORE + 8 :],
         acceleration=late.acceleration[:, BEFORE + 8 :], noise=np.zeros(2), ringing=np.zeros(1),
         offset=np.zeros(2),
@@ -115,7 +115,7 @@ def test_a_record_that_begins_inside_the_pulse_is_useless():
 
 @pytest.mark.parametrize("samples", [1, 2, 4])
 def test_an_undersampled_pulse_is_doubtful_not_wrong(samples):
-    verdict = judge(blow(np.full(samples, 2.0) - 0.01 * np.arange(samples)))
+    verdict = judge(hit(np.full(samples, 2.0) - 0.01 * np.arange(samples)))
     assert verdict.faults == ()
     assert any(f"{samples} sample" in doubt for doubt in verdict.doubts)
 
@@ -123,9 +123,9 @@ def test_an_undersampled_pulse_is_doubtful_not_wrong(samples):
 def test_a_response_cut_short_is_said_with_a_limit_for_each_window():
     t = (np.arange(4096) - BEFORE) / 2048
     response = np.where(t > 0, np.exp(-0.5 * t) * np.sin(80 * t), 0)
-    ringing = blow(half_sine(12), response=response, seconds=2.0)
+    ringing = hit(half_sine(12), response=response, seconds=2.0)
     (plain,) = judge(ringing).doubts
     assert "expected 1 % without a window" in plain
     (windowed,) = judge(ringing, windowed=True).doubts
     assert "expected 25 % with a window" in windowed
-    assert judge(blow(half_sine(12))).doubts == ()
+    assert judge(hit(half_sine(12))).doubts == ()

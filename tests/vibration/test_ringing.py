@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dashpot.simulation.hammer import Hammer, simulate_impact
-from dashpot.vibration.blows import cut_blows
-from dashpot.vibration.impact import estimate_frf
-from dashpot.vibration.ringing import calm
+from dashpot.simulation.impact import Hammer, simulate_impact
+from dashpot.vibration.impact.frf_estimation import estimate_frf
+from dashpot.vibration.impact.hits import cut_hits
+from dashpot.vibration.impact.ringing import calm
 
 MASS = 0.1040426
 TRUE = 12.70975, 0.00443503
@@ -34,7 +34,7 @@ def test_what_still_rings_is_taken_off_and_said(hasty):
 
 
 def test_without_that_the_damping_would_be_wrong(hasty, monkeypatch):
-    monkeypatch.setattr("dashpot.vibration.impact.calm", lambda blow, poles: blow)
+    monkeypatch.setattr("dashpot.vibration.impact.frf_estimation.calm", lambda hit, poles: hit)
     mode = estimate_frf(hasty).modes()[0]
     assert abs(mode.damping_ratio / TRUE[1] - 1) > 0.05
 
@@ -45,22 +45,22 @@ def test_a_block_at_rest_is_left_alone(strike):
 
 
 def test_motion_that_is_no_free_decay_is_left_alone(hasty):
-    blow = cut_blows([hasty])[3]
+    hit = cut_hits([hasty])[3]
     pole = complex(-0.354171, 79.85693)
-    assert calm(blow, [pole]).calmed
+    assert calm(hit, [pole]).calmed
     wrong = complex(-0.4, 300.0)
-    assert not calm(blow, [wrong]).calmed
-    assert not calm(blow, []).calmed
-    shortened = replace(blow, past=blow.past[:, -6:])
+    assert not calm(hit, [wrong]).calmed
+    assert not calm(hit, []).calmed
+    shortened = replace(hit, past=hit.past[:, -6:])
     assert not calm(shortened, [pole]).calmed
 
 
 def test_calm_takes_the_decay_off_the_whole_block(hasty):
-    blow = cut_blows([hasty])[3]
-    t = (np.arange(len(blow.force)) - blow.onset) / blow.rate
+    hit = cut_hits([hasty])[3]
+    t = (np.arange(len(hit.force)) - hit.onset) / hit.rate
     pole = complex(-0.354171, 79.85693)
     ringing = np.vstack([(c * np.exp(pole * t)).real for c in (0.5 + 0.2j, 0.4 - 0.3j)])
-    before = (np.arange(blow.past.shape[1]) - blow.past.shape[1] - 2) / blow.rate
+    before = (np.arange(hit.past.shape[1]) - hit.past.shape[1] - 2) / hit.rate
     past = np.vstack([(c * np.exp(pole * before)).real for c in (0.5 + 0.2j, 0.4 - 0.3j)])
-    still = replace(blow, acceleration=ringing, past=past)
+    still = replace(hit, acceleration=ringing, past=past)
     assert np.abs(calm(still, [pole]).acceleration).max() < 1e-9

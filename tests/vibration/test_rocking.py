@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dashpot.simulation.hammer import Hammer, simulate_impact
-from dashpot.vibration.impact import estimate_frf
-from dashpot.vibration.records import ImpactTest
-from dashpot.vibration.rocking import _weights
+from dashpot.records.impact import ImpactTest
+from dashpot.simulation.impact import Hammer, simulate_impact
+from dashpot.vibration.impact.frf_estimation import estimate_frf
+from dashpot.vibration.impact.rocking import _weights
 
 MASS = 0.114829829
 TRUE = 12.69983, 0.0285575
@@ -19,7 +19,7 @@ TRUE = 12.69983, 0.0285575
 
 @pytest.fixture(scope="module")
 def real_hits(shared_data: Path) -> ImpactTest:
-    """Two blows on a block with two accelerometers; the force is in arbitrary units."""
+    """Two hits on a block with two accelerometers; the force is in arbitrary units."""
     text = (shared_data / "lvm_read_F_m1_m2" / "long_single_header_multi_ch.lvm").read_text()
     lines = text.splitlines()
     head = max(i for i, line in enumerate(lines) if line.startswith("X_Value"))

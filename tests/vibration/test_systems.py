@@ -9,15 +9,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dashpot.errors import DataError
+from dashpot.base.errors import DataError
 from dashpot.solids import networks as net
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.vibration.bodies import Body, Mount, Point, planar_body, point_mass
-from dashpot.vibration.complex_modes import complex_modes, newton_modes
-from dashpot.vibration.modes import model_modes
-from dashpot.vibration.motion import respond
-from dashpot.vibration.prediction import predict_frf
-from dashpot.vibration.systems import System
+from dashpot.vibration.modal.modes import model_modes
+from dashpot.vibration.systems.bodies import Body, Mount, Point, planar_body, point_mass
+from dashpot.vibration.systems.complex_modes import complex_modes, newton_modes
+from dashpot.vibration.systems.prediction import predict_frf
+from dashpot.vibration.systems.system import System
+from dashpot.vibration.systems.time_response import respond
 
 number = st.floats(-1, 1).map(lambda power: 10.0**power)
 solids = st.builds(

@@ -57,7 +57,7 @@ def hammer(function: Callable[..., T]) -> Callable[..., T]:
         polarity: tuple[str, ...],
         **arguments: Any,
     ) -> T:
-        from dashpot.job import HammerChoices
+        from dashpot.workflow.job import HammerChoices
 
         chosen = HammerChoices(
             estimator=estimator,

@@ -6,10 +6,10 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dashpot.errors import ReadError
+from dashpot.base.errors import ReadError
 
 if TYPE_CHECKING:
-    from dashpot.relaxation.fit import Fit
+    from dashpot.records.fit import Fit
     from dashpot.solids.maxwell import GeneralizedMaxwell
 
 
@@ -25,8 +25,8 @@ def read_text(path: str) -> str:
 
 def read_fit(path: str) -> Fit:
     """Return the fit in a JSON file, as written by ``dashpot fit -o``."""
-    from dashpot.archive import from_json
-    from dashpot.relaxation.fit import Fit
+    from dashpot.records.fit import Fit
+    from dashpot.workflow.archive import from_json
 
     try:
         found = from_json(read_text(path))
@@ -44,9 +44,9 @@ def read_fit(path: str) -> Fit:
 
 def read_model(path: str) -> GeneralizedMaxwell:
     """Return the solid in a JSON file that holds a fit or a model."""
-    from dashpot.archive import from_json
-    from dashpot.relaxation.fit import Fit
+    from dashpot.records.fit import Fit
     from dashpot.solids.maxwell import GeneralizedMaxwell
+    from dashpot.workflow.archive import from_json
 
     try:
         found = from_json(read_text(path))

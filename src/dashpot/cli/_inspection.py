@@ -5,21 +5,21 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
+from dashpot.base.errors import DashpotError
 from dashpot.cli._shell import failed
-from dashpot.cli._words import table
-from dashpot.errors import DashpotError
+from dashpot.cli._text import table
 
 if TYPE_CHECKING:
-    from dashpot.checks import Check
+    from dashpot.base.checks import Check
     from dashpot.io.inspection import Inspection
     from dashpot.io.options import ReadOptions
-    from dashpot.relaxation.records import RampHold
+    from dashpot.records.relaxation import RampHold
 
 
 def prepared(found: Inspection, path: str, options: ReadOptions) -> RampHold | str | None:
     """Return the prepared test, the sentence why it cannot be prepared, or None if it is none."""
     from dashpot.io.read import read_relaxation
-    from dashpot.relaxation.preparation import prepare
+    from dashpot.preparation.prepare import prepare
 
     if found.kind != "relaxation" or found.questions:
         return None

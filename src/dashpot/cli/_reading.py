@@ -60,6 +60,6 @@ def _options(
     options = ReadOptions(units=named, acceleration=acceleration, **said)
     if not profile:
         return options
-    from dashpot.io.profile import load_profile
+    from dashpot.io.reading_profile import load_profile
 
     return options.over(load_profile(profile))

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
-from dashpot.errors import DashpotError
+from dashpot.base.errors import DashpotError
 
 if TYPE_CHECKING:
-    from dashpot.checks import Check
-    from dashpot.units import Dimension
+    from dashpot.base.checks import Check
+    from dashpot.base.units import Dimension
 
 
 class Outcome(NamedTuple):
@@ -39,7 +39,7 @@ class Quantity(click.ParamType[Any]):
         self.name = dimension
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        from dashpot.units import parse_quantity
+        from dashpot.base.units import parse_quantity
 
         if isinstance(value, float):
             return value
@@ -53,7 +53,7 @@ class Range(Quantity):
     """Two quantities, such as ``1:50Hz``, in SI."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        from dashpot.units import parse_range
+        from dashpot.base.units import parse_range
 
         if isinstance(value, tuple):
             return value

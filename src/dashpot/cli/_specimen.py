@@ -33,7 +33,7 @@ def specimen(function: Callable[..., T]) -> Callable[..., T]:
         notes: str,
         **arguments: Any,
     ) -> T:
-        from dashpot.relaxation.records import Specimen
+        from dashpot.records.specimen import Specimen
 
         described = Specimen(length=length, height=height, temperature=temperature, notes=notes)
         return function(specimen=described, **arguments)

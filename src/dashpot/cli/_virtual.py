@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 def seal(name: str) -> tuple[GeneralizedMaxwell, float | None]:
     """Return a demonstration seal and its block's mass, or the model of a fit's JSON file."""
     from dashpot.cli._inputs import read_model
-    from dashpot.simulation.seals import SEALS
+    from dashpot.solids.table_1 import SEALS
 
     if name in SEALS:
         return SEALS[name]
@@ -30,8 +30,8 @@ def relaxation(
     seed: int,
 ) -> tuple[str, str]:
     """Return a simulated relaxation test as CSV, and its truth as JSON."""
-    from dashpot.io.write import write_relaxation
-    from dashpot.simulation.rig import Rig, simulate_relaxation
+    from dashpot.io.writers.text import write_relaxation
+    from dashpot.simulation.relaxation import Rig, simulate_relaxation
     from dashpot.simulation.truth import stamp, truth_json
 
     model, _ = seal(name)
@@ -59,9 +59,9 @@ def impact(
     seed: int,
 ) -> tuple[str, str]:
     """Return a simulated hammer test as CSV, and its truth as JSON."""
-    from dashpot.errors import DataError
-    from dashpot.io.write import write_impact
-    from dashpot.simulation.hammer import Hammer, simulate_impact
+    from dashpot.base.errors import DataError
+    from dashpot.io.writers.text import write_impact
+    from dashpot.simulation.impact import Hammer, simulate_impact
     from dashpot.simulation.truth import stamp, truth_json
 
     model, known = seal(name)

@@ -11,9 +11,9 @@ from dashpot.cli._reading import reading
 from dashpot.cli._shell import Outcome, Quantity, Range, failed, reports
 
 if TYPE_CHECKING:
-    from dashpot.checks import Check
+    from dashpot.base.checks import Check
     from dashpot.io.options import ReadOptions
-    from dashpot.job import HammerChoices
+    from dashpot.workflow.job import HammerChoices
 
 
 @click.command("compare", short_help="The predicted FRF against a measured one.")
@@ -47,12 +47,12 @@ def command(
     dashpot compare fit.json hammer.csv --mass 104g --seals 2
     dashpot compare fit.json frf.uff --mass 104g --seals 2 --json
     """
-    from dashpot.archive import document
     from dashpot.cli._inputs import read_fit
-    from dashpot.comparison import compare
-    from dashpot.identification.mass import infer_mass
-    from dashpot.job import read_measured
-    from dashpot.vibration.prediction import moving_mass, predict_frf
+    from dashpot.vibration.comparison.compare import compare
+    from dashpot.vibration.modal.mass import infer_mass
+    from dashpot.vibration.systems.prediction import moving_mass, predict_frf
+    from dashpot.workflow.archive import document
+    from dashpot.workflow.job import read_measured
 
     found = read_fit(fit)
     _, frf = read_measured(measured, choices=hammer, options=options, mass=mass)

@@ -10,7 +10,7 @@ import click
 from dashpot.cli._shell import Outcome, reports, said
 
 if TYPE_CHECKING:
-    from dashpot.study import Study
+    from dashpot.workflow.study import Study
 
 SEALS = 2
 
@@ -49,9 +49,9 @@ def _story(name: str, folder: Path, seed: int) -> Study:
     from dashpot.cli._virtual import impact, relaxation
     from dashpot.io.read import read_impact, read_relaxation
     from dashpot.report import html
-    from dashpot.simulation.seals import SEALS as KNOWN
-    from dashpot.study import characterise
-    from dashpot.vibration.impact import estimate_frf
+    from dashpot.solids.table_1 import SEALS as KNOWN
+    from dashpot.vibration.impact.frf_estimation import estimate_frf
+    from dashpot.workflow.study import characterise
 
     said(f"{name}: simulating the bench and the hammer, fitting, comparing, reporting")
     bench = relaxation(
@@ -77,13 +77,13 @@ def _story(name: str, folder: Path, seed: int) -> Study:
 
 
 def _summary(story: Study) -> str:
-    from dashpot.cli import _words
+    from dashpot.cli import _text as _words
 
     return _words.study(story)
 
 
 def _numbers(story: Study, folder: Path, name: str) -> dict[str, Any]:
-    from dashpot.archive import document
+    from dashpot.workflow.archive import document
 
     return {
         "report": str(folder / f"{name}.html"),
@@ -97,7 +97,7 @@ def _numbers(story: Study, folder: Path, name: str) -> dict[str, Any]:
 
 def _agreement(comparison: Any) -> dict[str, Any]:
     """Return a comparison's document without its two FRFs, line by line."""
-    from dashpot.archive import document
+    from dashpot.workflow.archive import document
 
     whole = document(comparison)
     return {key: value for key, value in whole.items() if key not in {"predicted", "measured"}}

@@ -11,7 +11,7 @@ from dashpot.cli._specimen import specimen
 
 if TYPE_CHECKING:
     from dashpot.export import SealLine
-    from dashpot.relaxation.records import Specimen
+    from dashpot.records.specimen import Specimen
 
 # written out, so that --help need not import the decks; a test holds it to export.TARGETS
 TARGETS = (
@@ -80,7 +80,8 @@ def command(
     from dashpot.cli._inputs import read_fit
 
     found = read_fit(fit)
-    found = replace(found, specimen=_described(found.specimen, specimen))
+    described = replace(found.provenance, specimen=_described(found.specimen, specimen))
+    found = replace(found, provenance=described)
     if seals != 1:
         found = found.in_parallel(seals)
     choices: dict[str, Any] = {
@@ -129,7 +130,7 @@ def _taken(target: str, choices: dict[str, Any]) -> dict[str, Any]:
     from inspect import signature
 
     from dashpot import export
-    from dashpot.errors import ExportError
+    from dashpot.base.errors import ExportError
 
     known = signature(export.TARGETS[target]).parameters
     made = {name: value for name, value in choices.items() if value is not None}
@@ -145,7 +146,7 @@ def _seal_line(path: str, pitch: float | None, normal: str | None, units: str | 
     """Return the polyline in a CSV file of x, y, z in the deck's unit of length."""
     import numpy as np
 
-    from dashpot.errors import ExportError
+    from dashpot.base.errors import ExportError
     from dashpot.export import UNIT_SYSTEMS, SealLine
 
     if pitch is None or units is None or units not in UNIT_SYSTEMS:

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
+from dashpot.base.errors import FitError
 from dashpot.cli._reading import reading
 from dashpot.cli._shell import Arms, Outcome, printed, reports, write
 from dashpot.cli._specimen import specimen
-from dashpot.errors import FitError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -17,9 +17,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from dashpot.io.options import ReadOptions
-    from dashpot.relaxation.dynamic import DynamicTest
-    from dashpot.relaxation.fit import Fit
-    from dashpot.relaxation.records import RelaxationTest, Specimen
+    from dashpot.records.dynamic import DynamicTest
+    from dashpot.records.fit import Fit
+    from dashpot.records.relaxation import RelaxationTest
+    from dashpot.records.specimen import Specimen
 
     Fitted = tuple[Fit, Callable[[], Figure]]
 
@@ -79,7 +80,7 @@ def command(
             files[0], column, arms, thorough=thorough, specimen=specimen, options=options
         )
     else:
-        from dashpot.io.bench import read_bench
+        from dashpot.io.readers.bench import read_bench
 
         tests = [read_bench(path, options=options, specimen=specimen) for path in files]
         found, draw = _of_tests(
@@ -91,14 +92,14 @@ def command(
         plot.save(draw(), picture)
 
     def content() -> dict[str, Any]:
-        from dashpot.archive import document
+        from dashpot.workflow.archive import document
 
         return document(found)
 
     if output:
         write(output, printed(content()) + "\n")
 
-    from dashpot.cli import _words
+    from dashpot.cli import _text as _words
 
     return Outcome(content, "" if output == "-" else _words.fit(found), found.checks)
 
@@ -114,8 +115,8 @@ def _of_modulus(
 ) -> Fitted:
     from dataclasses import replace
 
-    from dashpot.io.modulus import read_modulus
-    from dashpot.relaxation.modulus_fitting import fit_modulus
+    from dashpot.fitting.modulus import fit_modulus
+    from dashpot.io.readers.modulus import read_modulus
 
     curve = read_modulus(file, options=replace(options, modulus=column), specimen=specimen)
     found = fit_modulus(
@@ -139,8 +140,8 @@ def _of_tests(
     thorough: bool,
     filter_: str | None,
 ) -> Fitted:
-    from dashpot.relaxation.preparation import prepare
-    from dashpot.relaxation.records import RelaxationTest
+    from dashpot.preparation.prepare import prepare
+    from dashpot.records.relaxation import RelaxationTest
 
     sweeps = [test for test in tests if not isinstance(test, RelaxationTest)]
     prepared = [prepare(test, filter=filter_) for test in tests if isinstance(test, RelaxationTest)]
@@ -150,11 +151,11 @@ def _of_tests(
                 "a dynamic sweep is fitted one at a time, alone or with relaxation tests of the "
                 "same part, without --depth-law and --method hold"
             )
-        from dashpot.relaxation.dynamic_fitting import fit_dynamic
+        from dashpot.fitting.dynamic import fit_dynamic
 
         found = fit_dynamic(sweeps[0], arms=arms, tests=prepared, thorough=thorough)
     else:
-        from dashpot.relaxation.fitting import fit
+        from dashpot.fitting.relaxation import fit
 
         found = fit(prepared, arms=arms, method=method, depth_law=depth_law, thorough=thorough)
 

@@ -21,12 +21,12 @@ from dashpot.cli._shell import (
 )
 
 if TYPE_CHECKING:
-    from dashpot.checks import Check
-    from dashpot.identification import DynamicStiffness
+    from dashpot.base.checks import Check
     from dashpot.io.options import ReadOptions
-    from dashpot.job import HammerChoices
-    from dashpot.relaxation.fit import Fit
-    from dashpot.relaxation.records import RampHold
+    from dashpot.records.fit import Fit
+    from dashpot.records.relaxation import RampHold
+    from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness
+    from dashpot.workflow.job import HammerChoices
 
 
 @click.command("identify", short_help="Maxwell parameters from vibration, alone or jointly.")
@@ -78,12 +78,13 @@ def command(
     dashpot identify hammer.csv --mass 104g --seals 2 --arms 2
     dashpot identify hammer.csv --with seal_8mm.csv --mass 104g --seals 2 -o joint.json
     """
-    from dashpot.archive import document
-    from dashpot.cli import _words
-    from dashpot.identification import dynamic_stiffness, identify
+    from dashpot.cli import _text as _words
+    from dashpot.fitting.identification.identify import identify
     from dashpot.io.options import ReadOptions
-    from dashpot.job import read_measured
-    from dashpot.vibration.prediction import moving_mass
+    from dashpot.vibration.modal.dynamic_stiffness import dynamic_stiffness
+    from dashpot.vibration.systems.prediction import moving_mass
+    from dashpot.workflow.archive import document
+    from dashpot.workflow.job import read_measured
 
     _, frf = read_measured(measured, choices=hammer, options=options, mass=mass)
     noted: tuple[Check, ...] = ()
@@ -152,10 +153,10 @@ def _table(straight: DynamicStiffness) -> str:
 
 def _partners(paths: tuple[str, ...], options: ReadOptions) -> tuple[list[RampHold], list[Fit]]:
     """Return the relaxation tests and the fits among the files given with ``--with``."""
+    from dashpot.base.errors import ReadError
     from dashpot.cli._inputs import looks_like_json, read_fit
-    from dashpot.errors import ReadError
     from dashpot.io.read import read_relaxation
-    from dashpot.relaxation.preparation import prepare
+    from dashpot.preparation.prepare import prepare
 
     fits = [read_fit(path) for path in paths if looks_like_json(path)]
     tests = [

@@ -12,9 +12,8 @@ from dashpot.cli._shell import Outcome, Quantity, Range, finite, reports, said, 
 
 if TYPE_CHECKING:
     from dashpot.io.options import ReadOptions
-    from dashpot.job import HammerChoices
-    from dashpot.vibration.frf import FRF
-    from dashpot.vibration.modes import Mode
+    from dashpot.records.frf import FRF, Mode
+    from dashpot.workflow.job import HammerChoices
 
 
 @click.command("impact", short_help="Hammer hits to an FRF, natural frequency and damping.")
@@ -43,10 +42,10 @@ def command(
     dashpot impact hit1.csv hit2.csv hit3.csv --estimator Hv --combine weighted -o frf.uff
     dashpot impact hammer.csv --reject 3 --window exponential --mass 104g
     """
-    from dashpot.cli import _words
-    from dashpot.errors import DataError
+    from dashpot.base.errors import DataError
+    from dashpot.cli import _text as _words
     from dashpot.io.read import read_impact
-    from dashpot.job import average
+    from dashpot.workflow.job import average
 
     impact = read_impact(list(files), options=options)
     frf = average(impact, choices=hammer, mass=mass)
@@ -69,8 +68,8 @@ def command(
 
 def write_frf_file(frf: FRF, path: str) -> None:
     """Write an FRF as CSV, or as UFF 58 where the file's name ends in .uff or .unv."""
-    from dashpot.io.write import write_frf
-    from dashpot.io.write_uff import write_frf_uff
+    from dashpot.io.writers.text import write_frf
+    from dashpot.io.writers.uff import write_frf_uff
 
     if path.lower().endswith((".uff", ".unv")):
         write_frf_uff(frf, path)
@@ -85,7 +84,7 @@ def impact_document(
     """Return the contract's document of an impact test."""
     import numpy as np
 
-    from dashpot.archive import document
+    from dashpot.workflow.archive import document
 
     height = np.abs(frf.value)
     top = int(height.argmax())

@@ -26,8 +26,8 @@ def command(*, files: tuple[str, ...], save_profile: str | None, options: ReadOp
     dashpot inspect raw.txt --force Kraft --units "force=N" --save-profile lab.toml
     """
     from dashpot.cli import _inspection
-    from dashpot.io.profile import dump_profile
     from dashpot.io.read import inspect_file
+    from dashpot.io.reading_profile import dump_profile
 
     found = [inspect_file(path, options=options) for path in files]
     tests = [

@@ -58,10 +58,10 @@ def command(
     """
     import math
 
-    from dashpot.archive import document
+    from dashpot.base.errors import DataError
     from dashpot.cli._virtual import seal
-    from dashpot.errors import DataError
-    from dashpot.planning import plan
+    from dashpot.planning.plan import plan
+    from dashpot.workflow.archive import document
 
     if arm_time is not None and arm_stiffness is None:
         raise DataError("--arm-time needs --arm-stiffness, e.g. --arm-stiffness 0.05N/mm")

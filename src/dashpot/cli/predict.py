@@ -9,10 +9,10 @@ import click
 from dashpot.cli._shell import Outcome, Quantity, Range, failed, reports, write
 
 if TYPE_CHECKING:
-    from dashpot.identification import FRFBand
-    from dashpot.relaxation.fit import Fit
+    from dashpot.records.bounds import FRFBounds
+    from dashpot.records.fit import Fit
+    from dashpot.records.frf import FRF
     from dashpot.solids.maxwell import GeneralizedMaxwell
-    from dashpot.vibration.frf import FRF
 
 
 @click.command("predict", short_help="The FRF of a mass on the fitted seal.")
@@ -59,11 +59,11 @@ def command(
     """
     import numpy as np
 
-    from dashpot.cli import _words
+    from dashpot.cli import _text as _words
     from dashpot.cli._inputs import read_fit
-    from dashpot.io.write import write_frf
-    from dashpot.vibration.modes import model_modes
-    from dashpot.vibration.prediction import moving_mass, predict_frf
+    from dashpot.io.writers.text import write_frf
+    from dashpot.vibration.modal.modes import model_modes
+    from dashpot.vibration.systems.prediction import moving_mass, predict_frf
 
     found = read_fit(fit)
     moving, noted = moving_mass(mass, seal=seal_mass or 0.0, seals=seals)
@@ -106,13 +106,13 @@ def command(
 
 def _limits(
     found: Fit, records: tuple[str, ...], *, mass: float, seals: float, frf: FRF
-) -> FRFBand | None:
+) -> FRFBounds | None:
     """Return both kinds of limits, about the lines predicted, if the record is at hand."""
     import numpy as np
 
-    from dashpot.identification import frf_band
+    from dashpot.fitting.uncertainty.prediction_bounds import frf_band
     from dashpot.io.read import read_relaxation
-    from dashpot.relaxation.preparation import prepare
+    from dashpot.preparation.prepare import prepare
 
     if not records:
         return None
@@ -122,12 +122,12 @@ def _limits(
 
 
 def _plain(
-    found: Fit, limits: FRFBand | None, *, mass: float, seals: float, frf: FRF
+    found: Fit, limits: FRFBounds | None, *, mass: float, seals: float, frf: FRF
 ) -> dict[str, Any]:
     """Return the limits of the accelerance, 1/kg; null where nothing limits it."""
     import numpy as np
 
-    from dashpot.identification import formal_frf_band
+    from dashpot.fitting.uncertainty.prediction_bounds import formal_frf_band
 
     lines = frf.frequency[frf.frequency > 0]
     f = np.linspace(lines[0], lines[-1], 401) if limits is None else limits.frequency
@@ -144,7 +144,7 @@ def _peak(solid: GeneralizedMaxwell, mass: float, frf: FRF) -> tuple[float, floa
     """Return frequency and height of the largest magnitude, between the lines of the grid too."""
     import numpy as np
 
-    from dashpot.vibration.prediction import predict_frf
+    from dashpot.vibration.systems.prediction import predict_frf
 
     top = int(np.abs(frf.value).argmax())
     low, high = frf.frequency[max(top - 1, 0)], frf.frequency[min(top + 1, len(frf.value) - 1)]

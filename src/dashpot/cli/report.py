@@ -13,8 +13,8 @@ from dashpot.cli._specimen import specimen
 
 if TYPE_CHECKING:
     from dashpot.io.options import ReadOptions
-    from dashpot.job import HammerChoices
-    from dashpot.relaxation.records import Specimen
+    from dashpot.records.specimen import Specimen
+    from dashpot.workflow.job import HammerChoices
 
 
 @click.command("report", short_help="The main job: both tests in, one report out.")
@@ -61,12 +61,12 @@ def command(
     dashpot report seal_8mm.csv --impact hammer.csv --mass 104g --seals 2 -o report.html
     dashpot report seal_8mm.csv --impact hammer.csv --mass 104g --seals 2 --project door-seal
     """
-    from dashpot.archive import document
-    from dashpot.cli import _words
+    from dashpot.cli import _text as _words
     from dashpot.io.options import ReadOptions
-    from dashpot.io.profile import load_profile
-    from dashpot.job import Job, run
+    from dashpot.io.reading_profile import load_profile
     from dashpot.report import html
+    from dashpot.workflow.archive import document
+    from dashpot.workflow.job import Job, run
 
     # columns named for the bench file need not exist in the hammer's; units do no harm
     of_impact = ReadOptions(units=options.units, acceleration=options.acceleration)
@@ -88,9 +88,9 @@ def command(
         hammer=hammer,
     )
     if project:
-        from dashpot.project import create, record
+        from dashpot.workflow.project import create, record
 
-        study, place = record(create(project), job)
+        study, place = record(create(project), job, page=html)
         said(f"wrote {place}")
         written = [str(place)]
     else:

@@ -20,7 +20,7 @@ def command(*, project: str) -> Outcome:
     \b
     dashpot verify door-seal/
     """
-    from dashpot.project import open_project, verify
+    from dashpot.workflow.project import open_project, verify
 
     checks = verify(open_project(project))
     bad = [check for check in checks if not check.passed]

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from dashpot._arrays import ByValue, FloatArray, frozen, same_length, samples
-from dashpot.engine.certificate import Optimality, certificate
-from dashpot.engine.holds import decay_block
-from dashpot.engine.separable import solve
-from dashpot.errors import DataError, FitError
+from dashpot.base.arrays import ByValue, FloatArray, frozen, same_length, samples
+from dashpot.base.errors import DataError, FitError
+from dashpot.engine.blocks.hold import decay_block
+from dashpot.engine.solver.certificate import Optimality, certificate
+from dashpot.engine.solver.variable_projection import solve
 
 
 @dataclass(frozen=True, eq=False)

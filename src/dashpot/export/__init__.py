@@ -2,7 +2,7 @@
 
 Every target is a function ``target(solid, *, units, specimen, allow, form, ...) -> str`` of a
 bare :class:`~dashpot.solids.maxwell.GeneralizedMaxwell` or of a
-:class:`~dashpot.relaxation.fit.Fit`, which brings its pedigree and must be worth exporting.
+:class:`~dashpot.records.fit.Fit`, which brings its pedigree and must be worth exporting.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from dashpot.export import nastran as _nastran
 from dashpot.export import opensees as _opensees
 from dashpot.export import radioss as _radioss
 from dashpot.export import statespace as _statespace
-from dashpot.export.opening import PROBLEMS
-from dashpot.export.sealline import SealLine
+from dashpot.export.open_deck import PROBLEMS
 from dashpot.export.unit_systems import UNIT_SYSTEMS
+from dashpot.seals.line import SealLine
 
 _MODULES = {
     "nastran": _nastran,

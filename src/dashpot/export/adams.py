@@ -6,10 +6,10 @@ from collections.abc import Collection
 
 import numpy as np
 
-from dashpot.errors import ExportError
-from dashpot.export.numbers import text
-from dashpot.export.opening import Solid, choose_form, open_deck
-from dashpot.relaxation.records import Specimen
+from dashpot.base.errors import ExportError
+from dashpot.export.number_fields import text
+from dashpot.export.open_deck import Solid, choose_form, open_deck
+from dashpot.records.specimen import Specimen
 from dashpot.solids.networks import creep_of, parallel
 
 FORMS = ("transfer-function",)

@@ -6,9 +6,9 @@ import itertools
 from collections.abc import Collection
 
 from dashpot.export.deck import Deck
-from dashpot.export.numbers import text
-from dashpot.export.opening import Solid, choose_form, open_deck
-from dashpot.relaxation.records import Specimen
+from dashpot.export.number_fields import text
+from dashpot.export.open_deck import Solid, choose_form, open_deck
+from dashpot.records.specimen import Specimen
 
 FORMS = ("arms", "prony")
 

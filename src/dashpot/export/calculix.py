@@ -6,12 +6,12 @@ from collections.abc import Collection
 
 import numpy as np
 
-from dashpot.errors import ExportError
+from dashpot.base.errors import ExportError
 from dashpot.export.abaqus import spring_dashpot_cards
 from dashpot.export.deck import Deck
-from dashpot.export.numbers import text
-from dashpot.export.opening import Solid, choose_form, open_deck
-from dashpot.relaxation.records import Specimen
+from dashpot.export.number_fields import text
+from dashpot.export.open_deck import Solid, choose_form, open_deck
+from dashpot.records.specimen import Specimen
 
 FORMS = ("arms",)
 VERIFIED = (

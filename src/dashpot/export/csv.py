@@ -7,10 +7,10 @@ from collections.abc import Collection
 import numpy as np
 
 from dashpot.export.deck import Deck
-from dashpot.export.numbers import text
-from dashpot.export.opening import Solid, choose_form, open_deck
-from dashpot.export.tables import tabulate
-from dashpot.relaxation.records import Specimen
+from dashpot.export.frequency_tables import tabulate
+from dashpot.export.number_fields import text
+from dashpot.export.open_deck import Solid, choose_form, open_deck
+from dashpot.records.specimen import Specimen
 
 FORMS = ("frequency", "arms")
 _VERIFIED = "verified: read back in dashpot's tests"

@@ -6,11 +6,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from dashpot._version import __version__
-from dashpot.export.numbers import one_line, text
+from dashpot.base.provenance import Source
+from dashpot.base.version import __version__
+from dashpot.export.number_fields import one_line, text
 from dashpot.export.unit_systems import UnitSystem
-from dashpot.provenance import Source
-from dashpot.relaxation.records import Specimen
+from dashpot.records.specimen import Specimen
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 NOT_VERIFIED = "not solver-verified: no solver of this kind runs in dashpot's tests"

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from dashpot.errors import ExportError
+from dashpot.base.errors import ExportError
 from dashpot.export.deck import Deck
 from dashpot.export.material import long_term, shear_modulus, shear_terms
-from dashpot.export.numbers import packed
-from dashpot.export.opening import Solid, choose_form, open_deck
-from dashpot.relaxation.records import Specimen
+from dashpot.export.number_fields import packed
+from dashpot.export.open_deck import Solid, choose_form, open_deck
+from dashpot.records.specimen import Specimen
 
 FORMS = ("arms", "prony")
 _MOST_TERMS = 18  # of *MAT_GENERAL_VISCOELASTIC

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dashpot.errors import ExportError
+from dashpot.base.errors import ExportError
 from dashpot.export.deck import Deck
 
 

@@ -6,13 +6,13 @@ from collections.abc import Collection, Iterable, Sequence
 
 import numpy as np
 
-from dashpot.errors import ExportError
+from dashpot.base.errors import ExportError
 from dashpot.export.deck import Deck
-from dashpot.export.numbers import packed
-from dashpot.export.opening import Solid, choose_form, open_deck
-from dashpot.export.sealline import SealLine
-from dashpot.export.tables import Damping, Table, tabulate
-from dashpot.relaxation.records import Specimen
+from dashpot.export.frequency_tables import Damping, Table, tabulate
+from dashpot.export.number_fields import packed
+from dashpot.export.open_deck import Solid, choose_form, open_deck
+from dashpot.records.specimen import Specimen
+from dashpot.seals.line import SealLine
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 FORMS = ("table", "viscous-table", "arms")
@@ -48,7 +48,7 @@ def nastran(
     units : str
         ``"SI"``, ``"mm-t-s"`` or ``"mm-kg-ms"``.
     specimen, allow
-        As in :func:`dashpot.export.opening.open_deck`.
+        As in :func:`dashpot.export.open_deck.open_deck`.
     form : str
     frequency_range : (float, float)
         Of the tables, Hz.

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection
 
 from dashpot.export.material import long_term, shear_modulus, shear_terms
-from dashpot.export.numbers import text
-from dashpot.export.opening import Solid, choose_form, open_deck
-from dashpot.relaxation.records import Specimen
+from dashpot.export.number_fields import text
+from dashpot.export.open_deck import Solid, choose_form, open_deck
+from dashpot.records.specimen import Specimen
 
 FORMS = ("prony",)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 
-from dashpot.errors import DataError
+from dashpot.base.errors import DataError
 
 ROLES = (
     "time", "displacement", "force", "acceleration",

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-from dashpot._arrays import FloatArray
+from dashpot.base.arrays import FloatArray
 
 Content: TypeAlias = Literal["number", "clock", "text", "blank"]
 

@@ -7,17 +7,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from dashpot._arrays import FloatArray
-from dashpot.checks import Check
-from dashpot.errors import DataError
-from dashpot.planning.bench import Bench, expected_error
-from dashpot.planning.hammer import half_sine, hammer_rows, mass_for_peak, record_need
-from dashpot.planning.records import ExpectedError, Plan, Pulse, RecordNeed
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError
+from dashpot.planning.impact import half_sine, hammer_rows, mass_for_peak, record_need
+from dashpot.planning.needs import ExpectedError, Plan, Pulse, RecordNeed
+from dashpot.planning.relaxation import Bench, expected_error
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.solids.table1 import TABLE_1
+from dashpot.solids.table_1 import PAPER
 
 # the seal of the paper's Table 1, where the user knows nothing better yet
-USUAL_SEAL = TABLE_1
+USUAL_SEAL = PAPER
 # an arm of this part of the instantaneous stiffness is what sponge rubber may hide
 USUAL_PART = 0.1
 # an arm of the model this near, as a factor in time, already stands for the unseen one
@@ -52,10 +52,10 @@ def plan(
 ) -> Plan:
     r"""Tell what a test will tell at a frequency, before it is run.
 
-    Supposes that the seal has an arm at :math:`\tau = 1/\omega`, where it matters most for
-    damping, and asks the Cramer-Rao bound how well the relaxation test would know storage
-    stiffness and loss factor there (:mod:`dashpot.planning.bench`). For the hammer test, how long
-    the record must be and what the tip excites.
+    Supposes that the seal has an arm at :math:`\tau = 1/\omega`, where it matters most for damping,
+    and asks the Cramer-Rao bound how well the relaxation test would know storage stiffness and loss
+    factor there (:mod:`dashpot.planning.relaxation`). For the hammer test, how long the record must
+    be and what the tip excites.
 
     Parameters
     ----------

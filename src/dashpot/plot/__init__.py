@@ -4,10 +4,10 @@ Every function returns a :class:`matplotlib.figure.Figure` that no global state 
 :func:`save` writes it. matplotlib is loaded when the first figure is drawn.
 """
 
-from dashpot.plot.direct import dynamic_stiffness
+from dashpot.plot.dynamic_stiffness import dynamic_stiffness
 from dashpot.plot.files import save, to_svg
 from dashpot.plot.impact import hits
-from dashpot.plot.picture import hero
+from dashpot.plot.overview import hero
 from dashpot.plot.relaxation import fit, segments
 from dashpot.plot.solid import spectrum, stiffness
 from dashpot.plot.vibration import comparison, frf, nyquist

@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dashpot.errors import ExportError
+from dashpot.base.errors import ExportError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

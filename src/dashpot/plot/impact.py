@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dashpot._arrays import FloatArray
-from dashpot.plot.look import (
+from dashpot.base.arrays import FloatArray
+from dashpot.plot.panels import time as panel
+from dashpot.plot.style import (
     BLUE,
     GREY,
     PAGE,
@@ -21,10 +22,9 @@ from dashpot.plot.look import (
     note,
     plain,
 )
-from dashpot.plot.panels import time as panel
-from dashpot.vibration.blows import Blow, cut_blows
-from dashpot.vibration.frf import FRF, Hit
-from dashpot.vibration.records import ImpactTest
+from dashpot.records.frf import FRF, Hit
+from dashpot.records.impact import ImpactTest
+from dashpot.vibration.impact.hits import HitBlock, cut_hits
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,7 +34,7 @@ ACCEPTED = Pen(BLUE, "-", 0.7)
 USABLE = 20.0
 """The hammer excites the part where its force is within so many dB of that at 0 Hz."""
 
-Judged = tuple[Blow, Hit | None]
+Judged = tuple[HitBlock, Hit | None]
 
 
 def hits(impact: ImpactTest, frf: FRF) -> Figure:
@@ -50,7 +50,7 @@ def hits(impact: ImpactTest, frf: FRF) -> Figure:
         The FRF estimated from it, which carries the verdict on every hit.
     """
     verdicts = {hit.name: hit for hit in frf.hits}
-    judged = [(blow, verdicts.get(blow.name)) for blow in cut_blows([impact])]
+    judged = [(hit, verdicts.get(hit.name)) for hit in cut_hits([impact])]
     channels = min(len(impact.channels), 3)
     made = figure(PAGE, 104)
     grid = made.add_gridspec(2, 6)
@@ -58,15 +58,15 @@ def hits(impact: ImpactTest, frf: FRF) -> Figure:
     _spectra(made.add_subplot(grid[0, 3:]), judged)
     wide = 6 // channels
     first: Axes | None = None
-    end = max(decay_time(blow) for blow, _ in judged)
+    end = max(decay_time(hit) for hit, _ in judged)
     bins = max(120, 3000 // (channels * len(judged)))  # many hits hide each other's detail
     for i in range(channels):
         ax = made.add_subplot(grid[1, wide * i : wide * (i + 1)], sharey=first)
         first = first or ax
-        for blow, hit in judged:
-            time = _clock(blow)
+        for hit, verdict in judged:
+            time = _clock(hit)
             seen = time <= 1.25 * end
-            panel.trace(ax, time[seen], blow.acceleration[i, seen], _pen(hit), bins=bins)
+            panel.trace(ax, time[seen], hit.acceleration[i, seen], _pen(verdict), bins=bins)
         dress(
             ax, x="time after the hit, s", y="acceleration, m/s²", title=plain(impact.channels[i])
         )
@@ -74,30 +74,30 @@ def hits(impact: ImpactTest, frf: FRF) -> Figure:
     return made
 
 
-def decay_time(blow: Blow) -> float:
+def decay_time(hit: HitBlock) -> float:
     """When the acceleration falls below 1 % of its peak for good, s after the hit."""
-    size = np.max(np.abs(blow.acceleration), axis=0)
+    size = np.max(np.abs(hit.acceleration), axis=0)
     loud = np.flatnonzero(size > 0.01 * np.max(size))
-    return float(_clock(blow)[loud[-1]])
+    return float(_clock(hit)[loud[-1]])
 
 
 def _decay_words(judged: Sequence[Judged]) -> str:
-    longest = max(decay_time(blow) for blow, _ in judged)
-    record = min(float(_clock(blow)[-1]) for blow, _ in judged)
+    longest = max(decay_time(hit) for hit, _ in judged)
+    record = min(float(_clock(hit)[-1]) for hit, _ in judged)
     if longest > 0.98 * record:
         return f"above 1 % of the peak at the end, {record:.3g} s"
     return f"below 1 % of the peak after {longest:.2g} s of {record:.3g} s"
 
 
-def force_spectrum(blow: Blow) -> tuple[FloatArray, FloatArray]:
+def force_spectrum(hit: HitBlock) -> tuple[FloatArray, FloatArray]:
     """Frequency, Hz, and magnitude of the force pulse, dB re its value at 0 Hz.
 
     Only the pulse is transformed, padded with zeros: what follows it is noise.
     """
-    pulse = blow.force[blow.pulse(0.02)]
+    pulse = hit.force[hit.pulse(0.02)]
     size = max(1 << 14, len(pulse))
     level = np.maximum(np.abs(np.fft.rfft(pulse, size)), 1e-12)
-    frequency = np.asarray(np.fft.rfftfreq(size, 1 / blow.rate), dtype=float)
+    frequency = np.asarray(np.fft.rfftfreq(size, 1 / hit.rate), dtype=float)
     return frequency, np.asarray(20 * np.log10(level / level[0]), dtype=float)
 
 
@@ -109,37 +109,37 @@ def _pen(hit: Hit | None) -> Pen:
     return ACCEPTED if _accepted(hit) else REJECTED
 
 
-def _clock(blow: Blow) -> FloatArray:
-    return (np.arange(len(blow.force)) - blow.onset) / blow.rate
+def _clock(hit: HitBlock) -> FloatArray:
+    return (np.arange(len(hit.force)) - hit.onset) / hit.rate
 
 
 def _pulses(ax: Axes, judged: Sequence[Judged]) -> None:
-    width = max(max(blow.width(0.1), 8 / blow.rate) for blow, _ in judged)
-    end = max(_last_pulse(blow) for blow, _ in judged) + 0.6 * width
-    for blow, hit in judged:
-        time = _clock(blow)
+    width = max(max(hit.width(0.1), 8 / hit.rate) for hit, _ in judged)
+    end = max(_last_pulse(hit) for hit, _ in judged) + 0.6 * width
+    for hit, verdict in judged:
+        time = _clock(hit)
         near = (time > -0.6 * width) & (time < end)
-        label = f"hit {plain(hit.name)}: rejected" if hit and not hit.accepted else ""
-        panel.pulse(ax, 1e3 * time[near], blow.force[near], _pen(hit), label=label)
+        label = f"hit {plain(verdict.name)}: rejected" if verdict and not verdict.accepted else ""
+        panel.pulse(ax, 1e3 * time[near], hit.force[near], _pen(verdict), label=label)
     accepted = sum(_accepted(hit) for _, hit in judged)
     dress(ax, x="time after the hit, ms", y="hammer force, N",
           title=f"{accepted} of {len(judged)} hits accepted")  # fmt: skip
     legend(ax, loc="upper right")
 
 
-def _last_pulse(blow: Blow) -> float:
+def _last_pulse(hit: HitBlock) -> float:
     """When the force last falls below a tenth of its peak, s: a double hit shows its second."""
-    above = np.flatnonzero(blow.force > 0.1 * blow.peak)
-    return float(_clock(blow)[above[-1]])
+    above = np.flatnonzero(hit.force > 0.1 * hit.peak)
+    return float(_clock(hit)[above[-1]])
 
 
 def _spectra(ax: Axes, judged: Sequence[Judged]) -> None:
     ends = []
-    for blow, hit in judged:
-        frequency, level = force_spectrum(blow)
-        pen = _pen(hit)
+    for hit, verdict in judged:
+        frequency, level = force_spectrum(hit)
+        pen = _pen(verdict)
         ax.plot(frequency, level, color=pen.color, linestyle=pen.dashes, linewidth=pen.width)
-        if _accepted(hit):
+        if _accepted(verdict):
             below = np.flatnonzero(level < -USABLE)
             ends.append(float(frequency[below[0]] if below.size else frequency[-1]))
     ax.axhline(-USABLE, color=GREY, linewidth=0.6, linestyle=(0, (2, 2)))

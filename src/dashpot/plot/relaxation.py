@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dashpot._arrays import FloatArray
-from dashpot.plot.look import (
+from dashpot.base.arrays import FloatArray
+from dashpot.plot.panels import time as panel
+from dashpot.plot.style import (
     MEASURED,
     NORMAL,
     PAGE,
@@ -21,11 +22,10 @@ from dashpot.plot.look import (
     pen_of_arms,
     unit_of,
 )
-from dashpot.plot.panels import time as panel
 from dashpot.plot.thinning import means
-from dashpot.relaxation.denoising import true_motion
-from dashpot.relaxation.fit import Fit
-from dashpot.relaxation.records import RampHold
+from dashpot.preparation.denoising import true_motion
+from dashpot.records.fit import Fit
+from dashpot.records.relaxation import RampHold
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 if TYPE_CHECKING:

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from dashpot._arrays import FloatArray
-from dashpot.identification.stiffness import DynamicStiffness
-from dashpot.plot.direct import averaged, quantities
-from dashpot.plot.look import (
+from dashpot.base.arrays import FloatArray
+from dashpot.plot.dynamic_stiffness import averaged, quantities
+from dashpot.plot.panels import frequency as panel
+from dashpot.plot.panels import stems as spectrum_panel
+from dashpot.plot.style import (
     BLUE,
     CHOSEN,
     COLUMN,
@@ -24,10 +25,9 @@ from dashpot.plot.look import (
     legend_above,
     log_axis,
 )
-from dashpot.plot.panels import frequency as panel
-from dashpot.plot.panels import stems as spectrum_panel
-from dashpot.relaxation.fit import Fit
-from dashpot.solids.band import StiffnessBand
+from dashpot.records.bounds import StiffnessBounds
+from dashpot.records.fit import Fit
+from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -70,8 +70,8 @@ def spectrum(fit: Fit, *, joint: Fit | None = None) -> Figure:
 def stiffness(
     fit: Fit,
     *,
-    parameters: StiffnessBand | None = None,
-    unseen: StiffnessBand | None = None,
+    parameters: StiffnessBounds | None = None,
+    unseen: StiffnessBounds | None = None,
     joint: Fit | None = None,
     measured: DynamicStiffness | None = None,
     mark: float | None = None,
@@ -167,7 +167,7 @@ def _stems(ax: Axes, one: Fit, color: str, label: str, *, width: float) -> None:
 
 
 def _frequencies(
-    fit: Fit, measured: DynamicStiffness | None, unseen: StiffnessBand | None, mark: float | None
+    fit: Fit, measured: DynamicStiffness | None, unseen: StiffnessBounds | None, mark: float | None
 ) -> FloatArray:
     low, high = fit.band[0] / 3, max(fit.band[1] * 30, 30.0)
     if mark is not None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dashpot._arrays import FloatArray, IndexArray
+from dashpot.base.arrays import FloatArray, IndexArray
 
 
 def extremes(

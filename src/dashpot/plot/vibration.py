@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dashpot._arrays import ComplexArray, FloatArray
-from dashpot.comparison import Comparison
-from dashpot.identification.bands import FRFBand
-from dashpot.plot.look import (
+from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.plot.panels import frequency as panel
+from dashpot.plot.style import (
     BLUE,
     CHOSEN,
     COLUMN,
@@ -30,8 +29,9 @@ from dashpot.plot.look import (
     log_axis,
     plain,
 )
-from dashpot.plot.panels import frequency as panel
-from dashpot.vibration.frf import FRF, Kind
+from dashpot.records.bounds import FRFBounds
+from dashpot.records.frf import FRF, Kind
+from dashpot.vibration.comparison.comparison import Comparison
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -50,7 +50,7 @@ SHOWN = {
 
 
 def frf(
-    measured: FRF, *others: FRF, labels: Sequence[str] = (), band: FRFBand | None = None
+    measured: FRF, *others: FRF, labels: Sequence[str] = (), band: FRFBounds | None = None
 ) -> Figure:
     """One or several FRFs of one kind: magnitude, phase, and the coherence of the first.
 
@@ -75,7 +75,7 @@ def frf(
 
 
 def comparison(
-    comparison: Comparison, *, joint: Comparison | None = None, band: FRFBand | None = None
+    comparison: Comparison, *, joint: Comparison | None = None, band: FRFBounds | None = None
 ) -> Figure:
     """Predicted against measured accelerance, peaks named, coherence beneath (paper Fig. 6).
 
@@ -164,7 +164,7 @@ def draw_magnitude(
     panel.decibels(ax, reference)
 
 
-def draw_band(ax: Axes, band: FRFBand, *, parameters: bool = True) -> None:
+def draw_band(ax: Axes, band: FRFBounds, *, parameters: bool = True) -> None:
     """What the relaxation test leaves open: by its standard errors, by arms it cannot see."""
     low, high = ax.get_ylim()
     # a resonance without damping has no highest magnitude
@@ -231,7 +231,7 @@ def _names(labels: Sequence[str], count: int) -> list[str]:
     return [plain(label) for label in labels] + [""] * (count - len(labels))
 
 
-def _bode(curves: Sequence[tuple[FRF, str, Pen]], band: FRFBand | None) -> Figure:
+def _bode(curves: Sequence[tuple[FRF, str, Pen]], band: FRFBounds | None) -> Figure:
     measured = curves[0][0]
     strip = measured.coherence is not None
     rows = 3 if strip else 2

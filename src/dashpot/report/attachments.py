@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 from dataclasses import dataclass
 
-from dashpot.study import Study
+from dashpot.workflow.study import Study
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Attachment:
 
 def attachments(study: Study) -> tuple[Attachment, ...]:
     """The fits in full precision, and the lines of the FRFs if there are any."""
-    from dashpot.archive import to_json
+    from dashpot.workflow.archive import to_json
 
     files = [_json("fit.json", "the fit, SI units, full precision", to_json(study.fit))]
     if study.joint is not None:

@@ -6,12 +6,14 @@ import platform
 from importlib import metadata
 from typing import Any
 
-from dashpot.report import bench, hammer, numbers, words
+from dashpot.base import numbers
+from dashpot.report import relaxation as bench
+from dashpot.report import summary as words
+from dashpot.report import vibration as hammer
 from dashpot.report.attachments import attachments
 from dashpot.report.pictures import pictures
-from dashpot.report.table import halves
-from dashpot.report.trust import checks
-from dashpot.study import Study
+from dashpot.report.tables import checks, halves
+from dashpot.workflow.study import Study
 
 
 def html(study: Study) -> str:

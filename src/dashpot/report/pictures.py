@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from dashpot import plot
-from dashpot.study import Study
-from dashpot.vibration.frf import FRF
+from dashpot.records.frf import FRF
+from dashpot.workflow.study import Study
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -8,8 +8,8 @@ from math import exp, pi
 import numpy as np
 import numpy.typing as npt
 
-from dashpot._arrays import FloatArray
-from dashpot.errors import DataError
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import DataError
 
 
 def setpoints(start: float, stop: float, *, duration: float, interval: float) -> FloatArray:

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dashpot._arrays import ComplexArray, FloatArray
-from dashpot.errors import DataError
+from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.errors import DataError
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from dashpot._version import __version__
-from dashpot.simulation.hammer import ImpactTruth
-from dashpot.simulation.rig import RelaxationTruth
+from dashpot.base.version import __version__
+from dashpot.simulation.impact import ImpactTruth
+from dashpot.simulation.relaxation import RelaxationTruth
 
 
 def stamp(truth: RelaxationTruth | ImpactTruth) -> tuple[str, ...]:

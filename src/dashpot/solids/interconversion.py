@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from dashpot._arrays import ComplexArray, FloatArray
-from dashpot.errors import DataError
+from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.errors import DataError
 
 _TWINS = 1e-8
 """Relative distance below which two poles are one at their weighted mean: an error of its square,

@@ -1,18 +1,91 @@
-"""The generalized Maxwell solid: every linear network of springs and dashpots, in one form."""
+"""What every solid offers, and the generalized Maxwell solid: every linear network in one form."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
-from dashpot._arrays import ComplexArray, FloatArray, increasing, same_length, samples
-from dashpot.errors import DataError
+from dashpot.base.arrays import ComplexArray, FloatArray, increasing, same_length, samples
+from dashpot.base.errors import DataError
+
+
+class Solid(ABC):
+    r"""A linear viscoelastic solid: a complex stiffness, and the positive arms that stand for it.
+
+    A new solid gives `k_inf`, `k_0`, :meth:`stiffness_at`, `maxwell` and the product with a
+    number; frequency follows from its stiffness, time from its arms.
+
+    Sign convention: x(t) = Re X e^{+j omega t}; a positive imaginary part dissipates.
+
+    Attributes
+    ----------
+    k_inf : float
+        Equilibrium stiffness, N/m, >= 0.
+    """
+
+    k_inf: float
+
+    @property
+    @abstractmethod
+    def k_0(self) -> float:
+        """Instantaneous stiffness, N/m."""
+
+    @property
+    @abstractmethod
+    def maxwell(self) -> GeneralizedMaxwell:
+        """The arms that stand for the solid: exactly, or within the tolerance it was given."""
+
+    @abstractmethod
+    def stiffness_at(self, s: npt.ArrayLike) -> ComplexArray:
+        r"""Stiffness on the Laplace plane, N/m, `s` in 1/s.
+
+        At :math:`s = j\omega` it is the complex stiffness, at :math:`s = j\omega + a` what an
+        exponentially windowed test sees.
+        """
+
+    @abstractmethod
+    def __mul__(self, count: float) -> Solid:
+        """`count` equal solids in parallel; a fraction is a shorter piece of seal."""
+
+    @abstractmethod
+    def __rmul__(self, count: float) -> Solid:
+        """As ``solid * count``."""
+
+    def complex_stiffness(self, omega: npt.ArrayLike) -> ComplexArray:
+        r"""Complex stiffness :math:`K^*(\omega)`, N/m, `omega` in rad/s."""
+        return self.stiffness_at(1j * np.asarray(omega, dtype=float))
+
+    def storage(self, omega: npt.ArrayLike) -> FloatArray:
+        """Storage stiffness K', N/m, `omega` in rad/s."""
+        return np.asarray(self.complex_stiffness(omega).real)
+
+    def loss(self, omega: npt.ArrayLike) -> FloatArray:
+        """Loss stiffness K'', N/m, `omega` in rad/s."""
+        return np.asarray(self.complex_stiffness(omega).imag)
+
+    def loss_factor(self, omega: npt.ArrayLike) -> FloatArray:
+        """Loss factor K''/K', dimensionless, `omega` in rad/s."""
+        stiffness = self.complex_stiffness(omega)
+        return np.asarray(stiffness.imag / stiffness.real)[()]
+
+    def relaxation(self, t: npt.ArrayLike) -> FloatArray:
+        """Relaxation stiffness, N/m, for t > 0 in s."""
+        return self.maxwell.relaxation(t)
+
+    def creep(self, t: npt.ArrayLike) -> FloatArray:
+        """Creep compliance, m/N, for t > 0 in s: the displacement under a unit step of force."""
+        return self.maxwell.creep(t)
+
+    def force(self, t: npt.ArrayLike, displacement: npt.ArrayLike) -> FloatArray:
+        """Force, N, under a displacement history, m, that is straight between its samples."""
+        return self.maxwell.force(t, displacement)
 
 
 @dataclass(frozen=True)
-class GeneralizedMaxwell:
+class GeneralizedMaxwell(Solid):
     r"""A spring, a dashpot and any number of Maxwell arms in parallel.
 
     .. math::
@@ -78,13 +151,18 @@ class GeneralizedMaxwell:
         return len(self.k)
 
     @property
+    def maxwell(self) -> GeneralizedMaxwell:
+        """Itself."""
+        return self
+
+    @property
     def arm_b(self) -> tuple[float, ...]:
-        r"""Arm dashpots :math:`b_j = k_j \\tau_j`, N s/m."""
+        r"""Arm dashpots :math:`b_j = k_j \tau_j`, N s/m."""
         return tuple(k * tau for k, tau in zip(self.k, self.tau, strict=True))
 
     @property
     def k_0(self) -> float:
-        r"""Instantaneous stiffness :math:`k_\\infty + \\sum k_j`, N/m."""
+        r"""Instantaneous stiffness :math:`k_\infty + \sum k_j`, N/m."""
         return self.k_inf + sum(self.k)
 
     # -- algebra ------------------------------------------------------------------------------
@@ -193,7 +271,7 @@ class GeneralizedMaxwell:
 
         .. math:: q_i = e^{-h/\tau} q_{i-1} + k\,\frac{1 - e^{-h/\tau}}{h/\tau}\,(x_i - x_{i-1})
 
-        (:mod:`dashpot.solids.history`). The part is taken to be at rest at displacement zero
+        (:func:`arm_response`). The part is taken to be at rest at displacement zero
         before the first sample; a first sample that is not zero is a step at that instant. The
         parallel dashpot sees the slope of the segment that ends at a sample.
 
@@ -204,8 +282,6 @@ class GeneralizedMaxwell:
         displacement : array_like, shape (n,)
             Displacement, m.
         """
-        from dashpot.solids.history import arm_response
-
         time = increasing("t", samples("t", t))
         x = samples("displacement", displacement)
         same_length(t=time, displacement=x)
@@ -230,27 +306,40 @@ class GeneralizedMaxwell:
         product = s[..., None] * tau
         return np.asarray(self.k_inf + (product / (1 + product)) @ k + self.b * s)
 
-    def complex_stiffness(self, omega: npt.ArrayLike) -> ComplexArray:
-        r"""Complex stiffness :math:`K^*(\omega)`, N/m, `omega` in rad/s.
-
-        With x(t) = Re X e^{+j omega t}; a positive imaginary part dissipates.
-        """
-        return self.stiffness_at(1j * np.asarray(omega, dtype=float))
-
-    def storage(self, omega: npt.ArrayLike) -> FloatArray:
-        """Storage stiffness K', N/m, `omega` in rad/s."""
-        return np.asarray(self.complex_stiffness(omega).real)
-
-    def loss(self, omega: npt.ArrayLike) -> FloatArray:
-        """Loss stiffness K'', N/m, `omega` in rad/s."""
-        return np.asarray(self.complex_stiffness(omega).imag)
-
-    def loss_factor(self, omega: npt.ArrayLike) -> FloatArray:
-        """Loss factor K''/K', dimensionless, `omega` in rad/s."""
-        stiffness = self.complex_stiffness(omega)
-        return np.asarray(stiffness.imag / stiffness.real)[()]
-
     # -- private ------------------------------------------------------------------------------
 
     def _arms(self) -> tuple[FloatArray, FloatArray]:
         return np.array(self.k, dtype=float), np.array(self.tau, dtype=float)
+
+
+def decaying_sum(decay: FloatArray, increments: FloatArray) -> FloatArray:
+    r"""Return :math:`u_i = a_i u_{i-1} + d_i` with :math:`u_{-1} = 0`, shape (n,) or (n, m).
+
+    A scan in log2(n) passes: after the pass of stride s every u_i holds the sum over the last
+    2s increments, each with its own product of decays. All products are of numbers <= 1, so
+    nothing can overflow; the scan ends early once every product has underflowed.
+    """
+    product = np.array(decay, dtype=float)
+    total = np.array(increments, dtype=float)
+    stride = 1
+    while stride < len(total) and product[stride:].max(initial=0.0) > 0.0:
+        total[stride:] += product[stride:] * total[:-stride]
+        product[stride:] *= product[:-stride]
+        stride *= 2
+    return total
+
+
+def arm_response(time: FloatArray, displacement: FloatArray, tau: float) -> FloatArray:
+    r"""Return the elongation of the spring of an arm, m: force = k times this, shape (n,).
+
+    For displacement straight between samples, with h the sample interval and z = h/tau,
+
+    .. math:: q_i = e^{-z} q_{i-1} + \frac{1 - e^{-z}}{z} (x_i - x_{i-1}), \qquad q_0 = x_0
+
+    Boltzmann superposition integrated exactly, segment by segment; any sampling.
+    """
+    z = np.diff(time) / tau
+    decay = np.concatenate(([0.0], np.exp(-z)))
+    mean = np.concatenate(([1.0], -np.expm1(-z) / z))
+    moved = np.concatenate((displacement[:1], np.diff(displacement)))
+    return decaying_sum(decay, mean * moved)

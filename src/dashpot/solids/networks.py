@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dashpot.errors import DataError
+from dashpot.base.errors import DataError
 from dashpot.solids.interconversion import (
     CreepSpectrum,
     creep_spectrum,

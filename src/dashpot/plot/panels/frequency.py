@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dashpot._arrays import BoolArray, ComplexArray, FloatArray
-from dashpot.plot.look import GREY, SKY, Pen, right_axis
+from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
+from dashpot.plot.style import GREY, SKY, Pen, right_axis
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from dashpot.plot.look import SKY
+from dashpot.plot.style import SKY
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

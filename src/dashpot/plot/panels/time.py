@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dashpot._arrays import FloatArray
-from dashpot.plot.look import GREY, PALE, SKY, YELLOW, Pen, dress, right_axis
+from dashpot.base.arrays import FloatArray
+from dashpot.plot.style import GREY, PALE, SKY, YELLOW, Pen, dress, right_axis
 from dashpot.plot.thinning import extremes, means
 
 if TYPE_CHECKING:

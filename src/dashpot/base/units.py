@@ -1,0 +1,238 @@
+"""Unit words at the edges; SI inside."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from functools import lru_cache
+from types import MappingProxyType
+from typing import Literal, TypeAlias
+
+from dashpot.base.errors import DataError
+
+Dimension: TypeAlias = Literal[
+    "time", "length", "force", "mass", "acceleration", "velocity", "frequency",
+    "stiffness", "damping", "temperature", "strain", "stress", "voltage", "torque", "angle",
+]  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit word: what it measures and its size in SI, ``si = factor * value + offset``."""
+
+    word: str
+    dimension: Dimension
+    factor: float
+    offset: float = 0.0
+
+
+_POUND_FORCE = 4.4482216152605
+_G = 9.80665
+
+
+def _table() -> dict[str, Unit]:
+    rows: dict[Dimension, dict[str, float]] = {
+        "time": {"s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0},
+        "length": {
+            "m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "nm": 1e-9, "in": 0.0254, "ft": 0.3048,
+        },
+        "force": {
+            "N": 1.0, "mN": 1e-3, "uN": 1e-6, "nN": 1e-9, "pN": 1e-12, "kN": 1e3, "MN": 1e6,
+            "daN": 10.0, "lbf": _POUND_FORCE, "kgf": _G, "gf": _G * 1e-3, "kp": _G,
+        },
+        "mass": {"kg": 1.0, "g": 1e-3, "mg": 1e-6, "t": 1e3, "lb": 0.45359237},
+        "acceleration": {"m/s^2": 1.0, "mm/s^2": 1e-3, "g": _G, "gn": _G},
+        "velocity": {"m/s": 1.0, "mm/s": 1e-3, "mm/min": 1e-3 / 60},
+        "frequency": {"Hz": 1.0, "kHz": 1e3, "mHz": 1e-3, "rad/s": 0.5 / math.pi},
+        "stiffness": {"N/m": 1.0, "N/mm": 1e3, "kN/m": 1e3, "kN/mm": 1e6},
+        "damping": {"N*s/m": 1.0, "N*s/mm": 1e3},
+        "strain": {"1": 1.0, "%": 1e-2, "mm/mm": 1.0, "m/m": 1.0},
+        "stress": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "psi": 6894.757293168361},
+        "voltage": {"V": 1.0, "mV": 1e-3, "uV": 1e-6},
+        "torque": {"N*m": 1.0, "N*mm": 1e-3, "mN*m": 1e-3, "uN*m": 1e-6},
+        "angle": {"rad": 1.0, "deg": 0.017453292519943295},
+    }  # fmt: skip
+    units: dict[str, Unit] = {}
+    for dimension, words in rows.items():
+        for word, factor in words.items():
+            # "g" and "mg" are masses or accelerations: the dimension asked for decides
+            units[f"{dimension}:{word}"] = Unit(word, dimension, factor)
+    units["temperature:K"] = Unit("K", "temperature", 1.0)
+    units["temperature:degC"] = Unit("degC", "temperature", 1.0, 273.15)
+    units["temperature:degF"] = Unit("degF", "temperature", 5 / 9, 273.15 - 32 * 5 / 9)
+    return units
+
+
+TABLE = MappingProxyType(_table())
+"""Every unit word known, keyed ``"dimension:word"``."""
+
+_SPELLINGS = {
+    "s": "seconds second secs sek sekunde sekunden sekund sekundy seconde secondes segundo "
+    "segundos secondo secondi saniye sn с сек 秒 초",
+    "ms": "msec msecs millisecond milliseconds millisekunden мс 毫秒 ミリ秒",
+    "us": "µs µsec usec microsecond microseconds мкс 微秒",
+    "min": "minute minutes minuten minuty dakika dk мин 分 分钟",
+    "h": "hr hrs hour hours stunde stunden std godz 小时 時間",
+    "m": "meter metre meters metres м 米",
+    "mm": "millimeter millimetre millimeters millimetres milimetr milimetry мм 毫米 ミリ",
+    "cm": "centimeter centimetre centimeters centimetres см 厘米",
+    "um": "µm micron microns micrometer micrometre micrometers micrometres мкм 微米",
+    "in": "inch inches zoll \" ''",
+    "ft": "foot feet",
+    "N": "newton newtons niuton niutony н 牛 牛顿 ニュートン",
+    "mN": "millinewton millinewtons мн 毫牛",
+    "uN": "µn",
+    "kN": "kilonewton kilonewtons кн 千牛",
+    "daN": "dan decanewton",
+    "lbf": "lb_f lbsf lb-f poundforce pound-force lb.f",
+    "kgf": "kg_f kg-f kilopond 公斤力 кгс",
+    "gf": "g_f gramforce gram-force",
+    "lb": "lbs pound pounds",
+    "kg": "kilogram kilograms кг 千克 公斤",
+    "g": "gram grams",
+    "t": "tonne tonnes",
+    "gn": "g0 g's gs g_n grav",
+    "m/s^2": "m/s2 m/s² m/s**2 m/s/s m/(s^2) m/(s²) m/(s*s) m*s^-2 m·s^-2 m.s-2 m.s^-2 ms^-2 ms-2 "
+    "m/sec^2 m/sec2 m/sec² м/с² м/с2 м/с^2 米/秒²",
+    "mm/s^2": "mm/s2 mm/s² mm/s**2 mm/sec^2",
+    "m/s": "m/sec m.s-1 м/с",
+    "mm/s": "mm/sec мм/с",
+    "Hz": "hertz гц 赫兹 1/s cps",
+    "kHz": "kilohertz",
+    "rad/s": "rad/sec rad.s-1 rad*s^-1",
+    "N/m": "n/meter",
+    "N*s/m": "n.s/m ns/m n·s/m n-s/m n*s*m^-1",
+    "N*s/mm": "n.s/mm ns/mm n·s/mm n-s/mm",
+    "1": "- [-] none dimensionless unitless abs.",
+    "%": "percent prozent pct",
+    "mm/mm": "in/in",
+    "Pa": "pascal n/m^2 n/m2 n/m² па 帕",
+    "kPa": "kilopascal кпа 千帕",
+    "MPa": "megapascal n/mm^2 n/mm2 n/mm² мпа 兆帕",
+    "GPa": "gigapascal гпа",
+    "V": "volt volts в 伏",
+    "mV": "millivolt millivolts",
+    "uV": "µv",
+    "N*m": "nm n·m n.m n-m",
+    "mN*m": "mnm mn·m mn.m mn-m",
+    "uN*m": "µnm µn·m µn.m µn-m",
+    "N*mm": "nmm n·mm n.mm n-mm",
+    "deg": "° degree degrees grad_ °(deg)",
+    "rad": "radian radians",
+    "degC": "°c c ℃ deg_c degc celsius grad_c градус °с",
+    "degF": "°f ℉ fahrenheit",
+    "K": "kelvin",
+}
+_ALIASES = {
+    spelling: word for word, spellings in _SPELLINGS.items() for spelling in spellings.split()
+}
+
+
+def find(word: str, dimension: Dimension | None = None) -> Unit | None:
+    """Return the unit that `word` names, or None; `dimension` settles ``g`` and ``nm``.
+
+    >>> find("µm"), find("Newtons").word, find("furlong")
+    (Unit(word='um', dimension='length', factor=1e-06, offset=0.0), 'N', None)
+    """
+    return _find(word, dimension)
+
+
+def dimensions(word: str) -> tuple[Dimension, ...]:
+    """Return every dimension that a unit word can measure: ``g`` is a mass or an acceleration.
+
+    >>> dimensions("g")
+    ('mass', 'acceleration')
+    """
+    known = dict.fromkeys(unit.dimension for unit in TABLE.values())
+    return tuple(dimension for dimension in known if _find(word, dimension) is not None)
+
+
+@lru_cache(maxsize=1024)
+def _find(word: str, dimension: Dimension | None) -> Unit | None:
+    text = " ".join(word.replace("μ", "µ").split())
+    lowered = text.lower()
+    spellings = (
+        text,
+        text.replace("µ", "u"),
+        _ALIASES.get(lowered, ""),
+        _ALIASES.get(lowered.replace(" ", ""), ""),
+        _ALIASES.get(lowered.replace(" ", "_"), ""),
+        text.rstrip("."),
+        _ALIASES.get(lowered.rstrip("."), ""),
+    )
+    for spelling in spellings:
+        for unit in TABLE.values():
+            if unit.word == spelling and dimension in (None, unit.dimension):
+                return unit
+    # a wrong case is forgiven where only one unit can be meant: "HZ", "n", "Sec", not "MN"
+    folded = text.replace("µ", "u").lower().rstrip(".")
+    matches = [
+        unit
+        for unit in TABLE.values()
+        if unit.word.lower() == folded and dimension in (None, unit.dimension)
+    ]
+    return matches[0] if len(matches) == 1 else None
+
+
+def parse_unit(word: str, dimension: Dimension) -> Unit:
+    """Return the unit of `dimension` that `word` names.
+
+    Raises
+    ------
+    DataError
+        If the word is unknown or measures something else.
+    """
+    unit = find(word, dimension)
+    if unit is not None:
+        return unit
+    other = " or ".join(dimensions(word))
+    known = ", ".join(entry.word for entry in TABLE.values() if entry.dimension == dimension)
+    found = f"is a unit of {other}" if other else "is not a known unit"
+    raise DataError(f"'{word}' {found}; expected a unit of {dimension}, one of: {known}")
+
+
+def parse_quantity(text: str, dimension: Dimension) -> float:
+    """Return the SI value of a quantity such as ``"104g"``, ``"12.71 Hz"`` or ``"8mm"``.
+
+    >>> parse_quantity("104g", "mass")
+    0.104
+
+    Raises
+    ------
+    DataError
+        If the number or the unit is missing or unknown.
+    """
+    match = re.fullmatch(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s].*?)?\s*", text)
+    if match is None:
+        raise DataError(f"'{text}' is not a quantity; expected a number and a unit of {dimension}")
+    if match[2] is None:
+        known = ", ".join(entry.word for entry in TABLE.values() if entry.dimension == dimension)
+        raise DataError(
+            f"'{text}' has no unit; add a unit of {dimension} to it, for example '{text.strip()}"
+            f"{known.split(', ')[0]}' (known: {known})"
+        )
+    unit = parse_unit(match[2], dimension)
+    value = float(match[1])
+    # division keeps 104 g exactly 0.104 kg where the factor is a negative power of ten
+    inverse = round(1 / unit.factor)
+    scaled = value / inverse if inverse > 1 and 1 / inverse == unit.factor else value * unit.factor
+    return scaled + unit.offset
+
+
+def parse_range(text: str, dimension: Dimension) -> tuple[float, float]:
+    """Return the SI ends of a range such as ``"1:50Hz"``; the unit stands once, at the end.
+
+    >>> parse_range("1:50Hz", "frequency")
+    (1.0, 50.0)
+    """
+    low_text, colon, high_text = text.partition(":")
+    if not colon:
+        raise DataError(f"'{text}' is not a range; expected 'low:high' with a unit of {dimension}")
+    high = parse_quantity(high_text, dimension)
+    unit_word = re.sub(r"^[\s\d.eE+-]+", "", high_text)
+    has_unit = re.search(r"[^\d.eE+\-\s]", low_text) is not None
+    low = parse_quantity(low_text if has_unit else low_text + unit_word, dimension)
+    if not low < high:
+        raise DataError(f"'{text}' is not a range: {low_text} is not below {high_text}")
+    return low, high

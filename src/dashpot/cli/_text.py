@@ -1,0 +1,221 @@
+"""Results as text for people: N/mm, mm, Hz, and no more digits than are known."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+from dashpot.cli._shell import failed
+
+if TYPE_CHECKING:
+    from dashpot.records.fit import Fit
+    from dashpot.records.frf import FRF, Mode
+    from dashpot.workflow.study import Study
+
+
+def rounded(value: float, error: float | None = None, *, digits: int = 4) -> str:
+    """Return `value` with no more digits than its error supports (two of the error's)."""
+    if not math.isfinite(value):
+        return str(value)
+    if error is None or not math.isfinite(error) or error <= 0:
+        return f"{value:.{digits}g}"
+    decimals = 1 - math.floor(math.log10(error))
+    if decimals <= 0:
+        return f"{round(value, decimals):.0f}"
+    return f"{value:.{min(decimals, 12)}f}"
+
+
+def table(rows: Sequence[Sequence[str]], *, left: bool = False) -> list[str]:
+    """Return rows of cells as lines of aligned columns: the first, or all, to the left."""
+    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
+    lines = []
+    for row in rows:
+        cells = [
+            cell.ljust(width) if left or i == 0 else cell.rjust(width)
+            for i, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ]
+        lines.append(("  " + "  ".join(cells)).rstrip())
+    return lines
+
+
+def hertz(band: tuple[float, float]) -> str:
+    """Return a band as text."""
+    return f"{band[0]:.3g} to {band[1]:.3g} Hz"
+
+
+def fit(found: Fit) -> str:
+    """Return a fit as the paper's Table 1 with intervals, and what it must not be asked."""
+    files = ", ".join(source.file for source in found.source) or "arrays in memory"
+    head = f"{files}: {found.model.arms} Maxwell arm{'s' * (found.model.arms != 1)}, "
+    lines = [head + f"method {found.method}", *_parameters(found), ""]
+    residual = found.residual
+    lines.append(f"  status      {found.status.value}")
+    in_force, relative = found.method in {"full", "hold"}, found.method in {"dynamic", "modulus"}
+    size = f"{residual.rms * 1e3:.3g} mN rms" if in_force else f"{residual.rms:.3g} of the noise"
+    size = f"{100 * residual.rms:.3g} % rms" if relative else size
+    lines.append(
+        f"  residual    {size} over {residual.n} samples (each worth 1/{residual.kappa:.3g})"
+    )
+    lines.append(f"  informed    {hertz(found.band)}; outside it the model is an extrapolation")
+    if found.certificate:
+        lines.append(f"  certificate {found.certificate.says}")
+    if found.nuisance:
+        listed = "; ".join(
+            f"{item.name} {rounded(item.value, item.standard_error)} ± "
+            f"{item.standard_error:.2g} {item.unit}"
+            for item in found.nuisance
+        )
+        lines.append(f"  nuisance    {listed}")
+    lines += [*_orders(found), *_moved(found)]
+    bad = failed(found.checks)
+    passed = sum(check.passed for check in found.checks)
+    lines.append(f"  checks      {passed} of {len(found.checks)} passed")
+    return "\n".join(lines + bad)
+
+
+_SHOWN = {"N/m": ("N/mm", "N s/mm", 1e-3), "Pa": ("MPa", "MPa s", 1e-6)}
+
+
+def _parameters(found: Fit) -> list[str]:
+    model, error, interval = found.model, found.standard_error, found.intervals(level=0.95)
+    stiffness, damping, size = _SHOWN.get(found.unit, (found.unit, f"{found.unit} s", 1.0))
+    rows = [["", "value", "± SE", "95 % interval", "unit"]]
+
+    def row(
+        name: str,
+        value: float,
+        se: float,
+        *,
+        unit: str,
+        ends: tuple[float, float] | None = None,
+        scale: float = size,
+    ) -> None:
+        between = ""
+        if not math.isfinite(se):
+            rows.append([name, rounded(value * scale), "unknown", "", unit])
+            return
+        if ends:
+            low, high = (rounded(end * scale, se * scale) for end in ends)
+            between = f"{low} to {high}"
+        rows.append([name, rounded(value * scale, se * scale), f"{se * scale:.2g}", between, unit])
+
+    row("k_inf", model.k_inf, error["k_inf"], ends=interval["k_inf"], unit=stiffness)
+    for j in range(model.arms):
+        row(f"k_{j + 1}", model.k[j], error["k"][j], ends=interval["k"][j], unit=stiffness)
+        row(
+            f"tau_{j + 1}",
+            model.tau[j],
+            error["tau"][j],
+            ends=interval["tau"][j],
+            unit="s",
+            scale=1,
+        )
+        row(f"b_{j + 1}", model.arm_b[j], error["b"][j], unit=damping)
+    if model.b > 0:
+        rows.append(["b", rounded(model.b * size), "", "", damping])
+    return table(rows)
+
+
+def _moved(found: Fit) -> list[str]:
+    """Return what a further test changed, one parameter a row."""
+    if not found.moved:
+        return []
+    rows = [["  moved", "before", "after", "by, in SE before"]]
+    for item in found.moved:
+        unit, _, scale = _SHOWN.get(item.unit, (item.unit, "", 1.0))
+        after = f"{rounded(item.after * scale, item.after_se * scale)} {unit}"
+        if item.before is None or not item.before_se:
+            rows.append([f"  {item.name}", "-", after, "new"])
+            continue
+        before = f"{rounded(item.before * scale, item.before_se * scale)} {unit}"
+        rows.append(
+            [f"  {item.name}", before, after, f"{(item.after - item.before) / item.before_se:+.2g}"]
+        )
+    return table(rows)
+
+
+def _orders(found: Fit) -> list[str]:
+    if len(found.orders) < 2:
+        return []
+    best = min(order.bic for order in found.orders)
+    rows = [["  arms", "SSE", "BIC - best", "all arms significant"]]
+    rows += [
+        [
+            f"  {order.arms}{' <' if order.arms == found.model.arms else ''}",
+            f"{order.sse:.6g}",
+            f"{order.bic - best:.1f}",
+            "yes" if order.significant else "no",
+        ]
+        for order in found.orders
+    ]
+    return table(rows)
+
+
+def impact(frf: FRF, modes: Iterable[Mode], *, estimator: str) -> str:
+    """Return the hits with their verdicts, the modes, and what the record cannot support."""
+    used = f"{frf.averages} of {len(frf.hits)} hit{'s' * (len(frf.hits) != 1)} averaged"
+    lines = [f"{used}, {estimator}, {frf.frequency[1] - frf.frequency[0]:.4g} Hz between lines"]
+    rows = [["hit", "time, s", "peak, N", "pulse, ms", "verdict"]]
+    rows += [
+        [
+            hit.name,
+            f"{hit.time:.3f}",
+            f"{hit.peak:.3g}",
+            f"{hit.duration * 1e3:.3g}",
+            "accepted" if hit.accepted else "REJECTED",
+        ]
+        for hit in frf.hits
+    ]
+    lines += table(rows)
+    lines += [f"    {hit.name}: {reason}" for hit in frf.hits for reason in hit.reasons]
+    for mode in modes:
+        lines.append(
+            f"  mode  {rounded(mode.frequency, mode.frequency_se)} ± {mode.frequency_se:.2g} Hz, "
+            f"damping ratio {rounded(100 * mode.damping_ratio, 100 * mode.damping_ratio_se)} ± "
+            f"{100 * mode.damping_ratio_se:.2g} % ({mode.method})"
+        )
+    return "\n".join(lines + failed(frf.checks))
+
+
+def study(found: Study) -> str:
+    """Return the whole story in a screenful."""
+    lines = [fit(found.fit)]
+    if found.mass is not None and found.comparison is not None:
+        inferred = " (inferred from the FRF)" if found.mass_inferred else ""
+        lines += ["", f"{found.mass * 1e3:.6g} g{inferred} on {found.seals:g} seals"]
+        lines.append(str(found.comparison))
+    if found.joint is not None and found.joint_comparison is not None:
+        lines += ["", "relaxation and hammer fitted together", fit(found.joint)]
+        lines.append(str(found.joint_comparison))
+    return "\n".join(lines + failed(found.checks))
+
+
+def prediction(
+    found: Fit,
+    frf: FRF,
+    modes: Iterable[Mode],
+    *,
+    peak: tuple[float, float],
+    mass: float,
+    seals: float,
+) -> str:
+    """Return a prediction's peak and modes, and whether the test supports them."""
+    lines = [
+        (
+            f"{mass * 1e3:.6g} g on {seals:g} seal{'s' * (seals != 1)}: "
+            f"{frf.kind} peaks at {peak[0]:.5g} Hz with {peak[1]:.5g} {frf.unit}"
+        )
+    ]
+    for mode in modes:
+        lines.append(
+            f"  mode  {mode.frequency:.6g} Hz, damping ratio {100 * mode.damping_ratio:.4g} %"
+        )
+    low, high = found.band
+    if not low <= peak[0] <= high:
+        lines.append(
+            f"  ! extrapolated: the relaxation test informs {hertz(found.band)}, the peak is at "
+            f"{peak[0]:.4g} Hz (a factor {max(peak[0] / high, low / peak[0]):.3g} away); the "
+            "damping there is not known from this test"
+        )
+    return "\n".join(lines)

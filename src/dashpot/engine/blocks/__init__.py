@@ -1,0 +1,1 @@
+"""Data sets as design matrices in the relaxation times."""

@@ -1,0 +1,294 @@
+r"""Many samples of a decaying signal as a few hundred weighted ones, on which a fit is the same.
+
+A sum of exponentials is smooth on every block [a, 2a) counted from the first sample. On a
+block of m samples with weights, let P_0 ... P_12 be the polynomials orthonormal over the
+samples, and x_i, w_i the nodes and weights of the Gauss rule of that discrete measure. Then
+
+.. math:: \sum_{s \in block} w_s (y_s - F(s))^2
+          = \underbrace{|y - PP'y|^2}_{\mathrm{floor}}
+          + \sum_{i} \bigl(z_i - \sqrt{w_i} F(x_i)\bigr)^2 + O(10^{-11} |F|),
+          \qquad z_i = \sqrt{w_i} \sum_p P_p(x_i)\, (P'y)_p
+
+for every smooth F at once. The floor is |y|^2 - |z|^2, y counted from its last value, where that
+difference keeps 10 digits, and the sum of explicit residuals where it does not. Golub and Welsch,
+*Math. Comp.* 23 (1969), give nodes and weights from the Jacobi matrix P' x P.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, IndexArray
+
+NODES = 13
+SUB_NODES = 8
+#: samples of a piece, which starts at NODES times its length or later
+PIECES = (1, 32, 256, 2048)
+SMALL = 300
+#: samples worked on at once
+IN_CACHE = 16_384
+_COUNTED = np.arange(float(IN_CACHE))
+#: relative accuracy of a compressed model's columns
+ACCURACY = 1e-11
+#: share of the data's sum of squares from which a difference of such sums keeps 10 digits
+PLAIN = 1e-5
+
+
+class _Section(NamedTuple):
+    """Samples start:stop, cut into equal pieces, each projected on the same orthonormal basis."""
+
+    start: int
+    stop: int
+    basis: FloatArray  # (length of a piece, points of a piece)
+
+
+@dataclass(frozen=True, eq=False)
+class Compression:
+    """What a sampling needs to be compressed: made once, used for every record on it.
+
+    Attributes
+    ----------
+    nodes : array, shape (n,)
+        Positions of the pseudo-samples, in the unit of the sampling.
+    root_weight : array, shape (n,)
+        Square roots of their weights: the columns of a model F are root_weight * F(nodes).
+    step : float or None
+        The interval of a uniform sampling.
+    weighted : bool
+        The values to compress come multiplied by weights.
+    """
+
+    nodes: FloatArray
+    root_weight: FloatArray
+    stages: tuple[tuple[_Section, ...], ...]
+    step: float | None = None
+    weighted: bool = False
+
+    @property
+    def samples(self) -> int:
+        """How many samples are compressed."""
+        return self.stages[0][-1].stop if self.stages else len(self.nodes)
+
+    def project(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Compress weighted values, shape (..., M), to z (..., n) and floor (...)."""
+        if self.weighted or not self.stages:
+            return self._explicit(values)
+        # a constant is its own compression; without it the differences below are of small numbers
+        last = values[..., -1:]
+        rest = values - last
+        z = _through(rest, self.stages)
+        energy = _squares(rest)
+        floor = energy - _squares(z)
+        if (floor < PLAIN * energy).any():
+            z, floor = self._explicit(rest)
+        return z + last * self.root_weight, floor
+
+    def nodes_of(self, values: FloatArray) -> FloatArray:
+        """Compress and forget the floor: all that inner products with smooth functions need."""
+        return _through(values, self.stages)
+
+    def nodes_of_each(self, sequences: Sequence[FloatArray]) -> FloatArray:
+        """As `nodes_of`, for sequences of shape (M,), as rows: one by one while they are long."""
+        first = np.stack([_through(each, self.stages[:1]) for each in sequences])
+        return _through(first, self.stages[1:])
+
+    def _explicit(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """As `project`, the floor summed from what every basis leaves."""
+        floor = np.zeros(values.shape[:-1])
+        for sections in self.stages:
+            parts = []
+            for section in sections:
+                pieces, z = _cut(values, section)
+                if len(section.basis) > 1:
+                    floor = floor + _aside(pieces, z.reshape(*pieces.shape[:-1], -1), section.basis)
+                parts.append(z)
+            values = np.concatenate(parts, axis=-1)
+        return values, floor
+
+
+def _through(values: FloatArray, stages: Sequence[tuple[_Section, ...]]) -> FloatArray:
+    for sections in stages:
+        values = np.concatenate([_cut(values, section)[1] for section in sections], axis=-1)
+    return values
+
+
+def _squares(values: FloatArray) -> FloatArray:
+    return np.asarray(np.vecdot(values, values))
+
+
+def _cut(values: FloatArray, section: _Section) -> tuple[FloatArray, FloatArray]:
+    """A section's pieces, (..., pieces, length), and their projections, (..., points)."""
+    part = values[..., section.start : section.stop]
+    length = len(section.basis)
+    if length == 1:
+        return part, part
+    if length == part.shape[-1]:
+        return part[..., None, :], part @ section.basis
+    pieces = part.reshape(*values.shape[:-1], -1, length)
+    return pieces, (pieces @ section.basis).reshape(*values.shape[:-1], -1)
+
+
+def _aside(shaped: FloatArray, z: FloatArray, basis: FloatArray) -> FloatArray:
+    """Sum of squares of the explicit residual, a stretch at a time so that it stays in cache."""
+    total = np.zeros(shaped.shape[:-2])
+    pieces = max(1, IN_CACHE // (total.size * len(basis)))
+    for first in range(0, shaped.shape[-2], pieces):
+        here = slice(first, first + pieces)
+        rest = z[..., here, :] @ basis.T
+        np.subtract(shaped[..., here, :], rest, out=rest)
+        total = total + np.einsum("...ij,...ij->...", rest, rest)
+    return total
+
+
+def compression(
+    position: FloatArray, weights: FloatArray | None = None, *, step: float | None = None
+) -> Compression:
+    """Plan the compression of a sampling, positions ascending from where the decay starts.
+
+    Parameters
+    ----------
+    position : array, shape (M,)
+        Times, s, any spacing.
+    weights : array, shape (M,), optional
+        1/sd of each sample, > 0; values must be multiplied by them before `project`.
+    step : float, optional
+        The interval of a sampling known to be uniform.
+    """
+    step = step or uniform_step(position)
+    if len(position) <= SMALL:
+        return uncompressed(position, weights, step=step)
+    if weights is None and step is not None:
+        plan = counted(len(position))
+        nodes = position[0] + step * plan.nodes
+        return Compression(nodes, plan.root_weight, plan.stages, step)
+    root = np.ones(len(position)) if weights is None else weights
+    nodes, root, sections = _blocks(position - position[0], root)
+    return Compression(position[0] + nodes, root, (sections,), step, weights is not None)
+
+
+def uncompressed(
+    position: FloatArray, weights: FloatArray | None = None, *, step: float | None = None
+) -> Compression:
+    """Every sample its own node."""
+    root = np.ones(len(position)) if weights is None else weights
+    return Compression(position, root, (), step or uniform_step(position), weights is not None)
+
+
+def uniform_step(position: FloatArray) -> float | None:
+    """Return the sample interval if the samples stand on a uniform grid up to rounding."""
+    if len(position) < 2:
+        return None
+    step = float(position[-1] - position[0]) / (len(position) - 1)
+    if not step > 0:
+        return None
+    tolerance = max(1e-9 * step, 8e-16 * float(max(abs(position[0]), abs(position[-1]))))
+    grid = step * _COUNTED[: len(position)]
+    for first in range(0, len(position), IN_CACHE):
+        here = position[first : first + IN_CACHE]
+        off = here - grid[: len(here)]
+        off -= float(position[0]) + step * first
+        # the sum of squares, which is cheaper, bounds the largest
+        if off @ off > tolerance**2 and max(float(off.max()), -float(off.min())) > tolerance:
+            return None
+    return step
+
+
+@lru_cache(maxsize=32)
+def counted(count: int) -> Compression:
+    """Plan for samples 0, 1, 2, ... in two stages: short equal pieces, then doubling blocks."""
+    if count <= SMALL:
+        return uncompressed(np.arange(float(count)))
+    position: list[FloatArray] = []
+    weight: list[FloatArray] = []
+    sections: list[_Section] = []
+    start = 0
+    # ever longer pieces while they are short beside their distance from the start, then the rest
+    until = [*(min(count, NODES * longer) for longer in PIECES[1:]), count]
+    rest = [(length, count) for length in PIECES[::-1]]
+    for length, stop in [*zip(PIECES, until, strict=True), *rest]:
+        pieces = (stop - start) // length
+        if pieces > 0:
+            nodes, root, basis = _piece(length)
+            first = start + length * np.arange(pieces)
+            position.append((first[:, None] + nodes).ravel())
+            weight.append(np.tile(root, pieces))
+            sections.append(_Section(start, start + pieces * length, basis))
+            start += pieces * length
+    at, root = np.concatenate(position), np.concatenate(weight)
+    edges = np.array(_doubling(count)[1:-1]) - 0.5
+    nodes, root, second = _blocks(at, root, np.searchsorted(at, edges))
+    return Compression(nodes, root, (tuple(sections), second))
+
+
+@lru_cache(maxsize=32)
+def _piece(length: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Nodes, root weights and basis of one short piece of equal samples."""
+    if length == 1:
+        return np.zeros(1), np.ones(1), np.ones((1, 1))
+    return gauss(np.arange(float(length)), np.ones(length), SUB_NODES)
+
+
+def _doubling(count: int) -> list[int]:
+    """Edges 0, 13, 26, 52, ... count; a last block that would be short joins its neighbour."""
+    edges = [0, NODES]
+    while 2 * edges[-1] < count:
+        edges.append(2 * edges[-1])
+    if count - edges[-1] < edges[-1] // 8 and len(edges) > 2:
+        edges.pop()
+    return [*edges, count]
+
+
+def _blocks(
+    position: FloatArray, root_weight: FloatArray, cuts: IndexArray | None = None
+) -> tuple[FloatArray, FloatArray, tuple[_Section, ...]]:
+    """Gauss nodes of every block; cuts are the indices where a new block starts."""
+    if cuts is None:
+        first = position[NODES]
+        doublings = int(np.ceil(np.log2(position[-1] / first)))
+        cuts = np.searchsorted(position, first * 2.0 ** np.arange(doublings))
+    edges = sorted({0, *cuts.tolist(), len(position)})
+    nodes, roots, sections = [], [], []
+    for start, stop in pairwise(edges):
+        here = slice(start, stop)
+        if here.stop - here.start <= NODES:
+            nodes.append(position[here])
+            roots.append(root_weight[here])
+            sections.append(_Section(here.start, here.stop, np.ones((1, 1))))
+            continue
+        node, root, basis = gauss(position[here], root_weight[here], NODES)
+        nodes.append(node)
+        roots.append(root)
+        sections.append(_Section(here.start, here.stop, basis))
+    return np.concatenate(nodes), np.concatenate(roots), tuple(sections)
+
+
+def gauss(
+    position: FloatArray, root_weight: FloatArray, count: int
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    r"""Return nodes, root weights and basis W (m, count) of a discrete measure.
+
+    W is orthonormal and spans the weighted polynomials of degree < count; W'y are the
+    pseudo-samples z. The QR of a Chebyshev basis is graded by degree, so its columns are the
+    orthonormal polynomials P, and the eigenvectors of P'xP turn them into W.
+    """
+    middle = 0.5 * (position[0] + position[-1])
+    half = 0.5 * (position[-1] - position[0])
+    u = (position - middle) / half
+    chebyshev = np.empty((len(u), count))
+    chebyshev[:, 0] = root_weight
+    chebyshev[:, 1] = root_weight * u
+    for p in range(2, count):
+        chebyshev[:, p] = 2 * u * chebyshev[:, p - 1] - chebyshev[:, p - 2]
+    q, r = np.linalg.qr(chebyshev)
+    q = q * np.sign(np.diagonal(r))
+    jacobi = q.T @ (u[:, None] * q)
+    value, vector = np.linalg.eigh(0.5 * (jacobi + jacobi.T))
+    vector = vector * np.where(vector[0] < 0, -1.0, 1.0)
+    total = float(np.linalg.norm(root_weight))
+    return middle + half * value, total * vector[0], q @ vector

@@ -1,0 +1,390 @@
+r"""A recorded displacement on a uniform grid: correlated once, fitted at no cost per sample.
+
+With d_i = x_i - x_{i-1}, z = h/tau, a = e^{-z}, G = (1 - e^{-z})/z and u_i = a u_{i-1} + d_i, an
+arm is q = G u, and every inner product that a fit asks for over the window W is a sum of
+:math:`a^l c(l)` over the lags of a correlation:
+
+.. math::
+
+    \langle v, q \rangle &= G \sum_l a^l C_v(l), \qquad C_v(l) = \sum_{i \in W} v_i d_{i-l} \\
+    \langle q_j, q_k \rangle &= G_j G_k
+        \frac{S_j + S_k - C_d(0) + a_j a_k (u_j u_k|_{before} - u_j u_k|_{last})}
+             {1 - a_j a_k}, \qquad S_j = \sum_l a_j^l C_d(l)
+
+The C_v(l) are compressed like a decaying signal, so a sum over all lags is a sum over some 200
+nodes. Derivatives by ln tau multiply a node by l z; the mixed derivative of
+:math:`\langle q_j, q_k \rangle` is :math:`\langle p_j, p_k \rangle`. The Cholesky factor of the
+Gram matrix of [fixed, q, y, p] then holds the columns in orthogonal coordinates.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import ByValue, ComplexArray, FloatArray
+from dashpot.engine.blocks.block import DesignBlock, Evaluation
+from dashpot.engine.blocks.compression import Compression, counted
+from dashpot.engine.fourier import fast_length
+
+#: relative sum of squares below which a Gram matrix holds rounding only
+ROUNDING = 1e-14
+_SIGNS = np.array([[1.0], [-1.0]])
+#: so many columns of decays are dependent to rounding
+MANY = 24
+
+
+@dataclass(frozen=True, eq=False)
+class Response(ByValue):
+    """All that a displacement says about its arms, for any force recorded with it.
+
+    Attributes
+    ----------
+    fixed : array, shape (n, q)
+        The fixed columns over the window.
+    fixed_gram : array, shape (q, q)
+        Their inner products.
+    sequences : array, shape (q + 3, m)
+        Compressed lag sequences: fixed columns, d, u before the window, u at its end.
+    lags : Compression
+    lagged : complex array
+        Conjugate Fourier transform of the displacement's steps, zero padded.
+    energy : float
+        Sum of squared steps in the window.
+    start, count, step
+        First sample of the window, samples up to its end, sample interval in s.
+    """
+
+    fixed: FloatArray
+    fixed_gram: FloatArray
+    sequences: FloatArray
+    lags: Compression
+    lagged: ComplexArray
+    size: int
+    energy: float
+    start: int
+    count: int
+    step: float
+
+    def correlate(self, values: FloatArray) -> FloatArray:
+        """Compressed correlation of window values, shape (..., n), with the displacement."""
+        return self.lags.nodes_of(self.lag(values))
+
+    def lag(self, values: FloatArray) -> FloatArray:
+        r"""Correlation :math:`\sum_{i \in W} v_i d_{i-l}` for all lags l, shape (..., count)."""
+        if self.start:
+            padded = np.zeros((*values.shape[:-1], self.count))
+            padded[..., self.start :] = values
+            values = padded
+        spectrum = np.fft.rfft(values, self.size)
+        spectrum *= self.lagged
+        return np.asarray(np.fft.irfft(spectrum, self.size)[..., : self.count])
+
+    def own_lag(self, steps: FloatArray) -> FloatArray:
+        """Correlation of the window's steps with all steps, shape (count,)."""
+        if self.start:
+            return self.lag(steps[self.start :])
+        power = self.lagged.conj()
+        power *= self.lagged
+        return np.asarray(np.fft.irfft(power, self.size)[: self.count])
+
+    def gram(self, tau: FloatArray, force: Force, *, derivative: bool) -> FloatArray:
+        """Gram matrix of [fixed, arms, y] or [fixed, arms, slopes, y].
+
+        For tau of shape (..., N) and a force of leading shape (...).
+        """
+        arm = self._arm_sums(tau, force)
+        q, arms = self.fixed.shape[1], tau.shape[-1]
+        size = q + 1 + (2 * arms if derivative else arms)
+        gram = np.empty((*tau.shape[:-1], size, size))
+        here, y = slice(q, q + arms), size - 1
+        gram[..., :q, :q] = self.fixed_gram
+        gram[..., :q, y] = gram[..., y, :q] = force.fixed
+        gram[..., y, y] = force.energy
+        _mirror(gram, slice(q), here, arm.g[..., None, :] * arm.sums[..., :q, :])
+        _mirror(gram, y, here, arm.g * arm.y)
+        if not derivative:
+            gram[..., here, here] = _values(arm, self.energy)
+        else:
+            products = _products(arm, self.energy)
+            gram[..., here, here] = products.qq
+            there = slice(q + arms, y)
+            slopes = arm.dg[..., None, :] * arm.sums + arm.g[..., None, :] * arm.slopes
+            _mirror(gram, slice(q), there, slopes[..., :q, :])
+            _mirror(gram, y, there, arm.dg * arm.y + arm.g * arm.dy)
+            _mirror(gram, here, there, products.qp)
+            gram[..., there, there] = products.pp
+        return gram
+
+    def products(self, tau: FloatArray, sequences: FloatArray) -> FloatArray:
+        """Inner products of forces, (R, m), with arms at shared tau (G,), shape (R, G)."""
+        z = self.step / tau
+        decay = self.lags.root_weight[:, None] * np.exp(-self.lags.nodes[:, None] * z)
+        return np.asarray(sequences @ decay * (-np.expm1(-z) / z))
+
+    def _arm_sums(self, tau: FloatArray, force: Force) -> _ArmSums:
+        z = self.step / tau
+        lost = np.expm1(-z)
+        a, g = 1 + lost, -lost / z
+        x = z[..., None] * self.lags.nodes
+        decay = self.lags.root_weight * np.exp(-x)
+        falling = x * decay
+        own = force.sequence[..., None]
+        return _ArmSums(
+            z,
+            a,
+            g,
+            g - a,
+            np.swapaxes(decay @ self.sequences.T, -1, -2),
+            np.swapaxes(falling @ self.sequences.T, -1, -2),
+            (decay @ own)[..., 0],
+            (falling @ own)[..., 0],
+        )
+
+
+class Force(NamedTuple):
+    """One force, or a stack of them, seen through a response: y of the Gram matrix."""
+
+    sequence: FloatArray  # (..., m) compressed correlation with the displacement
+    fixed: FloatArray  # (..., q) inner products with the fixed columns
+    energy: FloatArray  # (...) y'y
+
+    @classmethod
+    def of(cls, response: Response, values: FloatArray) -> Force:
+        """Correlate window values of shape (..., n)."""
+        energy = np.asarray(np.vecdot(values, values))
+        return cls(response.correlate(values), values @ response.fixed, energy)
+
+
+@dataclass(frozen=True, eq=False)
+class CorrelationBlock:
+    """A block whose inner products are closed forms in tau.
+
+    The Gram matrix resolves an SSE to 1e-15 of the data's own sum of squares; `exact` is the
+    same block with every sample as a row.
+    """
+
+    exact: DesignBlock
+    response: Response
+    force: Force
+
+    @property
+    def floor(self) -> float:
+        """Nothing is set aside."""
+        return 0.0
+
+    @property
+    def sampling(self) -> None:
+        """Columns turn with the data."""
+
+    @property
+    def rotated_basis(self) -> bool:
+        """Each Cholesky factor has its own coordinates."""
+        return True
+
+    @property
+    def energy(self) -> float:
+        """Sum of squares of the force in the window."""
+        return float(self.force.energy)
+
+    @property
+    def rounding_floor(self) -> float:
+        """Sum of squares below which the Gram matrix holds rounding only."""
+        return ROUNDING * self.energy
+
+    @property
+    def samples(self) -> int:
+        """Samples in the window."""
+        return self.exact.samples
+
+    @property
+    def fixed_names(self) -> tuple[str, ...]:
+        """Names of the fixed columns."""
+        return self.exact.fixed_names
+
+    @property
+    def arm_group(self) -> str:
+        """The group of the arms' coefficients."""
+        return self.exact.arm_group
+
+    @property
+    def window(self) -> tuple[float, float]:
+        """Shortest and longest relaxation time that the data could tell, s."""
+        return self.exact.window
+
+    def evaluate(self, log_tau: FloatArray, derivative: bool = True) -> Evaluation:
+        """Return target and design matrix in the coordinates of the Cholesky factor."""
+        gram = self.response.gram(np.exp(log_tau), self.force, derivative=derivative)
+        factor = upper_factor(gram)
+        q, arms = len(self.fixed_names), len(log_tau)
+        own = slice(q, q + arms)
+        slope = slice(q + arms, -1) if derivative else own
+        return Evaluation(factor[:, -1], factor[:, :q], factor[:, own], factor[:, slope])
+
+
+class _ArmSums(NamedTuple):
+    z: FloatArray
+    a: FloatArray
+    g: FloatArray
+    dg: FloatArray  # dG / d ln tau = G - a
+    sums: FloatArray  # sum a^l c(l): a row per sequence, a column per arm
+    slopes: FloatArray  # their derivatives by ln tau
+    y: FloatArray  # the same for the force
+    dy: FloatArray
+
+
+class _Products(NamedTuple):
+    qq: FloatArray
+    qp: FloatArray
+    pp: FloatArray
+
+
+def _products(arm: _ArmSums, energy: float) -> _Products:
+    r"""Inner products of arms and of their derivatives, by the quotient rule on num/den."""
+    arms = arm.z.shape[-1]
+    ds = arm.slopes[..., -3, :]
+    a, da = arm.a[..., None, :], (arm.a * arm.z)[..., None, :]
+    ends = a * arm.sums[..., -2:, :]
+    d_ends = da * arm.sums[..., -2:, :] + a * arm.slopes[..., -2:, :]
+    # before the window less its last sample: values and derivatives at once
+    both = np.concatenate((ends, d_ends), axis=-1)
+    gained = _turned(both * _SIGNS) @ both
+    den, num = _quotient(arm, energy, gained[..., :arms, :arms])
+    u = num / den
+    num_k = ds[..., None, :] + gained[..., :arms, arms:]
+    den_k = -_turned(a) * da
+    u_k = (num_k - u * den_k) / den
+    crossed = _turned(u_k) * den_k
+    u_jk = gained[..., arms:, arms:] - crossed - _turned(crossed) + u * (_turned(da) * da)
+    g, dg = arm.g[..., None, :], arm.dg[..., None, :]
+    gg, g_dg = _turned(g) * g, _turned(g) * dg
+    cross = _turned(g_dg) * u_k
+    return _Products(
+        qq=gg * u,
+        qp=g_dg * u + gg * u_k,
+        pp=_turned(dg) * dg * u + cross + _turned(cross) + gg * u_jk / den,
+    )
+
+
+def _values(arm: _ArmSums, energy: float) -> FloatArray:
+    """Inner products of arms alone."""
+    ends = arm.a[..., None, :] * arm.sums[..., -2:, :]
+    den, num = _quotient(arm, energy, _turned(ends * _SIGNS) @ ends)
+    return np.asarray(arm.g[..., :, None] * arm.g[..., None, :] * num / den)
+
+
+def _quotient(arm: _ArmSums, energy: float, gained: FloatArray) -> tuple[FloatArray, FloatArray]:
+    s = arm.sums[..., -3, :]
+    den = -np.expm1(-(arm.z[..., :, None] + arm.z[..., None, :]))
+    return den, s[..., :, None] + s[..., None, :] - energy + gained
+
+
+def _turned(a: FloatArray) -> FloatArray:
+    return np.swapaxes(a, -1, -2)
+
+
+def _mirror(gram: FloatArray, row: slice | int, column: slice, values: FloatArray) -> None:
+    gram[..., row, column] = values
+    gram[..., column, row] = values if isinstance(row, int) else _turned(values)
+
+
+def upper_factor(gram: FloatArray) -> FloatArray:
+    """Upper factors R with R'R = gram, (..., c, c), scaled to a unit diagonal first.
+
+    Dependent columns leave a ridge of rounding size, never an error.
+    """
+    scale = np.sqrt(np.maximum(np.diagonal(gram, axis1=-2, axis2=-1), 1e-300))
+    unit = gram / (scale[..., :, None] * scale[..., None, :])
+    ridge = 0.0
+    if unit.shape[-1] > MANY:
+        ridge = ROUNDING
+        unit = unit + ridge * np.eye(unit.shape[-1])
+    while True:
+        try:
+            lower = np.linalg.cholesky(unit)
+        except np.linalg.LinAlgError:
+            ridge = max(10 * ridge, 1e-15)
+            if not ridge < 1.0:
+                raise
+            unit = unit + ridge * np.eye(unit.shape[-1])
+        else:
+            return np.asarray(np.swapaxes(lower, -1, -2) * scale[..., None, :])
+
+
+def response(
+    time: FloatArray, x: FloatArray, fixed: FloatArray, *, start: int, stop: int
+) -> Response:
+    """Correlate a displacement on a uniform grid, at rest at zero before its first sample.
+
+    Parameters
+    ----------
+    time, x : array, shape (M,)
+    fixed : array, shape (stop - start, q)
+        Fixed columns over the window.
+    start, stop : int
+        The window.
+    """
+    d = x[:stop].copy()
+    d[1:] -= x[: stop - 1]
+    size = fast_length(2 * stop)
+    lags = counted(stop)
+    before = np.zeros(len(lags.nodes))
+    if start:
+        before = lags.nodes_of(_turned_back(d, start))
+    lagged = np.fft.rfft(d, size)
+    bare = Response(
+        fixed=fixed,
+        fixed_gram=fixed.T @ fixed,
+        sequences=before[None],
+        lags=lags,
+        lagged=np.conjugate(lagged, out=lagged),
+        size=size,
+        energy=float(d[start:] @ d[start:]),
+        start=start,
+        count=stop,
+        step=float(time[-1] - time[0]) / (len(time) - 1),
+    )
+    own = bare.own_lag(d)
+    rows = [_lagged(bare, column, x, d, own) for column in fixed.T]
+    nodes = lags.nodes_of_each([*rows, own, d[::-1]])
+    return replace(bare, sequences=np.concatenate((nodes[:-1], before[None], nodes[-1:])))
+
+
+def _turned_back(values: FloatArray, start: int) -> FloatArray:
+    """The values before `start`, the last first, then zeros."""
+    out = np.zeros(len(values))
+    out[:start] = values[:start][::-1]
+    return out
+
+
+def _lagged(
+    bare: Response, column: FloatArray, x: FloatArray, d: FloatArray, own: FloatArray
+) -> FloatArray:
+    r"""Correlation of a fixed column with the steps, in closed form where there is one.
+
+    For a constant the sum of the steps telescopes. For the displacement itself, summing by parts
+    over the window that ends at e and starts after b,
+
+    .. math:: C_x(l) - C_x(l+1) = -C_d(l+1) + x_e d_{e-l} - x_b d_{b-l}
+    """
+    start, stop = bare.start, bare.count
+    if column[0] == column[-1] and (column == column[0]).all():
+        return np.asarray(column[0] * (x[:stop][::-1] - _turned_back(x[:stop], start)))
+    if not np.array_equal(column, x[start:stop]):
+        return bare.lag(column)
+    # from the last lag to the first
+    falls = x[stop - 1] * d
+    if start:
+        falls -= x[start - 1] * _turned_back(d, start)[::-1]
+    falls[1:] -= own[:0:-1]
+    return np.cumsum(falls)[::-1]
+
+
+def correlation_block(
+    exact: DesignBlock, time: FloatArray, x: FloatArray, *, start: int, stop: int
+) -> CorrelationBlock:
+    """The block of one force: its record correlated, every sample kept in `exact`."""
+    seen = response(time, x, exact.fixed, start=start, stop=stop)
+    return CorrelationBlock(exact, seen, Force.of(seen, exact.target))

@@ -1,0 +1,179 @@
+r"""Blocks of a recorded displacement, any history on any grid.
+
+The force is that of displacement straight between its samples, which the recursion gives
+exactly, with z = h/tau and a = e^{-z}:
+
+.. math:: q_i = a\, q_{i-1} + G\,(x_i - x_{i-1}), \quad G = \frac{1 - e^{-z}}{z}, \qquad
+    p_i = \frac{\partial q_i}{\partial \ln\tau}
+        = a\, p_{i-1} + a z\, q_{i-1} + (G - a)(x_i - x_{i-1})
+
+On a uniform grid without weights the correlation form (:mod:`dashpot.engine.blocks.correlation`)
+costs one Fourier transform and then nothing that grows with the record.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import DataError
+from dashpot.engine.blocks.block import Block, DesignBlock
+from dashpot.engine.blocks.compression import SMALL, uniform_step
+from dashpot.engine.blocks.correlation import correlation_block
+from dashpot.engine.blocks.hold import window_of
+from dashpot.engine.blocks.interpolated import reduced_block
+
+#: samples from which the recursion is worth reducing
+LONG = 2000
+
+
+def recorded_block(
+    time: FloatArray,
+    displacement: FloatArray,
+    force: FloatArray,
+    *,
+    window: slice = slice(None),
+    k_inf: str = "k_inf",
+    offset: str | None = None,
+    drift: str | None = None,
+    weights: FloatArray | None = None,
+    arm_group: str = "k",
+) -> Block:
+    r"""Force under a recorded displacement that is straight between its samples.
+
+    .. math:: F_i = k_\infty x_i + \sum_j k_j q_j(t_i) + F_0 + \dot F (t_i - t_w)
+
+    The form is chosen by the record: correlation on a uniform grid, recursion otherwise, reduced
+    (:mod:`dashpot.engine.blocks.interpolated`) if it is long.
+
+    Parameters
+    ----------
+    time, displacement, force : array, shape (M,)
+        Strictly increasing times, any spacing; at rest at displacement zero before the first.
+    window : slice
+        The contiguous samples whose force is fitted; the displacement before it still acts.
+        t_w is its first time.
+    k_inf, offset, drift : str
+        Names of the fixed columns; offset and drift are left out unless named.
+    weights : array, shape (M,), optional
+        1/sd of each sample.
+    """
+    time = np.asarray(time, dtype=float)
+    x = np.asarray(displacement, dtype=float)
+    y = np.asarray(force, dtype=float)
+    if not len(time) == len(x) == len(y):
+        raise DataError(
+            f"time, displacement and force have {len(time)}, {len(x)} and {len(y)} samples; "
+            "expected the same number"
+        )
+    start, stop, stride = window.indices(len(time))
+    if stride != 1 or stop - start < 3:
+        raise DataError("the window must hold at least 3 neighbouring samples")
+    fixed = {k_inf: x[start:stop]}
+    if offset is not None:
+        fixed[offset] = np.ones(stop - start)
+    if drift is not None:
+        fixed[drift] = time[start:stop] - time[start]
+    step = uniform_step(time)
+    exact = recursion_block(
+        time,
+        x,
+        y,
+        window=slice(start, stop),
+        fixed=fixed,
+        step=step,
+        weights=weights,
+        arm_group=arm_group,
+    )
+    if weights is not None or x[0] != 0 or len(time) <= SMALL or step is None:
+        return exact if stop - start < LONG else reduced_block(exact)
+    return correlation_block(exact, time, x, start=start, stop=stop)
+
+
+def recursion_block(
+    time: FloatArray,
+    x: FloatArray,
+    y: FloatArray,
+    *,
+    window: slice,
+    fixed: dict[str, FloatArray],
+    step: float | None = None,
+    weights: FloatArray | None = None,
+    arm_group: str = "k",
+) -> DesignBlock:
+    """The full record, every sample a row, arms by recursion: any grid, any weights.
+
+    `step` is the interval of a grid known to be uniform.
+    """
+    root = None if weights is None else weights[window, None]
+
+    def columns(tau: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
+        q, p = arm_columns(time, x, tau, derivative=derivative)
+        q, p = q[window], p[window]
+        return (q, p) if root is None else (root * q, root * p)
+
+    columns_fixed = [column[:, None] for column in fixed.values()]
+    matrix = columns_fixed[0] if len(fixed) == 1 else np.concatenate(columns_fixed, axis=1)
+    return DesignBlock(
+        target=y[window] if root is None else root[:, 0] * y[window],
+        fixed=matrix if root is None else root * matrix,
+        fixed_names=tuple(fixed),
+        columns=columns,
+        window=window_of(time, step),
+        arm_group=arm_group,
+    )
+
+
+def arm_columns(
+    time: FloatArray, x: FloatArray, tau: FloatArray, *, derivative: bool = True
+) -> tuple[FloatArray, FloatArray]:
+    """Elongations q of unit arms and dq / d ln tau, both (M, N), by the exact recursion.
+
+    Without the derivative the second is the first.
+    """
+    step = uniform_step(time)
+    moved = np.diff(x)[:, None]
+    z = (np.diff(time)[:, None] if step is None else np.array([[step]])) / tau
+    lost = np.expm1(-z)
+    decay, mean = 1 + lost, -lost / z
+    q = _recursion(decay, mean * moved, np.full(len(tau), x[0]))
+    if not derivative:
+        return q, q
+    return q, _recursion(decay, decay * z * q[:-1] + (mean - decay) * moved, np.zeros(len(tau)))
+
+
+def _recursion(decay: FloatArray, increments: FloatArray, first: FloatArray) -> FloatArray:
+    r"""u_0 = first, u_i = decay_{i-1} u_{i-1} + increments_{i-1}, shape (M, N).
+
+    Many stretches run side by side, one step of all at a time; then each one's end is passed on,
+    damped by the product of the decays since. `decay` has one row per step, or one for all.
+    """
+    total, arms = len(increments) + 1, increments.shape[1]
+    length = int(np.ceil(np.sqrt(total)))
+    stretches = -(-total // length)
+
+    def by_step(values: FloatArray) -> FloatArray:
+        padded = np.zeros((stretches * length, arms))
+        padded[total - len(values) : total] = values
+        return np.ascontiguousarray(padded.reshape(stretches, length, arms).transpose(1, 0, 2))
+
+    out = by_step(np.concatenate((first[None], increments)))
+    constant = len(decay) == 1
+    u = np.zeros((stretches, arms))
+    if constant:
+        since = (decay ** np.arange(1, length + 1)[:, None])[:, None, :]
+        for i in range(length):
+            u = u * decay + out[i]
+            out[i] = u
+    else:
+        since = by_step(decay)
+        for i in range(length):
+            u = u * since[i] + out[i]
+            out[i] = u
+            if i:
+                since[i] *= since[i - 1]
+    carry = np.zeros((stretches, arms))
+    for b in range(1, stretches):
+        carry[b] = carry[b - 1] * since[-1, 0 if constant else b - 1] + u[b - 1]
+    out += since * carry
+    return np.asarray(out.transpose(1, 0, 2).reshape(stretches * length, arms)[:total])

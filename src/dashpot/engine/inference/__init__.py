@@ -1,0 +1,1 @@
+"""How well a solution is known, and how many arms the data support."""

@@ -1,0 +1,109 @@
+r"""A record in the metric of its own noise.
+
+With Q the span of the record's models (:mod:`dashpot.engine.blocks.reduced_basis`) and
+:math:`\Gamma` the Toeplitz matrix of the noise's autocovariance,
+
+.. math:: C = Q'\Gamma Q = V \,\mathrm{diag}(c)\, V', \qquad
+    \chi^2(\theta) = \sum_i \frac{\bigl(V'Q'(y - m(\theta))\bigr)_i^2}{\max(c_i, \gamma_0)}
+
+is the deviance of a model m in units of chi-square, and its least value is that of generalised
+least squares: fast detail counts for more where the noise is slow. No direction is trusted better
+than white noise of the same variance would let it be: a filter leaves next to nothing above its
+cut-off, and to believe that would let its transients decide.
+Source: A. C. Aitken, Proceedings of the Royal Society of Edinburgh 55 (1936) 42.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.engine.blocks.block import Block, DesignBlock
+from dashpot.engine.blocks.reduced_basis import ReducedBasis, reduced_basis
+from dashpot.engine.inference.covariance import Noise, toeplitz_form
+from dashpot.engine.solver.descent import Stack
+from dashpot.engine.solver.variable_projection import Solution, full_jacobian
+
+
+def whitened_block(exact: Block, noise: Noise) -> DesignBlock:
+    """Return the data in coordinates whose noise is independent, of variance one at most.
+
+    Parameters
+    ----------
+    exact : Block
+        Every sample a row, in the order of time.
+    noise : Noise
+        Of its residuals, with a positive variance.
+    """
+    basis = reduced_basis(exact)
+    variance, axes = _principal(basis, noise)
+    whiten = (axes / np.sqrt(variance)).T
+    plain = basis.block
+
+    def columns(at: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
+        arms, slopes = plain.columns(at, derivative)
+        return whiten @ arms, whiten @ slopes if derivative else arms
+
+    return DesignBlock(
+        target=whiten @ plain.target,
+        fixed=whiten @ plain.fixed,
+        fixed_names=plain.fixed_names,
+        columns=columns,
+        window=plain.window,
+        samples=plain.samples,
+        arm_group=plain.arm_group,
+        accuracy=plain.accuracy,
+    )
+
+
+class NoiseGain:
+    r"""The noise that meets a change d of the model, :math:`d'\Gamma d / d'd`.
+
+    Parameters
+    ----------
+    every_sample : sequence of Block
+        One per record, every sample a row.
+    noises : sequence of Noise
+    solution : Solution
+        The model that changes.
+    """
+
+    def __init__(
+        self, every_sample: Sequence[Block], noises: Sequence[Noise], solution: Solution
+    ) -> None:
+        spans = [reduced_basis(block) for block in every_sample]
+        blocks = [basis.block for basis in spans]
+        self._stack = Stack(blocks)
+        self._cuts = np.cumsum([len(block.target) for block in blocks])[:-1]
+        self._principal = [_principal(*pair) for pair in zip(spans, noises, strict=True)]
+        self._jacobian = full_jacobian(blocks, solution).matrix
+        self._model = self._at(
+            np.concatenate((solution.fixed, solution.arms.ravel())), solution.log_tau
+        )
+
+    def towards(self, step: FloatArray) -> float:
+        """Return it for a small step of the parameters, in the order of the Jacobian."""
+        return self._of(self._jacobian @ step)
+
+    def at(self, beta: FloatArray, log_tau: FloatArray) -> float:
+        """Return it for the way to other linear parameters and relaxation times."""
+        return self._of(self._at(beta, log_tau) - self._model)
+
+    def _at(self, beta: FloatArray, log_tau: FloatArray) -> FloatArray:
+        return np.asarray(self._stack.evaluate(log_tau, derivative=False).phi @ beta)
+
+    def _of(self, change: FloatArray) -> float:
+        parts = np.split(change, self._cuts)
+        met = sum(
+            float(variance @ (axes.T @ part) ** 2)
+            for part, (variance, axes) in zip(parts, self._principal, strict=True)
+        )
+        return met / max(float(change @ change), 1e-300)
+
+
+def _principal(basis: ReducedBasis, noise: Noise) -> tuple[FloatArray, FloatArray]:
+    """Return the variances of the noise along its principal axes, and these as columns."""
+    variance, axes = np.linalg.eigh(toeplitz_form(basis.basis, noise.autocovariance))
+    return np.maximum(variance, noise.autocovariance[0]), axes

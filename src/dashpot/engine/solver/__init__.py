@@ -1,0 +1,1 @@
+"""The best stiffnesses and relaxation times of a stack of blocks."""

@@ -1,0 +1,232 @@
+"""The best optimum for 0, 1, 2, ... arms, each started from the one before."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from itertools import compress
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, FloatArray
+from dashpot.base.errors import FitError
+from dashpot.engine.solver.arm_cone import Cone
+from dashpot.engine.solver.descent import FINISHED, Local, Point, Stack, descend, point_at
+from dashpot.engine.solver.starts import (
+    Grid,
+    inserted,
+    paired,
+    partitioned,
+    peaks_of,
+    scattered,
+    single,
+    tripled,
+)
+
+#: where descents that are yet to be compared end: steps, and falls of the SSE
+LOOSE = 1e-4
+FLAT = 1e-10
+EXTRA_STARTS = 16
+DOUBT = 0.1
+#: numbers of arms for which every set of points of a grid is tried, and the points of that grid
+LOOK: dict[int, tuple[Callable[[Grid], FloatArray | None], int]] = {
+    1: (single, 48),
+    2: (paired, 48),
+    3: (tripled, 94),
+}
+#: in units of the noise variance
+FAR = 20.0
+
+
+class Chain:
+    """What a stack's orders have in common: grid, spectrum, and the optima found so far.
+
+    `best[n]` is the optimum with n arms, except after a `leap`, when the only one is its own.
+    """
+
+    def __init__(self, stack: Stack, *, thorough: bool, signed: bool, seed: int) -> None:
+        self.stack, self.signed, self.thorough, self.seed = stack, signed, thorough, seed
+        self.best: list[Local] = []
+        self._attempts: dict[int, Local | None] = {}
+
+    @property
+    def reached(self) -> int:
+        """The largest number of arms so far."""
+        return len(self.best) - 1
+
+    @cached_property
+    def grid(self) -> Grid:
+        """The stack's columns on a grid of ln tau."""
+        return Grid(self.stack)
+
+    @cached_property
+    def spectrum(self) -> FloatArray:
+        """The best non-negative spectrum on the grid."""
+        return self.grid.spectrum()
+
+    @cached_property
+    def peaks(self) -> tuple[FloatArray, FloatArray]:
+        """Positions and weights of the spectrum's peaks."""
+        return peaks_of(self.grid, self.spectrum)
+
+    def leap(self, arms: int) -> bool:
+        """Go straight to `arms` if that leaves no doubt."""
+        found = self._undoubted(arms) if arms else None
+        if found is not None:
+            self.best.append(found)
+        return found is not None
+
+    def _undoubted(self, arms: int) -> Local | None:
+        """The optimum next to the best of the whole grid, if nothing about it is in doubt.
+
+        Doubt is a relaxation time that is not known to 10 %, or that sits at the edge of the
+        window, or a coefficient that is not positive; with more arms than three, whose start is
+        not the best of all sets, also an SSE well above that of the best positive spectrum.
+        A well-determined optimum that started from the best of the whole grid has no rival.
+        """
+        local = self._attempt(arms)
+        if local is None:
+            return None
+        point = local.point
+        low, high = self.stack.bounds
+        spare = self.stack.samples - len(point.beta) - arms
+        if (
+            not local.converged
+            or point.sse <= 100 * self.stack.nothing
+            or spare < 10
+            or (point.beta[self.stack.restricted(arms, signed=False)] <= 0).any()
+            or not (low < point.log_tau.min() and point.log_tau.max() < high)
+        ):
+            return None
+        noise = (self.stack.floor + point.sse) / spare
+        known = np.diagonal(np.linalg.inv(point.curvature)) * noise < DOUBT**2
+        if not known.all():
+            return None
+        if arms not in LOOK and point.sse - self.grid.left_by(self.spectrum) > FAR * noise:
+            return None
+        return local
+
+    def _attempt(self, arms: int) -> Local | None:
+        """The optimum next to the best set of grid points, or next to the spectrum's peaks."""
+        if self.thorough or self.signed or len(self.stack.groups) > 1:
+            return None
+        if arms not in self._attempts:
+            start = self._first_start(arms)
+            self._attempts[arms] = (
+                None if start is None else descend(self.stack, start, damping=1e-6)
+            )
+        return self._attempts[arms]
+
+    def _first_start(self, arms: int) -> FloatArray | None:
+        if arms in LOOK:
+            best_set, size = LOOK[arms]
+            return best_set(Grid(self.stack, size))
+        return next(iter(partitioned(self.grid, *self.peaks, arms, count=1)), None)
+
+    def extend(self, arms: int, *, negligible: float = 0.0) -> None:
+        """Add orders up to `arms`, or until none is better.
+
+        Where no positive spectrum whatever would lower the SSE by `negligible` noise variances
+        any more, one further order is enough.
+        """
+        enough = False
+        if not self.best:
+            self.best.append(Local(_without_arms(self.stack, signed=self.signed), 1, True))
+        while self.reached < arms and not enough:
+            last = self.best[-1].point
+            if last.sse <= self.stack.nothing:
+                return
+            found = self._undoubted(self.reached + 1) or self._best_with(self.reached + 1)
+            worth = last.sse - 1e-10 * (self.stack.floor + last.sse) - self.stack.nothing
+            if found is None or found.point.sse >= worth:
+                return
+            if not self.signed:
+                spare = max(self.stack.samples - len(last.beta) - len(last.log_tau), 1)
+                least = negligible * (self.stack.floor + last.sse) / spare
+                enough = last.sse - found.point.sse < least and last.sse - self._any() < least
+            self.best.append(found)
+
+    def _any(self) -> float:
+        """The SSE of the best positive spectrum on the grid and beside the last arms."""
+        point = self.best[-1].point
+        together = np.concatenate((point.log_tau, self.grid.log_tau))
+        fixed = point.beta[: len(self.stack.names)]
+        loose = ~(self.stack.restricted(0, signed=False) & (fixed == 0))
+        return Cone.of(self.stack, together, loose=loose).best()[1]
+
+    def _best_with(self, arms: int) -> Local | None:
+        starts = inserted(self.grid, self.best[-1].point, signed=self.signed)
+        if not self.signed:
+            starts = partitioned(self.grid, *self.peaks, arms) + starts
+        if self.thorough:
+            starts += scattered(self.stack, arms, EXTRA_STARTS, self.seed)
+        restricted = self.stack.restricted(arms, signed=self.signed)
+        first = self._attempt(arms)
+        found = [] if first is None else [first]
+        for start in starts:
+            local = self._descend(start, [np.sort(rival.point.log_tau) for rival in found])
+            if local is not None:
+                found.append(local)
+        feasible = [bool((local.point.beta[restricted] >= 0).all()) for local in found]
+        allowed = list(compress(found, feasible))
+        refused = [local for local, ok in zip(found, feasible, strict=True) if not ok]
+        reach = min((local.point.sse for local in allowed), default=np.inf)
+        pushed = [local.point.log_tau for local in refused if local.point.sse < reach]
+        for start in pushed + ([] if allowed else starts[-2:]):
+            local = self._descend(start, (), restricted=restricted)
+            if local is not None and not (local.point.beta[-arms:] == 0).all():
+                allowed.append(local)
+        full = [local for local in allowed if _carries(local.point, self.stack)]
+        if not full:
+            return None
+        winner = min(full, key=lambda local: local.point.sse)
+        bound = (winner.point.beta[restricted] == 0).any()
+        polished = self._descend(
+            winner.point.log_tau, (), restricted=restricted if bound else None, finished=FINISHED
+        )
+        if polished is None or not _carries(polished.point, self.stack):
+            return winner
+        # at the bound a restricted polish may leave the rounding of a zero, which is no sign
+        if not bound and (polished.point.beta[restricted] < 0).any():
+            return winner
+        return polished
+
+    def _descend(
+        self,
+        start: FloatArray,
+        rivals: Sequence[FloatArray],
+        *,
+        restricted: BoolArray | None = None,
+        finished: float = LOOSE,
+    ) -> Local | None:
+        return descend(
+            self.stack,
+            start,
+            restricted=restricted,
+            rivals=rivals,
+            finished=finished,
+            flat=0.0 if finished == FINISHED else FLAT,
+        )
+
+
+def _carries(point: Point, stack: Stack) -> bool:
+    """True if every arm carries something in some group."""
+    arms = len(point.log_tau)
+    k = point.beta[len(stack.names) :].reshape(len(stack.groups), arms)
+    return bool((k != 0).any(axis=0).all())
+
+
+def _without_arms(stack: Stack, *, signed: bool) -> Point:
+    nothing = np.zeros(0)
+    if not stack.names:
+        target = stack.evaluate(nothing, derivative=False).target
+        none = np.zeros((0, 0))
+        return Point(nothing, nothing, float(target @ target), nothing, none, none)
+    restricted = None if signed else stack.restricted(0, signed=False)
+    point = point_at(stack, nothing, restricted=restricted)
+    if point is None:
+        raise FitError(
+            "the columns that do not relax are not independent in this data; "
+            "fit fewer of " + ", ".join(stack.names)
+        )
+    return point

@@ -1,0 +1,212 @@
+r"""Thousands of records on one sampling, fitted side by side.
+
+What one record computes, a stack of them computes at once: compression is a matrix product, a start
+is the best of all sets of grid points (:mod:`dashpot.engine.solver.grid_search`), and every step of
+the descent is arithmetic on small matrices, one per record (:mod:`dashpot.engine.solver.batched`).
+Where a relaxation time is not known to 10 %, other peaks of the look are descended from too;
+whatever leaves another doubt (an arm at the edge of the window, a coefficient that is not positive)
+is solved again one by one, so that the result is that of
+:func:`dashpot.engine.solver.variable_projection.solve`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, ByValue, FloatArray, IndexArray
+from dashpot.base.errors import FitError
+from dashpot.engine.blocks.block import Block
+from dashpot.engine.blocks.compression import PLAIN
+from dashpot.engine.blocks.family import Family, Seen
+from dashpot.engine.solver.batched import Descended, descend_together, points_at
+from dashpot.engine.solver.grid_search import POINTS, GridSearch
+from dashpot.engine.solver.insertion import DOUBT
+from dashpot.engine.solver.variable_projection import Solution, solve
+
+CHUNK = 128
+#: further peaks of the first look that are tried where a relaxation time is not well known
+RIVALS = 3
+
+
+@dataclass(frozen=True, eq=False)
+class ManySolutions(ByValue):
+    """The optima of many records; rows without a solution hold NaN.
+
+    Attributes
+    ----------
+    log_tau, arms : array, shape (R, N)
+        Ascending in tau; NaN beyond `order`.
+    fixed : array, shape (R, q)
+    sse : array, shape (R,)
+    order : int array, shape (R,)
+        Arms found; -1 where nothing was fitted.
+    finite, converged, at_bound : bool array, shape (R,)
+        Samples and the sum of their squares are finite; the gradient vanished inside the
+        window; an arm sits at its edge.
+    """
+
+    log_tau: FloatArray
+    arms: FloatArray
+    fixed: FloatArray
+    sse: FloatArray
+    order: IndexArray
+    finite: BoolArray
+    converged: BoolArray
+    at_bound: BoolArray
+
+
+def solve_many(family: Family, records: FloatArray, arms: int) -> ManySolutions:
+    """Fit every row of `records`, shape (R, M), with up to `arms` exponentials.
+
+    Nothing is raised by a bad row: it comes back without a solution.
+    """
+    if arms < 1:
+        raise FitError(f"arms = {arms}; expected at least one")
+    if family.samples < family.fixed_count + 2 * arms:
+        raise FitError(
+            f"{family.samples} samples cannot determine {family.fixed_count + 2 * arms} "
+            "parameters; use fewer arms or longer records"
+        )
+    count = len(records)
+    out = _empty(count, arms, family.fixed_count)
+    look = GridSearch(family, arms) if arms in POINTS else None
+    for first in range(0, count, CHUNK):
+        chunk = records[first : first + CHUNK]
+        index = first + np.arange(len(chunk))
+        if look is None:
+            out.finite[index] = _usable(chunk)
+            index = index[out.finite[index]]
+        else:
+            with np.errstate(over="ignore", invalid="ignore"):
+                seen = family.see(chunk)
+                finite = np.isfinite(seen.floor + seen.energy)
+            out.finite[index] = finite
+            index = index[finite]
+            if len(index):
+                sure = _together(family, look, seen.take(finite), index, out)
+                index = index[~sure]
+        for i in index:
+            _alone(family.block, records[i], arms, int(i), out)
+    return out
+
+
+def solve_each(
+    make: Callable[[FloatArray], Block], records: FloatArray, arms: int, *, fixed_count: int
+) -> ManySolutions:
+    """Fit every row by itself, where nothing can be shared: `make` turns a row into a block."""
+    out = _empty(len(records), arms, fixed_count)
+    out.finite[:] = _usable(records)
+    for i in np.flatnonzero(out.finite):
+        _alone(make, records[i], arms, int(i), out)
+    return out
+
+
+def _usable(records: FloatArray) -> BoolArray:
+    """Which records hold finite samples whose squares can be summed."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        return np.asarray(np.isfinite(np.einsum("ij,ij->i", records, records)))
+
+
+def _empty(count: int, arms: int, fixed: int) -> ManySolutions:
+    return ManySolutions(
+        log_tau=np.full((count, arms), np.nan),
+        arms=np.full((count, arms), np.nan),
+        fixed=np.full((count, fixed), np.nan),
+        sse=np.full(count, np.nan),
+        order=np.full(count, -1),
+        finite=np.zeros(count, dtype=bool),
+        converged=np.zeros(count, dtype=bool),
+        at_bound=np.zeros(count, dtype=bool),
+    )
+
+
+def _alone(
+    make: Callable[[FloatArray], Block],
+    values: FloatArray,
+    arms: int,
+    row: int,
+    out: ManySolutions,
+) -> None:
+    """One record by the single solver; a record that it refuses stays without a solution."""
+    try:
+        found: Solution = solve([make(values)], arms)
+    except (FitError, np.linalg.LinAlgError):
+        return
+    n = found.order
+    out.log_tau[row, :n] = found.log_tau
+    out.arms[row, :n] = found.arms[0]
+    out.fixed[row] = found.fixed
+    out.sse[row] = found.sse
+    out.order[row] = n
+    out.converged[row] = found.converged
+    out.at_bound[row] = found.at_bound.any()
+
+
+def _together(
+    family: Family, look: GridSearch, seen: Seen, index: IndexArray, out: ManySolutions
+) -> BoolArray:
+    """Descend all records of a chunk; write the ones that leave no doubt, and say which."""
+    gain = look.gains(seen)
+    found = descend_together(family, *look.best(gain), seen)
+    sure = _proper(family, found, seen)
+    weak = np.flatnonzero(sure)
+    weak = weak[~_known(family, found.take(weak), seen.take(weak))]
+    if len(weak):
+        best, sure[weak] = _compared(family, look, gain[:, weak], found.take(weak), seen.take(weak))
+        found.put(weak, best)
+    log_tau, point, _ = found
+    q, arms = family.fixed_count, log_tau.shape[1]
+    small = np.flatnonzero(sure & (point.sse < PLAIN * seen.energy))
+    if len(small):
+        point.put(small, points_at(family, log_tau[small], seen.take(small), exact=True))
+    sse = seen.floor + point.sse
+    rows = index[sure]
+    order = np.argsort(log_tau[sure], axis=1)
+    out.log_tau[rows] = np.take_along_axis(log_tau[sure], order, axis=1)
+    out.arms[rows] = np.take_along_axis(point.beta[sure, q:], order, axis=1)
+    out.fixed[rows] = point.beta[sure, :q]
+    out.sse[rows] = sse[sure]
+    out.order[rows] = arms
+    out.converged[rows] = True
+    return sure
+
+
+def _proper(family: Family, found: Descended, seen: Seen) -> BoolArray:
+    """Which records have an optimum inside the window, all coefficients positive."""
+    low, high = family.bounds
+    q, beta = family.fixed_count, found.point.beta
+    proper = found.done & (found.point.sse > 100 * family.rounding_floor * seen.energy)
+    proper &= (beta[:, q:] > 0).all(axis=1) & (beta[:, :q] > 0)[:, family.nonnegative].all(axis=1)
+    proper &= ((found.log_tau > low) & (found.log_tau < high)).all(axis=1)
+    return proper
+
+
+def _known(family: Family, found: Descended, seen: Seen) -> BoolArray:
+    """Which records know every relaxation time so well that no other optimum can be better."""
+    count, arms = found.log_tau.shape
+    spare = family.samples - family.fixed_count - 2 * arms
+    if spare < 10:
+        return np.zeros(count, dtype=bool)
+    curvature = found.point.curvature
+    scale = np.maximum(np.diagonal(curvature, axis1=1, axis2=2), 1e-300)
+    unit = curvature / np.sqrt(scale[:, :, None] * scale[:, None, :]) + 1e-14 * np.eye(arms)
+    variance = np.diagonal(np.linalg.inv(unit), axis1=1, axis2=2) / scale
+    noise = (seen.floor + found.point.sse) / spare
+    known = (variance > 0) & (variance * noise[:, None] < DOUBT**2)
+    return np.asarray(known.all(axis=1))
+
+
+def _compared(
+    family: Family, look: GridSearch, gain: FloatArray, found: Descended, seen: Seen
+) -> tuple[Descended, BoolArray]:
+    """The best of what was found and of descents from other peaks, and where it is proper."""
+    proper = np.ones(len(found.done), dtype=bool)
+    for start, started in look.peaks(gain, RIVALS):
+        other = descend_together(family, start, started, seen)
+        better = np.flatnonzero(other.point.sse < found.point.sse * (1 - 1e-10))
+        proper[better] = _proper(family, other, seen)[better]
+        found.put(better, other.take(better))
+    return found, proper

@@ -1,0 +1,174 @@
+"""Frequency tables whose interpolation error is chosen, not hoped for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from dashpot.base.arrays import ByValue, FloatArray, frozen
+from dashpot.base.errors import ExportError
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+Damping: TypeAlias = Literal["loss_factor", "damping"]
+"""What stands beside the storage stiffness: K''/K', or the viscous equivalent K''/omega."""
+
+_LONGEST = 5000
+_WITHIN = (np.arange(16) + 0.5) / 16  # where each interval is checked
+
+
+@dataclass(frozen=True, eq=False)
+class Table(ByValue):
+    """Storage stiffness and damping at frequencies between which a solver draws straight lines.
+
+    Attributes
+    ----------
+    frequency : array, shape (n,)
+        Hz, ascending.
+    storage : array, shape (n,)
+        N/m.
+    damping : array, shape (n,)
+        Loss factor, or N s/m.
+    error : float
+        Largest relative error of the FRF of any mass on the solid, anywhere in the table.
+    tolerance : float
+        What was asked for.
+    """
+
+    frequency: FloatArray
+    storage: FloatArray
+    damping: FloatArray
+    error: float
+    tolerance: float
+
+    def __post_init__(self) -> None:
+        for name in ("frequency", "storage", "damping"):
+            object.__setattr__(self, name, frozen(np.asarray(getattr(self, name), dtype=float)))
+
+    @property
+    def says(self) -> str:
+        """The sentence a deck prints."""
+        return (
+            f"table: {len(self.frequency)} points, {self.frequency[0]:.6g} to "
+            f"{self.frequency[-1]:.6g} Hz; linear interpolation changes the FRF of any mass by at "
+            f"most {self.error:.2g} (asked for: {self.tolerance:.2g}); do not leave its range"
+        )
+
+
+def tabulate(
+    model: GeneralizedMaxwell,
+    *,
+    frequency_range: tuple[float, float],
+    tolerance: float,
+    damping: Damping,
+    edges: tuple[float, ...] = (),
+    rounded: Callable[[float], float] = float,
+) -> Table:
+    r"""Return the shortest table that keeps every FRF within `tolerance`.
+
+    A mass m on the solid answers as :math:`1/(K - m\omega^2)`. A table that says
+    :math:`K + \Delta` changes that by the relative amount :math:`|\Delta| / |K + \Delta -
+    m\omega^2|`, which is largest for the mass that resonates there, and never more than
+    :math:`|\Delta| / \operatorname{Im}(K + \Delta)`. That bound is kept, so the table serves
+    every mass. From each point the next is put as far away as the tolerance lets it.
+
+    Parameters
+    ----------
+    model : GeneralizedMaxwell
+    frequency_range : (float, float)
+        Hz, 0 < low < high.
+    tolerance : float
+        Of the FRF, relative.
+    damping : {"loss_factor", "damping"}
+    edges : tuple of float
+        Frequencies, Hz, that get a point of their own, such as the ends of the identified band.
+    rounded : callable
+        A number as the deck will print it: the error includes the rounding.
+
+    Raises
+    ------
+    ExportError
+        If the range or the tolerance cannot be, or the table would pass 5000 points.
+    """
+    low, high = frequency_range
+    if not (np.isfinite([low, high]).all() and 0 < low < high):
+        raise ExportError(f"frequency_range = {low:g}:{high:g} Hz; expected 0 < low < high")
+    if not 0 < tolerance < 1:
+        raise ExportError(f"tolerance = {tolerance!r}; expected a number between 0 and 1")
+    if model.k_0 == 0:
+        raise ExportError("a dashpot alone has no storage stiffness to tabulate; export its arms")
+    lossless = not model.k and model.b == 0
+
+    def error(f: FloatArray) -> float:
+        """Of the table that has points at f."""
+        return 0.0 if lossless else float(_interval_errors(model, f, damping, rounded).max())
+
+    points = [rounded(low)]
+    stops = sorted({rounded(edge) for edge in edges if low < edge < high} | {rounded(high)})
+    reach = 0.1  # in ln f
+    for stop in stops:
+        while points[-1] < stop:
+            following, reach = _furthest(
+                points[-1], stop, reach, error=error, tolerance=tolerance, rounded=rounded
+            )
+            points.append(following)
+            if len(points) > _LONGEST:
+                raise ExportError(
+                    f"tolerance = {tolerance:g} needs more than {_LONGEST} points between {low:g} "
+                    f"and {high:g} Hz; ask for less, or for a narrower range"
+                )
+    f = np.array(points)
+    storage, damped = _values(model, f, damping, rounded)
+    return Table(f, storage, damped, error=error(f), tolerance=tolerance)
+
+
+def _furthest(
+    start: float,
+    stop: float,
+    reach: float,
+    *,
+    error: Callable[[FloatArray], float],
+    tolerance: float,
+    rounded: Callable[[float], float],
+) -> tuple[float, float]:
+    """The next point and how far away it is in ln f: the error grows with the square of that."""
+    for trial in range(60):
+        following = min(stop, rounded(start * float(np.exp(reach))))
+        if not following > start:
+            break
+        found = error(np.array([start, following]))
+        wasteful = found < 0.8 * tolerance and following < stop and trial < 30
+        if found <= tolerance and not wasteful:
+            return following, reach
+        factor = np.sqrt(0.9 * tolerance / max(found, 1e-300))
+        reach *= float(np.clip(factor, 0.1, 4.0 if trial < 30 else 0.5))
+    raise ExportError(
+        f"no table reaches the tolerance {tolerance:g} near {start:g} Hz with the digits that "
+        "the deck prints; ask for less"
+    )
+
+
+def _values(
+    model: GeneralizedMaxwell, f: FloatArray, damping: Damping, rounded: Callable[[float], float]
+) -> tuple[FloatArray, FloatArray]:
+    omega = 2 * np.pi * f
+    K = model.complex_stiffness(omega)
+    damped = K.imag / K.real if damping == "loss_factor" else K.imag / omega
+    return np.array([rounded(v) for v in K.real]), np.array([rounded(v) for v in damped])
+
+
+def _interval_errors(
+    model: GeneralizedMaxwell, f: FloatArray, damping: Damping, rounded: Callable[[float], float]
+) -> FloatArray:
+    storage, damped = _values(model, f, damping, rounded)
+    inner = f[:-1, None] + np.diff(f)[:, None] * _WITHIN
+    between = np.concatenate((f, inner.ravel()))
+    omega = 2 * np.pi * between
+    real, second = np.interp(between, f, storage), np.interp(between, f, damped)
+    imaginary = real * second if damping == "loss_factor" else omega * second
+    with np.errstate(divide="ignore"):
+        return np.asarray(
+            np.abs(real + 1j * imaginary - model.complex_stiffness(omega)) / np.abs(imaginary)
+        )

@@ -1,0 +1,177 @@
+"""From prepared tests to the blocks that the engine fits."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal, NamedTuple, TypeAlias, TypedDict
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.engine.blocks.block import Block, DesignBlock
+from dashpot.engine.blocks.hold import hold_block, window_of
+from dashpot.engine.blocks.recorded import recorded_block
+from dashpot.engine.solver.variable_projection import Solution
+from dashpot.preparation.denoising import true_motion
+from dashpot.records.measures import MAX_CREEP, hold_creep
+from dashpot.records.relaxation import RampHold
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+Method: TypeAlias = Literal["full", "hold"]
+
+NUISANCE = ("offset", "drift")
+
+# beyond this part of the depth, motion after the ramp is another ramp
+_SECOND_RAMP = 0.05
+_FEWEST = 8
+_ROUNDED = 0.01
+
+
+class Design(NamedTuple):
+    """How the tests are set out: the method, whose stiffnesses, which nuisance terms."""
+
+    method: Method
+    depth_law: bool = False
+    nuisance: tuple[str, ...] = NUISANCE
+
+
+def compressed(tests: Sequence[RampHold], design: Design) -> tuple[Block, ...]:
+    """Return one block per test, a few hundred rows each, on which the fit is the full fit."""
+    make = _hold if design.method == "hold" else _full
+    return tuple(make(test, i, design) for i, test in enumerate(tests))
+
+
+def every_sample(
+    tests: Sequence[RampHold], design: Design, blocks: Sequence[Block]
+) -> tuple[Block, ...]:
+    """Return the blocks of :func:`compressed` with one row per sample, in the record's order."""
+    if design.method == "hold":
+        return tuple(_hold_samples(test, i, design) for i, test in enumerate(tests))
+    return tuple(b.exact for b in blocks)
+
+
+def fitted_samples(test: RampHold, design: Design) -> slice:
+    """Return the samples that the fit uses: the hold, or from the first to the hold's end."""
+    return test.hold if design.method == "hold" else slice(0, test.hold.stop)
+
+
+def eq5_obstacle(test: RampHold) -> str | None:
+    """Return why eq. 5 does not apply to this history, in a sentence; None if it does."""
+    held = test.displacement[test.hold]
+    if len(held) < _FEWEST:
+        return (
+            f"the hold has {len(held)} samples, and eq. 5 needs at least {_FEWEST}: use "
+            "method='full', or sample faster"
+        )
+    moved = float(np.ptp(held)) / test.depth
+    if moved > _SECOND_RAMP:
+        return (
+            f"the displacement moves by {100 * moved:.0f} % of the depth after the first ramp, so "
+            "this is no single ramp and hold; eq. 5 does not apply: use method='full', or cut "
+            "the record to one ramp and its hold"
+        )
+    creep = hold_creep(test)
+    if abs(creep) > MAX_CREEP:
+        return (
+            f"the displacement drifts by {100 * creep:.2g} % of the depth during the hold, more "
+            f"than the {100 * MAX_CREEP:.0f} % that eq. 5 can bear: use method='full', which "
+            "takes the recorded motion"
+        )
+    return None
+
+
+class _Names(TypedDict):
+    """Names of a block's columns, as the engine takes them."""
+
+    k_inf: str
+    arm_group: str
+
+
+def _names(i: int, design: Design) -> _Names:
+    if design.depth_law:
+        return {"k_inf": f"k_inf@{i}", "arm_group": f"k@{i}"}
+    return {"k_inf": "k_inf", "arm_group": "k"}
+
+
+class _Sensor(TypedDict):
+    """Names of the columns of a load cell; None leaves a column out."""
+
+    offset: str | None
+    drift: str | None
+
+
+def _sensor(i: int, design: Design) -> _Sensor:
+    return {
+        "offset": f"offset@{i}" if "offset" in design.nuisance else None,
+        "drift": f"drift@{i}" if "drift" in design.nuisance else None,
+    }
+
+
+def _motion(test: RampHold) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Time, displacement from the first sample on, and force, up to the end of the hold.
+
+    A seal that the record finds in contact is at rest there: the force of that rest is offset.
+    """
+    used = fitted_samples(test, Design("full"))
+    x, _ = true_motion(test)
+    return _evened(test.time[used] - test.time[0]), x - x[0], test.force[used]
+
+
+def _evened(time: FloatArray) -> FloatArray:
+    """Return an even clock whose stamps were rounded as the even clock it is, else `time`.
+
+    A text file rounds its times. Where every stamp is within a hundredth of a sample of a uniform
+    grid, that grid is meant, and the fit need not treat the record as unevenly sampled.
+    """
+    grid = np.linspace(time[0], time[-1], len(time))
+    step = (time[-1] - time[0]) / max(len(time) - 1, 1)
+    return grid if float(np.abs(time - grid).max()) <= _ROUNDED * step else time
+
+
+def _full(test: RampHold, i: int, design: Design) -> Block:
+    return recorded_block(*_motion(test), **_names(i, design), **_sensor(i, design))
+
+
+def _hold(test: RampHold, i: int, design: Design) -> Block:
+    return hold_block(
+        test.time[test.hold] - test.ramp_end,
+        test.force[test.hold],
+        depth=test.depth,
+        ramp_time=test.ramp_time,
+        **_names(i, design),
+    )
+
+
+def _hold_samples(test: RampHold, i: int, design: Design) -> Block:
+    s, c = test.time[test.hold] - test.ramp_end, test.ramp_time
+
+    def columns(tau: FloatArray, _derivative: bool) -> tuple[FloatArray, FloatArray]:
+        x = c / tau
+        mean = -np.expm1(-x) / x
+        decay = test.depth * np.exp(-s[:, None] / tau)
+        arms = mean * decay
+        return arms, arms * s[:, None] / tau + (mean - np.exp(-x)) * decay
+
+    names = _names(i, design)
+    return DesignBlock(
+        target=test.force[test.hold],
+        fixed=np.full((len(s), 1), test.depth),
+        fixed_names=(names["k_inf"],),
+        columns=columns,
+        window=window_of(s),
+        arm_group=names["arm_group"],
+    )
+
+
+def solid_of(solution: Solution, suffix: str = "") -> GeneralizedMaxwell:
+    """Return the solid of one arm group, with its parallel dashpot if it has one.
+
+    An arm that this group does not show is left out.
+    """
+    k = solution.arms[solution.groups.index(f"k{suffix}")] if solution.order else np.zeros(0)
+    return GeneralizedMaxwell(
+        max(solution.coefficient(f"k_inf{suffix}"), 0.0),
+        tuple(k[k > 0]),
+        tuple(solution.tau[k > 0]),
+        max(solution.coefficient("b"), 0.0) if "b" in solution.fixed_names else 0.0,
+    )

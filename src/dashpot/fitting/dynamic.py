@@ -1,0 +1,350 @@
+"""From a dynamic (DMA) test to a fitted solid, alone or together with relaxation tests."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Literal, NamedTuple, TypeAlias
+
+import numpy as np
+
+from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.checks import Check
+from dashpot.base.errors import FitError
+from dashpot.base.provenance import Source, Step
+from dashpot.engine.blocks.block import Block, DesignBlock, frequency_block
+from dashpot.fitting import checks as bench
+from dashpot.fitting import curve_checks as questions
+from dashpot.fitting.design import Design, compressed, every_sample
+from dashpot.fitting.pipeline import (
+    Chosen,
+    FitData,
+    Weighted,
+    alone,
+    asked_arms,
+    assembled,
+    chosen_arms,
+)
+from dashpot.fitting.spectrum import dense_where_few_fail, dynamic_master_curve, relative_scale
+from dashpot.fitting.uncertainty.informed_band import informed_band
+from dashpot.records.dynamic import DynamicTest
+from dashpot.records.fit import Fit, Provenance
+from dashpot.records.relaxation import RampHold, listed
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+Weights: TypeAlias = Literal["relative", "modulus"]
+
+# sweeps this far apart in temperature are not one solid, K
+_ONE_TEMPERATURE = 2.0
+# half a decade: an arm farther out than this shows only its tail
+_BEYOND = float(np.sqrt(10.0))
+# a fit that expects less than this part of a value does not follow it: no ground for a weight
+_DOUBTED = 0.1
+
+
+def fit_dynamic(
+    data: DynamicTest,
+    *,
+    arms: int | Literal["auto"] = "auto",
+    tests: RampHold | Sequence[RampHold] = (),
+    weights: Weights = "relative",
+    dashpot: bool = False,
+    temperature: float | None = None,
+    thorough: bool = False,
+    max_arms: int = 6,
+) -> Fit:
+    r"""Fit a generalized Maxwell solid to storage and loss, and to relaxation tests with them.
+
+    .. math:: K' + jK'' = k_\infty + \sum_j k_j \frac{j\omega\tau_j}{1 + j\omega\tau_j}
+        \; [+ j\omega b]
+
+    No starting guess is needed. Residuals of storage and of loss are relative to what the best
+    solid of the sweep alone expects there; then each curve, and each relaxation test, is divided
+    by its own scatter about the best solid that it alone allows, so that every test speaks as
+    loudly as it is sure.
+
+    Parameters
+    ----------
+    data : DynamicTest
+        One temperature, or a master curve; the frequencies in any order.
+    arms : int or "auto"
+        Number of Maxwell arms; ``"auto"`` takes the number that BIC with the effective sample
+        size and the significance of every arm both support.
+    tests : RampHold or sequence of RampHold
+        Prepared relaxation tests of the same part, fitted in the same stack by their recorded
+        motion, each with its own tare and drift. `data` must then be in N/m.
+    weights : "relative" or "modulus"
+        Errors of storage and of loss relative each to its own size, or both to the size of the
+        complex modulus (an error of the phase).
+    dashpot : bool
+        Allow a parallel dashpot b; not together with `tests`.
+    temperature : float, optional
+        K; takes the samples within 1 K of it out of sweeps at several temperatures.
+    thorough : bool
+        Add quasi-random starts.
+    max_arms : int
+        The most that ``"auto"`` tries.
+
+    Returns
+    -------
+    Fit
+        `method` is ``"dynamic"``, `unit` that of the data, the residuals in units of scatter.
+        `band` is the measured frequencies, Hz, and with tests also what they inform, unless
+        more than a decade between the two was not measured.
+
+    Raises
+    ------
+    FitError
+        If sweeps at several temperatures come without `temperature`, a storage is not above
+        0, or an option makes no sense.
+    """
+    data = _at_temperature(data, temperature)
+    records = _records(tests, data, dashpot=dashpot)
+    most = asked_arms(arms, max_arms)
+    sets = [_sweep(data, weights, dashpot=dashpot, most=most)]
+    sets += _relaxations(records, most)
+    blocks = [one.block for one in sets]
+    rows = [row for one in sets for row in one.rows]
+    found = chosen_arms(FitData(blocks, rows), arms, max_arms=max_arms, thorough=thorough)
+    model = found.model
+    band, met = _band(data, records, blocks[1:], model.k_0)
+    answers = (
+        *questions.of_dynamic(data),
+        *_checks(found, data, records),
+        *met,
+    )
+    options = (
+        ("arms", str(arms)),
+        ("weights", weights),
+        ("dashpot", str(dashpot).lower()),
+        ("temperature", "all" if temperature is None else f"{temperature:g} K"),
+        ("thorough", str(thorough).lower()),
+    )
+    few = assembled(
+        found,
+        band=band,
+        checks=answers,
+        provenance=Provenance(
+            "dynamic",
+            _sources(data, records),
+            (
+                *(step for record in records for step in record.steps),
+                _step(data, records, model, options),
+            ),
+            data.specimen,
+        ),
+        tests=len(records),
+        unit=data.unit,
+    )
+    if arms != "auto" or records or dashpot:
+        return few
+    error = _relative_error(few.model, data)
+    return dense_where_few_fail(few, error, lambda: dynamic_master_curve(data))
+
+
+def _relative_error(model: GeneralizedMaxwell, data: DynamicTest) -> FloatArray:
+    """Errors of storage, then of loss, relative to each."""
+    K = model.complex_stiffness(data.omega)
+    storage, loss = relative_scale(data)
+    return np.concatenate(((K.real - data.storage) / storage, (K.imag - data.loss) / loss))
+
+
+class _Set(NamedTuple):
+    """One data set in units of its scatter: the block to solve, and one block per record."""
+
+    block: Block
+    rows: tuple[Block, ...]
+
+
+def _at_temperature(data: DynamicTest, temperature: float | None) -> DynamicTest:
+    if temperature is not None:
+        if data.temperature is None:
+            raise FitError(
+                f"temperature = {temperature:g} K was asked for, but the test has no temperatures; "
+                "leave it out"
+            )
+        near = np.abs(data.temperature - temperature) <= _ONE_TEMPERATURE / 2
+        if not near.any():
+            listed = ", ".join(f"{value:.0f}" for value in np.unique(np.round(data.temperature)))
+            raise FitError(
+                f"no sample within {_ONE_TEMPERATURE / 2:g} K of {temperature:g} K; the test has "
+                f"{listed} K"
+            )
+        data = replace(
+            data,
+            frequency=data.frequency[near],
+            storage=data.storage[near],
+            loss=data.loss[near],
+            temperature=data.temperature[near],
+        )
+    elif data.temperature is not None and np.ptp(data.temperature) > _ONE_TEMPERATURE:
+        raise FitError(
+            f"the sweeps were made between {data.temperature.min():.1f} K and "
+            f"{data.temperature.max():.1f} K, and one solid has one temperature: say which with "
+            "temperature=, or shift the sweeps to a master curve first"
+        )
+    order = np.argsort(data.frequency, kind="stable")
+    return replace(
+        data,
+        frequency=data.frequency[order],
+        storage=data.storage[order],
+        loss=data.loss[order],
+        temperature=None if data.temperature is None else data.temperature[order],
+    )
+
+
+def _records(
+    tests: RampHold | Sequence[RampHold], data: DynamicTest, *, dashpot: bool
+) -> tuple[RampHold, ...]:
+    records = listed(tests)
+    if records and data.unit != "N/m":
+        raise FitError(
+            f"the sweep is in {data.unit}, the relaxation tests in N and m; multiply storage and "
+            "loss by area over height to get N/m, or fit the two alone"
+        )
+    if records and dashpot:
+        raise FitError(
+            "a parallel dashpot is fitted to a sweep alone; leave out dashpot=True or the tests "
+            "(an arm much faster than the sweep is such a dashpot)"
+        )
+    return records
+
+
+def _sweep(data: DynamicTest, weights: str, *, dashpot: bool, most: int) -> _Set:
+    _checked(data, weights)
+    n = len(data.frequency)
+    first = _sweep_block(data, _scale(data, data.value, weights), dashpot=dashpot)
+    best = alone([first], _halves(first, n), most)
+    # the size of noisy data is a biased weight: low values would speak loudest
+    storage, loss = _scale(data, best.model.complex_stiffness(data.omega), weights)
+    scale = (storage * best.scatter[0], loss * best.scatter[1])
+    known = _sweep_block(data, scale, dashpot=dashpot)
+    return _Set(known, _halves(known, n))
+
+
+def _sweep_block(
+    data: DynamicTest, scale: tuple[FloatArray, FloatArray], *, dashpot: bool
+) -> DesignBlock:
+    return frequency_block(
+        data.omega,
+        data.value,  # type: ignore[arg-type]
+        weights=(1 / scale[0], 1 / scale[1]),
+        dashpot=dashpot,
+    )
+
+
+def _checked(data: DynamicTest, weights: str) -> None:
+    if weights not in ("relative", "modulus"):
+        raise FitError(f"weights = {weights!r}; expected 'relative' or 'modulus'")
+    bad = np.flatnonzero(data.storage <= 0)
+    if bad.size:
+        i = int(bad[0])
+        raise FitError(
+            f"the storage at {data.frequency[i]:.3g} Hz is {data.storage[i]:g}; no relaxing solid "
+            "has a storage <= 0 (mass moved along, or the phase is wrong): leave it out"
+        )
+
+
+def _scale(
+    data: DynamicTest, expected: ComplexArray, weights: str
+) -> tuple[FloatArray, FloatArray]:
+    """Return what errors of storage and loss are relative to: the size expected of each."""
+    size = np.maximum(np.abs(expected), _DOUBTED * np.abs(data.value))
+    if weights == "modulus":
+        return size, size
+    storage, loss = relative_scale(data)
+    return (
+        np.maximum(np.abs(expected.real), _DOUBTED * storage),
+        np.maximum(np.abs(expected.imag), _DOUBTED * loss),
+    )
+
+
+def _halves(block: DesignBlock, n: int) -> tuple[Block, Block]:
+    """The storage and the loss of a sweep as records of their own, in order of frequency."""
+
+    def part(rows: slice) -> DesignBlock:
+        def columns(tau: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
+            arms, slope = block.columns(tau, derivative)
+            return arms[rows], slope[rows]
+
+        return replace(
+            block, target=block.target[rows], fixed=block.fixed[rows], columns=columns, samples=n
+        )
+
+    return part(slice(0, n)), part(slice(n, 2 * n))
+
+
+def _relaxations(records: Sequence[RampHold], most: int) -> list[_Set]:
+    design = Design("full")
+    blocks = compressed(records, design)
+    sets = []
+    for block, row in zip(blocks, every_sample(records, design, blocks), strict=True):
+        factor = 1 / alone([block], [row], most).scatter[0]
+        sets.append(_Set(Weighted(block, factor), (Weighted(row, factor),)))
+    return sets
+
+
+def _checks(found: Chosen, data: DynamicTest, records: Sequence[RampHold]) -> tuple[Check, ...]:
+    """Return the checks of the fit."""
+    model, estimate, error = found.model, found.estimate, found.error
+    shortest, longest = 1 / float(data.omega.max()), 1 / float(data.omega.min())
+    if records:
+        shortest = min(shortest, *(2 * float(np.diff(one.time).min()) for one in records))
+        longest = max(longest, *(one.hold_time for one in records))
+    answers = [
+        bench.arms_distinct(model),
+        questions.arms_supported(model, error, unit=data.unit),
+        questions.tau_inside_window(
+            model,
+            (shortest / _BEYOND, longest * _BEYOND),
+            "the sweep and the holds" if records else "the sweep",
+        ),
+        questions.plateau_seen(
+            model, float(error[0]), unit=data.unit, further="sweep to lower frequencies"
+        ),
+        questions.residuals_random(estimate.kappa, estimate.sse, estimate.samples),
+        *questions.order(found.choice),
+    ]
+    if records:
+        spread = [
+            float(np.sqrt(np.mean(residual**2) * noise.kappa))
+            for residual, noise in zip(estimate.residuals, estimate.noises, strict=True)
+        ]
+        names = ["storage", "loss", *(f"relaxation test {i + 1}" for i in range(len(records)))]
+        answers.append(questions.data_agree(spread, names))
+    return tuple(answers)
+
+
+def _band(
+    data: DynamicTest, records: Sequence[RampHold], blocks: Sequence[Block], k_0: float
+) -> tuple[tuple[float, float], tuple[Check, ...]]:
+    """Return the frequencies that the tests inform, and whether they leave a gap."""
+    sweep = (float(data.frequency.min()), float(data.frequency.max()))
+    if not records:
+        return sweep, ()
+    # the blocks are in units of their own scatter
+    held = informed_band(records, blocks, stiffness=max(k_0, 1e-300), noise=1.0)
+    met = questions.bands_meet(sweep, held)
+    if not met.passed:
+        return sweep, (met,)
+    return (min(sweep[0], held[0]), max(sweep[1], held[1])), (met,)
+
+
+def _sources(data: DynamicTest, records: Sequence[RampHold]) -> tuple[Source, ...]:
+    every = (data.source, *(record.source for record in records))
+    return tuple(source for source in every if source is not None)
+
+
+def _step(
+    data: DynamicTest,
+    records: Sequence[RampHold],
+    model: GeneralizedMaxwell,
+    options: tuple[tuple[str, str], ...],
+) -> Step:
+    n = len(records)
+    beside = "" if not n else f" and {n} relaxation test{'s' * (n > 1)}"
+    says = (
+        f"fitted a generalized Maxwell solid with {model.arms} arm{'s' * (model.arms != 1)} to "
+        f"storage and loss at {len(data.frequency)} frequencies{beside}"
+    )
+    return Step("fit_dynamic", options, says)

@@ -1,0 +1,179 @@
+"""Thousands of relaxation records on one clock, in one call."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from dashpot.base.arrays import ByValue, FloatArray, frozen, increasing, samples
+from dashpot.base.errors import DataError
+from dashpot.engine.blocks.block import Block
+from dashpot.engine.blocks.families import (
+    hold_family,
+    ramp_hold_family,
+    recorded_family,
+    shares_correlation,
+)
+from dashpot.engine.blocks.recorded import recorded_block
+from dashpot.engine.solver.many_records import ManySolutions, solve_each, solve_many
+from dashpot.records.fit import Status
+
+
+@dataclass(frozen=True, eq=False)
+class Many(ByValue):
+    """One solid per record; a record that could not be fitted holds NaN and a status that says why.
+
+    Attributes
+    ----------
+    k_inf : array, shape (R,)
+        N/m.
+    k, tau : array, shape (R, N)
+        N/m and s, ascending in tau; NaN beyond the arms that the record supports.
+    sse : array, shape (R,)
+        Sum of squared residuals, N^2.
+    status : tuple of Status, length R
+    """
+
+    k_inf: FloatArray
+    k: FloatArray
+    tau: FloatArray
+    sse: FloatArray
+    status: tuple[Status, ...]
+
+    def __post_init__(self) -> None:
+        for name in ("k_inf", "k", "tau", "sse"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+
+    def __len__(self) -> int:
+        """Number of records."""
+        return len(self.k_inf)
+
+
+def fit_many(
+    time: npt.ArrayLike,
+    forces: npt.ArrayLike,
+    *,
+    displacement: npt.ArrayLike | None = None,
+    ramp: tuple[float, float] | None = None,
+    arms: int = 2,
+    method: Literal["full", "hold"] = "full",
+) -> Many:
+    r"""Fit every record of a stack that was taken on one clock under one displacement.
+
+    The result of each is that of a single fit of the same record. Nothing is raised by one bad
+    record: it comes back as NaN with a status.
+
+    Parameters
+    ----------
+    time : array_like, shape (M,)
+        s, strictly increasing.
+    forces : array_like, shape (R, M)
+        N, tared, compression positive, one record per row.
+    displacement : array_like, shape (M,), optional
+        The recorded displacement, m, zero before contact. Fastest on a uniform clock.
+    ramp : pair of float, optional
+        Depth, m, and ramp time, s, of an ideal ramp from time[0] on, where no displacement was
+        recorded.
+    arms : int
+        Maxwell arms of each solid.
+    method : {"full", "hold"}
+        Fit the whole record, or only its hold: from the end of the ramp, or from the first
+        sample within 1 % of the largest displacement.
+
+    Returns
+    -------
+    Many
+
+    Raises
+    ------
+    DataError
+        If the shapes do not fit together, or the history is missing or given twice.
+    FitError
+        If the records are too short for so many arms.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from dashpot.solids.maxwell import GeneralizedMaxwell
+    >>> time = np.linspace(0, 10, 1001)
+    >>> displacement = 1e-3 * np.minimum(time, 1)
+    >>> noise = np.random.default_rng(0).normal(0, 1e-3, (3, 1001))
+    >>> seal = GeneralizedMaxwell(200.0, k=(100.0,), tau=(0.5,))
+    >>> many = fit_many(time, seal.force(time, displacement) + noise,
+    ...                 displacement=displacement, arms=1)
+    >>> [status.name for status in many.status]
+    ['CONVERGED', 'CONVERGED', 'CONVERGED']
+    >>> bool(np.all(abs(many.k_inf - 200) < 1))
+    True
+    """
+    clock = increasing("time", samples("time", time, minimum=8))
+    records = np.array(forces, dtype=float, ndmin=2)
+    if records.ndim != 2 or records.shape[1] != len(clock):
+        raise DataError(
+            f"forces have shape {np.shape(forces)}; expected (records, {len(clock)}), "
+            "one column per time"
+        )
+    if (displacement is None) == (ramp is None):
+        raise DataError(
+            "the history must be given once: displacement= as recorded, or ramp=(depth, ramp_time)"
+        )
+    if ramp is not None:
+        found = _ideal(clock, records, ramp, arms, method=method)
+    else:
+        x = samples("displacement", displacement if displacement is not None else ())
+        found = _recorded(clock, records, x, arms, method=method)
+    return Many(
+        k_inf=found.fixed[:, 0],
+        k=found.arms,
+        tau=np.exp(found.log_tau),
+        sse=found.sse,
+        status=tuple(_status(found, row, arms) for row in range(len(records))),
+    )
+
+
+def _ideal(
+    clock: FloatArray, records: FloatArray, ramp: tuple[float, float], arms: int, *, method: str
+) -> ManySolutions:
+    depth, ramp_time = ramp
+    if not (depth > 0 and ramp_time >= 0):
+        raise DataError(f"ramp = {ramp!r}; expected (depth > 0 in m, ramp_time >= 0 in s)")
+    since = clock - clock[0]
+    if method == "full" and ramp_time > 0:
+        return solve_many(ramp_hold_family(since, depth=depth, ramp_time=ramp_time), records, arms)
+    first = int(np.searchsorted(since, ramp_time))
+    held = since[first:] - ramp_time
+    family = hold_family(held, depth=depth, ramp_time=ramp_time)
+    return solve_many(family, records[:, first:], arms)
+
+
+def _recorded(
+    clock: FloatArray, records: FloatArray, x: FloatArray, arms: int, *, method: str
+) -> ManySolutions:
+    if len(x) != len(clock):
+        raise DataError(f"displacement has {len(x)} samples, time has {len(clock)}")
+    if not x.max() > 0:
+        raise DataError("the displacement is never positive; expected compression in m, > 0")
+    first = int(np.argmax(x >= 0.99 * x.max())) if method == "hold" else 0
+    window = slice(first, len(clock))
+    if shares_correlation(clock, x):
+        return solve_many(recorded_family(clock, x, window=window), records, arms)
+
+    def block(force: FloatArray) -> Block:
+        return recorded_block(clock, x, force, window=window)
+
+    return solve_each(block, records, arms, fixed_count=1)
+
+
+def _status(found: ManySolutions, row: int, arms: int) -> Status:
+    if not found.finite[row]:
+        return Status.NO_DATA
+    if found.order[row] < 0:
+        return Status.NOT_CONVERGED
+    if found.at_bound[row]:
+        return Status.TAU_AT_BOUND
+    if found.order[row] < arms:
+        return Status.FEWER_ARMS
+    return Status.CONVERGED if found.converged[row] else Status.NOT_CONVERGED

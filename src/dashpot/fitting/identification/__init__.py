@@ -1,0 +1,1 @@
+"""Viscoelastic solids from vibration, alone or together with relaxation."""

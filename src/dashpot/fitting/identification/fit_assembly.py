@@ -1,0 +1,296 @@
+"""From an optimum to what a reader needs: a Fit with its errors, its nuisances, what moved."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, IndexArray
+from dashpot.base.checks import Check
+from dashpot.base.provenance import Source, Step
+from dashpot.fitting.identification.likelihood import DELAY_UNIT
+from dashpot.fitting.identification.search import Candidate, window_ends
+from dashpot.records.estimate import Nuisance, ParameterEstimate, Residual, parameter_names
+from dashpot.records.fit import Evidence, Fit, Moved, OrderScore, Provenance, Status
+from dashpot.records.frf import FRF
+from dashpot.records.relaxation import RampHold
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+# nuisances farther than this from what was known, in standard deviations, are doubted
+STRAINED = 2.5
+# misfit over scatter that a good model stays below
+MISFIT = 2.0
+# a relaxation test whose chi-square the hammer raises by this factor contradicts it
+CONTRADICTED = 1.3
+# arms nearer than this in ln tau are the same arm
+SAME = 1.0
+
+
+def assembled(
+    best: Candidate,
+    orders: Sequence[Candidate],
+    *,
+    frf: FRF,
+    tests: Sequence[RampHold],
+    before: Fit | None,
+    asked: int | str,
+    most: int,
+) -> Fit:
+    """The fit of one seal, with everything needed to judge it."""
+    problem, point = best.problem, best.point
+    covariance = best.covariance()
+    order = np.argsort(best.theta[1 + problem.arms : 1 + 2 * problem.arms], kind="stable")
+    names, physical = _physical(covariance, point.model, order, dashpot=problem.dashpot)
+    residual, samples = _residual(best)
+    checks = _checks(best, covariance, before)
+    return Fit(
+        solid=point.model,
+        status=_status(best, asked, most),
+        estimate=ParameterEstimate(
+            names,
+            physical,
+            dof=max(samples - len(best.theta), 1.0),
+            residual=residual,
+            nuisance=_nuisance(best, covariance),
+        ),
+        evidence=Evidence(
+            band=_band(best, before),
+            orders=tuple(_score(candidate) for candidate in orders),
+            checks=checks,
+            moved=() if before is None else _moved(before, point.model, names, physical),
+        ),
+        provenance=Provenance(
+            "joint" if tests or before is not None else "frf",
+            _sources(frf, tests),
+            (*frf.steps, *(step for test in tests for step in test.steps), _step(best)),
+        ),
+    )
+
+
+def _physical(
+    covariance: FloatArray, model: GeneralizedMaxwell, order: IndexArray, *, dashpot: bool
+) -> tuple[tuple[str, ...], FloatArray]:
+    """Covariance of k_inf, k, ln tau and b from that of their logarithms, arms ascending."""
+    N = model.arms
+    rows = [0, *(1 + order), *(1 + N + order), *([1 + 2 * N] if dashpot else [])]
+    scale = [model.k_inf, *model.k, *np.ones(N), *([model.b] if dashpot else [])]
+    picked = covariance[np.ix_(rows, rows)] * np.outer(scale, scale)
+    return parameter_names(N, dashpot=dashpot), np.asarray(picked)
+
+
+def _residual(best: Candidate) -> tuple[Residual, float]:
+    problem = best.problem
+    lines = problem.frf_residual(best.theta)
+    relaxations = problem.relaxation_chi2(best.theta)
+    chi2 = float(lines @ lines) + sum(relaxations)
+    effective = len(lines) + sum(relaxation.samples for relaxation in problem.relaxations)
+    n = len(lines) + sum(relaxation.block.samples for relaxation in problem.relaxations)
+    residual = Residual(
+        n=n, sse=chi2, rms=float(np.sqrt(chi2 / effective)), kappa=float(n / effective)
+    )
+    return residual, float(effective)
+
+
+def _score(candidate: Candidate) -> OrderScore:
+    lines = candidate.problem.frf_residual(candidate.theta)
+    return OrderScore(
+        arms=candidate.problem.arms,
+        sse=float(lines @ lines) + sum(candidate.problem.relaxation_chi2(candidate.theta)),
+        bic=candidate.bic,
+        significant=candidate.significant(),
+        model=candidate.point.model,
+    )
+
+
+def _status(best: Candidate, asked: int | str, most: int) -> Status:
+    low, high = window_ends(best.problem)
+    N = best.problem.arms
+    log_tau = best.theta[1 + N : 1 + 2 * N]
+    if not best.converged:
+        return Status.NOT_CONVERGED
+    if asked != "auto" and most > N:
+        return Status.FEWER_ARMS
+    if N and (log_tau.min() < low + 1e-3 or log_tau.max() > high - 1e-3):
+        return Status.TAU_AT_BOUND
+    return Status.CONVERGED if best.significant() else Status.NOT_IDENTIFIED
+
+
+def _band(best: Candidate, before: Fit | None) -> tuple[float, float]:
+    """Where the tests inform the solid: an octave about the peak, and what relaxation sees."""
+    frf_data = best.problem.frf_data
+    low = max(frf_data.peak_hz / 2, float(frf_data.frequency[0]))
+    high = min(frf_data.peak_hz * 2, float(frf_data.frequency[-1]))
+    return (low, high) if before is None else (min(low, before.band[0]), max(high, before.band[1]))
+
+
+def _nuisance(best: Candidate, covariance: FloatArray) -> tuple[Nuisance, ...]:
+    problem, point = best.problem, best.point
+
+    def se(name: str, scale: float) -> float:
+        if name not in problem.at:
+            return 0.0
+        i = problem.at[name]
+        return float(np.sqrt(covariance[i, i])) * scale
+
+    return (
+        Nuisance("mass", point.mass, se("ln_mass", point.mass), "kg"),
+        Nuisance("gain", point.gain, se("ln_gain", point.gain), "1"),
+        Nuisance("delay", point.delay, se("delay", DELAY_UNIT), "s"),
+    )
+
+
+def _sources(frf: FRF, tests: Sequence[RampHold]) -> tuple[Source, ...]:
+    return (*frf.source, *(test.source for test in tests if test.source is not None))
+
+
+def _step(best: Candidate) -> Step:
+    frf_data, relaxations = best.problem.frf_data, best.problem.relaxations
+    return Step(
+        "identify",
+        (
+            ("lines", str(len(frf_data.s))),
+            ("band_hz", f"{frf_data.frequency[0]:.6g} {frf_data.frequency[-1]:.6g}"),
+            ("seals", f"{frf_data.seals:g}"),
+            ("relaxation_tests", str(len(relaxations))),
+            ("scatter_scaled_by", f"{best.problem.scale:.6g}"),
+        ),
+        f"fitted {len(frf_data.s)} lines of the FRF"
+        + (f" together with {len(relaxations)} relaxation test(s)" if relaxations else ""),
+    )
+
+
+def _moved(
+    before: Fit, model: GeneralizedMaxwell, names: tuple[str, ...], covariance: FloatArray
+) -> tuple[Moved, ...]:
+    """Each parameter before and after; arms are matched by their relaxation times."""
+    se = dict(zip(names, np.sqrt(np.diag(covariance)).tolist(), strict=True))
+    old = dict(zip(before.parameters, np.sqrt(np.diag(before.covariance)), strict=True))
+    rows = [
+        Moved("k_inf", before.model.k_inf, _known(old, "k_inf"), model.k_inf, se["k_inf"], "N/m")
+    ]
+    partner = _partners(before.model.tau, model.tau)
+    for j, (k, tau) in enumerate(zip(model.k, model.tau, strict=True), start=1):
+        i = partner.get(j - 1)
+        k0 = None if i is None else before.model.k[i]
+        tau0 = None if i is None else before.model.tau[i]
+        k_se = None if i is None else _known(old, f"k_{i + 1}")
+        log_se = None if i is None else _known(old, f"ln_tau_{i + 1}")
+        tau_se = None if tau0 is None or log_se is None else tau0 * log_se
+        rows.append(Moved(f"k_{j}", k0, k_se, k, se[f"k_{j}"], "N/m"))
+        rows.append(Moved(f"tau_{j}", tau0, tau_se, tau, tau * se[f"ln_tau_{j}"], "s"))
+    if model.b > 0:
+        rows.append(Moved("b", before.model.b, None, model.b, se["b"], "N s/m"))
+    return tuple(rows)
+
+
+def _known(errors: dict[str, float], name: str) -> float | None:
+    return None if name not in errors else float(errors[name])
+
+
+def _partners(old: tuple[float, ...], new: tuple[float, ...]) -> dict[int, int]:
+    """New arm -> old arm, nearest pairs first, none farther apart than a factor e."""
+    pairs = sorted((abs(np.log(a / b)), i, j) for i, a in enumerate(old) for j, b in enumerate(new))
+    found: dict[int, int] = {}
+    for distance, i, j in pairs:
+        if distance < SAME and j not in found and i not in found.values():
+            found[j] = i
+    return found
+
+
+def _checks(best: Candidate, covariance: FloatArray, before: Fit | None) -> tuple[Check, ...]:
+    return (_lines(best), *_relaxation(best), *_strains(best), _sure(best, covariance, before))
+
+
+def _lines(best: Candidate) -> Check:
+    problem = best.problem
+    if problem.frf_data.known_sd:
+        return Check(
+            "lines_explained",
+            problem.scale <= MISFIT,
+            f"the solid leaves {problem.scale:.2g} times the random scatter of the lines"
+            + (
+                ""
+                if problem.scale <= MISFIT
+                else ": another mode, leakage or nonlinearity is in the FRF; narrow band=, or add "
+                "arms"
+            ),
+            problem.scale,
+            MISFIT,
+        )
+    return Check(
+        "lines_explained",
+        problem.scale <= 0.1,
+        f"the solid leaves {100 * problem.scale:.2g} % of the FRF unexplained; the FRF came "
+        "without coherence or scatter, so every line counted alike",
+        problem.scale,
+        0.1,
+    )
+
+
+def _relaxation(best: Candidate) -> list[Check]:
+    checks = []
+    chi2s = best.problem.relaxation_chi2(best.theta)
+    for i, (relaxation, chi2) in enumerate(
+        zip(best.problem.relaxations, chi2s, strict=True), start=1
+    ):
+        ratio = chi2 / relaxation.samples
+        passed = ratio <= CONTRADICTED
+        checks.append(
+            Check(
+                "relaxation_still_explained",
+                passed,
+                f"in the joint fit relaxation test {i} has {ratio:.3g} times the squared residual "
+                "of its own fit"
+                + (
+                    ""
+                    if passed
+                    else ": hammer and relaxation contradict each other; check mass, number and "
+                    "length of seals, and whether both tests are at the same compression"
+                ),
+                ratio,
+                CONTRADICTED,
+            )
+        )
+    return checks
+
+
+def _strains(best: Candidate) -> list[Check]:
+    """How far each nuisance had to go from what was known of it."""
+    priors, point = best.problem.priors, best.point
+    found = []
+    if priors.mass is not None and priors.mass.sd > 0:
+        off = point.mass - priors.mass.value
+        found.append(("mass", f"{1e3 * point.mass:.4g} g", off, priors.mass.sd))
+    if priors.gain_sd > 0:
+        found.append(("gain", f"{point.gain:.4g}", float(np.log(point.gain)), priors.gain_sd))
+    if priors.delay_sd > 0:
+        found.append(("delay", f"{1e3 * point.delay:.3g} ms", point.delay, priors.delay_sd))
+    return [
+        Check(
+            f"{name}_believable",
+            abs(off) <= STRAINED * sd,
+            f"the fit puts the {name} at {value}, {abs(off) / sd:.2g} standard deviations from "
+            "what was known" + ("" if abs(off) <= STRAINED * sd else f": check the {name} itself"),
+            abs(off) / sd,
+            STRAINED,
+        )
+        for name, value, off, sd in found
+    ]
+
+
+def _sure(best: Candidate, covariance: FloatArray, before: Fit | None) -> Check:
+    N = best.problem.arms
+    se = np.sqrt(np.diag(covariance))
+    worst = float(max(se[1 : 1 + 2 * N], default=0.0))
+    passed = best.significant()
+    new = N - (0 if before is None else before.model.arms)
+    says = (
+        f"every one of the {N} arms is known (largest relative standard error {100 * worst:.2g} %)"
+        if passed
+        else f"not every one of the {N} arms is known (largest relative standard error "
+        f"{100 * worst:.2g} %): ask for fewer arms, widen band=, or add a relaxation test"
+    )
+    if before is not None and new > 0:
+        says += f"; {new} of them only with the help of the hammer"
+    return Check("arms_identified", passed, says, worst, 0.5)

@@ -1,0 +1,150 @@
+"""The hammer test as data to be explained: lines, their scatter, and what the rig adds to them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.errors import DataError
+from dashpot.engine.blocks.block import DesignBlock
+from dashpot.records.frf import FRF, Kind
+from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.vibration.modal.peaks import find_peak, random_sd, usable_lines
+from dashpot.vibration.modal.truncation import cut_accelerance
+
+# no line is trusted beyond this part of its value: leakage and aliasing of the pulse remain
+FLOOR = 1e-3
+# lines within this factor of the peak are fitted unless a band is given
+AROUND_THE_PEAK = 3.0
+FEWEST_LINES = 8
+
+
+@dataclass(frozen=True, eq=False)
+class FRFData:
+    """The lines of a measured accelerance that a model must explain.
+
+    Attributes
+    ----------
+    frequency : array, shape (n,)
+        Hz.
+    s, value : complex array, shape (n,)
+        1/s and 1/kg.
+    sd : array, shape (n,)
+        Standard deviation of real and imaginary part.
+    known_sd : bool
+        False if nothing told the scatter, so that lines count by their relative misfit.
+    record : float or None
+        Length of the record after the hit, s.
+    pulse : float
+        Rms width of the hammer's pulse, s.
+    seals : float
+    peak_hz : float
+    """
+
+    frequency: FloatArray
+    s: ComplexArray
+    value: ComplexArray
+    sd: FloatArray
+    known_sd: bool
+    record: float | None
+    pulse: float
+    seals: float
+    peak_hz: float
+
+    def predict(
+        self, model: GeneralizedMaxwell, mass: float, gain: float, delay: float
+    ) -> ComplexArray:
+        r"""Accelerance as this rig would show it, `model` being one seal.
+
+        .. math:: A(s) = g\,e^{-s d}\,\frac{s^2}{m s^2 + n K(s)}
+
+        less what a cut record loses; g is the gain of acceleration over force, d its delay.
+        """
+        total = self.seals * model
+        if self.record is None:
+            value = self.s**2 / (mass * self.s**2 + total.stiffness_at(self.s))
+        else:
+            value = cut_accelerance(total, mass, self.s, self.record, self.pulse)
+        return np.asarray(gain * np.exp(-self.s * delay) * value)
+
+    def misfit(self, predicted: ComplexArray) -> FloatArray:
+        """Weighted differences, real then imaginary, shape (2n,)."""
+        difference = (predicted - self.value) / self.sd
+        return np.concatenate((difference.real, difference.imag))
+
+    def stiffness_block(self, mass: float | None, *, dashpot: bool) -> DesignBlock:
+        r"""The same lines as a linear problem in the stiffnesses of one seal, for starts.
+
+        .. math:: s^2/A - m s^2 = n\left[k_\infty + \sum_j k_j \frac{s\tau_j}{1+s\tau_j}
+                  + b s\right]
+
+        With no mass given it is one more unknown, named ``mass@frf``.
+        """
+        stiffness = self.s**2 / self.value
+        weight = np.abs(self.value) / (np.abs(stiffness) * self.sd)
+        weights = np.concatenate((weight, weight))[:, None]
+        columns = {"k_inf": self.seals * np.ones_like(self.s)}
+        if dashpot:
+            columns["b"] = self.seals * self.s
+        if mass is None:
+            columns["mass@frf"] = self.s**2
+        else:
+            stiffness = stiffness - mass * self.s**2
+
+        def arms(tau: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
+            x = self.s[:, None] * tau
+            value = weights * _stacked(self.seals * x / (1 + x))
+            if not derivative:
+                return value, value
+            return value, weights * _stacked(self.seals * x / (1 + x) ** 2)
+
+        return DesignBlock(
+            target=weights[:, 0] * _stacked(stiffness),
+            fixed=weights * _stacked(np.column_stack(list(columns.values()))),
+            fixed_names=tuple(columns),
+            columns=arms,
+            window=(
+                0.1 / float(np.abs(self.s).max()),
+                10.0 / float(np.abs(self.s).min()),
+            ),
+        )
+
+
+def _stacked(values: ComplexArray) -> FloatArray:
+    return np.concatenate((values.real, values.imag))
+
+
+def frf_data_of(frf: FRF, *, seals: float, band: tuple[float, float] | None) -> FRFData:
+    """Choose the lines of an FRF that a mass on seals can explain.
+
+    Raises
+    ------
+    DataError
+        If fewer than 8 lines remain.
+    """
+    measured = frf.to(Kind.ACCELERANCE)
+    peak = find_peak(measured if band is None else measured.band(*band)).frequency
+    low, high = (peak / AROUND_THE_PEAK, peak * AROUND_THE_PEAK) if band is None else band
+    keep = usable_lines(measured) & (measured.frequency >= low) & (measured.frequency <= high)
+    if np.count_nonzero(keep) < FEWEST_LINES:
+        raise DataError(
+            f"{np.count_nonzero(keep)} usable lines between {low:.4g} and {high:.4g} Hz; a model "
+            f"needs at least {FEWEST_LINES}: widen band=, or record longer for more lines"
+        )
+    value = measured.value[keep]
+    scatter = random_sd(measured)
+    floor = FLOOR * np.abs(value)
+    sd = np.abs(value) if scatter is None else np.hypot(scatter[keep], floor)
+    return FRFData(
+        frequency=measured.frequency[keep],
+        s=measured.s[keep],
+        value=value,
+        sd=sd,
+        known_sd=scatter is not None,
+        record=measured.record,
+        pulse=measured.pulse,
+        seals=float(seals),
+        peak_hz=peak,
+    )

@@ -1,0 +1,154 @@
+"""From a relaxation modulus over time to the fewest arms that explain it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from dashpot.base.arrays import FloatArray, increasing, same_length, samples
+from dashpot.base.errors import DataError, FitError
+from dashpot.base.provenance import Source, Step
+from dashpot.engine.blocks.block import DesignBlock
+from dashpot.engine.blocks.hold import decay_block
+from dashpot.fitting import checks as bench
+from dashpot.fitting import curve_checks as questions
+from dashpot.fitting.pipeline import FitData, alone, asked_arms, assembled, chosen_arms
+from dashpot.fitting.spectrum import dense_where_few_fail, master_curve
+from dashpot.records.fit import Fit, Provenance
+from dashpot.records.specimen import Specimen
+
+# a fit that expects less than this part of a value does not follow it: no ground for a weight
+_DOUBTED = 0.1
+# a dense spectrum needs a curve
+_LEAST = 3
+
+
+def fit_modulus(
+    time: npt.ArrayLike,
+    modulus: npt.ArrayLike,
+    *,
+    arms: int | Literal["auto"] = "auto",
+    weights: Literal["relative", "uniform"] = "relative",
+    thorough: bool = False,
+    max_arms: int = 6,
+    unit: str = "Pa",
+    source: Source | None = None,
+    specimen: Specimen | None = None,
+) -> Fit:
+    r"""Fit a generalized Maxwell solid to a relaxation modulus, the answer to a unit step.
+
+    .. math:: E(t) = E_\infty + \sum_j E_j e^{-t/\tau_j}, \qquad E_\infty, E_j \ge 0
+
+    A plateau is always looked for; a liquid's rests at zero. A force record is no modulus: its
+    ramp must be answered for, as :func:`~dashpot.fitting.relaxation.fit` does.
+
+    Parameters
+    ----------
+    time : array_like, shape (n,)
+        s, >= 0, strictly increasing.
+    modulus : array_like, shape (n,)
+        In `unit`; > 0 with relative weights.
+    arms : int or "auto"
+        ``"auto"`` takes the number that BIC and the significance of every arm both support; if no
+        number up to `max_arms` follows the curve, with relative weights, the dense spectrum of
+        :func:`~dashpot.fitting.spectrum.master_curve` stands in, without standard errors.
+    weights : "relative" or "uniform"
+        Residuals relative to what the best solid expects, or all alike.
+    thorough : bool
+        Add quasi-random starts.
+    max_arms : int
+        The most that ``"auto"`` tries.
+    unit : str
+        ``"Pa"`` or ``"N/m"``.
+    source : Source, optional
+    specimen : Specimen, optional
+
+    Returns
+    -------
+    Fit
+        `method` is ``"modulus"``; residuals are relative, or in `unit` if uniform; `band` is
+        1/(2 pi t) of the first and last time above 0, Hz.
+
+    Raises
+    ------
+    DataError
+        If the arrays are not what they should be.
+    FitError
+        If an option makes no sense, or there are fewer samples than parameters.
+    """
+    t, values = increasing("time", samples("time", time)), samples("modulus", modulus)
+    same_length(time=t, modulus=values)
+    if t[0] < 0:
+        raise DataError(f"time[0] = {t[0]:g} s; expected the time since the step, >= 0")
+    if unit not in {"Pa", "N/m"}:
+        raise FitError(f"unit = {unit!r}; expected 'Pa' or 'N/m'")
+    most = asked_arms(arms, max_arms)
+    window = _window(t)
+    weight = _weights(values, weights)
+    if weights == "relative":
+        # the size of noisy data is a biased weight: low values would speak loudest
+        first = _block(t, values, weight, window)
+        expected = alone([first], [first], most).model.relaxation(t)
+        weight = 1 / np.maximum(expected, _DOUBTED * values)
+    block = _block(t, values, weight, window)
+    found = chosen_arms(FitData([block], [block]), arms, max_arms=max_arms, thorough=thorough)
+    model = found.model
+    seen = t[t > 0]
+    asked = (
+        questions.arms_supported(model, found.error, unit=unit),
+        questions.tau_inside_window(model, window, "the curve"),
+        bench.arms_distinct(model),
+        questions.plateau_seen(model, float(found.error[0]), unit=unit, further="measure longer"),
+        questions.residuals_random(found.estimate.kappa, found.estimate.sse, len(t)),
+        *questions.order(found.choice),
+    )
+    step = Step(
+        "fit_modulus",
+        (("arms", str(arms)), ("weights", weights), ("unit", unit)),
+        f"fitted a generalized Maxwell solid with {model.arms} arms to {len(t)} values of a "
+        "relaxation modulus",
+    )
+    few = assembled(
+        found,
+        band=(float(1 / (2 * np.pi * seen[-1])), float(1 / (2 * np.pi * seen[0]))),
+        checks=asked,
+        provenance=Provenance(
+            "modulus", () if source is None else (source,), (step,), specimen or Specimen()
+        ),
+        unit=unit,
+    )
+    later = t > 0
+    if arms != "auto" or weights != "relative" or later.sum() < _LEAST:
+        return few
+    error = model.relaxation(t) / values - 1.0
+    return dense_where_few_fail(few, error, lambda: master_curve(t[later], values[later]))
+
+
+def _block(
+    t: FloatArray, values: FloatArray, weight: FloatArray, window: tuple[float, float]
+) -> DesignBlock:
+    block = decay_block(t, values, weights=weight, compress=False)
+    return replace(block, window=(window[0], 10 * window[1]))
+
+
+def _window(t: FloatArray) -> tuple[float, float]:
+    """Return the relaxation times that the curve can show, s: two samples apart to its end."""
+    return (float(t[min(1, len(t) - 1)]) - float(t[0])) / 3, float(t[-1])
+
+
+def _weights(values: FloatArray, weights: str) -> FloatArray:
+    if weights == "uniform":
+        return np.ones(len(values))
+    if weights != "relative":
+        raise FitError(f"weights = {weights!r}; expected 'relative' or 'uniform'")
+    bad = np.flatnonzero(values <= 0)
+    if bad.size:
+        i = int(bad[0])
+        raise DataError(
+            f"modulus[{i}] = {values[i]:g}; relative weights need values > 0: cut the curve "
+            "before it drowns in noise, or use weights='uniform'"
+        )
+    return np.asarray(1 / values)

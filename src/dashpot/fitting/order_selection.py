@@ -1,0 +1,63 @@
+"""The rules for the number of arms in the metric of a noise that is as slow as the arms."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+from dashpot.engine.blocks.block import Block
+from dashpot.engine.inference.order import bic_of_deviance, needed
+from dashpot.engine.inference.whitening import whitened_block
+from dashpot.engine.solver.variable_projection import Jacobian, Solution, solve, solve_orders
+from dashpot.fitting.uncertainty.estimate import Score, by_record, noises_of, rounding
+
+
+def in_noise_metric(
+    scores: Sequence[Score],
+    every_sample: Sequence[Block],
+    largest: Jacobian,
+    *,
+    peak: float,
+    thorough: bool,
+) -> tuple[Score, ...] | None:
+    """Return every number of arms judged anew, or None if a record has no noise.
+
+    Parameters
+    ----------
+    scores : sequence of Score
+        By plain least squares, no arm first.
+    every_sample : sequence of Block
+        One per record, a row per sample.
+    largest : Jacobian
+        Residual and Jacobian of every sample for the most arms: they tell the noise.
+    peak : float
+        The largest force, N: it sets what rounding alone leaves.
+    thorough : bool
+        Add quasi-random starts.
+    """
+    solutions = [score.solution for score in scores]
+    noises = noises_of(*by_record(largest, every_sample), peak=peak)
+    if any(noise.autocovariance[0] <= rounding(peak) ** 2 for noise in noises):
+        return None
+    blocks = [
+        whitened_block(block, noise) for block, noise in zip(every_sample, noises, strict=True)
+    ]
+    refitted = [solve(blocks, 0)]
+    refitted += [s for s in solve_orders(blocks, len(solutions) - 1, thorough=thorough) if s.order]
+    # where a further arm with k > 0 does not help, its number leaves what the last one left
+    refitted += [refitted[-1]] * (len(solutions) - len(refitted))
+    effective = sum(noise.effective for noise in noises)
+    size = [_parameters(solution) for solution in solutions]
+    falls = [before.sse - after.sse for before, after in pairwise(refitted)]
+    significant = [
+        True,
+        *(needed(f, b - a) for f, (a, b) in zip(falls, pairwise(size), strict=True)),
+    ]
+    return tuple(
+        Score(solution, bic_of_deviance(best.sse, effective=effective, parameters=count), clear)
+        for solution, best, count, clear in zip(solutions, refitted, size, significant, strict=True)
+    )
+
+
+def _parameters(solution: Solution) -> int:
+    return len(solution.fixed) + solution.order * (1 + len(solution.groups))

@@ -1,0 +1,497 @@
+"""From data to a fit: every number of arms tried, one chosen, judged and assembled."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check
+from dashpot.base.errors import FitError
+from dashpot.engine.blocks.block import Block, Evaluation
+from dashpot.engine.inference.covariance import Noise, nearly_white, noise_gain_differs
+from dashpot.engine.inference.order import DECISIVE, Choice, choose
+from dashpot.engine.solver.certificate import certificate
+from dashpot.engine.solver.descent import Stack
+from dashpot.engine.solver.variable_projection import (
+    Jacobian,
+    Solution,
+    full_jacobian,
+    solve,
+    solve_orders,
+)
+from dashpot.fitting.design import solid_of
+from dashpot.fitting.uncertainty.encoder import Encoder
+from dashpot.fitting.uncertainty.estimate import (
+    Estimate,
+    Score,
+    by_record,
+    estimated,
+    residual_noises,
+    scored,
+)
+from dashpot.fitting.uncertainty.profile_intervals import profiles
+from dashpot.records.estimate import Nuisance, ParameterEstimate, Residual
+from dashpot.records.fit import (
+    AtDepth,
+    Certificate,
+    Evidence,
+    Fit,
+    OrderScore,
+    Provenance,
+    Status,
+)
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+# a step that would remove less of the residual than this is rounding, whatever it does to tau
+_STATIONARY = 1e-6
+_NUISANCE_UNITS = {"offset": "N", "drift": "N/s"}
+
+
+@dataclass(frozen=True, eq=False)
+class FitData:
+    """What a solid is fitted to.
+
+    Attributes
+    ----------
+    blocks, samples : sequences of Block
+        The data to solve, and the same with a row per sample, one block per record.
+    in_time : bool
+        The samples are records in time: no more arms are tried than could gain what BIC asks for
+        one, a decisive BIC overrules, and under noise as slow as the arms fits in its metric are
+        judged.
+    encoders : sequence of Encoder, optional
+        Of each record, where the recorded motion is fitted.
+    suffix : str
+        Which arm group is the model's: ``""``, or ``"@0"`` where each test has its own.
+    """
+
+    blocks: Sequence[Block]
+    samples: Sequence[Block]
+    in_time: bool = False
+    encoders: Sequence[Encoder] | None = None
+    suffix: str = ""
+
+    @cached_property
+    def peak(self) -> float:
+        """Largest target: it sets what rounding alone leaves."""
+        return max(_largest(block) for block in self.samples)
+
+
+@dataclass(frozen=True, eq=False)
+class Chosen:
+    """The optimum for the number of arms taken, its uncertainty, and every number tried.
+
+    Attributes
+    ----------
+    data : FitData
+    estimate : Estimate
+        Of the number of arms taken.
+    scores : tuple of Score
+        Every number tried, from none up.
+    choice : Choice or None
+        How the rules chose; None if the number was asked for.
+    asked : int or None
+        The number asked for; None if the rules chose.
+    """
+
+    data: FitData
+    estimate: Estimate
+    scores: tuple[Score, ...]
+    choice: Choice | None
+    asked: int | None
+
+    @property
+    def solution(self) -> Solution:
+        """The optimum."""
+        return self.estimate.solution
+
+    @cached_property
+    def model(self) -> GeneralizedMaxwell:
+        """The solid of the optimum."""
+        return solid_of(self.solution, self.data.suffix)
+
+    @cached_property
+    def _rows(self) -> dict[str, int]:
+        """The model's parameters and their rows in the covariance."""
+        solution, suffix = self.solution, self.data.suffix
+        k = solution.arms[solution.groups.index(f"k{suffix}")] if solution.order else np.zeros(0)
+        there = np.flatnonzero(k > 0) + 1
+        named = {"k_inf": f"k_inf{suffix}"}
+        named |= {f"k_{j}": f"k_{row}{suffix}" for j, row in enumerate(there, start=1)}
+        named |= {f"ln_tau_{j}": f"ln_tau_{row}" for j, row in enumerate(there, start=1)}
+        if "b" in solution.fixed_names:
+            named["b"] = "b"
+        return {name: self.estimate.names.index(row) for name, row in named.items()}
+
+    @cached_property
+    def covariance(self) -> FloatArray:
+        """Of the model's parameters: k_inf, every k, every ln tau, and b."""
+        rows = list(self._rows.values())
+        return self.estimate.covariance[np.ix_(rows, rows)]
+
+    @cached_property
+    def error(self) -> FloatArray:
+        """Standard errors of the model's parameters."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the model's parameters."""
+        return tuple(self._rows)
+
+    @property
+    def orders(self) -> tuple[OrderScore, ...]:
+        """Every number of arms tried, as a fit holds it."""
+        return tuple(
+            OrderScore(
+                score.solution.order, score.solution.sse, score.bic, score.significant,
+                solid_of(score.solution, self.data.suffix),
+            )
+            for score in self.scores
+        )  # fmt: skip
+
+
+def asked_arms(arms: object, max_arms: object) -> int:
+    """Return the most arms to try.
+
+    Raises
+    ------
+    FitError
+        If `arms` is neither ``"auto"`` nor a whole number >= 0.
+    """
+    if arms == "auto":
+        if not _whole(max_arms):
+            raise FitError(f"max_arms = {max_arms!r}; expected a whole number >= 0")
+        return int(max_arms)  # type: ignore[call-overload,no-any-return]
+    if not _whole(arms):
+        raise FitError(
+            f'arms = {arms!r}; expected "auto" or a whole number of arms, 0 for a spring alone'
+        )
+    return int(arms)  # type: ignore[call-overload,no-any-return]
+
+
+def chosen_arms(
+    data: FitData,
+    arms: int | Literal["auto"],
+    *,
+    max_arms: int = 6,
+    thorough: bool = False,
+) -> Chosen:
+    """Fit every number of arms; take the number that the data support, or that was asked for.
+
+    Parameters
+    ----------
+    data : FitData
+    arms : int or "auto"
+        ``"auto"`` chooses by BIC and significance; of a number the data may bear fewer.
+    max_arms : int
+        The most that ``"auto"`` tries.
+    thorough : bool
+        Add quasi-random starts.
+    """
+    blocks, samples, peak, in_time = data.blocks, data.samples, data.peak, data.in_time
+    auto, most = arms == "auto", asked_arms(arms, max_arms)
+    if auto:
+        most = min(most, bearable(blocks))
+    solutions = _solved(blocks, most, every=not (auto and in_time) or thorough, thorough=thorough)
+    noises = residual_noises(solutions[-1], samples, peak=peak)
+    scores = _scored(solutions, data, noises)
+    exhausted = len(scores) - 1 < most or not in_time
+    choice = _choice(scores, exhausted=exhausted, decisive=DECISIVE if in_time else np.inf)
+
+    @lru_cache(maxsize=1)  # the order that the rules support is, as a rule, the one chosen
+    def whole(order: int) -> Jacobian:
+        return full_jacobian(samples, scores[order].solution)
+
+    # least squares is a fair judge where the noise is even to the arms that a rule supports
+    supported = min(max(choice.by_bic, choice.by_significance, 1), len(scores) - 1)
+    if (
+        auto
+        and in_time
+        and not nearly_white(noises)
+        and noise_gain_differs(by_record(whole(supported), samples)[1], noises)
+    ):
+        from dashpot.fitting.order_selection import in_noise_metric
+
+        largest = whole(len(scores) - 1)
+        anew = in_noise_metric(scores, samples, largest, peak=peak, thorough=thorough)
+        if anew is not None:
+            scores = anew
+            choice = _choice(scores, exhausted=exhausted, decisive=DECISIVE, in_noise_metric=True)
+    taken = choice.arms if auto else min(most, len(scores) - 1)
+    estimate = estimated(
+        scores[taken].solution, samples, peak=peak, encoders=data.encoders, whole=whole(taken)
+    )
+    return Chosen(data, estimate, scores, choice if auto else None, None if auto else most)
+
+
+def assembled(
+    found: Chosen,
+    *,
+    band: tuple[float, float],
+    checks: Sequence[Check],
+    provenance: Provenance,
+    noticed: Sequence[Check] = (),
+    by_depth: tuple[AtDepth, ...] = (),
+    tests: int = 0,
+    unit: str = "N/m",
+) -> Fit:
+    """Return the fit that a chosen number of arms makes.
+
+    Parameters
+    ----------
+    found : Chosen
+    band : (float, float)
+        The frequencies that the data inform, Hz.
+    checks, noticed : sequences of Check
+        Of the fit, which decide its status, and of the preparation, which stand before them.
+    provenance : Provenance
+    by_depth : tuple of AtDepth
+    tests : int
+        How many relaxation tests have a tare and a drift of their own.
+    unit : str
+    """
+    data, estimate = found.data, found.estimate
+    return Fit(
+        solid=found.model,
+        status=_status(found.solution, found.asked, checks),
+        estimate=ParameterEstimate(
+            parameters=found.parameters,
+            covariance=found.covariance,
+            dof=estimate.dof,
+            residual=_residual(estimate),
+            profiles=profiles(
+                data.blocks,
+                estimate,
+                suffix=data.suffix,
+                every_sample=data.samples if data.in_time else None,
+            ),
+            nuisance=_nuisance(estimate, tests=tests),
+        ),
+        evidence=Evidence(
+            band=band,
+            orders=found.orders,
+            certificate=_certificate(data.blocks, found.solution),
+            checks=(*noticed, *checks),
+            by_depth=by_depth,
+        ),
+        provenance=provenance,
+        unit=unit,
+    )
+
+
+def bearable(blocks: Sequence[Block]) -> int:
+    """Return how many arms the samples could determine at all, with two to spare."""
+    stack = Stack(blocks)
+    return max(0, (stack.samples - len(stack.names) - 2) // (1 + len(stack.groups)))
+
+
+# -- orders ---------------------------------------------------------------------------------------
+
+
+def _solved(blocks: Sequence[Block], most: int, *, every: bool, thorough: bool) -> list[Solution]:
+    """Return the optimum of each number of arms from none up.
+
+    Unless `every` number is asked for, only one more is tried where all further arms together
+    would gain less than BIC asks for one.
+    """
+    solutions = [solve(blocks, 0)]
+    if most:
+        stack = Stack(blocks)
+        one_more = 0.0 if every else (1 + len(stack.groups)) * float(np.log(stack.samples))
+        found = solve_orders(blocks, most, negligible=one_more, thorough=thorough)
+        solutions += [solution for solution in found if solution.order]
+    return solutions
+
+
+def _scored(
+    solutions: Sequence[Solution], data: FitData, noises: Sequence[Noise]
+) -> tuple[Score, ...]:
+    """Judge each number of arms by the residuals of the largest."""
+    effective = sum(noise.effective for noise in noises)
+    return tuple(
+        scored(solution, data.blocks, data.samples, effective=effective, peak=data.peak)
+        for solution in solutions
+    )
+
+
+def _choice(
+    scores: Sequence[Score], *, exhausted: bool, decisive: float, in_noise_metric: bool = False
+) -> Choice:
+    return choose(
+        range(len(scores)),
+        [score.bic for score in scores],
+        [score.significant for score in scores],
+        exhausted=exhausted,
+        in_noise_metric=in_noise_metric,
+        decisive=decisive,
+    )
+
+
+def _whole(number: object) -> bool:
+    whole = isinstance(number, int | np.integer) and not isinstance(number, bool)
+    return whole and number >= 0  # type: ignore[operator]
+
+
+# -- parts of a fit -------------------------------------------------------------------------------
+
+
+def _status(solution: Solution, asked: int | None, checks: Sequence[Check]) -> Status:
+    """Return how the fit ended: the first thing that went wrong, or that nothing did."""
+    failed = {check.name for check in checks if not check.passed}
+    if "force_relaxes" in failed:
+        return Status.FORCE_RISES
+    stationary = solution.converged or solution.relative_offset < _STATIONARY
+    if not stationary and not solution.at_bound.any():
+        return Status.NOT_CONVERGED
+    if asked is not None and solution.order < asked:
+        return Status.FEWER_ARMS
+    if solution.at_bound.any() or "tau_inside_window" in failed:
+        return Status.TAU_AT_BOUND
+    if failed & {"arms_supported", "k_inf_positive"}:
+        return Status.NOT_IDENTIFIED
+    return Status.CONVERGED
+
+
+def _residual(estimate: Estimate) -> Residual:
+    """Return the statistics of the weighted residuals."""
+    weights = [float(residual @ residual) for residual in estimate.residuals]
+    watson = [noise.durbin_watson for noise in estimate.noises]
+    return Residual(
+        n=estimate.samples,
+        sse=estimate.sse,
+        rms=float(np.sqrt(estimate.sse / estimate.samples)),
+        kappa=estimate.kappa,
+        durbin_watson=float(np.average(watson, weights=weights)) if sum(weights) > 0 else 2.0,
+    )
+
+
+def _nuisance(estimate: Estimate, *, tests: int) -> tuple[Nuisance, ...]:
+    """Return offset and drift of the load cell of each relaxation test."""
+    found = []
+    for name in estimate.solution.fixed_names:
+        kind, _, test = name.partition("@")
+        if kind in _NUISANCE_UNITS:
+            found.append(
+                Nuisance(
+                    name=f"{kind} of test {int(test) + 1}" if tests > 1 else kind,
+                    value=estimate.solution.coefficient(name),
+                    standard_error=estimate.standard_error(name),
+                    unit=_NUISANCE_UNITS[kind],
+                )
+            )
+    return tuple(found)
+
+
+def _certificate(blocks: Sequence[Block], solution: Solution) -> Certificate:
+    """Return how far the optimum can be from the best positive spectrum."""
+    found = certificate(blocks, solution)
+    if found.optimal:
+        says = "no positive spectrum, with any number of arms, fits better"
+    else:
+        says = (
+            f"the best positive spectrum with any number of arms would lower the sum of squares "
+            f"by {100 * found.gap:.2g} %"
+        )
+    return Certificate(found.optimal, found.gap, found.tau, says)
+
+
+# -- data weighted by their own scatter -----------------------------------------------------------
+
+
+# a scatter below this part of the largest value is rounding
+ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Weighted:
+    """A block whose every row is multiplied by one factor, 1/sd."""
+
+    block: Block
+    factor: float
+
+    @property
+    def floor(self) -> float:  # noqa: D102
+        return self.factor**2 * self.block.floor
+
+    @property
+    def rounding_floor(self) -> float:  # noqa: D102
+        return self.factor**2 * self.block.rounding_floor
+
+    @property
+    def energy(self) -> float:  # noqa: D102
+        return self.factor**2 * self.block.energy
+
+    @property
+    def sampling(self) -> None:  # noqa: D102
+        return None
+
+    @property
+    def rotated_basis(self) -> bool:  # noqa: D102
+        return self.block.rotated_basis
+
+    @property
+    def samples(self) -> int:  # noqa: D102
+        return self.block.samples
+
+    @property
+    def fixed_names(self) -> tuple[str, ...]:  # noqa: D102
+        return self.block.fixed_names
+
+    @property
+    def arm_group(self) -> str:  # noqa: D102
+        return self.block.arm_group
+
+    @property
+    def exact(self) -> Weighted:  # noqa: D102
+        return Weighted(self.block.exact, self.factor)
+
+    @property
+    def window(self) -> tuple[float, float]:  # noqa: D102
+        return self.block.window
+
+    def evaluate(self, log_tau: FloatArray, derivative: bool = True) -> Evaluation:
+        """Return target and design matrix, weighted."""
+        return Evaluation(
+            *(self.factor * part for part in self.block.evaluate(log_tau, derivative))
+        )
+
+
+class Alone(NamedTuple):
+    """The best that one test allows: its solid, and the scatter that each of its records leaves.
+
+    Attributes
+    ----------
+    model : GeneralizedMaxwell
+    scatter : tuple of float
+        Spread of one independent residual (rms times root kappa) of each record, never below
+        the rounding of the data.
+    """
+
+    model: GeneralizedMaxwell
+    scatter: tuple[float, ...]
+
+
+def alone(blocks: Sequence[Block], samples: Sequence[Block], most: int) -> Alone:
+    """Fit one test with as many arms as it bears, up to `most`."""
+    most = min(most, bearable(blocks))
+    best = solve_orders(blocks, most)[-1] if most else solve(blocks, 0)
+    peaks = [_largest(block) for block in samples]
+    estimate = estimated(best, samples, peak=max(peaks))
+    spreads = [
+        float(np.sqrt(np.mean(residual**2) * noise.kappa))
+        for residual, noise in zip(estimate.residuals, estimate.noises, strict=True)
+    ]
+    return Alone(
+        solid_of(best),
+        tuple(max(one, ROUNDING * (peak or 1.0)) for one, peak in zip(spreads, peaks, strict=True)),
+    )
+
+
+def _largest(block: Block) -> float:
+    return float(np.abs(block.evaluate(np.zeros(0), derivative=False).target).max())

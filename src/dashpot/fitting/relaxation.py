@@ -1,0 +1,272 @@
+"""From prepared relaxation tests to a fitted solid."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+
+from dashpot.base.checks import Check
+from dashpot.base.errors import FitError
+from dashpot.base.provenance import Step
+from dashpot.engine.solver.variable_projection import solve
+from dashpot.fitting import checks
+from dashpot.fitting.design import (
+    NUISANCE,
+    Design,
+    Method,
+    compressed,
+    eq5_obstacle,
+    every_sample,
+    solid_of,
+)
+from dashpot.fitting.filter_bias import filter_bias
+from dashpot.fitting.pipeline import Chosen, FitData, asked_arms, assembled, chosen_arms
+from dashpot.fitting.uncertainty.encoder import Encoder
+from dashpot.fitting.uncertainty.estimate import Estimate
+from dashpot.fitting.uncertainty.informed_band import informed_band
+from dashpot.preparation.checks import of_records
+from dashpot.records.fit import Fit, Provenance
+from dashpot.records.measures import depth_doubt, encoder_step
+from dashpot.records.relaxation import RampHold, listed
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+
+def fit(
+    tests: RampHold | Sequence[RampHold],
+    *,
+    arms: int | Literal["auto"] = "auto",
+    method: Method = "full",
+    thorough: bool = False,
+    depth_law: bool = False,
+    nuisance: Sequence[str] = NUISANCE,
+    max_arms: int = 6,
+) -> Fit:
+    r"""Fit a generalized Maxwell solid to one prepared test, or to several at once.
+
+    ``method="full"`` answers the *recorded* motion x(t) from the first sample to the end of the
+    hold, freed of the encoder's counts and noise where it shows any
+    (:func:`~dashpot.preparation.denoising.true_motion`), with the tare and drift of the load cell
+    as nuisance terms; the force is never filtered,
+
+    .. math:: F(t) = k_\infty x(t) + \sum_j k_j \int_0^t e^{-(t-u)/\tau_j} \dot x(u)\,du
+              + F_0 + \dot F t
+
+    ``method="hold"`` is the paper's eq. (5) on the hold after an ideal ramp of rate A = x_h/c,
+
+    .. math:: F(t) = A \Bigl[k_\infty c + \sum_j b_j e^{-(t-c)/\tau_j}
+              (1 - e^{-c/\tau_j})\Bigr], \qquad b_j = k_j \tau_j
+
+    No starting guess is needed.
+
+    Parameters
+    ----------
+    tests : RampHold or sequence of RampHold
+        What :func:`~dashpot.preparation.prepare.prepare` returns. Several tests share their
+        relaxation times, and their stiffnesses unless `depth_law`; each has its own tare and
+        drift.
+    arms : int or "auto"
+        Number of Maxwell arms; 0 is a spring. ``"auto"`` takes the number that BIC with the
+        effective sample size and the significance of every arm both support; under noise as slow
+        as the arms, by fits in the metric of that noise (:mod:`dashpot.engine.inference.order`).
+    method : "full" or "hold"
+    thorough : bool
+        Add quasi-random starts.
+    depth_law : bool
+        Give each test its own k_inf and k; ``Fit.by_depth`` holds them, ``Fit.model`` is the
+        deepest test's.
+    nuisance : sequence of str
+        Which terms of the load cell ``method="full"`` fits along with the solid: ``"offset"``
+        and ``"drift"``. Eq. (5) has none.
+    max_arms : int
+        The most that ``"auto"`` tries.
+
+    Returns
+    -------
+    Fit
+
+    Raises
+    ------
+    FitError
+        If an option makes no sense, a test is not prepared, or eq. (5) does not apply to the
+        recorded history.
+    """
+    records = listed(tests)
+    if not records:
+        raise FitError("there is no test to fit; expected at least one prepared test")
+    asked_arms(arms, max_arms)
+    _checked_method(records, method)
+    design = Design(method, depth_law, _checked_nuisance(nuisance))
+    deepest = max(range(len(records)), key=lambda i: records[i].depth)
+    blocks = compressed(records, design)
+    data = FitData(
+        blocks,
+        every_sample(records, design, blocks),
+        in_time=True,
+        encoders=_encoders(records, design),
+        suffix=f"@{deepest}" if depth_law else "",
+    )
+    found = chosen_arms(data, arms, max_arms=max_arms, thorough=thorough)
+    if method == "hold":
+        doubts = [depth_doubt(record) for record in records]
+        found = replace(
+            found, estimate=found.estimate.with_depth_doubt(doubts, shared=not depth_law)
+        )
+    band = informed_band(
+        records,
+        blocks,
+        stiffness=max(found.model.k_0, 1e-300),
+        noise=max(found.estimate.spread, 1e-6 * data.peak, 1e-300),
+    )
+    return assembled(
+        found,
+        band=band,
+        checks=(*_checks(records, found, design), checks.frequencies_informed(band)),
+        noticed=[check for record in records for check in record.checks],
+        provenance=Provenance(
+            method,
+            tuple(record.source for record in records if record.source is not None),
+            (
+                *(step for record in records for step in record.steps),
+                *_motion_steps(records, design),
+                _step(records, found, design, thorough=thorough),
+            ),
+            records[deepest].specimen,
+        ),
+        by_depth=found.estimate.by_depth([record.depth for record in records]) if depth_law else (),
+        tests=len(records),
+    )
+
+
+def _checked_method(records: Sequence[RampHold], method: str) -> None:
+    if method not in ("full", "hold"):
+        raise FitError(
+            f'method = {method!r}; expected "full" (the recorded motion) or "hold" (eq. 5)'
+        )
+    if method == "full":
+        return
+    for number, record in enumerate(records, start=1):
+        obstacle = eq5_obstacle(record)
+        if obstacle is not None:
+            which = f"test {number} of {len(records)}: " if len(records) > 1 else ""
+            raise FitError(which + obstacle)
+
+
+def _encoders(records: Sequence[RampHold], design: Design) -> tuple[Encoder, ...] | None:
+    if design.method == "hold":
+        return None
+    return tuple(
+        Encoder(
+            record.time[: record.hold.stop],
+            record.displacement[: record.hold.stop],
+            encoder_step(record),
+            record.onset,
+            record.contact_error,
+        )
+        for record in records
+    )
+
+
+def _checked_nuisance(nuisance: Sequence[str]) -> tuple[str, ...]:
+    unknown = [name for name in nuisance if name not in NUISANCE]
+    if isinstance(nuisance, str) or unknown:
+        raise FitError(
+            f"nuisance = {nuisance!r}; expected a tuple of names out of {', '.join(NUISANCE)}"
+        )
+    return tuple(name for name in NUISANCE if name in nuisance)
+
+
+def _checks(records: Sequence[RampHold], found: Chosen, design: Design) -> tuple[Check, ...]:
+    """Return every check of the records and of the fit."""
+    model, estimate, choice, error = found.model, found.estimate, found.choice, found.error
+    arms = model.arms
+    answers = [
+        *(filter_bias(record) for record in records if record.unfiltered is not None),
+        *of_records(records, method=design.method),
+        checks.hold_long_enough(model, records),
+        checks.arms_distinct(model),
+        checks.arms_supported(
+            model,
+            error[1 : 1 + arms],
+            error[1 + arms :],
+            needed=choice is not None and choice.fewer_rejected,
+        ),
+        checks.tau_inside_window(model, records),
+        checks.k_inf_positive(model, float(error[0])),
+        checks.residuals_random(
+            estimate.kappa,
+            float(np.sqrt(estimate.sse / estimate.samples)),
+            max(record.force_noise for record in records),
+        ),
+        checks.step_bias(model, records),
+        checks.fast_arm_visible(model, records),
+        checks.drift_told_from_arm(model, _drift_correlation(estimate), float(error[-1])),
+        checks.residuals_steady(estimate.residuals),
+    ]
+    if choice is not None:
+        answers.append(checks.order_agreed(choice))
+    if design.method == "full" and not design.depth_law:
+        answers.append(checks.hold_and_full_agree(model, _by_eq5(records, arms), error))
+    return tuple(answers)
+
+
+def _by_eq5(records: Sequence[RampHold], arms: int) -> GeneralizedMaxwell | None:
+    """Return what eq. 5 on the holds says with as many arms, where it applies."""
+    held = sum(len(record.time[record.hold]) for record in records)
+    if held <= 1 + 2 * arms or any(eq5_obstacle(record) is not None for record in records):
+        return None
+    return solid_of(solve(compressed(records, Design("hold")), arms), "")
+
+
+def _drift_correlation(estimate: Estimate) -> float | None:
+    """Return the largest correlation between the slowest arm and a drift, None without either."""
+    drifts = [i for i, name in enumerate(estimate.names) if name.startswith("drift@")]
+    if not drifts or not estimate.solution.order:
+        return None
+    slow = estimate.names.index(f"ln_tau_{estimate.solution.order}")
+    error = np.sqrt(np.diag(estimate.covariance))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        correlation = np.abs(estimate.covariance[slow, drifts] / (error[slow] * error[drifts]))
+    return float(np.nan_to_num(correlation, nan=1.0).max())
+
+
+def _step(
+    records: Sequence[RampHold],
+    found: Chosen,
+    design: Design,
+    *,
+    thorough: bool,
+) -> Step:
+    model, asked = found.model, found.asked
+    options = (
+        ("arms", "auto" if asked is None else str(asked)),
+        ("method", design.method),
+        ("thorough", str(thorough).lower()),
+        ("depth_law", str(design.depth_law).lower()),
+        ("nuisance", ", ".join(design.nuisance) or "none"),
+    )
+    plural = f"{len(records)} tests" if len(records) > 1 else "one test"
+    says = (
+        f"fitted a generalized Maxwell solid with {model.arms} arm{'s' * (model.arms != 1)} to "
+        f"{plural} by method {design.method!r}"
+    )
+    return Step("fit", options, says)
+
+
+def _motion_steps(records: Sequence[RampHold], design: Design) -> tuple[Step, ...]:
+    """Return what was taken out of each recorded displacement before the fit answered to it."""
+    if design.method == "hold":
+        return ()
+    steps = []
+    for record in records:
+        count, noise = encoder_step(record), record.displacement_noise
+        if count > 0 or noise > 0:
+            says = (
+                f"read the displacement between counts of {1e6 * count:.3g} um and averaged its "
+                f"scatter of {1e6 * noise:.3g} um where the motion allows; the force is as recorded"
+            )
+            parameters = (("count", f"{count:.6g} m"), ("noise", f"{noise:.6g} m"))
+            steps.append(Step("motion", parameters, says))
+    return tuple(steps)

@@ -1,0 +1,269 @@
+"""A dense discrete spectrum for a master curve over many decades."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from dashpot.base.arrays import FloatArray, increasing, same_length, samples
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError, FitError
+from dashpot.base.provenance import Source
+from dashpot.engine.solver.pivoted_nnls import pivoted
+from dashpot.records.dynamic import DynamicTest
+from dashpot.records.estimate import ParameterEstimate, Residual
+from dashpot.records.fit import Fit, Status
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+# arms this far beyond the measured frequencies still shape the loss at their ends
+_BEYOND = float(np.sqrt(10.0))
+# a loss below this part of the modulus is not weighed by its own value
+_FLAT = 1e-3
+_FINEST = 24
+
+
+@dataclass(frozen=True)
+class Misfit:
+    """How far a curve is from the model's, relative to the data.
+
+    Attributes
+    ----------
+    curve : str
+        ``"modulus"``, ``"storage"`` or ``"loss"``.
+    samples : int
+    rms, largest : float
+        Root mean square and largest |model/data - 1|.
+    at : float
+        Where the largest stands: s for a modulus over time, else Hz.
+    """
+
+    curve: str
+    samples: int
+    rms: float
+    largest: float
+    at: float
+
+
+@dataclass(frozen=True)
+class MasterCurve:
+    r"""The non-negative spectrum on an even grid of ln tau that is nearest to a master curve.
+
+    Attributes
+    ----------
+    model : GeneralizedMaxwell
+        In the unit of the data; only the arms that carry something.
+    misfit : tuple of Misfit
+        One for each curve.
+    grid : tuple of float
+        Relaxation times offered, s.
+    band : (float, float)
+        Frequencies that the data cover, Hz; for a curve over time 1/(2 pi t) of its ends.
+    source : Source or None
+    """
+
+    model: GeneralizedMaxwell
+    misfit: tuple[Misfit, ...]
+    grid: tuple[float, ...]
+    band: tuple[float, float]
+    source: Source | None = None
+
+    @property
+    def rms(self) -> float:
+        """Root mean square relative error over every sample of every curve."""
+        count = sum(one.samples for one in self.misfit)
+        return float(np.sqrt(sum(one.samples * one.rms**2 for one in self.misfit) / count))
+
+    @property
+    def largest(self) -> float:
+        """Largest relative error of any sample."""
+        return max(one.largest for one in self.misfit)
+
+
+def master_curve(
+    time: npt.ArrayLike, modulus: npt.ArrayLike, *, per_decade: float = 4
+) -> MasterCurve:
+    r"""Fit a dense spectrum to a relaxation modulus over time.
+
+    .. math:: \min_{k_\infty, k_j \ge 0} \sum_i \Bigl(
+        \frac{k_\infty + \sum_j k_j e^{-t_i/\tau_j}}{E_i} - 1\Bigr)^2
+
+    with :math:`\tau_j` on an even grid of ln tau between the second and the last time. This is
+    the table of terms that a finite-element code wants; for the fewest arms that explain a curve
+    see :func:`~dashpot.fitting.modulus.fit_modulus`.
+
+    Parameters
+    ----------
+    time : array_like, shape (n,)
+        s, > 0, strictly increasing.
+    modulus : array_like, shape (n,)
+        > 0, in Pa for a material or N/m for a part.
+    per_decade : float
+        Relaxation times offered per decade.
+
+    Returns
+    -------
+    MasterCurve
+        `model` in the unit of `modulus`.
+
+    Raises
+    ------
+    DataError
+        If the times do not increase from above 0, or a modulus is not above 0.
+    """
+    t = increasing("time", samples("time", time, minimum=3))
+    values = samples("modulus", modulus)
+    same_length(time=t, modulus=values)
+    _all_positive("time", t)
+    _all_positive("modulus", values)
+    # an arm faster than the second time would show in one sample only
+    grid = _grid(float(t[1]), float(t[-1]), per_decade)
+    columns = np.concatenate((np.ones((len(t), 1)), np.exp(-t[:, None] / grid)), axis=1)
+    found = _nonnegative(columns / values[:, None], np.ones(len(t)))
+    return MasterCurve(
+        _solid(found, grid),
+        (_misfit("modulus", columns @ found / values - 1.0, t),),
+        tuple(grid.tolist()),
+        (float(1 / (2 * np.pi * t[-1])), float(1 / (2 * np.pi * t[0]))),
+    )
+
+
+def dynamic_master_curve(data: DynamicTest, *, per_decade: float = 4) -> MasterCurve:
+    r"""Fit a dense spectrum to storage and loss over frequency.
+
+    .. math:: \min_{k_\infty, k_j \ge 0} \sum_i \Bigl(\frac{K'(\omega_i)}{K'_i} - 1\Bigr)^2
+        + \Bigl(\frac{K''(\omega_i)}{K''_i} - 1\Bigr)^2
+
+    with :math:`\tau_j` on an even grid of ln tau, half a decade beyond the measured
+    :math:`1/\omega` at both ends. Each value is weighed by itself; a loss below a thousandth of
+    the modulus by that thousandth, and its relative error is told against it too.
+
+    Parameters
+    ----------
+    data : DynamicTest
+        One temperature, or a master curve; the frequencies in any order.
+    per_decade : float
+        Relaxation times offered per decade.
+
+    Raises
+    ------
+    DataError
+        If a storage is not above 0.
+    """
+    w = data.omega
+    _all_positive("storage", data.storage)
+    scale = relative_scale(data)
+    grid = _grid(1 / (_BEYOND * float(w.max())), _BEYOND / float(w.min()), per_decade)
+    x = w[:, None] * grid
+    storage = np.concatenate((np.ones((len(w), 1)), x * x / (1 + x * x)), axis=1)
+    loss = np.concatenate((np.zeros((len(w), 1)), x / (1 + x * x)), axis=1)
+    columns = np.concatenate((storage / scale[0][:, None], loss / scale[1][:, None]))
+    target = np.concatenate((data.storage / scale[0], data.loss / scale[1]))
+    found = _nonnegative(columns, target)
+    error = columns @ found - target
+    n = len(w)
+    return MasterCurve(
+        _solid(found, grid),
+        (
+            _misfit("storage", error[:n], data.frequency),
+            _misfit("loss", error[n:], data.frequency),
+        ),
+        tuple(grid.tolist()),
+        (float(data.frequency.min()), float(data.frequency.max())),
+        data.source,
+    )
+
+
+def relative_scale(data: DynamicTest) -> tuple[FloatArray, FloatArray]:
+    """Return what errors of storage and loss are relative to, each its own size, (n,) and (n,)."""
+    return (
+        np.abs(data.storage),
+        np.maximum(np.abs(data.loss), _FLAT * np.abs(data.value)),
+    )
+
+
+def _grid(shortest: float, longest: float, per_decade: float) -> FloatArray:
+    if not 1 <= per_decade <= _FINEST:
+        raise FitError(
+            f"per_decade = {per_decade!r}; expected a number of relaxation times per decade, "
+            f"1 to {_FINEST}"
+        )
+    count = int(np.ceil(np.log10(longest / shortest) * per_decade)) + 1
+    return np.geomspace(shortest, longest, count)
+
+
+def _nonnegative(columns: FloatArray, target: FloatArray) -> FloatArray:
+    """Least squares with every coefficient >= 0, on columns of unit length."""
+    length = np.linalg.norm(columns, axis=0)
+    length = np.where(length > 0, length, 1.0)
+    unit = columns / length
+    return pivoted(unit.T @ unit, unit.T @ target) / length
+
+
+def _solid(found: FloatArray, grid: FloatArray) -> GeneralizedMaxwell:
+    k = found[1:]
+    return GeneralizedMaxwell(float(found[0]), tuple(k[k > 0]), tuple(grid[k > 0]))
+
+
+def _misfit(curve: str, error: FloatArray, where: FloatArray) -> Misfit:
+    worst = int(np.argmax(np.abs(error)))
+    return Misfit(
+        curve,
+        len(error),
+        float(np.sqrt(np.mean(error * error))),
+        float(abs(error[worst])),
+        float(where[worst]),
+    )
+
+
+def _all_positive(name: str, values: FloatArray) -> None:
+    bad = np.flatnonzero(values <= 0)
+    if bad.size:
+        i = int(bad[0])
+        raise DataError(
+            f"{name}[{i}] = {values[i]:g}; expected > 0, so that errors can be relative "
+            f"({bad.size} of {len(values)} are not): cut the curve before it drowns in noise"
+        )
+
+
+# curves missed by more than this are not followed, and a dense spectrum must miss far less
+_FOLLOWED, _MUCH_BETTER = 0.05, 0.5
+
+
+def dense_where_few_fail(few: Fit, error: FloatArray, spectrum: Callable[[], MasterCurve]) -> Fit:
+    """Return the fit, or the dense spectrum where no small number of arms follows the curves.
+
+    Parameters
+    ----------
+    few : Fit
+    error : array, shape (n,)
+        Its relative errors on every value of the curves.
+    spectrum : callable
+        Fits the dense spectrum.
+    """
+    missed = float(np.sqrt(np.mean(error * error)))
+    if missed < _FOLLOWED:
+        return few
+    dense = spectrum()
+    if dense.rms > _MUCH_BETTER * missed:
+        return few
+    says = (
+        f"no number of arms up to {max(order.arms for order in few.orders)} follows the curves: "
+        f"{few.model.arms} leave {100 * missed:.2g} % rms. This is the dense spectrum on an even "
+        f"grid, {dense.model.arms} arms that leave {100 * dense.rms:.2g} %: a table for a solver, "
+        "whose single arms mean nothing"
+    )
+    values = len(error)
+    check = Check("few_arms_suffice", False, says, missed, _FOLLOWED)
+    residual = Residual(values, values * dense.rms**2, dense.rms)
+    return replace(
+        few,
+        solid=dense.model,
+        status=Status.NOT_IDENTIFIED,
+        estimate=ParameterEstimate(
+            (), np.zeros((0, 0)), float("inf"), residual, nuisance=few.nuisance
+        ),
+        evidence=replace(few.evidence, certificate=None, checks=(*few.checks, check)),
+    )

@@ -1,0 +1,1 @@
+"""How well a fit is known, and what it leaves open."""

@@ -1,0 +1,142 @@
+r"""Block bootstrap: the spread of the fits of records that could have been.
+
+Residuals are resampled in blocks longer than their correlation, put on the fitted force, and
+fitted again. Slower than the covariance and free of its linearisation.
+Source: H. R. Kunsch, Annals of Statistics 17 (1989) 1217; circular blocks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal, cast
+
+import numpy as np
+
+from dashpot.base.arrays import ByValue, FloatArray, frozen
+from dashpot.base.errors import DataError, FitError
+from dashpot.engine.inference.covariance import noise_of
+from dashpot.engine.solver.variable_projection import solve
+from dashpot.fitting.design import Design, compressed, every_sample, fitted_samples
+from dashpot.fitting.uncertainty.estimate import estimated
+from dashpot.records.fit import Fit
+from dashpot.records.relaxation import RampHold, listed
+
+# blocks this many correlation lengths long keep what correlation there is
+_LENGTHS = 5.0
+
+
+@dataclass(frozen=True, eq=False)
+class Bootstrap(ByValue):
+    """Refits of resampled records.
+
+    Attributes
+    ----------
+    parameters : tuple of str
+        ``"k_inf"``, ``"k_1"``..., ``"tau_1"``...
+    values : array, shape (repeats, p)
+        N/m and s; NaN where a refit found another number of arms.
+    """
+
+    parameters: tuple[str, ...]
+    values: FloatArray
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "values", frozen(np.asarray(self.values, dtype=float)))
+
+    def standard_error(self) -> FloatArray:
+        """Standard deviation over the refits, shape (p,)."""
+        return np.asarray(np.nanstd(self.values, axis=0, ddof=1))
+
+    def intervals(self, level: float = 0.95) -> FloatArray:
+        """Percentile intervals, shape (p, 2)."""
+        if not 0.0 < level < 1.0:
+            raise DataError(f"level = {level!r}; expected a coverage between 0 and 1, such as 0.95")
+        ends = (0.5 - level / 2, 0.5 + level / 2)
+        return np.asarray(np.nanquantile(self.values, ends, axis=0).T)
+
+
+def bootstrap(
+    tests: RampHold | Sequence[RampHold],
+    fit: Fit,
+    *,
+    repeats: int = 200,
+    block: float | None = None,
+    seed: int = 0,
+) -> Bootstrap:
+    """Refit resampled records with as many arms and by the method of `fit`.
+
+    Parameters
+    ----------
+    tests : RampHold or sequence of RampHold
+        The tests that `fit` was made from, which share their stiffnesses.
+    fit : Fit
+    repeats : int
+    block : float, optional
+        Length of a block, s; five correlation lengths of the residuals by default.
+    seed : int
+        Same seed, same result.
+
+    Raises
+    ------
+    FitError
+        If `repeats` is below 2, or the fit is not of relaxation tests that share a solid.
+    """
+    records = listed(tests)
+    if repeats < 2:
+        raise FitError(f"repeats = {repeats}; a spread needs at least 2")
+    if fit.method not in {"full", "hold"} or fit.by_depth:
+        raise FitError(
+            "the bootstrap serves fits of relaxation tests that share one solid (method 'full' or "
+            f"'hold', no depth law), found method {fit.method!r}"
+        )
+    design = Design(cast('Literal["full", "hold"]', fit.method))
+    arms, start = fit.model.arms, np.log(np.array(fit.model.tau))
+    blocks = compressed(records, design)
+    samples = every_sample(records, design, blocks)
+    peak = max(float(np.abs(record.force).max()) for record in records)
+    residuals = estimated(solve(blocks, arms, log_tau_start=start), samples, peak=peak).residuals
+    used = [fitted_samples(record, design) for record in records]
+    lengths = [
+        _block_length(residual, record.time[here], block)
+        for residual, record, here in zip(residuals, records, used, strict=True)
+    ]
+    random = np.random.default_rng(seed)
+    rows = []
+    for _ in range(repeats):
+        drawn = [
+            _redrawn(record, here, residual, length, random)
+            for record, here, residual, length in zip(
+                records, used, residuals, lengths, strict=True
+            )
+        ]
+        found = solve(compressed(drawn, design), arms, log_tau_start=start)
+        k = found.arms.ravel() if arms else np.zeros(0)
+        whole = found.order == arms and bool((k > 0).all())
+        row = np.concatenate(([found.coefficient("k_inf")], k, found.tau))
+        rows.append(row if whole else np.full(1 + 2 * arms, np.nan))
+    numbers = range(1, arms + 1)
+    names = ("k_inf", *(f"k_{j}" for j in numbers), *(f"tau_{j}" for j in numbers))
+    return Bootstrap(names, np.array(rows))
+
+
+def _block_length(residual: FloatArray, time: FloatArray, block: float | None) -> int:
+    if block is not None:
+        step = float(time[-1] - time[0]) / max(len(time) - 1, 1)
+        return int(np.clip(round(block / step), 1, len(residual)))
+    return int(np.clip(np.ceil(_LENGTHS * noise_of(residual).kappa), 1, len(residual) // 4 + 1))
+
+
+def _redrawn(
+    record: RampHold,
+    used: slice,
+    residual: FloatArray,
+    length: int,
+    random: np.random.Generator,
+) -> RampHold:
+    n = len(residual)
+    starts = random.integers(0, n, -(-n // length))
+    index = ((starts[:, None] + np.arange(length)) % n).ravel()[:n]
+    force = record.force.copy()
+    force[used] += (residual - residual.mean())[index] - residual
+    return replace(record, force=force)

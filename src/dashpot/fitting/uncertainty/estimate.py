@@ -1,0 +1,272 @@
+"""How well a solution of the engine is known, from the residuals in their own order."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.engine.blocks.block import Block
+from dashpot.engine.inference.covariance import Noise, noise_of, sandwich, white
+from dashpot.engine.inference.order import bic, significant
+from dashpot.engine.solver.descent import Stack
+from dashpot.engine.solver.variable_projection import Jacobian, Solution, full_jacobian
+from dashpot.fitting.uncertainty.encoder import Encoder, Kernel, encoder_term
+from dashpot.records.fit import AtDepth
+
+# a fit that leaves less than this of the largest force has met the rounding of the data
+_ROUNDING = 1e-10
+
+
+class Estimate(NamedTuple):
+    """A solution with its uncertainty.
+
+    Attributes
+    ----------
+    solution : Solution
+    names : tuple of str
+        Rows of `covariance`: fixed columns, stiffnesses group by group, then ln tau.
+    covariance : array, shape (p, p)
+    information : array, shape (p, p)
+        J'J of all samples.
+    residuals : tuple of arrays
+        One per record, N.
+    noises : tuple of Noise
+    """
+
+    solution: Solution
+    names: tuple[str, ...]
+    covariance: FloatArray
+    information: FloatArray
+    residuals: tuple[FloatArray, ...]
+    noises: tuple[Noise, ...]
+
+    @property
+    def effective(self) -> float:
+        """Effective number of independent residuals."""
+        return sum(noise.effective for noise in self.noises)
+
+    @property
+    def dof(self) -> float:
+        """Degrees of freedom left: effective residuals less parameters."""
+        return self.effective - len(self.names)
+
+    @property
+    def sse(self) -> float:
+        """Sum of squared residuals over every sample, N^2."""
+        return float(sum(residual @ residual for residual in self.residuals))
+
+    @property
+    def samples(self) -> int:
+        """Number of residuals."""
+        return sum(noise.samples for noise in self.noises)
+
+    @property
+    def kappa(self) -> float:
+        """Samples per independent residual, over all records."""
+        return self.samples / self.effective
+
+    @property
+    def spread(self) -> float:
+        """Standard deviation of one independent residual, N: the rms times root kappa."""
+        return float(np.sqrt(self.sse / self.effective))
+
+    def with_depth_doubt(self, doubts: Sequence[float], *, shared: bool) -> Estimate:
+        r"""Return the estimate with what the encoder's step leaves unknown of each depth.
+
+        A relative error :math:`\epsilon` of a depth scales every stiffness of its test:
+        :math:`C + \epsilon^2 k k^T`, and :math:`\epsilon/\sqrt n` where n tests share them.
+        """
+        covariance = self.covariance.copy()
+        tests = [""] if shared else [f"@{i}" for i in range(len(doubts))]
+        each = [float(np.sqrt(np.mean(np.square(doubts)) / len(doubts)))] if shared else doubts
+        for suffix, doubt in zip(tests, each, strict=True):
+            scale = doubt * self._stiffnesses(suffix)
+            covariance += np.outer(scale, scale)
+        return self._replace(covariance=covariance)
+
+    def _stiffnesses(self, suffix: str) -> FloatArray:
+        """Return the stiffnesses of one group in their rows, zero elsewhere."""
+        solution = self.solution
+        values = np.zeros(len(self.names))
+        values[self.names.index(f"k_inf{suffix}")] = solution.coefficient(f"k_inf{suffix}")
+        if solution.order:
+            first = self.names.index(f"k_1{suffix}")
+            group = solution.groups.index(f"k{suffix}")
+            values[first : first + solution.order] = solution.arms[group]
+        return values
+
+    def by_depth(
+        self, depths: Sequence[float], scale: Sequence[float] | None = None
+    ) -> tuple[AtDepth, ...]:
+        """Return each test's own stiffnesses, times its `scale`, shallowest first."""
+        arms, solution = range(1, self.solution.order + 1), self.solution
+        found = [
+            AtDepth(
+                depth=float(depth),
+                k_inf=float(s * solution.coefficient(f"k_inf@{i}")),
+                k_inf_se=float(s * self.standard_error(f"k_inf@{i}")),
+                k=tuple(
+                    float(s * solution.arms[solution.groups.index(f"k@{i}"), j - 1]) for j in arms
+                ),
+                k_se=tuple(float(s * self.standard_error(f"k_{j}@{i}")) for j in arms),
+            )
+            for i, (depth, s) in enumerate(zip(depths, scale or [1.0] * len(depths), strict=True))
+        ]
+        return tuple(sorted(found, key=lambda at: at.depth))
+
+    def standard_error(self, name: str) -> float:
+        """Standard error of a row."""
+        row = self.names.index(name)
+        return float(np.sqrt(self.covariance[row, row]))
+
+
+class Score(NamedTuple):
+    """One number of arms, judged."""
+
+    solution: Solution
+    bic: float
+    significant: bool
+
+
+def estimated(
+    solution: Solution,
+    every_sample: Sequence[Block],
+    *,
+    peak: float,
+    encoders: Sequence[Encoder] | None = None,
+    whole: Jacobian | None = None,
+) -> Estimate:
+    """Return the solution's uncertainty from one block per record with a row per sample.
+
+    Parameters
+    ----------
+    solution : Solution
+    every_sample : sequence of Block
+    peak : float
+        The largest force, N: it sets what rounding alone leaves.
+    encoders : sequence of Encoder, optional
+        Of each record, where the recorded motion is fitted.
+    whole : Jacobian, optional
+        Of every sample, where it is known already.
+    """
+    whole = whole or full_jacobian(every_sample, solution)
+    residuals, jacobians = by_record(whole, every_sample)
+    noises = noises_of(residuals, jacobians, peak=peak)
+    further = None
+    if encoders is not None:
+        further = np.sum(
+            [
+                encoder_term(jacobian, encoder, _kernel(solution, block))
+                for jacobian, encoder, block in zip(jacobians, encoders, every_sample, strict=True)
+            ],
+            axis=0,
+        )
+    covariance = sandwich(jacobians, noises, further=further)
+    return Estimate(
+        solution, whole.names, covariance, whole.matrix.T @ whole.matrix, residuals, noises
+    )
+
+
+def by_record(
+    whole: Jacobian, every_sample: Sequence[Block]
+) -> tuple[tuple[FloatArray, ...], list[FloatArray]]:
+    """Return residuals and Jacobians, one of each per record."""
+    cuts = np.cumsum([block.samples for block in every_sample])[:-1]
+    return tuple(np.split(whole.residual, cuts)), np.split(whole.matrix, cuts)
+
+
+def noises_of(
+    residuals: Sequence[FloatArray], jacobians: Sequence[FloatArray], *, peak: float
+) -> tuple[Noise, ...]:
+    """Return what the residuals of each record say about its noise."""
+    return tuple(
+        noise_of(residual, jacobian, rounding=rounding(peak))
+        for residual, jacobian in zip(residuals, jacobians, strict=True)
+    )
+
+
+def rounding(peak: float) -> float:
+    """Return the rms that rounding alone leaves of data with this largest force."""
+    return _ROUNDING * peak
+
+
+def _kernel(solution: Solution, block: Block) -> Kernel:
+    """Return the relaxation of the solid that one record sees."""
+    spring = [name for name in block.fixed_names if name.partition("@")[0] == "k_inf"]
+    return Kernel(
+        sum(solution.coefficient(name) for name in spring),
+        solution.arms[solution.groups.index(block.arm_group)],
+        solution.tau,
+    )
+
+
+def residual_noises(
+    solution: Solution, every_sample: Sequence[Block], *, peak: float
+) -> tuple[Noise, ...]:
+    """Return each record's noise as its residuals show it, less the part that the fit took."""
+    found = []
+    for block in every_sample:
+        stack = Stack([block])
+        rows = stack.evaluate(solution.log_tau, derivative=False)
+        fixed = [solution.coefficient(name) for name in stack.names]
+        arms = solution.arms[solution.groups.index(block.arm_group)]
+        residual = rows.target - rows.phi @ np.concatenate((fixed, arms))
+        found.append(noise_of(residual, rounding=rounding(peak)))
+    return tuple(found)
+
+
+def scored(
+    solution: Solution,
+    blocks: Sequence[Block],
+    every_sample: Sequence[Block],
+    *,
+    effective: float,
+    peak: float,
+) -> Score:
+    """Judge one number of arms by BIC and by the significance of its arms.
+
+    Parameters
+    ----------
+    solution : Solution
+    blocks, every_sample : sequences of Block
+        The compressed data, and all of it.
+    effective : float
+        Effective number of residuals, from the largest model tried.
+    peak : float
+        Largest force, N; sets what rounding alone leaves.
+    """
+    floor = max(solution.samples * rounding(peak) ** 2, Stack(blocks).rounding_floor)
+    jacobian = full_jacobian(blocks, solution)
+    parameters = len(jacobian.names)
+
+    def clear(independent: float) -> bool:
+        variance = (solution.sse + floor) / max(independent - parameters, 1.0)
+        return _significant(solution, white(jacobian.matrix, variance))
+
+    # if every sample counted in full and it is not significant, or if only the slowest
+    # correlation counted and it is, the sandwich between the two need not be built
+    is_clear = clear(solution.samples) and (
+        clear(effective)
+        or _significant(solution, estimated(solution, every_sample, peak=peak).covariance)
+    )
+    return Score(
+        solution,
+        bic(solution.sse, effective=effective, parameters=parameters, floor=floor),
+        is_clear,
+    )
+
+
+def _significant(solution: Solution, covariance: FloatArray) -> bool:
+    error = np.sqrt(np.diag(covariance))
+    arms, groups = solution.order, len(solution.groups)
+    first = len(solution.fixed_names)
+    se_k = error[first : first + arms * groups].reshape(groups, arms)
+    # an arm of several tests is there if one of them shows it
+    clearest = np.argmax(solution.arms / np.maximum(se_k, 1e-300), axis=0)
+    column = np.arange(arms)
+    return significant(
+        solution.arms[clearest, column], se_k[clearest, column], error[first + arms * groups :]
+    )

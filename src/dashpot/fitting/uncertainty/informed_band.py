@@ -1,0 +1,98 @@
+r"""The frequencies that a relaxation test can inform.
+
+Ask the test about any seal, not about the one arm model it happened to choose: arms at half
+decades of tau, none of them known beyond a plausible size (a tenth of the stiffness found, one
+standard deviation). The test then leaves a posterior spread of the loss stiffness
+
+.. math:: K''(\omega) = \sum_j k_j \frac{\omega\tau_j}{1 + \omega^2\tau_j^2}
+
+and a frequency is informed where that spread is at most half of what it was before. Noise,
+sampling, ramp, hold, offset and drift all enter through the columns of the fit. Beyond what
+noise allows, no frequency is claimed that the motion itself hardly holds: above
+:math:`1/(\pi c)` for the shortest ramp c, above half the sampling rate, or below one radian in
+the longest hold.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.engine.blocks.block import Block
+from dashpot.engine.solver.descent import Stack
+from dashpot.records.relaxation import RampHold
+
+_PER_DECADE = 2
+_PLAUSIBLE = 0.1
+_LEARNED = 0.5
+_FREQUENCIES_PER_DECADE = 20
+
+
+def informed_band(
+    tests: Sequence[RampHold], blocks: Sequence[Block], *, stiffness: float, noise: float
+) -> tuple[float, float]:
+    """Return the band, Hz; both ends equal if the test informs no frequency by half.
+
+    Parameters
+    ----------
+    tests, blocks : sequences
+        The tests and their compressed blocks.
+    stiffness : float
+        k_0 of the solid found, N/m.
+    noise : float
+        Standard deviation of one residual, N, widened for correlation (s times root kappa).
+    """
+    slowest = 1.0 / (2.0 * np.pi * max(test.hold_time for test in tests))
+    ramp = 1.0 / (np.pi * min(test.ramp_time for test in tests))
+    nyquist = 0.5 / min(float(np.diff(test.time).min()) for test in tests)
+    fastest = min(ramp, nyquist)
+    frequency, left = spread_left(blocks, stiffness=stiffness, noise=noise)
+    return _widest(frequency, left, slowest, fastest)
+
+
+def spread_left(
+    blocks: Sequence[Block], *, stiffness: float, noise: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return frequencies, Hz, and the part of the prior spread of K'' that the test leaves."""
+    stack = Stack(blocks)
+    low, high = stack.bounds
+    decades = (high - low) / np.log(10.0) + 2.0
+    log_tau = np.linspace(low - np.log(10.0), high + np.log(10.0), int(_PER_DECADE * decades) + 1)
+    rows = stack.evaluate(log_tau, derivative=False)
+    fixed, arms = rows.phi[:, : len(stack.names)], rows.phi[:, len(stack.names) :]
+    basis = np.linalg.qr(fixed)[0]
+    # spring, offset and drift are free: what they explain tells nothing of an arm
+    arms = arms - basis @ (basis.T @ arms)
+    arms = arms[:, : len(log_tau)] if len(stack.groups) == 1 else _of_groups(arms, len(log_tau))
+    prior = _PLAUSIBLE * stiffness
+    information = arms.T @ arms * (prior / noise) ** 2
+    posterior = np.linalg.inv(information + np.eye(len(log_tau)))
+    tau = np.exp(log_tau)
+    count = int(_FREQUENCIES_PER_DECADE * decades)
+    omega = np.exp(-np.linspace(log_tau[-1], log_tau[0], count))[::-1]
+    omega = np.sort(omega)
+    x = omega[:, None] * tau
+    loss = x / (1.0 + x * x)
+    left = np.sqrt(((loss @ posterior) * loss).sum(axis=1) / (loss * loss).sum(axis=1))
+    return omega / (2.0 * np.pi), left
+
+
+def _of_groups(arms: FloatArray, count: int) -> FloatArray:
+    """Stack the groups' columns below each other: every group informs the same spectrum."""
+    return np.concatenate([arms[:, i : i + count] for i in range(0, arms.shape[1], count)])
+
+
+def _widest(
+    frequency: FloatArray, left: FloatArray, slowest: float, fastest: float
+) -> tuple[float, float]:
+    informed = left <= _LEARNED
+    best = float(
+        np.clip(frequency[int(np.argmin(left))], min(slowest, fastest), max(slowest, fastest))
+    )
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], informed.astype(int), [0]))))
+    runs = [(float(frequency[a]), float(frequency[b - 1])) for a, b in edges.reshape(-1, 2)]
+    clipped = [(max(low, slowest), min(high, fastest)) for low, high in runs]
+    wide = [(low, high) for low, high in clipped if high > low]
+    return max(wide, key=lambda run: run[1] / run[0], default=(best, best))

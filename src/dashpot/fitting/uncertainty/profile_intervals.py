@@ -1,0 +1,155 @@
+"""Profile likelihoods where a standard error is no good guide to an interval."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.student_t import t_quantile
+from dashpot.engine.blocks.block import Block
+from dashpot.engine.inference.covariance import nearly_white, noise_gain_differs
+from dashpot.engine.inference.profile_likelihood import Coordinate, Optimum, profile
+from dashpot.engine.solver.descent import Stack
+from dashpot.engine.solver.variable_projection import full_jacobian
+from dashpot.fitting.uncertainty.estimate import Estimate, by_record
+from dashpot.records.estimate import Profile
+
+if TYPE_CHECKING:
+    from dashpot.engine.inference.whitening import NoiseGain
+
+# below this SE(ln tau) the likelihood is Gaussian for all that intervals need
+WALD_SUFFICES = 0.05
+# the widest interval that a stored profile serves
+_WIDEST_LEVEL = 0.999
+
+
+def profiles(
+    blocks: Sequence[Block],
+    estimate: Estimate,
+    *,
+    suffix: str,
+    every_sample: Sequence[Block] | None = None,
+) -> tuple[Profile, ...]:
+    """Return the profiles of tau, k and b of every arm with SE(ln tau) >= 0.05, and of k_inf.
+
+    Parameters
+    ----------
+    blocks : sequence of Block
+        The compressed data.
+    estimate : Estimate
+    suffix : str
+        Which arm group is the model's, ``""`` or ``"@0"``.
+    every_sample : sequence of Block, optional
+        The data with a row per sample, in the order of time: noise as slow as the arms is then
+        counted as each profile meets it.
+    """
+    solution = estimate.solution
+    if not solution.order or estimate.dof < 1.0:
+        return ()
+    k = solution.arms[solution.groups.index(f"k{suffix}")]
+    there = [int(j) for j in np.flatnonzero(k > 0)]
+    doubtful = [
+        (number, j)
+        for number, j in enumerate(there, start=1)
+        if not estimate.standard_error(f"ln_tau_{j + 1}") < WALD_SUFFICES
+    ]
+    if not doubtful:
+        return ()
+    noise_gain = None if every_sample is None else _noise_gain(every_sample, estimate)
+    walk = _Walk(blocks, estimate, noise_gain)
+    found = [
+        Profile(name, *values)
+        for number, j in doubtful
+        for name, values in (
+            (f"k_{number}", walk.linear(f"k_{j + 1}{suffix}")),
+            (f"ln_tau_{number}", walk.log_tau(j)),
+            (f"ln_b_{number}", walk.log_b(j, f"k_{j + 1}{suffix}", float(k[j]))),
+        )
+    ]
+    if solution.coefficient(f"k_inf{suffix}") > 0:
+        found.insert(0, Profile("k_inf", *walk.linear(f"k_inf{suffix}")))
+    return tuple(found)
+
+
+def _noise_gain(every_sample: Sequence[Block], estimate: Estimate) -> NoiseGain | None:
+    """Return how loud the noise is to each change of the model, None if about equally."""
+    if nearly_white(estimate.noises):
+        return None
+    _, jacobians = by_record(full_jacobian(every_sample, estimate.solution), every_sample)
+    if not noise_gain_differs(jacobians, estimate.noises):
+        return None
+    from dashpot.engine.inference.whitening import NoiseGain
+
+    return NoiseGain(every_sample, estimate.noises, estimate.solution)
+
+
+class _Walk:
+    """Profiles of one estimate, each scaled so that it begins as its own covariance says."""
+
+    def __init__(
+        self, blocks: Sequence[Block], estimate: Estimate, noise_gain: NoiseGain | None
+    ) -> None:
+        self.estimate = estimate
+        self.noise_gain = noise_gain
+        self.stack = Stack(blocks)
+        solution = estimate.solution
+        self.optimum = Optimum(
+            np.concatenate((solution.fixed, solution.arms.ravel())), solution.log_tau
+        )
+        self.limit = t_quantile(_WIDEST_LEVEL, estimate.dof) ** 2
+        norm = np.sqrt(np.diag(estimate.information))
+        norm = np.where(norm > 0, norm, 1.0)
+        self.inverse = np.linalg.pinv(
+            estimate.information / np.outer(norm, norm), rcond=1e-13, hermitian=True
+        ) / np.outer(norm, norm)
+
+    def linear(self, row: str) -> tuple[FloatArray, FloatArray]:
+        index = self.estimate.names.index(row)
+        return self._along(Coordinate.LINEAR, index, self._unit(index))
+
+    def log_tau(self, arm: int) -> tuple[FloatArray, FloatArray]:
+        index = self.estimate.names.index(f"ln_tau_{arm + 1}")
+        return self._along(Coordinate.LOG_TAU, arm, self._unit(index))
+
+    def log_b(self, arm: int, row: str, k: float) -> tuple[FloatArray, FloatArray]:
+        gradient = self._unit(self.estimate.names.index(f"ln_tau_{arm + 1}"))
+        index = self.estimate.names.index(row)
+        gradient[index] = 1.0 / k
+        # the profile counts linear parameters, and b holds the arm's stiffness
+        return self._along(Coordinate.LOG_B, index - len(self.stack.names), gradient)
+
+    def _unit(self, index: int) -> FloatArray:
+        unit = np.zeros(len(self.estimate.names))
+        unit[index] = 1.0
+        return unit
+
+    def _along(
+        self, coordinate: Coordinate, index: int, gradient: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        used = gradient != 0.0
+        block = self.estimate.covariance[np.ix_(used, used)]
+        wide = float(gradient @ self.inverse @ gradient)
+        if np.all(np.isfinite(block)):
+            variance = float(gradient[used] @ block @ gradient[used])
+        else:
+            variance = wide * self.estimate.spread**2
+        error = float(np.sqrt(variance))
+        scale = variance / wide if wide > 0 else self.estimate.spread**2
+        step = 0.7 * error
+        if coordinate is not Coordinate.LINEAR:
+            step = min(step, 0.5)
+        return profile(
+            self.stack, self.optimum, coordinate, index,
+            step=max(step, 1e-9), scale=max(scale, 1e-300), limit=self.limit,
+            relative_gain=self._relative_gain(self.inverse @ gradient),
+        )  # fmt: skip
+
+    def _relative_gain(self, first: FloatArray) -> Callable[[FloatArray, FloatArray], float] | None:
+        noise_gain = self.noise_gain
+        if noise_gain is None:
+            return None
+        at_optimum = noise_gain.towards(first)
+        return lambda beta, log_tau: noise_gain.at(beta, log_tau) / at_optimum

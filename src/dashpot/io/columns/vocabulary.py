@@ -1,0 +1,186 @@
+"""What columns are called in the languages that test machines speak."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from functools import lru_cache
+from types import MappingProxyType
+from typing import Literal, TypeAlias
+
+from dashpot.base.units import Dimension
+
+Role: TypeAlias = Literal[
+    "time", "displacement", "force", "acceleration", "frequency", "storage", "loss",
+    "temperature", "real", "imaginary", "magnitude", "phase", "coherence", "stress", "strain",
+    "modulus", "viscosity", "shear_rate", "voltage", "cycle", "velocity", "torque", "loss_factor",
+]  # fmt: skip
+
+DIMENSION: MappingProxyType[str, Dimension] = MappingProxyType({
+    "time": "time", "displacement": "length", "force": "force", "acceleration": "acceleration",
+    "frequency": "frequency", "storage": "stress", "loss": "stress", "temperature": "temperature",
+    "stress": "stress", "strain": "strain", "modulus": "stress", "voltage": "voltage",
+    "velocity": "velocity", "torque": "torque",
+})  # fmt: skip
+"""The dimension of the unit that a role has."""
+
+# Names that say exactly this; German and other compounds are met as parts of a word.
+_FIRST: dict[Role, str] = {
+    "time": """time zeit gesamtzeit laufzeit prüfzeit messzeit versuchszeit versuchsdauer czas
+        godzina temps tiempo tempo tijd tid aika zaman süre čas doba idő timp durata время 时间 時間
+        시간 timestamp zeitstempel elapsed uhrzeit masa""",
+    "displacement": """displacement disp displ weg standardweg traversenweg kolbenweg maschinenweg
+        verschiebung zusammendrückung stauchung przemieszczenie droga ugięcie déplacement
+        desplazamiento spostamento deslocamento verplaatsing deplasman yerdeğiştirme siirtymä
+        förskjutning posunutí posuv dráha elmozdulás deplasare перемещение 位移 変位 변위 行程 变形
+        變形 compression indentation squeeze""",
+    "force": """force load kraft standardkraft prüfkraft siła obciążenie fuerza carga forza
+        carico força kuvvet yük voima kracht síla zatížení erő terhelés forță сила усилие
+        нагрузка 力 载荷 載荷 荷重 负荷 負荷 负载 压力 하중 힘
+        hammer impact excitation impulskraft""",
+    "acceleration": """acceleration accel acc accelerometer beschleunigung beschl przyspieszenie
+        accélération aceleración accelerazione aceleração versnelling ivme kiihtyvyys zrychlení
+        gyorsulás ускорение 加速度 가속도""",
+    "frequency": """frequency freq frequenz prüffrequenz częstotliwość fréquence frecuencia
+        frequenza frequência frequentie frekans taajuus frekvence frekvencia частота 频率 頻率
+        周波数 주파수 omega ω kreisfrequenz""",
+    "storage": """storage speichermodul e' g' e_stor e_storage g_stor g_storage k' storagemodulus
+        zachowawczy conservation 储能模量 貯蔵弾性率 estor gstor""",
+    "loss": """verlustmodul e'' g'' e" g" e_loss g_loss k'' k" lossmodulus stratności perte
+        损耗模量 損失弾性率 eloss gloss""",
+    "loss_factor": """tan_delta tandelta tanδ tan_d tand verlustfaktor loss_factor lossfactor
+        损耗因子 tan(delta) tan(d)""",
+    "temperature": """temperature temp temperatur temperatura température sıcaklık lämpötila teplota
+        hőmérséklet температура 温度 溫度 온도""",
+    "real": "real re realteil",
+    "imaginary": "imaginary imag im imaginärteil",
+    "magnitude": "magnitude mag amplitude betrag",
+    "phase": "phase phasenwinkel winkel faza 相位",
+    "coherence": "coherence coh kohärenz koherencja cohérence 相干",
+    "stress": """stress spannung naprężenie contrainte tensión tensione gerilme 应力 應力 応力 응력
+        schubspannung""",
+    "strain": """strain dehnung odkształcenie déformation deformación deformazione gerinim 应变
+        應變 歪み ひずみ 변형률 scherung deformation""",
+    "modulus": "modulus modul e_relax g_relax relaxationsmodul",
+    "viscosity": "viscosity viskosität lepkość viscosité 粘度",
+    "shear_rate": "shear_rate scherrate shearrate schergeschwindigkeit",
+    "voltage": "voltage spannung_v volts gauge sg0 sg1 sg2 sg3 sg4 sg5",
+    "cycle": """cycle cycles zyklus zyklen zyklenzähler cykl cykle lastspiel lastspiele ciclo 循环
+        周期""",
+    "velocity": """velocity speed geschwindigkeit prędkość vitesse velocidad velocità hız скорость
+        速度""",
+    "torque": "torque drehmoment moment moment_obrotowy couple coppia tork момент 扭矩",
+}  # fmt: skip
+# Names that often mean this, and give way to the ones above.
+_SECOND: dict[Role, str] = {
+    "time": "t sec secs seconds sekunden zeitpunkt clock x_value",
+    "displacement": """position pos extension stroke travel deflection crosshead traverse piston
+        lvdt encoder gap separation height depth hub course allongement enfoncement corsa uzama
+        konum ход положение позиция wydłużenie położenie poloha pozíció posición posizione
+        x z d l u s y length verformung deformation eindringtiefe lauf opening ekstensometr
+        extensometer ストローク ストロ 位置 伸长 行程量 스트로크""",
+    "force": "f fx fy fz charge effort last lastzelle loadcell druckkraft input hammer_force n",
+    "acceleration": "a response antwort réponse odpowiedź ответ 响应",
+    "frequency": "f hz",
+    "storage": "gp ep",
+    "loss": "gpp epp loss",
+    "temperature": "t kammer",
+    "stress": "sigma σ tau τ",
+    "strain": "epsilon ε gamma γ",
+    "modulus": "g(t) e(t) g e",
+}  # fmt: skip
+COMMANDED = (
+    "soll", "sollwert", "command", "commanded", "cmd", "setpoint", "target", "demand", "zadana",
+    "zadane", "consigne", "nominal", "reference", "ref", "设定", "目标", "hedef",
+)  # fmt: skip
+"""Words for what was asked of the machine, not what it did."""
+DERIVED = (
+    "sd", "std", "stdev", "error", "fehler", "rate", "speed", "velocity", "geschwindigkeit",
+    "derivative", "noise", "status", "flag", "index", "count", "counter", "filtered", "gefiltert",
+    "smoothed", "average", "mean", "avg", "variance", "quality",
+)  # fmt: skip
+"""Words for something computed from a signal, not the signal."""
+EXTREMES = (
+    "max", "maximum", "min", "minimum", "peak", "valley", "spitze", "spitzen", "amplitude", "trend",
+    "mean", "mittel", "spitzenwert", "maksimum", "pic", "pico", "picco", "最大", "最小",
+    "峰值", "谷值",
+    "maks", "oberwert", "unterwert", "maxima", "minima", "range",
+)  # fmt: skip
+"""Words for one value per cycle."""
+PARTIAL_TIME = (
+    "step", "cycle", "segment", "schritt", "zyklus", "zykluszeit", "interval", "block", "section",
+    "phase", "abschnitt", "schrittzeit", "cyklu", "kroku", "remaining", "rest", "stage",
+)  # fmt: skip
+"""Clocks that start again within a test."""
+
+
+def plain(name: str) -> str:
+    """Fold case, width and spacing; camelCase and digits part words; accents stay."""
+    text = unicodedata.normalize("NFKC", name)
+    text = re.sub(r"(?<=[a-zäöüß]{2})(?=[A-ZÄÖÜ])", " ", text)
+    return re.sub(r"[\s_\-:;,./\\|*#()\[\]{}<>]+", " ", text.casefold()).strip()
+
+
+def bare(text: str) -> str:
+    """Drop the accents, as mangled headers do."""
+    return "".join(
+        c
+        for c in unicodedata.normalize("NFKD", text.replace("ł", "l").replace("ı", "i"))
+        if not unicodedata.combining(c)
+    )
+
+
+def _lexicon(words: dict[Role, str]) -> MappingProxyType[str, tuple[Role, ...]]:
+    lexicon: dict[str, tuple[Role, ...]] = {}
+    for role, line in words.items():
+        for word in line.split():
+            for spelling in {word.casefold(), bare(word.casefold())}:
+                if role not in lexicon.get(spelling, ()):
+                    lexicon[spelling] = (*lexicon.get(spelling, ()), role)
+    return MappingProxyType(lexicon)
+
+
+FIRST = _lexicon(_FIRST)
+SECOND = _lexicon(_SECOND)
+_STEMS = tuple(
+    (word, roles)
+    for word, roles in FIRST.items()
+    if len(word) >= 4 or word in {"weg", "čas"} or ord(word[0]) > 0x3000
+)
+
+
+def tokens(name: str) -> list[str]:
+    """The words of a name."""
+    return plain(name).split()
+
+
+def has_word(name: str, words: tuple[str, ...]) -> bool:
+    """Whether one of the words stands in the name, alone or (CJK) as a part."""
+    found = {part for word in tokens(name) for part in (word, word.rstrip("0123456789"))}
+    return any(w in found or (ord(w[0]) > 0x3000 and w in name) for w in words)
+
+
+@lru_cache(maxsize=4096)
+def matches(name: str) -> MappingProxyType[Role, float]:
+    """How well a name says each role: 3 exactly, 2.5 as a part of a word, 1.5 perhaps."""
+    scores: dict[Role, float] = {}
+
+    def note(roles: tuple[Role, ...], score: float) -> None:
+        for role in roles:
+            scores[role] = max(score, scores.get(role, 0.0))
+
+    whole = unicodedata.normalize("NFKC", name).casefold().strip().replace(" ", "_")
+    found = tokens(name)
+    stems = {word.rstrip("0123456789") for word in found} - {*found, ""}
+    for word in {whole, *found, *stems}:
+        less = 0.3 if word in stems else 0.0  # T beats T2, Force beats Force 1
+        for spelling in {word, bare(word)}:
+            note(FIRST.get(spelling, ()), 3.0 - less)
+            note(SECOND.get(spelling, ()), 1.5 - less)
+            if not FIRST.get(spelling):
+                for stem, roles in _STEMS:
+                    # German puts the head of a compound last: Standardkraft is a force
+                    east = ord(stem[0]) > 0x3000 and stem in spelling
+                    if len(spelling) > len(stem) and (spelling.endswith(stem) or east):
+                        note(roles, 2.5 - less)
+    return MappingProxyType(scores)

@@ -1,0 +1,100 @@
+"""Named arrays of a binary file gathered to one table."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import ReadError
+from dashpot.io.table import Column, Table, in_memory
+from dashpot.io.text.header import part_unit
+
+_RATES = {"fs", "rate", "samplerate", "samplingrate", "samplefrequency", "samplingfrequency", "sr"}
+_STEPS = {"dt", "ts", "deltat", "timestep", "sampletime", "deltax", "increment"}
+
+
+@dataclass(frozen=True, eq=False)
+class Named:
+    """One array with its name and unit as found."""
+
+    name: str
+    values: FloatArray
+    unit: str | None = None
+
+
+def gather(arrays: Sequence[Named], *, file: str, format_: str, notes: Sequence[str] = ()) -> Table:
+    """Return the arrays of the commonest length as one table; single numbers become hints.
+
+    Raises
+    ------
+    ReadError
+        If no two arrays, nor one wide array, could be a test.
+    """
+    vectors = [array for array in _columns(arrays) if array.values.size >= 2]
+    if not vectors:
+        raise ReadError(f"{file}: no numeric channels found in this {format_} file")
+    counts = Counter(array.values.size for array in vectors)
+    length = max(counts, key=lambda size: (counts[size] > 1, counts[size] * size))
+    kept = [array for array in vectors if array.values.size == length]
+    left = [array.name for array in vectors if array.values.size != length]
+    notes = list(notes)
+    if left:
+        notes.append(
+            f"{len(left)} arrays of another length than {length} were passed over: "
+            + ", ".join(left[:5])
+        )
+    columns = []
+    for array in kept:
+        name, unit = (array.name, array.unit) if array.unit else part_unit(array.name)
+        columns.append(Column(name, unit, unit_from="file" if array.unit else "name"))
+    return Table(
+        format=format_,
+        columns=tuple(columns),
+        load=in_memory(np.column_stack([array.values for array in kept])),
+        notes=tuple(notes),
+        hints=tuple(_hints(arrays)),
+    )
+
+
+def _columns(arrays: Sequence[Named]) -> list[Named]:
+    """Vectors as they are; a matrix as one vector for each of its columns."""
+    out = []
+    for array in arrays:
+        values = np.squeeze(np.asarray(array.values))
+        if values.ndim == 1:
+            out.append(Named(array.name, values, array.unit))
+        elif values.ndim == 2 and min(values.shape) <= 64:
+            tall = values if values.shape[0] >= values.shape[1] else values.T
+            out += [
+                Named(f"{array.name} {i + 1}", tall[:, i], array.unit) for i in range(tall.shape[1])
+            ]
+    return out
+
+
+def _hints(arrays: Sequence[Named]) -> list[str]:
+    """What single numbers say about the sampling rate."""
+    hints = []
+    for array in arrays:
+        if np.size(array.values) != 1:
+            continue
+        value = float(np.squeeze(array.values))
+        word = "".join(c for c in array.name.split(".")[-1].casefold() if c.isalpha())
+        rate = value if word in _RATES else 1 / value if word in _STEPS and value > 0 else 0.0
+        if rate > 0:
+            hints.append(
+                f"the file says {array.name} = {value:g}; if that is right, add "
+                f"--rate {rate:.10g}Hz"
+            )
+    return hints
+
+
+def real(values: object) -> FloatArray | None:
+    """Return an array of numbers as floats, or None if it holds anything else."""
+    array = np.asarray(values)
+    if array.dtype.kind not in "iufb":
+        return None
+    return array.astype(float)

@@ -1,0 +1,177 @@
+"""Whether the elements of a MAT file (version 5 to 7) are sound.
+
+SciPy looks an element's type up in a table without a check: a damaged tag ends the process, not the
+call. The tags are therefore walked first. Layout: MathWorks, *MAT-File Format*, chapter 1.
+"""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Callable
+from math import prod
+from typing import BinaryIO
+
+from dashpot.base.errors import ReadError
+
+_HEADER, _TAG, _MATRIX, _COMPRESSED = 128, 8, 14, 15
+_NAME, _INT32, _UINT32 = frozenset({1}), frozenset({5}), 6
+_ARRAYS, _VARIABLES = frozenset({_MATRIX}), frozenset({_MATRIX, _COMPRESSED})
+_NUMBERS = frozenset({*range(1, 8), 9, 12, 13})
+_LETTERS = _NUMBERS | {16, 17, 18}
+_CELL, _STRUCT, _OBJECT, _CHAR, _SPARSE = range(1, 6)
+_NUMERIC = range(_SPARSE, 16)
+_COMPLEX = 0x800
+_DIMENSIONS = range(8, 132, 4)  # two to 31 whole numbers
+_DEEPEST = 32
+_AT_ONCE = 1 << 16
+
+Take = Callable[[int], bytes]
+
+
+def check_elements(stream: BinaryIO, name: str) -> None:
+    """Raise a ReadError if a tag of the file is none that a MAT file can hold.
+
+    Files of another version than 5 to 7 are passed over; the stream is left at its start.
+    """
+    header = stream.read(_HEADER)
+    order = {b"IM": "<", b"MI": ">"}.get(header[126:128])
+    if order is not None and 0 not in header[:4]:
+        size = stream.seek(0, 2)
+        stream.seek(_HEADER)
+        try:
+            while stream.tell() < size:
+                _element(stream.read, order, size - stream.tell(), _VARIABLES, depth=0)
+        except (_Damaged, zlib.error, struct.error) as error:
+            at = stream.tell()
+            raise ReadError(
+                f"{name}: the MAT file is damaged near byte {at}: {error}; save it again"
+            ) from None
+    stream.seek(0)
+
+
+class _Damaged(Exception):  # noqa: N818
+    pass
+
+
+def _element(take: Take, order: str, room: int, kinds: frozenset[int], *, depth: int) -> int:
+    """Walk one element, of these kinds and at most `room` bytes; return how many it took."""
+    kind, size, short = _tag(take, order, room, kinds)
+    if short is not None:
+        return 8
+    if kind == _COMPRESSED:
+        _inflated(take, order, size, depth=depth)
+    elif kind == _MATRIX:
+        _array(take, order, size, depth=depth)
+    else:
+        size = min(-(-size // 8) * 8, room - 8)
+        _passed(take, size)
+    return 8 + size
+
+
+def _tag(take: Take, order: str, room: int, kinds: frozenset[int]) -> tuple[int, int, bytes | None]:
+    """Kind and size of the next element, and its data if they stand in the tag."""
+    if room < _TAG:
+        raise _Damaged(f"an element where {max(room, 0)} bytes are left")
+    word: int = struct.unpack(order + "I", _exactly(take, 4))[0]
+    kind, size = word & 0xFFFF, word >> 16
+    if size:
+        if kind not in kinds - _VARIABLES or size > 4:
+            raise _Damaged(f"an element of type {kind} with {size} bytes in its tag")
+        return kind, size, _exactly(take, 4)[:size]
+    size = int(struct.unpack(order + "I", _exactly(take, 4))[0])
+    if kind not in kinds or size > room - 8:
+        raise _Damaged(f"an element of type {kind} and {size} bytes, {room - 8} are left")
+    return kind, size, None
+
+
+def _content(take: Take, order: str, room: int, kinds: frozenset[int]) -> tuple[int, bytes]:
+    """How many bytes the next element took, and its data."""
+    _, size, short = _tag(take, order, room, kinds)
+    if short is not None:
+        return 8, short
+    padded = min(-(-size // 8) * 8, room - 8)
+    return 8 + padded, _exactly(take, padded)[:size]
+
+
+def _array(take: Take, order: str, size: int, *, depth: int) -> None:
+    """The elements of an array: class, dimensions, name, then as many as its class holds."""
+    if not size:
+        return
+    if depth > _DEEPEST:
+        raise _Damaged("arrays nested too deep")
+    kind, length, flags, _ = struct.unpack(order + "4I", _exactly(take, min(16, size)))
+    class_, parts = flags & 0xFF, 1 + bool(flags & _COMPLEX)
+    if (kind, length) != (_UINT32, 8):
+        raise _Damaged("an array without a class")
+    left = size - 16
+    read, dimensions = _content(take, order, left, _INT32)
+    left -= read
+    if len(dimensions) not in _DIMENSIONS:
+        raise _Damaged(f"an array with {len(dimensions)} bytes of dimensions")
+    cells = prod(abs(n) for n in _integers(dimensions, order))
+    if cells > size and class_ != _SPARSE:
+        raise _Damaged(f"an array of {cells} values in {size} bytes")
+    left -= _content(take, order, left, _NAME)[0]
+    rest = _NUMBERS
+    if class_ == _CELL:
+        rest, parts = _ARRAYS, cells
+    elif class_ in {_STRUCT, _OBJECT}:
+        if class_ == _OBJECT:
+            left -= _content(take, order, left, _NAME)[0]
+        read, longest = _content(take, order, left, _INT32)
+        left -= read
+        read, names = _content(take, order, left, _NAME)
+        left -= read
+        width = sum(_integers(longest, order))
+        if width < 1:
+            raise _Damaged(f"a struct with names of {width} letters")
+        rest, parts = _ARRAYS, cells * (len(names) // width)
+    elif class_ == _CHAR:
+        rest, parts = _LETTERS, 1
+    elif class_ == _SPARSE:
+        parts += 2
+    elif class_ not in _NUMERIC:
+        raise _Damaged(f"an array of class {class_}")
+    for _part in range(parts):
+        left -= _element(take, order, left, rest, depth=depth + 1)
+    _passed(take, left)
+
+
+def _integers(data: bytes, order: str) -> tuple[int, ...]:
+    return struct.unpack(f"{order}{len(data) // 4}i", data[: len(data) // 4 * 4])
+
+
+def _inflated(take: Take, order: str, size: int, *, depth: int) -> None:
+    """A compressed element: the one inside, inflated a stretch at a time."""
+    inflate = zlib.decompressobj()
+    waiting, packed = b"", size
+
+    def more(count: int) -> bytes:
+        nonlocal waiting, packed
+        while len(waiting) < count and (packed or inflate.unconsumed_tail):
+            source = inflate.unconsumed_tail
+            if not source:
+                source = _exactly(take, min(packed, _AT_ONCE))
+                packed -= len(source)
+            fresh = inflate.decompress(source, _AT_ONCE)
+            if not fresh and inflate.eof:
+                break
+            waiting += fresh
+        found, waiting = waiting[:count], waiting[count:]
+        return found
+
+    _element(more, order, 1 << 62, _ARRAYS, depth=depth + 1)
+    _passed(take, packed)
+
+
+def _passed(take: Take, count: int) -> None:
+    while count > 0:
+        count -= len(_exactly(take, min(count, _AT_ONCE)))
+
+
+def _exactly(take: Take, count: int) -> bytes:
+    found = take(count)
+    if len(found) < count:
+        raise _Damaged("it ends inside an array")
+    return found

@@ -1,0 +1,135 @@
+"""NI TDMS files through npTDMS: scaled, with each channel's own start offset."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import ReadError
+from dashpot.io.formats.foreign import extra
+from dashpot.io.options import ReadOptions
+from dashpot.io.source import Raw
+from dashpot.io.table import Column, Table, in_memory
+
+_UNITS = ("unit_string", "NI_UnitDescription", "Unit", "unit", "Units")
+_WHOLE = 0.01
+"""Share of a sample by which channels may be apart before one is shifted."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Channel:
+    name: str
+    unit: str | None
+    values: FloatArray
+    step: float | None
+    offset: float
+
+
+def read(raw: Raw, options: ReadOptions) -> Table:
+    """Return the channels of a TDMS file, one segment for each group.
+
+    Raises
+    ------
+    ReadError
+        If groups hold different channels (name one with ``--sheet``), or channels of one group
+        differ in rate or length.
+    """
+    nptdms = extra("nptdms", "npTDMS", raw.name, "TDMS files")
+    with raw.open() as stream:
+        file = nptdms.TdmsFile.read(stream)
+    groups = {group.name: _channels(group) for group in file.groups()}
+    groups = {name: channels for name, channels in groups.items() if channels}
+    if options.sheet is not None:
+        if options.sheet not in groups:
+            raise ReadError(f"{raw.name}: --sheet {options.sheet}: the groups are {_list(groups)}")
+        groups = {options.sheet: groups[options.sheet]}
+    if not groups:
+        raise ReadError(f"{raw.name}: this TDMS file holds no numeric channels")
+    shapes = {tuple((c.name, c.unit) for c in channels) for channels in groups.values()}
+    if len(shapes) > 1:
+        raise ReadError(
+            f"{raw.name}: groups {_list(groups)} hold different channels; choose one with --sheet "
+            f'"{next(iter(groups))}"'
+        )
+    notes: list[str] = []
+    blocks = [_block(channels, raw.name, notes) for channels in groups.values()]
+    first = next(iter(groups.values()))
+    columns = [Column(c.name, c.unit, unit_from="file") for c in first]
+    if blocks[0].shape[1] > len(first):
+        columns.insert(0, Column("time", "s", unit_from="wf_increment"))
+    starts = np.cumsum([0, *(len(block) for block in blocks[:-1])])
+    return Table(
+        format="TDMS",
+        columns=tuple(columns),
+        load=in_memory(np.concatenate(blocks), tuple(map(int, starts)), tuple(groups)),
+        notes=tuple(dict.fromkeys(notes)),
+    )
+
+
+def _channels(group: Any) -> list[_Channel]:
+    found = []
+    for channel in group.channels():
+        values = np.asarray(channel[:])
+        if values.size == 0 or values.dtype.kind not in "iuf":
+            continue
+        said = channel.properties
+        unit = next((str(said[key]) for key in _UNITS if str(said.get(key, "")).strip()), None)
+        step = said.get("wf_increment")
+        found.append(
+            _Channel(
+                channel.name,
+                unit,
+                values.astype(float),
+                float(step) if step else None,
+                float(said.get("wf_start_offset", 0.0)),
+            )
+        )
+    return found
+
+
+def _block(channels: list[_Channel], file: str, notes: list[str]) -> FloatArray:
+    """One group as rows: with its time in front if the channels carry it."""
+    steps = {channel.step for channel in channels}
+    if len(steps) > 1:
+        listed = ", ".join(f"'{c.name}' {c.step} s" for c in channels[:6])
+        raise ReadError(
+            f"{file}: channels are sampled at different steps ({listed}); export them at one rate"
+        )
+    step = steps.pop()
+    if step is None:
+        sizes = {channel.values.size for channel in channels}
+        if len(sizes) > 1:
+            raise ReadError(
+                f"{file}: channels differ in length ({sorted(sizes)}) and have no clock"
+            )
+        return np.column_stack([channel.values for channel in channels])
+    start = max(channel.offset for channel in channels)
+    end = min(channel.offset + step * (channel.values.size - 1) for channel in channels)
+    count = int(np.floor((end - start) / step + 1e-6)) + 1
+    if count < 2:
+        raise ReadError(f"{file}: the channels do not overlap in time (wf_start_offset)")
+    time: FloatArray = start + step * np.arange(count, dtype=float)
+    return np.column_stack([time, *(_aligned(c, time, step, notes) for c in channels)])
+
+
+def _aligned(channel: _Channel, time: FloatArray, step: float, notes: list[str]) -> FloatArray:
+    """A channel's samples at the common times; its own where they fall together."""
+    shift = (time[0] - channel.offset) / step
+    whole = round(shift)
+    if abs(shift - whole) <= _WHOLE:
+        if whole:
+            notes.append(f"'{channel.name}' starts {whole} samples before the others: aligned")
+        return channel.values[whole : whole + len(time)]
+    notes.append(
+        f"'{channel.name}' starts {shift:.2f} samples before the others: shifted by straight lines "
+        "between its samples, which dulls what is near half the sampling rate"
+    )
+    own = channel.offset + step * np.arange(channel.values.size)
+    return np.interp(time, own, channel.values)
+
+
+def _list(groups: dict[str, list[_Channel]]) -> str:
+    return ", ".join(f"'{name}'" for name in list(groups)[:8])

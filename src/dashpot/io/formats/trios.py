@@ -1,0 +1,89 @@
+"""TA Instruments TRIOS exports in JSON: steps of named columns with units."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from dashpot.base.errors import ReadError
+from dashpot.io.options import ReadOptions
+from dashpot.io.source import Raw
+from dashpot.io.table import Column, Table, in_memory
+
+_LARGEST = 1 << 28
+_Set: TypeAlias = tuple[str, tuple[tuple[str, str], ...], list[list[float]]]
+
+
+def read(raw: Raw, options: ReadOptions) -> Table:
+    """Return the data sets of a TRIOS JSON file, joined as segments where their columns agree.
+
+    Raises
+    ------
+    ReadError
+        If it is not such a file, or its data sets differ in their columns.
+    """
+    if raw.size > _LARGEST:
+        raise ReadError(f"{raw.name}: a JSON file of {raw.size} bytes; export it as text instead")
+    try:
+        content = json.loads(raw.head(raw.size).decode("utf-8-sig"))
+        sets = list(_data_sets(content))
+    except (ValueError, RecursionError) as error:
+        raise ReadError(f"{raw.name}: not valid JSON: {error}") from None
+    if not sets:
+        raise ReadError(
+            f"{raw.name}: JSON, but no TRIOS data found (expected 'columns' with 'name' and "
+            "'unit', and 'values'); dashpot's own results are read by the commands that take FIT"
+        )
+    if options.sheet is not None:
+        sets = [entry for entry in sets if entry[0] == options.sheet] or sets
+    columns = sets[0][1]
+    if any(entry[1] != columns for entry in sets):
+        names = ", ".join(f"'{entry[0]}'" for entry in sets[:6])
+        raise ReadError(
+            f"{raw.name}: results {names} have different columns; choose one with --sheet"
+        )
+    rows = [np.asarray(values, dtype=float).reshape(-1, len(columns)) for _, _, values in sets]
+    starts = np.cumsum([0, *(len(part) for part in rows[:-1])])
+    return Table(
+        format="TRIOS JSON",
+        columns=tuple(Column(name, unit or None, unit_from="file") for name, unit in columns),
+        load=in_memory(np.concatenate(rows), tuple(map(int, starts)), tuple(e[0] for e in sets)),
+    )
+
+
+def _data_sets(node: Any, name: str = "", depth: int = 0) -> Iterator[_Set]:
+    """Every ``{"columns": [...], "values": [...]}`` in the document, with the nearest name."""
+    if depth > 20:
+        return
+    if isinstance(node, dict):
+        said = node.get("Properties", node)
+        name = str(said.get("Name", name)) if isinstance(said, dict) else name
+        if _table_like(node):
+            heads = tuple((str(c["name"]), str(c.get("unit") or "")) for c in node["columns"])
+            yield name, heads, [_row(row, len(heads)) for row in node["values"]]
+            return
+        for child in node.values():
+            yield from _data_sets(child, name, depth + 1)
+    elif isinstance(node, list):
+        for child in node:
+            yield from _data_sets(child, name, depth + 1)
+
+
+def _table_like(node: dict[str, Any]) -> bool:
+    columns, values = node.get("columns"), node.get("values")
+    return (
+        isinstance(columns, list)
+        and isinstance(values, list)
+        and bool(columns and values)
+        and all(isinstance(column, dict) and "name" in column for column in columns)
+        and all(isinstance(row, list) for row in values)
+    )
+
+
+def _row(row: list[Any], width: int) -> list[float]:
+    """A row of so many numbers; what is missing or no number is NaN."""
+    numbers = [float(v) if isinstance(v, int | float) else float("nan") for v in row[:width]]
+    return numbers + [float("nan")] * (width - len(numbers))

@@ -1,0 +1,180 @@
+"""Universal file format, dataset 58 (ascii and binary), through pyuff."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import ReadError
+from dashpot.io.formats.foreign import extra
+from dashpot.io.options import ReadOptions
+from dashpot.io.source import Raw
+from dashpot.io.table import Column, Question, Table, in_memory
+
+TIME, FRF_, COHERENCE = 1, 4, 6
+"""Function types of dataset 58."""
+_PSD = 9
+_QUANTITY = {8: "m", 11: "m/s", 12: "m/s^2", 9: "N", 13: "N", 17: "s", 18: "Hz"}
+"""SI unit by the specific data type of an axis."""
+_BLANK = {"", "NONE", "NULL"}
+
+
+def read(raw: Raw, options: ReadOptions) -> Table:
+    """Return the FRFs of a file, else its time records, as a table.
+
+    Of several FRFs one is chosen by ``--segment``. Units are those of the axis labels; where a
+    label is blank, dataset 164 and the specific data type give them.
+
+    Raises
+    ------
+    ReadError
+        If there is no dataset 58 of either type, or several FRFs and no choice.
+    """
+    pyuff = extra("pyuff", "pyuff", raw.name, "UFF files")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        found = pyuff.UFF(str(raw.on_disk())).read_sets()
+    sets = found if isinstance(found, list) else [found]
+    units = next((entry for entry in sets if entry.get("type") == 164), None)
+    curves = [entry for entry in sets if entry.get("type") == 58 and np.size(entry.get("data"))]
+    frfs = [entry for entry in curves if entry["func_type"] == FRF_]
+    notes = _said(sets, units)
+    if frfs:
+        return _frf(raw, frfs, curves, units, options=options, notes=notes)
+    timed = [entry for entry in curves if entry["func_type"] in {0, TIME}]
+    if timed:
+        return _timed(raw, timed, units, notes)
+    if curves:  # a spectrum or the like: shown, and refused where a test is asked for
+        return _timed(raw, curves[:1], units, notes)
+    kinds = sorted({int(entry.get("type", 0)) for entry in sets})
+    raise ReadError(
+        f"{raw.name}: no dataset 58 with an FRF or a time record; the datasets are of types "
+        f"{', '.join(map(str, kinds)) or 'none'}"
+    )
+
+
+def _said(sets: Sequence[dict[str, Any]], units: dict[str, Any] | None) -> list[str]:
+    notes = []
+    model = next((e for e in sets if e.get("type") == 151), None)
+    if model is not None and str(model.get("model_name", "")).strip():
+        notes.append(f"model {str(model['model_name']).strip()} (dataset 151)")
+    if units is None:
+        notes.append("no dataset 164: units are those of the axis labels")
+    else:
+        notes.append(f"units {str(units.get('units_description', '')).strip()} (dataset 164)")
+    return notes
+
+
+def _frf(
+    raw: Raw,
+    frfs: Sequence[dict[str, Any]],
+    curves: Sequence[dict[str, Any]],
+    units: dict[str, Any] | None,
+    *,
+    options: ReadOptions,
+    notes: list[str],
+) -> Table:
+    doubts: tuple[Question, ...] = ()
+    if options.segment is not None and options.segment > len(frfs):
+        raise ReadError(
+            f"{raw.name}: --segment {options.segment}, but the file has {len(frfs)} FRFs"
+        )
+    if options.segment is None and len(frfs) > 1:
+        listed = ", ".join(f"{i + 1} {_title(entry)}" for i, entry in enumerate(frfs[:8]))
+        says = f"{len(frfs)} FRFs in the file: {listed}; choose one, for example --segment 1"
+        doubts = (Question(says, "--segment NUMBER"),)
+    one = frfs[(options.segment or 1) - 1]
+    unit = _label(one["ordinate_axis_units_lab"]) or _from_164(one, "ordinate", units)
+    below = _label(one["orddenom_axis_units_lab"]) or _from_164(one, "orddenom", units)
+    if unit and "/" + (below or "?") not in unit and below and "(1/" not in unit:
+        unit = f"({unit})/{below}"
+    frequency = np.asarray(one["x"], dtype=float)
+    value = np.asarray(one["data"], dtype=complex)
+    columns = [Column("frequency", _label(one["abscissa_axis_units_lab"]) or "Hz"),
+               Column("real", unit), Column("imaginary", unit)]  # fmt: skip
+    values = [frequency, value.real, value.imag]
+    for entry in curves:
+        same = entry["func_type"] == COHERENCE and np.array_equal(entry["x"], one["x"])
+        if same and len(columns) == 3:
+            columns.append(Column("coherence", "1"))
+            values.append(np.real(entry["data"]))
+    return _table(columns, values, one, notes, doubts)
+
+
+def _timed(
+    raw: Raw, timed: Sequence[dict[str, Any]], units: dict[str, Any] | None, notes: list[str]
+) -> Table:
+    first = timed[0]
+    grids = {
+        (len(e["x"]), round(float(e["x"][0]), 12), round(float(e["x"][-1]), 12)) for e in timed
+    }
+    if len(grids) > 1:
+        raise ReadError(
+            f"{raw.name}: the time records differ in length or start ({len(grids)} kinds); give "
+            "files whose channels were recorded together"
+        )
+    word = _label(first["abscissa_axis_units_lab"]) or "s"
+    columns = [Column("time" if first["func_type"] in {0, TIME} else "abscissa", word)]
+    values = [np.asarray(first["x"], dtype=float)]
+    for i, entry in enumerate(timed):
+        unit = _label(entry["ordinate_axis_units_lab"]) or _from_164(entry, "ordinate", units)
+        name = _title(entry) or f"channel {i + 1}"
+        name += " (PSD)" if entry["func_type"] == _PSD else ""
+        columns.append(Column(name, unit, unit_from="file"))
+        values.append(np.real(np.asarray(entry["data"])).astype(float))
+    return _table(columns, values, first, notes)
+
+
+def _table(
+    columns: Sequence[Column],
+    values: Sequence[FloatArray],
+    entry: dict[str, Any],
+    notes: Sequence[str],
+    doubts: tuple[Question, ...] = (),
+) -> Table:
+    comments = tuple(f"# {entry[key]}" for key in ("id1", "id2", "id3", "id4", "id5"))
+    return Table(
+        format="UFF 58",
+        doubts=doubts,
+        columns=tuple(columns),
+        load=in_memory(np.column_stack(values)),
+        notes=tuple(notes),
+        header=comments,
+        simulated=any("simulated" in comment.casefold() for comment in comments),
+    )
+
+
+def _title(entry: dict[str, Any]) -> str:
+    """What a curve is called: its axis label, response point or first identification line."""
+    for key in ("ordinate_axis_lab", "rsp_ent_name", "id1"):
+        word = _label(entry.get(key, ""))
+        if word:
+            return word
+    return ""
+
+
+def _label(word: Any) -> str | None:
+    """A label, None if blank; a superscript two lost in a foreign encoding is put back."""
+    text = str(word).strip()
+    return (
+        None if text.upper() in _BLANK else text.replace("s\ufffd", "s^2").replace("g\ufffd", "g^2")
+    )
+
+
+def _from_164(entry: dict[str, Any], axis: str, units: dict[str, Any] | None) -> str | None:
+    """The unit that dataset 164 and the specific data type give, if the factors are SI's."""
+    kind = int(entry.get(f"{axis}_spec_data_type", 0) or 0)
+    if units is None or kind not in _QUANTITY:
+        return None
+    word = _QUANTITY[kind]
+    length, force = float(units.get("length", 1.0)), float(units.get("force", 1.0))
+    if word == "N":
+        return {1.0: "N", 1000.0: "mN", 1e-3: "kN"}.get(force)
+    if word.startswith("m"):
+        prefix = {1.0: "", 1000.0: "m"}.get(length)
+        return None if prefix is None else prefix + word
+    return word

@@ -1,0 +1,154 @@
+"""Faults of a recorded clock and its samples: mended with a note where harmless, else refused."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, FloatArray, median
+from dashpot.base.errors import ReadError
+from dashpot.io.table import Loaded
+
+_FEW = 1e-3
+"""Share of repeated time stamps that may be dropped."""
+
+
+def drop_missing(
+    loaded: Loaded, names: Sequence[str], *, protect: BoolArray, file: str
+) -> tuple[BoolArray, list[str]]:
+    """Return which rows are whole, and a note on those that are not.
+
+    Raises
+    ------
+    ReadError
+        If a number is missing where `protect` is true, or in more than half of the rows.
+    """
+    holes = ~np.isfinite(loaded.values)
+    keep = np.logical_not(np.any(holes, axis=1))
+    rows = np.flatnonzero(~keep)
+    if rows.size == 0:
+        return keep, []
+
+    def lacks(row: int) -> str:
+        return " and ".join(name for name, hole in zip(names, holes[row], strict=True) if hole)
+
+    places = ", ".join(f"{loaded.where(int(row))} ({lacks(row)})" for row in rows[:3])
+    more = f" and {rows.size - 3} more" if rows.size > 3 else ""
+    if rows.size > 0.5 * len(keep):
+        raise ReadError(
+            f"{file}: {rows.size} of {len(keep)} rows lack a number, first at {places}{more}; "
+            "the columns may be recorded at different rates: export them on one time base"
+        )
+    guarded = rows[protect[rows] & (rows < len(keep) - 1)]  # a last row may well be cut off
+    if guarded.size:
+        row = int(guarded[0])
+        plural = "s" * (rows.size > 1)
+        raise ReadError(
+            f"{file}: {loaded.where(row)} lacks {lacks(row)} within the ramp or the start of the "
+            f"hold, where every sample counts ({rows.size} such row{plural} in all); "
+            "repair or repeat the record there"
+        )
+    return keep, [
+        f"{rows.size} of {len(keep)} rows lack a number and were left out: {places}{more}"
+    ]
+
+
+def ramp_window(time: FloatArray, displacement: FloatArray) -> BoolArray:
+    """Where the loading and the first ten ramp times of the hold are, roughly.
+
+    The fastest relaxation that a ramp shows has about the time of the ramp, so ten ramp times
+    of hold are where the arms are told apart.
+    """
+    known = np.isfinite(time) & np.isfinite(displacement)
+    window = np.zeros(len(time), dtype=bool)
+    if known.sum() < 8:
+        return window
+    t, x = time[known], displacement[known]
+    low, high = float(np.min(x)), float(np.max(x))
+    if high <= low:
+        return window
+    moved = np.abs(x - x[0])
+    beyond = np.flatnonzero(moved > 0.02 * moved.max())
+    full = np.flatnonzero(moved > 0.98 * moved.max())
+    onset, end = t[max(int(beyond[0]) - 1, 0)], t[int(full[0])]
+    filled = np.interp(np.arange(len(time)), np.flatnonzero(known), t)
+    return np.asarray((filled >= onset) & (filled <= end + 10 * max(end - onset, 0.0)))
+
+
+def drop_repeats(time: FloatArray, loaded: Loaded, *, file: str) -> tuple[BoolArray, list[str]]:
+    """Return which samples to keep so that time rises, and a note on the repeats left out.
+
+    Raises
+    ------
+    ReadError
+        If the clock falls, or more than 0.1 % of the stamps are repeated.
+    """
+    keep = np.ones(len(time), dtype=bool)
+    steps = np.diff(time)
+    falls = np.flatnonzero(steps < 0)
+    if falls.size:
+        i = int(falls[0])
+        raise ReadError(
+            f"{file}: time falls from {time[i]:.9g} s to {time[i + 1]:.9g} s at "
+            f"{loaded.where(i + 1)}: the clock was reset or rows are out of order "
+            f"({falls.size} such place{'s' * (falls.size > 1)}); split the file there, read one "
+            "part with --segment, or give --rate 1000Hz (the true one) if the rows are evenly "
+            "sampled throughout"
+        )
+    repeats = np.flatnonzero(steps == 0) + 1
+    if repeats.size == 0:
+        return keep, []
+    first = loaded.where(int(repeats[0]))
+    if repeats.size > max(1.0, _FEW * len(time)):
+        raise ReadError(
+            f"{file}: {repeats.size} of {len(time)} time stamps repeat the one before, first "
+            f"t = {time[repeats[0]]:.9g} s at {first}; the clock has too few "
+            "digits: export more, or give --rate 1000Hz (the true one) if the rows are evenly "
+            "sampled"
+        )
+    keep[repeats] = False
+    return keep, [
+        f"{repeats.size} repeated time stamp{'s' * (repeats.size > 1)} left out, first at {first}"
+    ]
+
+
+def clock_notes(time: FloatArray) -> list[str]:
+    """Say if the sampling is so fast or slow that the unit of time may be wrong."""
+    step = median(np.diff(time)) if len(time) > 1 else 0.0
+    if step <= 0:
+        return []
+    rate = 1 / step
+    if 1 <= rate <= 1e6:
+        return []
+    unit = "milliseconds or minutes read as seconds" if rate > 1e6 else "these milliseconds"
+    says = (
+        f"sampled at {rate:.3g} Hz, if the unit of time is right: are {unit}? "
+        'Say it with --units "time=ms"'
+    )
+    return [says]
+
+
+def swapped(displacement: FloatArray, force: FloatArray) -> list[str]:
+    """Return a warning, or none, if the 'force' is held and the 'displacement' relaxes."""
+    if _relaxes(displacement) > 0.08 and _relaxes(force) < 0.01:
+        says = (
+            "displacement and force look swapped: the column read as force is held while the one "
+            "read as displacement relaxes; name them with --displacement and --force"
+        )
+        return [says]
+    return []
+
+
+def _relaxes(values: FloatArray) -> float:
+    """Share of its range that a signal falls back from its peak by the end of a long tail."""
+    away = np.abs(values - values[0])
+    peak = int(np.argmax(away))
+    if away[peak] <= 0 or peak > 0.5 * len(values):
+        # a held signal creeps to its largest value late
+        late = away[int(0.5 * len(away)) :]
+        return (
+            float(np.ptp(late) / away.max()) if away.max() > 0 and peak > 0.5 * len(values) else 0.0
+        )
+    tail = away[int(0.9 * len(away)) :]
+    return float((away[peak] - median(tail)) / away[peak])

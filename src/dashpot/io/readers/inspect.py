@@ -1,0 +1,161 @@
+"""What is in a file, before anything in it is trusted."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import ReadError
+from dashpot.io.columns.kinds import kind_of
+from dashpot.io.columns.roles import Assigned, accelerations, assign, unit_for
+from dashpot.io.columns.vocabulary import Role
+from dashpot.io.formats.detect import read_table
+from dashpot.io.inspection import InspectedColumn, Inspection, Segment
+from dashpot.io.options import ReadOptions
+from dashpot.io.readers import channels, cleaning
+from dashpot.io.source import about, open_raw
+from dashpot.io.table import Loaded, Question, Table
+
+_ROLES: dict[str, tuple[Role, ...]] = {
+    "relaxation": ("time", "displacement", "force"),
+    "unclear": ("time", "displacement", "force"),
+    "impact": ("time", "force"),
+    "dma": ("frequency", "storage", "loss", "temperature"),
+    "frf": ("frequency", "real", "imaginary", "magnitude", "phase", "coherence"),
+}
+_WELCOME = {"temperature", "real", "imaginary", "magnitude", "phase", "coherence"}
+"""Roles that are shown where they are found, and not asked for."""
+
+
+def inspect_file(path: str | Path, *, options: ReadOptions | None = None) -> Inspection:
+    """Return what is in a file: columns with roles and reasons, sampling, open questions.
+
+    Raises
+    ------
+    ReadError
+        If the file cannot be opened or holds no table.
+    """
+    options = options or ReadOptions()
+    raw = open_raw(path)
+    table = read_table(raw, options)
+    with about(raw):
+        kind, reason = kind_of(table, options)
+        roles, questions = _proposal(table, kind, options)
+    numbers = [i for i, c in enumerate(table.columns) if c.content in {"number", "clock"}]
+    loaded = channels.load(table, numbers, options, raw.name)
+    by_index = {i: loaded.values[:, j] for j, i in enumerate(numbers)}
+    time = _time(table, by_index, roles, options, len(loaded.values))
+    rate, even, duration = _sampling(time, loaded.starts)
+    warnings = [*table.notes, *loaded.notes]
+    if time is not None:
+        warnings += cleaning.clock_notes(time[np.isfinite(time)])
+    if kind == "relaxation" and not questions:
+        found = {role: by_index[i] for i, (role, _) in roles.items()}
+        warnings += cleaning.swapped(found["displacement"], found["force"])
+    return Inspection(
+        file=raw.name, sha256=raw.sha256, format=table.format, kind=kind, reason=reason,
+        encoding=table.encoding, delimiter=table.delimiter, decimal=table.decimal,
+        header=table.header, columns=_columns(table, by_index, roles), rows=len(loaded.values),
+        rate=rate, even=even, duration=duration, segments=_segments(loaded, time),
+        warnings=tuple(warnings), questions=(*table.doubts, *questions), simulated=table.simulated,
+    )  # fmt: skip
+
+
+def _columns(
+    table: Table, by_index: dict[int, FloatArray], roles: dict[int, tuple[Role, str]]
+) -> tuple[InspectedColumn, ...]:
+    columns = []
+    for i, column in enumerate(table.columns):
+        role, why = roles.get(i, (None, ""))
+        cells = by_index[i][:5].tolist() if i in by_index else []
+        first = tuple(None if math.isnan(value) else value for value in cells)
+        columns.append(InspectedColumn(i + 1, column.name, column.unit, role, why, first))
+    return tuple(columns)
+
+
+def _proposal(
+    table: Table, kind: str, options: ReadOptions
+) -> tuple[dict[int, tuple[Role, str]], list[Question]]:
+    """Role and reason by column, and the questions left."""
+    roles: dict[int, tuple[Role, str]] = {}
+    questions: list[Question] = []
+    for role in _ROLES.get(kind, ()):
+        if role == "time" and options.rate is not None:
+            continue
+        answer = assign(table, role, options)
+        if isinstance(answer, Question):
+            needless = role == "loss" and isinstance(
+                assign(table, "loss_factor", options), Assigned
+            )
+            questions += [] if role in _WELCOME or needless else [answer]
+            continue
+        roles[answer.index] = (role, answer.reason)
+        questions += [] if role in _WELCOME else _unit_question(table, answer, options)
+    if kind == "impact":
+        for i in accelerations(table, list(roles), options):
+            found = Assigned("acceleration", i, "its name or unit says acceleration")
+            roles[i] = (found.role, found.reason)
+            questions += _unit_question(table, found, options)
+    return roles, questions
+
+
+def _unit_question(table: Table, one: Assigned, options: ReadOptions) -> list[Question]:
+    try:
+        unit_for(table.columns[one.index], one.index + 1, one.role, options)
+    except ReadError as error:
+        return [Question(str(error), f'--units "{one.role}=UNIT"')]
+    return []
+
+
+def _time(
+    table: Table,
+    by_index: dict[int, FloatArray],
+    roles: dict[int, tuple[Role, str]],
+    options: ReadOptions,
+    rows: int,
+) -> FloatArray | None:
+    """Time of every row, s, if the file or the options tell it."""
+    if options.rate is not None:
+        return np.arange(rows) / options.rate
+    index = next((i for i, (role, _) in roles.items() if role == "time"), None)
+    if index is None:
+        return None
+    try:
+        unit = unit_for(table.columns[index], index + 1, "time", options)
+    except ReadError:
+        return None
+    return channels.si(by_index[index].copy(), unit)
+
+
+def _sampling(
+    time: FloatArray | None, starts: tuple[int, ...]
+) -> tuple[float | None, bool, float | None]:
+    """Median rate, whether each segment is evenly sampled, and duration."""
+    if time is None:
+        return None, True, None
+    steps = np.diff(time)
+    steps[[start - 1 for start in starts[1:]]] = np.nan
+    steps = steps[np.isfinite(steps)]
+    forward = steps[steps > 0]
+    if forward.size == 0:
+        return None, True, None
+    step = float(np.median(forward))
+    even = bool(np.abs(steps - step).max() <= 0.2 * step)
+    return 1 / step, even, float(np.nanmax(time) - np.nanmin(time))
+
+
+def _segments(loaded: Loaded, time: FloatArray | None) -> tuple[Segment, ...]:
+    stops = (*loaded.starts[1:], len(loaded.values))
+    segments = []
+    for name, start, stop in zip(loaded.segments, loaded.starts, stops, strict=True):
+        ends: tuple[float | None, ...] = (None, None)
+        if time is not None and stop > start:
+            ends = tuple(
+                None if math.isnan(end) else end
+                for end in (time[start].item(), time[stop - 1].item())
+            )
+        segments.append(Segment(name, stop - start, *ends))
+    return tuple(segments)

@@ -1,0 +1,161 @@
+"""Delimited text of any lab, from what the text itself shows."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from dashpot.base.errors import ReadError
+from dashpot.io.options import ReadOptions
+from dashpot.io.source import Raw
+from dashpot.io.table import Loaded, Question, Table
+from dashpot.io.text import cells
+from dashpot.io.text.dialect import Dialect, ambiguous_commas, find_dialect
+from dashpot.io.text.encoding import decoded, find_encoding
+from dashpot.io.text.header import name_columns
+from dashpot.io.text.rows import load_rows, title
+
+_HEADS = (1 << 16, 1 << 20, 1 << 24)
+_LARGE = 1 << 28
+_NAMES = {"\t": "tab", ";": "semicolon", ",": "comma", " ": "blanks", "|": "pipe", ":": "colon"}
+_MARKS = {".": "point", ",": "comma", ".,": "point and comma, mixed"}
+
+
+def read(raw: Raw, options: ReadOptions) -> Table:
+    """Return the table that a text file holds.
+
+    Raises
+    ------
+    ReadError
+        If the file is binary, holds no table of numbers, or its commas can be read two ways.
+    """
+    encoding = options.encoding or find_encoding(raw.head(_HEADS[0]))
+    for size in _HEADS:
+        lines, whole = _lines(raw, encoding, size, found=options.encoding is None)
+        lines = [*[""] * min(options.skip_rows, len(lines)), *lines[options.skip_rows :]]
+        dialect = find_dialect(lines, delimiter=options.delimiter, decimal=options.decimal)
+        if dialect is not None or whole:
+            break
+    if dialect is None:
+        raise ReadError(_no_table(raw, lines, options))
+    return _table(raw, encoding, lines, dialect, options)
+
+
+def _lines(raw: Raw, encoding: str, size: int, *, found: bool) -> tuple[list[str], bool]:
+    """The lines of the first bytes, and whether that is the whole file."""
+    head = raw.head(size)
+    whole = len(head) == raw.size
+    if b"\0" in head.rstrip(b"\0\r\n ") and not encoding.startswith(
+        ("utf-16", "utf-32", "utf_16", "utf_32")
+    ):
+        raise ReadError(
+            f"{raw.name}: not a text file (zero bytes), and no format that dashpot knows by its "
+            "content; export it as text (csv, txt)"
+        )
+    if not whole:  # an incremental decoder waits for the rest of a character cut in two
+        text = "".join(_partial(head, encoding, raw.name, found=found))
+        return text.split("\n")[:-1], False
+    text = "".join(decoded([head], encoding, raw.name, found=found))
+    return text.removesuffix("\n").split("\n"), True
+
+
+def _partial(head: bytes, encoding: str, name: str, *, found: bool) -> list[str]:
+    out = []
+    try:
+        for text in decoded([head], encoding, name, found=found):
+            out.append(text)
+    except ReadError:
+        # the last character is cut in two; anything else fails again when the rows are read
+        if not out:
+            raise
+    return out
+
+
+def _table(
+    raw: Raw, encoding: str, lines: list[str], dialect: Dialect, options: ReadOptions
+) -> Table:
+    header = [line for line in lines[: dialect.first] if line.strip()]
+    columns = name_columns(lines[: dialect.first], dialect)
+    doubts, notes = [], []
+    example = ambiguous_commas(lines[dialect.first :], dialect) if options.decimal is None else None
+    if example is not None:
+        whole = example.replace(",", "")
+        says = (
+            f"numbers such as '{example}' can mean {example.replace(',', '.')} or {whole}; "
+            f'say which with --decimal "," ({example.replace(",", ".")}) or --decimal "." ({whole})'
+        )
+        doubts.append(Question(says, "--decimal MARK"))
+    if dialect.mark == ".,":
+        notes.append("decimal points and decimal commas are mixed; both are read as decimal marks")
+    if raw.size > _LARGE:
+        notes.append(
+            f"a file of {raw.size / 1e6:.0f} MB, read in blocks; if it is finer sampled than the "
+            "test needs, export it at a lower rate"
+        )
+    if encoding not in {"utf-8", "utf-8-sig"}:
+        notes.append(f"text decoded as {encoding}")
+
+    def load(indexes: Sequence[int]) -> Loaded:
+        found = options.encoding is None
+        blocks = decoded(raw.blocks(), encoding, raw.name, found=found)
+        return load_rows(blocks, dialect, indexes, name=raw.name, first=title(header))
+
+    return Table(
+        format="text",
+        columns=columns,
+        load=load,
+        encoding=encoding,
+        delimiter=_NAMES.get(dialect.delimiter, dialect.delimiter),
+        decimal=_MARKS[dialect.mark],
+        header=tuple(header),
+        notes=tuple(notes),
+        simulated=any(
+            "simulated" in line.casefold() for line in header if re.match(r"\s*[#%$!/*;]", line)
+        ),
+        doubts=tuple(doubts),
+        hints=tuple(_hints(header)),
+    )
+
+
+_RATE = re.compile(
+    r"(?:sampl\w*|abtast\w*|scan\w*|acquisition|messrate|data|częstotliwość|采样)\W*(?:rate|freq\w*|"
+    r"frequenz|频率|próbkowania)?[^\d\n]{0,12}?(\d+(?:[.,]\d+)?)\W{0,3}(k?Hz|1/s)",
+    re.IGNORECASE,
+)
+
+
+def _hints(header: Sequence[str]) -> list[str]:
+    """What the header says about the sampling rate, for a table without time."""
+    found = []
+    for line in header:
+        match = _RATE.search(line[:500])
+        if match:
+            rate = float(match[1].replace(",", ".")) * (1e3 if match[2][:1] in "kK" else 1.0)
+            found.append(
+                f"the header says '{line.strip()[:60]}'; if that is the rate, add "
+                f"--rate {rate:.10g}Hz"
+            )
+    return found[:1]
+
+
+def _no_table(raw: Raw, lines: Sequence[str], options: ReadOptions) -> str:
+    filled = [line for line in lines if line.strip()]
+    if not filled:
+        return f"{raw.name}: holds nothing but blank lines; export the test again"
+    tried = ""
+    if options.delimiter or options.decimal:
+        tried = " with the delimiter and decimal mark given (leave out --delimiter and --decimal)"
+    first = filled[0].strip()[:60]
+    if all(
+        not any(cells.numeric(line.replace(",", " ").replace(";", " ").split(), "."))
+        for line in filled
+    ):
+        return (
+            f"{raw.name}: no numbers under the header{tried}: {len(filled)} lines of text, "
+            f"the first is '{first}'; expected rows of numbers below the column names"
+        )
+    return (
+        f"{raw.name}: no table of numbers found{tried} in {len(filled)} lines, the first is "
+        f"'{first}'; expected rows of equally many numbers, parted by one kind of delimiter "
+        "(--delimiter, --decimal, --skip-rows say it)"
+    )

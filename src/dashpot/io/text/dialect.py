@@ -1,0 +1,252 @@
+"""Where the table of numbers is in a text, and how its cells are parted."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import product
+
+from dashpot.io.table import Content
+from dashpot.io.text import cells as cell
+from dashpot.io.text.cells import Mark
+
+_DELIMITERS = ("\t", ";", ",", "|", " ", ":")
+_MARKS: tuple[Mark, ...] = (".", ",", ".,")
+_SAMPLE = 60
+_LONGEST = 1 << 15
+"""Characters in a row; a longer line is no row of a test."""
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """How the rows of a table are written.
+
+    Attributes
+    ----------
+    delimiter : str
+        One character; ``" "`` is any run of blanks; ``"fixed:9,18"`` a fixed width.
+    mark : str
+        Decimal mark.
+    contents : tuple of str
+        What each column holds.
+    first : int
+        Line of the first row, counted from 0.
+    """
+
+    delimiter: str
+    mark: Mark
+    contents: tuple[Content, ...]
+    first: int = 0
+
+    @cached_property
+    def numbers(self) -> tuple[int, ...]:
+        """The columns that hold numbers or clock times."""
+        return tuple(i for i, held in enumerate(self.contents) if held in {"number", "clock"})
+
+    def row(self, line: str) -> list[str] | None:
+        """The cells of a line, one per column, if it is a row of the table; else None."""
+        if len(line) > _LONGEST:
+            return None
+        found = cell.split(line, self.delimiter)
+        width = len(self.contents)
+        if not found or any(
+            extra and cell.number(extra, self.mark) is not None for extra in found[width:]
+        ):
+            return None
+        if self.contents[0] == "blank" and found[0]:
+            return None  # a word where every row is blank: a key of the header
+        found = found[:width] + [""] * (width - len(found))
+        filled = words = 0
+        for i in self.numbers:
+            text = found[i]
+            if self.value(text, i) is not None:
+                filled += 1
+            elif not cell.is_missing(text):
+                if i == self.numbers[0]:
+                    return None  # "Mean;1.2;3.4"
+                words += 1
+        # a row has numbers; a heading that holds a number or two has more words than numbers
+        return (
+            found
+            if filled > words and 2 * (filled + _blank(found, self.numbers)) > len(self.numbers)
+            else None
+        )
+
+    def value(self, text: str, column: int) -> float | None:
+        """The number in a cell of a column, or None."""
+        if self.contents[column] == "clock":
+            return cell.clock(text)
+        return cell.number(text, self.mark)
+
+
+def _blank(found: Sequence[str], numbers: Sequence[int]) -> int:
+    return sum(cell.is_missing(found[i]) for i in numbers)
+
+
+def find_dialect(
+    lines: Sequence[str], *, delimiter: str | None = None, decimal: str | None = None
+) -> Dialect | None:
+    """Return the dialect of the longest table in the lines, or None if there is no table.
+
+    Every delimiter and decimal mark is tried on lines from the start, the middle and the end;
+    the pair under which most cells of equally wide neighbouring lines are numbers is taken.
+    """
+    windows = list(_windows(lines))
+    best: Dialect | None = None
+    highest = 0.0
+    delimiters: tuple[str, ...] = _DELIMITERS if delimiter is None else (delimiter,)
+    if delimiter == "fixed":
+        delimiters = tuple({_fixed(window) for window in windows})
+    if delimiter is None:
+        # a fixed-width table whose cells may be blank
+        delimiters += tuple({_fixed(_digits(window)) for window in windows} - {*delimiters})
+    marks = _MARKS if decimal is None else tuple(m for m in _MARKS if m == decimal)
+    for sign, mark in product(delimiters, marks):
+        for window in windows:
+            if len(sign) == 1 and sign != " " and not any(sign in line for line in window):
+                continue
+            score, contents = _best_run(window, sign, mark, above=highest)
+            if contents:
+                highest, best = score, Dialect(sign, mark, contents)
+    return None if best is None else _from_the_top(lines, best)
+
+
+def _windows(lines: Sequence[str]) -> Iterator[list[str]]:
+    full = [line for line in lines if line.strip() and len(line) <= _LONGEST]
+    if len(full) <= 3 * _SAMPLE:
+        yield full
+        return
+    for part in (0.3, 0.6, 1.0):
+        stop = max(_SAMPLE, int(part * len(full)))
+        yield full[stop - _SAMPLE : stop]
+
+
+def _best_run(
+    lines: Sequence[str], sign: str, mark: Mark, *, above: float
+) -> tuple[float, tuple[Content, ...]]:
+    """Score and columns of the best run of lines of one width, if it scores above `above`."""
+    rows = [cell.split(line, sign, trim=False) for line in lines]
+    best: tuple[float, tuple[Content, ...]] = (above, ())
+    if len(rows) * max(map(len, rows), default=0) <= above:  # even if all cells were numbers
+        return best
+    for run in _runs(rows, mark):
+        contents = _contents(run, mark)
+        numbers = sum(held in {"number", "clock"} for held in contents)
+        words = sum(held == "text" for held in contents)
+        score = len(run) * (numbers - 2.0 * words)
+        # a lone number on each of a few lines is a header more often than a table
+        score -= 0.5 * len(run) if numbers == 1 else 0.0
+        if numbers and score > best[0]:
+            best = (score, contents)
+    return best
+
+
+def _runs(rows: Sequence[list[str]], mark: Mark) -> Iterator[list[list[str]]]:
+    """Runs of neighbouring rows that could belong to one table."""
+    run: list[list[str]] = []
+    mask: list[bool] = []
+    for row in rows:
+        is_number = [cell.number(c, mark) is not None or cell.clock(c) is not None for c in row]
+        if not any(is_number):
+            if run:
+                yield run
+            run, mask = [], []
+            continue
+        if run and _alike(mask, is_number, row):
+            run.append(row)
+            if len(row) > len(mask):
+                mask = mask + is_number[len(mask) :]
+        else:
+            if run:
+                yield run
+            run, mask = [row], is_number
+    if run:
+        yield run
+
+
+def _alike(mask: list[bool], is_number: list[bool], row: list[str]) -> bool:
+    """Whether a row fits under those before it: numbers or blanks where numbers were."""
+    if abs(len(mask) - len(is_number)) > max(1, len(mask) // 2):
+        return False
+    fits = hits = 0
+    for was, now, text in zip(mask, is_number, row, strict=False):
+        fits += was == now or cell.is_missing(text)
+        hits += was and now
+    shared = min(len(mask), len(row))
+    return hits > 0 and fits >= shared - (shared > 2)
+
+
+def _contents(run: Sequence[Sequence[str]], mark: Mark) -> tuple[Content, ...]:
+    width = Counter(len(row) for row in run).most_common(1)[0][0]
+    held: list[Content] = []
+    for i in range(width):
+        column = [row[i] for row in run if i < len(row) and row[i]]
+        others = [text for text in column if cell.number(text, mark) is None]
+        numbers = len(column) - len(others)
+        clocks = sum(cell.clock(text) is not None for text in others)
+        missing = sum(cell.is_missing(text) for text in others)
+        if not column or missing == len(column):
+            held.append("blank")
+        elif clocks > numbers and clocks + missing >= 0.6 * len(column):
+            held.append("clock")
+        elif numbers + missing >= 0.6 * len(column):
+            held.append("number")
+        else:
+            held.append("text")
+    while held and held[-1] == "blank":
+        held.pop()
+    return tuple(held)
+
+
+def _from_the_top(lines: Sequence[str], dialect: Dialect) -> Dialect | None:
+    """The same dialect with the first line of its first steady run of rows."""
+    needed, first, seen = 3, -1, 0
+    fallback = -1
+    for i, line in enumerate(lines):
+        if not line.strip():
+            continue
+        if dialect.row(line) is None:
+            first, seen = -1, 0
+            continue
+        if seen == 0:
+            first = i
+            fallback = i if fallback < 0 else fallback
+        seen += 1
+        if seen == needed:
+            return replace(dialect, first=first)
+    return replace(dialect, first=fallback) if fallback >= 0 else None
+
+
+def _digits(lines: Sequence[str]) -> list[str]:
+    """The lines that hold digits and hardly a word."""
+    return [
+        line
+        for line in lines
+        if "\t" not in line and sum(map(str.isdigit, line)) > 2 * sum(map(str.isalpha, line))
+    ]
+
+
+def _fixed(lines: Sequence[str]) -> str:
+    """Column breaks where every line is blank and the next character is not."""
+    width = max((len(line) for line in lines), default=0)
+    blank = [all(i >= len(line) or line[i] == " " for line in lines) for i in range(width)]
+    begin = blank.index(False) if False in blank else width
+    breaks = [i for i in range(begin + 1, width) if blank[i - 1] and not blank[i]]
+    return "fixed:" + ",".join(map(str, breaks)) if breaks else " "
+
+
+def ambiguous_commas(lines: Sequence[str], dialect: Dialect) -> str | None:
+    """Return a cell such as ``1,234`` if the commas of the whole sample can be read either way."""
+    example = None
+    for line in lines:
+        if "," not in line or (dialect.delimiter == "," and '"' not in line):
+            continue
+        for i, text in enumerate(dialect.row(line) or ()):
+            if i not in dialect.numbers or "," not in text:
+                continue
+            if not cell.EITHER_WAY.match(text):  # 0,5 or 1,234.5 or 1,234,567 settles it
+                return None
+            example = example or text
+    return example

@@ -1,0 +1,1 @@
+"""The text and UFF files that every tool here reads."""

@@ -1,0 +1,1 @@
+"""From a raw relaxation test to a ramp and a hold."""

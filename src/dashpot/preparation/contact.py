@@ -1,0 +1,174 @@
+"""First contact, seen by the force."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+
+
+class Contact(NamedTuple):
+    """Where the plate met the seal.
+
+    Attributes
+    ----------
+    displacement : float
+        m, on the scale of the record.
+    standard_error : float
+        m.
+    sample : int
+        The first sample whose force stands 5 sigma above the baseline.
+    """
+
+    displacement: float
+    standard_error: float
+    sample: int
+
+
+def find_contact(displacement: FloatArray, force: FloatArray, *, noise: float) -> Contact | None:
+    r"""The displacement at which the force begins to rise.
+
+    The force must leave the baseline by 5 sigma and stay; then
+
+    .. math:: F = F_0 + a\,(x - x_c)_+ + b\,(x - x_c)_+^2
+
+    is fitted around that place, up to a tenth of the peak or 20 sigma: `a`, `b` and the tare
+    linearly, the contact :math:`x_c` by search. The square bends with a seal that relaxes or
+    stiffens, so that the straight line of a later force does not shift the contact.
+
+    Parameters
+    ----------
+    displacement, force : array, shape (n,)
+        From the start of the record to the peak, m and N; both rise.
+    noise : float
+        Standard deviation of the force before contact, N.
+
+    Returns
+    -------
+    Contact or None
+        None if the force already stands above its first values, or never rises.
+    """
+    x, f = displacement, force
+    peak = float(f.max())
+    quiet = np.flatnonzero(f <= 5 * noise)
+    if not quiet.size or quiet[-1] + 1 >= len(f) or peak <= 10 * noise:
+        return None
+    seen = int(quiet[-1]) + 1
+    far = np.flatnonzero(f >= max(20 * noise, 0.1 * peak))
+    stop = int(far[0]) + 1 if far.size else len(f)
+    stop = min(max(stop, seen + 4), len(f))
+    # as much air as contact: enough to hold the tare, not so much as to feel its waves
+    span = max(x[stop - 1] - x[seen], 1e-300)
+    start = int(np.argmax(x > x[seen] - 2 * span)) if x[0] <= x[seen] - 2 * span else 0
+    start = min(start, max(seen - 3, 0))
+    near_x, near_f = x[start:stop], f[start:stop]
+    if len(near_x) < 6:
+        return None
+    return _searched(near_x, near_f, seen)
+
+
+def _searched(x: FloatArray, f: FloatArray, seen: int) -> Contact:
+    # the samples of one reading are one row: while the plate rests, nearly all of them
+    reading, which, count = np.unique(x, return_inverse=True, return_counts=True)
+    mean = np.bincount(which, f) / count
+    within = float(np.square(f - mean[which]).sum())
+    low, high = float(reading[0]), float(reading[-1])
+    best = low
+    for _ in range(3):
+        trials = np.linspace(low, high, 41)
+        sums = [_misfit(reading, mean, np.sqrt(count), trial, within) for trial in trials]
+        i = int(np.argmin(sums))
+        best = float(trials[i])
+        low, high = float(trials[max(i - 2, 0)]), float(trials[min(i + 2, 40)])
+    return Contact(best, _doubt(x, f, best), seen)
+
+
+def _columns(x: FloatArray, contact: float) -> FloatArray:
+    pressed = np.maximum(x - contact, 0.0)
+    scale = max(float(pressed.max()), 1e-300)
+    return np.stack((np.ones(len(x)), pressed / scale, (pressed / scale) ** 2), axis=1)
+
+
+def _misfit(
+    reading: FloatArray, mean: FloatArray, weight: FloatArray, contact: float, within: float
+) -> float:
+    columns = weight[:, None] * _columns(reading, contact)
+    solution = np.linalg.lstsq(columns, weight * mean, rcond=1e-10)[0]
+    r = weight * mean - columns @ solution
+    # a force that falls at first contact is no contact
+    return (float(r @ r) + within) * (1.0 if solution[1] >= 0 else 4.0)
+
+
+def _doubt(x: FloatArray, f: FloatArray, contact: float) -> float:
+    """Standard error of the contact: in the Jacobian its column is the slope of the rise.
+
+    Where the force starts as a square, a straight part and a shift are one: the straight
+    part is then left out.
+    """
+    columns = _columns(x, contact)
+    solution = np.linalg.lstsq(columns, f, rcond=1e-10)[0]
+    r = f - columns @ solution
+    pressed = columns[:, 1]
+    slope = -(solution[1] + 2 * solution[2] * pressed) * (pressed > 0)
+    kept = columns if solution[1] > 0.2 * solution[1:].sum() else columns[:, [0, 2]]
+    jacobian = np.column_stack((kept, slope))
+    size = np.maximum(np.linalg.norm(jacobian, axis=0), 1e-300)
+    variance = float(r @ r) / max(len(x) - jacobian.shape[1], 1)
+    inverse = np.linalg.pinv((jacobian / size).T @ (jacobian / size))
+    scale = float(np.maximum(x - contact, 0.0).max())
+    return scale * float(np.sqrt(max(variance * inverse[-1, -1], 0.0)) / size[-1])
+
+
+class Touch(NamedTuple):
+    """What is taken for first contact.
+
+    Attributes
+    ----------
+    displacement : float
+        m, on the scale of the record.
+    gap : float
+        Its distance from where the plate rested, m; 0 if no air shows.
+    standard_error : float
+        m; 0 if contact was given or no air shows.
+    """
+
+    displacement: float
+    gap: float
+    standard_error: float = 0.0
+
+
+def touch_of(
+    displacement: FloatArray,
+    force: FloatArray,
+    *,
+    noise: float,
+    rest: float,
+    level: float,
+    least_gap: float,
+    rested: bool,
+) -> Touch:
+    """Decide whether the plate crossed air before it met the seal.
+
+    Parameters
+    ----------
+    displacement, force : array, shape (n,)
+        Up to the peak, m and N above the baseline.
+    noise : float
+        N.
+    rest, level : float
+        Where the plate stood before the ramp and where it is held, m.
+    least_gap : float
+        Below this, m, no gap is claimed.
+    rested : bool
+        False if the record starts on the ramp: then at least 20 quiet samples must show the air,
+        for there is no other baseline.
+    """
+    seen = find_contact(displacement, force, noise=noise)
+    if seen is None or (not rested and seen.sample < 20):
+        return Touch(rest, 0.0)
+    gap = seen.displacement - rest
+    if not max(least_gap, 3 * seen.standard_error) < gap < 0.9 * (level - rest):
+        return Touch(rest, 0.0)
+    return Touch(seen.displacement, gap, seen.standard_error)

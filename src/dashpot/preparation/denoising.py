@@ -1,0 +1,122 @@
+r"""The motion behind a recorded displacement.
+
+A fast arm answers each edge of an encoder's staircase, and each jitter of its reading, with a
+spike of force. The true force shows none, since nothing moved: taken at its word, the record would
+rule out fast arms that are there (errors in variables). So what the encoder saw is freed of its
+counts and of its noise first.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, IndexArray, median
+from dashpot.records.measures import encoder_step
+from dashpot.records.relaxation import RampHold
+
+# half widths of the windows that compete, in samples: each some 1.4 times the one before
+HALF_WIDTHS = (0, 1, 2, 3, 4, 6, 8, 11, 16, 23, 32, 45, 64, 91, 128, 181, 256, 362, 512, 724, 1024)
+# means of windows disagree if they are farther apart than this many standard deviations
+APART = 2.5
+# what is left of a count after reading between counts, as a part of it: half a sample in time
+LEFT_OF_A_COUNT = 0.15
+# equal neighbours so much closer than the depth are arithmetic, not counts
+LEAST_COUNT = 1e-6
+# a reading that returns within half as many samples has flickered
+FLICKER = 7
+
+
+def true_motion(test: RampHold) -> tuple[FloatArray, FloatArray]:
+    """Displacement of a test up to the end of its hold, freed of counts and noise.
+
+    Returns
+    -------
+    displacement, sd : array, shape (n,)
+        m, and the standard deviation that is left of the noise, m.
+    """
+    used = slice(0, test.hold.stop)
+    time, x = test.time[used], test.displacement[used]
+    step = encoder_step(test)
+    noise = test.displacement_noise
+    if step > LEAST_COUNT * test.depth:
+        x, noise = between_counts(time, x), LEFT_OF_A_COUNT * step
+    return denoised(x, noise) if noise > 0 else (x, np.zeros(len(x)))
+
+
+def between_counts(time: FloatArray, displacement: FloatArray) -> FloatArray:
+    """Return a quantised displacement as the motion that it samples, shape (n,).
+
+    Where a reading changes, the true position is half way between both counts, so a straight
+    line from change to change is much nearer to the truth than the staircase. On a reading that
+    stays for longer than the motion takes to cross a count, the reading itself is the better
+    guess. A reading that changes and returns at once has flickered.
+    """
+    displacement = _without_flicker(displacement)
+    change = np.flatnonzero(np.diff(displacement))
+    if len(change) < 2:
+        return displacement
+    at = 0.5 * (time[change] + time[change + 1])
+    half_way = 0.5 * (displacement[change] + displacement[change + 1])
+    stay = np.diff(at)
+    crossing = median(stay)
+    # readings before the first change, between changes, and after the last one
+    level = displacement[np.append(change, change[-1] + 1)]
+    start, stop = np.append(-np.inf, at), np.append(at, np.inf)
+    long = stop - start > 4 * crossing
+    # the motion leaves and reaches a rest as slowly as it crossed the neighbouring count
+    before = np.minimum(np.concatenate(([crossing], stay, stay[-1:])), 2 * crossing) / 2
+    after = np.minimum(np.concatenate((stay[:1], stay, [crossing])), 2 * crossing) / 2
+    leaves, reaches = (start + before)[long], (stop - after)[long]
+    ends = np.concatenate((leaves, reaches))
+    inner = np.isfinite(ends)
+    knots = np.concatenate((at, ends[inner]))
+    values = np.concatenate((half_way, np.tile(level[long], 2)[inner]))
+    order = np.argsort(knots, kind="stable")
+    knots, values = knots[order], values[order]
+    return np.asarray(np.interp(time, knots, values, left=displacement[0], right=displacement[-1]))
+
+
+def _without_flicker(values: FloatArray) -> FloatArray:
+    """Running median of 7 samples: leaves a rising staircase as it is, flickers not."""
+    padded = np.pad(values, FLICKER // 2, mode="edge")
+    windows = np.lib.stride_tricks.sliding_window_view(padded, FLICKER)
+    return np.asarray(np.partition(windows, FLICKER // 2, axis=1)[:, FLICKER // 2])
+
+
+def denoised(values: FloatArray, noise: float) -> tuple[FloatArray, FloatArray]:
+    r"""Mean over the widest window about each sample that noise alone can explain, and its sd.
+
+    A mean over 2w + 1 samples has the standard deviation :math:`\sigma/\sqrt{2w+1}` and is
+    unbiased on a straight line. Windows widen until the intervals
+    :math:`\bar x_w \pm 2.5\,\sigma/\sqrt{2w+1}` of all so far have no point in common: over a
+    steady ramp and a hold they become wide, at the corners they stay narrow. Source:
+    A. Goldenshluger and A. Nemirovski, Math. Methods Statist. 6 (1997) 135, the intersection of
+    confidence intervals.
+    """
+    n = len(values)
+    total = np.concatenate(([0.0], np.cumsum(values - values[0])))
+    best, sd = np.array(values), np.full(n, noise)
+    low, high = np.full(n, -np.inf), np.full(n, np.inf)
+    open_still = np.ones(n, dtype=bool)
+
+    def widen(here: slice | IndexArray, sums: FloatArray, count: FloatArray | int) -> None:
+        mean = values[0] + sums / count
+        half = APART * noise / np.sqrt(count)
+        low[here] = np.maximum(low[here], mean - half)
+        high[here] = np.minimum(high[here], mean + half)
+        open_still[here] &= low[here] <= high[here]
+        best[here] = np.where(open_still[here], mean, best[here])
+        sd[here] = np.where(open_still[here], noise / np.sqrt(count), sd[here])
+
+    for width in HALF_WIDTHS:
+        count = 2 * width + 1
+        if count > n:
+            break
+        widen(slice(width, n - width), total[count:] - total[:-count], count)
+    # nearer to an end than the widest window, the last one is as wide as there is room
+    index = np.arange(n)
+    room = np.minimum(index, n - 1 - index)
+    ends = np.flatnonzero(room < HALF_WIDTHS[-1])
+    w = room[ends]
+    widen(ends, total[ends + w + 1] - total[ends - w], 2 * w + 1)
+    return best, sd

@@ -1,0 +1,230 @@
+"""What the recorded displacement says: where the plate rests, ramps and holds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, median
+from dashpot.base.errors import DataError
+from dashpot.preparation.cycles import Cycle, choose_cycle, cycles_of, nothing_held
+from dashpot.preparation.ramps import IdealRamp, ideal_ramp
+from dashpot.preparation.segments import Segment, find_segments, grain_of
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The motion of the plate, rising with compression.
+
+    Attributes
+    ----------
+    sign : int
+        -1 if the record counted compression downwards.
+    cycles : tuple of Cycle
+        Every loading found.
+    index : int
+        Which of them is used.
+    line : IdealRamp
+        The straight part of its first ramp.
+    rest, level : float
+        Displacement before the first ramp and where it is first held, m.
+    start, departure, stop : int
+        The first sample kept, the last one at rest, and the last one of the last hold.
+    """
+
+    sign: int
+    cycles: tuple[Cycle, ...]
+    index: int
+    line: IdealRamp
+    rest: float
+    level: float
+    start: int
+    departure: int
+    stop: int
+
+    @property
+    def cycle(self) -> Cycle:
+        """The loading used."""
+        return self.cycles[self.index]
+
+
+def find_motion(
+    time: FloatArray,
+    displacement: FloatArray,
+    force: FloatArray,
+    *,
+    where: str,
+    sign: int | None,
+    number: int | None,
+) -> Motion:
+    """Find the loadings in a record, and the samples of the one to be used.
+
+    Parameters
+    ----------
+    time, displacement, force : array, shape (n,)
+        As recorded; the force only tells whether the columns are swapped.
+    where : str
+        Name of the record, for errors.
+    sign : {1, -1} or None
+        None turns the displacement so that the first ramp rises.
+    number : int or None
+        Which loading, from 1.
+
+    Raises
+    ------
+    DataError
+        If nothing is held.
+    """
+    turn = sign or 1
+    segments = find_segments(time, turn * displacement)
+    if sign is None and _falls_first(segments):
+        turn = -1
+        segments = find_segments(time, -displacement)
+    x = turn * displacement
+    if not cycles_of(segments):
+        raise DataError(nothing_held(segments, where, _advice(time, x, force)))
+    index, cycles = choose_cycle(segments, number, where=where)
+    return _of_cycle(time, x, turn, cycles, index)
+
+
+def given_motion(
+    time: FloatArray,
+    displacement: FloatArray,
+    *,
+    onset: float,
+    ramp_end: float,
+    hold_end: float,
+    sign: int | None,
+) -> Motion:
+    """The motion between times that the user gave, s.
+
+    Raises
+    ------
+    DataError
+        If they are out of order or outside the record, or nothing moved between them.
+    """
+    if not time[0] <= onset < ramp_end < hold_end <= time[-1] + 1e-9:
+        raise DataError(
+            f"onset = {onset:g} s, ramp_end = {ramp_end:g} s, hold_end = {hold_end:g} s; expected "
+            f"them in this order within the record, {time[0]:g} to {time[-1]:g} s"
+        )
+    first, corner, last = np.searchsorted(time, [onset, ramp_end, hold_end])
+    first, last = max(int(first) - 1, 0), min(int(last), len(time) - 1)
+    corner = int(corner)
+    if corner - first < 1 or last - corner < 3:
+        raise DataError(
+            f"{corner - first} samples lie in the ramp and {last - corner} in the hold that were "
+            "given; expected at least 1 and 3"
+        )
+    rise = median(displacement[corner : last + 1]) - float(displacement[first])
+    turn = sign or (1 if rise > 0 else -1)
+    x = turn * displacement
+    if turn * rise <= 0:
+        raise DataError("the displacement does not rise between the onset and the hold given")
+    level = median(x[corner : last + 1])
+    rest = None
+    if first >= 1:
+        before = median(x[: first + 1])
+        rest = Segment("hold", 0, first, float(time[0]), onset, before, before)
+    ramp = Segment("load", first, corner, onset, ramp_end, float(x[first]), level)
+    hold = Segment("hold", corner, last, ramp_end, hold_end, level, level)
+    motion = _of_cycle(time, x, turn, (Cycle(rest, (ramp, hold)),), 0)
+    return replace(motion, stop=last)
+
+
+def from_contact(
+    time: FloatArray, displacement: FloatArray, motion: Motion, contact: float, *, doubt: float
+) -> Motion:
+    """The motion without the ramps that end in air, before `contact` less `doubt`, m."""
+    x = motion.sign * displacement
+    segments = motion.cycle.segments
+    flown = [
+        i
+        for i, segment in enumerate(segments[:-2])
+        if segment.kind == "load" and segment.level <= contact + doubt
+    ]
+    if not flown or segments[flown[-1] + 1].kind != "hold":
+        return motion
+    first = flown[-1] + 2
+    cycle = Cycle(segments[first - 1], segments[first:])
+    cycles = (*motion.cycles[: motion.index], cycle, *motion.cycles[motion.index + 1 :])
+    return replace(_of_cycle(time, x, motion.sign, cycles, motion.index), stop=motion.stop)
+
+
+def _of_cycle(
+    time: FloatArray, x: FloatArray, turn: int, cycles: tuple[Cycle, ...], index: int
+) -> Motion:
+    cycle = cycles[index]
+    grain = grain_of(time, x)
+    ramp = cycle.ramp
+    rest = _resting(x, cycle.rest, ramp)
+    level = _held(time, x, cycle)
+    start = cycle.rest.first if cycle.rest is not None else ramp.first
+    line = ideal_ramp(time, x, ramp, origin=rest, level=level)
+    still = np.flatnonzero(np.abs(x[start : line.first] - rest) <= grain)
+    departure = start + int(still[-1]) if cycle.rest is not None and still.size else ramp.first
+    return Motion(
+        sign=turn, cycles=cycles, index=index, line=line, rest=rest, level=level, start=start,
+        departure=departure, stop=_last_held(x, cycle.hold, grain),
+    )  # fmt: skip
+
+
+def _falls_first(segments: Sequence[Segment]) -> bool:
+    moves = [part.kind for part in segments if part.kind != "hold"]
+    return moves[:1] == ["unload"]
+
+
+def _advice(time: FloatArray, x: FloatArray, force: FloatArray) -> str:
+    """What may be wrong with a displacement that is never held."""
+    if cycles_of(find_segments(time, -x)):
+        return "turned round it would ramp and rest: leave out sign, or give the other"
+    moves = any(part.kind != "hold" for part in find_segments(time, x))
+    if moves and any(_held_by_plate(time, turn * force) for turn in (1, -1)):
+        return "the force column ramps and rests instead: are force and displacement swapped?"
+    return (
+        "expected a ramp and then a displacement that rests; check the columns and the units, or "
+        "say where it is with onset, ramp_end and hold_end"
+    )
+
+
+def _held_by_plate(time: FloatArray, force: FloatArray) -> bool:
+    """True if the force ramps and then stands as still as a plate does."""
+    for cycle in cycles_of(find_segments(time, force)):
+        held = force[cycle.hold.first : cycle.hold.last + 1]
+        tenth = max(len(held) // 10, 1)
+        eased = abs(float(held[:tenth].mean() - held[-tenth:].mean()))
+        if eased < 0.01 * (cycle.hold.level - cycle.ramp.origin):
+            return True
+    return False
+
+
+def _resting(x: FloatArray, rest: Segment | None, ramp: Segment) -> float:
+    if rest is None:
+        return float(x[ramp.first])
+    late = rest.first + (rest.last - rest.first) // 2
+    return median(x[late : rest.last + 1])
+
+
+def _held(time: FloatArray, x: FloatArray, cycle: Cycle) -> float:
+    """Where the plate is held after its first ramp, once it has settled and before it creeps."""
+    ramp, hold = cycle.segments[0], cycle.segments[1]
+    if hold.kind != "hold":
+        return ramp.level
+    since = time[hold.first : hold.last + 1] - ramp.end
+    late = max(0.6 * ramp.duration, 0.02 * hold.duration)
+    settled = (since >= 0.1 * ramp.duration) & (since <= late)
+    values = x[hold.first : hold.last + 1]
+    return median(values[settled] if np.count_nonzero(settled) >= 5 else values[1:7])
+
+
+def _last_held(x: FloatArray, hold: Segment, grain: float) -> int:
+    """The last sample before the plate leaves the hold."""
+    if hold.last == len(x) - 1:
+        return hold.last
+    late = x[hold.first + 3 * (hold.last - hold.first) // 4 : hold.last + 1]
+    level = median(late)
+    half = (hold.first + hold.last) // 2
+    still = np.abs(x[half : hold.last + 1] - level) <= max(grain, 2e-3 * abs(np.ptp(x)))
+    return half + int(np.flatnonzero(still)[-1])

@@ -1,0 +1,61 @@
+"""The grain of a sampled channel: its scatter from sample to sample, and its quantum."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, FloatArray, median
+
+
+def scatter(time: FloatArray, values: FloatArray) -> float:
+    r"""Standard deviation of the sample-to-sample scatter, whatever the trend and the sampling.
+
+    The residual of each sample from the straight line between its neighbours,
+    :math:`r_i = y_i - w y_{i-1} - (1 - w) y_{i+1}`, has variance
+    :math:`\sigma^2 (1 + w^2 + (1 - w)^2)` for white noise. The largest 2 % are left out, for
+    corners and glitches are no scatter; 0.935 is what that takes from a normal deviation.
+    """
+    if len(values) < 5:
+        return 0.0
+    squares = _misses(time, values) ** 2
+    count = max(3, int(0.98 * len(squares)))
+    kept = np.partition(squares, count - 1)[:count]
+    return float(np.sqrt(kept.mean())) / (0.935 if count < len(squares) else 1.0)
+
+
+def usual_scatter(time: FloatArray, values: FloatArray) -> float:
+    """The same by the median: blind to corners and glitches, and to half of all samples."""
+    if len(values) < 5:
+        return 0.0
+    return 1.4826 * median(np.abs(_misses(time, values)))
+
+
+def _misses(time: FloatArray, values: FloatArray) -> FloatArray:
+    """Residuals of every sample from the line between its neighbours, each of variance sigma^2."""
+    w = (time[2:] - time[1:-1]) / (time[2:] - time[:-2])
+    r = values[1:-1] - w * values[:-2] - (1 - w) * values[2:]
+    return np.asarray(r / np.sqrt(1 + w**2 + (1 - w) ** 2))
+
+
+def spikes(time: FloatArray, values: FloatArray) -> BoolArray:
+    """True where one sample stands apart while its two neighbours agree."""
+    apart = np.abs(values - median_of_three(values))
+    agreed = np.zeros(len(values), dtype=bool)
+    limit = 0.02 * float(np.ptp(values))
+    if not (apart > limit).any():  # of most records no more need be known
+        return agreed
+    limit = max(10 * scatter(time, values), limit)
+    agreed[1:-1] = np.abs(values[2:] - values[:-2]) < 0.3 * apart[1:-1]
+    return np.asarray(agreed & (apart > limit))
+
+
+def without_spikes(time: FloatArray, values: FloatArray) -> FloatArray:
+    """The channel with every spike replaced by the nearer of its neighbours."""
+    return np.where(spikes(time, values), median_of_three(values), values)
+
+
+def median_of_three(values: FloatArray) -> FloatArray:
+    """Removes a lone glitch, keeps every edge where it is."""
+    before, here, after = values[:-2], values[1:-1], values[2:]
+    low, high = np.minimum(before, here), np.maximum(before, here)
+    return np.concatenate((values[:1], np.maximum(low, np.minimum(high, after)), values[-1:]))

@@ -1,0 +1,355 @@
+"""From a raw relaxation test to a ramp and a hold."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, median
+from dashpot.base.errors import DataError
+from dashpot.base.provenance import Step
+from dashpot.preparation import checks as notices
+from dashpot.preparation.baseline import Baseline, baseline_of, zeroed
+from dashpot.preparation.contact import Touch, touch_of
+from dashpot.preparation.filters import filtered, parse_filter
+from dashpot.preparation.motion import Motion, find_motion, from_contact, given_motion
+from dashpot.preparation.noise import median_of_three, scatter, without_spikes
+from dashpot.records.relaxation import RampHold, RelaxationTest
+from dashpot.records.resolution import quantum
+
+
+def prepare(
+    test: RelaxationTest,
+    *,
+    sign: int | None = None,
+    contact: float | None = None,
+    onset: float | None = None,
+    ramp_end: float | None = None,
+    hold_end: float | None = None,
+    cycle: int | None = None,
+    filter: str | None = None,
+    drift: float | str | None = None,
+    force_range: float | None = None,
+) -> RampHold:
+    r"""Find the ramp and the hold, the contact and the tare; change nothing else.
+
+    Everything is read from the record: which way is compression, where the displacement
+    ramps and rests, where the force leaves its baseline. What was done is kept in ``steps``,
+    what deserves a second look in ``checks``. Nothing is filtered unless asked for.
+
+    The ramp is the straight line through its middle, extended to contact and to the held
+    depth: the equal-speed ramp of eq. 5 with the lag of the axis taken out. The displacement
+    itself is kept as recorded, lag, overshoot and all, for the full-history fit.
+
+    Parameters
+    ----------
+    test : RelaxationTest
+        As recorded. It is not changed.
+    sign : {1, -1}, optional
+        1 keeps the signs of both channels, -1 turns both; by default each is turned so that
+        the ramp compresses and the force answers.
+    contact : float, optional
+        Displacement at first contact, m, as the record counts it; found by default.
+    onset, ramp_end, hold_end : float, optional
+        Seconds on the clock of the record; found by default. With all three given the
+        displacement is not searched for ramps.
+    cycle : int, optional
+        Which loading, from 1, if the record holds several that return to the start; by default
+        the one with the longest hold.
+    filter : str, optional
+        ``"lowpass:10Hz"``, ``"notch:50Hz"`` (zero phase; with ``":causal"`` not) or
+        ``"median:5"``. The fit predicts the bias it brings, and reports it.
+    drift : float or "baseline", optional
+        Drift of the load cell to take off, N/s, or the slope of the baseline. By default none
+        is taken off: the full-history fit estimates it.
+    force_range : float, optional
+        Full scale of the load cell, N, to say how much of it the test used.
+
+    Raises
+    ------
+    DataError
+        If there is no ramp, no hold, a force on both sides of zero, a saturated or an
+        unresolved force, or times out of order.
+    """
+    where = test.source.file if test.source is not None else "the record"
+    by = None if filter is None else parse_filter(filter)
+    _refuse_choices(sign=sign, drift=drift, force_range=force_range)
+    motion = _motion(test, where, sign, cycle, (onset, ramp_end, hold_end))
+    clean = without_spikes(test.time, test.force)
+    turn = _answer(clean, motion) if sign is None else sign
+    x, force = motion.sign * test.displacement, turn * test.force
+    count = quantum(x)
+    gap = _least_gap(count, motion)
+    before, touch = _touch(test.time, x, turn * clean, motion, given=contact, least_gap=gap)
+    pressed = from_contact(test.time, test.displacement, motion, touch.displacement, doubt=gap)
+    if pressed is not motion:
+        # the plate was first moved through air: the ramp that meets the seal is the first
+        motion = pressed
+        gap = _least_gap(count, motion)
+        before, touch = _touch(test.time, x, turn * clean, motion, given=contact, least_gap=gap)
+    force, tared = zeroed(test.time, force, before, drift=drift, where=where)
+    times = _times(motion, touch, test.time, (onset, ramp_end, hold_end))
+    record = _record(test, x, force, motion, touch, times=times, count=count)
+    rise = _risen(record, before, where)
+    preload = _preload(record, before, touch, rise)
+    notices.refuse_unresolved(where, rise, test.force)
+    notices.refuse_saturated(where, record, rise)
+    checks = [
+        notices.single_loading(motion.index, motion.cycles, asked=cycle is not None),
+        notices.baseline_recorded(before),
+        notices.contact_found(touch, record.depth, given=contact is not None),
+        notices.preload_absent(preload, rise),
+        notices.overshoot_small(record, moves=motion.cycle.moves),
+        notices.samples_unbroken(record),
+        notices.spikes_absent(record),
+        notices.columns_plausible(record),
+    ]
+    if force_range is not None:
+        checks.append(notices.range_used(rise, force_range))
+    steps = [_turned(motion.sign, turn), _kept(motion, record), _met(touch), tared]
+    steps.append(_ramped(record, motion))
+    record = replace(record, preload=preload, steps=tuple(steps), checks=tuple(checks))
+    return record if by is None else filtered(record, by)
+
+
+def _refuse_choices(
+    *, sign: int | None, drift: float | str | None, force_range: float | None
+) -> None:
+    if sign not in {None, 1, -1}:
+        raise DataError(f"sign = {sign!r}; expected 1, -1 or None")
+    if isinstance(drift, str) and drift != "baseline":
+        raise DataError(f"drift = {drift!r}; expected a number in N/s, 'baseline' or None")
+    if force_range is not None and not force_range > 0:
+        raise DataError(f"force_range = {force_range!r} N; expected a number > 0")
+
+
+def _motion(
+    test: RelaxationTest,
+    where: str,
+    sign: int | None,
+    cycle: int | None,
+    times: tuple[float | None, float | None, float | None],
+) -> Motion:
+    onset, ramp_end, hold_end = times
+    if onset is not None and ramp_end is not None and hold_end is not None:
+        return given_motion(
+            test.time, test.displacement,
+            onset=onset, ramp_end=ramp_end, hold_end=hold_end, sign=sign,
+        )  # fmt: skip
+    until = len(test.time)
+    if hold_end is not None:
+        # what comes after a given end is not there
+        until = int(np.searchsorted(test.time, hold_end, side="right"))
+        if until < 8:
+            raise DataError(f"hold_end = {hold_end:g} s leaves {until} samples; expected 8 or more")
+    return find_motion(
+        test.time[:until], test.displacement[:until], test.force[:until],
+        where=where, sign=sign, number=cycle,
+    )  # fmt: skip
+
+
+def _answer(force: FloatArray, motion: Motion) -> int:
+    """1 if the force rises as the plate presses, else -1."""
+    before = median(force[motion.start : motion.departure + 1][-50:])
+    after = force[motion.line.last : motion.stop + 1]
+    furthest = after[np.argmax(np.abs(after - before))]
+    return 1 if furthest >= before else -1
+
+
+def _touch(
+    time: FloatArray,
+    x: FloatArray,
+    force: FloatArray,
+    motion: Motion,
+    *,
+    given: float | None,
+    least_gap: float,
+) -> tuple[Baseline, Touch]:
+    """First contact, and the baseline before it."""
+    still = slice(motion.start, motion.departure + 1)
+    before = baseline_of(time[still], force[still])
+    if given is not None:
+        at = motion.sign * given
+        if at >= motion.cycle.hold.level:
+            raise DataError(
+                f"contact = {given:g} m lies at or beyond the held displacement, "
+                f"{motion.sign * motion.cycle.hold.level:g} m; expected it before"
+            )
+        touch = Touch(at, at - motion.rest)
+    else:
+        peak = motion.line.last + int(np.argmax(force[motion.line.last : motion.stop + 1]))
+        rising = slice(motion.start, peak + 1)
+        level, noise = before.level, before.noise
+        if not before.long_enough:
+            level = median(force[rising][:5])
+            noise = scatter(time[rising], force[rising])
+        touch = touch_of(
+            x[rising],
+            force[rising] - level,
+            noise=max(noise, 1e-6 * (float(force[peak]) - level)),
+            rest=motion.rest,
+            level=motion.cycle.hold.level,
+            least_gap=least_gap,
+            rested=motion.cycle.rest is not None,
+        )
+    if touch.gap > 0:
+        # half of the air is far enough from contact to be called quiet
+        approach = x[motion.start : motion.stop + 1] > motion.rest + 0.5 * touch.gap
+        quiet = slice(motion.start, max(motion.start + int(np.argmax(approach)), still.stop))
+        before = baseline_of(time[quiet], force[quiet])
+    return before, touch
+
+
+def _least_gap(count: float, motion: Motion) -> float:
+    """The smallest air gap worth telling from none, m."""
+    return max(2 * count, 0.005 * (motion.cycle.hold.level - motion.rest))
+
+
+def _times(
+    motion: Motion,
+    touch: Touch,
+    time: FloatArray,
+    given: tuple[float | None, float | None, float | None],
+) -> tuple[float, float, float]:
+    onset, ramp_end, hold_end = given
+    last = float(time[motion.stop])
+    if onset is None:
+        onset = max(_snapped(motion.line.time_of(touch.displacement), time), float(time[0]))
+    if ramp_end is None:
+        ramp_end = _snapped(motion.line.time_of(motion.level), time)
+    return onset, ramp_end, last if hold_end is None else min(hold_end, last)
+
+
+def _snapped(moment: float, time: FloatArray) -> float:
+    """A moment that only rounding parts from a sample is that sample."""
+    i = int(np.argmin(np.abs(time - moment)))
+    step = median(np.diff(time))
+    return float(time[i]) if abs(time[i] - moment) < 1e-6 * step else moment
+
+
+def _record(
+    test: RelaxationTest,
+    x: FloatArray,
+    force: FloatArray,
+    motion: Motion,
+    touch: Touch,
+    *,
+    times: tuple[float, float, float],
+    count: float,
+) -> RampHold:
+    """Trim to the loading and count compression from contact."""
+    onset, ramp_end, hold_end = times
+    if not onset < ramp_end < hold_end:
+        raise DataError(
+            f"onset {onset:.6g} s, ramp end {ramp_end:.6g} s and hold end {hold_end:.6g} s are out "
+            "of order; give onset, ramp_end and hold_end, all three, in this order"
+        )
+    kept = slice(motion.start, motion.stop + 1)
+    compression = np.maximum(x - touch.displacement, 0.0)
+    # before the plate departs, whatever the encoder shows is scatter
+    if touch.gap >= 0:
+        compression[: motion.departure + 1] = 0.0
+    t = test.time
+    held = slice(int(np.searchsorted(t, max(ramp_end, motion.cycle.hold.start))), motion.stop + 1)
+    if held.stop - held.start < 3:
+        raise DataError(
+            f"{held.stop - held.start} samples lie between the ramp end, {ramp_end:g} s, and the "
+            f"hold end, {hold_end:g} s; expected at least 3"
+        )
+    late = slice(held.start + (held.stop - held.start) // 10, held.stop)
+    return RampHold(
+        time=t[kept],
+        displacement=compression[kept],
+        force=force[kept],
+        onset=onset,
+        ramp_end=ramp_end,
+        hold_end=hold_end,
+        depth=_mean(t[held], compression[held]),
+        force_noise=scatter(t[late], force[late]),
+        displacement_noise=max(scatter(t[late], x[late]), count / 12**0.5),
+        contact_error=touch.standard_error,
+        specimen=test.specimen,
+        source=test.source,
+    )
+
+
+def _mean(time: FloatArray, values: FloatArray) -> float:
+    """Mean over time, whatever the sampling."""
+    steps = np.diff(time)
+    return float(steps @ (values[1:] + values[:-1]) / (2 * steps.sum()))
+
+
+def _risen(record: RampHold, before: Baseline, where: str) -> float:
+    """The peak of the force over its baseline, N, on one side of zero."""
+    loaded = record.force[np.searchsorted(record.time, record.onset) :]
+    start = 0.0 if before.long_enough else float(record.force[0])
+    loaded = median_of_three(loaded) if len(loaded) > 50 else loaded
+    peak, least = float(loaded.max()) - start, float(loaded.min()) - start
+    if peak <= 8 * record.force_noise:
+        raise DataError(
+            f"{where}: the force does not rise while the plate presses (by {1e3 * peak:.3g} mN, "
+            f"with a scatter of {1e3 * record.force_noise:.3g} mN); check the force column, its "
+            "unit and the sign"
+        )
+    if before.long_enough and least < -max(8 * record.force_noise, 0.1 * peak):
+        raise DataError(
+            f"{where}: the force has mixed signs: between onset and hold end it rises to "
+            f"{peak:.4g} N above its baseline and falls to {-least:.4g} N below it; a pressed seal "
+            "only pushes. Check the tare, the sign and the columns, or end the record before that "
+            "with hold_end"
+        )
+    return peak
+
+
+def _preload(record: RampHold, before: Baseline, touch: Touch, rise: float) -> float:
+    """What the load cell carries at the start in contact; an air gap carries nothing."""
+    if touch.gap > 0:
+        return 0.0
+    if before.long_enough:
+        return before.level if abs(before.level) > notices.MAX_PRELOAD * rise else 0.0
+    first = float(record.force[0])
+    return first if abs(first) > max(5 * record.force_noise, 0.01 * rise) else 0.0
+
+
+def _turned(displacement: int, force: int) -> Step:
+    words = {
+        (1, 1): "compression and force count upwards, as recorded",
+        (-1, -1): "displacement and force count downwards in the record; both are turned",
+        (-1, 1): "displacement counts downwards in the record and is turned",
+        (1, -1): "force counts downwards in the record and is turned",
+    }
+    parameters = (("displacement_sign", str(displacement)), ("force_sign", str(force)))
+    return Step("orientation", parameters, words[displacement, force])
+
+
+def _kept(motion: Motion, record: RampHold) -> Step:
+    says = (
+        f"{motion.cycle.words()}; the {len(record.time)} samples from {record.time[0]:.6g} s to "
+        f"{record.time[-1]:.6g} s are kept"
+    )
+    return Step("segments", (("cycle", f"{motion.index + 1} of {len(motion.cycles)}"),), says)
+
+
+def _met(touch: Touch) -> Step:
+    says = (
+        f"an air gap of {1e3 * touch.gap:.4g} mm is taken off the displacement"
+        if touch.gap > 0
+        else "contact where the motion begins"
+    )
+    return Step("contact", (("displacement_m", repr(touch.displacement)),), says)
+
+
+def _ramped(record: RampHold, motion: Motion) -> Step:
+    says = (
+        f"the ramp runs at {1e3 * motion.line.speed:.4g} mm/s from {record.onset:.6g} s to "
+        f"{record.ramp_end:.6g} s ({record.ramp_time:.5g} s), the hold to {record.hold_end:.6g} s "
+        f"({record.hold_time:.5g} s), at {1e3 * record.depth:.5g} mm"
+    )
+    parameters = (
+        ("onset_s", repr(record.onset)),
+        ("ramp_end_s", repr(record.ramp_end)),
+        ("hold_end_s", repr(record.hold_end)),
+        ("depth_m", repr(record.depth)),
+    )
+    return Step("ramp", parameters, says)

@@ -1,0 +1,1 @@
+"""The values that pass between rooms: what was measured, and the fit."""

@@ -1,0 +1,76 @@
+"""Between which limits the stiffness of a solid is known."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dashpot.base.arrays import ByValue, FloatArray, frozen, increasing, samples
+from dashpot.base.errors import DataError
+
+
+@dataclass(frozen=True, eq=False)
+class StiffnessBounds(ByValue):
+    """Lower and upper limits of the dynamic stiffness against frequency.
+
+    Attributes
+    ----------
+    frequency : array, shape (n,)
+        Hz, increasing.
+    storage, loss : array, shape (2, n)
+        Lowest and highest storage and loss stiffness at each frequency, N/m.
+    loss_factor : array, shape (2, n)
+        Lowest and highest loss factor, dimensionless.
+    says : str
+        What the limits hold for, in one sentence.
+    """
+
+    frequency: FloatArray
+    storage: FloatArray
+    loss: FloatArray
+    loss_factor: FloatArray
+    says: str = ""
+
+    def __post_init__(self) -> None:
+        frequency = increasing("frequency", samples("frequency", self.frequency))
+        object.__setattr__(self, "frequency", frequency)
+        for name in ("storage", "loss", "loss_factor"):
+            limits = np.asarray(getattr(self, name), dtype=float)
+            if limits.shape != (2, len(frequency)):
+                raise DataError(
+                    f"{name} has shape {limits.shape}; expected (2, {len(frequency)}): "
+                    "a lower and an upper limit at each frequency"
+                )
+            if not (limits[0] <= limits[1]).all():
+                raise DataError(f"the lower limit of {name} lies above its upper limit")
+            object.__setattr__(self, name, frozen(limits))
+
+
+@dataclass(frozen=True, eq=False)
+class FRFBounds(ByValue):
+    """Between which limits the accelerance of a mass on a seal is predicted.
+
+    Attributes
+    ----------
+    frequency : array, shape (n,)
+        Hz.
+    magnitude : array, shape (n,)
+        Of the predicted accelerance, 1/kg.
+    parameter : array, shape (2, n)
+        Lowest and highest magnitude that the standard errors of the fit allow.
+    unseen : array, shape (2, n)
+        Lowest and highest magnitude over all non-negative spectra that the relaxation tests
+        cannot reject.
+    says : str
+    """
+
+    frequency: FloatArray
+    magnitude: FloatArray
+    parameter: FloatArray
+    unseen: FloatArray
+    says: str = ""
+
+    def __post_init__(self) -> None:
+        for name in ("frequency", "magnitude", "parameter", "unseen"):
+            object.__setattr__(self, name, frozen(np.asarray(getattr(self, name), dtype=float)))

@@ -1,0 +1,80 @@
+"""Dynamic (DMA) tests: storage and loss against frequency."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from dashpot.base.arrays import ByValue, ComplexArray, FloatArray, same_length, samples
+from dashpot.base.errors import DataError
+from dashpot.base.provenance import Source
+from dashpot.records.specimen import Specimen
+
+
+@dataclass(frozen=True, eq=False)
+class DynamicTest(ByValue):
+    r"""Storage and loss as a machine measured them under a harmonic motion.
+
+    :math:`K^*(\omega) = K'(\omega) + j K''(\omega)` with x(t) = Re X e^{+j omega t}: a positive
+    loss is dissipation.
+
+    Attributes
+    ----------
+    frequency : array, shape (n,)
+        Hz, > 0; in the order of the file, a sweep repeated at each temperature.
+    storage, loss : array, shape (n,)
+        Pa for a material, N/m for a part (`unit`).
+    temperature : array, shape (n,), or None
+        K.
+    unit : str
+        ``"Pa"`` or ``"N/m"``.
+    specimen : Specimen
+    source : Source or None
+
+    Raises
+    ------
+    DataError
+        If the arrays differ in length, are not finite, or a frequency is not above 0.
+    """
+
+    frequency: FloatArray
+    storage: FloatArray
+    loss: FloatArray
+    temperature: FloatArray | None = None
+    unit: str = "Pa"
+    specimen: Specimen = field(default_factory=Specimen)
+    source: Source | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("frequency", "storage", "loss", "temperature"):
+            values = getattr(self, name)
+            if values is not None:
+                object.__setattr__(self, name, samples(name, values))
+        same_length(
+            frequency=self.frequency,
+            storage=self.storage,
+            loss=self.loss,
+            temperature=self.temperature,
+        )
+        bad = np.flatnonzero(self.frequency <= 0)
+        if bad.size:
+            i = int(bad[0])
+            raise DataError(f"frequency[{i}] = {self.frequency[i]:g} Hz; expected > 0")
+        if self.unit not in {"Pa", "N/m"}:
+            raise DataError(f"unit '{self.unit}' of storage and loss; expected 'Pa' or 'N/m'")
+
+    @property
+    def omega(self) -> FloatArray:
+        """Angular frequency, rad/s."""
+        return 2 * np.pi * self.frequency
+
+    @property
+    def value(self) -> ComplexArray:
+        """Complex modulus or stiffness, in `unit`."""
+        return np.asarray(self.storage + 1j * self.loss, dtype=complex)
+
+    @property
+    def loss_factor(self) -> FloatArray:
+        """Loss over storage."""
+        return self.loss / self.storage

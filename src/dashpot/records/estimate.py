@@ -1,0 +1,256 @@
+r"""From the covariance of a fit to standard errors, to intervals a reader can trust.
+
+The rows of the covariance are k in N/m and ln tau; what people read follows by the delta method:
+
+.. math:: \mathrm{SE}(\tau) = \tau\,\mathrm{SE}(\ln\tau), \qquad
+          \mathrm{Var}(\ln b) = \frac{\mathrm{Var}(k)}{k^2} + \frac{2\,\mathrm{Cov}(k, \ln\tau)}{k}
+                              + \mathrm{Var}(\ln\tau), \quad b = k\tau
+
+Intervals are Student's, symmetric in k and in ln tau (so tau > 0 always). Where a profile
+likelihood is stored it replaces them: both ends are where the deviance reaches the quantile, and
+an end that the data leave open is open.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import exp, inf, isfinite, sqrt
+from typing import TYPE_CHECKING, TypedDict
+
+import numpy as np
+
+from dashpot.base.arrays import ByValue, FloatArray, frozen
+from dashpot.base.errors import DataError
+
+if TYPE_CHECKING:
+    from dashpot.solids.maxwell import GeneralizedMaxwell
+
+Interval = tuple[float, float]
+
+
+class Intervals(TypedDict):
+    """Confidence intervals in SI units, one per parameter of the model."""
+
+    k_inf: Interval
+    k: tuple[Interval, ...]
+    tau: tuple[Interval, ...]
+    b: tuple[Interval, ...]
+
+
+class StandardErrors(TypedDict):
+    """Standard errors in SI units, one per parameter of the model."""
+
+    k_inf: float
+    k: tuple[float, ...]
+    tau: tuple[float, ...]
+    b: tuple[float, ...]
+
+
+def parameter_names(arms: int, *, dashpot: bool = False) -> tuple[str, ...]:
+    """Return the names of a solid's parameters: k_inf, every k, every ln tau, and b."""
+    numbers = range(1, arms + 1)
+    names = ("k_inf", *(f"k_{j}" for j in numbers), *(f"ln_tau_{j}" for j in numbers))
+    return (*names, "b") if dashpot else names
+
+
+@dataclass(frozen=True)
+class Residual:
+    """Statistics of what the model leaves unexplained.
+
+    Attributes
+    ----------
+    n : int
+        Samples fitted.
+    sse : float
+        Sum of squared residuals, N^2 (dimensionless when weighted).
+    rms : float
+        Root mean square residual, N.
+    kappa : float
+        n / effective n: how many neighbouring residuals say the same thing (1 if white).
+    durbin_watson : float
+        About 2 for white residuals, towards 0 for correlated ones.
+    """
+
+    n: int
+    sse: float
+    rms: float
+    kappa: float = 1.0
+    durbin_watson: float = 2.0
+
+
+@dataclass(frozen=True, eq=False)
+class Profile(ByValue):
+    """Profile likelihood of one parameter: deviance against its value.
+
+    Attributes
+    ----------
+    parameter : str
+        Name as in ``Fit.parameters``, for example ``"ln_tau_2"``; ``"ln_b_2"`` for b = k tau.
+    value, deviance : array, shape (m,)
+        Trial values, ascending, and ``(SSE(value) - SSE_min) / (kappa * s^2)``: compared
+        with the chi-square or F quantile of one degree of freedom.
+    """
+
+    parameter: str
+    value: FloatArray
+    deviance: FloatArray
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "value", frozen(np.asarray(self.value, dtype=float)))
+        object.__setattr__(self, "deviance", frozen(np.asarray(self.deviance, dtype=float)))
+
+
+@dataclass(frozen=True)
+class Nuisance:
+    """A parameter the fit needed and the user did not ask for: tare, drift, gain, delay, mass."""
+
+    name: str
+    value: float
+    standard_error: float
+    unit: str
+
+
+@dataclass(frozen=True, eq=False)
+class ParameterEstimate(ByValue):
+    """How well the parameters of a solid are known.
+
+    Attributes
+    ----------
+    parameters : tuple of str
+        Names of the rows of `covariance`: ``"k_inf"``, ``"k_1"``..., ``"ln_tau_1"``...,
+        and ``"b"`` if it was fitted. Stiffness in N/m, ln of tau in s.
+    covariance : array, shape (p, p)
+        Of those parameters, for correlated residuals. Infinite where not identified.
+    dof : float
+        Degrees of freedom of the t quantile: effective samples less parameters.
+    residual : Residual
+    profiles : tuple of Profile
+        Where the covariance is no good guide to an interval.
+    nuisance : tuple of Nuisance
+    """
+
+    parameters: tuple[str, ...]
+    covariance: FloatArray
+    dof: float
+    residual: Residual
+    profiles: tuple[Profile, ...] = ()
+    nuisance: tuple[Nuisance, ...] = ()
+
+    def __post_init__(self) -> None:
+        covariance = np.asarray(self.covariance, dtype=float)
+        size = len(self.parameters)
+        if covariance.shape != (size, size):
+            raise DataError(
+                f"covariance has shape {covariance.shape}, expected {(size, size)}: "
+                "one row per parameter"
+            )
+        object.__setattr__(self, "covariance", frozen(covariance))
+
+    def standard_errors(self, model: GeneralizedMaxwell) -> StandardErrors:
+        """Standard errors of k_inf, and of k, tau and b = k tau of each arm of `model`."""
+        arms = list(enumerate(zip(model.k, model.tau, strict=True), start=1))
+        return StandardErrors(
+            k_inf=self._error("k_inf"),
+            k=tuple(self._error(f"k_{j}") for j, _ in arms),
+            tau=tuple(tau * self._error(f"ln_tau_{j}") for j, (_, tau) in arms),
+            b=tuple(k * tau * self._error_of_log_b(j, k) for j, (k, tau) in arms),
+        )
+
+    def intervals(self, model: GeneralizedMaxwell, level: float) -> Intervals:
+        """Intervals at `level` of the parameters of `model`, from the profile where there is one.
+
+        Raises
+        ------
+        DataError
+            If `level` is not between 0 and 1.
+        """
+        # Student's distribution costs an import that a fit alone does not pay
+        from dashpot.base.student_t import t_quantile
+
+        if not 0.0 < level < 1.0:
+            raise DataError(f"level = {level!r}; expected a coverage between 0 and 1, such as 0.95")
+        quantile = t_quantile(level, self.dof)
+        profiles = {profile.parameter: profile for profile in self.profiles}
+
+        def of(name: str, value: float, error: float) -> Interval:
+            if name in profiles:
+                return profile_interval(profiles[name], deviance_limit=quantile**2)
+            if not isfinite(error):
+                return -inf, inf
+            return value - quantile * error, value + quantile * error
+
+        def positive(name: str, value: float) -> Interval:
+            low, high = of(name, value, self._error(name))
+            return max(low, 0.0), high
+
+        def exponential(name: str, value: float, error: float) -> Interval:
+            low, high = of(name, float(np.log(value)), error)
+            return _exp(low), _exp(high)
+
+        arms = list(enumerate(zip(model.k, model.tau, strict=True), start=1))
+        return Intervals(
+            k_inf=positive("k_inf", model.k_inf),
+            k=tuple(positive(f"k_{j}", k) for j, (k, _) in arms),
+            tau=tuple(
+                exponential(f"ln_tau_{j}", tau, self._error(f"ln_tau_{j}")) for j, (_, tau) in arms
+            ),
+            b=tuple(
+                exponential(f"ln_b_{j}", k * tau, self._error_of_log_b(j, k))
+                for j, (k, tau) in arms
+            ),
+        )
+
+    def _error(self, name: str) -> float:
+        """Standard error of one row; 0 for a parameter that was held fixed.
+
+        Where no parameter has a row, nothing was held: nothing is known of any.
+        """
+        if not self.parameters:
+            return inf
+        if name not in self.parameters:
+            return 0.0
+        row = self.parameters.index(name)
+        return sqrt(max(float(self.covariance[row, row]), 0.0))
+
+    def _error_of_log_b(self, arm: int, k: float) -> float:
+        if not self.parameters:
+            return inf
+        gradient = np.zeros(len(self.parameters))
+        for name, slope in ((f"k_{arm}", 1.0 / k), (f"ln_tau_{arm}", 1.0)):
+            if name in self.parameters:
+                gradient[self.parameters.index(name)] = slope
+        used = gradient != 0.0
+        block = self.covariance[np.ix_(used, used)]
+        if not np.all(np.isfinite(block)):
+            return inf
+        return sqrt(max(float(gradient[used] @ block @ gradient[used]), 0.0))
+
+
+def profile_interval(profile: Profile, *, deviance_limit: float) -> Interval:
+    """Return where the deviance crosses `deviance_limit`; an end that it never reaches is open.
+
+    The crossing is interpolated on the square root of the deviance, which is straight where the
+    likelihood is Gaussian.
+    """
+    value, root = profile.value, np.sqrt(np.maximum(profile.deviance, 0.0))
+    limit = sqrt(deviance_limit)
+    best = int(np.argmin(root))
+    return (
+        _crossing(value[best::-1], root[best::-1], limit, -inf),
+        _crossing(value[best:], root[best:], limit, inf),
+    )
+
+
+def _crossing(value: FloatArray, root: FloatArray, limit: float, open_end: float) -> float:
+    beyond = np.flatnonzero(root >= limit)
+    if not beyond.size:
+        return open_end
+    i = int(beyond[0])
+    if i == 0:
+        return float(value[0])
+    share = (limit - root[i - 1]) / (root[i] - root[i - 1])
+    return float(value[i - 1] + share * (value[i] - value[i - 1]))
+
+
+def _exp(value: float) -> float:
+    return exp(value) if value < 700.0 else inf

@@ -1,0 +1,353 @@
+"""What a fit says: the solid, how well it is known, and what it must not be asked."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, field, replace
+from enum import Enum
+
+import numpy as np
+
+from dashpot.base.arrays import ByValue, FloatArray
+from dashpot.base.checks import Check
+from dashpot.base.provenance import Source, Step
+from dashpot.records.estimate import (
+    Intervals,
+    Nuisance,
+    ParameterEstimate,
+    Profile,
+    Residual,
+    StandardErrors,
+)
+from dashpot.records.specimen import Specimen
+from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
+
+
+class Status(Enum):
+    """How a fit ended; the name is for programs, the value for people."""
+
+    CONVERGED = "the optimum was found and every parameter is inside the measured window"
+    FEWER_ARMS = "fewer arms than asked for: the data reject a further arm with k > 0"
+    TAU_AT_BOUND = "a relaxation time sits at the edge of the measured window"
+    NOT_IDENTIFIED = "the data do not determine every parameter"
+    NOT_CONVERGED = "the iteration limit was reached before the gradient vanished"
+    FORCE_RISES = "the force rises during the hold: no relaxing solid does that"
+    NO_DATA = "the record holds values that are not finite: nothing was fitted"
+
+
+@dataclass(frozen=True)
+class OrderScore:
+    """One candidate number of arms.
+
+    Attributes
+    ----------
+    arms : int
+    sse : float
+        Sum of squared residuals.
+    bic : float
+        Bayesian information criterion with the effective sample size; differences count.
+    significant : bool
+        Every arm has k > 3 SE and SE(ln tau) < 0.5. Where the noise was as slow as the arms:
+        chance does not explain what the last arm takes off the deviance.
+    model : GeneralizedMaxwell
+        The best solid with this many arms.
+    """
+
+    arms: int
+    sse: float
+    bic: float
+    significant: bool
+    model: GeneralizedMaxwell
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """How far the optimum can be from the best positive model with any number of arms.
+
+    Attributes
+    ----------
+    optimal : bool
+        True if no further arm with k > 0, at any relaxation time, lowers the SSE.
+    gap : float
+        Relative SSE that the best positive spectrum with any number of arms would still gain.
+    tau : float or None
+        Where a further arm would gain most, s.
+    says : str
+        The sentence printed with the fit.
+    """
+
+    optimal: bool
+    gap: float
+    tau: float | None
+    says: str
+
+
+@dataclass(frozen=True)
+class Moved:
+    """What a further test did to one parameter of the solid.
+
+    Attributes
+    ----------
+    name : str
+        As in ``Fit.parameters``, of the arm's place in the new model: ``"k_1"``, ``"tau_1"``.
+    before, before_se : float or None
+        Value and standard error without the further test; None for a new arm.
+    after, after_se : float
+        With it.
+    unit : str
+    """
+
+    name: str
+    before: float | None
+    before_se: float | None
+    after: float
+    after_se: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class AtDepth:
+    """The stiffnesses of one test of several that share their relaxation times.
+
+    Attributes
+    ----------
+    depth : float
+        Compression held, m.
+    k_inf, k_inf_se : float
+        Secant equilibrium stiffness at this depth, N/m, and its standard error.
+    k, k_se : tuple of float
+        Arm stiffnesses at this depth, N/m, in the order of the model's arms.
+    """
+
+    depth: float
+    k_inf: float
+    k_inf_se: float
+    k: tuple[float, ...]
+    k_se: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What the data support, and what they leave open.
+
+    Attributes
+    ----------
+    band : (float, float)
+        The frequencies this test can inform, Hz.
+    orders : tuple of OrderScore
+        The numbers of arms that were tried.
+    certificate : Certificate or None
+    checks : tuple of Check
+    by_depth : tuple of AtDepth
+        One per test where each test has its own stiffnesses (``depth_law=True``), shallowest
+        first; the fit's solid is then the deepest test's.
+    moved : tuple of Moved
+        What a further test changed, where there was an earlier fit.
+    """
+
+    band: tuple[float, float]
+    orders: tuple[OrderScore, ...] = ()
+    certificate: Certificate | None = None
+    checks: tuple[Check, ...] = ()
+    by_depth: tuple[AtDepth, ...] = ()
+    moved: tuple[Moved, ...] = ()
+
+
+@dataclass(frozen=True)
+class Provenance:
+    """Where a fit comes from.
+
+    Attributes
+    ----------
+    method : str
+        ``"full"``, ``"hold"``, ``"frf"``, ``"joint"``, ``"dynamic"`` or ``"modulus"``.
+    source : tuple of Source
+    steps : tuple of Step
+        Everything done since the raw file, with its parameters.
+    specimen : Specimen
+    """
+
+    method: str
+    source: tuple[Source, ...] = ()
+    steps: tuple[Step, ...] = ()
+    specimen: Specimen = field(default_factory=Specimen)
+
+
+@dataclass(frozen=True, eq=False)
+class Fit(ByValue):
+    """A fitted solid, how well each parameter is known, and what the test cannot tell.
+
+    Attributes
+    ----------
+    solid : Solid
+    status : Status
+    estimate : ParameterEstimate
+        Of the parameters of `model`.
+    evidence : Evidence
+    provenance : Provenance
+    unit : str
+        Of every stiffness: ``"N/m"`` for a part, ``"Pa"`` where a material's modulus was fitted.
+    """
+
+    solid: Solid
+    status: Status
+    estimate: ParameterEstimate
+    evidence: Evidence
+    provenance: Provenance
+    unit: str = "N/m"
+
+    @property
+    def ok(self) -> bool:
+        """True if the fit converged; what it must not be asked stands in `checks`."""
+        return self.status is Status.CONVERGED
+
+    @property
+    def model(self) -> GeneralizedMaxwell:
+        """The arms of the solid."""
+        return self.solid.maxwell
+
+    # -- how well it is known -----------------------------------------------------------------
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the rows of `covariance`."""
+        return self.estimate.parameters
+
+    @property
+    def covariance(self) -> FloatArray:
+        """Covariance of the parameters, shape (p, p)."""
+        return self.estimate.covariance
+
+    @property
+    def dof(self) -> float:
+        """Degrees of freedom: effective samples less parameters."""
+        return self.estimate.dof
+
+    @property
+    def residual(self) -> Residual:
+        """Statistics of what the model leaves unexplained."""
+        return self.estimate.residual
+
+    @property
+    def profiles(self) -> tuple[Profile, ...]:
+        """Profile likelihoods, where the covariance is no good guide."""
+        return self.estimate.profiles
+
+    @property
+    def nuisance(self) -> tuple[Nuisance, ...]:
+        """Parameters that the fit needed and nobody asked for."""
+        return self.estimate.nuisance
+
+    @property
+    def standard_error(self) -> StandardErrors:
+        """Standard errors of k_inf, and of k, tau and b = k tau of each arm, SI units."""
+        return self.estimate.standard_errors(self.model)
+
+    def intervals(self, level: float = 0.95) -> Intervals:
+        """Confidence intervals at `level`, SI units: Student's, or the profile's where stored.
+
+        An end that the data leave open is 0 or infinite.
+
+        Raises
+        ------
+        DataError
+            If `level` is not between 0 and 1.
+        """
+        return self.estimate.intervals(self.model, level)
+
+    # -- what the data support ----------------------------------------------------------------
+
+    @property
+    def band(self) -> tuple[float, float]:
+        """The frequencies this test can inform, Hz."""
+        return self.evidence.band
+
+    @property
+    def orders(self) -> tuple[OrderScore, ...]:
+        """The numbers of arms that were tried."""
+        return self.evidence.orders
+
+    @property
+    def certificate(self) -> Certificate | None:
+        """How far the optimum can be from the best positive model with any number of arms."""
+        return self.evidence.certificate
+
+    @property
+    def checks(self) -> tuple[Check, ...]:
+        """Every check put to the records and to the fit."""
+        return self.evidence.checks
+
+    @property
+    def by_depth(self) -> tuple[AtDepth, ...]:
+        """The stiffnesses of each test, where each has its own."""
+        return self.evidence.by_depth
+
+    @property
+    def moved(self) -> tuple[Moved, ...]:
+        """What a further test changed."""
+        return self.evidence.moved
+
+    # -- where it comes from ------------------------------------------------------------------
+
+    @property
+    def method(self) -> str:
+        """What was fitted: ``"full"``, ``"hold"``, ``"frf"``, ``"joint"``..."""
+        return self.provenance.method
+
+    @property
+    def source(self) -> tuple[Source, ...]:
+        """The raw files."""
+        return self.provenance.source
+
+    @property
+    def steps(self) -> tuple[Step, ...]:
+        """Everything done since the raw files."""
+        return self.provenance.steps
+
+    @property
+    def specimen(self) -> Specimen:
+        """What was tested."""
+        return self.provenance.specimen
+
+    @property
+    def identity(self) -> str:
+        """Sixteen hexadecimal digits that name this result: of its solid, method and raw files.
+
+        Decks and reports carry it, so that each can be traced to the fit it came from.
+        """
+        model = self.model
+        stands_for = (
+            (model.k_inf, model.k, model.tau, model.b),
+            self.method,
+            tuple(source.sha256 for source in self.source),
+        )
+        return hashlib.sha256(repr(stands_for).encode()).hexdigest()[:16]
+
+    def in_parallel(self, count: float) -> Fit:
+        """The fit of `count` such parts side by side: stiffnesses, errors and length scale alike.
+
+        What belongs to the fitted record alone (orders, certificate, nuisances) stays behind.
+        """
+        scale = np.array([1.0 if name.startswith("ln_") else count for name in self.parameters])
+        length = None if self.specimen.length is None else count * self.specimen.length
+        step = Step(
+            "parallel",
+            (("count", f"{count:g}"), ("of", self.identity)),
+            f"{count:g} in parallel of fit {self.identity}",
+        )
+        return replace(
+            self,
+            solid=count * self.solid,
+            estimate=replace(
+                self.estimate,
+                covariance=self.covariance * np.outer(scale, scale),
+                profiles=tuple(one for one in self.profiles if one.parameter.startswith("ln_tau")),
+                nuisance=(),
+            ),
+            evidence=Evidence(self.band, checks=self.checks),
+            provenance=replace(
+                self.provenance,
+                steps=(*self.steps, step),
+                specimen=replace(self.specimen, length=length),
+            ),
+        )

@@ -1,0 +1,322 @@
+"""The frequency response function."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+import numpy as np
+
+from dashpot.base.arrays import (
+    ByValue,
+    ComplexArray,
+    FloatArray,
+    complex_samples,
+    increasing,
+    same_length,
+    samples,
+)
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError
+from dashpot.base.provenance import Source, Step
+
+
+class Kind(StrEnum):
+    """What the FRF relates, motion per force or its inverse (ISO 2041 names)."""
+
+    RECEPTANCE = "receptance"  # x / F, m/N
+    MOBILITY = "mobility"  # v / F, m/(N s)
+    ACCELERANCE = "accelerance"  # a / F, 1/kg
+    DYNAMIC_STIFFNESS = "dynamic_stiffness"  # F / x, N/m
+
+
+UNITS = {
+    Kind.RECEPTANCE: "m/N",
+    Kind.MOBILITY: "m/(N s)",
+    Kind.ACCELERANCE: "(m/s^2)/N",
+    Kind.DYNAMIC_STIFFNESS: "N/m",
+}
+
+
+@dataclass(frozen=True)
+class Hit:
+    """One hammer hit and the verdict on it.
+
+    Attributes
+    ----------
+    name : str
+        What the user calls it to accept or reject it by hand, ``"1"``, ``"2"``...
+    time : float
+        When it struck, s on the clock of its record.
+    accepted : bool
+    reasons : tuple of str
+        Why it was rejected, or what is doubtful about it, one sentence each.
+    peak : float
+        Largest force, N.
+    duration : float
+        Pulse width at 10 % of the peak, s.
+    """
+
+    name: str
+    time: float
+    accepted: bool
+    reasons: tuple[str, ...] = ()
+    peak: float = 0.0
+    duration: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class FRF(ByValue):
+    r"""A frequency response function, measured or predicted.
+
+    Sign convention: x(t) = Re X e^{+j omega t}; the receptance of a passive system has a
+    negative imaginary part.
+
+    Attributes
+    ----------
+    frequency : array, shape (n,)
+        Hz, increasing.
+    value : complex array, shape (n,)
+        In the SI unit of `kind`.
+    kind : Kind
+    coherence : array, shape (n,) or None
+        Ordinary coherence; None when predicted or when there was one hit only.
+    sd : array, shape (n,) or None
+        Standard deviation of the real part and of the imaginary part, unit of `value`.
+    shift : float
+        The exponential window's decay a, 1/s, on force and response alike: the FRF is
+        :math:`H(s)` at :math:`s = j\omega + a`. 0 without a window.
+    record : float or None
+        Length of the record after the hit, s, where the response may be cut short; None for
+        a prediction or an untruncated one.
+    pulse : float
+        Rms width of the hammer's pulse, s; the record begins at its middle.
+    averages : int
+        Number of hits averaged; 0 when predicted.
+    hits : tuple of Hit
+        Every hit found, with its verdict.
+    checks, source, steps
+        As in a fit.
+    """
+
+    frequency: FloatArray
+    value: ComplexArray
+    kind: Kind = Kind.ACCELERANCE
+    coherence: FloatArray | None = None
+    sd: FloatArray | None = None
+    shift: float = 0.0
+    record: float | None = None
+    pulse: float = 0.0
+    averages: int = 0
+    hits: tuple[Hit, ...] = ()
+    checks: tuple[Check, ...] = ()
+    source: tuple[Source, ...] = ()
+    steps: tuple[Step, ...] = ()
+
+    def __post_init__(self) -> None:
+        frequency = increasing("frequency", samples("frequency", self.frequency))
+        if frequency[0] < 0:
+            raise DataError(f"frequency[0] = {frequency[0]:g} Hz; expected >= 0")
+        object.__setattr__(self, "frequency", frequency)
+        object.__setattr__(self, "value", complex_samples("value", self.value))
+        object.__setattr__(self, "kind", Kind(self.kind))
+        for name in ("coherence", "sd"):
+            values = getattr(self, name)
+            if values is not None:
+                object.__setattr__(self, name, samples(name, values))
+        same_length(
+            frequency=self.frequency, value=self.value, coherence=self.coherence, sd=self.sd
+        )
+
+    @property
+    def omega(self) -> FloatArray:
+        """Angular frequency, rad/s."""
+        return 2 * np.pi * self.frequency
+
+    @property
+    def s(self) -> ComplexArray:
+        r"""Where on the Laplace plane the values were taken: :math:`j\omega + a`, 1/s."""
+        return np.asarray(1j * self.omega + self.shift, dtype=complex)
+
+    @property
+    def unit(self) -> str:
+        """The SI unit of `value`."""
+        return UNITS[self.kind]
+
+    def to(self, kind: Kind | str) -> FRF:
+        """The same FRF as receptance, mobility, accelerance or dynamic stiffness.
+
+        Motion is differentiated by a factor s, so a windowed FRF stays exact. The line at
+        frequency 0 is dropped where it would divide by zero.
+        """
+        kind = Kind(kind)
+        if kind is self.kind:
+            return self
+        keep = (np.abs(self.s) > 0) & (np.abs(self.value) > 0)
+        s, value = self.s[keep], self.value[keep]
+        receptance = {
+            Kind.RECEPTANCE: lambda: value,
+            Kind.MOBILITY: lambda: value / s,
+            Kind.ACCELERANCE: lambda: value / s**2,
+            Kind.DYNAMIC_STIFFNESS: lambda: 1 / value,
+        }[self.kind]()
+        out = {
+            Kind.RECEPTANCE: lambda: receptance,
+            Kind.MOBILITY: lambda: receptance * s,
+            Kind.ACCELERANCE: lambda: receptance * s**2,
+            Kind.DYNAMIC_STIFFNESS: lambda: 1 / receptance,
+        }[kind]()
+        sd = None
+        if self.sd is not None:  # a relative error is the same for every kind
+            sd = self.sd[keep] * np.abs(out) / np.abs(value)
+        return replace(
+            self,
+            frequency=self.frequency[keep],
+            value=out,
+            kind=kind,
+            coherence=None if self.coherence is None else self.coherence[keep],
+            sd=sd,
+        )
+
+    def error_band(self, level: float = 0.95) -> tuple[FloatArray, FloatArray, FloatArray]:
+        r"""Random error as a band: lowest and highest magnitude, and plus-minus of the phase.
+
+        .. math:: |H| \pm z s, \qquad \pm \arcsin\frac{z s}{|H|}
+
+        with s the `sd` and z the normal quantile of the two-sided `level`. Magnitudes in the unit
+        of `value` and never below 0, phase in rad and at most pi. It holds no error of calibration.
+
+        Raises
+        ------
+        DataError
+            If the FRF carries no `sd`, or `level` is not between 0 and 1.
+        """
+        from statistics import NormalDist
+
+        if self.sd is None:
+            raise DataError(
+                "this FRF carries no random error: it was predicted, or rests on a single hit"
+            )
+        if not 0 < level < 1:
+            raise DataError(f"level = {level!r}; expected a number between 0 and 1")
+        reach = NormalDist().inv_cdf(0.5 + level / 2) * self.sd
+        size = np.abs(self.value)
+        sine = np.divide(reach, size, out=np.full(len(size), np.inf), where=size > 0)
+        phase = np.where(sine < 1, np.arcsin(np.minimum(sine, 1.0)), np.pi)
+        return np.maximum(size - reach, 0.0), size + reach, phase
+
+    def band(self, low: float, high: float) -> FRF:
+        """The lines from `low` to `high`, Hz, both included."""
+        keep = (self.frequency >= low) & (self.frequency <= high)
+        if not keep.any():
+            raise DataError(
+                f"no line between {low:g} and {high:g} Hz; the FRF has "
+                f"{self.frequency[0]:g} to {self.frequency[-1]:g} Hz"
+            )
+        return replace(
+            self,
+            frequency=self.frequency[keep],
+            value=self.value[keep],
+            coherence=None if self.coherence is None else self.coherence[keep],
+            sd=None if self.sd is None else self.sd[keep],
+        )
+
+    def modes(
+        self,
+        *,
+        method: str = "rational",
+        band: tuple[float, float] | None = None,
+        count: int | None = None,
+    ) -> tuple[Mode, ...]:
+        r"""Natural frequencies, damping ratios and residues, each with its uncertainty.
+
+        The mode that carries most motion (largest residue of the receptance) comes first. All
+        methods allow for an exponential window: the poles are those of the structure.
+
+        Parameters
+        ----------
+        method : str
+            ``"rational"`` fits poles and residues, by least squares weighted by `sd`, to what a
+            record of finite length shows (:mod:`dashpot.vibration.modal.rational_fraction`). The
+            others look at the highest peak: ``"peak"`` (parabola), ``"half-power"`` (width at
+            :math:`1/\sqrt2`), ``"circle"`` (Nyquist circle of the mobility) and ``"decrement"``
+            (decay of the impulse response).
+        band : (float, float), optional
+            Hz; by default two octaves to either side of the highest peak of the receptance.
+        count : int, optional
+            Exactly this many modes (``"rational"`` only); by default those that matter.
+
+        Returns
+        -------
+        tuple of Mode
+            Empty if nothing oscillates in the band.
+
+        Raises
+        ------
+        DataError
+            If the method is unknown or the band holds too few lines.
+        FitError
+            If the lines cannot support the method: fewer than 5 in the half-power band.
+        """
+        from dashpot.vibration.modal.modes import find_modes
+
+        measured = self.to(Kind.ACCELERANCE)  # what was recorded, and cut at its end
+        return find_modes(
+            measured.frequency,
+            measured.value,
+            sd=measured.sd,
+            record=measured.record,
+            pulse=measured.pulse,
+            shift=measured.shift,
+            method=method,
+            band=band,
+            count=count,
+        )
+
+
+@dataclass(frozen=True)
+class Mode:
+    r"""One mode: a pole pair :math:`p = \omega_n(-\zeta \pm j\sqrt{1-\zeta^2})` and its residue.
+
+    Attributes
+    ----------
+    frequency : float
+        Undamped natural frequency :math:`|p|/2\pi`, Hz.
+    damping_ratio : float
+        :math:`\zeta = -\mathrm{Re}\,p / |p|`.
+    residue : complex
+        Of the receptance, m/(N s): :math:`X/F = r/(s-p) + r^*/(s-p^*) + \dots`
+    frequency_se, damping_ratio_se, residue_se : float
+        Standard errors; 0 for a model's mode, nan where a method cannot tell.
+    method : str
+        How it was found.
+    """
+
+    frequency: float
+    damping_ratio: float
+    residue: complex
+    frequency_se: float = 0.0
+    damping_ratio_se: float = 0.0
+    residue_se: float = 0.0
+    method: str = "model"
+
+    @property
+    def pole(self) -> complex:
+        """The pole in the upper half plane, 1/s."""
+        zeta = self.damping_ratio
+        return complex(-zeta, np.sqrt(max(1 - zeta**2, 0.0))) * 2 * np.pi * self.frequency
+
+    @property
+    def decay(self) -> float:
+        """How fast it dies: sigma = -Re p, 1/s."""
+        return -self.pole.real
+
+    @property
+    def bandwidth(self) -> float:
+        """Width of its peak at half power, Hz."""
+        return 2 * self.damping_ratio * self.frequency
+
+    @property
+    def modal_mass(self) -> float:
+        r"""Mass, kg, of the single degree of freedom with this residue: Re 1/(2 j omega_d r)."""
+        return float((1 / (2j * self.pole.imag * self.residue)).real)

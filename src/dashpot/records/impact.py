@@ -1,0 +1,92 @@
+"""Impact tests as recorded."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+
+from dashpot.base.arrays import ByValue, FloatArray, frozen, same_length, samples
+from dashpot.base.errors import DataError
+from dashpot.base.provenance import Source
+
+
+@dataclass(frozen=True, eq=False)
+class ImpactTest(ByValue):
+    """Hammer force and one or more accelerations, sampled together, in SI units.
+
+    Attributes
+    ----------
+    time : array, shape (n,)
+        s; evenly spaced within each continuous record.
+    force : array, shape (n,)
+        Hammer force, N, sign as recorded.
+    acceleration : array, shape (channels, n)
+        m/s^2.
+    starts : tuple of int
+        First sample of each continuous record, ``(0,)`` for a single one; time may restart there.
+    channels : tuple of str
+        Name of each acceleration channel.
+    positions : tuple of float or None
+        Signed distance of each accelerometer from the hammer's line of action, m.
+    source : tuple of Source
+        One per file read.
+    """
+
+    time: FloatArray
+    force: FloatArray
+    acceleration: FloatArray
+    starts: tuple[int, ...] = (0,)
+    channels: tuple[str, ...] = ()
+    positions: tuple[float, ...] | None = None
+    source: tuple[Source, ...] = ()
+
+    def __post_init__(self) -> None:
+        time = samples("time", self.time, minimum=8)
+        force = samples("force", self.force, minimum=8)
+        acceleration = np.atleast_2d(np.asarray(self.acceleration, dtype=float))
+        names = self.channels or tuple(f"acceleration {i + 1}" for i in range(len(acceleration)))
+        if len(names) != len(acceleration):
+            raise DataError(f"{len(names)} channel names for {len(acceleration)} accelerations")
+        for name, row in zip(names, acceleration, strict=True):
+            same_length(time=time, force=force, **{name: samples(name, row)})
+        if self.positions is not None and len(self.positions) != len(acceleration):
+            raise DataError(
+                f"{len(self.positions)} positions for {len(acceleration)} accelerometers"
+            )
+        starts = tuple(self.starts)
+        if starts[:1] != (0,) or any(b <= a for a, b in itertools.pairwise(starts)):
+            raise DataError(f"record starts must rise from 0, found {starts}")
+        object.__setattr__(self, "time", time)
+        object.__setattr__(self, "force", force)
+        object.__setattr__(self, "acceleration", frozen(acceleration))
+        object.__setattr__(self, "channels", tuple(names))
+        object.__setattr__(self, "starts", starts)
+        for record in self.records():
+            _uniform(time[record])
+
+    def records(self) -> tuple[slice, ...]:
+        """The continuous records, as slices of the samples."""
+        stops = (*self.starts[1:], len(self.time))
+        return tuple(slice(a, b) for a, b in zip(self.starts, stops, strict=True))
+
+    @property
+    def rate(self) -> float:
+        """Sampling rate, Hz, from the first record."""
+        first = self.time[self.records()[0]]
+        return float((len(first) - 1) / (first[-1] - first[0]))
+
+
+def _uniform(time: FloatArray) -> None:
+    steps = np.diff(time)
+    if steps.size == 0:
+        raise DataError(f"the record at t = {time[0]:.9g} s is one sample; leave it out")
+    step = float(np.median(steps))
+    worst = int(np.argmax(np.abs(steps - step)))
+    # a time column printed with few digits jitters by its last digit
+    if step <= 0 or abs(steps[worst] - step) > 0.2 * step:
+        raise DataError(
+            f"an impact record needs even sampling, but the step after t = {time[worst]:.9g} s is "
+            f"{steps[worst]:.6g} s where {step:.6g} s is usual; split the record there"
+        )

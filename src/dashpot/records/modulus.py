@@ -1,0 +1,47 @@
+"""A relaxation modulus over time: the answer to a unit step, as a curve."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from dashpot.base.arrays import ByValue, FloatArray, increasing, same_length, samples
+from dashpot.base.errors import DataError
+from dashpot.base.provenance import Source
+from dashpot.records.specimen import Specimen
+
+
+@dataclass(frozen=True, eq=False)
+class RelaxationModulus(ByValue):
+    r"""A curve :math:`E(t)`, measured or shifted together, after a step at t = 0.
+
+    Attributes
+    ----------
+    time : array, shape (n,)
+        s since the step, >= 0, strictly increasing.
+    modulus : array, shape (n,)
+        Pa for a material, N/m for a part (`unit`).
+    unit : str
+        ``"Pa"`` or ``"N/m"``.
+    specimen : Specimen
+    source : Source or None
+
+    Raises
+    ------
+    DataError
+        If the arrays differ in length, are not finite, or time falls or starts below 0.
+    """
+
+    time: FloatArray
+    modulus: FloatArray
+    unit: str = "Pa"
+    specimen: Specimen = field(default_factory=Specimen)
+    source: Source | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "time", increasing("time", samples("time", self.time)))
+        object.__setattr__(self, "modulus", samples("modulus", self.modulus))
+        same_length(time=self.time, modulus=self.modulus)
+        if self.time[0] < 0:
+            raise DataError(f"time[0] = {self.time[0]:g} s; expected the time since the step, >= 0")
+        if self.unit not in {"Pa", "N/m"}:
+            raise DataError(f"unit '{self.unit}' of the modulus; expected 'Pa' or 'N/m'")

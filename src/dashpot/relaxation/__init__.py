@@ -1,1 +1,0 @@
-"""The bench half: from a raw relaxation test to a fitted solid."""

@@ -1,0 +1,134 @@
+"""The sentences at the top of the report: what the tests say, in plain words."""
+
+from __future__ import annotations
+
+import math
+
+from dashpot.base.checks import Check
+from dashpot.base.numbers import hertz, readable, rounded
+from dashpot.base.provenance import Source
+from dashpot.records.fit import Status
+from dashpot.workflow.study import Study
+
+COUNT = {0: "no", 1: "one", 2: "two", 3: "three", 4: "four", 5: "five", 6: "six"}
+
+
+def title(study: Study) -> str:
+    """What the report is about."""
+    source = study.test.source or study.prepared.source
+    return source.file if source is not None else "relaxation test"
+
+
+def sentences(study: Study) -> tuple[str, ...]:
+    """The verdict, one thought a sentence."""
+    return tuple(
+        readable(sentence)
+        for sentence in (_solid(study), _outcome(study), _hammer(study), _joint(study))
+        if sentence
+    )
+
+
+def _solid(study: Study) -> str:
+    fit = study.fit
+    arms = COUNT.get(fit.model.arms, str(fit.model.arms))
+    plural = "" if fit.model.arms == 1 else "s"
+    return (
+        f"One seal behaves as a spring of {rounded(1e-3 * fit.model.k_inf)} N/mm with {arms} "
+        f"Maxwell arm{plural}, {rounded(1e-3 * fit.model.k_0)} N/mm at once; the relaxation test "
+        f"tells its stiffness and damping from {hertz(fit.band)}."
+    )
+
+
+def _outcome(study: Study) -> str:
+    if study.fit.status is Status.CONVERGED:
+        return ""
+    return f"The fit needs care: {study.fit.status.value}."
+
+
+def _hammer(study: Study) -> str:
+    if study.comparison is not None:
+        return study.comparison.verdict
+    if study.mass is None:
+        return (
+            "No mass was given, so no vibration was predicted; outside that band the solid is an "
+            "extrapolation."
+        )
+    return (
+        "No hammer test was given: the predicted vibration lies outside that band wherever the "
+        "figures are dashed, and nothing here has tested it."
+    )
+
+
+def _joint(study: Study) -> str:
+    joint, after = study.joint, study.joint_comparison
+    if joint is None or after is None:
+        return ""
+    count = joint.model.arms
+    arms = f"{COUNT.get(count, str(count))} arm{'' if count == 1 else 's'}"
+    return (
+        f"Fitted to both tests at once, a solid of {arms} "
+        f"meets the hammer within {max(100 * abs(after.frequency_error), 0.01):.2f} % in frequency "
+        f"and {max(abs(after.ratio_db), 0.1):.1f} dB at the peak."
+    )
+
+
+def straight(study: Study) -> str:
+    """Where the FRF alone tells stiffness and damping, and what limits it."""
+    d = study.direct
+    if d is None:
+        return ""
+    mass, phase = 100 * d.mass_sd / d.mass, math.degrees(d.phase_sd)
+    return (
+        f"With {mass:.2g} % of doubt about the mass and {phase:.2g}° about the phase, the storage "
+        f"stiffness is good to 10 % {_where(d.storage_band)}, the loss to 30 % "
+        f"{_where(d.loss_band)}. Above that the mass hides the seal; below it the phase hides its "
+        "damping."
+    )
+
+
+def _where(band: tuple[float, float]) -> str:
+    return f"from {hertz(band)}" if math.isfinite(band[0]) else "nowhere"
+
+
+def inferred_mass(study: Study) -> str:
+    """A warning where the mass was taken from the very frequency it should predict."""
+    if not (study.mass_inferred and study.mass is not None):
+        return ""
+    return (
+        f"The mass of {rounded(1e3 * study.mass, digits=4)} g was inferred from the measured FRF, "
+        "so the agreement in frequency proves nothing. Weigh the block."
+    )
+
+
+def simulated(study: Study) -> tuple[str, ...]:
+    """The files that the virtual rig or hammer made; a record in memory says so in its notes."""
+    files = tuple(source.file for source in sources(study) if source.simulated)
+    if not files and "simulated" in study.prepared.specimen.notes.lower():
+        return ("records in memory",)
+    return files
+
+
+def sources(study: Study) -> tuple[Source, ...]:
+    """Every file that went into the study, once."""
+    found = [study.test.source, study.prepared.source, *study.fit.source]
+    for frf in (study.measured, study.impact):
+        found += list(frf.source) if frf is not None else []
+    return tuple(dict.fromkeys(source for source in found if source is not None))
+
+
+def stages(study: Study) -> list[tuple[str, tuple[Check, ...]]]:
+    """The checks of every stage, in the order of the work."""
+    of_fit = tuple(check for check in study.fit.checks if check not in study.prepared.checks)
+    groups = [("relaxation", study.prepared.checks), ("fit", of_fit)]
+    if study.measured is not None:
+        groups.append(("hammer", study.measured.checks))
+    if study.direct is not None:
+        groups.append(("FRF", study.direct.checks))
+    if study.comparison is not None:
+        groups.append(("comparison", study.comparison.checks))
+    if study.joint is not None:
+        groups.append(("joint fit", study.joint.checks))
+    if study.joint_comparison is not None:
+        groups.append(("after joint fit", study.joint_comparison.checks))
+    groups.append(("story", study.checks))
+    return groups

@@ -1,0 +1,1 @@
+"""The seal in the car."""

@@ -1,0 +1,299 @@
+"""The virtual hammer test: a block on two seals, a soft tip, two accelerometers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import pi
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import DataError
+from dashpot.records.impact import ImpactTest
+from dashpot.simulation.bounce import Oscillator, Pulse
+from dashpot.simulation.relaxation import in_steps
+from dashpot.solids.maxwell import GeneralizedMaxwell, arm_response
+
+_OVERSAMPLING = 4
+
+
+@dataclass(frozen=True)
+class Hammer:
+    """How the block is struck, and what the analyser writes.
+
+    Attributes
+    ----------
+    rate : float
+        Sampling rate of the record, Hz, behind an anti-alias filter common to all channels.
+    record : float
+        Recorded per hit, s. The default keeps 7 time constants of the paper's seal.
+    pretrigger : float
+        Recorded before each hit, s.
+    continuous : bool
+        One record in which the block still rings when it is struck again; else every hit is a
+        record of its own, struck at rest.
+    peak, duration : (float, float)
+        Range of the peak force, N, and of the length of the half-sine, s.
+    eccentricity : float
+        Standard deviation of the striking point, m.
+    double_hits : tuple of int
+        The hits (from 0) that bounce: a second pulse of 40 % after 60 ms.
+    length, arm : float
+        Length of the block, m, and distance of each seal from its middle, m.
+    accelerometer : float
+        The two accelerometers sit at plus and minus this distance from the middle, m.
+    gain_mismatch : float
+        Relative difference of their sensitivities.
+    force_noise, acceleration_noise : float
+        Standard deviation, N and m/s^2.
+    force_offset, acceleration_offset : float
+        Constant offset of the channels, N and m/s^2.
+    force_range, acceleration_range : float
+        Full scale, N and m/s^2.
+    bits : int
+        Of the converter; 0 for a perfect one.
+    highpass : float
+        Corner of the first-order high pass in the accelerometers' supply, Hz; 0 for none.
+    """
+
+    rate: float = 2048.0
+    record: float = 20.0
+    pretrigger: float = 0.1
+    continuous: bool = False
+    peak: tuple[float, float] = (2.0, 5.0)
+    duration: tuple[float, float] = (10e-3, 20e-3)
+    eccentricity: float = 3e-3
+    double_hits: tuple[int, ...] = ()
+    length: float = 0.12
+    arm: float = 0.045
+    accelerometer: float = 0.05
+    gain_mismatch: float = 0.02
+    force_noise: float = 5e-3
+    acceleration_noise: float = 0.02
+    force_offset: float = 0.02
+    acceleration_offset: float = 0.05
+    force_range: float = 20.0
+    acceleration_range: float = 200.0
+    bits: int = 16
+    highpass: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not (self.rate > 0 and self.pretrigger >= 0):
+            raise DataError(
+                f"rate = {self.rate!r} Hz, pretrigger = {self.pretrigger!r} s; expected a rate > 0 "
+                "and a pretrigger >= 0"
+            )
+        if not self.record > self.pretrigger + 0.1:
+            raise DataError(
+                f"record = {self.record!r} s; expected more than the pretrigger, "
+                f"{self.pretrigger:g} s, and 0.1 s for the hit"
+            )
+        if not 0 < self.duration[0] <= self.duration[1]:
+            raise DataError(f"duration = {self.duration!r} s; expected a range above 0")
+        if self.duration[0] * self.rate < 4:
+            raise DataError(
+                f"a pulse of {self.duration[0]:g} s has fewer than 4 samples at {self.rate:g} Hz; "
+                f"expected a rate of at least {4 / self.duration[0]:g} Hz"
+            )
+
+    def noise_free(self) -> Hammer:
+        """The same hits, centred, with perfect channels."""
+        return replace(
+            self,
+            eccentricity=0.0, gain_mismatch=0.0, force_noise=0.0, acceleration_noise=0.0,
+            force_offset=0.0, acceleration_offset=0.0, bits=0, highpass=0.0,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class ImpactTruth:
+    """What really happened under the virtual hammer.
+
+    Attributes
+    ----------
+    model : GeneralizedMaxwell
+        One seal.
+    mass : float
+        Block, kg.
+    seals : float
+    hammer : Hammer
+    seed : int
+    hits : tuple of Pulse
+        Each first pulse: start within its record, s; duration, s; peak, N.
+    eccentricities : tuple of float
+        Where each hit landed, m from the middle.
+    gains : (float, float)
+        Of the two accelerometers, relative to their stated sensitivity.
+    bounce_poles, rocking_poles : tuple of complex
+        Of the two motions, 1/s.
+    """
+
+    model: GeneralizedMaxwell
+    mass: float
+    seals: float
+    hammer: Hammer
+    seed: int
+    hits: tuple[Pulse, ...]
+    eccentricities: tuple[float, ...]
+    gains: tuple[float, float]
+    bounce_poles: tuple[complex, ...]
+    rocking_poles: tuple[complex, ...]
+
+
+@dataclass(frozen=True)
+class SimulatedImpact:
+    """A simulated test and its truth."""
+
+    test: ImpactTest
+    truth: ImpactTruth
+
+
+def simulate_impact(
+    model: GeneralizedMaxwell,
+    *,
+    mass: float,
+    seals: float = 2,
+    hits: int = 5,
+    rig: Hammer | None = None,
+    seed: int = 0,
+) -> SimulatedImpact:
+    r"""A block on `seals` equal seals, struck `hits` times.
+
+    The block bounces, :math:`m\ddot y + n\,k * y = F`, and rocks,
+    :math:`I\ddot\theta + n b^2\,k * \theta = F e` with :math:`I = m L^2 / 12`; the
+    accelerometers see :math:`\ddot y \pm p\,\ddot\theta`. Both motions are integrated exactly;
+    force and accelerations then pass one common anti-alias filter.
+
+    Parameters
+    ----------
+    model : GeneralizedMaxwell
+        One seal.
+    mass : float
+        Block, kg.
+    rig : Hammer, optional
+        ``Hammer()`` if not given.
+
+    Raises
+    ------
+    DataError
+        If the mass, the seals or the hits are not positive, or the seal has no k_inf.
+    """
+    rig = Hammer() if rig is None else rig
+    for name, value in (("mass", mass), ("seals", seals), ("hits", hits)):
+        if not (np.isfinite(value) and value > 0):
+            raise DataError(f"{name} = {value!r}; expected a number > 0")
+    random = np.random.default_rng(seed)
+    bounce = Oscillator.on(seals * model, mass)
+    rock = Oscillator.on((seals * rig.arm**2) * model, mass * rig.length**2 / 12)
+    pulses = tuple(_pulse(rig, random) for _ in range(hits))
+    eccentricities = tuple(float(e) for e in rig.eccentricity * random.standard_normal(hits))
+    signals = _motion(rig, bounce, rock, pulses, eccentricities)
+    gains = (1 + rig.gain_mismatch / 2, 1 - rig.gain_mismatch / 2)
+    count = round(rig.record * rig.rate)
+    force = _record(
+        signals[0],
+        rig,
+        random,
+        noise=rig.force_noise,
+        offset=rig.force_offset,
+        full_scale=rig.force_range,
+    )
+    acceleration = [
+        _record(
+            gain * signal,
+            rig,
+            random,
+            noise=rig.acceleration_noise,
+            offset=rig.acceleration_offset,
+            full_scale=rig.acceleration_range,
+        )
+        for gain, signal in zip(gains, signals[1:], strict=True)
+    ]
+    clock = np.arange(hits * count) / rig.rate
+    test = ImpactTest(
+        time=clock if rig.continuous else np.tile(clock[:count], hits),
+        force=force,
+        acceleration=np.array(acceleration),
+        starts=(0,) if rig.continuous else tuple(range(0, hits * count, count)),
+        positions=(rig.accelerometer, -rig.accelerometer),
+    )
+    truth = ImpactTruth(
+        model=model, mass=mass, seals=seals, hammer=rig, seed=seed, hits=pulses,
+        eccentricities=eccentricities, gains=gains,
+        bounce_poles=tuple(complex(pole) for pole in bounce.poles),
+        rocking_poles=tuple(complex(pole) for pole in rock.poles),
+    )  # fmt: skip
+    return SimulatedImpact(test=test, truth=truth)
+
+
+def _pulse(rig: Hammer, random: np.random.Generator) -> Pulse:
+    # nobody strikes on a sample
+    start = rig.pretrigger + random.uniform(0, 1) / rig.rate
+    return Pulse(
+        float(start), float(random.uniform(*rig.duration)), float(random.uniform(*rig.peak))
+    )
+
+
+def _motion(
+    rig: Hammer,
+    bounce: Oscillator,
+    rock: Oscillator,
+    pulses: tuple[Pulse, ...],
+    eccentricities: tuple[float, ...],
+) -> list[FloatArray]:
+    """Force and the two accelerations at the record's rate, every hit one after another."""
+    count = round(rig.record * rig.rate) * _OVERSAMPLING
+    # one sample more: the state there is where the next hit begins
+    time = np.arange(count + 1) / (rig.rate * _OVERSAMPLING)
+    parts: list[list[FloatArray]] = [[], [], []]
+    lifted = tilted = None
+    for i, (pulse, offset) in enumerate(zip(pulses, eccentricities, strict=True)):
+        train: tuple[Pulse, ...] = (pulse,)
+        if i in rig.double_hits:
+            train += (replace(pulse, start=pulse.start + 0.06, peak=0.4 * pulse.peak),)
+        turns = tuple(replace(push, peak=push.peak * offset) for push in train)
+        heave, up = bounce.acceleration(time, train, lifted)
+        pitch, turn = rock.acceleration(time, turns, tilted)
+        if rig.continuous:
+            lifted, tilted = up, turn
+        force = sum((push.force(time) for push in train), np.zeros(len(time)))
+        swing = rig.accelerometer * pitch
+        for part, signal in zip(parts, (force, heave + swing, heave - swing), strict=True):
+            part.append(signal[:-1])
+    joined = [[np.concatenate(part)] if rig.continuous else part for part in parts]
+    return [
+        np.concatenate([_decimate(_highpassed(x, rig) if channel else x) for x in records])
+        for channel, records in enumerate(joined)
+    ]
+
+
+def _highpassed(signal: FloatArray, rig: Hammer) -> FloatArray:
+    """A first-order high pass is what a Maxwell arm does to its elongation."""
+    if rig.highpass == 0:
+        return signal
+    time = np.arange(len(signal)) / (rig.rate * _OVERSAMPLING)
+    return arm_response(time, signal, 1 / (2 * pi * rig.highpass))
+
+
+def _decimate(signal: FloatArray) -> FloatArray:
+    """Band-limit to 0.45 of the new rate (linear phase, no delay) and keep every fourth sample."""
+    half = 16 * _OVERSAMPLING
+    n = np.arange(-half, half + 1)
+    taps = np.sinc(0.9 * n / _OVERSAMPLING) * np.kaiser(len(n), 8.0)
+    return np.asarray(np.convolve(signal, taps / taps.sum(), mode="same")[::_OVERSAMPLING])
+
+
+def _record(
+    signal: FloatArray,
+    rig: Hammer,
+    random: np.random.Generator,
+    *,
+    noise: float,
+    offset: float,
+    full_scale: float,
+) -> FloatArray:
+    """Noise, offset and the converter."""
+    seen = signal + offset + noise * random.standard_normal(len(signal))
+    if rig.bits == 0:
+        return np.asarray(seen)
+    return in_steps(np.clip(seen, -full_scale, full_scale), 2 * full_scale / 2**rig.bits)

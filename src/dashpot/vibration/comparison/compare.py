@@ -1,0 +1,281 @@
+"""A predicted FRF held against a measured one."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, ComplexArray
+from dashpot.base.errors import DashpotError, DataError
+from dashpot.records.fit import Fit
+from dashpot.records.frf import FRF, Kind, Mode
+from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.vibration.comparison.checks import checks, verdict
+from dashpot.vibration.comparison.comparison import ArmEvidence, Comparison
+from dashpot.vibration.modal.modes import model_modes
+from dashpot.vibration.modal.peaks import Peak, find_peak, usable_lines
+from dashpot.vibration.modal.truncation import cut_accelerance
+
+# lines outside this factor of the measured peak are mass line, tip roll-off and drift
+AROUND_THE_PEAK = 4.0
+# a mode belongs to a peak that is no farther than this part of its frequency
+NEAR = 0.1
+# a damping ratio whose standard error is more than this part of it is not given
+VAGUE = 0.3
+
+
+def compare(
+    predicted: FRF,
+    measured: FRF,
+    *,
+    model: GeneralizedMaxwell | None = None,
+    fit: Fit | None = None,
+    mass: float | None = None,
+    seals: float = 1.0,
+    band: tuple[float, float] | None = None,
+    depth: float | None = None,
+) -> Comparison:
+    r"""Hold a predicted FRF against a measured one, on the measured lines.
+
+    The measurement is never interpolated. Both peaks are read off the measured lines in the same
+    way (:func:`~dashpot.vibration.modal.peaks.find_peak`). Figures over the lines are
+
+    .. math::
+
+        \mathrm{FRAC} = \frac{|\sum \bar H_p H_m|^2}{\sum |H_p|^2 \sum |H_m|^2}, \qquad
+        \mathrm{rms} = \sqrt{\overline{(20 \log_{10} |H_p/H_m|)^2}}, \qquad
+        z = \frac{|H_p - H_m|}{\sqrt 2\,\sigma}
+
+    Where the measured FRF carries an exponential window or a cut record and a solid is known, the
+    prediction is made anew as that test would see it: at :math:`s = j\omega + a` and cut after the
+    same time.
+
+    Parameters
+    ----------
+    predicted : FRF
+        Predicted at ``measured.frequency``, any kind.
+    measured : FRF
+    model : GeneralizedMaxwell, optional
+        The solid behind the prediction; `seals` times it carries the mass.
+    fit : Fit, optional
+        Where the solid came from: gives `model`, and tells which arms the relaxation test saw.
+    mass : float, optional
+        kg; with a solid known but no mass given, the mass inside `predicted` is used.
+    seals : float
+        How many such solids carry the mass.
+    band : (float, float), optional
+        Lines to compare, Hz. By default those within a factor of 4 of the measured peak.
+    depth : float, optional
+        Compression of the relaxation test, m, for the check of the operating point.
+
+    Raises
+    ------
+    DataError
+        If the prediction is on other lines, or was made for another window and no solid is
+        given to make it anew.
+    """
+    model = _solid(model, fit, seals)
+    measured = _lines(measured.to(Kind.ACCELERANCE), band)
+    given = _on_lines(predicted.to(Kind.ACCELERANCE), measured)
+    if model is not None and mass is None:
+        mass = _mass_within(given, model)
+    given = _as_tested(given, measured, model, mass)
+    keep = _compared(measured, find_peak(measured), explicit=band is not None)
+    measured, given = _take(measured, keep), _take(given, keep)
+    seen, told = find_peak(measured), find_peak(given)
+    mode = _known(_nearest(_modes(measured), seen.frequency))
+    comparison = Comparison(
+        predicted=given,
+        measured=measured,
+        predicted_hz=told.frequency,
+        measured_hz=seen.frequency,
+        predicted_peak=told.height,
+        measured_peak=seen.height,
+        predicted_damping=_predicted_damping(model, mass, given, told),
+        measured_damping=None if mode is None else mode.damping_ratio,
+        frac=_frac(given.value, measured.value),
+        rms_db=_rms_db(given.value, measured.value),
+        z_rms=None,
+        arms=_evidence(model, fit, seen.frequency),
+        checks=(),
+        verdict="",
+        band=(float(measured.frequency[0]), float(measured.frequency[-1])),
+        measured_hz_se=seen.frequency_se,
+        measured_damping_se=None if mode is None else mode.damping_ratio_se,
+    )
+    z = comparison.z
+    if z is not None:
+        comparison = replace(comparison, z_rms=float(np.sqrt(np.mean(z**2))))
+    found = checks(comparison, seen=seen, told=told, model=model, fit=fit, mass=mass, depth=depth)
+    comparison = replace(comparison, checks=found)
+    return replace(comparison, verdict=verdict(comparison, fit))
+
+
+# -- bringing both to the same lines ----------------------------------------------------------
+
+
+def _solid(
+    model: GeneralizedMaxwell | None, fit: Fit | None, seals: float
+) -> GeneralizedMaxwell | None:
+    if model is None and fit is not None:
+        model = fit.model
+    return None if model is None else seals * model
+
+
+def _lines(measured: FRF, band: tuple[float, float] | None) -> FRF:
+    return measured if band is None else measured.band(*band)
+
+
+def _on_lines(predicted: FRF, measured: FRF) -> FRF:
+    """The prediction at the measured lines, which must be among its own."""
+    where = np.searchsorted(predicted.frequency, measured.frequency)
+    where = np.clip(where, 1, len(predicted.frequency) - 1)
+    left, right = predicted.frequency[where - 1], predicted.frequency[where]
+    where = where - (measured.frequency - left < right - measured.frequency)
+    off = np.abs(predicted.frequency[where] - measured.frequency)
+    step = float(np.median(np.diff(measured.frequency))) if len(measured.frequency) > 1 else 1.0
+    if off.max() > 1e-6 * step:
+        i = int(np.argmax(off))
+        raise DataError(
+            f"the prediction has no line at {measured.frequency[i]:.6g} Hz, where there is a "
+            f"measured one (its nearest is at {predicted.frequency[where[i]]:.6g} Hz); a "
+            "measurement is not interpolated: predict at measured.frequency"
+        )
+    return replace(
+        predicted,
+        frequency=measured.frequency,
+        value=predicted.value[where],
+        coherence=None,
+        sd=None,
+    )
+
+
+def _mass_within(predicted: FRF, model: GeneralizedMaxwell) -> float:
+    """The mass that the prediction was made with: what D(s) - K(s) leaves over s^2."""
+    stiffness = predicted.to(Kind.DYNAMIC_STIFFNESS)
+    ratio = (stiffness.value - model.stiffness_at(stiffness.s)) / stiffness.s**2
+    mass = float(np.median(ratio.real))
+    if not mass > 0 or float(np.median(np.abs(ratio - mass))) > 1e-3 * mass:
+        raise DataError(
+            "the prediction was not made with this solid: what is left of its dynamic stiffness "
+            f"is no mass (about {mass:.4g} kg); check seals=, or give mass="
+        )
+    return mass
+
+
+def _as_tested(
+    predicted: FRF, measured: FRF, model: GeneralizedMaxwell | None, mass: float | None
+) -> FRF:
+    """The prediction as the test would see it: its window and its cut record included."""
+    if model is not None and mass is not None:
+        s = measured.s
+        value = s**2 / (mass * s**2 + model.stiffness_at(s))
+        if measured.record is not None and measured.frequency[0] > 0:
+            value = cut_accelerance(model, mass, s, measured.record, measured.pulse)
+        return replace(
+            predicted,
+            value=value,
+            shift=measured.shift,
+            record=measured.record,
+            pulse=measured.pulse,
+        )
+    if not np.isclose(predicted.shift, measured.shift, rtol=1e-6, atol=1e-9):
+        raise DataError(
+            f"the measured FRF carries an exponential window of {measured.shift:.6g} 1/s and the "
+            f"prediction one of {predicted.shift:.6g} 1/s: predict with shift=measured.shift, "
+            "or give model= and mass="
+        )
+    return predicted
+
+
+def _compared(measured: FRF, peak: Peak, *, explicit: bool) -> BoolArray:
+    keep = usable_lines(measured)
+    if not explicit:
+        near = (measured.frequency >= peak.frequency / AROUND_THE_PEAK) & (
+            measured.frequency <= peak.frequency * AROUND_THE_PEAK
+        )
+        keep = keep & near
+    return keep
+
+
+def _take(frf: FRF, keep: BoolArray) -> FRF:
+    return replace(
+        frf,
+        frequency=frf.frequency[keep],
+        value=frf.value[keep],
+        coherence=None if frf.coherence is None else frf.coherence[keep],
+        sd=None if frf.sd is None else frf.sd[keep],
+    )
+
+
+# -- figures ----------------------------------------------------------------------------------
+
+
+def _frac(a: ComplexArray, b: ComplexArray) -> float:
+    return float(np.abs(np.vdot(a, b)) ** 2 / (np.vdot(a, a).real * np.vdot(b, b).real))
+
+
+def _rms_db(a: ComplexArray, b: ComplexArray) -> float:
+    return float(np.sqrt(np.mean((20 * np.log10(np.abs(a) / np.abs(b))) ** 2)))
+
+
+def _predicted_damping(
+    model: GeneralizedMaxwell | None, mass: float | None, predicted: FRF, peak: Peak
+) -> float | None:
+    modes = _modes(predicted) if model is None or mass is None else model_modes(model, mass)
+    mode = _nearest(modes, peak.frequency)
+    return None if mode is None else mode.damping_ratio
+
+
+def _modes(frf: FRF) -> tuple[Mode, ...]:
+    """Modes by the rational fraction, none where the lines cannot support it."""
+    try:
+        return frf.modes()
+    except DashpotError:
+        return ()
+
+
+def _nearest(modes: tuple[Mode, ...], frequency: float) -> Mode | None:
+    near = [mode for mode in modes if abs(mode.frequency / frequency - 1) < NEAR]
+    return min(near, key=lambda mode: abs(mode.frequency - frequency), default=None)
+
+
+def _known(mode: Mode | None) -> Mode | None:
+    """The mode if its record supports its damping: a standard error well below the value."""
+    if mode is None or not mode.damping_ratio_se < VAGUE * mode.damping_ratio:
+        return None
+    return mode
+
+
+def _evidence(
+    model: GeneralizedMaxwell | None, fit: Fit | None, frequency: float
+) -> tuple[ArmEvidence, ...]:
+    if model is None or not model.arms:
+        return ()
+    omega = 2 * np.pi * frequency
+    x = omega * np.asarray(model.tau)
+    loss = np.asarray(model.k) * x / (1 + x**2)
+    share = loss / (loss.sum() + omega * model.b)
+    return tuple(
+        ArmEvidence(tau, float(part), _seen(fit, j))
+        for j, (tau, part) in enumerate(zip(model.tau, share, strict=True), start=1)
+    )
+
+
+def _seen(fit: Fit | None, arm: int) -> bool:
+    """Whether the relaxation test pins this arm: k > 3 SE and SE(ln tau) < 0.5.
+
+    Where a fit has learnt from a hammer too, the arms that are new came from there; where a fit
+    carries no covariance, the arm must relax inside its band.
+    """
+    if fit is None or arm > fit.model.arms or fit.method == "frf":
+        return False
+    if any(moved.name == f"k_{arm}" and moved.before is None for moved in fit.moved):
+        return False
+    rows = dict(zip(fit.parameters, np.diag(fit.covariance), strict=True))
+    k_var, tau_var = rows.get(f"k_{arm}"), rows.get(f"ln_tau_{arm}")
+    if k_var is None or tau_var is None:
+        own = 1 / (2 * np.pi * fit.model.tau[arm - 1])
+        return fit.band[0] <= own <= fit.band[1]
+    return bool(fit.model.k[arm - 1] > 3 * np.sqrt(k_var) and np.sqrt(tau_var) < 0.5)

@@ -1,0 +1,147 @@
+"""What a comparison of two FRFs says."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check
+from dashpot.records.frf import FRF
+from dashpot.vibration.modal.peaks import random_sd
+
+
+@dataclass(frozen=True)
+class ArmEvidence:
+    """Whether one arm of the model was tested by this FRF.
+
+    Attributes
+    ----------
+    tau : float
+        Relaxation time, s.
+    loss_share : float
+        Share of the loss stiffness at the measured peak that this arm carries, 0 to 1.
+    seen_by_relaxation : bool
+        True if the relaxation test could identify an arm at this relaxation time.
+    """
+
+    tau: float
+    loss_share: float
+    seen_by_relaxation: bool
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A predicted FRF held against a measured one, on the measured lines.
+
+    Attributes
+    ----------
+    predicted, measured : FRF
+        Accelerance on the same lines.
+    predicted_hz, measured_hz : float
+        Frequency of the peak, Hz.
+    predicted_peak, measured_peak : float
+        Height of the accelerance peak, 1/kg.
+    predicted_damping, measured_damping : float or None
+        Damping ratio; None where the record cannot support it.
+    frac : float
+        Frequency response assurance criterion, 0 to 1.
+    rms_db : float
+        Root mean square difference of the magnitudes over the lines, dB.
+    z_rms : float or None
+        Root mean square of the difference in units of the measured standard deviation.
+    arms : tuple of ArmEvidence
+    checks : tuple of Check
+    verdict : str
+        The sentence that matters: what agrees, what does not, and why.
+    band : (float, float)
+        First and last of the lines that `frac`, `rms_db` and `z_rms` were taken over, Hz.
+    measured_hz_se, measured_damping_se : float or None
+        Random standard errors of the measured peak frequency, Hz, and damping ratio.
+    """
+
+    predicted: FRF
+    measured: FRF
+    predicted_hz: float
+    measured_hz: float
+    predicted_peak: float
+    measured_peak: float
+    predicted_damping: float | None
+    measured_damping: float | None
+    frac: float
+    rms_db: float
+    z_rms: float | None
+    arms: tuple[ArmEvidence, ...]
+    checks: tuple[Check, ...]
+    verdict: str
+    band: tuple[float, float] = (0.0, float("inf"))
+    measured_hz_se: float | None = None
+    measured_damping_se: float | None = None
+
+    @property
+    def frequency_error(self) -> float:
+        """Predicted over measured peak frequency, less one."""
+        return self.predicted_hz / self.measured_hz - 1
+
+    @property
+    def ratio_db(self) -> float:
+        """Predicted over measured peak height, dB."""
+        return float(20 * np.log10(self.predicted_peak / self.measured_peak))
+
+    @property
+    def damping_ratio_error(self) -> float | None:
+        """Predicted over measured damping ratio, less one; None if either is unknown."""
+        if self.predicted_damping is None or not self.measured_damping:
+            return None
+        return self.predicted_damping / self.measured_damping - 1
+
+    @property
+    def z(self) -> FloatArray | None:
+        """Distance of each line in its measured standard deviation; None if unknown.
+
+        The standard deviation is that of the complex value, so that z is about 1 where the
+        model holds.
+        """
+        sd = random_sd(self.measured)
+        if sd is None:
+            return None
+        difference = np.abs(self.predicted.value - self.measured.value)
+        return np.asarray(difference / np.maximum(np.sqrt(2) * sd, np.finfo(float).tiny))
+
+    def __str__(self) -> str:
+        damping = (_ratio(self.predicted_damping), _ratio(self.measured_damping))
+        error = self.damping_ratio_error
+        rows = [
+            ("", "predicted", "measured", "difference"),
+            (
+                "peak frequency, Hz",
+                f"{self.predicted_hz:.3f}",
+                f"{self.measured_hz:.3f}",
+                f"{100 * self.frequency_error:+z.2f} %",
+            ),
+            (
+                "peak height, 1/kg",
+                f"{self.predicted_peak:.2f}",
+                f"{self.measured_peak:.2f}",
+                f"{self.ratio_db:+z.2f} dB",
+            ),
+            ("damping ratio", *damping, "" if error is None else f"{100 * error:+z.1f} %"),
+        ]
+        lines = [f"{a:<20}{b:>12}{c:>12}{d:>13}" for a, b, c, d in rows]
+        lines.append(
+            f"{self.band[0]:.4g} to {self.band[1]:.4g} Hz, {len(self.measured.frequency)} lines: "
+            f"FRAC {self.frac:.4f}, rms {self.rms_db:.2f} dB"
+            + ("" if self.z_rms is None else f", rms z {self.z_rms:.2f}")
+        )
+        lines += [
+            f"arm tau = {arm.tau:.4g} s: {100 * arm.loss_share:.1f} % of the model's loss at the "
+            f"measured peak, {'seen' if arm.seen_by_relaxation else 'not seen'} by the relaxation"
+            for arm in self.arms
+        ]
+        lines += [f"[{check.name}] {check.says}" for check in self.checks if not check.passed]
+        return "\n".join([*lines, self.verdict])
+
+
+def _ratio(value: float | None) -> str:
+    return "not given" if value is None else f"{100 * value:.3f} %"

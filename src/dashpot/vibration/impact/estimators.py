@@ -1,0 +1,148 @@
+"""FRF estimators: averaged spectra in, one complex line and its error out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
+
+POOLED = 40  # degrees of freedom that an estimate of the noise should rest on
+
+
+class Estimator(StrEnum):
+    """Where the noise is taken to be."""
+
+    H1 = "H1"  # on the response
+    H2 = "H2"  # on the force
+    HV = "Hv"  # on both, in proportion to the power of each channel
+    HS = "Hs"  # on both, as large as it is before the hits
+
+
+@dataclass(frozen=True, eq=False)
+class Spectra:
+    r"""Fourier transforms of force and response, one row per hit.
+
+    Attributes
+    ----------
+    frequency : array, shape (n,)
+        Hz.
+    force, response : complex arrays, shape (hits, n)
+    noise : tuple of float
+        Standard deviation of the noise in force and response before the hits.
+    """
+
+    frequency: FloatArray
+    force: ComplexArray
+    response: ComplexArray
+    noise: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def averages(self) -> int:
+        """Number of hits."""
+        return len(self.force)
+
+    def only(self, hits: BoolArray) -> Spectra:
+        """The chosen hits."""
+        return Spectra(self.frequency, self.force[hits], self.response[hits], self.noise)
+
+
+def estimate(spectra: Spectra, estimator: Estimator | str = Estimator.H1) -> ComplexArray:
+    r"""FRF by linear averages over the hits, shape (n,).
+
+    .. math::
+
+        H_1 = \frac{G_{fa}}{G_{ff}}, \qquad H_2 = \frac{G_{aa}}{G_{af}}, \qquad
+        H_\kappa = \frac{G_{aa} - \kappa G_{ff}
+        + \sqrt{(\kappa G_{ff} - G_{aa})^2 + 4\kappa |G_{fa}|^2}}{2 G_{af}}
+
+    with :math:`G_{fa} = \overline{F^* A}`, :math:`G_{af} = G_{fa}^*`. :math:`\kappa` is the ratio of
+    the noise powers of response and force: for Hv that of the channels' whole powers, for Hs that
+    of the noise recorded before the hits. Both scale with the channels' units, so the estimate
+    does not depend on them; with :math:`\kappa = 1`, as often programmed, it does. Source: Rocklin,
+    Crowley & Vold (1985); Wicks & Vold (1986).
+    """  # noqa: E501
+    estimator = Estimator(estimator)
+    ff, aa, fa = _powers(spectra)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        if estimator is Estimator.H1:
+            return np.asarray(fa / ff)
+        if estimator is Estimator.H2:
+            return np.asarray(aa / fa.conj())
+        ratio = _noise_ratio(spectra, ff, aa, estimator)
+        if ratio == np.inf:
+            return np.asarray(fa / ff)
+        difference = ratio * ff - aa
+        root = np.sqrt(difference**2 + 4 * ratio * np.abs(fa) ** 2)
+        # the two forms are equal; each is the one that does not cancel
+        return np.asarray(
+            np.where(
+                difference > 0,
+                2 * ratio * fa / (difference + root),
+                (root - difference) / (2 * fa.conj()),
+            )
+        )
+
+
+def coherence(spectra: Spectra) -> FloatArray | None:
+    r"""Ordinary coherence :math:`|G_{fa}|^2 / (G_{ff} G_{aa})`, shape (n,).
+
+    None for a single hit, of which it would be 1 whatever was measured.
+    """
+    if spectra.averages < 2:
+        return None
+    ff, aa, fa = _powers(spectra)
+    power = ff * aa
+    safe = np.where(power > 0, power, 1.0)
+    return np.asarray(np.where(power > 0, np.clip(np.abs(fa) ** 2 / safe, 0.0, 1.0), 0.0))
+
+
+def random_error(spectra: Spectra, value: ComplexArray) -> FloatArray | None:
+    r"""Standard deviation of the real and of the imaginary part of an FRF, shape (n,).
+
+    .. math:: s^2 = \frac{\overline{|A - H F|^2}}{2 (n - 1) \overline{|F|^2}}
+              \approx |H|^2 \frac{1 - \gamma^2}{2 n \gamma^2}
+
+    from what the n hits do not share: the usual error from coherence (ISO 7626-2, annex A) with
+    the degree of freedom that the FRF itself used. Few hits tell the noise of a line badly, so it
+    is averaged over neighbours until the estimate rests on some 40 degrees of freedom.
+    None for a single hit.
+    """
+    n = spectra.averages
+    if n < 2:
+        return None
+    unshared = (np.abs(spectra.response - value * spectra.force) ** 2).mean(axis=0) * n / (n - 1)
+    side = int(np.ceil((POOLED / (2 * (n - 1)) - 1) / 2))
+    pooled = _moving_mean(unshared, max(side, 0))
+    return np.asarray(np.sqrt(pooled / (2 * (np.abs(spectra.force) ** 2).sum(axis=0))))
+
+
+def leave_one_out(spectra: Spectra, estimator: Estimator | str = Estimator.H1) -> ComplexArray:
+    """FRF without each hit in turn, shape (hits, n)."""
+    every = np.arange(spectra.averages)
+    return np.array([estimate(spectra.only(every != i), estimator) for i in every])
+
+
+def _powers(spectra: Spectra) -> tuple[FloatArray, FloatArray, ComplexArray]:
+    f, a = spectra.force, spectra.response
+    return (
+        (np.abs(f) ** 2).mean(axis=0),
+        (np.abs(a) ** 2).mean(axis=0),
+        (f.conj() * a).mean(axis=0),
+    )
+
+
+def _noise_ratio(spectra: Spectra, ff: FloatArray, aa: FloatArray, estimator: Estimator) -> float:
+    force, response = spectra.noise
+    if estimator is Estimator.HS and (force > 0 or response > 0):
+        return np.inf if force == 0 else (response / force) ** 2
+    return float(aa.mean() / ff.mean())
+
+
+def _moving_mean(values: FloatArray, side: int) -> FloatArray:
+    """Mean over `side` neighbours to either side, fewer at the ends."""
+    width = np.ones(2 * side + 1)
+    inside = np.convolve(np.ones(len(values)), width)[side : side + len(values)]
+    return np.asarray(np.convolve(values, width)[side : side + len(values)] / inside)

@@ -1,0 +1,299 @@
+"""From hammer hits to a frequency response function."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray
+from dashpot.base.errors import DataError
+from dashpot.base.provenance import Step
+from dashpot.records.frf import FRF, Hit, Kind
+from dashpot.records.impact import ImpactTest
+from dashpot.vibration.impact.averaging import Average, Choices, average_hits
+from dashpot.vibration.impact.checks import checks_of
+from dashpot.vibration.impact.estimators import Estimator, coherence, random_error
+from dashpot.vibration.impact.hits import HitBlock, cut_hits
+from dashpot.vibration.impact.quality import Verdict, judge, moving_before
+from dashpot.vibration.impact.ringing import calm
+from dashpot.vibration.impact.windows import parse_window
+from dashpot.vibration.modal.modes import find_modes
+
+STILL = 0.003  # of the response: less motion before a hit is left as it is
+
+
+def estimate_frf(
+    tests: ImpactTest | Sequence[ImpactTest],
+    *,
+    estimator: Estimator | str = Estimator.H1,
+    window: str = "none",
+    accept: Sequence[str] = (),
+    reject: Sequence[str] = (),
+    record: float | None = None,
+    pretrigger: float | None = None,
+    combine: str = "mean",
+    mass: float | None = None,
+    polarity: Sequence[int] | None = None,
+    band: tuple[float, float] | None = None,
+) -> FRF:
+    r"""Estimate the accelerance a/F from hammer hits.
+
+    Every hit is found, cut out with some quiet before it, judged, and averaged with the others:
+
+    .. math:: H(s) = \frac{\mathcal{L}\{w a\}}{\mathcal{L}\{w F\}}, \qquad s = j\omega + a
+
+    with w = 1 and a = 0, or :math:`w = e^{-at}` on force *and* response, so that the ratio is the
+    true H on a shifted line for every linear solid; a is the result's `shift`. Offsets are taken
+    from the pretrigger, before any window. There is no Hann window: it would erase the pulse.
+
+    Parameters
+    ----------
+    tests : ImpactTest or sequence of ImpactTest
+        With one or many hits in each continuous record.
+    estimator : {"H1", "H2", "Hv", "Hs"}
+        See :func:`dashpot.vibration.impact.estimators.estimate`.
+    window : str
+        ``"none"``, ``"force"``, ``"exponential"`` (as gentle as leaves 1 % at the end of the
+        record), ``"exponential:0.01"`` (the window itself ends at 0.01), or
+        ``"force+exponential"``.
+    accept, reject : sequence of str
+        Names of hits to take or leave whatever the verdict, as in the result's `hits`.
+    record, pretrigger : float, optional
+        Length of a block, and of the quiet in it before the hit, s.
+    combine : str
+        Accelerometers as one: ``"mean"`` as in the paper, ``"weighted"`` so that the rocking mode
+        cancels, or the name of one channel.
+    mass : float, optional
+        Weighed mass of the block, kg, to check the calibration against the mass line.
+    polarity : sequence of +1 and -1, optional
+        Sign of each accelerometer; by default found from the direction in which a hit sets it
+        moving.
+    band : (float, float), optional
+        Lines to keep, Hz; by default up to where the force spectrum has fallen by 20 dB.
+
+    Returns
+    -------
+    FRF
+        Accelerance, 1/kg, with coherence, random error, hits, checks and steps.
+
+    Raises
+    ------
+    DataError
+        If there is no hit, none is accepted, names or channels are unknown, or accelerometers
+        contradict each other in sign.
+
+    References
+    ----------
+    ISO 7626-5:2019; D. J. Ewins, *Modal Testing*; paper, "Experimental setup".
+    """
+    tests = (tests,) if isinstance(tests, ImpactTest) else tuple(tests)
+    if mass is not None and not (np.isfinite(mass) and mass > 0):
+        raise DataError(f"mass = {mass!r} kg; expected a number > 0")
+    force, exponential, end = parse_window(window)
+    hits = cut_hits(tests, record=record, pretrigger=pretrigger)
+    taken = _taken(hits, [judge(hit) for hit in hits], accept, reject)
+    choices = Choices(
+        estimator=_estimator(estimator),
+        force_window=force,
+        exponential=exponential,
+        end=end,
+        combine=_known(combine, tests[0].channels),
+        polarity=polarity,
+        band=band,
+        accept=tuple(accept),
+        channels=tests[0].channels,
+        reach=_reach(tests),
+    )
+    average = average_hits(hits, taken, choices)
+    if any(moving_before(b) > STILL for b, t in zip(hits, taken, strict=True) if t):
+        for _ in range(2):  # better poles take the earlier hit off better
+            poles = _free_poles(average)
+            still = [calm(hit, poles) for hit in hits]
+            if not any(hit.calmed for hit in still):
+                break
+            average = average_hits(still, taken, choices)
+    frf = _frf(average, choices)
+    frf = replace(frf, source=tuple(dict.fromkeys(s for test in tests for s in test.source)))
+    return replace(
+        frf,
+        checks=checks_of(frf, average.spectra, choices.estimator, average.rocking, mass),
+    )
+
+
+def _frf(average: Average, choices: Choices) -> FRF:
+    stack, spectra = average.stack, average.spectra
+    return FRF(
+        frequency=stack.frequency,
+        value=average.value,
+        kind=Kind.ACCELERANCE,
+        coherence=coherence(spectra),
+        sd=random_error(spectra, average.value),
+        shift=stack.shift,
+        record=stack.record,
+        pulse=stack.pulse,
+        averages=spectra.averages,
+        hits=_hits(average),
+        steps=_steps(average, choices),
+    )
+
+
+def _free_poles(average: Average) -> list[complex]:
+    """Poles of the block's free motions: of the FRF's modes, and of rocking that it cancels."""
+    stack = average.stack
+    modes = find_modes(
+        stack.frequency,
+        average.value,
+        sd=random_error(average.spectra, average.value),
+        record=stack.record,
+        pulse=stack.pulse,
+        shift=stack.shift,
+    )
+    poles = [mode.pole for mode in modes]
+    if average.rocking is not None:
+        rocking = average.rocking.rocking
+        if all(abs(p - rocking) > 0.02 * abs(p) for p in poles):
+            poles.append(rocking)
+    return poles
+
+
+def _estimator(name: Estimator | str) -> Estimator:
+    try:
+        return Estimator(name)
+    except ValueError:
+        raise DataError(
+            f"estimator {name!r} is unknown; expected one of {', '.join(Estimator)}"
+        ) from None
+
+
+def _known(combine: str, channels: Sequence[str]) -> str:
+    if combine not in ("mean", "weighted", *channels):
+        raise DataError(
+            f"combine = {combine!r}; expected 'mean', 'weighted' or a channel: "
+            f"{', '.join(channels)}"
+        )
+    return combine
+
+
+def _taken(
+    hits: Sequence[HitBlock],
+    verdicts: Sequence[Verdict],
+    accept: Sequence[str],
+    reject: Sequence[str],
+) -> BoolArray:
+    names = [hit.name for hit in hits]
+    unknown = [name for name in (*accept, *reject) if name not in names]
+    if unknown:
+        raise DataError(f"there is no hit {unknown[0]!r}; the hits are {', '.join(names)}")
+    taken = [
+        name in accept or (name not in reject and not verdict.faults)
+        for name, verdict in zip(names, verdicts, strict=True)
+    ]
+    if not any(taken):
+        why = "; ".join(
+            f"hit {name}: {'. Also: '.join(verdict.faults) or 'rejected by name'}"
+            for name, verdict in zip(names, verdicts, strict=True)
+        )
+        raise DataError(f"no hit is left to average. {why}. To use one anyway, accept it by name")
+    return np.array(taken)
+
+
+def _reach(tests: Sequence[ImpactTest]) -> float | None:
+    """How far the accelerometers are from the hammer's line, m, if that was given."""
+    positions = tests[0].positions
+    return None if positions is None else float(np.abs(positions).mean())
+
+
+def _hits(average: Average) -> tuple[Hit, ...]:
+    return tuple(
+        Hit(
+            name=hit.name,
+            time=hit.time,
+            accepted=bool(good),
+            reasons=verdict.reasons,
+            peak=hit.peak,
+            duration=hit.width(0.1),
+        )
+        for hit, verdict, good in zip(average.hits, average.verdicts, average.taken, strict=True)
+    )
+
+
+def _steps(average: Average, choices: Choices) -> tuple[Step, ...]:
+    name = choices.estimator.value
+    return (
+        _cut_step(average.hits),
+        *_calm_steps(average),
+        *_window_steps(average.stack.shift, choices),
+        *_sign_steps(average),
+        *_combine_steps(average, choices),
+        Step("estimate", (("estimator", name),), f"{name}, linear averages"),
+    )
+
+
+def _calm_steps(average: Average) -> tuple[Step, ...]:
+    names = [hit.name for hit in average.hits if hit.calmed]
+    if not names:
+        return ()
+    says = f"what still rang from the hit before was taken off hits {', '.join(names)}"
+    return (Step("ringing", (("hits", ", ".join(names)),), says),)
+
+
+def _cut_step(hits: Sequence[HitBlock]) -> Step:
+    length, before = hits[0].length, hits[0].onset / hits[0].rate
+    return Step(
+        "cut",
+        (
+            ("hits", str(len(hits))),
+            ("record", f"{length:.9g} s"),
+            ("pretrigger", f"{before:.9g} s"),
+        ),
+        f"{len(hits)} hits in blocks of {length:.4g} s, {1000 * before:.3g} ms of each before "
+        "the hit, from where the offsets were taken",
+    )
+
+
+def _sign_steps(average: Average) -> tuple[Step, ...]:
+    stack, steps = average.stack, []
+    if any(hit.turned for hit in average.hits):
+        steps.append(
+            Step("hammer_sign", (), "the hammer was recorded negative; now pushing is positive")
+        )
+    turned = [name for name, sign in zip(stack.channels, stack.signs, strict=True) if sign < 0]
+    if turned:
+        steps.append(
+            Step("polarity", (("turned", ", ".join(turned)),), f"{', '.join(turned)}: sign turned")
+        )
+    return tuple(steps)
+
+
+def _window_steps(decay: float, choices: Choices) -> tuple[Step, ...]:
+    steps = []
+    if choices.force_window:
+        steps.append(Step("force_window", (), "after the pulse the force was faded to zero"))
+    if decay > 0:
+        steps.append(
+            Step(
+                "exponential_window",
+                (("decay", f"{decay:.9g} 1/s"),),
+                f"force and response were multiplied by exp(-{decay:.4g} t / s): the FRF is H at "
+                f"s = j omega + {decay:.4g} 1/s",
+            )
+        )
+    elif choices.exponential:
+        steps.append(
+            Step("exponential_window", (), "not needed: the response decays within the record")
+        )
+    return tuple(steps)
+
+
+def _combine_steps(average: Average, choices: Choices) -> tuple[Step, ...]:
+    channels, weights = choices.channels, average.weights
+    if len(channels) < 2:
+        return ()
+    parts = [f"{w:.4g} {name}" for name, w in zip(channels, weights, strict=True) if w]
+    says = f"response = {' + '.join(parts)}"
+    if choices.combine == "weighted" and average.rocking is None:
+        says += ": the plain mean, since no rocking was found to cancel"
+    weighted = tuple((name, f"{w:.9g}") for name, w in zip(channels, weights, strict=True))
+    return (Step("combine", weighted, says),)

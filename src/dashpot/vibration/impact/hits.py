@@ -1,0 +1,277 @@
+"""Hammer hits, found in continuous records and cut into blocks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import DataError
+from dashpot.records.impact import ImpactTest
+
+TRIGGER = 0.1  # of the largest force of the test: smaller pulses are not hits
+APART = 0.5  # s: pulses closer than this are one hit, perhaps a double one
+PRETRIGGER = 0.1  # s, where that much is recorded
+GUARD = 2  # samples before the onset that may already feel the pulse
+HISTORY = 1.0  # s before a hit that are kept to tell how the block still moves
+RATE_TOLERANCE = 1e-3  # between tests, relative; time stamps are often printed with few digits
+
+
+@dataclass(frozen=True, eq=False)
+class HitBlock:
+    """One block: a hammer pulse, the response to it, and a little quiet before.
+
+    Attributes
+    ----------
+    name : str
+        ``"1"``, ``"2"``... through all tests.
+    time : float
+        When the pulse begins, s on the clock of its record.
+    rate : float
+        Hz.
+    onset : int
+        First sample of the pulse in the block: as many samples lie before it.
+    force : array, shape (n,)
+        N, pushing is positive, its mean before the onset taken off.
+    acceleration : array, shape (channels, n)
+        m/s^2, the mean before the onset taken off.
+    noise : array, shape (1 + channels,)
+        Standard deviation of force and accelerations before the onset, slow motion excluded.
+    ringing : array, shape (channels,)
+        Their standard deviation before the onset, slow motion included.
+    offset : array, shape (1 + channels,)
+        The means taken off.
+    missing : int
+        Samples that the recording lacks at the end of the block (filled with zeros).
+    turned : bool
+        True if the hammer was recorded negative.
+    past : array, shape (channels, m)
+        Accelerations in the last second before the onset, as far as recorded after an earlier hit.
+    calmed : bool
+        True if what still rang from an earlier hit has been taken off.
+    """
+
+    name: str
+    time: float
+    rate: float
+    onset: int
+    force: FloatArray
+    acceleration: FloatArray
+    noise: FloatArray
+    ringing: FloatArray
+    offset: FloatArray
+    missing: int = 0
+    turned: bool = False
+    past: FloatArray = field(default_factory=lambda: np.empty((0, 0)))
+    calmed: bool = False
+
+    @property
+    def length(self) -> float:
+        """Length of the block, s."""
+        return len(self.force) / self.rate
+
+    @property
+    def peak(self) -> float:
+        """Largest force, N."""
+        return float(self.force[self.peak_at])
+
+    @property
+    def peak_at(self) -> int:
+        """Sample of the largest force."""
+        return int(np.argmax(self.force))
+
+    def pulse(self, level: float = 0.1) -> slice:
+        """The samples around the peak that stay above `level` times the peak."""
+        above = self.force > level * self.peak
+        left = self.peak_at - int(np.argmin(above[self.peak_at :: -1])) + 1
+        right = self.peak_at + int(np.argmin(above[self.peak_at :]))
+        if above[: self.peak_at + 1].all():
+            left = 0
+        if above[self.peak_at :].all():
+            right = len(above)
+        return slice(left, right)
+
+    def width(self, level: float) -> float:
+        """Pulse width at `level` times the peak, s, its ends found by straight lines."""
+        inside, f, height = self.pulse(level), self.force, level * self.peak
+        left, right = float(inside.start), float(inside.stop - 1)
+        if inside.start > 0:
+            a, b = f[inside.start - 1], f[inside.start]
+            left -= (b - height) / (b - a)
+        if inside.stop < len(f):
+            a, b = f[inside.stop - 1], f[inside.stop]
+            right += (a - height) / (a - b)
+        return float(right - left) / self.rate
+
+    def moments(self) -> tuple[float, float]:
+        """When the pulse acts on average, s from the start of the block, and its rms width, s."""
+        inside = self.pulse(0.05)
+        weights = self.force[inside] / self.force[inside].sum()
+        at = np.arange(inside.start, inside.stop) / self.rate
+        middle = float(at @ weights)
+        return middle, float(np.sqrt((at - middle) ** 2 @ weights))
+
+
+@dataclass(frozen=True)
+class _Found:
+    """Where a pulse begins in its continuous record, and where its neighbours do."""
+
+    test: ImpactTest
+    sign: float
+    record: slice
+    onset: int
+    previous: int | None
+    next: int | None
+
+
+def cut_hits(
+    tests: Sequence[ImpactTest], *, record: float | None = None, pretrigger: float | None = None
+) -> tuple[HitBlock, ...]:
+    """Cut every hit of the tests into a block of one common length.
+
+    Parameters
+    ----------
+    tests : sequence of ImpactTest
+        Of one sampling rate and one set of accelerometers.
+    record : float, optional
+        Length of a block, s, what lies before the hit included; the FRF's lines are 1/record
+        apart. By default as long as every hit allows that is not followed hastily by another.
+    pretrigger : float, optional
+        How much of the block lies before the hit, s. By default 0.1 s where recorded.
+
+    Raises
+    ------
+    DataError
+        If there is no hit, the tests do not belong together, or the times cannot be.
+    """
+    _belong_together(tests)
+    rate = tests[0].rate
+    found = [hit for test in tests for hit in _find(test)]
+    before = _pretrigger(found, rate, pretrigger)
+    length = _length(found, rate, before, record)
+    return tuple(_cut(hit, str(i), before, length) for i, hit in enumerate(found, start=1))
+
+
+def _belong_together(tests: Sequence[ImpactTest]) -> None:
+    if not tests:
+        raise DataError("no impact test given; expected at least one")
+    first = tests[0]
+    for test in tests[1:]:
+        if abs(test.rate - first.rate) > RATE_TOLERANCE * first.rate:
+            raise DataError(
+                f"tests sampled at {first.rate:.6g} and {test.rate:.6g} Hz cannot be averaged; "
+                "analyse them apart"
+            )
+        if test.channels != first.channels:
+            raise DataError(
+                f"tests with accelerometers {first.channels} and {test.channels} cannot be "
+                "averaged; name the columns alike"
+            )
+
+
+def _find(test: ImpactTest) -> list[_Found]:
+    """Find where the pulses begin in each continuous record of a test."""
+    records = test.records()
+    quiet = [test.force[r] - np.median(test.force[r]) for r in records]
+    loudest = max(quiet, key=lambda f: float(np.abs(f).max()))
+    sign = 1.0 if loudest.max() >= -loudest.min() else -1.0
+    peak = float((sign * loudest).max())
+    found: list[_Found] = []
+    for record, force in zip(records, quiet, strict=True):
+        noise = 1.4826 * float(np.median(np.abs(force)))
+        hot = np.flatnonzero(sign * force > max(TRIGGER * peak, 8 * noise))
+        if peak <= 0 or not hot.size:
+            continue
+        firsts = hot[np.concatenate(([True], np.diff(hot) > APART * test.rate))]
+        onsets = [_onset(sign * force, int(i), noise) for i in firsts]
+        for i, onset in enumerate(onsets):
+            before = onsets[i - 1] if i else None
+            after = onsets[i + 1] if i + 1 < len(onsets) else None
+            found.append(_Found(test, sign, record, onset, before, after))
+    if not found:
+        raise DataError(
+            f"no hammer hit found: the force stays within {float(np.ptp(loudest)):.3g} N, without "
+            "a pulse that stands out of its noise; check that the hammer column is the right one"
+        )
+    return found
+
+
+def _onset(force: FloatArray, crossing: int, noise: float) -> int:
+    """Walk back from the trigger to where the pulse leaves its base line."""
+    top = float(force[crossing : crossing + 5].max())
+    base = max(0.01 * top, 3 * noise)
+    below = np.flatnonzero(force[:crossing] <= base)
+    return int(below[-1]) + 1 if below.size else 0
+
+
+def _pretrigger(found: Sequence[_Found], rate: float, pretrigger: float | None) -> int:
+    if pretrigger is not None:
+        if not (np.isfinite(pretrigger) and pretrigger >= 0):
+            raise DataError(f"pretrigger = {pretrigger!r} s; expected a time >= 0")
+        return round(pretrigger * rate)
+    most = round(PRETRIGGER * rate)
+    # a hit without anything before it is judged later; it must not shorten the others
+    return min([most, *(hit.onset for hit in found if hit.onset >= min(8, most))])
+
+
+def _length(found: Sequence[_Found], rate: float, before: int, record: float | None) -> int:
+    if record is not None:
+        length = round(record * rate) if np.isfinite(record) else 0
+        if length < before + 8:
+            raise DataError(
+                f"record = {record!r} s; expected more than the {before / rate:.3g} s that a block "
+                "holds before the hit"
+            )
+        return length
+    room = []
+    for hit in found:
+        end = hit.record.stop - hit.record.start if hit.next is None else hit.next - before
+        room.append(end - hit.onset + min(before, hit.onset))
+    usual = float(np.median(room))
+    return max(before + 8, min(r for r in room if r >= 0.5 * usual))
+
+
+def _cut(hit: _Found, name: str, before: int, length: int) -> HitBlock:
+    test, size = hit.test, hit.record.stop - hit.record.start
+    onset = min(before, hit.onset)
+    start = hit.record.start + hit.onset - onset
+    stop = min(start + length, hit.record.start + size)
+    rows = np.vstack((hit.sign * test.force[start:stop], test.acceleration[:, start:stop]))
+    quiet = rows[:, : max(onset - GUARD, 0)]
+    offset = quiet.mean(axis=1) if quiet.shape[1] >= 4 else np.zeros(len(rows))
+    rows = rows - offset[:, None]
+    spread = quiet.std(axis=1) if quiet.shape[1] >= 4 else np.zeros(len(rows))
+    # differences of neighbours see noise, not the slow ringing of an earlier hit
+    noise = (
+        np.diff(quiet, axis=1).std(axis=1) / np.sqrt(2)
+        if quiet.shape[1] >= 5
+        else np.zeros(len(rows))
+    )
+    missing = length - (stop - start)
+    rows = np.pad(rows, ((0, 0), (0, missing)))
+    return HitBlock(
+        name=name,
+        time=float(test.time[hit.record.start + hit.onset]),
+        rate=test.rate,
+        onset=onset,
+        force=rows[0],
+        acceleration=rows[1:],
+        noise=noise,
+        ringing=spread[1:],
+        offset=offset,
+        missing=missing,
+        turned=hit.sign < 0,
+        past=_past(hit) - offset[1:, None],
+    )
+
+
+def _past(hit: _Found) -> FloatArray:
+    """Accelerations before a hit, well after the one before."""
+    rate, record = hit.test.rate, hit.record
+    since = 0 if hit.previous is None else (hit.previous + hit.onset) // 2
+    first = max(hit.onset - round(HISTORY * rate), since)
+    return hit.test.acceleration[
+        :, record.start + first : record.start + max(hit.onset - GUARD, first)
+    ]

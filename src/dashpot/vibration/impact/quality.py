@@ -1,0 +1,263 @@
+"""The verdict on each hammer hit, after the practice of ISO 7626-5."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.vibration.impact.hits import HitBlock
+
+REBOUND = 0.05  # of the peak: a second pulse this high is a second hit
+FEWEST_SAMPLES = 5  # that a pulse must hold to be known in shape
+DECAYED = 0.01  # of the response may be left at the end of a record without a window
+DECAYED_WITH_WINDOW = 0.25
+FLAT = 0.38  # width at 95 % over width at 50 % of the peak; a half-sine has 0.30
+MOVES = 0.02  # of the response may be there before the hit
+FLAT_RESPONSE = 0.55
+UNDERSHOOT = 0.05  # of the pulse's impulse given back after it
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What makes a hit useless and what makes it doubtful, one sentence each."""
+
+    faults: tuple[str, ...] = ()
+    doubts: tuple[str, ...] = ()
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """Faults first."""
+        return self.faults + self.doubts
+
+
+def judge(hit: HitBlock, *, windowed: bool = False) -> Verdict:
+    """Judge one hit by itself.
+
+    A fault makes the FRF wrong and rejects the hit; a doubt costs accuracy and is only said.
+    """
+    faults = (
+        _cut_short(hit),
+        _no_pretrigger(hit),
+        _double(hit),
+        _clipped(hit),
+        _response_clipped(hit),
+    )
+    doubts = (
+        _no_quiet(hit),
+        _undersampled(hit),
+        _not_decayed(hit, windowed),
+        _ringing(hit),
+        _undershoot(hit),
+    )
+    return Verdict(tuple(filter(None, faults)), tuple(filter(None, doubts)))
+
+
+def remaining(hit: HitBlock) -> float:
+    """Part of the response that is left at the end of the block, noise taken off; 0 to 1."""
+    length = max(len(hit.force) // 16, 4)
+    left = []
+    for row, noise in zip(hit.acceleration, hit.noise[1:], strict=True):
+        start = row[hit.onset : hit.onset + (len(row) - hit.onset) // length * length]
+        power = start.reshape(-1, length).var(axis=1)
+        # the decay of what rings longest: the loudest sixteenth may hold what dies at once
+        last = max(power[-1] - noise**2, 0.0)
+        left.append(np.sqrt(last / max(power.max(), 1e-300)))
+    return float(min(max(left), 1.0))
+
+
+def moving_before(hit: HitBlock) -> float:
+    """How much the block moves before the hit, noise taken off, over how it does after it."""
+    worst = 0.0
+    for row, spread, noise in zip(hit.acceleration, hit.ringing, hit.noise[1:], strict=True):
+        slow = float(np.sqrt(max(spread**2 - noise**2, 0.0)))
+        loud = float(row[hit.onset :][: max(len(row) // 16, 4)].std())
+        if slow > 3 * noise / np.sqrt(max(hit.onset, 1)):
+            worst = max(worst, slow / max(loud, 1e-300))
+    return worst
+
+
+def second_pulse(hit: HitBlock) -> tuple[float, float]:
+    """Largest second rise of the force: its height over the peak, and s from the peak.
+
+    How far the force rises again after it fell from its peak, or before it rose to it. The single
+    hump of a soft tip, however long, does not rise twice.
+    """
+    f, top, at = hit.force, hit.peak, hit.peak_at
+    inside = hit.pulse(0.05)
+    best, where = 0.0, 0
+    for step in (1, -1):
+        walk = f[at::step] if step > 0 else f[at::-1]
+        rise = walk - np.minimum(np.minimum.accumulate(walk), top)
+        # what starts below the base line rings; only what stands above it pushes
+        rise = np.minimum(rise, walk)
+        # ringing of filters about a short pulse dies within a few samples
+        near = np.arange(len(rise)) < (inside.stop - inside.start) + 6
+        rise = np.where(near & (rise < 4 * REBOUND * top), 0.0, rise)
+        i = int(np.argmax(rise))
+        if rise[i] > best:
+            best, where = float(rise[i]), step * i
+    return best / top, where / hit.rate
+
+
+def _cut_short(hit: HitBlock) -> str:
+    if not hit.missing:
+        return ""
+    have = (len(hit.force) - hit.missing) / hit.rate
+    return (
+        f"the recording ends {have:.3g} s into a block of {len(hit.force) / hit.rate:.3g} s; "
+        "record on, or ask for a shorter record"
+    )
+
+
+def _no_pretrigger(hit: HitBlock) -> str:
+    if hit.onset >= 2 or hit.force[0] <= 0.05 * hit.peak:
+        return ""
+    return (
+        f"the recording begins inside the pulse, at {100 * hit.force[0] / hit.peak:.0f} % of its "
+        "peak; set a pretrigger"
+    )
+
+
+def _no_quiet(hit: HitBlock) -> str:
+    if hit.onset >= 8:
+        return ""
+    return (
+        f"only {hit.onset} samples lie before the pulse, too few to know the offsets; set a "
+        "pretrigger of some 0.1 s"
+    )
+
+
+def _double(hit: HitBlock) -> str:
+    height, after = second_pulse(hit)
+    if height < REBOUND or height * hit.peak < 8 * hit.noise[0]:
+        return ""
+    return (
+        f"double hit: a second pulse of {100 * height:.0f} % of the peak "
+        f"{1000 * abs(after):.0f} ms {'after' if after > 0 else 'before'} it"
+    )
+
+
+def _clipped(hit: HitBlock) -> str:
+    if not flat_topped(hit.force[hit.pulse(0.3)], hit.noise[0]):
+        return ""
+    return (
+        f"hammer overload: the pulse is flat at {hit.peak:.4g} N, as if cut off; hit more softly "
+        "or raise the range"
+    )
+
+
+def _response_clipped(hit: HitBlock) -> str:
+    for number, (row, noise) in enumerate(
+        zip(hit.acceleration, hit.noise[1:], strict=True), start=1
+    ):
+        for signed in (row, -row):
+            top = int(np.argmax(signed))
+            above = signed > 0.3 * signed[top]
+            left = top - int(np.argmin(above[top::-1])) + 1 if not above[: top + 1].all() else 0
+            right = top + int(np.argmin(above[top:])) if not above[top:].all() else len(row)
+            lobe = signed[left:right]
+            run = int(np.count_nonzero(lobe > lobe.max() - max(3 * noise, 1e-6 * lobe.max())))
+            # any smooth top is a parabola, which spends 0.39 of its upper fifth in its upper 3 %
+            upper = np.count_nonzero(lobe > 0.97 * lobe.max()) / np.count_nonzero(
+                lobe > 0.8 * lobe.max()
+            )
+            if run >= 4 and upper > FLAT_RESPONSE and flat_topped(lobe, noise):
+                return (
+                    f"acceleration {number} overloads: it is flat at {lobe.max():.4g} m/s^2; hit "
+                    "more softly or raise the range"
+                )
+    return ""
+
+
+def flat_topped(lobe: FloatArray, noise: float) -> bool:
+    """Tell whether a lobe is cut off at its top.
+
+    A half-sine spends 0.30 of its half-height width above 95 % of its peak, a haversine 0.29, a
+    Gaussian 0.27; one cut at 95 % of its height 0.41. The top is taken as the median of the
+    samples about it, so noise on a flat top does not hide it. Lobes of fewer than 8 samples are
+    only called flat when 3 neighbours are equal.
+    """
+    top = int(np.argmax(lobe))
+    peak = float(lobe[top])
+    if len(lobe) < 8:
+        equal = np.abs(np.diff(lobe)) <= 1e-9 * peak
+        high = np.minimum(lobe[1:], lobe[:-1]) >= 0.98 * peak
+        pairs = equal & high
+        return bool((pairs[1:] & pairs[:-1]).any())
+    peak = float(np.median(lobe[lobe >= peak - max(3 * noise, 0.02 * peak)]))
+    if noise > 0.02 * peak:  # the widths drown in noise
+        return False
+    return _width(lobe, 0.95 * peak) > FLAT * _width(lobe, 0.5 * peak)
+
+
+def _width(lobe: FloatArray, level: float) -> float:
+    """Samples between the first and the last crossing of a level, by straight lines."""
+    above = np.flatnonzero(lobe >= level)
+    first, last = int(above[0]), int(above[-1])
+    left, right = float(first), float(last)
+    if first > 0:
+        left -= (lobe[first] - level) / (lobe[first] - lobe[first - 1])
+    if last < len(lobe) - 1:
+        right += (lobe[last] - level) / (lobe[last] - lobe[last + 1])
+    return right - left
+
+
+def _undersampled(hit: HitBlock) -> str:
+    inside = hit.pulse(0.1)
+    samples = inside.stop - inside.start
+    if samples >= FEWEST_SAMPLES:
+        return ""
+    return (
+        f"the pulse is {samples} sample{'s' if samples > 1 else ''} long, so its height is "
+        f"guesswork; sample at {FEWEST_SAMPLES / samples * hit.rate:.3g} Hz or more, or take a "
+        "softer tip"
+    )
+
+
+def _not_decayed(hit: HitBlock, windowed: bool) -> str:
+    left = remaining(hit)
+    limit = DECAYED_WITH_WINDOW if windowed else DECAYED
+    if left <= limit or hit.missing:
+        return ""
+    return (
+        f"{100 * left:.2g} % of the response is left at the end of the record (expected "
+        f"{100 * limit:.0f} % {'with' if windowed else 'without'} a window); record longer"
+        + ("" if windowed else ", or use the exponential window")
+    )
+
+
+def _ringing(hit: HitBlock) -> str:
+    worst = moving_before(hit)
+    if worst < MOVES:
+        return ""
+    return (
+        f"the block still moves before the hit, by {100 * worst:.0f} % of the response to it; "
+        + ("that is taken off as a free decay, but better " if hit.calmed else "")
+        + "wait longer between hits"
+    )
+
+
+def _undershoot(hit: HitBlock) -> str:
+    """A force channel coupled by a capacitor gives the impulse back after the pulse."""
+    inside = hit.pulse(0.02)
+    end = inside.stop + (inside.stop - inside.start)
+    tail = hit.force[end : len(hit.force) - hit.missing]
+    if hit.onset < 8 or len(tail) < 16:
+        return ""
+    impulse = float(hit.force[inside].sum())
+    given_back = -float(tail.sum()) / impulse
+    # the base line is known only as well as the mean of the samples before the hit
+    doubt = 5 * hit.noise[0] * len(tail) / np.sqrt(hit.onset) / impulse
+    if given_back < max(UNDERSHOOT, doubt):
+        return ""
+    # of what is to be given back, exp(-2 pi f t) is still to come after t
+    early = max(len(tail) // 50, 8)
+    share = min(max(-float(tail[:early].sum()) / float(hit.force[:end].sum()), 0.0), 0.99)
+    corner = -np.log1p(-share) * hit.rate / (2 * np.pi * early)
+    return (
+        f"the force stays below its base line after the pulse and gives {100 * given_back:.0f} % "
+        f"of the impulse back, as a channel with a high pass at {corner:.2g} Hz does; couple "
+        "it by DC, or trust only frequencies 20 times as high"
+    )

@@ -1,0 +1,1 @@
+"""Peaks, poles and stiffness of a measured frequency response function."""

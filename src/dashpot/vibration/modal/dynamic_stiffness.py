@@ -1,0 +1,241 @@
+"""Stiffness and damping straight from the FRF of a mass, without a model of the seal."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, ByValue, FloatArray, frozen
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError
+from dashpot.records.frf import FRF, Kind
+from dashpot.vibration.modal.peaks import find_peak, random_sd, usable_lines
+
+DEGREE = float(np.pi / 180)
+STORAGE_LIMIT, LOSS_LIMIT = 0.1, 0.3
+# the slope of ln K' is taken over this factor in frequency to either side
+SLOPE_REACH = 1.6
+CAUSAL_LIMIT = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class DynamicStiffness(ByValue):
+    r"""Stiffness of one seal against frequency, and what spoils it.
+
+    Attributes
+    ----------
+    frequency : array, shape (n,)
+        Hz.
+    storage, loss : array, shape (n,)
+        N/m.
+    damping : array, shape (n,)
+        :math:`c = K''/\omega`, N s/m.
+    loss_factor : array, shape (n,)
+    storage_random, loss_random : array, shape (n,)
+        Standard deviation from the scatter of the FRF, N/m; 0 where that is unknown.
+    storage_mass : array, shape (n,)
+        What the error of the mass does to the storage stiffness, N/m.
+    storage_phase, loss_phase : array, shape (n,)
+        What a phase error between the channels does, N/m.
+    mass, mass_sd : float
+        kg.
+    phase_sd : float
+        rad.
+    storage_band, loss_band : (float, float)
+        Where the storage stiffness is good to 10 % and the loss stiffness to 30 %, all errors
+        together, about the peak, Hz; (nan, nan) if nowhere.
+    checks : tuple of Check
+        Whether stiffness and loss belong together; none with fewer than 3 lines about the peak.
+    """
+
+    frequency: FloatArray
+    storage: FloatArray
+    loss: FloatArray
+    damping: FloatArray
+    loss_factor: FloatArray
+    storage_random: FloatArray
+    loss_random: FloatArray
+    storage_mass: FloatArray
+    storage_phase: FloatArray
+    loss_phase: FloatArray
+    mass: float
+    mass_sd: float
+    phase_sd: float
+    storage_band: tuple[float, float]
+    loss_band: tuple[float, float]
+    checks: tuple[Check, ...]
+
+    @property
+    def storage_sd(self) -> FloatArray:
+        """All errors of the storage stiffness together, N/m."""
+        return np.asarray(
+            np.sqrt(self.storage_random**2 + self.storage_mass**2 + self.storage_phase**2)
+        )
+
+    @property
+    def loss_sd(self) -> FloatArray:
+        """All errors of the loss stiffness together, N/m."""
+        return np.asarray(np.hypot(self.loss_random, self.loss_phase))
+
+    @property
+    def loss_factor_sd(self) -> FloatArray:
+        """All errors of the loss factor together."""
+        return np.asarray(
+            np.abs(self.loss_factor)
+            * np.hypot(self.loss_sd / self.loss, self.storage_sd / self.storage)
+        )
+
+
+def dynamic_stiffness(
+    frf: FRF,
+    mass: float,
+    *,
+    seals: float = 1.0,
+    mass_sd: float | None = None,
+    phase_sd: float = DEGREE,
+    band: tuple[float, float] | None = None,
+) -> DynamicStiffness:
+    r"""Stiffness and damping of one seal, line by line, from the FRF of a mass on `seals` of them.
+
+    .. math::
+
+        n K' = \mathrm{Re}(1/H) + m\omega^2, \qquad n K'' = \mathrm{Im}(1/H), \qquad c = K''/\omega
+
+    with H the receptance (Lin et al. 2005). An error of the mass adds
+    :math:`\delta m\,\omega^2` to K', a phase error :math:`\varphi` adds
+    :math:`\varphi (n K' - m\omega^2)` to K'': above the resonance the mass hides the seal, below
+    it the phase hides its damping. With an exponential window everything is at
+    :math:`s = j\omega + a`.
+
+    Parameters
+    ----------
+    frf : FRF
+        Measured, any kind.
+    mass : float
+        kg.
+    seals : float
+    mass_sd : float, optional
+        kg; 1 % of the mass by default.
+    phase_sd : float
+        rad; one degree by default.
+    band : (float, float), optional
+        Lines to use, Hz.
+
+    Raises
+    ------
+    DataError
+        If mass or seals cannot be, or too few lines are left.
+    """
+    for name, given in (("mass", mass), ("seals", seals)):
+        if not (np.isfinite(given) and given > 0):
+            raise DataError(f"{name} = {given!r}; expected a number > 0")
+    mass_sd = 0.01 * mass if mass_sd is None else mass_sd
+    measured = frf.to(Kind.ACCELERANCE)
+    measured = measured if band is None else measured.band(*band)
+    keep = usable_lines(measured)
+    s, value = measured.s[keep], measured.value[keep]
+    scatter = random_sd(measured)
+    raw = s**2 / value
+    K = (raw - mass * s**2) / seals
+    random = np.zeros(len(s)) if scatter is None else scatter[keep] * np.abs(raw / value) / seals
+    omega = s.imag
+    storage, loss = K.real, K.imag
+    parts = {
+        "storage_random": random,
+        "loss_random": random,
+        "storage_mass": mass_sd * omega**2 / seals,
+        "storage_phase": phase_sd * np.abs(raw.imag) / seals,
+        "loss_phase": phase_sd * np.abs(raw.real) / seals,
+    }
+    frequency = measured.frequency[keep]
+    peak = find_peak(measured).frequency
+    storage_sd = np.sqrt(random**2 + parts["storage_mass"] ** 2 + parts["storage_phase"] ** 2)
+    loss_sd = np.hypot(random, parts["loss_phase"])
+    return DynamicStiffness(
+        frequency=frozen(frequency),
+        storage=frozen(storage),
+        loss=frozen(loss),
+        damping=frozen(loss / omega),
+        loss_factor=frozen(loss / storage),
+        mass=float(mass),
+        mass_sd=float(mass_sd),
+        phase_sd=float(phase_sd),
+        storage_band=_about(frequency, peak, storage_sd <= STORAGE_LIMIT * np.abs(storage)),
+        loss_band=_about(frequency, peak, loss_sd <= LOSS_LIMIT * np.abs(loss)),
+        checks=_causal(
+            frequency, storage, loss, peak=peak, random=random, mass=parts["storage_mass"]
+        ),
+        **{name: frozen(part) for name, part in parts.items()},
+    )
+
+
+def _about(frequency: FloatArray, peak: float, good: BoolArray) -> tuple[float, float]:
+    """The unbroken run of good lines about the peak."""
+    top = int(np.argmin(np.abs(frequency - peak)))
+    if not good[top]:
+        return float("nan"), float("nan")
+    low = high = top
+    while low > 0 and good[low - 1]:
+        low -= 1
+    while high < len(frequency) - 1 and good[high + 1]:
+        high += 1
+    return float(frequency[low]), float(frequency[high])
+
+
+def causal_loss_factor(frequency: FloatArray, storage: FloatArray, at: float) -> float:
+    r"""Loss factor that the rise of the storage stiffness implies (local Kramers-Kronig rule).
+
+    .. math:: \tan\delta \approx \frac{\pi}{2} \frac{d \ln K'}{d \ln \omega}
+
+    The slope is a straight line through ln K' over a factor of 1.6 to either side of `at` Hz.
+    Source: H. C. Booij and G. P. J. M. Thoone, Rheol. Acta 21 (1982).
+
+    Raises
+    ------
+    DataError
+        If fewer than 3 lines lie there.
+    """
+    near, share = _slope(frequency, storage, at)
+    return float(np.pi / 2 * share @ np.log(storage[near]))
+
+
+def _slope(frequency: FloatArray, storage: FloatArray, at: float) -> tuple[BoolArray, FloatArray]:
+    """The lines about `at`, and what each contributes to the slope of a straight line."""
+    near = (frequency >= at / SLOPE_REACH) & (frequency <= at * SLOPE_REACH) & (storage > 0)
+    if np.count_nonzero(near) < 3:
+        raise DataError(f"fewer than 3 lines about {at:g} Hz: no slope of the stiffness there")
+    x = np.log(frequency[near])
+    weight = np.exp(-x)  # lines crowd at the upper end of a logarithmic axis
+    x = x - weight @ x / weight.sum()
+    return near, np.asarray(weight * x / (weight @ x**2))
+
+
+def _causal(
+    frequency: FloatArray,
+    storage: FloatArray,
+    loss: FloatArray,
+    *,
+    peak: float,
+    random: FloatArray,
+    mass: FloatArray,
+) -> tuple[Check, ...]:
+    """Whether loss and slope of the stiffness belong together, as far as the errors can tell."""
+    try:
+        near, share = _slope(frequency, storage, peak)
+    except DataError:
+        return ()
+    implied = causal_loss_factor(frequency, storage, peak)
+    scatter = share * random[near] / storage[near]
+    tilt = float(share @ (mass[near] / storage[near]))
+    error = float(np.pi / 2 * np.hypot(np.linalg.norm(scatter), tilt))
+    top = int(np.argmin(np.abs(frequency - peak)))
+    measured = float(loss[top] / storage[top])
+    passed = abs(implied - measured) <= max(CAUSAL_LIMIT * measured, 2 * error) and measured > 0
+    says = (
+        f"at {peak:.4g} Hz the loss factor is {measured:.3g}, and the rise of the stiffness with "
+        f"frequency implies {implied:.3g}, known to {error:.2g} (local Kramers-Kronig rule)"
+    )
+    if not passed:
+        says += ": mass, gain or phase of the channels is off, or another mode is near"
+    return (Check("causal", passed, says, implied, measured),)

@@ -1,0 +1,48 @@
+"""The mass that a measured FRF implies."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot.base.errors import DataError
+from dashpot.records.frf import FRF
+from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.vibration.modal.peaks import find_peak
+
+
+def infer_mass(model: GeneralizedMaxwell, frf: FRF) -> tuple[float, float]:
+    r"""Mass that puts the predicted peak of the accelerance on the measured one.
+
+    A frequency predicted with this mass proves nothing: it was put there. At the peak
+    :math:`|m - u|^2`, with :math:`u = K(j\omega)/\omega^2`, has a zero slope, which is linear
+    in m:
+
+    .. math:: m = \frac{\mathrm{Re}(\bar u' u)}{\mathrm{Re}\,u'}
+
+    Parameters
+    ----------
+    model : GeneralizedMaxwell
+        All the seals together.
+    frf : FRF
+        Measured, any kind.
+
+    Returns
+    -------
+    mass, standard_error : float
+        kg. The error is that of the measured frequency alone, :math:`2 m\,\sigma_f/f`; an error
+        of the model's stiffness goes into the mass in full.
+
+    Raises
+    ------
+    DataError
+        If the model has no stiffness to balance a mass at the measured peak.
+    """
+    peak = find_peak(frf)
+    omega = 2 * np.pi * peak.frequency
+    w = omega * (1 + np.array([-1e-5, 0.0, 1e-5]))
+    u = model.complex_stiffness(w) / w**2
+    slope = u[2] - u[0]
+    mass = float((np.conj(slope) * u[1]).real / slope.real) if slope.real != 0 else 0.0
+    if not (np.isfinite(mass) and mass > 0):
+        raise DataError(f"no mass puts a peak of this model at {peak.frequency:.4g} Hz; give mass=")
+    return mass, float(2 * mass * peak.frequency_se / peak.frequency)

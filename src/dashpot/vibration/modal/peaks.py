@@ -1,0 +1,187 @@
+"""The highest peak of an FRF, read from the smooth inverse of the response."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
+from dashpot.base.errors import DataError
+from dashpot.records.frf import FRF, Kind
+
+# a line whose random error is larger than this part of its value says nothing about a peak
+NOISY_LINE = 0.5
+# the parabola is laid through at least this many and at most that many lines
+FEWEST, MOST = 5, 31
+# relative step of the line frequencies below which a line counts as 0 Hz
+ZERO = 1e-9
+
+
+@dataclass(frozen=True)
+class Peak:
+    """A peak of the accelerance.
+
+    Attributes
+    ----------
+    frequency, height : float
+        Hz and 1/kg, of the accelerance at s = j omega (an exponential window is undone).
+    damping_ratio : float
+        Of the pole of the local parabola.
+    frequency_se, damping_se : float
+        Random standard errors, from the scatter of the lines or their standard deviation.
+    half_power_lines : float
+        How many lines fall into the half-power band; below about 5 the lines hide the peak.
+    decay : float
+        How far the free response has decayed at the end of the record, exp(-sigma T); 0 if
+        the record is not known to be cut.
+    """
+
+    frequency: float
+    height: float
+    damping_ratio: float
+    frequency_se: float
+    damping_se: float
+    half_power_lines: float
+    decay: float
+
+
+def random_sd(frf: FRF) -> FloatArray | None:
+    r"""Standard deviation of the real and of the imaginary part, shape (n,), or None if unknown.
+
+    The FRF's own `sd` where it has one, else from coherence and n averages,
+    :math:`|H| \sqrt{(1-\gamma^2) / (2 n \gamma^2)}` (ISO 7626-2, annex A).
+    """
+    if frf.sd is not None:
+        return frf.sd
+    if frf.coherence is None or frf.averages < 2:
+        return None
+    coherence = np.clip(frf.coherence, 1e-6, 1.0)
+    return np.asarray(np.abs(frf.value) * np.sqrt((1 - coherence) / (2 * frf.averages * coherence)))
+
+
+def usable_lines(frf: FRF) -> BoolArray:
+    """Lines that can be held against a model: not 0 Hz, not zero, not mere noise, shape (n,)."""
+    keep = (frf.frequency > ZERO) & (np.abs(frf.value) > 0)
+    sd = random_sd(frf)
+    if sd is not None:
+        quiet = keep & (sd < NOISY_LINE * np.abs(frf.value))
+        keep = quiet if np.count_nonzero(quiet) >= FEWEST else keep
+    return np.asarray(keep)
+
+
+def find_peak(frf: FRF) -> Peak:
+    r"""Find the highest peak of the accelerance, between the lines if need be.
+
+    Where a response peaks, its inverse, the dynamic stiffness
+    :math:`D(s) = m s^2 + K(s)`, is smooth. A parabola in s laid through D on the lines about the
+    highest one gives the peak of :math:`|s^2/D|` on s = j omega and, as its root, the pole, even
+    where the peak is narrower than the line spacing; no response value is interpolated.
+
+    Raises
+    ------
+    DataError
+        If fewer than 5 lines can be used.
+    """
+    accelerance = frf.to(Kind.ACCELERANCE)
+    keep = usable_lines(accelerance)
+    if np.count_nonzero(keep) < FEWEST:
+        raise DataError(
+            f"{np.count_nonzero(keep)} usable lines between {frf.frequency[0]:g} and "
+            f"{frf.frequency[-1]:g} Hz; a peak needs at least {FEWEST}: widen the band"
+        )
+    s, value = accelerance.s[keep], accelerance.value[keep]
+    sd = random_sd(accelerance)
+    relative = None if sd is None else sd[keep] / np.abs(value)
+    lines = _about_the_peak(np.abs(value))
+    local = None if relative is None else relative[lines]
+    return _parabola(s[lines], s[lines] ** 2 / value[lines], local, frf)
+
+
+def _about_the_peak(height: FloatArray) -> slice:
+    """The lines of the half-power band, widened to the fewest that hold a parabola."""
+    top = int(np.argmax(height))
+    low = high = top
+    while low > 0 and height[low - 1] > height[top] / np.sqrt(2) and top - low < MOST // 2:
+        low -= 1
+    while (
+        high < len(height) - 1
+        and height[high + 1] > height[top] / np.sqrt(2)
+        and high - top < MOST // 2
+    ):
+        high += 1
+    low, high = min(low, top - FEWEST // 2), max(high, top + FEWEST // 2)
+    low = max(0, min(low, len(height) - FEWEST))
+    high = min(len(height) - 1, max(high, FEWEST - 1))
+    return slice(low, high + 1)
+
+
+def _parabola(s: ComplexArray, stiffness: ComplexArray, sd: FloatArray | None, frf: FRF) -> Peak:
+    centre = complex(np.mean(s))
+    scale = float(np.ptp(s.imag)) / 2
+    u = (s - centre) / scale
+    # relative scatter is smallest where |D| is small: at the peak, where it matters
+    weight = 1 / np.abs(stiffness) if sd is None else 1 / (np.abs(stiffness) * np.maximum(sd, 1e-9))
+    basis = u[:, None] ** np.arange(3)
+    rows = weight[:, None] * basis
+    c = np.asarray(np.linalg.lstsq(rows, weight * stiffness, rcond=None)[0], dtype=complex)
+    misfit = weight * (stiffness - basis @ c)
+    spare = max(2 * len(s) - 6, 1)
+    variance = float(np.sum(np.abs(misfit) ** 2)) / spare if sd is None else 1.0
+    spread = np.asarray(np.linalg.pinv(rows.conj().T @ rows), dtype=complex)
+
+    first, last = float(s.imag[0]), float(s.imag[-1])
+    omega = np.linspace(first, last, 2001)
+    for _ in range(3):  # each pass looks 1000 times closer
+        height = omega**2 / np.abs(_value(c, np.asarray((1j * omega - centre) / scale)))
+        best = int(np.argmax(height))
+        span = (omega[1] - omega[0]) * np.array([-1.0, 1.0])
+        peak, top = float(omega[best]), float(height[best])
+        omega = np.linspace(max(first, peak + span[0]), min(last, peak + span[1]), 2001)
+    pole = _pole(c, centre, scale, peak)
+    # off the axis, where the pole is, the parabola is known less well than on its lines
+    at = (pole - centre) / scale
+    slope = abs(c[1] + 2 * c[2] * at) / scale
+    row = at ** np.arange(3)
+    error = np.sqrt(max(variance * float((row @ spread @ row.conj()).real), 0.0)) / slope
+    sigma = -pole.real
+    step = float(np.median(np.diff(frf.frequency)))
+    return Peak(
+        frequency=peak / (2 * np.pi),
+        height=top,
+        damping_ratio=float(sigma / abs(pole)),
+        frequency_se=float(np.sqrt(variance))
+        * _wander(c, spread, peak, centre, scale)
+        / (2 * np.pi),
+        damping_se=float(error / peak),
+        half_power_lines=float(abs(sigma) / np.pi / step),
+        decay=0.0 if frf.record is None else float(np.exp(-(sigma + frf.shift) * frf.record)),
+    )
+
+
+def _wander(
+    c: ComplexArray, spread: ComplexArray, peak: float, centre: complex, scale: float
+) -> float:
+    r"""Standard deviation of the peak, rad/s, for unit scatter of the rows.
+
+    The peak is where :math:`g = \mathrm{Re}(\bar u u') = 0`, u = D/s^2, so it moves by
+    :math:`-\delta g / g'`, and :math:`\delta g` is linear in the coefficients.
+    """
+    step = 1e-4 * peak
+    omega = peak + step * np.array([-1.0, 0.0, 1.0])
+    rows = ((1j * omega - centre) / scale)[:, None] ** np.arange(3) / (1j * omega[:, None]) ** 2
+    u = rows @ c
+    first, bend = (u[2] - u[0]) / (2 * step), (u[2] - 2 * u[1] + u[0]) / step**2
+    curvature = abs(first) ** 2 + (np.conj(u[1]) * bend).real
+    moved = np.conj(first) * rows[1] + np.conj(u[1]) * (rows[2] - rows[0]) / (2 * step)
+    size = float(np.sqrt(max((moved @ spread @ moved.conj()).real, 0.0)))
+    return size / max(abs(float(curvature)), np.finfo(float).tiny)
+
+
+def _value(c: ComplexArray, u: ComplexArray) -> ComplexArray:
+    return np.asarray(c[0] + u * (c[1] + u * c[2]))
+
+
+def _pole(c: ComplexArray, centre: complex, scale: float, peak: float) -> complex:
+    roots = centre + scale * np.roots(c[::-1])
+    return complex(roots[np.argmin(np.abs(roots - 1j * peak))])

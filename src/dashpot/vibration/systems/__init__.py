@@ -1,0 +1,1 @@
+"""Rigid bodies on mounts: prediction, state space, modes, response in time."""

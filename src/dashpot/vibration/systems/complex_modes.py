@@ -1,0 +1,171 @@
+"""Complex modes of a system, two ways that must agree."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dashpot.base.arrays import ByValue, ComplexArray, frozen
+from dashpot.vibration.systems.state_space import state_space
+from dashpot.vibration.systems.system import System
+
+_RIGID = 1e-6
+"""Relative square of a pole below which it counts as 0: a double pole is only known to the root
+of rounding."""
+
+
+@dataclass(frozen=True, eq=False)
+class ComplexMode(ByValue):
+    r"""One pole of a system and how it moves there.
+
+    Scaled so that :math:`\phi^T D'(s) \phi = 1` with the dynamic stiffness D(s): then
+
+    .. math:: H(s) = \sum_r \frac{\phi_r \phi_r^T}{s - s_r}
+
+    over all poles, conjugates included, is the receptance, exactly.
+
+    Attributes
+    ----------
+    pole : complex
+        1/s, imaginary part >= 0.
+    shape : complex array, shape (n,)
+        One number per degree of freedom.
+    converged : bool
+        False if an iteration ended before the pole stood still.
+    """
+
+    pole: complex
+    shape: ComplexArray
+    converged: bool = True
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "shape", frozen(np.asarray(self.shape, dtype=complex)))
+
+    @property
+    def frequency(self) -> float:
+        """Undamped natural frequency abs(s) / 2 pi, Hz."""
+        return abs(self.pole) / (2 * np.pi)
+
+    @property
+    def damping_ratio(self) -> float:
+        """-Re s / abs(s): 1 for a pole that does not oscillate."""
+        return -self.pole.real / abs(self.pole) if self.pole else 1.0
+
+    @property
+    def oscillates(self) -> bool:
+        """False for a real pole, a relaxation."""
+        return self.pole.imag > 0
+
+
+def complex_modes(system: System) -> tuple[ComplexMode, ...]:
+    """Every mode of a system by the eigenvalues of its exact first-order form.
+
+    Oscillations first, by rising frequency, then relaxations, by falling rate. Rigid-body motions
+    of a system that nothing holds, double poles at 0, are left out.
+    """
+    poles, vectors = np.linalg.eig(state_space(system).A)
+    n = len(system.dofs)
+    # rounding may leave a hair of an imaginary part on a real pole
+    hair = 1e-9 * np.abs(poles) + 1e-13 * np.abs(poles).max()
+    poles = np.where(np.abs(poles.imag) <= hair, poles.real, poles)
+    modes = [
+        ComplexMode(complex(s), _scaled(system, complex(s), vectors[:n, i]))
+        for i, s in enumerate(poles)
+        if s.imag >= 0 and not _is_rigid(system, complex(s))
+    ]
+    return tuple(sorted(modes, key=lambda m: (not m.oscillates, abs(m.pole) * _sign(m))))
+
+
+def newton_modes(system: System, *, iterations: int = 100) -> tuple[ComplexMode, ...]:
+    r"""The oscillating modes by the nonlinear eigenproblem :math:`D(s)\phi = 0` itself.
+
+    Newton's method on det D, whose logarithmic derivative is :math:`\mathrm{tr}(D^{-1} D')`,
+    started near the poles by iterating :math:`s^2 = -\mathrm{eig}(M^{-1} E^T K(s) E)` from the
+    glassy modes. Poles found already are divided out (Maehly), so no two starts end at the same
+    one. No state of an arm appears: agreement with :func:`complex_modes` checks both. A mode so
+    heavily damped that it does not oscillate may come out as one of its real poles.
+    """
+    found: list[complex] = []
+    modes = []
+    for start in _starts(system):
+        s, near = _newton(system, start, found, iterations, 1e-6)
+        s, there = _newton(system, s, [], iterations, 1e-14)
+        s = s if s.imag >= 0 else s.conjugate()
+        found.append(s)
+        vector = np.linalg.svd(system.dynamic_stiffness(s))[2][-1].conj()
+        modes.append(ComplexMode(s, _scaled(system, s, vector), converged=near and there))
+    return tuple(sorted(modes, key=lambda mode: mode.frequency))
+
+
+def _starts(system: System) -> list[complex]:
+    """Where to look for each mode: the stiffness at its own frequency, not the glassy one."""
+    E = system.stretch
+    inverse = np.linalg.inv(system.mass_matrix)
+    glass = np.array([mount.solid.k_0 for mount in system.mounts])
+    squared = np.sort(np.linalg.eigvals(inverse @ (E.T * glass) @ E).real)
+    starts = []
+    for rank, value in enumerate(squared):
+        if value <= _RIGID * squared[-1]:
+            continue
+        s = 1j * np.sqrt(value)
+        for _ in range(20):
+            K = system.mount_stiffness(s)
+            around = np.linalg.eigvals(inverse @ (E.T * K) @ E)
+            s = 1j * np.sqrt(around[np.argsort(np.abs(around))[rank]])
+        starts.append(complex(s))
+    return starts
+
+
+def _newton(
+    system: System, s: complex, found: list[complex], iterations: int, tolerance: float
+) -> tuple[complex, bool]:
+    best = np.inf
+    for _ in range(iterations):
+        try:
+            change = np.linalg.solve(system.dynamic_stiffness(s), _derivative(system, s))
+        except np.linalg.LinAlgError:  # singular to the last digit: this is the pole
+            return s, True
+        slope = np.trace(change) - sum(1 / (s - p) + 1 / (s - p.conjugate()) for p in found)
+        step = complex(1 / slope)
+        s -= step
+        size = abs(step) / abs(s)
+        # at the floor of rounding the steps stop shrinking: the pole stands still
+        if not np.isfinite(size):
+            return s, False
+        if size <= tolerance or (size < 1e-11 and size >= best):
+            return s, True
+        best = min(best, size)
+    return s, False
+
+
+def _derivative(system: System, s: complex) -> ComplexArray:
+    """dD/ds: 2 s M + E^T K'(s) E."""
+    slopes = np.array(
+        [
+            mount.solid.b
+            + sum(
+                k * tau / (1 + s * tau) ** 2
+                for k, tau in zip(mount.solid.k, mount.solid.tau, strict=True)
+            )
+            for mount in system.mounts
+        ]
+    )
+    E = system.stretch
+    return np.asarray(2 * s * system.mass_matrix + (E.T * slopes) @ E)
+
+
+def _scaled(system: System, s: complex, vector: ComplexArray) -> ComplexArray:
+    return np.asarray(vector / np.sqrt(complex(vector @ _derivative(system, s) @ vector)))
+
+
+def _is_rigid(system: System, s: complex) -> bool:
+    """True near 0 if the system has motions that stretch no mount."""
+    free = len(system.dofs) > np.linalg.matrix_rank(system.stretch)
+    inertia = float(np.trace(system.mass_matrix))
+    glass = float(sum(mount.solid.k_0 for mount in system.mounts))
+    return bool(free and abs(s) ** 2 * inertia <= _RIGID * glass)
+
+
+def _sign(mode: ComplexMode) -> int:
+    return 1 if mode.oscillates else -1

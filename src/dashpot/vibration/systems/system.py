@@ -1,0 +1,215 @@
+"""Rigid bodies joined by viscoelastic mounts: FRFs and transmissibility, exactly."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from dashpot.base.arrays import ComplexArray, FloatArray, samples
+from dashpot.base.errors import DataError
+from dashpot.records.frf import FRF, Kind
+from dashpot.vibration.systems.bodies import MOTIONS, Body, Mount, Point, motion_of
+
+
+@dataclass(frozen=True)
+class System:
+    r"""Bodies, mounts and grounds: a linear system of many degrees of freedom.
+
+    .. math:: \left[s^2 M + E^T K(s) E\right] q = F - E^T K(s) G u
+
+    with the stretch :math:`E q + G u` of each mount, motions q of the bodies, u of the grounds,
+    and K(s) the diagonal of the mounts' stiffnesses.
+
+    Attributes
+    ----------
+    bodies : tuple of Body
+    mounts : tuple of Mount
+    grounds : tuple of str
+        Things that move as they are told, or stand still.
+
+    Degrees of freedom are named ``"body.motion"``, such as ``"block.z"``.
+    """
+
+    bodies: tuple[Body, ...]
+    mounts: tuple[Mount, ...]
+    grounds: tuple[str, ...] = ("ground",)
+
+    def __post_init__(self) -> None:
+        names = [body.name for body in self.bodies] + list(self.grounds)
+        if not self.bodies:
+            raise DataError("a system needs at least one body")
+        twice = sorted({name for name in names if names.count(name) > 1})
+        if twice:
+            raise DataError(f"'{twice[0]}' names two things in the system; names must differ")
+        for mount in self.mounts:
+            for name in mount.between:
+                if name not in names:
+                    raise DataError(
+                        f"a mount is attached to '{name}', which is not in the system; it has "
+                        f"{', '.join(names)}"
+                    )
+
+    # -- names ----------------------------------------------------------------------------------
+
+    @property
+    def dofs(self) -> tuple[str, ...]:
+        """Names of the degrees of freedom, in the order of every matrix."""
+        return tuple(f"{body.name}.{motion}" for body in self.bodies for motion in body.free)
+
+    @property
+    def base_dofs(self) -> tuple[str, ...]:
+        """Names of the ground motions: six each, rotations about the origin."""
+        return tuple(f"{ground}.{motion}" for ground in self.grounds for motion in MOTIONS)
+
+    # -- matrices -------------------------------------------------------------------------------
+
+    @cached_property
+    def mass_matrix(self) -> FloatArray:
+        """M, shape (n, n)."""
+        n = len(self.dofs)
+        matrix = np.zeros((n, n))
+        start = 0
+        for body in self.bodies:
+            block = slice(start, start + len(body.free))
+            matrix[block, block] = body.mass_matrix
+            start = block.stop
+        return matrix
+
+    @cached_property
+    def stretch(self) -> FloatArray:
+        """E, shape (mounts, n): how the bodies' motions stretch each mount."""
+        return self._stretch()[:, : len(self.dofs)]
+
+    @cached_property
+    def base_stretch(self) -> FloatArray:
+        """G, shape (mounts, 6 grounds): how the grounds' motions stretch each mount."""
+        return self._stretch()[:, len(self.dofs) :]
+
+    def mount_stiffness(self, s: npt.ArrayLike) -> ComplexArray:
+        """K of each mount at s, 1/s, shape (..., mounts)."""
+        s = np.asarray(s, dtype=complex)
+        rows = [mount.solid.stiffness_at(s) for mount in self.mounts]
+        return np.stack(rows, axis=-1) if rows else np.zeros((*s.shape, 0), dtype=complex)
+
+    def dynamic_stiffness(self, s: npt.ArrayLike) -> ComplexArray:
+        r""":math:`s^2 M + E^T K(s) E`, shape (..., n, n)."""
+        s = np.asarray(s, dtype=complex)
+        K = self.mount_stiffness(s)
+        E = self.stretch
+        return np.asarray(s[..., None, None] ** 2 * self.mass_matrix + (E.T * K[..., None, :]) @ E)
+
+    def receptance(self, s: npt.ArrayLike) -> ComplexArray:
+        """Motion per force between every two degrees of freedom at s, shape (..., n, n).
+
+        Raises
+        ------
+        DataError
+            If the system is singular there: a body hangs on nothing.
+        """
+        try:
+            with np.errstate(all="ignore"):
+                matrix = np.linalg.inv(self.dynamic_stiffness(s))
+        except np.linalg.LinAlgError:
+            matrix = np.full(1, np.nan, dtype=complex)
+        if not np.isfinite(matrix).all():
+            raise DataError(
+                "the response is infinite at a requested frequency: some motion has no stiffness "
+                "there; leave 0 Hz out, or hold that motion"
+            )
+        return np.asarray(matrix)
+
+    def participation(self, place: str | Point) -> FloatArray:
+        """How each degree of freedom moves a place along its direction, shape (n,)."""
+        return self._row(place)[: len(self.dofs)]
+
+    # -- answers --------------------------------------------------------------------------------
+
+    def frf(
+        self,
+        *,
+        response: str | Point,
+        force: str | Point,
+        frequency: npt.ArrayLike,
+        kind: Kind | str = Kind.ACCELERANCE,
+        shift: float = 0.0,
+    ) -> FRF:
+        r"""FRF from a force, or a moment, to a response, at degrees of freedom or at points.
+
+        Parameters
+        ----------
+        response, force : str or Point
+            ``"block.z"``, or a place and direction on a body.
+        frequency : array_like, shape (f,)
+            Hz.
+        kind : Kind or str
+        shift : float
+            Decay of an exponential window, 1/s: evaluates at :math:`s = j\omega + a`.
+        """
+        f = samples("frequency", frequency)
+        s = 2j * np.pi * f + shift
+        H = self.receptance(s) @ self.participation(force) @ self.participation(response)
+        kind = Kind(kind)
+        value = {
+            Kind.RECEPTANCE: lambda: H,
+            Kind.MOBILITY: lambda: s * H,
+            Kind.ACCELERANCE: lambda: s**2 * H,
+            Kind.DYNAMIC_STIFFNESS: lambda: 1 / H,
+        }[kind]()
+        return FRF(frequency=f, value=value, kind=kind, shift=shift)
+
+    def transmissibility(
+        self, *, response: str | Point, base: str, frequency: npt.ArrayLike
+    ) -> ComplexArray:
+        r"""Motion of a place per motion of a ground, shape (f,); 1 at 0 Hz for a body that follows.
+
+        .. math:: T = -\left[s^2 M + E^T K E\right]^{-1} E^T K G
+
+        Parameters
+        ----------
+        response : str or Point
+        base : str
+            A ground motion, such as ``"ground.z"``.
+        frequency : array_like, shape (f,)
+            Hz.
+        """
+        s = 2j * np.pi * samples("frequency", frequency)
+        if base not in self.base_dofs:
+            raise DataError(f"'{base}' is no ground motion; known: {', '.join(self.base_dofs)}")
+        G = self.base_stretch[:, self.base_dofs.index(base)]
+        forces = -(self.mount_stiffness(s) * G) @ self.stretch
+        motion = np.linalg.solve(self.dynamic_stiffness(s), forces[..., None])[..., 0]
+        return np.asarray(motion @ self.participation(response))
+
+    # -- private --------------------------------------------------------------------------------
+
+    def _stretch(self) -> FloatArray:
+        columns = len(self.dofs) + len(self.base_dofs)
+        rows = [
+            self._row(Point(mount.between[0], mount.at, mount.along, mount.rotary))
+            - self._row(Point(mount.between[1], mount.at, mount.along, mount.rotary))
+            for mount in self.mounts
+        ]
+        return np.array(rows).reshape(len(rows), columns)
+
+    def _row(self, place: str | Point) -> FloatArray:
+        """How body motions, then ground motions, move a place, shape (n + 6 grounds,)."""
+        names = self.dofs + self.base_dofs
+        row = np.zeros(len(names))
+        if isinstance(place, str):
+            if place not in names:
+                raise DataError(f"'{place}' is no degree of freedom; known: {', '.join(names)}")
+            row[names.index(place)] = 1.0
+            return row
+        known = {body.name: body.at for body in self.bodies}
+        known |= dict.fromkeys(self.grounds, (0.0, 0.0, 0.0))
+        if place.body not in known:
+            raise DataError(f"no body '{place.body}'; the system has {', '.join(known)}")
+        motion = motion_of(place, known[place.body])
+        for name, value in zip(MOTIONS, motion, strict=True):
+            dof = f"{place.body}.{name}"
+            if dof in names:  # a motion that is held does not move the point
+                row[names.index(dof)] = value
+        return row

@@ -1,0 +1,295 @@
+"""The archive: every noun as versioned JSON, back and forth."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import fields
+from enum import Enum
+from typing import Any
+
+import numpy as np
+
+from dashpot.base.errors import DataError, ReadError
+from dashpot.planning.needs import Plan
+from dashpot.records.dynamic import DynamicTest
+from dashpot.records.estimate import ParameterEstimate
+from dashpot.records.fit import Evidence, Fit, Provenance, Status
+from dashpot.records.frf import FRF
+from dashpot.records.impact import ImpactTest
+from dashpot.records.relaxation import RampHold, RelaxationTest
+from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
+from dashpot.vibration.comparison.comparison import Comparison
+from dashpot.workflow.job import Job
+from dashpot.workflow.study import Study
+
+SCHEMAS: dict[str, type] = {
+    "dashpot/model@1": GeneralizedMaxwell,
+    "dashpot/relaxation-test@1": RelaxationTest,
+    "dashpot/ramp-hold@1": RampHold,
+    "dashpot/dynamic-test@1": DynamicTest,
+    "dashpot/fit@1": Fit,
+    "dashpot/impact-test@1": ImpactTest,
+    "dashpot/frf@1": FRF,
+    "dashpot/comparison@1": Comparison,
+    "dashpot/plan@1": Plan,
+    "dashpot/job@1": Job,
+    "dashpot/study@1": Study,
+}
+"""What each versioned schema name holds."""
+
+_NAMES = {noun: name for name, noun in SCHEMAS.items()}
+# JSON has no such numbers; a string that no measurement can be mistaken for stands in
+_NOT_FINITE = {"Infinity": np.inf, "-Infinity": -np.inf, "NaN": np.nan}
+
+
+def to_json(noun: object, *, indent: int | None = 2) -> str:
+    """Return a noun as one JSON document: its ``"schema"``, SI units, floats in full precision.
+
+    A fit and a comparison also carry the keys of the command line's contract.
+    """
+    import json
+
+    return json.dumps(document(noun), indent=indent, ensure_ascii=False, allow_nan=False)
+
+
+def document(noun: object) -> dict[str, Any]:
+    """Return what :func:`to_json` writes, as plain dictionaries, lists, strings and numbers."""
+    if type(noun) not in _NAMES:
+        raise DataError(
+            f"a {type(noun).__name__} has no archive form; expected one of "
+            f"{', '.join(sorted(kind.__name__ for kind in _NAMES))}"
+        )
+    plain: dict[str, Any] = _plain(noun)
+    return plain
+
+
+def from_json(text: str | bytes) -> Any:
+    """Return the noun that a JSON document holds.
+
+    Raises
+    ------
+    ReadError
+        If the text is not JSON, its schema is unknown, or a value has the wrong type.
+    """
+    import json
+
+    import msgspec
+
+    try:
+        found = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise ReadError(f"this is not a JSON document: {error}") from None
+    name = found.get("schema") if isinstance(found, dict) else None
+    if name not in SCHEMAS:
+        raise ReadError(
+            f'the document\'s "schema" is {name!r}; this version of dashpot reads '
+            f"{', '.join(sorted(SCHEMAS))}"
+        )
+    try:
+        return msgspec.convert(_restored(found), type=SCHEMAS[name], dec_hook=_decoded)
+    except msgspec.ValidationError as error:
+        raise ReadError(f"the {name} document is not valid: {error}") from None
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise ReadError(f"the {name} document is not valid: {error}") from None
+
+
+# -- nouns to plain values -----------------------------------------------------------------------
+
+
+def _plain(value: Any) -> Any:
+    if hasattr(value, "__dataclass_fields__"):
+        plain = {one.name: _plain(getattr(value, one.name)) for one in fields(value)}
+        name = _NAMES.get(type(value))
+        if type(value) in _CONTRACTS:
+            plain = _CONTRACTS[type(value)](value, plain)
+        return {"schema": name, **plain} if name else plain
+    if isinstance(value, np.ndarray):
+        if np.iscomplexobj(value):
+            return {"real": _plain(value.real), "imag": _plain(value.imag)}
+        return [_plain(item) for item in value.tolist()]
+    if isinstance(value, Status):
+        return value.name.lower()
+    if isinstance(value, Enum):
+        return value.value
+    if isinstance(value, tuple | list):
+        return [_plain(item) for item in value]
+    if isinstance(value, dict):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, np.generic):
+        return _plain(value.item())
+    if isinstance(value, float) and not np.isfinite(value):
+        return "NaN" if np.isnan(value) else "Infinity" if value > 0 else "-Infinity"
+    return value
+
+
+def _model_contract(model: GeneralizedMaxwell, _plain_model: dict[str, Any]) -> dict[str, Any]:
+    arms = zip(model.k, model.tau, model.arm_b, strict=True)
+    return {
+        "k_inf": model.k_inf,
+        "b": model.b,
+        "arms": [{"k": k, "tau": tau, "b": _plain(b)} for k, tau, b in arms],
+    }
+
+
+# a fit's document is flat: its parts are laid out side by side, in this order
+_FIT_PARTS: dict[str, type] = {
+    "estimate": ParameterEstimate,
+    "evidence": Evidence,
+    "provenance": Provenance,
+}
+_FIT_ORDER = (
+    "method", "parameters", "covariance", "dof", "orders", "certificate", "profiles", "nuisance",
+    "checks", "source", "steps", "by_depth", "specimen", "moved", "unit",
+)  # fmt: skip
+
+
+def _fit_contract(fit: Fit, plain: dict[str, Any]) -> dict[str, Any]:
+    for part in _FIT_PARTS:
+        plain |= plain.pop(part)
+    mass = next((item.value for item in fit.nuisance if item.name == "mass"), None)
+    return {
+        "id": fit.identity,
+        "status": plain["status"],
+        "ok": fit.ok,
+        "says": fit.status.value,
+        "model": _plain(fit.model),
+        "standard_error": _standard_error(fit),
+        "interval_95": _numbers_or_null(dict(fit.intervals(level=0.95))),
+        "residual": plain["residual"],
+        "band_hz": plain["band"],
+        **({} if mass is None else {"mass": mass}),
+        **{key: plain[key] for key in _FIT_ORDER},
+    }
+
+
+def _standard_error(fit: Fit) -> dict[str, Any]:
+    error = fit.standard_error
+    arms = [
+        {"k": k, "tau": tau, "b": b}
+        for k, tau, b in zip(error["k"], error["tau"], error["b"], strict=True)
+    ]
+    whole: dict[str, Any] = _numbers_or_null({"k_inf": error["k_inf"], "arms": arms})
+    return whole
+
+
+def _comparison_contract(comparison: Comparison, plain: dict[str, Any]) -> dict[str, Any]:
+    decibels = 20 * np.log10(comparison.predicted_peak / comparison.measured_peak)
+    predicted, measured = comparison.predicted_damping, comparison.measured_damping
+    return {
+        "peak": {
+            "predicted_hz": comparison.predicted_hz,
+            "measured_hz": comparison.measured_hz,
+            "difference_percent": 100 * (comparison.predicted_hz / comparison.measured_hz - 1),
+            "predicted": comparison.predicted_peak,
+            "measured": comparison.measured_peak,
+            "ratio": comparison.predicted_peak / comparison.measured_peak,
+            "ratio_db": float(decibels),
+        },
+        "damping": {
+            "predicted": predicted,
+            "measured": measured,
+            "ratio": predicted / measured if predicted and measured else None,
+        },
+        **plain,
+    }
+
+
+_CONTRACTS: dict[type, Callable[[Any, dict[str, Any]], dict[str, Any]]] = {
+    GeneralizedMaxwell: _model_contract,
+    Fit: _fit_contract,
+    Comparison: _comparison_contract,
+}
+
+
+def _numbers_or_null(value: Any) -> Any:
+    """Plain values with null for what is not known, as the contract's readers expect."""
+    if isinstance(value, dict):
+        return {key: _numbers_or_null(item) for key, item in value.items()}
+    if isinstance(value, tuple | list):
+        return [_numbers_or_null(item) for item in value]
+    return float(value) if np.isfinite(value) else None
+
+
+# -- plain values to nouns -----------------------------------------------------------------------
+
+
+def _restored(value: Any) -> Any:
+    """Undo what the contract layouts and JSON itself did to the fields."""
+    if isinstance(value, list):
+        return [_restored(item) for item in value]
+    if isinstance(value, str):
+        return _NOT_FINITE.get(value, value)
+    if not isinstance(value, dict):
+        return value
+    if "arms" in value and "k_inf" in value:
+        return {
+            "k_inf": _restored(value["k_inf"]),
+            "b": value.get("b", 0.0),
+            "k": [arm["k"] for arm in value["arms"]],
+            "tau": [arm["tau"] for arm in value["arms"]],
+        }
+    restored = {key: _restored(item) for key, item in value.items()}
+    if value.get("schema") == "dashpot/fit@1":
+        return _restored_fit(restored)
+    return restored
+
+
+def _restored_fit(found: dict[str, Any]) -> dict[str, Any]:
+    names = {status.name.lower(): status.value for status in Status}
+    status = found.get("status", "converged")
+    if status not in names:
+        raise ValueError(f"status {status!r} is none of {', '.join(names)}")
+    # a fit typed by hand may hold no more than a model: nothing else is then claimed
+    defaults: dict[str, Any] = {
+        "method": "full",
+        "residual": {"n": 0, "sse": 0.0, "rms": 0.0},
+        **_told_errors(found),
+    }
+    found = defaults | found | {"status": names[status]}
+    found["residual"] = defaults["residual"] | found["residual"]
+    found["band"] = found.pop("band_hz", [0.0, 0.0])
+    # the bare contract lists neither a candidate's significance nor its solid
+    found["orders"] = [order for order in found.get("orders", []) if "model" in order]
+    found["solid"] = found.pop("model")
+    for part, kind in _FIT_PARTS.items():
+        found[part] = {one.name: found[one.name] for one in fields(kind) if one.name in found}
+    return found
+
+
+def _told_errors(found: dict[str, Any]) -> dict[str, Any]:
+    """Return the covariance that bare standard errors stand for: uncorrelated, normal."""
+    told = found.get("standard_error")
+    if not told:
+        return {"parameters": [], "covariance": [], "dof": 0.0}
+    taus = found["model"]["tau"]
+    # standard errors are laid out as the model is, and so were restored like one
+    k, tau = ([*told[name], *(None for _ in taus)][: len(taus)] for name in ("k", "tau"))
+    numbers = range(1, len(taus) + 1)
+    variances = [
+        _square(told["k_inf"]),
+        *(_square(error) for error in k),
+        *(_square(error) / time**2 for error, time in zip(tau, taus, strict=True)),
+    ]
+    return {
+        "parameters": ["k_inf", *(f"k_{j}" for j in numbers), *(f"ln_tau_{j}" for j in numbers)],
+        "covariance": np.diag(variances).tolist(),
+        "dof": float("inf"),
+    }
+
+
+def _square(error: float | None) -> float:
+    return np.inf if error is None else float(error) ** 2
+
+
+def _decoded(kind: type, value: Any) -> Any:
+    """Return a solid or an array, which the decoder does not know."""
+    if kind is Solid:
+        import msgspec
+
+        return msgspec.convert(value, GeneralizedMaxwell)
+    if isinstance(value, dict) and set(value) == {"real", "imag"}:
+        return np.asarray(value["real"], dtype=float) + 1j * np.asarray(value["imag"], dtype=float)
+    if isinstance(value, list):
+        array = np.asarray(value, dtype=float)
+        return array.reshape(0, 0) if array.size == 0 and array.ndim == 1 else array
+    raise TypeError(f"expected an array, found {type(value).__name__} for {kind}")

@@ -1,0 +1,248 @@
+"""The whole story of a seal: from a relaxation test and a hammer test to one result."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError, FitError
+from dashpot.fitting.identification.identify import identify
+from dashpot.fitting.relaxation import fit
+from dashpot.fitting.uncertainty.prediction_bounds import frf_band, parameter_band, unseen_arm_band
+from dashpot.preparation.prepare import prepare
+from dashpot.records.bounds import FRFBounds, StiffnessBounds
+from dashpot.records.fit import Fit
+from dashpot.records.frf import FRF
+from dashpot.records.impact import ImpactTest
+from dashpot.records.relaxation import RampHold, RelaxationTest
+from dashpot.vibration.comparison.compare import compare
+from dashpot.vibration.comparison.comparison import Comparison
+from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness, dynamic_stiffness
+from dashpot.vibration.modal.mass import infer_mass
+from dashpot.vibration.systems.prediction import predict_frf
+
+COMPARED_ORDERS = (1, 2)
+"""The numbers of arms that the paper's Fig. 4 compares."""
+
+STIFFNESS_LINES = np.geomspace(1e-3, 100.0, 61)
+"""Where the unseen-arm band is drawn, Hz: from the hold to past the hammer."""
+
+
+BAND_LINES, PEAK_LINES = 121, 181
+"""Lines of the predicted FRF's limits: over the whole band, and about the peak."""
+
+
+@dataclass(frozen=True)
+class Study:
+    """Everything the main job found, as values: what the report shows.
+
+    Attributes
+    ----------
+    test, prepared : RelaxationTest, RampHold
+        The relaxation test as recorded and as fitted.
+    fit : Fit
+        The chosen solid of one seal.
+    alternatives : tuple of Fit
+        The fits with one and with two arms, as in the paper's Fig. 4.
+    hold_fit : Fit or None
+        The same number of arms by the paper's eq. (5) on the hold alone; None if refused.
+    seals : float
+        How many such seals (or how many times the tested length) carry the mass.
+    mass : float or None
+        kg; None if neither given nor inferred.
+    mass_inferred : bool
+        True if the mass was taken from the measured FRF, so that the frequency proves nothing.
+    prediction : FRF or None
+        Accelerance of the mass on the seals.
+    impact : ImpactTest or None
+    measured : FRF or None
+        The FRF of the impact test.
+    comparison : Comparison or None
+    joint : Fit or None
+        Relaxation and FRF fitted together.
+    joint_prediction : FRF or None
+    joint_comparison : Comparison or None
+    unseen : StiffnessBand or None
+        The widest stiffness and loss over all spectra that the relaxation test cannot reject.
+    parameters : StiffnessBand or None
+        What the standard errors of `fit` alone allow: the formal band.
+    direct : DynamicStiffness or None
+        Stiffness of one seal straight from the measured FRF, without a model of it.
+    frf_band : FRFBand or None
+        Both kinds of ignorance as limits of the predicted accelerance.
+    checks : tuple of Check
+        What only the whole story shows.
+    """
+
+    test: RelaxationTest
+    prepared: RampHold
+    fit: Fit
+    alternatives: tuple[Fit, ...]
+    hold_fit: Fit | None
+    seals: float
+    mass: float | None
+    mass_inferred: bool
+    prediction: FRF | None
+    impact: ImpactTest | None
+    measured: FRF | None
+    comparison: Comparison | None
+    joint: Fit | None = None
+    joint_prediction: FRF | None = None
+    joint_comparison: Comparison | None = None
+    unseen: StiffnessBounds | None = None
+    parameters: StiffnessBounds | None = None
+    direct: DynamicStiffness | None = None
+    frf_band: FRFBounds | None = None
+    checks: tuple[Check, ...] = ()
+
+    @property
+    def every_check(self) -> tuple[Check, ...]:
+        """The checks of the bench, of the hammer, of their comparison, and of the story."""
+        hammer = () if self.measured is None else self.measured.checks
+        held = () if self.comparison is None else self.comparison.checks
+        return (*self.fit.checks, *hammer, *held, *self.checks)
+
+
+def characterise(
+    test: RelaxationTest,
+    measured: FRF | None = None,
+    *,
+    impact: ImpactTest | None = None,
+    mass: float | None = None,
+    seals: float = 1.0,
+    arms: int | Literal["auto"] = "auto",
+    band: tuple[float, float] | None = None,
+    filter: str | None = None,
+    joint: bool = True,
+) -> Study:
+    """The main job: prepare, fit, predict, compare, and mend with a joint fit.
+
+    Parameters
+    ----------
+    test : RelaxationTest
+        One seal, ramp and hold.
+    measured : FRF, optional
+        Of a mass on the seals.
+    impact : ImpactTest, optional
+        The hits behind `measured`, kept for the report.
+    mass : float, optional
+        kg; inferred from `measured`, and labelled so, if missing.
+    seals : float
+        How many of the tested seals carry the mass; a fraction is a shorter piece.
+    arms, filter
+        As in :func:`~dashpot.fitting.relaxation.fit` and
+        :func:`~dashpot.preparation.prepare.prepare`.
+    band : (float, float), optional
+        Lines to compare, Hz.
+    joint : bool
+        Whether to fit relaxation and FRF together, too.
+
+    Raises
+    ------
+    DataError, FitError
+        If a test cannot be prepared, fitted or compared.
+    """
+    prepared = prepare(test, filter=filter)
+    chosen = fit(prepared, arms=arms)
+    weighed = mass
+    if mass is None and measured is not None:
+        mass, _ = infer_mass(seals * chosen.model, measured)
+    prediction = comparison = None
+    if mass is not None:
+        prediction, comparison = _predicted(
+            chosen, measured, mass=mass, seals=seals, band=band, depth=prepared.depth
+        )
+    both = mended = agreement = None
+    if joint and measured is not None and mass is not None:
+        both = identify(
+            measured, tests=[prepared], fit=chosen, mass=weighed, seals=seals, band=band
+        )
+        mended, agreement = _predicted(
+            both, measured, mass=_mass_of(both, mass), seals=seals, band=band, depth=prepared.depth
+        )
+    hold_fit, checks = _by_the_paper(prepared, chosen)
+    return Study(
+        test=test,
+        prepared=prepared,
+        fit=chosen,
+        alternatives=tuple(
+            chosen if chosen.model.arms == n else fit(prepared, arms=n) for n in COMPARED_ORDERS
+        ),
+        hold_fit=hold_fit,
+        seals=seals,
+        mass=mass,
+        mass_inferred=weighed is None and mass is not None,
+        prediction=prediction,
+        impact=impact,
+        measured=measured,
+        comparison=comparison,
+        joint=both,
+        joint_prediction=mended,
+        joint_comparison=agreement,
+        unseen=unseen_arm_band(chosen, prepared, STIFFNESS_LINES),
+        parameters=parameter_band(chosen, STIFFNESS_LINES),
+        direct=None
+        if measured is None or mass is None
+        else dynamic_stiffness(measured, mass, seals=seals, band=band),
+        frf_band=None
+        if mass is None
+        else _prediction_bounds(chosen, prepared, measured, mass, seals),
+        checks=checks,
+    )
+
+
+def _predicted(
+    found: Fit,
+    measured: FRF | None,
+    *,
+    mass: float,
+    seals: float,
+    band: tuple[float, float] | None,
+    depth: float,
+) -> tuple[FRF, Comparison | None]:
+    """Return the FRF that a fit predicts, on the measured lines if there are any."""
+    solid = seals * found.model
+    if measured is None:
+        return predict_frf(solid, mass=mass, frequency=_lines(solid.k_0, mass)), None
+    prediction = predict_frf(
+        solid, mass=mass, frequency=measured.frequency, kind=measured.kind, shift=measured.shift
+    )
+    return prediction, compare(
+        prediction, measured, fit=found, mass=mass, seals=seals, band=band, depth=depth
+    )
+
+
+def _prediction_bounds(
+    chosen: Fit, prepared: RampHold, measured: FRF | None, mass: float, seals: float
+) -> FRFBounds:
+    """Return the limits of the predicted FRF around its peak, by both kinds of ignorance."""
+    low, high = _lines(seals * chosen.model.k_0, mass)[[0, -1]]
+    if measured is not None:
+        low, high = max(low, measured.frequency[0]), min(high, measured.frequency[-1])
+    top = np.sqrt(seals * chosen.model.k_0 / mass) / (2 * np.pi)
+    near = np.geomspace(max(low, 0.75 * top), min(high, 1.3 * top), PEAK_LINES)
+    lines = np.union1d(np.geomspace(low, high, BAND_LINES), near if near[0] < near[-1] else ())
+    return frf_band(chosen, prepared, mass=mass, frequency=lines, seals=seals)
+
+
+def _lines(stiffness: float, mass: float) -> FloatArray:
+    """Return lines from a tenth to ten times the highest frequency the peak can have."""
+    top = np.sqrt(stiffness / mass) / (2 * np.pi)
+    return np.geomspace(top / 10, top * 10, 4001)
+
+
+def _mass_of(joint: Fit, mass: float) -> float:
+    """Return the mass that the joint fit settled on."""
+    return next((item.value for item in joint.nuisance if item.name == "mass"), mass)
+
+
+def _by_the_paper(prepared: RampHold, chosen: Fit) -> tuple[Fit | None, tuple[Check, ...]]:
+    """Return the fit of the paper's eq. (5), or the reason why this record does not allow it."""
+    try:
+        return fit(prepared, arms=chosen.model.arms, method="hold"), ()
+    except (DataError, FitError) as error:
+        return None, (Check("hold_fit_possible", False, f"eq. (5) cannot be fitted: {error}"),)

@@ -1,0 +1,99 @@
+"""Numbers carry no more digits than are known."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dashpot.base.numbers import (
+    decibels,
+    duration,
+    interval,
+    percent,
+    readable,
+    rounded,
+    shorter,
+    symbol,
+    with_error,
+    words,
+)
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "text"),
+    [
+        (0.1965, 0.00012, "0.19650"),
+        (0.1965, 0.012, "0.197"),
+        (196.5, 12.0, "196"),
+        (19654.0, 1234.0, "19700"),
+        (0.0, 0.01, "0.000"),
+        (-0.25, 0.012, "−0.250"),
+        (12.70975, None, "12.7"),
+        (0.00886863, None, "0.00887"),
+        (1083.79, None, "1084"),
+        (2.5e-7, None, "2.50·10⁻⁷"),
+        (0.0, None, "0"),
+        (math.inf, None, "∞"),
+        (-math.inf, None, "−∞"),
+        (math.nan, None, "unknown"),
+        (1.5, math.inf, "1.50"),
+        (1.5, 0.0, "1.50"),
+    ],
+)
+def test_rounding(value, error, text):
+    assert rounded(value, error) == text
+
+
+@given(st.floats(1e-6, 1e6), st.floats(1e-6, 1.0))
+def test_rounding_never_moves_a_value_by_more_than_a_tenth_of_its_error(value, relative):
+    error = relative * value
+    raised = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
+    shown = float(rounded(value, error).replace("·10", "e").translate(raised))
+    assert abs(shown - value) <= 0.051 * error + 1e-9 * value
+
+
+def test_uncertainty_in_words():
+    assert with_error(0.1965, 0.00012) == "0.19650 ± 0.00012"
+    assert with_error(0.1965, math.inf) == "0.197, not identified"
+    assert with_error(0.1965, math.nan) == "0.1965"
+    assert with_error(0.1965, 0.0) == "0.197, held"
+    assert interval(0.19621, 0.19679) == "0.19621 to 0.19679"
+    assert interval(0.0, math.inf) == "above 0"
+    assert interval(-math.inf, 2.0) == "below 2.00"
+    assert interval(-math.inf, math.inf) == "not bounded"
+
+
+def test_differences_carry_their_sign():
+    assert percent(0.0123) == "+1.2 %"
+    assert percent(-0.62) == "−62 %"
+    assert percent(0.00001) == "0.00 %"
+    assert percent(math.inf) == "unknown"
+    assert decibels(14.46) == "+14.5 dB"
+    assert decibels(-0.04) == "0.0 dB"
+    assert decibels(-3.0) == "−3.0 dB"
+
+
+def test_times_below_a_second_are_milliseconds():
+    assert duration(0.0125) == "12.5 ms"
+    assert duration(0.9999) == "1.00 s"
+    assert duration(16.4) == "16.4 s"
+
+
+def test_parameters_are_written_as_printed():
+    assert symbol("ln_tau_12") == "ln τ₁₂"
+    assert symbol("k_inf") == "k∞"
+    assert symbol("b_1") == "b₁"
+    assert readable("tau_1 and k_inf, not tau_x nor sk_1; tau = 2 s") == (
+        "τ₁ and k∞, not tau_x nor sk_1; τ = 2 s"
+    )
+    assert words("tau_inside_window") == "τ inside window"
+    assert words("k_inf_positive") == "k∞ positive"
+
+
+def test_long_numbers_in_steps_are_shortened_and_words_are_not():
+    assert shorter("1.5264523502809903") == "1.52645"
+    assert shorter("0.25") == "0.25"
+    assert shorter("lowpass:10.0000Hz") == "lowpass:10.0000Hz"

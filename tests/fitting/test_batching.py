@@ -1,0 +1,89 @@
+"""Thousands of records in one call: the single fit's result, and a status for each."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from dashpot.base.errors import DataError, FitError
+from dashpot.fitting.fit_many import fit_many
+from dashpot.records.fit import Status
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+TIME = np.arange(4101) / 100
+X = 8e-3 * np.minimum(TIME, 1.0)
+SEALS = [
+    GeneralizedMaxwell(196.5 * s, k=(117.5, 17.8 * s), tau=(0.5021 * s, 16.416)) for s in (1, 1.3)
+]
+
+
+def forces(history: str) -> np.ndarray:
+    generator = np.random.default_rng(4)
+    clean = [
+        seal.ramp_hold_force(TIME, depth=8e-3, ramp_time=1.0)
+        if history == "ideal"
+        else seal.force(TIME, X)
+        for seal in SEALS
+    ]
+    return np.array(clean) + 1e-3 * generator.standard_normal((2, len(TIME)))
+
+
+@pytest.mark.parametrize("method", ["full", "hold"])
+@pytest.mark.parametrize("history", ["ideal", "recorded"])
+def test_every_seal_comes_back(history: str, method: str) -> None:
+    choice = {"ramp": (8e-3, 1.0)} if history == "ideal" else {"displacement": X}
+    many = fit_many(TIME, forces(history), arms=2, method=method, **choice)
+    assert len(many) == 2
+    assert many.status == (Status.CONVERGED, Status.CONVERGED)
+    for row, seal in enumerate(SEALS):
+        np.testing.assert_allclose(many.k[row], seal.k, rtol=0.03)
+        np.testing.assert_allclose(many.tau[row], seal.tau, rtol=0.03)
+        assert many.k_inf[row] == pytest.approx(seal.k_inf, rel=2e-3)
+        assert many.sse[row] == pytest.approx(1e-6 * len(TIME), rel=0.1)
+
+
+def test_a_jittered_clock_goes_record_by_record() -> None:
+    time = TIME + np.where(TIME > 0, 1e-3 * np.random.default_rng(0).uniform(-1, 1, len(TIME)), 0)
+    x = 8e-3 * np.minimum(time, 1.0)
+    data = np.array([SEALS[0].force(time, x)])[:, :2000]
+    data = data + 1e-4 * np.random.default_rng(1).standard_normal(data.shape)
+    many = fit_many(time[:2000], data, displacement=x[:2000], arms=1)
+    assert many.status == (Status.CONVERGED,)
+
+
+def test_each_failure_has_its_status() -> None:
+    data = np.vstack([forces("recorded"), forces("recorded"), forces("recorded")])
+    data[1, 3] = np.inf
+    data[2] = 0.0
+    data[3] = 100.0 * X
+    data[4] = -data[4]
+    many = fit_many(TIME, data, displacement=X, arms=2)
+    assert [status.name for status in many.status] == [
+        "CONVERGED",
+        "NO_DATA",
+        "FEWER_ARMS",
+        "FEWER_ARMS",
+        "FEWER_ARMS",
+        "CONVERGED",
+    ]
+    assert np.isnan(many.k_inf[1])
+    assert many.k_inf[3] == pytest.approx(100.0)
+    assert np.isnan(many.k[3]).all()
+
+
+def test_refusals_say_what_was_expected() -> None:
+    data = forces("ideal")
+    with pytest.raises(DataError, match="one column per time"):
+        fit_many(TIME[:-1], data, ramp=(8e-3, 1.0))
+    with pytest.raises(DataError, match="the history must be given once"):
+        fit_many(TIME, data)
+    with pytest.raises(DataError, match="the history must be given once"):
+        fit_many(TIME, data, displacement=X, ramp=(8e-3, 1.0))
+    with pytest.raises(DataError, match="depth > 0"):
+        fit_many(TIME, data, ramp=(0.0, 1.0))
+    with pytest.raises(DataError, match="never positive"):
+        fit_many(TIME, data, displacement=-X)
+    with pytest.raises(DataError, match="displacement has"):
+        fit_many(TIME, data, displacement=X[1:])
+    with pytest.raises(FitError, match="at least one"):
+        fit_many(TIME, data, displacement=X, arms=0)

@@ -1,0 +1,447 @@
+"""From a prepared test to a solid: the paper's numbers, laws, intervals, refusals."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from dashpot.base.errors import DataError, FitError
+from dashpot.fitting.relaxation import fit
+from dashpot.fitting.uncertainty.bootstrap import bootstrap
+from dashpot.records.fit import Fit, Status
+from dashpot.records.relaxation import RampHold, RelaxationTest
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+TRUTH = (196.5, 117.5, 17.8, 59.0 / 117.5, 292.2 / 17.8)
+
+
+def ideal(
+    seal: GeneralizedMaxwell,
+    *,
+    rate: float = 100.0,
+    ramp: float = 1.0,
+    hold: float = 40.0,
+    baseline: float = 0.0,
+    depth: float = 8e-3,
+    noise: float = 0.0,
+    seed: int = 0,
+) -> RampHold:
+    """A perfect ramp and hold, the force with white noise of this standard deviation."""
+    t = np.arange(-round(baseline * rate), round((ramp + hold) * rate) + 1) / rate
+    force = seal.ramp_hold_force(t, depth=depth, ramp_time=ramp)
+    force = force + noise * np.random.default_rng(seed).standard_normal(len(t))
+    return RampHold(
+        time=t,
+        displacement=depth * np.clip(t / ramp, 0.0, 1.0),
+        force=force,
+        onset=0.0,
+        ramp_end=ramp,
+        hold_end=ramp + hold,
+        depth=depth,
+        force_noise=noise,
+    )
+
+
+def five(model: GeneralizedMaxwell) -> tuple[float, ...]:
+    return (model.k_inf, *model.k, *model.tau)
+
+
+def five_errors(found: Fit) -> np.ndarray:
+    error = found.standard_error
+    return np.array([error["k_inf"], *error["k"], *error["tau"]])
+
+
+# -- the paper ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("method", ["full", "hold"])
+@pytest.mark.parametrize("arms", ["auto", 2])
+def test_table_1_comes_back_exactly(
+    paper_seal: GeneralizedMaxwell, method: str, arms: int | str
+) -> None:
+    found = fit(ideal(paper_seal), arms=arms, method=method)  # type: ignore[arg-type]
+    assert five(found.model) == pytest.approx(TRUTH, rel=1e-6)
+    assert found.status is Status.CONVERGED
+    assert found.certificate is not None
+    assert found.residual.rms < 1e-9
+
+
+def test_one_arm_on_the_hold_as_the_paper_compares(paper_seal: GeneralizedMaxwell) -> None:
+    found = fit(ideal(paper_seal), arms=1, method="hold")
+    assert found.model.k_inf == pytest.approx(200.5, abs=0.05)
+    assert found.model.k[0] == pytest.approx(35.2, abs=0.05)
+    assert found.model.tau[0] == pytest.approx(4.015, abs=0.0015)
+    assert found.model.arm_b[0] == pytest.approx(141.5, abs=0.05)
+
+
+def test_one_arm_on_the_full_history(paper_seal: GeneralizedMaxwell) -> None:
+    found = fit(ideal(paper_seal, rate=1000.0), arms=1, nuisance=())
+    assert found.model.k_inf == pytest.approx(202.2, abs=0.05)
+    assert found.model.k[0] == pytest.approx(96.2, abs=0.05)
+    assert found.model.tau[0] == pytest.approx(0.986, abs=0.0005)
+    assert found.nuisance == ()
+
+
+def test_every_order_is_kept_for_the_comparison(paper_seal: GeneralizedMaxwell) -> None:
+    found = fit(ideal(paper_seal, noise=5e-3), arms=2, method="hold")
+    assert [order.arms for order in found.orders] == [0, 1, 2]
+    assert found.orders[1].model.tau[0] == pytest.approx(4.0, abs=0.3)
+    assert found.orders[2].model == found.model
+    assert found.orders[2].sse < found.orders[1].sse < found.orders[0].sse
+    assert found.residual.sse == pytest.approx(found.orders[2].sse, rel=1e-9)
+
+
+def test_the_full_history_knows_fast_arms_twice_as_well(paper_seal: GeneralizedMaxwell) -> None:
+    test = ideal(paper_seal, noise=5e-3, seed=3)
+    full = fit(test, arms=2, nuisance=()).standard_error
+    hold = fit(test, arms=2, method="hold").standard_error
+    assert 100 * hold["k"][0] / 117.5 == pytest.approx(0.65, abs=0.05)
+    assert 100 * full["k"][0] / 117.5 == pytest.approx(0.28, abs=0.05)
+    assert 100 * hold["tau"][0] / 0.502 == pytest.approx(0.60, abs=0.05)
+    assert 100 * full["tau"][0] / 0.502 == pytest.approx(0.39, abs=0.05)
+
+
+def test_eq_5_does_not_overflow_for_fast_arms() -> None:
+    """Printed as in the paper, exp(c/tau) of this arm is exp(2000)."""
+    fast = GeneralizedMaxwell(200.0, (300.0, 50.0), (5e-4, 2.0))
+    found = fit(ideal(fast, rate=10_000.0, hold=10.0), arms=1, method="hold")
+    assert found.model.tau[0] == pytest.approx(2.0, rel=1e-3)
+
+
+# -- order ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_two_arms_are_chosen_with_5_mn_noise(paper_seal: GeneralizedMaxwell, seed: int) -> None:
+    found = fit(ideal(paper_seal, noise=5e-3, seed=seed))
+    assert found.model.arms == 2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("method", ["full", "hold"])
+def test_two_arms_are_chosen_in_95_of_100_seeds(
+    paper_seal: GeneralizedMaxwell, method: str
+) -> None:
+    chosen = [
+        fit(ideal(paper_seal, noise=5e-3, seed=seed), method=method).model.arms  # type: ignore[arg-type]
+        for seed in range(100)
+    ]
+    assert chosen.count(2) >= 95
+
+
+@pytest.mark.parametrize("method", ["full", "hold"])
+@pytest.mark.parametrize("tau", [0.05, 0.5, 3.0, 16.0])
+def test_a_noise_free_arm_never_grows_a_junk_arm(tau: float, method: str) -> None:
+    seal = GeneralizedMaxwell(196.5, (50.0,), (tau,))
+    found = fit(ideal(seal), method=method)  # type: ignore[arg-type]
+    assert found.model.arms == 1
+    assert found.model.tau[0] == pytest.approx(tau, rel=1e-6)
+    again = fit(ideal(seal), arms=2, method=method)  # type: ignore[arg-type]
+    assert again.status is not Status.CONVERGED
+
+
+@pytest.mark.parametrize("noise", [0.0, 5e-3])
+@pytest.mark.parametrize("arms", ["auto", 0])
+def test_a_spring_is_a_model(noise: float, arms: int | str) -> None:
+    found = fit(ideal(GeneralizedMaxwell(150.0), noise=noise), arms=arms)  # type: ignore[arg-type]
+    assert found.model.arms == 0
+    assert found.model.k_inf == pytest.approx(150.0, rel=1e-8 if noise == 0 else 1e-3)
+    assert found.parameters == ("k_inf",)
+    assert found.status is Status.CONVERGED
+    assert found.intervals()["k"] == ()
+    low, high = found.intervals()["k_inf"]
+    assert low <= 150.0 * (1 + 1e-9)
+    assert high >= 150.0 * (1 - 1e-9)
+
+
+def test_more_arms_than_the_data_hold_are_not_converged(paper_seal: GeneralizedMaxwell) -> None:
+    found = fit(ideal(paper_seal, noise=5e-3), arms=5)
+    assert found.status is not Status.CONVERGED
+    assert not found.ok
+
+
+# -- laws -----------------------------------------------------------------------------------------
+
+
+@settings(max_examples=15, deadline=None)
+@given(
+    k_inf=st.floats(10.0, 500.0),
+    k=st.floats(10.0, 300.0),
+    tau=st.floats(0.1, 8.0),
+    depth=st.floats(1e-3, 2e-2),
+)
+def test_a_noise_free_seal_comes_back(k_inf: float, k: float, tau: float, depth: float) -> None:
+    seal = GeneralizedMaxwell(k_inf, (k,), (tau,))
+    found = fit(ideal(seal, depth=depth, rate=50.0), arms=1)
+    assert five(found.model) == pytest.approx(five(seal), rel=1e-5)
+
+
+@settings(max_examples=8, deadline=None)
+@given(st.floats(0.1, 10.0), st.floats(0.01, 100.0))
+def test_units_of_force_and_time_scale_through(force: float, slow: float) -> None:
+    seal = GeneralizedMaxwell(196.5, (117.5, 17.8), TRUTH[3:])
+    test = ideal(seal, noise=5e-3, rate=20.0)
+    scaled = replace(
+        test,
+        force=force * test.force,
+        time=slow * test.time,
+        ramp_end=slow * test.ramp_end,
+        hold_end=slow * test.hold_end,
+    )
+    one, other = fit(test, arms=2), fit(scaled, arms=2)
+    np.testing.assert_allclose(other.model.k, force * np.array(one.model.k), rtol=1e-5)
+    np.testing.assert_allclose(other.model.tau, slow * np.array(one.model.tau), rtol=1e-5)
+    np.testing.assert_allclose(five_errors(other)[1:3], force * five_errors(one)[1:3], rtol=1e-3)
+
+
+def test_tare_and_drift_are_found_and_do_no_harm(paper_seal: GeneralizedMaxwell) -> None:
+    test = ideal(paper_seal, baseline=2.0)
+    moved = replace(test, force=test.force + 0.05 + 2e-4 * (test.time - test.time[0]))
+    found = fit(moved, arms=2)
+    assert five(found.model) == pytest.approx(TRUTH, rel=1e-6)
+    offset, drift = found.nuisance
+    assert (offset.name, offset.unit) == ("offset", "N")
+    assert offset.value == pytest.approx(0.05, rel=1e-6)
+    assert (drift.name, drift.unit) == ("drift", "N/s")
+    assert drift.value == pytest.approx(2e-4, rel=1e-6)
+    assert drift.standard_error >= 0.0
+
+
+def test_uneven_sampling_changes_nothing(paper_seal: GeneralizedMaxwell) -> None:
+    even = ideal(paper_seal)
+    late = np.geomspace(1.0, 41.0, 300)
+    t = np.unique(np.concatenate((np.linspace(-0.5, 1.0, 121), late)))
+    noise_gain_differs = replace(
+        even,
+        time=t,
+        displacement=8e-3 * np.clip(t, 0.0, 1.0),
+        force=paper_seal.ramp_hold_force(t, depth=8e-3, ramp_time=1.0),
+    )
+    assert five(fit(noise_gain_differs, arms=2).model) == pytest.approx(TRUTH, rel=1e-6)
+    assert five(fit(noise_gain_differs, arms=2, method="hold").model) == pytest.approx(
+        TRUTH, rel=1e-6
+    )
+
+
+def test_rounded_time_stamps_are_an_even_clock(paper_seal: GeneralizedMaxwell) -> None:
+    test = ideal(paper_seal, rate=300.0, noise=5e-3)
+    rounded = replace(test, time=np.round(test.time, 5))
+    one, other = fit(test, arms=2), fit(rounded, arms=2)
+    assert five(other.model) == pytest.approx(five(one.model), rel=1e-5)
+    jittered = replace(test, time=test.time + 1e-3 * np.sin(1e4 * test.time))
+    assert five(fit(jittered, arms=2).model) != pytest.approx(five(one.model), rel=1e-5)
+
+
+def test_any_motion_is_fitted_in_full(paper_seal: GeneralizedMaxwell) -> None:
+    """Two ramps, a creeping plate and a wobble: the recorded motion is the input."""
+    t = np.arange(0, 4001) / 100.0
+    x = 4e-3 * np.clip(t, 0, 1) + 4e-3 * np.clip(t - 10, 0, 1) + 2e-5 * t + 1e-4 * np.sin(t)
+    test = RampHold(t, x, paper_seal.force(t, x), 0.0, 1.0, 40.0, 8e-3)
+    found = fit(test, arms=2)
+    assert five(found.model) == pytest.approx(TRUTH, rel=1e-6)
+    with pytest.raises(
+        FitError, match=r"no single ramp and hold; eq\. 5 does not apply: use method"
+    ):
+        fit(test, arms=2, method="hold")
+
+
+def test_several_tests_share_one_solid(paper_seal: GeneralizedMaxwell) -> None:
+    slow = ideal(paper_seal, ramp=10.0, noise=5e-3, seed=1)
+    fast = ideal(paper_seal, ramp=0.1, depth=4e-3, noise=5e-3, seed=2)
+    both = fit([slow, fast], arms=2)
+    errors = five_errors(both)
+    assert np.all(np.abs(np.subtract(five(both.model), TRUTH)) < 4 * errors)
+    for one in (slow, fast):
+        assert np.all(errors < five_errors(fit(one, arms=2)))
+    assert [nuisance.name for nuisance in both.nuisance] == [
+        "offset of test 1", "drift of test 1", "offset of test 2", "drift of test 2",
+    ]  # fmt: skip
+
+
+def test_same_input_same_output(paper_seal: GeneralizedMaxwell) -> None:
+    test = ideal(paper_seal, noise=5e-3)
+    assert fit(test) == fit(test)
+    assert fit(test, arms=2, thorough=True) == fit(test, arms=2, thorough=True)
+
+
+# -- intervals ------------------------------------------------------------------------------------
+
+
+def test_intervals_are_asymmetric_in_tau_and_widen_with_level(
+    paper_seal: GeneralizedMaxwell,
+) -> None:
+    found = fit(ideal(paper_seal, noise=5e-3), arms=2, method="hold")
+    assert found.profiles == ()
+    narrow, wide = found.intervals(0.68), found.intervals(0.99)
+    for tau, (low, high), (lower, higher) in zip(
+        found.model.tau, narrow["tau"], wide["tau"], strict=True
+    ):
+        assert lower < low < tau < high < higher
+        assert high * low == pytest.approx(tau**2, rel=1e-12)
+    for b, (low, high) in zip(found.model.arm_b, narrow["b"], strict=True):
+        assert low < b < high
+    with pytest.raises(DataError, match="level = 95"):
+        found.intervals(95)
+
+
+def test_b_is_known_better_than_k_for_an_arm_inside_the_ramp() -> None:
+    seal = GeneralizedMaxwell(196.5, (80.0, 20.0), (0.03, 5.0))
+    found = fit(ideal(seal, rate=1000.0, noise=5e-3), arms=2)
+    error = found.standard_error
+    assert error["b"][0] / found.model.arm_b[0] < 0.3 * error["k"][0] / found.model.k[0]
+    assert not {check.name: check for check in found.checks}["fast_arm_visible"].passed
+
+
+def test_a_doubtful_arm_gets_a_profile() -> None:
+    seal = GeneralizedMaxwell(196.5, (50.0,), (150.0,))
+    found = fit(ideal(seal, noise=5e-3, seed=1), arms=1)
+    assert {profile.parameter for profile in found.profiles} == {
+        "k_inf", "k_1", "ln_tau_1", "ln_b_1",
+    }  # fmt: skip
+    for profile in found.profiles:
+        assert np.all(np.diff(profile.value) > 0)
+        assert profile.deviance.min() == 0.0
+    bounds = found.intervals(0.95)
+    (low, high), (k_low, k_high) = bounds["tau"][0], bounds["k"][0]
+    assert low < 150.0 < high
+    assert k_low < 50.0 < k_high
+    assert high / found.model.tau[0] > found.model.tau[0] / low  # the slow side is the open one
+
+
+def test_profile_and_covariance_agree_where_both_hold() -> None:
+    from dashpot.fitting.uncertainty import profile_intervals as module
+
+    seal = GeneralizedMaxwell(196.5, (50.0,), (3.0,))
+    test = ideal(seal, noise=5e-3, seed=2)
+    wald = fit(test, arms=1).intervals()
+    before = module.WALD_SUFFICES
+    try:
+        module.WALD_SUFFICES = 0.0
+        profiled = fit(test, arms=1)
+    finally:
+        module.WALD_SUFFICES = before
+    assert len(profiled.profiles) == 4
+    bounds = profiled.intervals()
+    np.testing.assert_allclose(bounds["tau"][0], wald["tau"][0], rtol=1e-3)
+    np.testing.assert_allclose(bounds["k"][0], wald["k"][0], rtol=1e-3)
+    np.testing.assert_allclose(bounds["b"][0], wald["b"][0], rtol=1e-3)
+    np.testing.assert_allclose(bounds["k_inf"], wald["k_inf"], rtol=1e-3)
+
+
+def test_the_bootstrap_agrees_with_the_covariance(paper_seal: GeneralizedMaxwell) -> None:
+    test = ideal(paper_seal, rate=20.0, noise=5e-3, baseline=2.0)
+    found = fit(test, arms=2)
+    drawn = bootstrap(test, found, repeats=120, seed=1)
+    assert drawn == bootstrap(test, found, repeats=120, seed=1)
+    assert drawn.parameters == ("k_inf", "k_1", "k_2", "tau_1", "tau_2")
+    np.testing.assert_allclose(drawn.standard_error(), five_errors(found), rtol=0.3)
+    low, high = drawn.intervals(0.95).T
+    assert np.all((low < five(found.model)) & (five(found.model) < high))
+    with pytest.raises(FitError, match="repeats = 1; a spread needs at least 2"):
+        bootstrap(test, found, repeats=1)
+
+
+# -- the band -------------------------------------------------------------------------------------
+
+
+def test_the_paper_test_informs_its_band(paper_seal: GeneralizedMaxwell) -> None:
+    low, high = fit(ideal(paper_seal, rate=1000.0, noise=5e-3, baseline=1.0), arms=2).band
+    assert low == pytest.approx(0.004, rel=0.3)
+    assert high == pytest.approx(0.32, rel=0.05)
+
+
+def test_noise_and_slow_sampling_narrow_the_band(paper_seal: GeneralizedMaxwell) -> None:
+    clean = fit(ideal(paper_seal, ramp=0.1, noise=2e-3), arms=2).band
+    noisy = fit(ideal(paper_seal, ramp=0.1, noise=0.5), arms=1).band
+    assert noisy[1] < 0.5 * clean[1]
+    assert noisy[0] > clean[0]
+    coarse = fit(ideal(paper_seal, ramp=0.1, rate=4.0, noise=2e-3), arms=2).band
+    assert coarse[1] < clean[1]
+
+
+def test_a_longer_hold_and_a_faster_ramp_widen_the_band(paper_seal: GeneralizedMaxwell) -> None:
+    usual = fit(ideal(paper_seal, noise=2e-3), arms=2).band
+    assert fit(ideal(paper_seal, hold=160.0, noise=2e-3), arms=2).band[0] < 0.5 * usual[0]
+    assert fit(ideal(paper_seal, ramp=0.1, noise=2e-3), arms=2).band[1] > 2 * usual[1]
+
+
+# -- refusals -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        ({"arms": -1}, r'arms = -1; expected "auto" or a whole number of arms'),
+        ({"arms": 1.5}, r'arms = 1.5; expected "auto" or a whole number'),
+        ({"arms": "two"}, r"arms = 'two'; expected \"auto\""),
+        ({"arms": True}, r"arms = True; expected"),
+        ({"max_arms": -2}, r"max_arms = -2; expected a whole number >= 0"),
+        ({"method": "lsq"}, r'method = \'lsq\'; expected "full" .* or "hold"'),
+        ({"nuisance": ("tilt",)}, r"nuisance = \('tilt',\); expected a tuple of names"),
+        ({"nuisance": "drift"}, r"nuisance = 'drift'; expected a tuple"),
+    ],
+)
+def test_options_that_make_no_sense(
+    paper_seal: GeneralizedMaxwell, options: dict[str, object], sentence: str
+) -> None:
+    with pytest.raises(FitError, match=sentence):
+        fit(ideal(paper_seal, hold=5.0), **options)  # type: ignore[arg-type]
+
+
+def test_an_unprepared_test_is_refused(paper_seal: GeneralizedMaxwell) -> None:
+    test = ideal(paper_seal)
+    raw = RelaxationTest(test.time, test.displacement, test.force)
+    with pytest.raises(FitError, match=r"found a RelaxationTest; call prepare\(test\)"):
+        fit([raw])  # type: ignore[list-item]
+    with pytest.raises(FitError, match="there is no test to fit"):
+        fit([])
+
+
+def test_too_few_samples_for_the_arms(paper_seal: GeneralizedMaxwell) -> None:
+    test = ideal(paper_seal, rate=1.0, hold=9.0)
+    with pytest.raises(FitError, match="samples cannot determine"):
+        fit(test, arms=6)
+
+
+def test_auto_tries_no_more_than_a_short_record_can_determine(
+    paper_seal: GeneralizedMaxwell,
+) -> None:
+    for hold in (7.0, 9.0, 12.0):
+        found = fit(ideal(paper_seal, rate=1.0, hold=hold))
+        assert len(found.orders) <= 1 + (found.residual.n - 4) // 2
+    dense = fit(ideal(paper_seal, rate=1.0, hold=12.0), arms=5)
+    assert dense.status is not Status.CONVERGED
+
+
+def test_eq_5_is_refused_on_a_hold_that_drifts(paper_seal: GeneralizedMaxwell) -> None:
+    test = ideal(paper_seal)
+    creeping = replace(test, displacement=test.displacement * (1 + 5e-4 * test.time.clip(0)))
+    with pytest.raises(FitError, match=r"drifts by .* use method='full', which takes the recorded"):
+        fit(creeping, method="hold")
+    with pytest.raises(FitError, match="test 2 of 2: the displacement drifts"):
+        fit([test, creeping], method="hold")
+
+
+def test_the_fit_path_loads_no_scipy() -> None:
+    code = """
+import sys
+import numpy as np
+from dashpot.records.relaxation import RampHold
+from dashpot.fitting.relaxation import fit
+from dashpot.solids.maxwell import GeneralizedMaxwell
+t = np.arange(0, 1001) / 50.0
+x = 8e-3 * np.clip(t, 0, 1)
+force = GeneralizedMaxwell(196.5, (117.5,), (0.5,)).force(t, x)
+force += 5e-3 * np.random.default_rng(0).standard_normal(len(t))
+found = fit(RampHold(t, x, force, 0.0, 1.0, 20.0, 8e-3))
+found.intervals(); found.standard_error
+heavy = {"scipy", "matplotlib", "pandas", "jinja2", "h5py"} & set(sys.modules)
+assert not heavy, heavy
+"""
+    subprocess.run([sys.executable, "-c", code], check=True)

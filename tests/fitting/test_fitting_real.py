@@ -1,0 +1,105 @@
+"""Fits of real records: muscle at four ramp times, an AFM hold that creeps."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from dashpot.base.errors import FitError
+from dashpot.fitting.relaxation import fit
+from dashpot.records.fit import Status
+from dashpot.records.relaxation import RampHold
+
+RAMPS = (0.1, 1.0, 10.0, 100.0)
+
+
+def titin(folder: Path, ramp: float) -> RampHold:
+    """Stretch from 0.95 to 1.175 in `ramp` seconds from t = 2 s; units not stated, taken as SI."""
+    path = folder / "titin-ramp-hold" / f"AvgRelaxed_{ramp:g}s.csv"
+    time, length, force = np.loadtxt(path, delimiter=",", skiprows=1, usecols=(0, 1, 2)).T
+    stretch = length - length[0]
+    end = 2.0 + ramp
+    depth = float(stretch[time >= end].mean())
+    return RampHold(time, stretch, force, 2.0, end, float(time[-1]), depth)
+
+
+def test_one_model_from_the_1_s_ramp_predicts_the_other_peaks(shared_data: Path) -> None:
+    tests = {ramp: titin(shared_data, ramp) for ramp in RAMPS}
+    found = fit(tests[1.0], method="hold")
+    assert found.status is Status.CONVERGED
+    assert found.model.arms == 2
+    # the same hold read as if the stretch had been a step at the end of the ramp
+    step = fit(replace(tests[1.0], onset=tests[1.0].ramp_end - 1e-6), arms=2, method="hold").model
+
+    def miss(force: float, peak: float) -> float:
+        return abs(float(np.log(force / peak)))
+
+    with_ramp, as_step = [], []
+    for ramp in (0.1, 10.0, 100.0):
+        test, peak = tests[ramp], float(tests[ramp].force.max())
+        forecast = found.model.ramp_hold_force(ramp, depth=test.depth, ramp_time=ramp)
+        with_ramp.append(miss(float(forecast), peak))
+        as_step.append(miss(step.k_0 * test.depth, peak))
+    assert sum(with_ramp) < 0.65 * sum(as_step)
+
+
+def test_four_ramp_times_share_relaxation_times(shared_data: Path) -> None:
+    tests = [titin(shared_data, ramp) for ramp in RAMPS]
+    found = fit(tests, arms=3, method="hold")
+    assert found.model.arms == 3
+    assert found.model.tau[0] < 1.0 < found.model.tau[-1]
+    # each ramp time sees its own decade: together they reach further than the 1 s ramp alone
+    alone = fit(tests[1], arms=2, method="hold")
+    assert found.band[1] > alone.band[1]
+
+
+def afm(folder: Path) -> RampHold:
+    """Approach and pause of the AFM record, contact where the force leaves its baseline."""
+    path = folder / "rheosafm-jpk-relaxation" / "AFM_relaxation.txt"
+    with path.open() as lines:
+        data = (line for line in lines if line.strip() and not line.startswith("#"))
+        rows = np.array([line.split() for line in islice(data, 75_800)], dtype=float)
+    position, force, time = -rows[:, 0], rows[:, 1], rows[:, 2]
+    tare = force[:200].mean()
+    scatter = float(np.diff(force[:200]).std() / np.sqrt(2))
+    contact = int(np.flatnonzero(force - tare > 8 * scatter)[0])
+    displacement = np.maximum(position - position[contact], 0.0)
+    displacement[:contact] = 0.0
+    ramp_end = float(time[799])
+    depth = float(displacement[time >= ramp_end].mean())
+    return RampHold(
+        time, displacement, force - tare, float(time[contact]), ramp_end, float(time[-1]), depth,
+        force_noise=scatter,
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def afm_test(shared_data: Path) -> RampHold:
+    return afm(shared_data)
+
+
+def test_the_afm_hold_creeps_and_eq_5_is_refused(afm_test: RampHold) -> None:
+    with pytest.raises(FitError, match=r"use method='full'"):
+        fit(afm_test, arms=1, method="hold")
+
+
+def test_the_afm_record_is_fitted_with_its_own_motion(afm_test: RampHold) -> None:
+    found = fit(afm_test, arms=2)
+    still = replace(
+        afm_test,
+        displacement=np.minimum(afm_test.displacement, afm_test.displacement[afm_test.hold.start]),
+    )
+    stopped = fit(still, arms=2)
+    assert found.residual.n == len(afm_test.time) == 75_800
+    assert found.residual.rms < 0.02 * afm_test.force.max()
+    # a plate taken to stand still turns its creep into relaxation that was not there
+    assert stopped.model.k_inf != pytest.approx(found.model.k_inf, rel=0.02)
+    check = next(check for check in found.checks if check.name == "hold_is_still")
+    assert check.passed
+    assert check.value is not None
+    assert check.value > 0.01
+    assert "recorded motion" in check.says

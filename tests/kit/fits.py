@@ -1,0 +1,38 @@
+"""Fits made by hand, laid out flat: what a test says of one, usual values for the rest."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+
+import numpy as np
+
+from dashpot.records.estimate import ParameterEstimate, Residual, parameter_names
+from dashpot.records.fit import Evidence, Fit, Provenance, Status
+from dashpot.solids.maxwell import Solid
+
+PARTS = {"estimate": ParameterEstimate, "evidence": Evidence, "provenance": Provenance}
+
+
+def a_fit(solid: Solid, *, relative: float = 0.01, **said: object) -> Fit:
+    """A fit of `solid` with equal relative errors of every parameter, or as said."""
+    model = solid.maxwell
+    sizes = relative * np.array([model.k_inf, *model.k, *np.ones(model.arms)])
+    usual = Fit(
+        solid,
+        Status.CONVERGED,
+        ParameterEstimate(
+            parameter_names(model.arms), np.diag(sizes**2), 100.0, Residual(1000, 1.0, 0.03)
+        ),
+        Evidence((0.004, 0.32)),
+        Provenance("full"),
+    )
+    return altered(usual, **said)
+
+
+def altered(fit: Fit, **said: object) -> Fit:
+    """The fit with some fields of its own or of its parts replaced."""
+    for part, kind in PARTS.items():
+        own = {one.name: said.pop(one.name) for one in fields(kind) if one.name in said}
+        if own:
+            said[part] = replace(getattr(fit, part), **own)
+    return replace(fit, **said)

@@ -1,0 +1,128 @@
+"""Ramps and holds, found in a recorded displacement."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dashpot.preparation.cycles import cycles_of
+from dashpot.preparation.ramps import ideal_ramp
+from dashpot.preparation.segments import Segment, find_segments
+
+
+def kinds(time, x) -> list[str]:
+    return [part.kind for part in find_segments(time, x)]
+
+
+def path(t, *corners):
+    return np.interp(t, [c[0] for c in corners], [c[1] for c in corners])
+
+
+T = np.arange(0, 40, 0.01)
+
+
+@pytest.mark.parametrize(
+    ("corners", "expected"),
+    [
+        (((0, 0), (1, 0), (2, 8), (40, 8)), ["hold", "load", "hold"]),
+        (((0, 0), (2, 8), (40, 8)), ["load", "hold"]),
+        (
+            ((0, 0), (1, 0), (2, 8), (30, 8), (31, 0), (40, 0)),
+            ["hold", "load", "hold", "unload", "hold"],
+        ),
+        (
+            ((0, 0), (1, 0), (2, 4), (9, 4), (10, 8), (40, 8)),
+            ["hold", "load", "hold", "load", "hold"],
+        ),
+        (((0, 0), (10, 8), (20, 0), (30, 8), (40, 0)), ["load", "unload", "load", "unload"]),
+        # a slow unloading is still a move, and a slow creep is still a hold
+        (((0, 0), (1, 0), (1.5, 8), (20, 8), (40, 2)), ["hold", "load", "hold", "unload"]),
+        (((0, 0), (1, 0), (1.5, 8), (40, 8.3)), ["hold", "load", "hold"]),
+    ],
+)
+@pytest.mark.parametrize("grain", ["exact", "counted", "noisy"])
+def test_what_was_drawn_is_found(corners, expected: list[str], grain: str):
+    x = path(T, *corners)
+    if grain == "counted":
+        x = np.round(x / 0.02) * 0.02
+    if grain == "noisy":
+        x = x + 0.01 * np.random.default_rng(0).standard_normal(len(x))
+    assert kinds(T, x) == expected
+
+
+def test_segments_cover_the_record_without_a_gap():
+    segments = find_segments(T, path(T, (0, 0), (1, 0), (2, 8), (30, 8), (31, 3), (40, 3)))
+    assert segments[0].first == 0
+    assert segments[-1].last == len(T) - 1
+    assert all(a.last == b.first for a, b in itertools.pairwise(segments))
+
+
+def test_a_record_that_only_scatters_rests():
+    noise = np.random.default_rng(0).standard_normal(500)
+    assert kinds(np.arange(500.0), noise) == ["hold"]
+    assert kinds(np.arange(500.0), np.zeros(500)) == ["hold"]
+
+
+def test_overshoot_and_ringing_belong_to_the_hold():
+    t = T[T > 2] - 2
+    ring = 8 * (1 + 0.04 * np.exp(-3 * t) * np.cos(2 * np.pi * 5 * t))
+    x = np.concatenate((path(T[T <= 2], (0, 0), (1, 0), (2, 8)), ring))
+    assert kinds(T, x) == ["hold", "load", "hold"]
+
+
+@given(
+    start=st.floats(1.0, 5.0),
+    duration=st.floats(0.05, 5.0),
+    rate=st.sampled_from([50.0, 200.0, 1000.0]),
+    seed=st.integers(0, 5),
+)
+def test_the_corners_of_an_ideal_ramp_are_found(
+    start: float, duration: float, rate: float, seed: int
+):
+    time = np.arange(0, 30, 1 / rate)
+    x = path(time, (0, 0), (start, 0), (start + duration, 8), (30, 8))
+    x = x + 1e-3 * np.random.default_rng(seed).standard_normal(len(x))
+    cycle = cycles_of(find_segments(time, x))[0]
+    line = ideal_ramp(time, x, cycle.ramp, origin=0.0, level=8.0)
+    inside = max(0.6 * duration * rate, 2.0)
+    allowed = 4e-3 * duration / 8 * (1 + 6 / inside**0.5)
+    # a ramp of fewer than three samples is known to one sample only
+    allowed += 1 / rate if 0.6 * duration * rate < 4 else 1e-9
+    assert line.time_of(0.0) == pytest.approx(start, abs=allowed)
+    assert line.time_of(8.0) == pytest.approx(start + duration, abs=allowed)
+
+
+def test_a_ramp_of_one_step_joins_the_two_samples():
+    t = np.arange(100.0)
+    x = np.where(t >= 10, 5.0, 0.0)
+    ramp = cycles_of(find_segments(t, x))[0].ramp
+    line = ideal_ramp(t, x, ramp, origin=0.0, level=5.0)
+    assert line.time_of(0.0) == pytest.approx(9.0)
+    assert line.time_of(5.0) == pytest.approx(10.0)
+
+
+def test_a_loading_ends_where_the_plate_comes_back():
+    corners = [(0.0, 0.0)]
+    for start in (1, 13, 25):
+        corners += [(start, 0), (start + 1, 8), (start + 5, 8), (start + 6, 0)]
+    cycles = cycles_of(find_segments(T, path(T, *corners)))
+    assert len(cycles) == 3
+    assert all(cycle.moves == 1 and cycle.rest is not None for cycle in cycles)
+    assert [round(cycle.hold.duration) for cycle in cycles] == [4, 4, 4]
+
+
+def test_a_turning_point_is_no_hold():
+    assert cycles_of(find_segments(T, path(T, (0, 0), (10, 8), (10.5, 8), (20, 0), (40, 0)))) == ()
+
+
+def test_a_partial_unloading_stays_within_the_loading():
+    x = path(T, (0, 0), (1, 0), (2, 8), (10, 8), (11, 5), (40, 5))
+    (cycle,) = cycles_of(find_segments(T, x))
+    assert cycle.moves == 2
+    assert isinstance(cycle.hold, Segment)
+    assert cycle.hold.level == pytest.approx(5.0)
+    assert "unloading 10 to 11 s by -3000 mm" in cycle.words()

@@ -1,0 +1,166 @@
+"""Every noun goes to JSON and comes back the same; strangers are turned away with a sentence."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from kit.fits import a_fit
+
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError, ReadError
+from dashpot.base.provenance import Source, Step
+from dashpot.planning.plan import plan
+from dashpot.records.dynamic import DynamicTest
+from dashpot.records.estimate import Nuisance, Profile, Residual
+from dashpot.records.fit import Status
+from dashpot.records.frf import FRF, Hit
+from dashpot.records.impact import ImpactTest
+from dashpot.records.relaxation import RampHold, RelaxationTest
+from dashpot.records.specimen import Specimen
+from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.vibration.comparison.compare import compare
+from dashpot.vibration.systems.prediction import predict_frf
+from dashpot.workflow.archive import from_json, to_json
+from dashpot.workflow.job import Job
+
+SOURCE = Source("seal.csv", "0" * 64, "text", ("time [s]",), ("a note",), simulated=True)
+TIME = np.linspace(0, 1, 11)
+TEST = RelaxationTest(TIME, TIME**2, TIME / 3, Specimen(length=0.1, notes="é <b>"), SOURCE)
+RAMP = RampHold(
+    TIME, TIME**2, TIME / 3, onset=0.1, ramp_end=0.2, hold_end=0.9, depth=8e-3,
+    steps=(Step("tare", (("force", "0.05 N"),), "said"),), checks=(Check("c", False, "no", 1.0),),
+)  # fmt: skip
+MODEL = GeneralizedMaxwell(196.5, (117.5, 17.8), (0.5021, 16.416))
+COVARIANCE = np.diag([1e-2, 1e-2, np.inf, 1e-4, 1e-4])
+FIT = a_fit(
+    MODEL,
+    status=Status.NOT_IDENTIFIED,
+    residual=Residual(41000, 1e-3, 1.6e-4),
+    covariance=COVARIANCE,
+    dof=float("inf"),
+    band=(0.004, 0.32),
+    profiles=(Profile("ln_tau_2", np.array([1.0, 2.0]), np.array([0.0, np.inf])),),
+    nuisance=(Nuisance("drift", 2e-4, 1e-5, "N/s"),),
+    source=(SOURCE,),
+)
+FREQUENCY = np.linspace(5, 30, 101)
+MEASURED = FRF(
+    FREQUENCY,
+    predict_frf(2 * MODEL, mass=0.1, frequency=FREQUENCY).value * (1 + 0.01j),
+    coherence=np.full(101, 0.99),
+    sd=np.full(101, 0.1),
+    shift=0.5,
+    record=8.0,
+    averages=3,
+    hits=(Hit("1", 0.1, False, ("double hit",), 3.0, 0.01),),
+)
+IMPACT = ImpactTest(TIME, TIME, np.array([TIME, -TIME]), positions=(0.05, -0.05), source=(SOURCE,))
+PREDICTED = predict_frf(2 * MODEL, mass=0.104, frequency=FREQUENCY)
+NOUNS = [
+    MODEL,
+    DynamicTest(np.array([1.0, 2.0, 5.0]), np.array([3.0, 4.0, 5.0]), np.array([0.1, 0.2, 0.1])),
+    TEST,
+    RAMP,
+    FIT,
+    IMPACT,
+    MEASURED,
+    PREDICTED,
+    compare(PREDICTED, replace(MEASURED, shift=0.0, record=None)),
+    plan(depth=8e-3, ramp_time=1.0, hold_time=40.0, rate=100.0, noise=5e-3, at=12.71),
+    Job("a.csv", ("b.csv",), mass=0.104, arms="auto", band=(5.0, 40.0)),
+]
+
+
+@pytest.mark.parametrize("noun", NOUNS, ids=lambda noun: type(noun).__name__)
+def test_round_trip(noun):
+    text = to_json(noun)
+    again = from_json(text)
+    assert type(again) is type(noun)
+    assert again == noun
+    assert to_json(again) == text
+
+
+@given(
+    st.floats(0, 1e300),
+    st.lists(st.tuples(st.floats(1e-300, 1e300), st.floats(1e-300, 1e300)), max_size=5),
+)
+@settings(max_examples=100)
+def test_models_come_back_to_the_last_bit(k_inf, arms):
+    model = GeneralizedMaxwell(k_inf, tuple(k for k, _ in arms), tuple(t for _, t in arms))
+    assert from_json(to_json(model)) == model
+
+
+def test_a_fit_speaks_the_contract():
+    found = json.loads(to_json(FIT))
+    assert found["schema"] == "dashpot/fit@1"
+    assert found["status"] == "not_identified"
+    assert found["ok"] is False
+    assert found["model"]["arms"][0] == {"k": 117.5, "tau": 0.5021, "b": 117.5 * 0.5021}
+    assert found["band_hz"] == [0.004, 0.32]
+    assert found["standard_error"]["k_inf"] == pytest.approx(0.1)
+    assert found["standard_error"]["arms"][1]["k"] is None  # infinite: not known
+    assert found["residual"]["n"] == 41000
+    assert found["source"][0]["sha256"] == "0" * 64
+
+
+def test_the_least_fit_of_the_contract_is_read():
+    """A fit with the contract's keys only, as another program may write it."""
+    fit = from_json(
+        """{"schema": "dashpot/fit@1", "status": "converged", "ok": true,
+        "model": {"k_inf": 196.5, "b": 0.0, "arms": [{"k": 117.5, "tau": 0.5021, "b": 59.0}]},
+        "standard_error": {"k_inf": 0.1, "arms": [{"k": 0.2, "tau": 0.003}]},
+        "residual": {"n": 41000, "sse": 1.0e-3, "rms": 1.6e-4}, "band_hz": [0.004, 0.32],
+        "orders": [{"arms": 1, "bic": 1.0, "sse": 1.0}],
+        "checks": [{"name": "hold_long_enough", "passed": true, "value": 2.4, "limit": 3.0,
+                    "says": "..."}],
+        "source": [{"file": "seal_8mm.csv", "sha256": "..."}]}"""
+    )
+    assert fit.model == GeneralizedMaxwell(196.5, (117.5,), (0.5021,))
+    assert fit.ok
+    assert fit.band == (0.004, 0.32)
+    assert fit.standard_error["k"] == pytest.approx((0.2,))
+    assert fit.standard_error["tau"] == pytest.approx((0.003,))
+
+
+def test_a_fit_that_tells_no_errors_claims_none():
+    fit = from_json(
+        '{"schema": "dashpot/fit@1", "model": {"k_inf": 1.0, "arms": [{"k": 2.0, "tau": 3.0}]}}'
+    )
+    assert fit.standard_error["k_inf"] == float("inf")
+    assert fit.intervals()["tau"] == ((0.0, float("inf")),)
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("", "not a JSON document"),
+        ("[1, 2]", '"schema" is None'),
+        ('{"schema": "dashpot/fit@9"}', "dashpot/fit@9"),
+        ('{"schema": "dashpot/fit@1"}', "model"),
+        ('{"schema": "dashpot/fit@1", "status": "fine", "model": {}}', "status 'fine'"),
+        ('{"schema": "dashpot/model@1", "k_inf": -1, "arms": []}', "k_inf >= 0"),
+        ('{"schema": "dashpot/model@1", "k_inf": "a", "arms": []}', "float"),
+        ('{"schema": "dashpot/model@1", "k_inf": 1, "arms": [{"k": 1}]}', "tau"),
+        ('{"schema": "dashpot/model@1", "k_inf": 1, "arms": 5}', "not valid"),
+    ],
+)
+def test_strangers_are_turned_away(text, says):
+    with pytest.raises(ReadError, match=says.replace("(", r"\(")):
+        from_json(text)
+
+
+def test_what_is_no_noun_has_no_archive_form():
+    with pytest.raises(DataError, match="a dict has no archive form"):
+        to_json({})
+
+
+@given(st.binary(max_size=200))
+@settings(max_examples=100)
+def test_any_bytes_are_read_or_refused(content):
+    with pytest.raises(ReadError):
+        from_json(content)
