@@ -1,0 +1,8 @@
+"""Pip constraints: every dependency of the package at the lowest version admitted."""
+
+import tomllib
+from pathlib import Path
+
+project = tomllib.loads(Path("pyproject.toml").read_text("utf-8"))["project"]
+for dependency in project["dependencies"] + project["optional-dependencies"]["io"]:
+    print(dependency.replace(">=", "=="))
