@@ -21,10 +21,10 @@ from typing import Any
 
 import numpy as np
 
-from dashpot.fitting.curve_checks import kramers_kronig
+from dashpot.fitting.checks import kramers_kronig
 from dashpot.fitting.dynamic import fit_dynamic
 from dashpot.fitting.modulus import fit_modulus
-from dashpot.fitting.spectrum import dynamic_master_curve, master_curve
+from dashpot.fitting.spectrum import dynamic_master_curve, master_curve, passive_misfit
 from dashpot.io.read import read_dynamic
 from dashpot.records.dynamic import DynamicTest
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -118,7 +118,7 @@ def over_frequency(folder: Path) -> None:
         e_0, terms, spent = theirs
         storage, loss = prony_frequency(data.omega, terms)
         told("pyvisco", len(terms), data, 1e6 * e_0 * (storage + 1j * loss), spent)
-    print("  " + kramers_kronig(data).says)
+    print("  " + kramers_kronig(passive_misfit(data)).says)
 
 
 def told(

@@ -76,7 +76,7 @@ def test_a_force_below_the_resolution(test: RampHold) -> None:
     assert check.value is not None
     assert check.value < 20
     assert "cannot show a decay: press deeper" in check.says
-    fine = record_checks.force_resolved(replace(test, force=np.round(test.force * 1280) / 1280))
+    fine = record_checks.force_resolved(np.round(test.force * 1280) / 1280)
     assert fine.passed
     assert fine.value == pytest.approx(np.ptp(test.force) * 1280, rel=0.01)
 

@@ -1,14 +1,16 @@
-"""Each way in which a fit can deceive, as a named check with a sentence."""
+"""Each way in which a fit can deceive, as a criterion with a sentence."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.checks import Check
-from dashpot.engine.inference.order import Choice
+from dashpot.base.checks import Finding, criterion
+from dashpot.engine.inference.order import MAX_SE_LN_TAU, MIN_K_OVER_SE, Choice
+from dashpot.preparation.filters import Filter
+from dashpot.records.dynamic import DynamicTest
 from dashpot.records.relaxation import RampHold
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -20,263 +22,509 @@ MAX_DRIFT_CORRELATION = 0.9
 MAX_DRIFT_DOUBT = 0.1
 MAX_WANDER = 4.0
 MAX_METHOD_DIFFERENCE = 0.10
+MAX_BIAS = 0.01
+MAX_INCONSISTENT = 0.05
+MAX_FALL = 0.05
+MAX_DISAGREEMENT = 1.3
+MAX_GAP = 10.0
+# curves missed by more than this are not followed
+FOLLOWED = 0.05
+SEPARABLE_LEVEL = 0.01
+# shapes that differ by less are the same for every use of them
+ALIKE = 1e-3
+# what is left of zero in a sum of stiffnesses, relative to it
+_ROUNDING = 1e-12
 
 
-def hold_long_enough(model: GeneralizedMaxwell, tests: Sequence[RampHold]) -> Check:
+# -- the solid ------------------------------------------------------------------------------------
+
+
+@criterion("hold / slowest tau", ">=", MIN_HOLD_OVER_TAU, source="exp(-3): 5 % of the arm are left")
+def hold_long_enough(model: GeneralizedMaxwell, tests: Sequence[RampHold]) -> Finding:
     """The slowest arm had the time to relax."""
-    hold = max(test.hold_time for test in tests)
-    name = "hold_long_enough"
     if not model.arms:
-        return Check(name, True, "a spring does not relax", None, MIN_HOLD_OVER_TAU)
-    ratio = hold / model.tau[-1]
-    passed = ratio >= MIN_HOLD_OVER_TAU
-    says = f"the hold of {hold:.4g} s lasts {ratio:.2g} of the longest relaxation time"
-    if not passed:
-        says += (
-            f", {model.tau[-1]:.3g} s; below {MIN_HOLD_OVER_TAU:.0f} k_inf rests on "
-            f"extrapolation: hold for {MIN_HOLD_OVER_TAU * model.tau[-1]:.0f} s"
-        )
-    return Check(name, passed, says, ratio, MIN_HOLD_OVER_TAU)
+        return Finding("a spring does not relax")
+    hold, slowest = max(test.hold_time for test in tests), model.tau[-1]
+    return Finding(
+        f"the hold of {hold:.4g} s lasts {hold / slowest:.2g} of the longest relaxation time",
+        hold / slowest,
+        f", {slowest:.3g} s; below {MIN_HOLD_OVER_TAU:.0f} k_inf rests on "
+        f"extrapolation: hold for {MIN_HOLD_OVER_TAU * slowest:.0f} s",
+    )
 
 
-def arms_distinct(model: GeneralizedMaxwell) -> Check:
+@criterion("ratio of neighbouring tau", ">=", MIN_TAU_RATIO, source="our choice")
+def arms_distinct(model: GeneralizedMaxwell) -> Finding:
     """Neighbouring relaxation times are far enough apart to be two."""
     ratios = [slow / fast for fast, slow in zip(model.tau, model.tau[1:], strict=False)]
     if not ratios:
-        return Check("arms_distinct", True, "there is at most one arm", None, MIN_TAU_RATIO)
+        return Finding("there is at most one arm")
     j = int(np.argmin(ratios))
-    passed = ratios[j] >= MIN_TAU_RATIO
-    says = f"the closest relaxation times are a factor {ratios[j]:.3g} apart"
-    if not passed:
-        says += (
-            f" (arms {j + 1} and {j + 2}); below {MIN_TAU_RATIO} the data cannot tell two arms "
-            f"from one: fit {model.arms - 1} arm{'s' * (model.arms > 2)}"
-        )
-    return Check("arms_distinct", passed, says, ratios[j], MIN_TAU_RATIO)
-
-
-def arms_supported(
-    model: GeneralizedMaxwell,
-    se_k: FloatArray,
-    se_ln_tau: FloatArray,
-    *,
-    needed: bool = False,
-) -> Check:
-    """Every arm stands out of the noise; `needed` if fewer arms were rejected all the same."""
-    name = "arms_supported"
-    weak = [
-        f"arm {j} (k = {1e-3 * k:.3g} N/mm, tau = {tau:.3g} s)"
-        for j, (k, tau, sk, st) in enumerate(
-            zip(model.k, model.tau, se_k, se_ln_tau, strict=True), start=1
-        )
-        if not (k > 3 * sk and st < 0.5)
-    ]
-    value = min(
-        (k / sk if sk > 0 else np.inf for k, sk in zip(model.k, se_k, strict=True)), default=None
+    return Finding(
+        f"the closest relaxation times are a factor {ratios[j]:.3g} apart",
+        ratios[j],
+        f" (arms {j + 1} and {j + 2}); below {MIN_TAU_RATIO} the data cannot tell two arms "
+        f"from one: fit {model.arms - 1} arm{'s' * (model.arms > 2)}",
     )
-    value = None if value is None or not np.isfinite(value) else float(value)
-    if weak and needed:
-        says = (
-            f"the record rejects fewer arms, yet hardly tells {' and '.join(weak)}: k is below 3 "
-            "standard errors or tau is uncertain by more than a factor 1.6; "
-            "hold longer, or quieten the slow noise"
-        )
-    elif weak:
-        says = (
-            f"{' and '.join(weak)} cannot be told from noise: k is below 3 standard errors or "
-            "tau is uncertain by more than a factor 1.6; fit fewer arms"
-        )
-    else:
-        says = "every arm stands out of the noise"
-    return Check(name, not weak, says, value, 3.0)
 
 
-def tau_inside_window(model: GeneralizedMaxwell, tests: Sequence[RampHold]) -> Check:
-    """Every relaxation time is one that the record could show: two samples to the hold."""
-    shortest = min(2.0 * float(np.diff(test.time).min()) for test in tests)
-    longest = max(test.hold_time for test in tests)
-    outside = [tau for tau in model.tau if not shortest < tau < longest]
-    window = f"{shortest:.3g} s (two samples) to {longest:.3g} s (the hold)"
-    says = f"every relaxation time lies in what the record can show, {window}"
-    if outside:
-        listed = ", ".join(f"{tau:.3g} s" for tau in outside)
-        says = (
-            f"tau = {listed} lies outside what the record can show, {window}; do not use this "
-            "arm: fit fewer arms, hold longer or sample faster"
-        )
-    return Check("tau_inside_window", not outside, says, min(outside, default=None), longest)
+@criterion(
+    "k / SE(k)",
+    ">",
+    MIN_K_OVER_SE,
+    source=f"3 standard errors; and SE(ln tau) < {MAX_SE_LN_TAU}, a factor 1.6",
+)
+def arms_supported(
+    model: GeneralizedMaxwell, error: FloatArray, *, unit: str = "N/m", needed: bool = False
+) -> Finding:
+    """Every arm stands out of the noise.
+
+    `error` as `Fit.parameters`: k_inf, k, ln tau; `needed` if fewer arms were rejected all the
+    same.
+    """
+    n = model.arms
+    each = list(zip(model.k, model.tau, error[1 : 1 + n], error[1 + n : 1 + 2 * n], strict=True))
+    weak = " and ".join(
+        f"arm {j} (k = {amount(k, unit)}, tau = {tau:.3g} s)"
+        for j, (k, tau, sk, st) in enumerate(each, start=1)
+        if not (k > MIN_K_OVER_SE * sk and st < MAX_SE_LN_TAU)
+    )
+    value = float(min((k / sk for k, _, sk, _ in each if sk > 0), default=np.inf))
+    doubt = (
+        f"k is below {MIN_K_OVER_SE:.0f} standard errors or tau is uncertain by more than a "
+        "factor 1.6"
+    )
+    return Finding(
+        "every arm stands out of the noise",
+        value if np.isfinite(value) else None,
+        instead=f"the record rejects fewer arms, yet hardly tells {weak}: {doubt}; "
+        "hold longer, or quieten the slow noise"
+        if needed
+        else f"{weak} cannot be told from noise: {doubt}; fit fewer arms",
+        faulted=bool(weak),
+    )
 
 
-def k_inf_positive(model: GeneralizedMaxwell, se: float) -> Check:
+@criterion("tau outside, s", "<=", source="the ends of what was sampled")
+def tau_inside_window(
+    model: GeneralizedMaxwell,
+    window: tuple[float, float],
+    of: str,
+    *,
+    ends: tuple[str, str] = ("", ""),
+    advice: str = ": only the tail of this arm was measured, so its k and tau are an "
+    "extrapolation; fit fewer arms or measure wider",
+) -> Finding:
+    """Every relaxation time is one that the data could show.
+
+    `window` is in s.
+    """
+    outside = [tau for tau in model.tau if not window[0] <= tau <= window[1]]
+    span = f"{window[0]:.3g} s{ends[0]} to {window[1]:.3g} s{ends[1]}"
+    listed = ", ".join(f"{tau:.3g} s" for tau in outside)
+    return Finding(
+        f"every relaxation time lies in what {of} can show, {span}",
+        min(outside, default=None),
+        instead=f"tau = {listed} lies outside what {of} can show, {span}{advice}",
+        limit=window[1],
+        faulted=bool(outside),
+    )
+
+
+def record_window(tests: Sequence[RampHold]) -> tuple[float, float]:
+    """Return the relaxation times that records could show, s: two samples to the hold."""
+    return (
+        min(2.0 * float(np.diff(test.time).min()) for test in tests),
+        max(test.hold_time for test in tests),
+    )
+
+
+@criterion("k_inf, N/m", ">", source="3 standard errors")
+def k_inf_positive(model: GeneralizedMaxwell, se: float) -> Finding:
     """There is an equilibrium stiffness left."""
-    passed = model.k_inf > 3.0 * se
-    says = f"k_inf = {1e-3 * model.k_inf:.4g} N/mm with a standard error of {1e-3 * se:.2g}"
-    if not passed:
-        says += (
-            "; it is not told from zero: the hold ended before the force levelled off, or the "
-            "seal flows; hold longer"
-        )
-    return Check("k_inf_positive", passed, says, model.k_inf, 3.0 * se)
+    return Finding(
+        f"k_inf = {1e-3 * model.k_inf:.4g} N/mm with a standard error of {1e-3 * se:.2g}",
+        model.k_inf,
+        "; it is not told from zero: the hold ended before the force levelled off, or the "
+        "seal flows; hold longer",
+        limit=3.0 * se,
+    )
 
 
-def residuals_random(kappa: float, rms: float, noise: float) -> Check:
-    """The residuals are noise: no curve is left in them."""
-    passed = kappa <= MAX_KAPPA
-    says = f"the residuals are {1e3 * rms:.3g} mN rms and {kappa:.3g} neighbours say the same"
-    if not passed:
-        cause = (
-            "the model misses part of the curve (try another arm, or look at the residuals)"
-            if rms > 1.3 * noise
-            else "the record was filtered or drifts"
-        )
-        says += f": {cause}; intervals are widened for it"
-    return Check("residuals_random", passed, says, kappa, MAX_KAPPA)
+@criterion("plateau, N/m or Pa", ">", source="3 standard errors")
+def plateau_seen(model: GeneralizedMaxwell, se: float, *, unit: str, further: str) -> Finding:
+    """There is a stiffness that does not relax."""
+    return Finding(
+        f"the plateau is {amount(model.k_inf, unit)} with a standard error of {amount(se, unit)}",
+        model.k_inf,
+        f"; it is not told from zero: the material flows, or {further}",
+        limit=3.0 * se,
+        # exact data leave a plateau of rounding size, and a standard error to match
+        faulted=model.k_inf <= _ROUNDING * (model.k_inf + sum(model.k)),
+    )
 
 
-def step_bias(model: GeneralizedMaxwell, tests: Sequence[RampHold]) -> Check:
-    """What a step would have made of this ramp: (tau/c)(1 - exp(-c/tau)) - 1, the worst arm."""
+@criterion(
+    "residuals that say the same", "<=", MAX_KAPPA, source="our choice: white residuals give 1"
+)
+def residuals_random(kappa: float, rms: float, noise: float | None = None) -> Finding:
+    """The residuals are noise: no curve is left in them.
+
+    `rms` is that of weighted residuals, or in N beside a `noise`.
+    """
+    size = f"weighted residuals are {rms:.3g} rms"
+    cause = "the model misses part of the curve (a broad spectrum has no few arms: see the dense "
+    cause += "spectrum)"
+    if noise is not None:
+        size = f"residuals are {1e3 * rms:.3g} mN rms"
+        cause = "the record was filtered or drifts"
+        if rms > 1.3 * noise:
+            cause = "the model misses part of the curve (try another arm, or look at the residuals)"
+    return Finding(
+        f"the {size} and {kappa:.3g} neighbours say the same",
+        kappa,
+        f": {cause}; intervals are widened for it",
+    )
+
+
+@criterion("change of k", source="no limit")
+def step_bias(model: GeneralizedMaxwell, tests: Sequence[RampHold]) -> Finding:
+    r"""The ramp is accounted for, and what a step would have made of it is told.
+
+    :math:`(\tau/c)(1 - e^{-c/\tau}) - 1`, the worst arm.
+    """
     if not model.arms:
-        return Check("step_bias", True, "a spring does not feel the ramp", None, None)
+        return Finding("a spring does not feel the ramp")
     c = max(test.ramp_time for test in tests)
     bias = [tau / c * -np.expm1(-c / tau) - 1.0 for tau in model.tau]
     listed = ", ".join(f"k_{j} by {100 * b:.2g} %" for j, b in enumerate(bias, start=1))
-    says = (
+    return Finding(
         f"the ramp of {c:.3g} s is accounted for; taking it as a step at its end would change "
-        f"{listed}"
+        f"{listed}",
+        float(min(bias)),
     )
-    return Check("step_bias", True, says, float(min(bias)), None)
 
 
-def fast_arm_visible(model: GeneralizedMaxwell, tests: Sequence[RampHold]) -> Check:
+@criterion("fastest tau / ramp", ">=", MIN_TAU_OVER_RAMP, source="our choice")
+def fast_arm_visible(model: GeneralizedMaxwell, tests: Sequence[RampHold]) -> Finding:
     """The fastest arm is slow enough to be seen after the ramp."""
-    c = min(test.ramp_time for test in tests)
     if not model.arms:
-        return Check("fast_arm_visible", True, "there is no arm", None, MIN_TAU_OVER_RAMP)
-    ratio = model.tau[0] / c
-    passed = ratio >= MIN_TAU_OVER_RAMP
-    says = f"the fastest arm, tau = {model.tau[0]:.3g} s, is {ratio:.2g} of the shortest ramp"
-    if not passed:
-        says += (
-            "; it has relaxed before the ramp ends, so only its b = k tau is seen, not its k: "
-            "ramp faster, or identify it from vibration"
-        )
-    return Check("fast_arm_visible", passed, says, ratio, MIN_TAU_OVER_RAMP)
+        return Finding("there is no arm")
+    ratio = model.tau[0] / min(test.ramp_time for test in tests)
+    return Finding(
+        f"the fastest arm, tau = {model.tau[0]:.3g} s, is {ratio:.2g} of the shortest ramp",
+        ratio,
+        "; it has relaxed before the ramp ends, so only its b = k tau is seen, not its k: "
+        "ramp faster, or identify it from vibration",
+    )
 
 
+@criterion(
+    "SE(ln tau) of the slowest arm",
+    "<=",
+    MAX_DRIFT_DOUBT,
+    source=f"our choice; or a correlation with the drift below {MAX_DRIFT_CORRELATION}",
+)
 def drift_told_from_arm(
     model: GeneralizedMaxwell, correlation: float | None, se_ln_tau: float
-) -> Check:
+) -> Finding:
     """The slowest arm can be told from a drifting sensor."""
-    name, limit = "drift_told_from_arm", MAX_DRIFT_DOUBT
     if not model.arms:
-        return Check(name, True, "there is no slow arm to be taken for drift", None, limit)
+        return Finding("there is no slow arm to be taken for drift")
     if correlation is None:
-        says = (
+        return Finding(
             "no drift is fitted, so a drifting sensor would be taken for the slowest arm; "
             "method='full' fits it"
         )
-        return Check(name, True, says, None, limit)
-    passed = correlation < MAX_DRIFT_CORRELATION or se_ln_tau <= limit
-    says = (
+    return Finding(
         f"the slowest tau and the drift of the sensor are correlated by {correlation:.2f}, and "
-        f"with the drift unknown tau is known to {100 * se_ln_tau:.2g} %"
+        f"with the drift unknown tau is known to {100 * se_ln_tau:.2g} %",
+        se_ln_tau,
+        ": the record cannot tell the arm from drift; record a baseline before contact for "
+        "as long as you can, and hold longer",
+        excused=correlation < MAX_DRIFT_CORRELATION,
     )
-    if not passed:
-        says += (
-            ": the record cannot tell the arm from drift; record a baseline before contact for "
-            "as long as you can, and hold longer"
-        )
-    return Check(name, passed, says, se_ln_tau, limit)
 
 
-def residuals_steady(residuals: Sequence[FloatArray]) -> Check:
+@criterion("slow / medium power", "<=", MAX_WANDER, source="our choice: white residuals give 1")
+def residuals_steady(residuals: Sequence[FloatArray]) -> Finding:
     """The residuals do not wander slowly, as 1/f drift and a missed slow arm do."""
-    name, limit = "residuals_steady", MAX_WANDER
     ratios = [wander(residual) for residual in residuals if len(residual) >= 800]
     if not ratios:
-        return Check(name, True, "the record is too short to judge slow wandering", None, limit)
-    ratio = max(ratios)
-    passed = ratio <= limit
-    says = f"slow and medium residuals differ by a factor {ratio:.2g} in power"
-    if not passed:
-        says += (
-            ": the force wanders slowly (1/f drift, temperature, or a missed arm), and no fit "
-            "can tell that from a slow arm; the intervals of k_inf and of the slowest arm are "
-            "too narrow"
-        )
-    return Check(name, passed, says, ratio, limit)
+        return Finding("the record is too short to judge slow wandering")
+    return Finding(
+        f"slow and medium residuals differ by a factor {max(ratios):.2g} in power",
+        max(ratios),
+        ": the force wanders slowly (1/f drift, temperature, or a missed arm), and no fit "
+        "can tell that from a slow arm; the intervals of k_inf and of the slowest arm are "
+        "too narrow",
+    )
 
 
-def order_agreed(choice: Choice) -> Check:
+@criterion("arms by BIC", "==", source="arms by significance, below the most that was tried")
+def order_agreed(choice: Choice) -> Finding:
     """The two rules for the number of arms agree, on less than the most that was tried."""
-    passed = choice.agreed and not choice.capped
     chosen = _arms(choice.arms)
+    says = f"both rules choose {chosen}"
     if not choice.agreed:
         says = (
             f"BIC supports {_arms(choice.by_bic)}, the significance of k and tau supports "
             f"{_arms(choice.by_significance)}; {chosen} taken: look at the residuals of both"
         )
-    else:
-        says = f"both rules choose {chosen}"
     if choice.in_noise_metric:
         says += "; the noise is as slow as the arms, so fits in its own metric were judged"
     if choice.capped:
         says += f"; that is the most that was tried: raise max_arms above {choice.arms}"
-    return Check("order_agreed", passed, says, float(choice.by_bic), float(choice.by_significance))
+    return Finding(
+        says,
+        float(choice.by_bic),
+        limit=float(choice.by_significance),
+        faulted=choice.capped,
+    )
 
 
+@criterion(
+    "largest change of a parameter",
+    "<=",
+    MAX_METHOD_DIFFERENCE,
+    source="our choice; or 3 standard errors",
+)
 def hold_and_full_agree(
     full: GeneralizedMaxwell, hold: GeneralizedMaxwell | None, error: FloatArray
-) -> Check:
+) -> Finding:
     """The paper's eq. 5 on the hold says the same as the recorded motion.
 
     `error` holds the standard errors of the full fit: k_inf, every k, every ln tau. A
     difference within three of them is noise.
     """
-    name, limit = "hold_and_full_agree", MAX_METHOD_DIFFERENCE
-    if hold is None or hold.arms != full.arms:
-        says = "eq. 5 on the hold supports another number of arms, so the two are not compared"
-        if hold is None:
-            says = "eq. 5 does not apply to this history, so the two methods are not compared"
-        return Check(name, True, says, None, limit)
-    ours = np.array((full.k_inf, *full.k, *full.tau))
-    theirs = np.array((hold.k_inf, *hold.k, *hold.tau))
-    labels = [f"{kind}_{j}" for kind in ("k", "tau") for j in range(1, full.arms + 1)]
-    labels = ["k_inf", *labels]
-    # an error of ln tau is relative as it stands
-    relative = np.concatenate(
-        (error[: 1 + full.arms] / np.maximum(ours[: 1 + full.arms], 1e-300), error[1 + full.arms :])
-    )
-    difference = theirs / np.maximum(ours, 1e-300) - 1.0
-    beyond = np.abs(difference) > 3.0 * relative
-    failed = beyond & (np.abs(difference) > limit)
-    worst = int(np.argmax(np.where(failed, 1e9, 0.0) + np.abs(difference)))
-    says = (
-        f"eq. 5 on the hold alone changes {labels[worst]} by {100 * difference[worst]:+.2g} %, "
-        f"{'more' if beyond[worst] else 'not more'} than noise explains"
-    )
-    if failed.any():
-        says += (
-            "; the ramp, drift or tare is not what eq. 5 assumes: compare both residuals, and "
-            "trust the recorded motion"
+    if hold is None:
+        return Finding("eq. 5 does not apply to this history, so the two methods are not compared")
+    n = full.arms
+    if hold.arms != n:
+        return Finding(
+            "eq. 5 on the hold supports another number of arms, so the two are not compared"
         )
-    return Check(name, not failed.any(), says, float(np.abs(difference[worst])), limit)
+    ours = np.maximum((full.k_inf, *full.k, *full.tau), 1e-300)
+    theirs = np.array((hold.k_inf, *hold.k, *hold.tau))
+    labels = ["k_inf", *(f"{kind}_{j}" for kind in ("k", "tau") for j in range(1, n + 1))]
+    # an error of ln tau is relative as it stands
+    relative = np.concatenate((error[: 1 + n] / ours[: 1 + n], error[1 + n :]))
+    difference = theirs / ours - 1.0
+    size = np.abs(difference)
+    beyond = size > 3.0 * relative
+    failed = beyond & (size > MAX_METHOD_DIFFERENCE)
+    worst = int(np.argmax(np.where(failed, 1e9, 0.0) + size))
+    return Finding(
+        f"eq. 5 on the hold alone changes {labels[worst]} by {100 * difference[worst]:+.2g} %, "
+        f"{'more' if beyond[worst] else 'not more'} than noise explains",
+        float(size[worst]),
+        "; the ramp, drift or tare is not what eq. 5 assumes: compare both residuals, and "
+        "trust the recorded motion",
+        excused=not beyond[worst],
+    )
 
 
-def frequencies_informed(band: tuple[float, float]) -> Check:
+@criterion("upper end, Hz", ">", source="the lower end of the band")
+def frequencies_informed(band: tuple[float, float]) -> Finding:
     """The test informs a band of frequencies at all."""
     low, high = band
-    passed = high > low
-    if passed:
-        says = (
-            f"this test informs {low:.2g} to {high:.2g} Hz; a prediction beyond is an extrapolation"
-        )
+    return Finding(
+        f"this test informs {low:.2g} to {high:.2g} Hz; a prediction beyond is an extrapolation",
+        high,
+        instead="at no frequency does this test halve what was unknown of the loss stiffness: "
+        "reduce the noise, press deeper or hold longer",
+        limit=low,
+    )
+
+
+# -- a filter, several depths, a broad spectrum ---------------------------------------------------
+
+
+@criterion(
+    "largest change of a parameter",
+    "<=",
+    MAX_BIAS,
+    source="our choice; and neither a cut-off below 5/tau_1 nor a causal filter",
+)
+def filter_bias(
+    by: Filter | None, changes: Mapping[str, Mapping[str, float]] | str = "", fastest: float = 0.0
+) -> Finding:
+    """A filter hardly changes the parameters.
+
+    `changes` holds that of each parameter by method, or says why there is none; `fastest` is the
+    shortest relaxation time, s.
+    """
+    if by is None:
+        return Finding("the record is not filtered")
+    if isinstance(changes, str):
+        says = f"the bias of {by} cannot be predicted, because the raw record has no fit: {changes}"
+        return Finding(says, faulted=True)
+    least = 5 / fastest if fastest else 0.0
+    slow = by.kind == "lowpass" and by.cutoff < least
+    says = f"{by} changes, by eq. 5 on the hold, {_listed(changes['hold'])}; with the full history "
+    if by.linear:
+        most = max(changes["full"].values(), key=abs)
+        says += f"at most {100 * most:+.3g} %, because the displacement is filtered alike"
     else:
-        says = (
-            "at no frequency does this test halve what was unknown of the loss stiffness: reduce "
-            "the noise, press deeper or hold longer"
+        says += _listed(changes["full"])
+    if slow:
+        says += f"; the cut-off is below 5/tau_1 = {least:.3g} Hz"
+    if by.causal:
+        says += "; a causal filter delays the force"
+    return Finding(
+        says,
+        max(abs(change) for found in changes.values() for change in found.values()),
+        "; fit the raw record: the fit needs no smooth curve",
+        faulted=slow or by.causal,
+    )
+
+
+@criterion(
+    "probability of such shapes by chance",
+    ">=",
+    SEPARABLE_LEVEL,
+    source=f"Wald's test at 1 %; or shapes that differ by less than {100 * ALIKE:g} %",
+)
+def separable(chance: float | None, spread: float | None) -> Finding:
+    """The shape of relaxation is the same at every depth.
+
+    A `spread` of None is a spring's, a `chance` of None that of an arm that is not known.
+    """
+    if spread is None:
+        return Finding("a spring does not relax at any depth")
+    if chance is None:
+        return Finding(
+            "an arm of one depth is not identified, so the shapes cannot be compared", faulted=True
         )
-    return Check("frequencies_informed", passed, says, high, low)
+    says = f"the shape of relaxation differs between depths by up to {100 * spread:.2g} %, "
+    enough = "too little to matter" if spread < ALIKE else "no more than chance"
+    return Finding(
+        says + f"{enough}: one quasi-linear solid serves every depth",
+        chance,
+        instead=says + f"more than chance (probability {chance:.1g}): use each depth's own "
+        "stiffnesses, not one quasi-linear solid",
+        excused=spread < ALIKE,
+    )
+
+
+@criterion("rms error of the fit", "<", FOLLOWED, source="our choice")
+def few_arms_suffice(missed: float, arms: int, most: int, dense: tuple[int, float]) -> Finding:
+    """Few arms follow the curves.
+
+    `dense` holds arms and rms of the dense spectrum.
+    """
+    return Finding(
+        f"{arms} arms follow the curves",
+        missed,
+        instead=f"no number of arms up to {most} follows the curves: {arms} leave "
+        f"{100 * missed:.2g} % rms. This is the dense spectrum on an even grid, {dense[0]} arms "
+        f"that leave {100 * dense[1]:.2g} %: a table for a solver, whose single arms mean nothing",
+    )
+
+
+# -- storage and loss -----------------------------------------------------------------------------
+
+
+@criterion(
+    "smooth part of the misfit",
+    "<=",
+    MAX_INCONSISTENT,
+    source="our choice; or 2.5 standard deviations of what white residuals show",
+)
+def kramers_kronig(misfit: tuple[FloatArray, FloatArray] | None) -> Finding:
+    r"""Storage and loss belong to one passive solid.
+
+    Every passive relaxing solid is a positive sum of arms, whose storage and loss obey the
+    Kramers-Kronig relations one by one. `misfit` is what the nearest of them all misses
+    (:func:`~dashpot.fitting.spectrum.passive_misfit`); what it misses without scatter, the root
+    of the residuals' product with their neighbours, is what the relations forbid, unless white
+    residuals of that size would show as much by chance.
+    """
+    if misfit is None:
+        return Finding(
+            "a storage is not above 0, so storage and loss cannot be held against each other",
+            faulted=True,
+        )
+    smooth = [_without_scatter(error) for error in misfit]
+    return Finding(
+        f"the nearest passive solid with any number of arms misses storage by "
+        f"{100 * smooth[0]:.2g} % and loss by {100 * smooth[1]:.2g} % beyond scatter",
+        max(smooth),
+        "; storage and loss contradict each other (Kramers-Kronig), so no fit can follow "
+        "both: look for a wrong shift of a master curve, a change of temperature or strain "
+        "between sweeps, slip in the grips, or the compliance of the machine",
+        excused=all(
+            found <= max(MAX_INCONSISTENT, _by_chance(error))
+            for found, error in zip(smooth, misfit, strict=True)
+        ),
+    )
+
+
+@criterion("losses below 0", "<=", 0.0, source="passivity")
+def loss_positive(data: DynamicTest) -> Finding:
+    """No loss gives energy back."""
+    bad = np.flatnonzero(data.loss < 0)
+    if not bad.size:
+        return Finding("no loss is below zero", 0.0)
+    return Finding(
+        f"{bad.size} of {len(data.loss)} losses are below zero, the first at "
+        f"{data.frequency[bad[0]]:.3g} Hz: no passive solid does that; check the sign "
+        "convention, the phase calibration, and the resolution at small loss",
+        float(bad.size),
+    )
+
+
+@criterion("fall of the storage", "<=", MAX_FALL, source="our choice: scatter")
+def storage_rises(data: DynamicTest) -> Finding:
+    """The storage does not fall with frequency, as mass in the grips makes it."""
+    order = np.argsort(data.frequency, kind="stable")
+    storage, frequency = data.storage[order], data.frequency[order]
+    top = np.maximum.accumulate(storage)
+    falls = 1 - storage / np.where(top > 0, top, np.inf)
+    worst = int(np.argmax(falls))
+    return Finding(
+        "the storage does not fall with frequency beyond scatter",
+        float(falls[worst]),
+        instead=f"the storage has fallen by {100 * falls[worst]:.2g} % at "
+        f"{frequency[worst]:.3g} Hz, which no relaxing solid does: mass moved along (inertia, a "
+        "resonance of the machine) or the part warmed up; leave those frequencies out",
+    )
+
+
+@criterion("scatter jointly / alone", "<=", MAX_DISAGREEMENT, source="our choice")
+def data_agree(spread: Sequence[float], names: Sequence[str]) -> Finding:
+    """One solid explains every data set about as well as a solid of its own does.
+
+    Parameters
+    ----------
+    spread : sequence of float
+        What the joint fit leaves of each curve, over what a fit to its test alone leaves.
+    names : sequence of str
+    """
+    worst = int(np.argmax(spread))
+    return Finding(
+        f"the joint fit leaves {spread[worst]:.3g} times of {names[worst]} what its test alone "
+        "does",
+        float(spread[worst]),
+        ": the tests contradict each other, or one solid needs more arms for both; is it the "
+        "same piece, length, temperature and depth? a small vibration at depth feels the "
+        "tangent stiffness, a press from zero the secant",
+    )
+
+
+@criterion("gap, a factor", "<=", MAX_GAP, source="our choice: a decade")
+def bands_meet(dynamic: tuple[float, float], relaxation: tuple[float, float]) -> Finding:
+    """No decade between the two tests is left unmeasured."""
+    return Finding(
+        f"the sweep covers {dynamic[0]:.3g} to {dynamic[1]:.3g} Hz and the relaxation informs "
+        f"{relaxation[0]:.3g} to {relaxation[1]:.3g} Hz",
+        float(max(dynamic[0] / relaxation[1], relaxation[0] / dynamic[1])),
+        "; between them more than a decade was not measured, and arms there are a guess: "
+        "start the sweep lower or ramp faster",
+    )
+
+
+# -- measures -------------------------------------------------------------------------------------
 
 
 def wander(residual: FloatArray) -> float:
@@ -286,5 +534,33 @@ def wander(residual: FloatArray) -> float:
     return float(power[6:25].mean()) / medium if medium > 0 else 1.0
 
 
+def amount(value: float, unit: str) -> str:
+    """Return a stiffness as people read it: N/mm of a part, MPa of a material."""
+    shown, factor = ("MPa", 1e-6) if unit == "Pa" else ("N/mm", 1e-3)
+    return f"{factor * value:.3g} {shown}"
+
+
 def _arms(count: int) -> str:
     return "no arm" if count == 0 else f"{count} arm{'s' * (count > 1)}"
+
+
+def _listed(changes: Mapping[str, float]) -> str:
+    return ", ".join(
+        f"{name} by {100 * change:+.3g} %" if change > -1 else f"{name} to nothing"
+        for name, change in changes.items()
+    )
+
+
+def _without_scatter(error: FloatArray) -> float:
+    r"""Return :math:`\sqrt{\overline{e_i e_{i+1}}}`: the rms of what neighbours share."""
+    if len(error) < 2:
+        return 0.0
+    return float(np.sqrt(max(float(np.mean(error[1:] * error[:-1])), 0.0)))
+
+
+def _by_chance(error: FloatArray) -> float:
+    r"""Return what :func:`_without_scatter` finds in white residuals, 2.5 standard deviations.
+
+    The mean product of n white neighbours has the standard deviation :math:`s^2/\sqrt n`.
+    """
+    return float(np.sqrt(2.5 * np.mean(error * error)) / len(error) ** 0.25)

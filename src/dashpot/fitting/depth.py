@@ -21,6 +21,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError
 from dashpot.engine.solver.variable_projection import solve
+from dashpot.fitting.checks import separable
 from dashpot.fitting.design import Design, compressed, every_sample
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.uncertainty.estimate import Estimate, estimated
@@ -30,10 +31,7 @@ from dashpot.records.relaxation import RampHold
 from dashpot.solids.elastic import ElasticLaw, elastic_law
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-SEPARABLE_LEVEL = 0.01
 _ROUNDS = 8
-# shapes that differ by less are the same for every use of them
-_ALIKE = 1e-3
 
 
 @dataclass(frozen=True)
@@ -147,12 +145,14 @@ def _springs(each: Estimate) -> FloatArray:
 
 def _separable(each: Estimate) -> Check:
     r"""Test :math:`k_j/k_\infty` equal at every depth: Wald's statistic, as an F."""
-    name = "separable"
     springs, arms = _springs(each), each.solution.arms
     tests, count = arms.shape
     if count == 0:
-        return Check(name, True, "a spring does not relax at any depth", None, SEPARABLE_LEVEL)
+        return separable(None, None)
     ratio = arms / springs[:, None]
+    spread = float(np.abs(ratio / ratio.mean(axis=0) - 1.0).max())
+    if not np.all(np.isfinite(each.covariance)):
+        return separable(None, spread)
     slope = np.zeros((tests * count, len(each.names)))
     for i in range(tests):
         for j in range(count):
@@ -163,29 +163,13 @@ def _separable(each: Estimate) -> Check:
     difference = contrast @ ratio.ravel()
     gradient = contrast @ slope
     free = len(difference)
-    if not np.all(np.isfinite(each.covariance)):
-        says = "an arm of one depth is not identified, so the shapes cannot be compared"
-        return Check(name, False, says, None, SEPARABLE_LEVEL)
     statistic = (
         difference @ np.linalg.solve(gradient @ each.covariance @ gradient.T, difference) / free
     )
     # a rare path: scipy's F distribution costs an import that a plain fit does not pay
     from scipy.special import fdtrc
 
-    chance = float(fdtrc(free, max(each.dof, 1.0), statistic))
-    spread = float(np.abs(ratio / ratio.mean(axis=0) - 1.0).max())
-    passed = chance >= SEPARABLE_LEVEL or spread < _ALIKE
-    says = f"the shape of relaxation differs between depths by up to {100 * spread:.2g} %"
-    if spread < _ALIKE:
-        says += ", too little to matter: one quasi-linear solid serves every depth"
-    elif passed:
-        says += ", no more than chance: one quasi-linear solid serves every depth"
-    else:
-        says += (
-            f", more than chance (probability {chance:.1g}): use each depth's own stiffnesses, "
-            "not one quasi-linear solid"
-        )
-    return Check(name, passed, says, chance, SEPARABLE_LEVEL)
+    return separable(float(fdtrc(free, max(each.dof, 1.0), statistic)), spread)
 
 
 def _secants(by_depth: Sequence[AtDepth]) -> tuple[FloatArray, FloatArray]:

@@ -13,8 +13,7 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
 from dashpot.base.provenance import Source, Step
 from dashpot.engine.blocks.block import Block, DesignBlock, frequency_block
-from dashpot.fitting import checks as bench
-from dashpot.fitting import curve_checks as questions
+from dashpot.fitting import checks
 from dashpot.fitting.design import Design, compressed, every_sample
 from dashpot.fitting.pipeline import (
     Chosen,
@@ -25,7 +24,12 @@ from dashpot.fitting.pipeline import (
     assembled,
     chosen_arms,
 )
-from dashpot.fitting.spectrum import dense_where_few_fail, dynamic_master_curve, relative_scale
+from dashpot.fitting.spectrum import (
+    dense_where_few_fail,
+    dynamic_master_curve,
+    passive_misfit,
+    relative_scale,
+)
 from dashpot.fitting.uncertainty.informed_band import informed_band
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import Fit, Provenance
@@ -109,7 +113,9 @@ def fit_dynamic(
     model = found.model
     band, met = _band(data, records, blocks[1:], model.k_0)
     answers = (
-        *questions.of_dynamic(data),
+        checks.kramers_kronig(passive_misfit(data)),
+        checks.loss_positive(data),
+        checks.storage_rises(data),
         *_checks(found, data, records),
         *met,
     )
@@ -292,18 +298,18 @@ def _checks(found: Chosen, data: DynamicTest, records: Sequence[RampHold]) -> tu
         shortest = min(shortest, *(2 * float(np.diff(one.time).min()) for one in records))
         longest = max(longest, *(one.hold_time for one in records))
     answers = [
-        bench.arms_distinct(model),
-        questions.arms_supported(model, error, unit=data.unit),
-        questions.tau_inside_window(
+        checks.arms_distinct(model),
+        checks.arms_supported(model, error, unit=data.unit),
+        checks.tau_inside_window(
             model,
             (shortest / _BEYOND, longest * _BEYOND),
             "the sweep and the holds" if records else "the sweep",
         ),
-        questions.plateau_seen(
+        checks.plateau_seen(
             model, float(error[0]), unit=data.unit, further="sweep to lower frequencies"
         ),
-        questions.residuals_random(estimate.kappa, estimate.sse, estimate.samples),
-        *questions.order(found.choice),
+        checks.residuals_random(estimate.kappa, estimate.rms),
+        *([] if found.choice is None else [checks.order_agreed(found.choice)]),
     ]
     if records:
         spread = [
@@ -311,7 +317,7 @@ def _checks(found: Chosen, data: DynamicTest, records: Sequence[RampHold]) -> tu
             for residual, noise in zip(estimate.residuals, estimate.noises, strict=True)
         ]
         names = ["storage", "loss", *(f"relaxation test {i + 1}" for i in range(len(records)))]
-        answers.append(questions.data_agree(spread, names))
+        answers.append(checks.data_agree(spread, names))
     return tuple(answers)
 
 
@@ -324,7 +330,7 @@ def _band(
         return sweep, ()
     # the blocks are in units of their own scatter
     held = informed_band(records, blocks, stiffness=max(k_0, 1e-300), noise=1.0)
-    met = questions.bands_meet(sweep, held)
+    met = checks.bands_meet(sweep, held)
     if not met.passed:
         return sweep, (met,)
     return (min(sweep[0], held[0]), max(sweep[1], held[1])), (met,)

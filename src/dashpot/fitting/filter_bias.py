@@ -7,13 +7,12 @@ from dataclasses import replace
 from dashpot.base.checks import Check
 from dashpot.base.errors import DashpotError, FitError
 from dashpot.engine.solver.variable_projection import solve
+from dashpot.fitting import checks
 from dashpot.fitting.design import Design, Method, compressed, eq5_obstacle, every_sample, solid_of
 from dashpot.fitting.pipeline import FitData, chosen_arms
 from dashpot.preparation.filters import Filter, filter_of, filtered
 from dashpot.records.relaxation import RampHold
 from dashpot.solids.maxwell import GeneralizedMaxwell
-
-MAX_BIAS = 0.01
 
 
 def filter_bias(test: RampHold) -> Check:
@@ -29,7 +28,7 @@ def filter_bias(test: RampHold) -> Check:
     """
     raw, by = test.unfiltered, filter_of(test)
     if raw is None or by is None:
-        return Check("filter_bias", True, "the record is not filtered", None, MAX_BIAS)
+        return checks.filter_bias(None)
     try:
         model = _supported(raw)
         clean = replace(raw, force=model.force(raw.time, raw.displacement), checks=())
@@ -38,25 +37,8 @@ def filter_bias(test: RampHold) -> Check:
             "full": _changes(clean, by, model.arms, "full"),
         }
     except DashpotError as error:
-        says = f"the bias of {by} cannot be predicted, because the raw record has no fit: {error}"
-        return Check("filter_bias", False, says, None, MAX_BIAS)
-    value = max(abs(change) for found in changes.values() for change in found.values())
-    least = 5 / model.tau[0] if model.tau else 0.0
-    slow = by.kind == "lowpass" and by.cutoff < least
-    says = f"{by} changes, by eq. 5 on the hold, {_listed(changes['hold'])}; with the full history "
-    if by.linear:
-        most = max(changes["full"].values(), key=abs)
-        says += f"at most {_percent(most)}, because the displacement is filtered alike"
-    else:
-        says += _listed(changes["full"])
-    if slow:
-        says += f"; the cut-off is below 5/tau_1 = {least:.3g} Hz"
-    if by.causal:
-        says += "; a causal filter delays the force"
-    passed = value <= MAX_BIAS and not slow and not by.causal
-    if not passed:
-        says += "; fit the raw record: the fit needs no smooth curve"
-    return Check("filter_bias", passed, says, value, MAX_BIAS)
+        return checks.filter_bias(by, str(error))
+    return checks.filter_bias(by, changes, model.tau[0] if model.tau else 0.0)
 
 
 def _supported(record: RampHold) -> GeneralizedMaxwell:
@@ -91,14 +73,3 @@ def _solved(record: RampHold, arms: int, method: Method) -> dict[str, float]:
     for j, (k, tau) in enumerate(zip(model.k, model.tau, strict=True), start=1):
         named |= {f"k_{j}": k, f"tau_{j}": tau}
     return named
-
-
-def _listed(changes: dict[str, float]) -> str:
-    return ", ".join(
-        f"{name} by {_percent(change)}" if change > -1 else f"{name} to nothing"
-        for name, change in changes.items()
-    )
-
-
-def _percent(change: float) -> str:
-    return f"{100 * change:+.3g} %"

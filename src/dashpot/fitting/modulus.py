@@ -13,8 +13,7 @@ from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Source, Step
 from dashpot.engine.blocks.block import DesignBlock
 from dashpot.engine.blocks.hold import decay_block
-from dashpot.fitting import checks as bench
-from dashpot.fitting import curve_checks as questions
+from dashpot.fitting import checks
 from dashpot.fitting.pipeline import FitData, alone, asked_arms, assembled, chosen_arms
 from dashpot.fitting.spectrum import dense_where_few_fail, master_curve
 from dashpot.records.fit import Fit, Provenance
@@ -98,12 +97,12 @@ def fit_modulus(
     model = found.model
     seen = t[t > 0]
     asked = (
-        questions.arms_supported(model, found.error, unit=unit),
-        questions.tau_inside_window(model, window, "the curve"),
-        bench.arms_distinct(model),
-        questions.plateau_seen(model, float(found.error[0]), unit=unit, further="measure longer"),
-        questions.residuals_random(found.estimate.kappa, found.estimate.sse, len(t)),
-        *questions.order(found.choice),
+        checks.arms_supported(model, found.error, unit=unit),
+        checks.tau_inside_window(model, window, "the curve"),
+        checks.arms_distinct(model),
+        checks.plateau_seen(model, float(found.error[0]), unit=unit, further="measure longer"),
+        checks.residuals_random(found.estimate.kappa, found.estimate.rms),
+        *([] if found.choice is None else [checks.order_agreed(found.choice)]),
     )
     step = Step(
         "fit_modulus",

@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray, increasing, same_length, samples
-from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Source
 from dashpot.engine.solver.pivoted_nnls import pivoted
+from dashpot.fitting.checks import FOLLOWED, few_arms_suffice
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.estimate import ParameterEstimate, Residual
 from dashpot.records.fit import Fit, Status
@@ -23,6 +23,8 @@ _BEYOND = float(np.sqrt(10.0))
 # a loss below this part of the modulus is not weighed by its own value
 _FLAT = 1e-3
 _FINEST = 24
+# a grid on which one sharp arm between two others is followed to 1 %
+_DENSE = 8
 
 
 @dataclass(frozen=True)
@@ -184,6 +186,21 @@ def relative_scale(data: DynamicTest) -> tuple[FloatArray, FloatArray]:
     )
 
 
+def passive_misfit(data: DynamicTest) -> tuple[FloatArray, FloatArray] | None:
+    """Return what the nearest passive solid misses of storage and loss, relative, by frequency.
+
+    None if a storage is not above 0, so that errors cannot be relative.
+    """
+    try:
+        nearest = dynamic_master_curve(data, per_decade=_DENSE).model
+    except DataError:
+        return None
+    order = np.argsort(data.frequency, kind="stable")
+    error = nearest.complex_stiffness(data.omega) - data.value
+    storage, loss = relative_scale(data)
+    return (error.real / storage)[order], (error.imag / loss)[order]
+
+
 def _grid(shortest: float, longest: float, per_decade: float) -> FloatArray:
     if not 1 <= per_decade <= _FINEST:
         raise FitError(
@@ -228,8 +245,8 @@ def _all_positive(name: str, values: FloatArray) -> None:
         )
 
 
-# curves missed by more than this are not followed, and a dense spectrum must miss far less
-_FOLLOWED, _MUCH_BETTER = 0.05, 0.5
+# where few arms do not follow the curves, a dense spectrum must miss far less
+_MUCH_BETTER = 0.5
 
 
 def dense_where_few_fail(few: Fit, error: FloatArray, spectrum: Callable[[], MasterCurve]) -> Fit:
@@ -244,19 +261,18 @@ def dense_where_few_fail(few: Fit, error: FloatArray, spectrum: Callable[[], Mas
         Fits the dense spectrum.
     """
     missed = float(np.sqrt(np.mean(error * error)))
-    if missed < _FOLLOWED:
+    if missed < FOLLOWED:
         return few
     dense = spectrum()
     if dense.rms > _MUCH_BETTER * missed:
         return few
-    says = (
-        f"no number of arms up to {max(order.arms for order in few.orders)} follows the curves: "
-        f"{few.model.arms} leave {100 * missed:.2g} % rms. This is the dense spectrum on an even "
-        f"grid, {dense.model.arms} arms that leave {100 * dense.rms:.2g} %: a table for a solver, "
-        "whose single arms mean nothing"
-    )
     values = len(error)
-    check = Check("few_arms_suffice", False, says, missed, _FOLLOWED)
+    check = few_arms_suffice(
+        missed,
+        few.model.arms,
+        max(order.arms for order in few.orders),
+        (dense.model.arms, dense.rms),
+    )
     residual = Residual(values, values * dense.rms**2, dense.rms)
     return replace(
         few,

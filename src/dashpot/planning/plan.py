@@ -10,6 +10,8 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
+from dashpot.planning import checks
+from dashpot.planning.checks import percent
 from dashpot.planning.impact import half_sine, hammer_rows, mass_for_peak, record_need
 from dashpot.planning.needs import ExpectedError, Plan, Pulse, RecordNeed
 from dashpot.planning.relaxation import Bench, expected_error
@@ -24,7 +26,6 @@ USUAL_PART = 0.1
 NEAR = 3.0
 WANTED = 0.1
 FASTER = (1 / 3, 1 / 10, 1 / 30)
-TIP_LIMIT_DB = -10.0
 # a hammer test informs the lines within this factor of the peak; their usual spacing, Hz
 AROUND = 3.5
 LINE_STEP = 0.1
@@ -122,7 +123,7 @@ def plan(
     need = record_need(total, weight, record)
     tip = None if pulse is None else half_sine(pulse, at)
     band = (1 / (2 * np.pi * hold_time), 1 / (np.pi * ramp_time))
-    checks = _checks(expected, band, need, tip, at=at, wanted=wanted)
+    answers = _checks(expected, band, need, tip, at=at, wanted=wanted)
     return Plan(
         at=at,
         model=supposed,
@@ -132,8 +133,8 @@ def plan(
         band=band,
         record=need,
         pulse=tip,
-        checks=checks,
-        advice=_advice(expected, alternatives, checks, need, tip, at=at, wanted=wanted),
+        checks=answers,
+        advice=_advice(expected, alternatives, answers, need, tip, at=at, wanted=wanted),
     )
 
 
@@ -185,54 +186,20 @@ def _checks(
     wanted: float,
 ) -> tuple[Check, ...]:
     found = [
-        Check(
-            "loss_factor_known",
-            expected.loss_factor_sd <= wanted,
-            f"the loss factor at {at:g} Hz would be known to {_percent(expected.loss_factor_sd)} "
-            f"(one standard deviation); {_percent(wanted)} is wanted",
-            expected.loss_factor_sd,
-            wanted,
-        ),
-        Check(
-            "inside_identified_band",
-            band[0] <= at <= band[1],
-            f"this relaxation test informs {band[0]:.2g} to {band[1]:.2g} Hz; {at:g} Hz is "
-            f"{'inside' if band[0] <= at <= band[1] else 'outside'}",
-            at,
-            band[1] if at > band[1] else band[0],
-        ),
+        checks.loss_factor_known(expected.loss_factor_sd, at, wanted),
+        checks.inside_identified_band(at, band),
     ]
-    longest = max(need.for_decay, need.for_lines)
     if need.record is not None and need.peak_error is not None:
-        found.append(
-            Check(
-                "record_long_enough",
-                need.record >= longest,
-                f"a record of {need.record:g} s reads the peak up to "
-                f"{100 * need.peak_error:+.0f} % wrong off its lines; {need.for_decay:.3g} s hold "
-                f"six time constants, {need.for_lines:.3g} s put five lines into the peak",
-                need.record,
-                longest,
-            )
-        )
+        found.append(checks.record_long_enough(need))
     if tip is not None:
-        found.append(
-            Check(
-                "tip_excites",
-                tip.level_db >= TIP_LIMIT_DB,
-                f"a {1e3 * tip.duration:g} ms pulse is {tip.level_db:.3f} dB down at {at:g} Hz and "
-                f"useful to {tip.band_10db:.3g} Hz (-10 dB)",
-                tip.level_db,
-                TIP_LIMIT_DB,
-            )
-        )
+        found.append(checks.tip_excites(tip, at))
     return tuple(found)
 
 
 def _advice(
     expected: ExpectedError,
     alternatives: Sequence[ExpectedError],
-    checks: Sequence[Check],
+    answers: Sequence[Check],
     need: RecordNeed,
     tip: Pulse | None,
     *,
@@ -249,7 +216,7 @@ def _advice(
             "lines into the half-power band; with an exponential window on both channels and the "
             "model taken at s = jw + a a shorter record does."
         )
-    failed = {check.name for check in checks if not check.passed}
+    failed = {check.name for check in answers if not check.passed}
     if "record_long_enough" in failed:
         words.append(
             f"Record each hit for {max(need.for_decay, need.for_lines):.3g} s instead of "
@@ -271,25 +238,21 @@ def _ramp_advice(
     joint = next(e for e in alternatives if e.method == "joint")
     hammer = (
         f"test the damping with a hammer test and fit both together (identify, "
-        f"{_percent(joint.loss_factor_sd)})"
+        f"{percent(joint.loss_factor_sd)})"
     )
     good = [e for e in alternatives if e.loss_factor_sd <= wanted and e is not joint]
     start = (
-        f"The loss factor at {at:g} Hz would be known to {_percent(expected.loss_factor_sd)} only"
+        f"The loss factor at {at:g} Hz would be known to {percent(expected.loss_factor_sd)} only"
     )
     if not good:
-        return f"{start}, and no faster ramp tried here brings it to {_percent(wanted)}: {hammer}."
+        return f"{start}, and no faster ramp tried here brings it to {percent(wanted)}: {hammer}."
     best = max(good, key=lambda e: e.ramp_time)
     how = f"ramp in {best.ramp_time:.3g} s" if best.ramp_time < expected.ramp_time else ""
     fit = "fit ramp and hold together" if best.method != expected.method else ""
     change = " and ".join(part for part in (how, fit) if part)
-    return f"{start}: {change} ({_percent(best.loss_factor_sd)}), or {hammer}."
+    return f"{start}: {change} ({percent(best.loss_factor_sd)}), or {hammer}."
 
 
 def _pulse_for(at: float) -> float:
     # the spectrum depends on f T alone
     return half_sine(1.0, at).band_10db / at
-
-
-def _percent(value: float) -> str:
-    return "more than 1000 %" if value > 10 else f"{100 * value:.3g} %"

@@ -9,7 +9,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, median
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
-from dashpot.preparation import checks as notices
+from dashpot.preparation import checks
 from dashpot.preparation.baseline import Baseline, baseline_of, zeroed
 from dashpot.preparation.contact import Touch, touch_of
 from dashpot.preparation.filters import filtered, parse_filter
@@ -93,23 +93,23 @@ def prepare(
     record = _record(test, x, force, motion, touch, times=times, count=count)
     rise = _risen(record, before, where)
     preload = _preload(record, before, touch, rise)
-    notices.refuse_unresolved(where, rise, test.force)
-    notices.refuse_saturated(where, record, rise)
-    checks = [
-        notices.single_loading(motion.index, motion.cycles, asked=cycle is not None),
-        notices.baseline_recorded(before),
-        notices.contact_found(touch, record.depth, given=contact is not None),
-        notices.preload_absent(preload, rise),
-        notices.overshoot_small(record, moves=motion.cycle.moves),
-        notices.samples_unbroken(record),
-        notices.spikes_absent(record),
-        notices.columns_plausible(record),
+    checks.refuse_unresolved(where, rise, test.force)
+    checks.refuse_saturated(where, record)
+    answers = [
+        checks.single_loading(motion.index, motion.cycles, asked=cycle is not None),
+        checks.baseline_recorded(before),
+        checks.contact_found(touch, record.depth, given=contact is not None),
+        checks.preload_absent(preload, rise),
+        checks.overshoot_small(record, moves=motion.cycle.moves),
+        checks.samples_unbroken(record),
+        checks.spikes_absent(record),
+        checks.columns_plausible(record),
     ]
     if force_range is not None:
-        checks.append(notices.range_used(rise, force_range))
+        answers.append(checks.range_used(rise, force_range))
     steps = [_turned(motion.sign, turn), _kept(motion, record), _met(touch), tared]
     steps.append(_ramped(record, motion))
-    record = replace(record, preload=preload, steps=tuple(steps), checks=tuple(checks))
+    record = replace(record, preload=preload, steps=tuple(steps), checks=tuple(answers))
     return record if by is None else filtered(record, by)
 
 
@@ -307,7 +307,7 @@ def _preload(record: RampHold, before: Baseline, touch: Touch, rise: float) -> f
     if touch.gap > 0:
         return 0.0
     if before.long_enough:
-        return before.level if abs(before.level) > notices.MAX_PRELOAD * rise else 0.0
+        return before.level if abs(before.level) > checks.MAX_PRELOAD * rise else 0.0
     first = float(record.force[0])
     return first if abs(first) > max(5 * record.force_noise, 0.01 * rise) else 0.0
 

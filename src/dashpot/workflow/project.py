@@ -35,14 +35,13 @@ from dashpot.base.errors import DataError, ReadError
 from dashpot.base.version import __version__
 from dashpot.io.options import ReadOptions
 from dashpot.io.reading_profile import dump_profile
+from dashpot.workflow import checks
 from dashpot.workflow.archive import document, from_json, to_json
 from dashpot.workflow.job import Job, run
 from dashpot.workflow.study import Study
 
 SCHEMA = "dashpot/project@1"
 _GENESIS = "0" * 64
-# a fit on another machine may differ in its last digits, not in any digit that is printed
-RECOMPUTED_TOLERANCE = 1e-7
 
 
 @dataclass(frozen=True)
@@ -155,34 +154,21 @@ def results(study: Study) -> dict[str, Any]:
 
 def verify(project: Project) -> tuple[Check, ...]:
     """Check every hash and the chain of history, and recompute every result from its raw files."""
-    checks: list[Check] = []
+    found: list[Check] = []
     before = _GENESIS
     lines, torn = _lines(project)
     if torn:
-        checks.append(
-            Check(
-                "history_complete",
-                True,
-                "the last line of history was cut short: that operation did not happen",
-            )
-        )
+        found.append(checks.history_complete())
     for number, line in enumerate(lines, start=1):
         entry = _entry(line, number)
         whole = entry.get("previous") == before and entry.get("hash") == _chained(entry)
-        checks.append(
-            Check(
-                "history_unchanged",
-                whole,
-                f"line {number} of history.jsonl is "
-                + ("as it was written" if whole else "not as it was written, or out of place"),
-            )
-        )
+        found.append(checks.history_unchanged(number, whole=whole))
         before = str(entry.get("hash"))
         for listed in (*entry.get("inputs", ()), *entry.get("outputs", ())):
-            checks.append(_file_check(project, listed, number))
-        if all(check.passed for check in checks if check.name.startswith("file")):
-            checks.append(_recomputed(project, entry, number))
-    return tuple(checks)
+            found.append(_file_check(project, listed, number))
+        if all(check.passed for check in found if check.name.startswith("file")):
+            found.append(_recomputed(project, entry, number))
+    return tuple(found)
 
 
 # -- files ---------------------------------------------------------------------------------------
@@ -352,10 +338,9 @@ def _software() -> dict[str, str]:
 def _file_check(project: Project, listed: dict[str, str], number: int) -> Check:
     path = _within(project, listed["file"])
     if not path.is_file():
-        return Check("file_present", False, f"{listed['file']} (line {number}) is missing")
+        return checks.file_present(listed["file"], number)
     same = _sha256(path.read_bytes()) == listed["sha256"]
-    said = "is as it was" if same else "has changed since it was recorded"
-    return Check("file_unchanged", same, f"{listed['file']} (line {number}) {said}")
+    return checks.file_unchanged(listed["file"], number, same=same)
 
 
 def _recomputed(project: Project, entry: dict[str, Any], number: int) -> Check:
@@ -364,11 +349,7 @@ def _recomputed(project: Project, entry: dict[str, Any], number: int) -> Check:
     place = next(item["file"] for item in entry["outputs"] if item["file"].startswith("records/"))
     kept = json.loads(_within(project, place).read_text(encoding="utf-8"))
     worst, where = _difference(kept, json.loads(json.dumps(again)))
-    agrees = worst <= RECOMPUTED_TOLERANCE
-    same = f"is the same (largest relative difference {worst:.2g})"
-    outcome = same if agrees else f"differs: {where}"
-    says = f"the result of line {number}, computed again from its raw files, {outcome}"
-    return Check("result_recomputed", agrees, says, worst, RECOMPUTED_TOLERANCE)
+    return checks.result_recomputed(worst, where, number)
 
 
 def _numbers(noun: object) -> dict[str, Any]:

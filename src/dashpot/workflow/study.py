@@ -24,6 +24,7 @@ from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness, dynamic_stiffness
 from dashpot.vibration.modal.mass import infer_mass
 from dashpot.vibration.systems.prediction import predict_frf
+from dashpot.workflow.checks import hold_fit_possible
 
 COMPARED_ORDERS = (1, 2)
 """The numbers of arms that the paper's Fig. 4 compares."""
@@ -245,4 +246,4 @@ def _by_the_paper(prepared: RampHold, chosen: Fit) -> tuple[Fit | None, tuple[Ch
     try:
         return fit(prepared, arms=chosen.model.arms, method="hold"), ()
     except (DataError, FitError) as error:
-        return None, (Check("hold_fit_possible", False, f"eq. (5) cannot be fitted: {error}"),)
+        return None, (hold_fit_possible(str(error)),)

@@ -9,6 +9,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.base.checks import Check
 from dashpot.base.provenance import Source, Step
+from dashpot.fitting.identification import checks
 from dashpot.fitting.identification.likelihood import DELAY_UNIT
 from dashpot.fitting.identification.search import Candidate, window_ends
 from dashpot.records.estimate import Nuisance, ParameterEstimate, Residual, parameter_names
@@ -17,12 +18,6 @@ from dashpot.records.frf import FRF
 from dashpot.records.relaxation import RampHold
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-# nuisances farther than this from what was known, in standard deviations, are doubted
-STRAINED = 2.5
-# misfit over scatter that a good model stays below
-MISFIT = 2.0
-# a relaxation test whose chi-square the hammer raises by this factor contradicts it
-CONTRADICTED = 1.3
 # arms nearer than this in ln tau are the same arm
 SAME = 1.0
 
@@ -43,7 +38,6 @@ def assembled(
     order = np.argsort(best.theta[1 + problem.arms : 1 + 2 * problem.arms], kind="stable")
     names, physical = _physical(covariance, point.model, order, dashpot=problem.dashpot)
     residual, samples = _residual(best)
-    checks = _checks(best, covariance, before)
     return Fit(
         solid=point.model,
         status=_status(best, asked, most),
@@ -57,7 +51,7 @@ def assembled(
         evidence=Evidence(
             band=_band(best, before),
             orders=tuple(_score(candidate) for candidate in orders),
-            checks=checks,
+            checks=_checks(best, covariance, before),
             moved=() if before is None else _moved(before, point.model, names, physical),
         ),
         provenance=Provenance(
@@ -199,98 +193,25 @@ def _partners(old: tuple[float, ...], new: tuple[float, ...]) -> dict[int, int]:
 
 
 def _checks(best: Candidate, covariance: FloatArray, before: Fit | None) -> tuple[Check, ...]:
-    return (_lines(best), *_relaxation(best), *_strains(best), _sure(best, covariance, before))
-
-
-def _lines(best: Candidate) -> Check:
-    problem = best.problem
-    if problem.frf_data.known_sd:
-        return Check(
-            "lines_explained",
-            problem.scale <= MISFIT,
-            f"the solid leaves {problem.scale:.2g} times the random scatter of the lines"
-            + (
-                ""
-                if problem.scale <= MISFIT
-                else ": another mode, leakage or nonlinearity is in the FRF; narrow band=, or add "
-                "arms"
-            ),
-            problem.scale,
-            MISFIT,
-        )
-    return Check(
-        "lines_explained",
-        problem.scale <= 0.1,
-        f"the solid leaves {100 * problem.scale:.2g} % of the FRF unexplained; the FRF came "
-        "without coherence or scatter, so every line counted alike",
-        problem.scale,
-        0.1,
-    )
-
-
-def _relaxation(best: Candidate) -> list[Check]:
-    checks = []
-    chi2s = best.problem.relaxation_chi2(best.theta)
-    for i, (relaxation, chi2) in enumerate(
-        zip(best.problem.relaxations, chi2s, strict=True), start=1
-    ):
-        ratio = chi2 / relaxation.samples
-        passed = ratio <= CONTRADICTED
-        checks.append(
-            Check(
-                "relaxation_still_explained",
-                passed,
-                f"in the joint fit relaxation test {i} has {ratio:.3g} times the squared residual "
-                "of its own fit"
-                + (
-                    ""
-                    if passed
-                    else ": hammer and relaxation contradict each other; check mass, number and "
-                    "length of seals, and whether both tests are at the same compression"
-                ),
-                ratio,
-                CONTRADICTED,
-            )
-        )
-    return checks
-
-
-def _strains(best: Candidate) -> list[Check]:
-    """How far each nuisance had to go from what was known of it."""
-    priors, point = best.problem.priors, best.point
-    found = []
+    problem, point, priors = best.problem, best.point, best.problem.priors
+    chi2s = problem.relaxation_chi2(best.theta)
+    arms = problem.arms
+    answers = [checks.lines_explained(problem.scale, known_sd=problem.frf_data.known_sd)]
+    answers += [
+        checks.relaxation_still_explained(i, chi2 / relaxation.samples)
+        for i, (relaxation, chi2) in enumerate(zip(problem.relaxations, chi2s, strict=True), 1)
+    ]
+    # how far each nuisance had to go from what was known of it
     if priors.mass is not None and priors.mass.sd > 0:
         off = point.mass - priors.mass.value
-        found.append(("mass", f"{1e3 * point.mass:.4g} g", off, priors.mass.sd))
+        answers.append(checks.mass_believable(f"{1e3 * point.mass:.4g} g", off, priors.mass.sd))
     if priors.gain_sd > 0:
-        found.append(("gain", f"{point.gain:.4g}", float(np.log(point.gain)), priors.gain_sd))
+        off = float(np.log(point.gain))
+        answers.append(checks.gain_believable(f"{point.gain:.4g}", off, priors.gain_sd))
     if priors.delay_sd > 0:
-        found.append(("delay", f"{1e3 * point.delay:.3g} ms", point.delay, priors.delay_sd))
-    return [
-        Check(
-            f"{name}_believable",
-            abs(off) <= STRAINED * sd,
-            f"the fit puts the {name} at {value}, {abs(off) / sd:.2g} standard deviations from "
-            "what was known" + ("" if abs(off) <= STRAINED * sd else f": check the {name} itself"),
-            abs(off) / sd,
-            STRAINED,
-        )
-        for name, value, off, sd in found
-    ]
-
-
-def _sure(best: Candidate, covariance: FloatArray, before: Fit | None) -> Check:
-    N = best.problem.arms
-    se = np.sqrt(np.diag(covariance))
-    worst = float(max(se[1 : 1 + 2 * N], default=0.0))
-    passed = best.significant()
-    new = N - (0 if before is None else before.model.arms)
-    says = (
-        f"every one of the {N} arms is known (largest relative standard error {100 * worst:.2g} %)"
-        if passed
-        else f"not every one of the {N} arms is known (largest relative standard error "
-        f"{100 * worst:.2g} %): ask for fewer arms, widen band=, or add a relaxation test"
-    )
-    if before is not None and new > 0:
-        says += f"; {new} of them only with the help of the hammer"
-    return Check("arms_identified", passed, says, worst, 0.5)
+        found = f"{1e3 * point.delay:.3g} ms"
+        answers.append(checks.delay_believable(found, point.delay, priors.delay_sd))
+    worst = float(max(np.sqrt(np.diag(covariance))[1 : 1 + 2 * arms], default=0.0))
+    new = 0 if before is None else arms - before.model.arms
+    answers.append(checks.arms_identified(arms, worst, significant=best.significant(), new=new))
+    return tuple(answers)

@@ -64,6 +64,11 @@ class Estimate(NamedTuple):
         return sum(noise.samples for noise in self.noises)
 
     @property
+    def rms(self) -> float:
+        """Root mean square of the residuals, N."""
+        return float(np.sqrt(self.sse / self.samples))
+
+    @property
     def kappa(self) -> float:
         """Samples per independent residual, over all records."""
         return self.samples / self.effective

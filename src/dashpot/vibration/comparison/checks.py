@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from dashpot.base.checks import Check
+from dashpot.base.checks import Check, Finding, criterion
 from dashpot.records.fit import Fit
 from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.vibration.checks import GRAVITY
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.modal.peaks import Peak
 
-GRAVITY = 9.80665
 # limits of the verdict: a frequency within 5 % is stiffness within 10 %
 FREQUENCY_LIMIT = 0.05
 PEAK_LIMIT_DB = 3.0
 DAMPING_LIMIT = 1.25
+DEPTH_LIMIT = 0.25
 
 
 def checks(
@@ -28,58 +29,77 @@ def checks(
     depth: float | None,
 ) -> tuple[Check, ...]:
     """Every question that can be put to this comparison, answered."""
-    found = [_frequency(c), _height(c), _damping(c, seen), _units(c), _resolution(seen, told)]
+    found = [
+        stiffness_agrees(c),
+        peak_agrees(c),
+        damping_agrees(c, seen),
+        no_unit_slip(c),
+        lines_resolve_the_peak(seen, told),
+    ]
     if fit is not None:
-        found += [_extrapolation(c, fit), _tested(c, fit)]
+        found += [inside_identified_band(c, fit), damping_tested(c, fit)]
     if model is not None and mass is not None and model.k_inf > 0:
-        found.append(_operating_point(model, mass, depth))
+        found.append(operating_point(model, mass, depth))
     return tuple(found)
 
 
-def _frequency(c: Comparison) -> Check:
+@criterion(
+    "predicted / measured frequency - 1",
+    "<=",
+    FREQUENCY_LIMIT,
+    source="our choice: a stiffness within 10 %",
+)
+def stiffness_agrees(c: Comparison) -> Finding:
+    """The peaks are at one frequency."""
     error = c.frequency_error
-    passed = abs(error) <= FREQUENCY_LIMIT
-    says = (
+    return Finding(
         f"the predicted peak is at {c.predicted_hz:.3f} Hz, the measured one at "
         f"{c.measured_hz:.3f} Hz ({100 * error:+z.2f} %), so the storage stiffness there is "
-        f"{100 * ((1 + error) ** 2 - 1):+z.1f} % off"
+        f"{100 * ((1 + error) ** 2 - 1):+z.1f} % off",
+        abs(error),
+        ": check mass, number of seals, length and preload",
     )
-    advice = "" if passed else ": check mass, number of seals, length and preload"
-    return Check("stiffness_agrees", passed, says + advice, abs(error), FREQUENCY_LIMIT)
 
 
-def _height(c: Comparison) -> Check:
-    passed = abs(c.ratio_db) <= PEAK_LIMIT_DB
-    says = (
+@criterion(
+    "predicted / measured height, dB", "|x| <=", PEAK_LIMIT_DB, source="our choice: a factor 1.4"
+)
+def peak_agrees(c: Comparison) -> Finding:
+    """The peaks are as high as one another."""
+    return Finding(
         f"the predicted peak is {10 ** (c.ratio_db / 20):.3g} times the measured one "
-        f"({c.ratio_db:+z.1f} dB)"
-    )
-    cause = "damping is underestimated" if c.ratio_db > 0 else "damping is overestimated"
-    return Check(
-        "peak_agrees", passed, says + ("" if passed else f": {cause}"), c.ratio_db, PEAK_LIMIT_DB
+        f"({c.ratio_db:+z.1f} dB)",
+        c.ratio_db,
+        f": damping is {'under' if c.ratio_db > 0 else 'over'}estimated",
     )
 
 
-def _damping(c: Comparison, seen: Peak) -> Check:
+@criterion("predicted / measured damping ratio", "x/", DAMPING_LIMIT, source="our choice")
+def damping_agrees(c: Comparison, seen: Peak) -> Finding:
+    """The damping ratios are the same."""
     if c.measured_damping is None or c.predicted_damping is None:
         which = "measured" if c.measured_damping is None else "predicted"
-        says = (
+        return Finding(
             f"the {which} lines do not support a damping ratio: {seen.half_power_lines:.1f} lines "
             f"lie in the half-power band, and at the end of the record {100 * seen.decay:.0f} % of "
-            "the response is left; record longer, or with more lines about the peak"
+            "the response is left; record longer, or with more lines about the peak",
+            limit=None,
+            faulted=True,
         )
-        return Check("damping_agrees", False, says)
     ratio = c.predicted_damping / c.measured_damping
-    passed = 1 / DAMPING_LIMIT <= ratio <= DAMPING_LIMIT
-    says = (
+    return Finding(
         f"predicted damping ratio {100 * c.predicted_damping:.3g} %, measured "
-        f"{100 * c.measured_damping:.3g} %: {ratio:.3g} times"
+        f"{100 * c.measured_damping:.3g} %: {ratio:.3g} times",
+        ratio,
     )
-    return Check("damping_agrees", passed, says, ratio, DAMPING_LIMIT)
 
 
-def _units(c: Comparison) -> Check:
-    """Unit slips leave their mark: sqrt(1000) on a frequency, 9.81 or 1000 on a height."""
+@criterion(
+    "measured / predicted frequency or height",
+    source="not within 10 % of sqrt(1000), 1000 or 9.81, or their inverse",
+)
+def no_unit_slip(c: Comparison) -> Finding:
+    """No unit slip left its mark: sqrt(1000) on a frequency, 9.81 or 1000 on a height."""
     frequency = c.measured_hz / c.predicted_hz
     height = float(np.median(np.abs(c.measured.value) / np.abs(c.predicted.value)))
     for ratio, factor, words in (
@@ -89,56 +109,54 @@ def _units(c: Comparison) -> Check:
     ):
         if abs(abs(np.log(ratio)) - np.log(factor)) < np.log(1.1):
             says = f"measured over predicted is {ratio:.3g}, close to {factor:.4g} or its inverse: "
-            return Check("no_unit_slip", False, says + f"it looks like {words}", ratio, factor)
-    says = "neither frequency nor height is off by the factor of a unit slip"
-    return Check("no_unit_slip", True, says, frequency)
+            return Finding(says + f"it looks like {words}", ratio, limit=factor)
+    return Finding("neither frequency nor height is off by the factor of a unit slip", frequency)
 
 
-def _resolution(seen: Peak, told: Peak) -> Check:
+@criterion("lines in the half-power band", ">=", 5.0, source="our choice: fewer step over the peak")
+def lines_resolve_the_peak(seen: Peak, told: Peak) -> Finding:
+    """The lines resolve both peaks."""
     lines = min(seen.half_power_lines, told.half_power_lines)
     which = "measured" if seen.half_power_lines <= told.half_power_lines else "predicted"
-    passed = lines >= 5
-    says = f"{lines:.1f} lines lie in the half-power band of the {which} peak"
-    if not passed:
-        says += (
-            ": the lines themselves step over the peak; its height is read off the parabola of "
-            "the inverse response, so record longer for a peak you can see"
-        )
-    return Check("lines_resolve_the_peak", passed, says, lines, 5.0)
+    return Finding(
+        f"{lines:.1f} lines lie in the half-power band of the {which} peak",
+        lines,
+        ": the lines themselves step over the peak; its height is read off the parabola of "
+        "the inverse response, so record longer for a peak you can see",
+    )
 
 
-def _extrapolation(c: Comparison, fit: Fit) -> Check:
+@criterion("distance from the band, a factor", "<=", 1.0, source="the band of the fit")
+def inside_identified_band(c: Comparison, fit: Fit) -> Finding:
+    """The measured peak lies where the fit informs the solid."""
     low, high = fit.band
     factor = max(c.measured_hz / high, low / c.measured_hz)
-    passed = factor <= 1
-    says = (
-        f"the measured peak at {c.measured_hz:.4g} Hz lies inside the band that the fit can "
-        f"inform, {low:.2g} to {high:.2g} Hz"
-        if passed
-        else f"the measured peak at {c.measured_hz:.4g} Hz is outside the band that the fit can "
-        f"inform, {low:.2g} to {high:.2g} Hz: the prediction is extrapolated "
-        f"x{factor:.3g}"
+    peak, band = f"the measured peak at {c.measured_hz:.4g} Hz", f"{low:.2g} to {high:.2g} Hz"
+    return Finding(
+        f"{peak} lies inside the band that the fit can inform, {band}",
+        factor,
+        instead=f"{peak} is outside the band that the fit can inform, {band}: the prediction is "
+        f"extrapolated x{factor:.3g}",
     )
-    return Check("inside_identified_band", passed, says, factor, 1.0)
 
 
-def _tested(c: Comparison, fit: Fit) -> Check:
-    """Whether the loss that the hammer saw is of arms that the relaxation test can see."""
+@criterion("1 / (2 pi peak), s", source="what the relaxation test informs")
+def damping_tested(c: Comparison, fit: Fit) -> Finding:
+    """The loss that the hammer saw is of arms that the relaxation test can see."""
     low, high = fit.band
     tau = 1 / (2 * np.pi * c.measured_hz)
-    inside = low <= c.measured_hz <= high
-    lead = max(c.arms, key=lambda arm: arm.loss_share, default=None)
-    if inside:
-        says = (
+    if low <= c.measured_hz <= high:
+        return Finding(
             f"an arm that matters for damping at {c.measured_hz:.4g} Hz relaxes in about "
-            f"{_time(tau)}, which the test behind the fit can see"
+            f"{_time(tau)}, which the test behind the fit can see",
+            tau,
         )
-        return Check("damping_tested", True, says, tau)
     fastest = min([1 / (2 * np.pi * high), *(arm.tau for arm in c.arms if arm.seen_by_relaxation)])
     says = (
         f"damping at {c.measured_hz:.4g} Hz comes from arms that relax in about {_time(tau)}; the "
         f"relaxation test sees {_time(fastest)} to {_time(1 / (2 * np.pi * low))}"
     )
+    lead = max(c.arms, key=lambda arm: arm.loss_share, default=None)
     if lead is not None:
         distant = lead.tau > 5 * tau
         says += (
@@ -147,24 +165,28 @@ def _tested(c: Comparison, fit: Fit) -> Check:
             + (", which acts as a spring here" if distant else "")
         )
     says += "; a faster ramp or a joint fit with this FRF (identify) tests it"
-    return Check("damping_tested", False, says, tau, 1 / (2 * np.pi * high))
+    return Finding(says, tau, limit=1 / (2 * np.pi * high))
 
 
-def _operating_point(model: GeneralizedMaxwell, mass: float, depth: float | None) -> Check:
+@criterion(
+    "sag under the mass, m",
+    source=f"within {100 * DEPTH_LIMIT:g} % of the tested depth: our choice",
+)
+def operating_point(model: GeneralizedMaxwell, mass: float, depth: float | None) -> Finding:
+    """Both tests compress the seal alike."""
     sag = mass * GRAVITY / model.k_inf
     says = f"under its own weight the mass sinks {1e3 * sag:.2f} mm into the seals"
     if depth is None:
-        return Check("operating_point", True, says, sag)
-    passed = abs(sag - depth) <= 0.25 * depth
-    if passed:
-        says += f", close to the {1e3 * depth:.3g} mm of the relaxation test"
-    else:
-        says += (
-            f", but the relaxation test was at {1e3 * depth:.3g} mm: unless the seals were "
-            "pre-compressed the two tests are at different operating points, and a stiffness that "
-            "depends on depth makes them differ"
-        )
-    return Check("operating_point", passed, says, sag, depth)
+        return Finding(says, sag)
+    return Finding(
+        f"{says}, close to the {1e3 * depth:.3g} mm of the relaxation test",
+        sag,
+        instead=f"{says}, but the relaxation test was at {1e3 * depth:.3g} mm: unless the seals "
+        "were pre-compressed the two tests are at different operating points, and a stiffness that "
+        "depends on depth makes them differ",
+        limit=depth,
+        excused=abs(sag - depth) <= DEPTH_LIMIT * depth,
+    )
 
 
 def verdict(c: Comparison, fit: Fit | None) -> str:

@@ -8,10 +8,11 @@ from dataclasses import replace
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
-from dashpot.base.checks import Check
+from dashpot.base.checks import Check, Finding, criterion
 from dashpot.records.frf import FRF, Mode
+from dashpot.vibration.checks import GRAVITY
 from dashpot.vibration.impact.estimators import Estimator, Spectra, estimate, leave_one_out
-from dashpot.vibration.impact.mass_line import apparent_mass, mass_line_check
+from dashpot.vibration.impact.mass_line import ABOVE, apparent_mass
 from dashpot.vibration.impact.quality import Verdict
 from dashpot.vibration.impact.rocking import Combination
 
@@ -24,6 +25,7 @@ ROCKING = 0.05
 OFF_CENTRE = 0.25  # of the bounce that rocking may be at the accelerometers
 OUTLIER = 5.0  # times the usual disagreement between a hit and the others
 DISAGREES = 0.1
+TOLERANCE = 0.05
 
 
 def agreement(
@@ -83,13 +85,17 @@ def checks_of(
     """Every named question to a measured FRF."""
     modes = frf.modes()
     main = modes[0] if modes else None
-    checks = [_enough(frf), _coherent(frf, main), _resonance(frf, main)]
+    checks = [hits_enough(frf), coherence(frf, main), resonance(frf, main)]
     if main is not None:
-        checks += [_long_enough(frf, main), _lines(frf, main), _excited(frf, spectra, main)]
+        checks += [
+            record_long_enough(frf, main),
+            lines_in_half_power_band(frf, main),
+            hammer_excites(frf, spectra, main),
+        ]
     if spectra.averages >= ENOUGH and main is not None:
-        checks.append(_stable(frf, spectra, estimator, main))
+        checks.append(hits_agree(frf, spectra, estimator, main))
     if combination is not None:
-        checks += [_rocking(frf, combination), _centred(frf, combination)]
+        checks += [rocking_cancelled(frf, combination), hits_centred(frf, combination)]
     if mass is not None:
         apparent = None
         if main is not None:
@@ -100,123 +106,104 @@ def checks_of(
                 shift=frf.shift,
                 sd=frf.sd,
             )
-        checks.append(mass_line_check(apparent, mass))
+        checks.append(mass_line(apparent, mass))
     return tuple(checks)
 
 
-def _enough(frf: FRF) -> Check:
-    n = frf.averages
-    left_out = len(frf.hits) - n
-    says = f"{n} of {n + left_out} hits averaged"
-    if n >= ENOUGH:
-        return Check("hits_enough", True, says, n, ENOUGH)
-    return Check(
-        "hits_enough",
-        False,
-        f"{says}: too few to trust an average or to tell its error; hit at least {ENOUGH} times, "
+@criterion("hits", ">=", ENOUGH, source="our choice: the fewest that show an outlier")
+def hits_enough(frf: FRF) -> Finding:
+    """Enough hits are averaged."""
+    return Finding(
+        f"{frf.averages} of {len(frf.hits)} hits averaged",
+        frf.averages,
+        f": too few to trust an average or to tell its error; hit at least {ENOUGH} times, "
         "better 5",
-        n,
-        ENOUGH,
     )
 
 
-def _coherent(frf: FRF, main: Mode | None) -> Check:
+@criterion("least coherence about the peak", ">=", COHERENT, source="common practice")
+def coherence(frf: FRF, main: Mode | None) -> Finding:
+    """The hits agree at the resonance."""
     if frf.coherence is None:
-        return Check(
-            "coherence",
-            False,
+        return Finding(
             "there is no coherence of a single hit: it would be 1 whatever was measured; hit again",
-            None,
-            COHERENT,
+            faulted=True,
         )
     at = int(np.argmax(np.abs(frf.value)))
     if main is not None:
         at = int(np.argmin(np.abs(frf.frequency - main.frequency)))
-    near = slice(max(at - 1, 0), at + 2)
-    value = float(frf.coherence[near].min())
-    says = f"coherence at the resonance ({frf.frequency[at]:.4g} Hz) is {value:.4f}"
-    if value >= COHERENT:
-        return Check("coherence", True, says, value, COHERENT)
-    return Check(
-        "coherence",
-        False,
-        says + ": the hits disagree there; strike the same place squarely, listen to the hits' "
-        "reasons, or record longer",
+    value = float(frf.coherence[max(at - 1, 0) : at + 2].min())
+    return Finding(
+        f"coherence at the resonance ({frf.frequency[at]:.4g} Hz) is {value:.4f}",
         value,
-        COHERENT,
+        ": the hits disagree there; strike the same place squarely, listen to the hits' "
+        "reasons, or record longer",
     )
 
 
-def _resonance(frf: FRF, main: Mode | None) -> Check:
-    if main is not None:
-        return Check(
-            "resonance",
-            True,
-            f"resonance at {main.frequency:.5g} Hz, damping ratio {100 * main.damping_ratio:.3g} %",
-            main.frequency,
+@criterion("natural frequency, Hz", source="no limit: a mode is found or not")
+def resonance(frf: FRF, main: Mode | None) -> Finding:
+    """A resonance stands out."""
+    if main is None:
+        return Finding(
+            f"no resonance stands out between {frf.frequency[0]:.3g} and {frf.frequency[-1]:.3g} "
+            "Hz; check the channels, or the solid is damped too much to ring",
+            faulted=True,
         )
-    return Check(
-        "resonance",
-        False,
-        f"no resonance stands out between {frf.frequency[0]:.3g} and {frf.frequency[-1]:.3g} Hz; "
-        "check the channels, or the solid is damped too much to ring",
+    return Finding(
+        f"resonance at {main.frequency:.5g} Hz, damping ratio {100 * main.damping_ratio:.3g} %",
+        main.frequency,
     )
 
 
-def _long_enough(frf: FRF, main: Mode) -> Check:
+@criterion("record, s", ">=", source=f"{TIME_CONSTANTS} time constants: FRF errors below 0.5 %")
+def record_long_enough(frf: FRF, main: Mode) -> Finding:
+    """The record holds the decay."""
     have = frf.record or 0.0
     need = TIME_CONSTANTS / main.decay
-    says = (
-        f"{have:.3g} s were recorded after the hit; {TIME_CONSTANTS} time constants of the decay "
-        f"are {need:.3g} s"
-    )
-    if have >= need:
-        return Check("record_long_enough", True, says, have, need)
     cut = 100 * np.exp(-(main.decay + frf.shift) * have)
-    return Check(
-        "record_long_enough",
-        False,
-        f"{says}. The cut flattens the FRF's peak ({cut:.2g} % of the response is left at its "
-        "end), though the modes here allow for that; record longer",
+    return Finding(
+        f"{have:.3g} s were recorded after the hit; {TIME_CONSTANTS} time constants of the decay "
+        f"are {need:.3g} s",
         have,
-        need,
+        f". The cut flattens the FRF's peak ({cut:.2g} % of the response is left at its "
+        "end), though the modes here allow for that; record longer",
+        limit=need,
     )
 
 
-def _lines(frf: FRF, main: Mode) -> Check:
+@criterion("lines", ">=", LINES, source="our choice: fewer step over the peak")
+def lines_in_half_power_band(frf: FRF, main: Mode) -> Finding:
+    """The lines resolve the peak."""
     spacing = float(np.median(np.diff(frf.frequency)))
     width = main.bandwidth + frf.shift / np.pi
-    lines = width / spacing
     need = max(LINES / main.bandwidth, TIME_CONSTANTS / main.decay)
-    says = f"{lines:.1f} lines, {spacing:.3g} Hz apart, in the half-power band of {width:.3g} Hz"
-    if lines >= LINES:
-        return Check("lines_in_half_power_band", True, says, lines, LINES)
-    return Check(
-        "lines_in_half_power_band",
-        False,
-        f"{says}: the peak falls between the lines and half-power damping is refused; "
-        f"record {need:.3g} s",
-        lines,
-        LINES,
+    return Finding(
+        f"{width / spacing:.1f} lines, {spacing:.3g} Hz apart, in the half-power band of "
+        f"{width:.3g} Hz",
+        width / spacing,
+        f": the peak falls between the lines and half-power damping is refused; record {need:.3g} "
+        "s",
     )
 
 
-def _excited(frf: FRF, spectra: Spectra, main: Mode) -> Check:
-    """How far the pulse's spectrum has fallen where the block resonates."""
+@criterion("level of the force at the peak, dB", ">=", -WEAK, source="our choice")
+def hammer_excites(frf: FRF, spectra: Spectra, main: Mode) -> Finding:
+    """The pulse's spectrum has not fallen where the block resonates."""
     power = (np.abs(spectra.force) ** 2).mean(axis=0)
     at = int(np.argmin(np.abs(frf.frequency - main.frequency)))
     level = 10 * float(np.log10(power[at] / power[:3].mean()))
-    says = (
+    return Finding(
         f"at the resonance the hammer's force is {max(-level, 0.0):.2g} dB below its plateau; "
-        f"lines up to {frf.frequency[-1]:.3g} Hz are kept"
+        f"lines up to {frf.frequency[-1]:.3g} Hz are kept",
+        level,
+        "; take a harder tip",
     )
-    if level >= -WEAK:
-        return Check("hammer_excites", True, says, level, -WEAK)
-    return Check("hammer_excites", False, f"{says}; take a harder tip", level, -WEAK)
 
 
-def _stable(frf: FRF, spectra: Spectra, estimator: Estimator, main: Mode) -> Check:
-    """Leave one hit out in turn and watch the FRF about the resonance."""
+@criterion("largest change without one hit", "<=", DISAGREES, source="our choice")
+def hits_agree(frf: FRF, spectra: Spectra, estimator: Estimator, main: Mode) -> Finding:
+    """No single hit decides the FRF about the resonance."""
     reach = max(main.bandwidth, 2 * float(np.median(np.diff(frf.frequency))))
     near = np.abs(frf.frequency - main.frequency) <= reach
     without = leave_one_out(spectra, estimator)[:, near]
@@ -225,40 +212,34 @@ def _stable(frf: FRF, spectra: Spectra, estimator: Estimator, main: Mode) -> Che
     worst = int(np.argmax(change))
     name = [hit.name for hit in frf.hits if hit.accepted][worst]
     value = float(change[worst])
-    says = f"without any one hit the FRF about the resonance changes by {100 * value:.2g} %"
-    if value <= DISAGREES:
-        return Check("hits_agree", True, says, value, DISAGREES)
-    return Check(
-        "hits_agree",
-        False,
-        f"{says} (hit {name}): the result hangs on single hits; hit more often and more alike",
+    return Finding(
+        f"without any one hit the FRF about the resonance changes by {100 * value:.2g} %",
         value,
-        DISAGREES,
+        f" (hit {name}): the result hangs on single hits; hit more often and more alike",
     )
 
 
-def _rocking(frf: FRF, found: Combination) -> Check:
+@criterion("rocking / bounce peak", "<=", ROCKING, source="our choice")
+def rocking_cancelled(frf: FRF, found: Combination) -> Finding:
+    """The accelerometers together hardly feel the block rock."""
     weighted = any(
         step.name == "combine" and len({value for _, value in step.parameters}) > 1
         for step in frf.steps
     )
     value = found.ratio if weighted else found.mean_ratio
     rocking, bounce = abs(found.rocking) / (2 * np.pi), abs(found.bounce) / (2 * np.pi)
-    says = (
+    better = "" if weighted else f"combine 'weighted' would leave {found.ratio:.3f}; "
+    return Finding(
         f"rocking at {rocking:.5g} Hz is left with {value:.3f} of the bounce peak at "
-        f"{bounce:.5g} Hz"
+        f"{bounce:.5g} Hz",
+        value,
+        f"; {better}strike closer to the centre",
     )
-    if value <= ROCKING:
-        return Check("rocking_cancelled", True, says, value, ROCKING)
-    advice = (
-        "strike closer to the centre"
-        if weighted
-        else f"combine 'weighted' would leave {found.ratio:.3f}; strike closer to the centre"
-    )
-    return Check("rocking_cancelled", False, f"{says}; {advice}", value, ROCKING)
 
 
-def _centred(frf: FRF, found: Combination) -> Check:
+@criterion("largest rocking / bounce of a hit", "<=", OFF_CENTRE, source="our choice")
+def hits_centred(frf: FRF, found: Combination) -> Finding:
+    """The hits meet the block near its centre."""
     names = [hit.name for hit in frf.hits if hit.accepted]
     worst = int(np.argmax(np.abs(found.eccentricity)))
     value = float(abs(found.eccentricity[worst]))
@@ -274,6 +255,43 @@ def _centred(frf: FRF, found: Combination) -> Check:
             f", as hits some {1000 * value * reach / 3:.1f} mm off centre would on a slender block "
             f"{2000 * reach:.0f} mm long"
         )
-    if value <= OFF_CENTRE:
-        return Check("hits_centred", True, says, value, OFF_CENTRE)
-    return Check("hits_centred", False, f"{says}; strike closer to the centre", value, OFF_CENTRE)
+    return Finding(says, value, "; strike closer to the centre")
+
+
+@criterion("apparent / weighed mass - 1", "|x| <=", TOLERANCE, source="ISO 7626-2, 7.5.2")
+def mass_line(apparent: tuple[float, float] | None, mass: float) -> Finding:
+    """Above resonance the block shows the mass that was weighed."""
+    if apparent is None:
+        return Finding(
+            f"no good lines above {ABOVE:g} times the natural frequency, so the calibration could "
+            "not be checked against the mass; take a harder tip or widen the band",
+            faulted=True,
+        )
+    shown, se = apparent
+    factor = shown / mass
+    says = (
+        f"above resonance the block shows {1000 * shown:.4g} ± {1000 * se:.2g} g where "
+        f"{1000 * mass:.4g} g were weighed"
+    )
+    return Finding(
+        f"{says}: calibrated within {100 * (factor - 1):+.1f} %",
+        factor - 1,
+        instead=f"{says}; {_why(factor)}",
+    )
+
+
+def _why(factor: float) -> str:
+    if factor < 0:
+        return "the sign is wrong: turn the polarity of the hammer or of the accelerometers"
+    for unit, ratio in (
+        ("the acceleration seems to be in g, not in m/s^2", GRAVITY),
+        ("the acceleration seems to be in m/s^2 but was taken for g", 1 / GRAVITY),
+        ("the mass seems to be in grams or the force in mN", 1e-3),
+        ("the mass seems to be in tonnes or the force in kN", 1e3),
+    ):
+        if abs(factor / ratio - 1) < 2 * TOLERANCE:
+            return f"a factor of {factor:.4g}: {unit}"
+    return (
+        f"a calibration factor of {1 / factor:.4g} on the FRF would agree; check sensitivities, "
+        "and whether the weighed mass is what moves"
+    )

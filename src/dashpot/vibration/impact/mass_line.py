@@ -5,11 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
-from dashpot.base.checks import Check
 
-TOLERANCE = 0.05  # ISO 7626-2, 7.5.2
 ABOVE = 2.5  # times the natural frequency the mass line begins
-G = 9.80665
 
 
 def apparent_mass(
@@ -42,45 +39,3 @@ def apparent_mass(
     misfit = inverse.real * w - rows @ c
     scale = float(misfit @ misfit) / (len(x) - 2)
     return float(c[0]), float(np.sqrt(np.linalg.inv(rows.T @ rows)[0, 0] * scale))
-
-
-def mass_line_check(apparent: tuple[float, float] | None, mass: float) -> Check:
-    """Hold the apparent mass against the weighed one."""
-    if apparent is None:
-        return Check(
-            "mass_line",
-            False,
-            f"no good lines above {ABOVE:g} times the natural frequency, so the calibration could "
-            "not be checked against the mass; take a harder tip or widen the band",
-            None,
-            TOLERANCE,
-        )
-    shown, se = apparent
-    factor = shown / mass
-    says = (
-        f"above resonance the block shows {1000 * shown:.4g} ± {1000 * se:.2g} g where "
-        f"{1000 * mass:.4g} g were weighed"
-    )
-    error = factor - 1
-    if abs(error) <= TOLERANCE:
-        return Check(
-            "mass_line", True, says + f": calibrated within {100 * error:+.1f} %", error, TOLERANCE
-        )
-    return Check("mass_line", False, says + f"; {_why(factor)}", error, TOLERANCE)
-
-
-def _why(factor: float) -> str:
-    if factor < 0:
-        return "the sign is wrong: turn the polarity of the hammer or of the accelerometers"
-    for unit, ratio in (
-        ("the acceleration seems to be in g, not in m/s^2", G),
-        ("the acceleration seems to be in m/s^2 but was taken for g", 1 / G),
-        ("the mass seems to be in grams or the force in mN", 1e-3),
-        ("the mass seems to be in tonnes or the force in kN", 1e3),
-    ):
-        if abs(factor / ratio - 1) < 2 * TOLERANCE:
-            return f"a factor of {factor:.4g}: {unit}"
-    return (
-        f"a calibration factor of {1 / factor:.4g} on the FRF would agree; check sensitivities, "
-        "and whether the weighed mass is what moves"
-    )

@@ -10,13 +10,13 @@ from dashpot.base.arrays import BoolArray, ByValue, FloatArray, frozen
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.records.frf import FRF, Kind
+from dashpot.vibration.checks import causal
 from dashpot.vibration.modal.peaks import find_peak, random_sd, usable_lines
 
 DEGREE = float(np.pi / 180)
 STORAGE_LIMIT, LOSS_LIMIT = 0.1, 0.3
 # the slope of ln K' is taken over this factor in frequency to either side
 SLOPE_REACH = 1.6
-CAUSAL_LIMIT = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -231,11 +231,4 @@ def _causal(
     error = float(np.pi / 2 * np.hypot(np.linalg.norm(scatter), tilt))
     top = int(np.argmin(np.abs(frequency - peak)))
     measured = float(loss[top] / storage[top])
-    passed = abs(implied - measured) <= max(CAUSAL_LIMIT * measured, 2 * error) and measured > 0
-    says = (
-        f"at {peak:.4g} Hz the loss factor is {measured:.3g}, and the rise of the stiffness with "
-        f"frequency implies {implied:.3g}, known to {error:.2g} (local Kramers-Kronig rule)"
-    )
-    if not passed:
-        says += ": mass, gain or phase of the channels is off, or another mode is near"
-    return (Check("causal", passed, says, implied, measured),)
+    return (causal(implied, measured, error=error, peak=peak),)

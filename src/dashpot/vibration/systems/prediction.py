@@ -10,6 +10,7 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.records.frf import FRF, Kind
 from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.vibration.checks import seal_mass_negligible
 
 
 def predict_frf(
@@ -65,10 +66,6 @@ def predict_frf(
     return FRF(frequency=f, value=value, kind=kind, shift=shift)
 
 
-# above this part of the block's mass the seals' own inertia shifts the peak by a third of a percent
-NEGLIGIBLE_SEAL = 0.02
-
-
 def moving_mass(block: float, *, seal: float, seals: float = 1.0) -> tuple[float, Check]:
     r"""Mass that moves when a block rests on seals that have a mass of their own.
 
@@ -94,14 +91,4 @@ def moving_mass(block: float, *, seal: float, seals: float = 1.0) -> tuple[float
     for name, value, least in (("block", block, "> 0"), ("seal", seal, ">= 0")):
         if not (np.isfinite(value) and (value > 0 or (value == 0 and name == "seal"))):
             raise DataError(f"{name} mass = {value!r} kg; expected a number {least}")
-    part = seals * seal / block
-    passed = part <= NEGLIGIBLE_SEAL
-    says = f"the seals weigh {100 * part:.2g} % of the block"
-    if not passed:
-        says += (
-            ": a third of that moves along and is counted as mass; the rest, and waves within the "
-            "seal, are not modelled: use a heavier block"
-        )
-    return block + seals * seal / 3, Check(
-        "seal_mass_negligible", passed, says, part, NEGLIGIBLE_SEAL
-    )
+    return block + seals * seal / 3, seal_mass_negligible(seals * seal / block)

@@ -1,0 +1,40 @@
+"""What a body on seals, and a stiffness read off an FRF, can be trusted with, as criteria."""
+
+from __future__ import annotations
+
+from dashpot.base.checks import Finding, criterion
+
+GRAVITY = 9.80665
+CAUSAL_LIMIT = 0.5
+# above this part of the block's mass the seals' own inertia shifts the peak by a third of a percent
+NEGLIGIBLE_SEAL = 0.02
+
+
+@criterion("seals / block", "<=", NEGLIGIBLE_SEAL, source="2 % move the peak by 0.33 %")
+def seal_mass_negligible(part: float) -> Finding:
+    """The seals weigh next to nothing beside the block."""
+    return Finding(
+        f"the seals weigh {100 * part:.2g} % of the block",
+        part,
+        ": a third of that moves along and is counted as mass; the rest, and waves within the "
+        "seal, are not modelled: use a heavier block",
+    )
+
+
+@criterion(
+    "loss factor that the slope implies",
+    "",
+    source=f"within {CAUSAL_LIMIT} of the measured one, or 2 standard deviations "
+    "(Booij and Thoone 1982)",
+)
+def causal(implied: float, measured: float, *, error: float, peak: float) -> Finding:
+    """Loss and slope of the stiffness belong together, as far as the errors can tell."""
+    near = abs(implied - measured) <= max(CAUSAL_LIMIT * measured, 2 * error) and measured > 0
+    return Finding(
+        f"at {peak:.4g} Hz the loss factor is {measured:.3g}, and the rise of the stiffness with "
+        f"frequency implies {implied:.3g}, known to {error:.2g} (local Kramers-Kronig rule)",
+        implied,
+        ": mass, gain or phase of the channels is off, or another mode is near",
+        limit=measured,
+        excused=near,
+    )

@@ -1,0 +1,822 @@
+"""Every registered check just passes and just fails at its limit; the limits are typed here."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+from importlib import import_module
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from kit.fits import a_fit
+
+import dashpot
+from dashpot.base.checks import REGISTER, Check, Finding, criterion
+from dashpot.engine.inference.covariance import Noise, nearly_white, noise_of
+from dashpot.engine.inference.order import DECISIVE, Choice, choose
+from dashpot.fitting import checks as fitting
+from dashpot.fitting.identification import checks as identification
+from dashpot.planning import checks as planning
+from dashpot.planning.needs import Pulse, RecordNeed
+from dashpot.preparation import checks as preparation
+from dashpot.preparation.baseline import Baseline
+from dashpot.preparation.contact import Touch
+from dashpot.preparation.cycles import Cycle
+from dashpot.preparation.filters import parse_filter
+from dashpot.preparation.segments import Segment
+from dashpot.records.dynamic import DynamicTest
+from dashpot.records.frf import FRF, Hit, Mode
+from dashpot.records.relaxation import RampHold
+from dashpot.records.specimen import Specimen
+from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.table_1 import PAPER
+from dashpot.vibration import checks as vibration
+from dashpot.vibration.comparison import checks as comparison
+from dashpot.vibration.comparison.compare import compare
+from dashpot.vibration.comparison.comparison import Comparison
+from dashpot.vibration.impact import checks as impact
+from dashpot.vibration.impact.estimators import Estimator, Spectra
+from dashpot.vibration.impact.rocking import Combination
+from dashpot.vibration.modal.peaks import Peak
+from dashpot.vibration.systems.prediction import moving_mass, predict_frf
+from dashpot.workflow import checks as workflow
+
+ROOT = Path(__file__).parents[1]
+SOURCES = Path(dashpot.__file__).parent
+
+
+# -- what is judged -------------------------------------------------------------------------------
+
+
+def arm(k: float = 1.0, tau: float = 1.0) -> GeneralizedMaxwell:
+    return GeneralizedMaxwell(1.0, (k,), (tau,))
+
+
+DEPTH = 8e-3
+TIME = np.arange(-100, 4101) / 100
+PLATE = DEPTH * np.clip(TIME, 0, 1)
+RECORD = RampHold(TIME, PLATE, PAPER.force(TIME, PLATE), 0.0, 1.0, 41.0, DEPTH)
+
+
+def plate(shape: np.ndarray) -> RampHold:
+    """The record with its displacement times a shape."""
+    return replace(RECORD, displacement=PLATE * shape)
+
+
+def pause(length: float) -> RampHold:
+    keep = (TIME <= 0.3) | (0.3 + length < TIME)
+    time = np.sort(np.append(TIME[keep], 0.3 + length))
+    x = DEPTH * np.clip(time, 0, 1)
+    return replace(RECORD, time=time, displacement=x, force=PAPER.force(time, x))
+
+
+def spiked(count: int) -> RampHold:
+    force = RECORD.force + 1e-3 * np.random.default_rng(0).standard_normal(len(TIME))
+    force[1000 : 1000 + 100 * count : 100] += 1.0
+    return replace(RECORD, force=force)
+
+
+def sinking(share: float) -> RampHold:
+    """The plate gives way after the first tenth of the hold; the force rests."""
+    shape = np.where(TIME > 6, 1 - share, 1.0)
+    return replace(plate(shape), force=np.clip(TIME, 0, 1))
+
+
+def flat_top(samples: int) -> RampHold:
+    force = RECORD.force.copy()
+    force[(0.899 - 0.01 * samples < TIME) & (TIME < 0.899)] = 3.0
+    return replace(RECORD, force=force)
+
+
+def counted(step: float) -> RampHold:
+    return replace(RECORD, displacement=np.round(PLATE / step) * step)
+
+
+def sampled(count: int) -> RampHold:
+    time = np.concatenate((np.linspace(0, 1, count), np.linspace(1.1, 41, 400)))
+    x = DEPTH * np.clip(time, 0, 1)
+    return RampHold(time, x, PAPER.force(time, x), 0.0, 1.0, 41.0, DEPTH)
+
+
+def rising(share: float) -> RampHold:
+    """The last tenth of the hold is higher by this share of the largest force."""
+    return replace(RECORD, force=np.where(TIME > 36.9, 2 / (1 - share), 2.0 * np.clip(TIME, 0, 1)))
+
+
+def quantised() -> np.ndarray:
+    return np.random.default_rng(0).integers(0, 8, 500).astype(float)
+
+
+def loadings(count: int) -> tuple[Cycle, ...]:
+    ramp = Segment("load", 0, 100, 0.0, 1.0, 0.0, DEPTH)
+    hold = Segment("hold", 100, 4100, 1.0, 41.0, DEPTH, DEPTH)
+    return count * (Cycle(None, (ramp, hold)),)
+
+
+def wandering(ratio: float) -> np.ndarray:
+    power = np.zeros(501)
+    power[60:241], power[6:25] = 1.0, ratio
+    return np.fft.irfft(np.sqrt(power), 1000)
+
+
+def sweep(*, storage: float = 2.0, negative: int = 0) -> DynamicTest:
+    loss = np.array([0.1, 0.1, 0.1])
+    loss[:negative] = -0.1
+    return DynamicTest(np.array([1.0, 2.0, 4.0]), np.array([1.0, 2.0, storage]), loss)
+
+
+@cache
+def agreeing() -> Comparison:
+    frf = predict_frf(2 * PAPER, mass=0.104, frequency=np.arange(5, 20, 0.01))
+    return compare(frf, frf, model=PAPER, mass=0.104, seals=2)
+
+
+def held(**changes: object) -> Comparison:
+    return replace(agreeing(), **changes)
+
+
+def scaled(height: float) -> Comparison:
+    frf = agreeing().measured
+    return held(measured=replace(frf, value=height * frf.value))
+
+
+def peak(lines: float) -> Peak:
+    return Peak(12.7, 1000.0, 0.004, 0.0, 0.0, lines, 0.0)
+
+
+SEEN = a_fit(PAPER, band=(0.1, 2.0))
+GRAVITY = 9.80665
+
+LINES = np.arange(5.0, 20.0, 0.1)
+MODE = Mode(10.0, 0.05, 1j)
+HITS = tuple(Hit(str(i), float(i), accepted=True) for i in (1, 2, 3))
+
+
+def measured(**changes: object) -> FRF:
+    frf = predict_frf(2 * PAPER, mass=0.104, frequency=LINES)
+    return replace(frf, **{"averages": 3, "hits": HITS, "coherence": np.ones(150), **changes})
+
+
+def spectra(*, level: float = 0.0, odd: float = 0.0) -> Spectra:
+    """Three hits on a system that answers 1; `level` dB at the mode, one response off by `odd`."""
+    force = np.ones((3, 150), dtype=complex)
+    force[:, np.argmin(np.abs(LINES - MODE.frequency))] = 10 ** (level / 20)
+    response = force.copy()
+    response[2] *= 1 + odd
+    return Spectra(LINES, force, response)
+
+
+def combined(*, left: float = 0.0, eccentric: float = 0.0) -> Combination:
+    return Combination((0.5, 0.5), 60j, 200j, left, left, (0.0, eccentric, 0.0))
+
+
+# -- where each check passes, and where it fails --------------------------------------------------
+
+
+class Case(NamedTuple):
+    """A check of what `judge` makes of a number: it passes at one, and fails at another."""
+
+    check: str
+    judge: Callable[[float], Check]
+    passes: float | None
+    fails: float | None
+
+
+def whole(judge: Callable[[int], Check]) -> Callable[[float], Check]:
+    return lambda x: judge(int(x))
+
+
+def baseline(x: int) -> Check:
+    return preparation.baseline_recorded(Baseline(x, 1.0, 0.0, 1e-3, 0.0, 0.0, 0.0))
+
+
+def biased(x: float) -> Check:
+    changes = {"hold": {"k_inf": x}, "full": {"k_inf": 0.0}}
+    return fitting.filter_bias(parse_filter("lowpass:20Hz"), changes, 1.0)
+
+
+def cut_off(hertz: float) -> Check:
+    changes = {"hold": {"k_inf": 0.0}, "full": {"k_inf": 0.0}}
+    return fitting.filter_bias(parse_filter(f"lowpass:{hertz}Hz"), changes, 1.0)
+
+
+PREPARATION = [
+    Case("baseline_recorded", whole(baseline), 5, 4),
+    Case(
+        "contact_found",
+        lambda x: preparation.contact_found(Touch(0.0, 1e-3, DEPTH * x), DEPTH, given=False),
+        0.00999,
+        0.01001,
+    ),
+    Case("preload_absent", lambda x: preparation.preload_absent(-2 * x, 2.0), 0.0499, 0.0501),
+    Case(
+        "single_loading",
+        whole(lambda n: preparation.single_loading(0, loadings(n), asked=False)),
+        1,
+        2,
+    ),
+    Case(
+        "overshoot_small",
+        lambda x: preparation.overshoot_small(
+            plate(np.where((TIME > 0.995) & (TIME < 1.1), 1 + x, 1.0)), moves=1
+        ),
+        0.0499,
+        0.0501,
+    ),
+    Case("samples_unbroken", lambda x: preparation.samples_unbroken(pause(x)), 0.1999, 0.2001),
+    Case("spikes_absent", whole(lambda n: preparation.spikes_absent(spiked(n))), 0, 1),
+    Case("columns_plausible", lambda x: preparation.columns_plausible(sinking(x)), 0.0299, 0.0301),
+    Case("range_used", lambda x: preparation.range_used(70 * x, 70.0), 0.0501, 0.0499),
+    Case("force_not_clipped", whole(lambda n: preparation.force_not_clipped(flat_top(n))), 4, 5),
+    Case("force_resolved", lambda x: preparation.force_resolved(quantised(), x), 20.0, 19.99),
+    Case(
+        "depth_resolved",
+        lambda x: preparation.depth_resolved(counted(x * np.sqrt(6) * DEPTH)),
+        0.00499,
+        0.00501,
+    ),
+    Case(
+        "hold_is_still",
+        lambda x: preparation.hold_is_still(
+            plate(np.where((TIME > 1) & (TIME < 2), 1 - x, 1.0)), method="hold"
+        ),
+        0.00999,
+        0.01001,
+    ),
+    Case(
+        "hold_outlasts_ramp",
+        lambda x: preparation.hold_outlasts_ramp(replace(RECORD, hold_end=1 + x)),
+        10.01,
+        9.99,
+    ),
+    Case("ramp_sampled", whole(lambda n: preparation.ramp_sampled(sampled(n))), 10, 9),
+    Case("force_relaxes", lambda x: preparation.force_relaxes(rising(x)), 0.00499, 0.00501),
+    Case(
+        "strain_small",
+        lambda x: preparation.strain_small(replace(RECORD, specimen=Specimen(height=DEPTH / x))),
+        0.1999,
+        0.2001,
+    ),
+]
+
+FITTING = [
+    Case(
+        "hold_long_enough", lambda x: fitting.hold_long_enough(arm(1, 40 / x), [RECORD]), 3.01, 2.99
+    ),
+    Case(
+        "arms_distinct",
+        lambda x: fitting.arms_distinct(GeneralizedMaxwell(1.0, (1.0, 1.0), (1.0, x))),
+        1.501,
+        1.499,
+    ),
+    Case(
+        "arms_supported", lambda x: fitting.arms_supported(arm(x), np.array([0, 1, 0])), 3.01, 2.99
+    ),
+    Case(
+        "arms_supported", lambda x: fitting.arms_supported(arm(), np.array([0, 0.1, x])), 0.49, 0.5
+    ),
+    Case(
+        "tau_inside_window",
+        lambda x: fitting.tau_inside_window(arm(1, x), (0.1, 10), "it"),
+        9.99,
+        10.01,
+    ),
+    Case(
+        "tau_inside_window",
+        lambda x: fitting.tau_inside_window(arm(1, x), (0.1, 10), "it"),
+        0.101,
+        0.099,
+    ),
+    Case(
+        "k_inf_positive",
+        lambda x: fitting.k_inf_positive(GeneralizedMaxwell(x, (), ()), 1.0),
+        3.001,
+        2.999,
+    ),
+    Case(
+        "plateau_seen",
+        lambda x: fitting.plateau_seen(
+            GeneralizedMaxwell(x, (), ()), 1.0, unit="Pa", further="wait"
+        ),
+        3.001,
+        2.999,
+    ),
+    Case(
+        "plateau_seen",
+        lambda x: fitting.plateau_seen(
+            GeneralizedMaxwell(x, (1.0,), (1.0,)), 0.0, unit="Pa", further="wait"
+        ),
+        1.1e-12,
+        0.9e-12,
+    ),
+    Case("residuals_random", lambda x: fitting.residuals_random(x, 1.0), 19.99, 20.01),
+    Case("step_bias", lambda x: fitting.step_bias(arm(1, x), [RECORD]), 1e-3, None),
+    Case("fast_arm_visible", lambda x: fitting.fast_arm_visible(arm(1, x), [RECORD]), 0.1, 0.0999),
+    Case(
+        "drift_told_from_arm",
+        lambda x: fitting.drift_told_from_arm(arm(), 0.95, x),
+        0.0999,
+        0.1001,
+    ),
+    Case(
+        "drift_told_from_arm",
+        lambda x: fitting.drift_told_from_arm(arm(), x, 0.2),
+        0.899,
+        0.901,
+    ),
+    Case("residuals_steady", lambda x: fitting.residuals_steady([wandering(x)]), 3.99, 4.01),
+    Case("order_agreed", whole(lambda n: fitting.order_agreed(Choice(1, 2, n))), 2, 1),
+    Case(
+        "order_agreed",
+        lambda x: fitting.order_agreed(Choice(2, 2, 2, capped=bool(x))),
+        0,
+        1,
+    ),
+    Case(
+        "hold_and_full_agree",
+        lambda x: fitting.hold_and_full_agree(arm(), arm(1 + x), np.zeros(3)),
+        0.0999,
+        0.1001,
+    ),
+    Case(
+        "hold_and_full_agree",
+        lambda x: fitting.hold_and_full_agree(arm(), arm(1 + x), np.array([0.0, 0.1, 0.0])),
+        0.299,
+        0.301,
+    ),
+    Case("frequencies_informed", lambda x: fitting.frequencies_informed((1.0, x)), 1.001, 1.0),
+    Case("filter_bias", biased, 0.00999, 0.01001),
+    Case("filter_bias", cut_off, 5.0, 4.99),
+    Case("separable", lambda x: fitting.separable(x, 0.5), 0.0101, 0.0099),
+    Case("separable", lambda x: fitting.separable(1e-9, x), 0.99e-3, 1.01e-3),
+    Case(
+        "few_arms_suffice",
+        lambda x: fitting.few_arms_suffice(x, 2, 6, (20, 1e-3)),
+        0.0499,
+        0.05,
+    ),
+    Case(
+        "kramers_kronig",
+        lambda x: fitting.kramers_kronig((np.full(50, x), np.zeros(50))),
+        0.0499,
+        0.0501,
+    ),
+    Case("loss_positive", whole(lambda n: fitting.loss_positive(sweep(negative=n))), 0, 1),
+    Case(
+        "storage_rises", lambda x: fitting.storage_rises(sweep(storage=2 - 2 * x)), 0.0499, 0.0501
+    ),
+    Case("data_agree", lambda x: fitting.data_agree([1.0, x], ["storage", "loss"]), 1.299, 1.301),
+    Case("bands_meet", lambda x: fitting.bands_meet((x, 100.0), (0.1, 1.0)), 9.99, 10.01),
+]
+
+IDENTIFICATION = [
+    Case(
+        "lines_explained", lambda x: identification.lines_explained(x, known_sd=True), 1.999, 2.001
+    ),
+    Case(
+        "lines_explained", lambda x: identification.lines_explained(x, known_sd=False), 0.099, 0.101
+    ),
+    Case(
+        "relaxation_still_explained",
+        lambda x: identification.relaxation_still_explained(1, x),
+        1.299,
+        1.301,
+    ),
+    Case(
+        "mass_believable", lambda x: identification.mass_believable("", -2 * x, 2.0), 2.499, 2.501
+    ),
+    Case("gain_believable", lambda x: identification.gain_believable("", 2 * x, 2.0), 2.499, 2.501),
+    Case(
+        "delay_believable", lambda x: identification.delay_believable("", 2 * x, 2.0), 2.499, 2.501
+    ),
+    Case(
+        "arms_identified",
+        lambda x: identification.arms_identified(2, x, significant=True),
+        0.499,
+        0.5,
+    ),
+    Case(
+        "arms_identified",
+        lambda x: identification.arms_identified(2, 0.3, significant=bool(x)),
+        1,
+        0,
+    ),
+]
+
+PLANNING = [
+    Case("loss_factor_known", lambda x: planning.loss_factor_known(x, 12.0, 0.1), 0.0999, 0.1001),
+    Case(
+        "inside_identified_band",
+        lambda x: planning.inside_identified_band(x, (1.0, 2.0)),
+        2.0,
+        2.001,
+    ),
+    Case(
+        "inside_identified_band",
+        lambda x: planning.inside_identified_band(x, (1.0, 2.0)),
+        1.0,
+        0.999,
+    ),
+    Case(
+        "record_long_enough",
+        lambda x: planning.record_long_enough(RecordNeed(12.0, 0.01, 1.0, 1.0, 6.0, 3.0, x, 0.0)),
+        6.0,
+        5.99,
+    ),
+    Case(
+        "tip_excites",
+        lambda x: planning.tip_excites(Pulse(0.01, x, 1.0, 1.0, 1.0), 12.0),
+        -9.99,
+        -10.01,
+    ),
+]
+
+VIBRATION = [
+    Case(
+        "seal_mass_negligible", lambda x: moving_mass(1.0, seal=x / 2, seals=2)[1], 0.0199, 0.0201
+    ),
+    Case("causal", lambda x: vibration.causal(x, 0.1, error=0.0, peak=12.0), 0.1499, 0.1501),
+    Case("causal", lambda x: vibration.causal(x, 0.1, error=0.05, peak=12.0), 0.1999, 0.2001),
+]
+
+COMPARISON = [
+    *(
+        Case(
+            "stiffness_agrees",
+            lambda x, sign=sign: comparison.stiffness_agrees(
+                held(predicted_hz=(1 + sign * x) * agreeing().measured_hz)
+            ),
+            0.0499,
+            0.0501,
+        )
+        for sign in (1, -1)
+    ),
+    *(
+        Case(
+            "peak_agrees",
+            lambda x: comparison.peak_agrees(
+                held(predicted_peak=10 ** (x / 20) * agreeing().measured_peak)
+            ),
+            sign * 2.99,
+            sign * 3.01,
+        )
+        for sign in (1, -1)
+    ),
+    *(
+        Case(
+            "damping_agrees",
+            lambda x: comparison.damping_agrees(
+                held(predicted_damping=0.01 * x, measured_damping=0.01), peak(10)
+            ),
+            1.249**sign,
+            1.251**sign,
+        )
+        for sign in (1, -1)
+    ),
+    *(
+        Case(
+            "no_unit_slip",
+            lambda x: comparison.no_unit_slip(
+                held(measured_hz=1.0, predicted_hz=1 / x, measured=agreeing().predicted)
+            ),
+            passes * np.sqrt(1000),
+            fails * np.sqrt(1000),
+        )
+        for passes, fails in ((1.101, 1.099), (1 / 1.101, 1 / 1.099))
+    ),
+    Case("no_unit_slip", lambda x: comparison.no_unit_slip(scaled(x * GRAVITY)), 1.101, 1.099),
+    Case("no_unit_slip", lambda x: comparison.no_unit_slip(scaled(x * 1000)), 1.101, 1.099),
+    Case(
+        "lines_resolve_the_peak",
+        lambda x: comparison.lines_resolve_the_peak(peak(50), peak(x)),
+        5.0,
+        4.99,
+    ),
+    *(
+        Case(
+            "inside_identified_band",
+            lambda x, edge=edge, way=way: comparison.inside_identified_band(
+                held(measured_hz=edge * x**way), SEEN
+            ),
+            0.999,
+            1.001,
+        )
+        for edge, way in ((2.0, 1), (0.1, -1))
+    ),
+    Case(
+        "damping_tested",
+        lambda x: comparison.damping_tested(held(measured_hz=x), SEEN),
+        2.0,
+        2.001,
+    ),
+    *(
+        Case(
+            "operating_point",
+            lambda x: comparison.operating_point(
+                GeneralizedMaxwell(GRAVITY / DEPTH, (), ()), x, DEPTH
+            ),
+            passes,
+            fails,
+        )
+        for passes, fails in ((1.249, 1.251), (0.751, 0.749))
+    ),
+]
+
+IMPACT = [
+    Case("hits_enough", whole(lambda n: impact.hits_enough(measured(averages=n))), 3, 2),
+    Case(
+        "coherence",
+        lambda x: impact.coherence(measured(coherence=np.full(150, x)), MODE),
+        0.9001,
+        0.8999,
+    ),
+    Case("resonance", lambda x: impact.resonance(measured(), MODE if x else None), 10.0, 0),
+    Case(
+        "record_long_enough",
+        lambda x: impact.record_long_enough(measured(record=x / MODE.decay), MODE),
+        6.001,
+        5.999,
+    ),
+    Case(
+        "lines_in_half_power_band",
+        lambda x: impact.lines_in_half_power_band(measured(), replace(MODE, damping_ratio=x / 200)),
+        5.001,
+        4.999,
+    ),
+    Case(
+        "hammer_excites",
+        lambda x: impact.hammer_excites(measured(), spectra(level=x), MODE),
+        -9.99,
+        -10.01,
+    ),
+    Case(
+        "hits_agree",
+        lambda x: impact.hits_agree(measured(), spectra(odd=3 * x / (1 - x)), Estimator.H1, MODE),
+        0.0999,
+        0.1001,
+    ),
+    Case(
+        "rocking_cancelled",
+        lambda x: impact.rocking_cancelled(measured(), combined(left=x)),
+        0.0499,
+        0.0501,
+    ),
+    Case(
+        "hits_centred",
+        lambda x: impact.hits_centred(measured(), combined(eccentric=-x)),
+        0.249,
+        0.251,
+    ),
+    *(
+        Case(
+            "mass_line", lambda x: impact.mass_line((1 + x, 0.01), 1.0), sign * 0.049, sign * 0.051
+        )
+        for sign in (1, -1)
+    ),
+]
+
+WORKFLOW = [
+    Case("hold_fit_possible", lambda _: workflow.hold_fit_possible("two ramps"), None, 0),
+    Case("history_complete", lambda _: workflow.history_complete(), 0, None),
+    Case("history_unchanged", lambda x: workflow.history_unchanged(1, whole=bool(x)), 1, 0),
+    Case("file_present", lambda _: workflow.file_present("raw.csv", 1), None, 0),
+    Case("file_unchanged", lambda x: workflow.file_unchanged("raw.csv", 1, same=bool(x)), 1, 0),
+    Case("result_recomputed", lambda x: workflow.result_recomputed(x, "k", 1), 0.99e-7, 1.01e-7),
+]
+
+STAGES = {
+    "preparation": PREPARATION,
+    "fitting": FITTING,
+    "fitting/identification": IDENTIFICATION,
+    "planning": PLANNING,
+    "vibration": VIBRATION,
+    "vibration/comparison": COMPARISON,
+    "vibration/impact": IMPACT,
+    "workflow": WORKFLOW,
+}
+#: what each value that the cases give is held against, where the criterion itself sets the limit
+LIMITS = {
+    "preparation": {
+        "baseline_recorded": 5, "contact_found": 0.01, "preload_absent": 0.05, "single_loading": 1,
+        "overshoot_small": 0.05, "samples_unbroken": 0.2, "spikes_absent": 0,
+        "columns_plausible": 0.03, "range_used": 0.05, "force_not_clipped": 5, "force_resolved": 20,
+        "depth_resolved": 0.005, "hold_is_still": 0.01, "hold_outlasts_ramp": 10,
+        "ramp_sampled": 10, "strain_small": 0.2,
+    },
+    "fitting": {
+        "hold_long_enough": 3, "arms_distinct": 1.5, "arms_supported": 3, "residuals_random": 20,
+        "fast_arm_visible": 0.1, "drift_told_from_arm": 0.1, "residuals_steady": 4,
+        "hold_and_full_agree": 0.1, "filter_bias": 0.01, "separable": 0.01,
+        "few_arms_suffice": 0.05, "kramers_kronig": 0.05, "loss_positive": 0, "storage_rises": 0.05,
+        "data_agree": 1.3, "bands_meet": 10,
+    },
+    "fitting/identification": {
+        "lines_explained": 2, "relaxation_still_explained": 1.3, "mass_believable": 2.5,
+        "gain_believable": 2.5, "delay_believable": 2.5, "arms_identified": 0.5,
+    },
+    "planning": {"tip_excites": -10},
+    "vibration": {"seal_mass_negligible": 0.02},
+    "vibration/comparison": {
+        "stiffness_agrees": 0.05, "peak_agrees": 3, "damping_agrees": 1.25,
+        "lines_resolve_the_peak": 5, "inside_identified_band": 1,
+    },
+    "vibration/impact": {
+        "hits_enough": 3, "coherence": 0.9, "lines_in_half_power_band": 5, "hammer_excites": -10,
+        "hits_agree": 0.1, "rocking_cancelled": 0.05, "hits_centred": 0.25, "mass_line": 0.05,
+    },
+    "workflow": {"result_recomputed": 1e-7},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "case",
+    [
+        pytest.param(case, id=f"{stage}-{case.check}-{case.passes}")
+        for stage, cases in STAGES.items()
+        for case in cases
+    ],
+)
+def test_every_check_just_passes_and_just_fails_at_its_limit(case: Case) -> None:
+    for x, passed in ((case.passes, True), (case.fails, False)):
+        if x is None:
+            continue
+        found = case.judge(x)
+        assert found.name == case.check
+        assert found.passed is passed, found
+        assert found.says
+
+
+def test_the_value_of_a_check_is_what_its_case_says() -> None:
+    """The cases drive the very number that meets the limit: it is given back."""
+    for stage, limits in LIMITS.items():
+        for name in limits:
+            case = next(case for case in STAGES[stage] if case.check == name)
+            assert case.passes is not None
+            assert case.judge(case.passes).value == pytest.approx(case.passes, rel=1e-3), name
+
+
+def test_the_limits_are_those_typed_here() -> None:
+    for stage, limits in LIMITS.items():
+        registered = {
+            name: one.limit
+            for (where, name), one in REGISTER.items()
+            if where == stage and one.limit is not None
+        }
+        assert registered == limits
+
+
+def test_no_registered_check_is_missing_here() -> None:
+    for file in SOURCES.rglob("checks.py"):
+        import_module("dashpot." + ".".join(file.relative_to(SOURCES).with_suffix("").parts))
+    cases = {(stage, case.check) for stage, cases in STAGES.items() for case in cases}
+    assert cases == set(REGISTER)
+
+
+def test_checks_are_built_in_the_register_alone() -> None:
+    built = [
+        file.relative_to(SOURCES).as_posix()
+        for file in SOURCES.rglob("*.py")
+        if re.search(r"\bCheck\(", file.read_text(encoding="utf-8"))
+    ]
+    assert built == ["base/checks.py"]
+
+
+def test_every_criterion_says_what_it_asks_and_where_its_limit_comes_from() -> None:
+    for (stage, name), asked in REGISTER.items():
+        assert asked.question.endswith("."), name
+        assert asked.source, name
+        assert bool(asked.rule) <= bool(asked.measure), name
+        assert (SOURCES / stage / "checks.py").is_file()
+
+
+def test_the_page_of_every_check_is_the_register() -> None:
+    spec = spec_from_file_location("checks_page", ROOT / "docs" / "checks.py")
+    assert spec is not None
+    assert spec.loader is not None
+    written = module_from_spec(spec)
+    spec.loader.exec_module(written)
+    kept = written.PAGE.read_text(encoding="utf-8")
+    assert written.page() == kept, "run `python docs/checks.py`"
+
+
+def test_two_criteria_of_one_name_are_refused() -> None:
+    def overshoot_small() -> Finding:
+        """Whatever."""
+        return Finding("nothing")
+
+    overshoot_small.__module__ = "dashpot.preparation.checks"
+    with pytest.raises(ValueError, match="two criteria overshoot_small"):
+        criterion(source="nowhere")(overshoot_small)
+
+
+# -- what is not judged, and what is excused ------------------------------------------------------
+
+
+def test_what_cannot_be_judged_passes_without_a_value() -> None:
+    spring = GeneralizedMaxwell(1.0)
+    for found in (
+        preparation.contact_found(Touch(0.0, 1e-3), DEPTH, given=True),
+        preparation.contact_found(Touch(0.0, 0.0), DEPTH, given=False),
+        preparation.overshoot_small(RECORD, moves=2),
+        preparation.force_resolved(RECORD.force),
+        preparation.strain_small(RECORD),
+        fitting.hold_long_enough(spring, [RECORD]),
+        fitting.arms_distinct(arm()),
+        fitting.arms_supported(spring, np.zeros(1)),
+        fitting.step_bias(spring, [RECORD]),
+        fitting.fast_arm_visible(spring, [RECORD]),
+        fitting.drift_told_from_arm(spring, None, 0.0),
+        fitting.drift_told_from_arm(arm(), None, 9.0),
+        fitting.residuals_steady([np.zeros(799)]),
+        fitting.hold_and_full_agree(arm(), None, np.zeros(3)),
+        fitting.hold_and_full_agree(arm(), spring, np.zeros(3)),
+        fitting.separable(None, None),
+        fitting.filter_bias(None),
+    ):
+        assert found.passed, found
+        assert found.value is None
+
+
+def test_what_was_not_found_fails_without_a_value() -> None:
+    unknown = held(measured_damping=None)
+    for found in (
+        fitting.filter_bias(parse_filter("lowpass:20Hz"), "it is a spike"),
+        fitting.separable(None, 0.5),
+        fitting.kramers_kronig(None),
+        comparison.damping_agrees(unknown, peak(1)),
+        comparison.damping_agrees(held(predicted_damping=None), peak(1)),
+        impact.coherence(measured(coherence=None), MODE),
+        impact.mass_line(None, 1.0),
+    ):
+        assert not found.passed, found
+        assert found.value is None
+    assert comparison.damping_agrees(unknown, peak(1)).limit is None
+
+
+def test_what_the_method_bears_is_excused() -> None:
+    creeping = plate(np.where((TIME > 1) & (TIME < 2), 0.9, 1.0))
+    assert preparation.hold_is_still(creeping, method="full").passed
+    assert preparation.single_loading(0, loadings(3), asked=True).passed
+    even = replace(RECORD, time=np.arange(len(TIME)) * 0.3, onset=30.0, ramp_end=31.0, hold_end=999)
+    assert preparation.samples_unbroken(even).value == pytest.approx(0.3)
+    assert preparation.samples_unbroken(even).passed
+    swapped_not = replace(sinking(0.5), force=2 - np.clip(TIME, 0, 41) / 41)
+    assert preparation.columns_plausible(swapped_not).passed
+    resting = replace(RECORD, displacement=np.full(len(TIME), DEPTH))
+    assert preparation.force_not_clipped(replace(resting, force=np.ones(len(TIME)))).passed
+    assert not fitting.filter_bias(
+        parse_filter("lowpass:20Hz:causal"), {"hold": {"k_inf": 0.0}, "full": {"k_inf": 0.0}}, 1.0
+    ).passed
+    assert not vibration.causal(0.0, -0.1, error=1.0, peak=12.0).passed
+
+
+def test_advice_follows_only_where_a_check_fails() -> None:
+    low = comparison.peak_agrees(held(predicted_peak=0.1 * agreeing().measured_peak))
+    assert low.says.endswith("(-20.0 dB): damping is overestimated")
+    high = comparison.peak_agrees(held(predicted_peak=10 * agreeing().measured_peak))
+    assert high.says.endswith("(+20.0 dB): damping is underestimated")
+    off = comparison.stiffness_agrees(held(predicted_hz=1.1 * agreeing().measured_hz))
+    assert off.says.endswith("+21.0 % off: check mass, number of seals, length and preload")
+    assert comparison.stiffness_agrees(agreeing()).says.endswith("+0.0 % off")
+    assert "1.5 times" in comparison.damping_agrees(
+        held(predicted_damping=0.03, measured_damping=0.02), peak(10)
+    ).says  # fmt: skip
+
+
+# -- decisions of the engine ----------------------------------------------------------------------
+
+
+def test_bic_is_decisive_from_50_on() -> None:
+    doubtful = (True, True, False)
+    assert choose(range(3), (99.0, 49.9, 0.0), doubtful, decisive=DECISIVE).arms == 1
+    assert choose(range(3), (99.0, 50.1, 0.0), doubtful, decisive=DECISIVE).arms == 2
+
+
+@pytest.mark.parametrize(("kappa", "white"), [(2.99, True), (3.01, False)])
+def test_noise_is_nearly_white_where_three_neighbours_say_the_same(
+    kappa: float, white: bool
+) -> None:
+    noises = [Noise(1000, np.ones(1), each, 2.0) for each in (1.0, kappa)]
+    assert nearly_white(noises) is white
+
+
+@pytest.mark.parametrize("tau", [0.5, 2.0, 5.0, 20.0])
+def test_kappa_is_the_closed_form_of_ar_1(tau: float) -> None:
+    r""":math:`\kappa = 1 + 2\sum_l \phi^l = (1 + \phi)/(1 - \phi)`, :math:`\phi = e^{-1/\tau}`."""
+    phi = np.exp(-1 / tau)
+    found = np.mean([noise_of(_ar_1(phi, 2**19, seed)).kappa for seed in range(4)])
+    assert found == pytest.approx((1 + phi) / (1 - phi), rel=0.03)
+
+
+def _ar_1(phi: float, samples: int, seed: int) -> np.ndarray:
+    """AR(1) noise: white noise through 1/(1 - phi z) as a convolution cut where it is nothing."""
+    white = np.random.default_rng(seed).standard_normal(samples)
+    length = int(np.ceil(-40 / np.log(phi)))
+    size = 2 ** int(np.ceil(np.log2(samples + length)))
+    kernel = phi ** np.arange(length)
+    return np.fft.irfft(np.fft.rfft(white, size) * np.fft.rfft(kernel, size), size)[length:samples]
