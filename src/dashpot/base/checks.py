@@ -131,8 +131,8 @@ def criterion(
     measure: str = "",
     rule: str = "",
     limit: float | None = None,
+    source: str = "our choice",
     *,
-    source: str,
     name: str = "",
     question: str = "",
 ) -> Callable[[Callable[P, Finding]], Criterion[P]]:

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from dashpot.base.checks import Check
-from dashpot.base.errors import FitError
+from dashpot.base.errors import DashpotError, FitError
 from dashpot.base.provenance import Step
 from dashpot.engine.solver.variable_projection import solve
 from dashpot.fitting import checks
@@ -22,12 +22,12 @@ from dashpot.fitting.design import (
     every_sample,
     solid_of,
 )
-from dashpot.fitting.filter_bias import filter_bias
 from dashpot.fitting.pipeline import Chosen, FitData, asked_arms, assembled, chosen_arms
 from dashpot.fitting.uncertainty.encoder import Encoder
 from dashpot.fitting.uncertainty.estimate import Estimate
 from dashpot.fitting.uncertainty.informed_band import informed_band
 from dashpot.preparation.checks import of_records
+from dashpot.preparation.filters import Filter, filter_of, filtered
 from dashpot.records.fit import Fit, Provenance
 from dashpot.records.measures import depth_doubt, encoder_step
 from dashpot.records.relaxation import RampHold, listed
@@ -211,6 +211,66 @@ def _checks(records: Sequence[RampHold], found: Chosen, design: Design) -> tuple
     if design.method == "full" and not design.depth_law:
         answers.append(checks.hold_and_full_agree(model, _by_eq5(records, arms), error))
     return tuple(answers)
+
+
+def filter_bias(test: RampHold) -> Check:
+    """What its filter did to each parameter, predicted on the noise-free answer of the seal.
+
+    The solid is fitted to the unfiltered record; its exact answer to the recorded motion is
+    fitted again, before and behind the filter, by eq. 5 and by the full history.
+
+    Parameters
+    ----------
+    test : RampHold
+        Filtered, with the record before the filter in ``unfiltered``.
+    """
+    raw, by = test.unfiltered, filter_of(test)
+    if raw is None or by is None:
+        return checks.filter_bias(None)
+    try:
+        model = _supported(raw)
+        clean = replace(raw, force=model.force(raw.time, raw.displacement), checks=())
+        changes = {
+            "hold": _changes(clean, by, model.arms, "hold"),
+            "full": _changes(clean, by, model.arms, "full"),
+        }
+    except DashpotError as error:
+        return checks.filter_bias(by, str(error))
+    return checks.filter_bias(by, changes, min(model.tau, default=np.inf))
+
+
+def _supported(record: RampHold) -> GeneralizedMaxwell:
+    """Return the solid with as many arms as the record supports."""
+    design = Design("full")
+    blocks = compressed([record], design)
+    data = FitData(blocks, every_sample([record], design, blocks), in_time=True)
+    return chosen_arms(data, "auto").model
+
+
+def _changes(clean: RampHold, by: Filter, arms: int, method: Method) -> dict[str, float]:
+    """Relative change of each parameter that the filter makes; -1 where an arm is lost."""
+    behind = filtered(clean, by)
+    if method == "hold":
+        # eq. 5 takes the ramp from its corners, which were found before the filter
+        behind = replace(behind, displacement=clean.displacement)
+    before, after = (_solved(one, arms, method) for one in (clean, behind))
+    return {
+        name: after[name] / value - 1 if name in after else -1.0
+        for name, value in before.items()
+        if value > 0
+    }
+
+
+def _solved(record: RampHold, arms: int, method: Method) -> dict[str, float]:
+    """Return every parameter of the solid with so many arms by its name."""
+    obstacle = eq5_obstacle(record) if method == "hold" else None
+    if obstacle is not None:
+        raise FitError(obstacle)
+    model = solid_of(solve(compressed([record], Design(method)), arms))
+    named = {"k_inf": model.k_inf}
+    for j, (k, tau) in enumerate(zip(model.k, model.tau, strict=True), start=1):
+        named |= {f"k_{j}": k, f"tau_{j}": tau}
+    return named
 
 
 def _by_eq5(records: Sequence[RampHold], arms: int) -> GeneralizedMaxwell | None:

@@ -5,8 +5,6 @@ from __future__ import annotations
 from dashpot.base.checks import Finding, criterion
 from dashpot.planning.needs import Pulse, RecordNeed
 
-TIP_LIMIT_DB = -10.0
-
 
 @criterion("standard deviation / loss factor", "<=", source="what is wanted, 0.1 by default")
 def loss_factor_known(sd: float, at: float, wanted: float) -> Finding:
@@ -44,7 +42,7 @@ def record_long_enough(need: RecordNeed) -> Finding:
     )
 
 
-@criterion("level, dB", ">=", TIP_LIMIT_DB, source="our choice: where a tip's useful band ends")
+@criterion("level, dB", ">=", -10.0, "our choice: where a tip's useful band ends")
 def tip_excites(tip: Pulse, at: float) -> Finding:
     """The hammer's tip excites the frequency that matters."""
     return Finding(

@@ -43,25 +43,15 @@ class Baseline(NamedTuple):
 
 def baseline_of(time: FloatArray, force: FloatArray) -> Baseline:
     """Describe the samples before contact; there is at least one."""
-    t = time - time.mean()
-    level = float(force.mean())
+    middle, level = float(time.mean()), float(force.mean())
+    t = time - middle
     power = float(t @ t)
-    if len(force) < 5 or power == 0:
-        spread = float(np.std(force))
-        return Baseline(
-            len(force), float(np.ptp(time)), level, spread, 0.0, np.inf, float(time.mean())
-        )
-    slope = float(t @ force) / power
-    noise = float(np.sqrt(np.sum((force - level - slope * t) ** 2) / (len(force) - 2)))
-    return Baseline(
-        samples=len(force),
-        duration=float(np.ptp(time)),
-        level=level,
-        noise=noise,
-        slope=slope,
-        slope_error=noise / power**0.5,
-        middle=float(time.mean()),
-    )
+    sloped = len(force) >= 5 and power > 0
+    slope = float(t @ force) / power if sloped else 0.0
+    free = len(force) - 2 * sloped
+    noise = float(np.sqrt(np.sum((force - level - slope * t) ** 2) / free))
+    error = noise / power**0.5 if sloped else np.inf
+    return Baseline(len(force), float(np.ptp(time)), level, noise, slope, error, middle)
 
 
 def zeroed(

@@ -20,23 +20,17 @@ from dashpot.records.resolution import quantum
 
 MIN_QUANTA = 20.0
 MIN_BASELINE = 5.0
-MAX_CONTACT_DOUBT = 0.01
 MAX_PRELOAD = 0.05
 MAX_OVERSHOOT = 0.05
-MAX_PAUSE = 0.2
-MAX_SINKING = 0.03
-MIN_RANGE = 0.05
 MIN_HOLD_OVER_RAMP = 10.0
 MIN_RAMP_SAMPLES = 10.0
-MAX_STRAIN = 0.20
-MAX_DEPTH_DOUBT = 0.005
 FLAT_SAMPLES = 5.0
 
 
 # -- what preparation found -----------------------------------------------------------------------
 
 
-@criterion("samples", ">=", MIN_BASELINE, source="our choice: the fewest that have a scatter")
+@criterion("samples", ">=", MIN_BASELINE, "our choice: the fewest that have a scatter")
 def baseline_recorded(before: Baseline) -> Finding:
     """There is a baseline before contact to take the tare from."""
     count = f"{before.samples} sample{'s' * (before.samples != 1)}"
@@ -49,9 +43,7 @@ def baseline_recorded(before: Baseline) -> Finding:
     )
 
 
-@criterion(
-    "its error / depth", "<=", MAX_CONTACT_DOUBT, source="our choice: every stiffness shares it"
-)
+@criterion("its error / depth", "<=", 0.01, "our choice: every stiffness shares it")
 def contact_found(touch: Touch, depth: float, *, given: bool) -> Finding:
     """First contact is known well enough."""
     if given:
@@ -69,7 +61,7 @@ def contact_found(touch: Touch, depth: float, *, given: bool) -> Finding:
     )
 
 
-@criterion("preload / rise of the force", "<=", MAX_PRELOAD, source="our choice")
+@criterion("preload / rise of the force", "<=", MAX_PRELOAD)
 def preload_absent(carried: float, rise: float) -> Finding:
     """The load cell reads zero, near enough, before the ramp."""
     share = abs(carried) / rise
@@ -88,7 +80,7 @@ def preload_absent(carried: float, rise: float) -> Finding:
     )
 
 
-@criterion("loadings in the record", "<=", 1.0, source="by definition; or `cycle` chooses")
+@criterion("loadings in the record", "<=", 1.0, "by definition; or `cycle` chooses")
 def single_loading(index: int, cycles: tuple[Cycle, ...], *, asked: bool) -> Finding:
     """The record leaves no choice of loadings that the user has not made."""
     cycle = cycles[index]
@@ -105,7 +97,7 @@ def single_loading(index: int, cycles: tuple[Cycle, ...], *, asked: bool) -> Fin
     return Finding(says, float(len(cycles)), excused=asked)
 
 
-@criterion("overshoot / depth", "<=", MAX_OVERSHOOT, source="our choice")
+@criterion("overshoot / depth", "<=", MAX_OVERSHOOT)
 def overshoot_small(test: RampHold, *, moves: int) -> Finding:
     """The plate stops where it is held."""
     if moves > 1:
@@ -120,7 +112,7 @@ def overshoot_small(test: RampHold, *, moves: int) -> Finding:
     )
 
 
-@criterion("longest pause / ramp", "<=", MAX_PAUSE, source="our choice; or 3 usual pauses")
+@criterion("longest pause / ramp", "<=", 0.2, "our choice; or 3 usual pauses")
 def samples_unbroken(test: RampHold) -> Finding:
     """No samples are missing where the force changes fastest."""
     early = (test.time >= test.onset) & (test.time <= test.ramp_end + test.ramp_time)
@@ -153,12 +145,7 @@ def spikes_absent(test: RampHold) -> Finding:
     )
 
 
-@criterion(
-    "sinking of the displacement / depth",
-    "<=",
-    MAX_SINKING,
-    source="our choice; or a force that falls a tenth as much",
-)
+@criterion("sinking / depth", "<=", 0.03, "our choice; or the force falls a tenth as much")
 def columns_plausible(test: RampHold) -> Finding:
     """It is the displacement that rests, and the force that decays."""
     x, f = test.displacement[test.hold], test.force[test.hold]
@@ -174,7 +161,7 @@ def columns_plausible(test: RampHold) -> Finding:
     )
 
 
-@criterion("peak / full scale", ">=", MIN_RANGE, source="our choice")
+@criterion("peak / full scale", ">=", 0.05)
 def range_used(peak: float, full_scale: float) -> Finding:
     """The test uses the range of the load cell."""
     share = peak / full_scale
@@ -211,12 +198,7 @@ def _worst(checks: Sequence[Check]) -> Check:
     return checks[0]
 
 
-@criterion(
-    "samples at the peak",
-    "<",
-    FLAT_SAMPLES,
-    source="our choice; or no more than a rest or noise explains",
-)
+@criterion("samples at the peak", "<", FLAT_SAMPLES, "our choice; or a rest or noise explains it")
 def force_not_clipped(test: RampHold) -> Finding:
     """The peak is no ceiling at which the force stayed while the seal still moved."""
     top = float(test.force.max())
@@ -239,7 +221,7 @@ def force_not_clipped(test: RampHold) -> Finding:
     )
 
 
-@criterion("rise / step of the sensor", ">=", MIN_QUANTA, source="our choice: a decay shows")
+@criterion("rise / step of the sensor", ">=", MIN_QUANTA, "our choice: a decay shows")
 def force_resolved(force: FloatArray, rise: float | None = None) -> Finding:
     """The force is many times what the sensor can resolve."""
     step = quantum(force)
@@ -290,7 +272,7 @@ def _longest(true: BoolArray) -> tuple[int, int]:
     return int(starts[i]), int(stops[i]) - 1
 
 
-@criterion("its error / depth", "<=", MAX_DEPTH_DOUBT, source="our choice: half a per cent")
+@criterion("its error / depth", "<=", 0.005, "our choice: half a per cent")
 def depth_resolved(test: RampHold) -> Finding:
     """The depth is known well enough to divide a force by it."""
     doubt = depth_doubt(test)
@@ -303,9 +285,7 @@ def depth_resolved(test: RampHold) -> Finding:
     )
 
 
-@criterion(
-    "motion in the hold / depth", "<=", MAX_CREEP, source="our choice; method='full' follows it"
-)
+@criterion("motion in the hold / depth", "<=", MAX_CREEP, "our choice; method='full' follows it")
 def hold_is_still(test: RampHold, *, method: str) -> Finding:
     """The plate stands still during the hold, or the fit follows it."""
     creep = hold_creep(test)
@@ -321,7 +301,7 @@ def hold_is_still(test: RampHold, *, method: str) -> Finding:
     )
 
 
-@criterion("hold / ramp", ">=", MIN_HOLD_OVER_RAMP, source="our choice")
+@criterion("hold / ramp", ">=", MIN_HOLD_OVER_RAMP)
 def hold_outlasts_ramp(test: RampHold) -> Finding:
     """The hold is many times the ramp."""
     ratio = test.hold_time / test.ramp_time
@@ -333,7 +313,7 @@ def hold_outlasts_ramp(test: RampHold) -> Finding:
     )
 
 
-@criterion("samples in the ramp", ">=", MIN_RAMP_SAMPLES, source="our choice")
+@criterion("samples in the ramp", ">=", MIN_RAMP_SAMPLES)
 def ramp_sampled(test: RampHold) -> Finding:
     """There are samples enough in the ramp to see a fast arm."""
     inside = (test.time >= test.onset) & (test.time <= test.ramp_end)
@@ -346,11 +326,7 @@ def ramp_sampled(test: RampHold) -> Finding:
     )
 
 
-@criterion(
-    "rise in the hold, N",
-    "<=",
-    source="7 standard errors of a tenth of the hold, or 0.5 % of the force",
-)
+@criterion("rise in the hold, N", "<=", source="7 SE of a tenth of it, or 0.5 % of the force")
 def force_relaxes(test: RampHold) -> Finding:
     """The force falls during the hold, as the force of every relaxing solid does."""
     rise, limit = force_rise(test)
@@ -364,7 +340,7 @@ def force_relaxes(test: RampHold) -> Finding:
     )
 
 
-@criterion("depth / height", "<=", MAX_STRAIN, source="our choice: beyond, secant is not tangent")
+@criterion("depth / height", "<=", 0.20, "our choice: beyond, secant is not tangent")
 def strain_small(test: RampHold) -> Finding:
     """The compression is a small part of the height of the section."""
     height = test.specimen.height

@@ -7,10 +7,9 @@ from dashpot.base.checks import Finding, criterion
 GRAVITY = 9.80665
 CAUSAL_LIMIT = 0.5
 # above this part of the block's mass the seals' own inertia shifts the peak by a third of a percent
-NEGLIGIBLE_SEAL = 0.02
 
 
-@criterion("seals / block", "<=", NEGLIGIBLE_SEAL, source="2 % move the peak by 0.33 %")
+@criterion("seals / block", "<=", 0.02, "2 % move the peak by 0.33 %")
 def seal_mass_negligible(part: float) -> Finding:
     """The seals weigh next to nothing beside the block."""
     return Finding(
@@ -21,12 +20,7 @@ def seal_mass_negligible(part: float) -> Finding:
     )
 
 
-@criterion(
-    "loss factor that the slope implies",
-    "",
-    source=f"within {CAUSAL_LIMIT} of the measured one, or 2 standard deviations "
-    "(Booij and Thoone 1982)",
-)
+@criterion("loss factor by slope", source="within 50 % or 2 sd (rule: Booij, Thoone 1982)")
 def causal(implied: float, measured: float, *, error: float, peak: float) -> Finding:
     """Loss and slope of the stiffness belong together, as far as the errors can tell."""
     near = abs(implied - measured) <= max(CAUSAL_LIMIT * measured, 2 * error) and measured > 0

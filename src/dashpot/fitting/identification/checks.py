@@ -6,17 +6,10 @@ from dashpot.base.checks import Criterion, Finding, criterion
 from dashpot.engine.inference.order import MAX_SE_LN_TAU
 
 STRAINED = 2.5
-MISFIT = 2.0
 UNEXPLAINED = 0.1
-CONTRADICTED = 1.3
 
 
-@criterion(
-    "misfit / scatter of the lines",
-    "<=",
-    MISFIT,
-    source=f"our choice; {UNEXPLAINED} of the FRF where its scatter is not known",
-)
+@criterion("misfit / scatter", "<=", 2.0, "our choice; 0.1 of the FRF without scatter")
 def lines_explained(scale: float, *, known_sd: bool) -> Finding:
     """The solid explains the lines of the FRF."""
     if known_sd:
@@ -33,7 +26,7 @@ def lines_explained(scale: float, *, known_sd: bool) -> Finding:
     )
 
 
-@criterion("squared residual jointly / alone", "<=", CONTRADICTED, source="our choice")
+@criterion("squared residual jointly / alone", "<=", 1.3)
 def relaxation_still_explained(number: int, ratio: float) -> Finding:
     """The hammer does not contradict a relaxation test."""
     return Finding(
@@ -68,12 +61,7 @@ def _believable(quantity: str) -> Criterion[[str, float, float]]:
 mass_believable, gain_believable, delay_believable = map(_believable, ("mass", "gain", "delay"))
 
 
-@criterion(
-    "largest relative standard error",
-    "<",
-    MAX_SE_LN_TAU,
-    source="a factor 1.6 in tau; and k > 3 standard errors",
-)
+@criterion("relative standard error", "<", MAX_SE_LN_TAU, "a factor 1.6 in tau; and k > 3 SE")
 def arms_identified(arms: int, worst: float, *, significant: bool, new: int = 0) -> Finding:
     """Every arm is known.
 

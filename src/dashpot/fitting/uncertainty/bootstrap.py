@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import repeat
 from typing import Literal, cast
 
 import numpy as np
@@ -16,9 +17,10 @@ import numpy as np
 from dashpot.base.arrays import ByValue, FloatArray, frozen
 from dashpot.base.errors import DataError, FitError
 from dashpot.engine.inference.covariance import noise_of
-from dashpot.engine.solver.variable_projection import solve
+from dashpot.engine.solver.variable_projection import Solution, solve
 from dashpot.fitting.design import Design, compressed, every_sample, fitted_samples
 from dashpot.fitting.uncertainty.estimate import estimated
+from dashpot.records.estimate import parameter_names
 from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RampHold, listed
 
@@ -97,27 +99,23 @@ def bootstrap(
     peak = max(float(np.abs(record.force).max()) for record in records)
     residuals = estimated(solve(blocks, arms, log_tau_start=start), samples, peak=peak).residuals
     used = [fitted_samples(record, design) for record in records]
-    lengths = [
-        _block_length(residual, record.time[here], block)
-        for residual, record, here in zip(residuals, records, used, strict=True)
-    ]
+    times = [record.time[here] for record, here in zip(records, used, strict=True)]
+    lengths = list(map(_block_length, residuals, times, repeat(block)))
     random = np.random.default_rng(seed)
     rows = []
     for _ in range(repeats):
-        drawn = [
-            _redrawn(record, here, residual, length, random)
-            for record, here, residual, length in zip(
-                records, used, residuals, lengths, strict=True
-            )
-        ]
-        found = solve(compressed(drawn, design), arms, log_tau_start=start)
-        k = found.arms.ravel() if arms else np.zeros(0)
-        whole = found.order == arms and bool((k > 0).all())
-        row = np.concatenate(([found.coefficient("k_inf")], k, found.tau))
-        rows.append(row if whole else np.full(1 + 2 * arms, np.nan))
-    numbers = range(1, arms + 1)
-    names = ("k_inf", *(f"k_{j}" for j in numbers), *(f"tau_{j}" for j in numbers))
+        drawn = list(map(_redrawn, records, used, residuals, lengths, repeat(random)))
+        rows.append(_row(solve(compressed(drawn, design), arms, log_tau_start=start), arms))
+    names = tuple(name.removeprefix("ln_") for name in parameter_names(arms))
     return Bootstrap(names, np.array(rows))
+
+
+def _row(found: Solution, arms: int) -> FloatArray:
+    """Return k_inf, every k and every tau; NaN if an arm was lost."""
+    k = found.arms.ravel()
+    if found.order != arms or not (k > 0).all():
+        return np.full(1 + 2 * arms, np.nan)
+    return np.concatenate(([found.coefficient("k_inf")], k, found.tau))
 
 
 def _block_length(residual: FloatArray, time: FloatArray, block: float | None) -> int:

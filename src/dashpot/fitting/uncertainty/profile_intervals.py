@@ -50,27 +50,25 @@ def profiles(
     if not solution.order or estimate.dof < 1.0:
         return ()
     k = solution.arms[solution.groups.index(f"k{suffix}")]
-    there = [int(j) for j in np.flatnonzero(k > 0)]
     doubtful = [
-        (number, j)
-        for number, j in enumerate(there, start=1)
+        (number, int(j))
+        for number, j in enumerate(np.flatnonzero(k > 0), start=1)
         if not estimate.standard_error(f"ln_tau_{j + 1}") < WALD_SUFFICES
     ]
     if not doubtful:
         return ()
     noise_gain = None if every_sample is None else _noise_gain(every_sample, estimate)
     walk = _Walk(blocks, estimate, noise_gain)
-    found = [
-        Profile(name, *values)
-        for number, j in doubtful
-        for name, values in (
-            (f"k_{number}", walk.linear(f"k_{j + 1}{suffix}")),
-            (f"ln_tau_{number}", walk.log_tau(j)),
-            (f"ln_b_{number}", walk.log_b(j, f"k_{j + 1}{suffix}", float(k[j]))),
-        )
-    ]
+    found = []
     if solution.coefficient(f"k_inf{suffix}") > 0:
-        found.insert(0, Profile("k_inf", *walk.linear(f"k_inf{suffix}")))
+        found.append(Profile("k_inf", *walk.linear(f"k_inf{suffix}")))
+    for number, j in doubtful:
+        row = f"k_{j + 1}{suffix}"
+        found += [
+            Profile(f"k_{number}", *walk.linear(row)),
+            Profile(f"ln_tau_{number}", *walk.log_tau(j)),
+            Profile(f"ln_b_{number}", *walk.log_b(j, row, float(k[j]))),
+        ]
     return tuple(found)
 
 

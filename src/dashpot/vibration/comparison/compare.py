@@ -109,7 +109,7 @@ def compare(
         comparison = replace(comparison, z_rms=float(np.sqrt(np.mean(z**2))))
     found = checks(comparison, seen=seen, told=told, model=model, fit=fit, mass=mass, depth=depth)
     comparison = replace(comparison, checks=found)
-    return replace(comparison, verdict=verdict(comparison, fit))
+    return replace(comparison, verdict=verdict(comparison))
 
 
 # -- bringing both to the same lines ----------------------------------------------------------

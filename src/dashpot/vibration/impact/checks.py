@@ -7,12 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, FloatArray
+from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.base.checks import Check, Finding, criterion
 from dashpot.records.frf import FRF, Mode
 from dashpot.vibration.checks import GRAVITY
 from dashpot.vibration.impact.estimators import Estimator, Spectra, estimate, leave_one_out
-from dashpot.vibration.impact.mass_line import ABOVE, apparent_mass
 from dashpot.vibration.impact.quality import Verdict
 from dashpot.vibration.impact.rocking import Combination
 
@@ -20,12 +19,10 @@ ENOUGH = 3  # good hits
 COHERENT = 0.9
 LINES = 5  # in the half-power band
 TIME_CONSTANTS = 6  # of decay that a record should hold: FRF errors below 0.5 %
-WEAK = 10.0  # dB that the force may have fallen at the resonance
-ROCKING = 0.05
-OFF_CENTRE = 0.25  # of the bounce that rocking may be at the accelerometers
 OUTLIER = 5.0  # times the usual disagreement between a hit and the others
 DISAGREES = 0.1
 TOLERANCE = 0.05
+ABOVE = 2.5  # times the natural frequency the mass line begins
 
 
 def agreement(
@@ -110,7 +107,7 @@ def checks_of(
     return tuple(checks)
 
 
-@criterion("hits", ">=", ENOUGH, source="our choice: the fewest that show an outlier")
+@criterion("hits", ">=", ENOUGH, "our choice: the fewest that show an outlier")
 def hits_enough(frf: FRF) -> Finding:
     """Enough hits are averaged."""
     return Finding(
@@ -121,7 +118,7 @@ def hits_enough(frf: FRF) -> Finding:
     )
 
 
-@criterion("least coherence about the peak", ">=", COHERENT, source="common practice")
+@criterion("least coherence about the peak", ">=", COHERENT, "common practice")
 def coherence(frf: FRF, main: Mode | None) -> Finding:
     """The hits agree at the resonance."""
     if frf.coherence is None:
@@ -172,7 +169,7 @@ def record_long_enough(frf: FRF, main: Mode) -> Finding:
     )
 
 
-@criterion("lines", ">=", LINES, source="our choice: fewer step over the peak")
+@criterion("lines", ">=", LINES, "our choice: fewer step over the peak")
 def lines_in_half_power_band(frf: FRF, main: Mode) -> Finding:
     """The lines resolve the peak."""
     spacing = float(np.median(np.diff(frf.frequency)))
@@ -187,7 +184,7 @@ def lines_in_half_power_band(frf: FRF, main: Mode) -> Finding:
     )
 
 
-@criterion("level of the force at the peak, dB", ">=", -WEAK, source="our choice")
+@criterion("level of the force at the peak, dB", ">=", -10.0)
 def hammer_excites(frf: FRF, spectra: Spectra, main: Mode) -> Finding:
     """The pulse's spectrum has not fallen where the block resonates."""
     power = (np.abs(spectra.force) ** 2).mean(axis=0)
@@ -201,7 +198,7 @@ def hammer_excites(frf: FRF, spectra: Spectra, main: Mode) -> Finding:
     )
 
 
-@criterion("largest change without one hit", "<=", DISAGREES, source="our choice")
+@criterion("largest change without one hit", "<=", DISAGREES)
 def hits_agree(frf: FRF, spectra: Spectra, estimator: Estimator, main: Mode) -> Finding:
     """No single hit decides the FRF about the resonance."""
     reach = max(main.bandwidth, 2 * float(np.median(np.diff(frf.frequency))))
@@ -219,7 +216,7 @@ def hits_agree(frf: FRF, spectra: Spectra, estimator: Estimator, main: Mode) -> 
     )
 
 
-@criterion("rocking / bounce peak", "<=", ROCKING, source="our choice")
+@criterion("rocking / bounce peak", "<=", 0.05)
 def rocking_cancelled(frf: FRF, found: Combination) -> Finding:
     """The accelerometers together hardly feel the block rock."""
     weighted = any(
@@ -237,7 +234,7 @@ def rocking_cancelled(frf: FRF, found: Combination) -> Finding:
     )
 
 
-@criterion("largest rocking / bounce of a hit", "<=", OFF_CENTRE, source="our choice")
+@criterion("largest rocking / bounce of a hit", "<=", 0.25)
 def hits_centred(frf: FRF, found: Combination) -> Finding:
     """The hits meet the block near its centre."""
     names = [hit.name for hit in frf.hits if hit.accepted]
@@ -258,7 +255,39 @@ def hits_centred(frf: FRF, found: Combination) -> Finding:
     return Finding(says, value, "; strike closer to the centre")
 
 
-@criterion("apparent / weighed mass - 1", "|x| <=", TOLERANCE, source="ISO 7626-2, 7.5.2")
+def apparent_mass(
+    frequency: FloatArray,
+    accelerance: ComplexArray,
+    *,
+    natural_frequency: float,
+    shift: float = 0.0,
+    sd: FloatArray | None = None,
+) -> tuple[float, float] | None:
+    r"""Mass that the FRF shows above its resonance, and its standard error, kg.
+
+    .. math:: \mathrm{Re}\,\frac1A = m + \mathrm{Re}\,\frac{K}{s^2}
+
+    is a straight line in :math:`\mathrm{Re}\,s^{-2}`, whose end is the mass, from 2.5 times the
+    natural frequency up. None if fewer than 5 good lines lie there.
+    """
+    size = np.abs(accelerance)
+    keep: BoolArray = (frequency > ABOVE * natural_frequency) & (size > 0)
+    if sd is not None:
+        keep = keep & (sd < 0.3 * size)
+    if np.count_nonzero(keep) < 5:
+        return None
+    inverse = 1 / accelerance[keep]
+    x = (1 / (2j * np.pi * frequency[keep] + shift) ** 2).real
+    relative = 1e-3 if sd is None else np.hypot(sd[keep] / size[keep], 1e-3)
+    w = 1 / (relative * np.abs(inverse))
+    rows = np.column_stack((np.ones_like(x), x / np.abs(x).max())) * w[:, None]
+    c, *_ = np.linalg.lstsq(rows, inverse.real * w, rcond=None)
+    misfit = inverse.real * w - rows @ c
+    scale = float(misfit @ misfit) / (len(x) - 2)
+    return float(c[0]), float(np.sqrt(np.linalg.inv(rows.T @ rows)[0, 0] * scale))
+
+
+@criterion("apparent / weighed mass - 1", "|x| <=", TOLERANCE, "ISO 7626-2, 7.5.2")
 def mass_line(apparent: tuple[float, float] | None, mass: float) -> Finding:
     """Above resonance the block shows the mass that was weighed."""
     if apparent is None:
