@@ -293,6 +293,12 @@ FITTING = [
         0.099,
     ),
     Case(
+        "tau_inside_window",
+        lambda x: fitting.tau_inside_window(arm(1, 10.0), (0.1, 10.0), "it", within=bool(x)),
+        0,
+        1,
+    ),
+    Case(
         "k_inf_positive",
         lambda x: fitting.k_inf_positive(GeneralizedMaxwell(x, (), ()), 1.0),
         3.001,
@@ -773,6 +779,10 @@ def test_what_the_method_bears_is_excused() -> None:
         parse_filter("lowpass:20Hz:causal"), {"hold": {"k_inf": 0.0}, "full": {"k_inf": 0.0}}, 1.0
     ).passed
     assert not vibration.causal(0.0, -0.1, error=1.0, peak=12.0).passed
+    # a plateau at zero changes by any factor within noise, and excuses no other parameter
+    lost, found = GeneralizedMaxwell(0.0, (1.0,), (1.0,)), GeneralizedMaxwell(1.0, (1.0,), (2.0,))
+    assert not fitting.hold_and_full_agree(lost, found, np.array([1.0, 0.0, 0.0])).passed
+    assert fitting.hold_and_full_agree(lost, found, np.array([1.0, 0.0, 0.4])).passed
 
 
 def test_advice_follows_only_where_a_check_fails() -> None:

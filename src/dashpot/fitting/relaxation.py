@@ -193,6 +193,7 @@ def _checks(records: Sequence[RampHold], found: Chosen, design: Design) -> tuple
             checks.record_window(records),
             "the record",
             ends=(" (two samples)", " (the hold)"),
+            within=True,
             advice="; do not use this arm: fit fewer arms, hold longer or sample faster",
         ),
         checks.k_inf_positive(model, float(error[0])),

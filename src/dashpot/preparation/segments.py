@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple
+from collections.abc import Iterable
+from itertools import groupby
+from operator import itemgetter
+from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -12,6 +15,10 @@ from dashpot.records.resolution import quantum
 
 _LEAST_MOVE = 0.05
 """A move smaller than this part of the whole travel is settling, not a ramp."""
+
+
+_Kind: TypeAlias = Literal["hold", "load", "unload"]
+_Side: TypeAlias = tuple[_Kind, int, int]
 
 
 class Segment(NamedTuple):
@@ -29,7 +36,7 @@ class Segment(NamedTuple):
         Displacement at start and end, m; of a hold, the median twice.
     """
 
-    kind: Literal["hold", "load", "unload"]
+    kind: _Kind
     first: int
     last: int
     start: float
@@ -64,7 +71,7 @@ def find_segments(time: FloatArray, displacement: FloatArray) -> tuple[Segment, 
         return (_segment("hold", time, x, 0, len(x) - 1),)
     corners = _polygon(time, x, max(2 * grain, 0.01 * travel))
     kinds = _kinds(time[corners], x[corners], travel)
-    sides = _joined(kinds, corners)
+    sides = _joined(zip(kinds, corners, corners[1:], strict=False))
     sides = _settled(sides, time, x, travel)
     return tuple(_segment(kind, time, x, first, last) for kind, first, last in sides)
 
@@ -74,11 +81,8 @@ def grain_of(time: FloatArray, displacement: FloatArray) -> float:
     return 4 * usual_scatter(time, displacement) + 0.5 * quantum(displacement)
 
 
-_Side = tuple[Literal["hold", "load", "unload"], int, int]
-
-
 def _segment(
-    kind: Literal["hold", "load", "unload"],
+    kind: _Kind,
     time: FloatArray,
     x: FloatArray,
     first: int,
@@ -107,9 +111,7 @@ def _polygon(time: FloatArray, x: FloatArray, tolerance: float) -> list[int]:
     return sorted(corners)
 
 
-def _kinds(
-    time: FloatArray, x: FloatArray, travel: float
-) -> list[Literal["hold", "load", "unload"]]:
+def _kinds(time: FloatArray, x: FloatArray, travel: float) -> list[_Kind]:
     moved = np.diff(x)
     speed = np.abs(moved) / np.diff(time)
     long = np.abs(moved) > _LEAST_MOVE * travel
@@ -121,20 +123,16 @@ def _kinds(
     ]
 
 
-def _joined(kinds: list[Literal["hold", "load", "unload"]], corners: list[int]) -> list[_Side]:
-    sides: list[_Side] = []
-    for kind, first, last in zip(kinds, corners[:-1], corners[1:], strict=True):
-        if sides and sides[-1][0] == kind:
-            sides[-1] = (kind, sides[-1][1], last)
-        else:
-            sides.append((kind, first, last))
-    return sides
+def _joined(sides: Iterable[_Side]) -> list[_Side]:
+    """Make one side of neighbours of one kind."""
+    runs = [list(run) for _, run in groupby(sides, key=itemgetter(0))]
+    return [(run[0][0], run[0][1], run[-1][2]) for run in runs]
 
 
 def _settled(sides: list[_Side], time: FloatArray, x: FloatArray, travel: float) -> list[_Side]:
     """Give small moves to the hold beside them, then bridge stutters within a ramp."""
-    sides = _rejoined(_rung_out(sides, x))
-    sides = _rejoined(
+    sides = _joined(_rung_out(sides, x))
+    sides = _joined(
         [
             ("hold" if abs(x[last] - x[first]) < _LEAST_MOVE * travel else kind, first, last)
             for kind, first, last in sides
@@ -146,7 +144,7 @@ def _settled(sides: list[_Side], time: FloatArray, x: FloatArray, travel: float)
         brief = time[last] - time[first] < 0.05 * (time[end] - time[start])
         if kind == "hold" and brief and before == after:
             bridged[i] = (before, first, last)
-    return _rejoined(bridged)
+    return _joined(bridged)
 
 
 def _rung_out(sides: list[_Side], x: FloatArray) -> list[_Side]:
@@ -160,7 +158,3 @@ def _rung_out(sides: list[_Side], x: FloatArray) -> list[_Side]:
         if not ringing:
             ramp = 0.0 if kind == "hold" else moved
     return settled
-
-
-def _rejoined(sides: list[_Side]) -> list[_Side]:
-    return _joined([side[0] for side in sides], [side[1] for side in sides] + [sides[-1][2]])

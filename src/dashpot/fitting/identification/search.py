@@ -9,6 +9,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.engine.blocks.block import Block
+from dashpot.engine.inference.order import significant
 from dashpot.fitting.identification.frf_data import FRFData
 from dashpot.fitting.identification.likelihood import (
     Constraints,
@@ -53,9 +54,10 @@ class Candidate:
 
     def significant(self) -> bool:
         """Every arm has k > 3 SE and SE(ln tau) < 0.5."""
+        n = self.problem.arms
+        # stiffnesses are logarithms: their standard errors are relative
         se = np.sqrt(np.diag(self.covariance()))
-        arms = self.problem.arms
-        return bool((se[1 : 1 + arms] < 1 / 3).all() and (se[1 + arms : 1 + 2 * arms] < 0.5).all())
+        return significant(np.ones(n), se[1 : 1 + n], se[1 + n : 1 + 2 * n])
 
 
 @dataclass(frozen=True, eq=False)

@@ -71,8 +71,7 @@ def spread_left(
     posterior = np.linalg.inv(information + np.eye(len(log_tau)))
     tau = np.exp(log_tau)
     count = int(_FREQUENCIES_PER_DECADE * decades)
-    omega = np.exp(-np.linspace(log_tau[-1], log_tau[0], count))[::-1]
-    omega = np.sort(omega)
+    omega = np.exp(-np.linspace(log_tau[-1], log_tau[0], count))
     x = omega[:, None] * tau
     loss = x / (1.0 + x * x)
     left = np.sqrt(((loss @ posterior) * loss).sum(axis=1) / (loss * loss).sum(axis=1))

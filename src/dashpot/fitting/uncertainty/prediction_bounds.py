@@ -228,11 +228,7 @@ def _spectra(
 
 def _limits(spectra: Spectra, omega: float) -> tuple[float, ...]:
     storage, loss = spectra.columns_at(omega)
-    return (
-        *spectra.reach(storage),
-        *spectra.reach(loss),
-        *spectra.ratio_reach(loss, storage),
-    )
+    return *spectra.reach(storage), *spectra.reach(loss), *spectra.ratio_reach(loss, storage)
 
 
 def _distances(
@@ -240,37 +236,34 @@ def _distances(
 ) -> tuple[FloatArray, FloatArray]:
     """Nearest and farthest point of the convex set of (K', K'') from (inertia, 0), per line."""
     nodes = _nodes(frequency)
-    middle, size, support = _polygons(spectra, nodes)
-    middle = np.array([_laid(frequency, nodes, row) for row in middle.T]).T
-    size = np.array([_laid(frequency, nodes, row) for row in size.T]).T
-    support = np.array([_laid(frequency, nodes, row) for row in support.T]).T
-    near, far = np.empty(len(frequency)), np.empty(len(frequency))
-    for i in range(len(frequency)):
+    middle, size, support = (
+        np.column_stack([_laid(frequency, nodes, row) for row in part.T])
+        for part in _polygons(spectra, nodes)
+    )
+    reach = []
+    for i, at in enumerate(inertia):
         corner = middle[i] + size[i] * _corners(support[i])
         corner[:, 1] = np.maximum(corner[:, 1], 0.0)
-        near[i], far[i] = _from_point(corner, np.array([inertia[i], 0.0]))
+        reach.append(_from_point(corner, np.array([at, 0.0])))
+    near, far = np.transpose(reach)
     return near, far
 
 
 def _polygons(spectra: Spectra, nodes: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Centre, half axes and support of the set in 16 directions of scaled axes, per node."""
-    angles = 2 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
-    middle, size, support = [], [], []
+    angles = 2 * np.pi * np.arange(DIRECTIONS // 2) / DIRECTIONS
+    found = []
     for node in nodes:
         columns = np.array(spectra.columns_at(2 * np.pi * node))
         ends = np.array([spectra.reach(v) for v in columns])
         centre = ends.mean(axis=1)
         half = np.maximum(np.ptp(ends, axis=1) / 2, 1e-12 * np.abs(centre).max())
-        reach = np.empty(DIRECTIONS)
-        for i in range(DIRECTIONS // 2):
-            direction = np.array([np.cos(angles[i]), np.sin(angles[i])]) / half
-            low, high = spectra.reach(direction @ columns)
-            reach[i] = high - direction @ centre
-            reach[i + DIRECTIONS // 2] = direction @ centre - low
-        middle.append(centre)
-        size.append(half)
-        support.append(reach)
-    return np.array(middle), np.array(size), np.array(support)
+        directions = np.column_stack((np.cos(angles), np.sin(angles))) / half
+        low, high = np.transpose([spectra.reach(row @ columns) for row in directions])
+        own = directions @ centre
+        found.append((centre, half, np.concatenate((high - own, own - low))))
+    middle, size, support = map(np.array, zip(*found, strict=True))
+    return middle, size, support
 
 
 def _corners(support: FloatArray) -> FloatArray:

@@ -8,6 +8,7 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray
 from dashpot.base.errors import DashpotError, DataError
+from dashpot.engine.inference.order import significant
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF, Kind, Mode
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -278,4 +279,5 @@ def _seen(fit: Fit | None, arm: int) -> bool:
     if k_var is None or tau_var is None:
         own = 1 / (2 * np.pi * fit.model.tau[arm - 1])
         return fit.band[0] <= own <= fit.band[1]
-    return bool(fit.model.k[arm - 1] > 3 * np.sqrt(k_var) and np.sqrt(tau_var) < 0.5)
+    k = np.array([fit.model.k[arm - 1]])
+    return significant(k, np.sqrt([k_var]), np.sqrt([tau_var]))
