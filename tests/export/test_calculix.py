@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from dashpot import export
-from dashpot.export.unit_systems import UNIT_SYSTEMS
+from dashpot.export import UNIT_SYSTEMS
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.systems.prediction import predict_frf
 

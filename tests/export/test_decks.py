@@ -19,7 +19,7 @@ from dashpot import export
 from dashpot.base.checks import Check
 from dashpot.base.errors import ExportError
 from dashpot.base.provenance import Source
-from dashpot.export.unit_systems import UNIT_SYSTEMS
+from dashpot.export import UNIT_SYSTEMS
 from dashpot.fitting.dynamic import fit_dynamic
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.estimate import Residual

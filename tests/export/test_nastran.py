@@ -15,10 +15,10 @@ from kit.bulkdata import Bush, read_cards, real
 
 from dashpot import export
 from dashpot.base.errors import ExportError
+from dashpot.export import UNIT_SYSTEMS
 from dashpot.export.frequency_tables import tabulate
 from dashpot.export.nastran import bush_property
-from dashpot.export.number_fields import packed
-from dashpot.export.unit_systems import UNIT_SYSTEMS
+from dashpot.export.notation import packed
 from dashpot.records.specimen import Specimen
 from dashpot.seals.line import SealLine
 from dashpot.solids.maxwell import GeneralizedMaxwell

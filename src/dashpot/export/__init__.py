@@ -1,7 +1,7 @@
 """Decks: a solid as text for a solver, one target, one file.
 
 Every target is a function ``target(solid, *, units, specimen, allow, form, ...) -> str`` of a
-bare :class:`~dashpot.solids.maxwell.GeneralizedMaxwell` or of a
+bare :class:`~dashpot.solids.maxwell.Solid` or of a
 :class:`~dashpot.records.fit.Fit`, which brings its pedigree and must be worth exporting.
 """
 
@@ -20,22 +20,17 @@ from dashpot.export import nastran as _nastran
 from dashpot.export import opensees as _opensees
 from dashpot.export import radioss as _radioss
 from dashpot.export import statespace as _statespace
-from dashpot.export.open_deck import PROBLEMS
-from dashpot.export.unit_systems import UNIT_SYSTEMS
+from dashpot.export.deck import PROBLEMS
+from dashpot.export.notation import UNIT_SYSTEMS
 from dashpot.seals.line import SealLine
 
 _MODULES = {
-    "nastran": _nastran,
-    "abaqus": _abaqus,
-    "ansys": _ansys,
-    "lsdyna": _lsdyna,
-    "calculix": _calculix,
-    "opensees": _opensees,
-    "adams": _adams,
-    "csv": _csv,
-    "radioss": _radioss,
-    "statespace": _statespace,
-}
+    module.__name__.rpartition(".")[2]: module
+    for module in (
+        _nastran, _abaqus, _ansys, _lsdyna, _calculix, _opensees, _adams, _csv, _radioss,
+        _statespace,
+    )
+}  # fmt: skip
 FORMS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {name: module.FORMS for name, module in _MODULES.items()}
 )
@@ -53,18 +48,7 @@ radioss = _radioss.radioss
 statespace = _statespace.statespace
 
 TARGETS: Mapping[str, Callable[..., str]] = MappingProxyType(
-    {
-        "nastran": nastran,
-        "abaqus": abaqus,
-        "ansys": ansys,
-        "lsdyna": lsdyna,
-        "calculix": calculix,
-        "opensees": opensees,
-        "adams": adams,
-        "csv": csv,
-        "radioss": radioss,
-        "statespace": statespace,
-    }
+    {name: getattr(module, name) for name, module in _MODULES.items()}
 )
 """Every target by its name on the command line."""
 

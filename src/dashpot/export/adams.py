@@ -7,8 +7,8 @@ from collections.abc import Collection
 import numpy as np
 
 from dashpot.base.errors import ExportError
-from dashpot.export.number_fields import text
-from dashpot.export.open_deck import Solid, choose_form, open_deck
+from dashpot.export.deck import Exportable, open_deck
+from dashpot.export.notation import text
 from dashpot.records.specimen import Specimen
 from dashpot.solids.networks import creep_of, parallel
 
@@ -16,7 +16,7 @@ FORMS = ("transfer-function",)
 
 
 def adams(
-    solid: Solid,
+    solid: Exportable,
     *,
     units: str | None = None,
     specimen: Specimen | None = None,
@@ -44,8 +44,7 @@ def adams(
     ExportError
         If k_inf = 0: there is no static stiffness to factor out.
     """
-    choose_form(form, FORMS, "adams")
-    deck = open_deck(solid, units=units, specimen=specimen, allow=allow)
+    deck = open_deck(solid, "adams", form, FORMS, units=units, specimen=specimen, allow=allow)
     if not deck.model.k_inf > 0:
         raise ExportError(
             "k_inf = 0: a bushing of stiffness times transfer function needs a static stiffness; "
@@ -55,9 +54,21 @@ def adams(
     merged = parallel(deck.model)  # arms of equal time are one factor
     lam = [value / deck.units.time for value in creep_of(merged).lam]
     tau = [value / deck.units.time for value in merged.tau]
-    header = deck.header(
+    return deck.written(
         "$",
         "transfer function K(s) / k_inf of a frequency-dependent bushing",
+        [
+            "[STIFFNESS]",
+            f"linear_stiffness = {text(deck.k_inf)}",
+            f"[NUMERATOR_TIMES]  $ lambda_i, {time}",
+            *(text(value) for value in lam),
+            f"[DENOMINATOR_TIMES]  $ tau_j, {time}",
+            *(text(value) for value in tau),
+            "[NUMERATOR_COEFFICIENTS]",
+            *(text(value) for value in _ascending(lam)),
+            "[DENOMINATOR_COEFFICIENTS]",
+            *(text(value) for value in _ascending(tau)),
+        ],
         remarks=[
             "K(s) = stiffness * product(1 + lambda_i s) / product(1 + tau_j s); the coefficients",
             "are those of s^0, s^1, ...",
@@ -65,20 +76,6 @@ def adams(
             "codes and versions, and is not written here",
         ],
     )
-    lines = [
-        *header,
-        "[STIFFNESS]",
-        f"linear_stiffness = {text(deck.k_inf)}",
-        f"[NUMERATOR_TIMES]  $ lambda_i, {time}",
-        *(text(value) for value in lam),
-        f"[DENOMINATOR_TIMES]  $ tau_j, {time}",
-        *(text(value) for value in tau),
-        "[NUMERATOR_COEFFICIENTS]",
-        *(text(value) for value in _ascending(lam)),
-        "[DENOMINATOR_COEFFICIENTS]",
-        *(text(value) for value in _ascending(tau)),
-    ]
-    return "\n".join([*lines, ""])
 
 
 def _ascending(times: list[float]) -> list[float]:
@@ -86,4 +83,4 @@ def _ascending(times: list[float]) -> list[float]:
     polynomial = np.ones(1)
     for time in times:
         polynomial = np.convolve(polynomial, [1.0, time])
-    return [float(value) for value in polynomial]
+    return polynomial.tolist()

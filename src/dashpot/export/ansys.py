@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Collection
 
-from dashpot.export.deck import Deck
-from dashpot.export.number_fields import text
-from dashpot.export.open_deck import Solid, choose_form, open_deck
+from dashpot.export.deck import Deck, Exportable, open_deck
+from dashpot.export.notation import text
 from dashpot.records.specimen import Specimen
 
 FORMS = ("arms", "prony")
 
 
 def ansys(
-    solid: Solid,
+    solid: Exportable,
     *,
     units: str | None = None,
     specimen: Specimen | None = None,
@@ -29,36 +27,41 @@ def ansys(
 
     Parameters are those of :func:`dashpot.export.nastran.nastran`.
     """
-    choose_form(form, FORMS, "ansys")
-    deck = open_deck(solid, units=units, specimen=specimen, allow=allow, prony=form == "prony")
+    deck = open_deck(solid, "ansys", form, FORMS, units=units, specimen=specimen, allow=allow)
     return _prony(deck) if form == "prony" else _arms(deck)
 
 
 def _arms(deck: Deck) -> str:
-    header = deck.header(
-        "!",
-        "network of springs and dampers for Ansys Mechanical APDL",
-        remarks=[
-            "node 1 is the ground side, node 2 the moving side, one inner node in each arm; all",
-            "act along UX of the nodes (KEYOPT(2) = 1), wherever the nodes stand",
-        ],
-    )
     nodes = ["N,1,0,0,0", "N,2,0,0,0", *(f"N,{11 + j},0,0,0" for j in range(deck.model.arms))]
     elements: list[tuple[float, float, int, int]] = []  # K, CV1, I, J
     if deck.k_inf > 0 or deck.b > 0:
         elements.append((deck.k_inf, deck.b, 1, 2))
     for j, (k, _, b) in enumerate(deck.arms):
         elements += [(k, 0.0, 2, 11 + j), (0.0, b, 11 + j, 1)]
-    lines = [*header, "/PREP7", "ET,1,COMBIN14", "KEYOPT,1,2,1", *nodes, "TYPE,1"]
+    cards = ["/PREP7", "ET,1,COMBIN14", "KEYOPT,1,2,1", *nodes, "TYPE,1"]
     for number, (k, c, i, j) in enumerate(elements, start=1):
-        lines += [f"R,{number},{text(k)},{text(c)}", f"REAL,{number}", f"E,{i},{j}"]
-    return "\n".join([*lines, "FINISH", ""])
+        cards += [f"R,{number},{text(k)},{text(c)}", f"REAL,{number}", f"E,{i},{j}"]
+    return deck.written(
+        "!",
+        "network of springs and dampers for Ansys Mechanical APDL",
+        [*cards, "FINISH"],
+        remarks=[
+            "node 1 is the ground side, node 2 the moving side, one inner node in each arm; all",
+            "act along UX of the nodes (KEYOPT(2) = 1), wherever the nodes stand",
+        ],
+    )
 
 
 def _prony(deck: Deck) -> str:
-    header = deck.header(
+    values = [text(value) for pair in deck.prony for value in pair]
+    rows = [
+        f"TBDATA,{start + 1}," + ",".join(values[start : start + 6])
+        for start in range(0, len(values), 6)
+    ]
+    return deck.written(
         "!",
         "material of relative moduli for Ansys Mechanical APDL",
+        [f"TB,PRONY,1,1,{deck.model.arms},SHEAR", *rows],
         remarks=[
             "alpha_j = k_j / k_0 refers to the instantaneous modulus: the elastic constants of",
             "material 1 are the instantaneous ones",
@@ -66,10 +69,3 @@ def _prony(deck: Deck) -> str:
             "ratio as it relaxes",
         ],
     )
-    pairs = [(g, tau) for g, (_, tau, _) in zip(deck.relative_moduli, deck.arms, strict=True)]
-    values = [text(value) for value in itertools.chain.from_iterable(pairs)]
-    rows = [
-        f"TBDATA,{start + 1}," + ",".join(values[start : start + 6])
-        for start in range(0, len(values), 6)
-    ]
-    return "\n".join([*header, f"TB,PRONY,1,1,{len(pairs)},SHEAR", *rows, ""])

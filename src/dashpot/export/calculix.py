@@ -7,10 +7,9 @@ from collections.abc import Collection
 import numpy as np
 
 from dashpot.base.errors import ExportError
-from dashpot.export.abaqus import spring_dashpot_cards
-from dashpot.export.deck import Deck
-from dashpot.export.number_fields import text
-from dashpot.export.open_deck import Solid, choose_form, open_deck
+from dashpot.export.abaqus import spring_dashpot_network
+from dashpot.export.deck import Deck, Exportable, open_deck
+from dashpot.export.notation import text
 from dashpot.records.specimen import Specimen
 
 FORMS = ("arms",)
@@ -23,7 +22,7 @@ _INNER_MASS = 2e-5
 
 
 def calculix(
-    solid: Solid,
+    solid: Exportable,
     *,
     units: str | None = None,
     specimen: Specimen | None = None,
@@ -57,19 +56,15 @@ def calculix(
     points : int
         Frequencies in it, evenly spaced.
     """
-    choose_form(form, FORMS, "calculix")
-    deck = open_deck(solid, units=units, specimen=specimen, allow=allow)
+    deck = open_deck(solid, "calculix", form, FORMS, units=units, specimen=specimen, allow=allow)
     low, high = frequency_range
     if not 0 < low < high:
         raise ExportError(f"frequency_range = {low:g}:{high:g} Hz; expected 0 < low < high")
     if mass is not None and not mass > 0:
         raise ExportError(f"mass = {mass!r} kg; expected a number > 0")
-    network = [
-        "*NODE",
-        "1, 0., 0., 0.",
-        "2, 1., 0., 0.",
-        *(f"{11 + j}, 0.5, 0., 0." for j in range(deck.model.arms)),
-        *spring_dashpot_cards(deck, ground=1, mass=2, first_inner=11, first_element=1, name="SEAL"),
+    title = "network of springs and dashpots for CalculiX"
+    cards = [
+        *spring_dashpot_network(deck),
         *_inner_masses(deck, high),
         "*BOUNDARY",
         "1, 1, 3",
@@ -79,22 +74,14 @@ def calculix(
     remarks = [
         "node 1 is the ground side, node 2 the moving side, one inner node in each arm, along x"
     ]
-    if mass is None:
-        header = deck.header(
-            "**", "network of springs and dashpots for CalculiX", verified=VERIFIED, remarks=remarks
-        )
-        return "\n".join([*header, *network, ""])
-    header = deck.header(
-        "**",
-        "steady-state response of a mass on the solid for CalculiX",
-        verified=VERIFIED,
-        remarks=[
-            *remarks,
+    if mass is not None:
+        title = "steady-state response of a mass on the solid for CalculiX"
+        cards += _steps(deck, mass, low, high, points)
+        remarks += [
             "U1 of node 2 under a unit force: the receptance, real block then",
             "imaginary block at each frequency; the dummies only keep the eigensolver busy",
-        ],
-    )
-    return "\n".join([*header, *network, *_steps(deck, mass, low, high, points), ""])
+        ]
+    return deck.written("**", title, cards, verified=VERIFIED, remarks=remarks)
 
 
 def _inner_rates(deck: Deck, high: float) -> list[float]:

@@ -6,10 +6,8 @@ from collections.abc import Collection
 
 import numpy as np
 
-from dashpot.export.deck import Deck
-from dashpot.export.frequency_tables import tabulate
-from dashpot.export.number_fields import text
-from dashpot.export.open_deck import Solid, choose_form, open_deck
+from dashpot.export.deck import Deck, Exportable, open_deck
+from dashpot.export.notation import text
 from dashpot.records.specimen import Specimen
 
 FORMS = ("frequency", "arms")
@@ -17,7 +15,7 @@ _VERIFIED = "verified: read back in dashpot's tests"
 
 
 def csv(
-    solid: Solid,
+    solid: Exportable,
     *,
     units: str | None = None,
     specimen: Specimen | None = None,
@@ -34,8 +32,7 @@ def csv(
 
     Parameters are those of :func:`dashpot.export.nastran.nastran`.
     """
-    choose_form(form, FORMS, "csv")
-    deck = open_deck(solid, units=units, specimen=specimen, allow=allow)
+    deck = open_deck(solid, "csv", form, FORMS, units=units, specimen=specimen, allow=allow)
     return _arms(deck) if form == "arms" else _frequency(deck, frequency_range, tolerance)
 
 
@@ -49,36 +46,32 @@ def _arms(deck: Deck) -> str:
         for j, (k, tau, b) in enumerate(deck.arms, start=1)
     ]
     names = f"element,k [{units.stiffness_word}],tau [{units.words[2]}],b [{units.damping_word}]"
-    header = deck.header("#", "springs and dashpots", verified=_VERIFIED)
-    return "\n".join([*header, names, *(",".join(row) for row in rows), ""])
+    body = [names, *(",".join(row) for row in rows)]
+    return deck.written("#", "springs and dashpots", body, verified=_VERIFIED)
 
 
 def _frequency(deck: Deck, frequency_range: tuple[float, float], tolerance: float) -> str:
-    units = deck.units
-    table = tabulate(
-        deck.model,
-        frequency_range=frequency_range,
-        tolerance=tolerance,
-        damping="loss_factor",
-        edges=deck.band or (),
-        rounded=lambda value: float(text(value)),
+    units, table = deck.units, deck.table(frequency_range, tolerance)
+    loss = table.storage * table.damping
+    columns = {
+        f"frequency [{units.frequency_word}]": units.frequency(table.frequency),
+        f"storage [{units.stiffness_word}]": units.stiffness(table.storage),
+        f"loss [{units.stiffness_word}]": units.stiffness(loss),
+        "loss_factor [1]": table.damping,
+        f"damping [{units.damping_word}]": units.damping(loss / (2 * np.pi * table.frequency)),
+    }
+    marks = [
+        "" if deck.band is None else str(int(deck.extrapolated(f)))
+        for f in table.frequency.tolist()
+    ]
+    rows = (
+        ",".join([*(text(value) for value in row), mark])
+        for *row, mark in zip(*columns.values(), marks, strict=True)
     )
-    header = deck.header("#", "dynamic stiffness", verified=_VERIFIED, remarks=[table.says])
-    names = (
-        f"frequency [{units.frequency_word}],storage [{units.stiffness_word}],"
-        f"loss [{units.stiffness_word}],loss_factor [1],damping [{units.damping_word}],extrapolated"
+    return deck.written(
+        "#",
+        "dynamic stiffness",
+        [",".join([*columns, "extrapolated"]), *rows],
+        verified=_VERIFIED,
+        remarks=[table.says],
     )
-    rows = []
-    for f, k, eta in zip(
-        table.frequency.tolist(), table.storage.tolist(), table.damping.tolist(), strict=True
-    ):
-        values = (
-            units.frequency(f),
-            units.stiffness(k),
-            units.stiffness(k * eta),
-            eta,
-            units.damping(k * eta / (2 * np.pi * f)),
-        )
-        mark = "" if deck.band is None else str(int(deck.extrapolated(f)))
-        rows.append(",".join([*(text(value) for value in values), mark]))
-    return "\n".join([*header, names, *rows, ""])

@@ -1,19 +1,43 @@
-"""A solid in deck units, with everything its header must say."""
+"""From a solid or a fit to a deck that says what it is, or a refusal with its reasons."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from types import MappingProxyType
+from typing import TypeAlias
 
-from dashpot.base.provenance import Source
+from dashpot.base.errors import ExportError
 from dashpot.base.version import __version__
-from dashpot.export.number_fields import one_line, text
-from dashpot.export.unit_systems import UnitSystem
+from dashpot.export.frequency_tables import Damping, Table, tabulate
+from dashpot.export.notation import UNIT_SYSTEMS, UnitSystem, one_line, text
+from dashpot.records.fit import Fit, Status
 from dashpot.records.specimen import Specimen
-from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
+
+Exportable: TypeAlias = Solid | Fit
+"""What can be exported: a bare solid, or a fit that brings its pedigree along."""
 
 NOT_VERIFIED = "not solver-verified: no solver of this kind runs in dashpot's tests"
+
+PROBLEMS = MappingProxyType(
+    {
+        "temperature": "the test temperature is not stated",
+        "length": "the contact length is not stated: nobody can scale the stiffness to another",
+        "not_identified": "the data do not determine every parameter",
+        "prony_sum": "the relative moduli sum to 1: nothing would carry a static load",
+    }
+)
+"""What a deck is refused for; each can be overridden by name and then leaves a mark."""
+
+_REMEDIES = {
+    "temperature": "give specimen=Specimen(temperature=...) in K, or --temperature 23degC",
+    "length": "give specimen=Specimen(length=...) in m, or --length 100mm",
+    "not_identified": "fit fewer arms, or test for longer and faster",
+    "prony_sum": "export the arms, or fit with k_inf > 0",
+}
 
 
 @dataclass(frozen=True)
@@ -22,31 +46,28 @@ class Deck:
 
     Attributes
     ----------
-    model : GeneralizedMaxwell
+    solid : Solid
         SI.
     units : UnitSystem
     specimen : Specimen
-    band : (float, float) or None
-        The frequencies that the test informs, Hz; None for a bare model.
-    source : tuple of Source
+    fit : Fit or None
+        Where the solid comes from; None for a bare one.
     overrides : tuple of str
         What was wrong and written all the same, one sentence each.
-    doubts : tuple of str
-        What the failed checks of the fit say.
-    identity : str
-        Of the fit; empty for a bare model.
     """
 
-    model: GeneralizedMaxwell
+    solid: Solid
     units: UnitSystem
-    specimen: Specimen = field(default_factory=Specimen)
-    band: tuple[float, float] | None = None
-    source: tuple[Source, ...] = ()
+    specimen: Specimen
+    fit: Fit | None = None
     overrides: tuple[str, ...] = ()
-    doubts: tuple[str, ...] = ()
-    identity: str = ""
 
     # -- the solid in deck units ----------------------------------------------------------------
+
+    @cached_property
+    def model(self) -> GeneralizedMaxwell:
+        """The arms that stand for the solid, SI."""
+        return self.solid.maxwell
 
     @property
     def k_inf(self) -> float:
@@ -67,78 +88,241 @@ class Deck:
         )
 
     @property
-    def relative_moduli(self) -> tuple[float, ...]:
-        """g_j = k_j / k_0."""
-        return tuple(k / self.model.k_0 for k in self.model.k)
+    def prony(self) -> list[tuple[float, float]]:
+        """Each arm's g_j = k_j / k_0 and tau_j, deck units."""
+        return [
+            (k / self.model.k_0, tau / self.units.time)
+            for k, tau in zip(self.model.k, self.model.tau, strict=True)
+        ]
+
+    def shear(self, modulus: float | None, target: str) -> tuple[float, list[tuple[float, float]]]:
+        """G_inf, and G_j = G_0 k_j / k_0 and beta_j = 1 / tau_j of each arm, deck units.
+
+        Raises
+        ------
+        ExportError
+            If the instantaneous modulus G_0, Pa, is not given: a part's stiffness tells none.
+        """
+        if modulus is None or not modulus > 0:
+            raise ExportError(
+                f"a {target} material needs the instantaneous shear modulus of the rubber, which "
+                f"the stiffness of a part does not tell (found modulus = {modulus!r}); give "
+                "modulus= in Pa"
+            )
+        G_0 = self.units.stress(modulus)
+        terms = [(g * G_0, 1 / tau) for g, tau in self.prony]
+        return G_0 * self.model.k_inf / self.model.k_0, terms
+
+    def table(
+        self,
+        frequency_range: tuple[float, float],
+        tolerance: float,
+        *,
+        share: float = 1.0,
+        damping: Damping = "loss_factor",
+        printed: Callable[[float], str] = text,
+    ) -> Table:
+        """The table of a `share` of the solid in SI, with the digits that will be printed."""
+        return tabulate(
+            self.solid * share,
+            frequency_range=frequency_range,
+            tolerance=tolerance,
+            damping=damping,
+            edges=self.band or (),
+            rounded=lambda value: float(printed(value)),
+        )
 
     # -- what it says of itself -----------------------------------------------------------------
 
-    def header(
-        self, comment: str, title: str, *, verified: str = NOT_VERIFIED, remarks: Sequence[str] = ()
-    ) -> list[str]:
-        """The comment lines that open a deck, each behind the target's comment sign."""
-        units = self.units
-        length, mass, time, force, stress = units.words
-        lines = [
-            f"dashpot {__version__}: {title}",
-            (
-                f"UNITS: {units.name}: {length}, {mass}, {time}, {force}, {stress}; frequency in "
-                f"{units.frequency_word}"
-            ),
-            f"model: k_inf = {text(self.k_inf)} {units.stiffness_word}"
-            + (f", b = {text(self.b)} {units.damping_word}" if self.b > 0 else ""),
-            *(
-                f"  arm {j}: k = {text(k)} {units.stiffness_word}, tau = {text(tau)} {time}, "
-                f"b = {text(b)} {units.damping_word}{self._seen(j - 1)}"
-                for j, (k, tau, b) in enumerate(self.arms, start=1)
-            ),
-            f"temperature: {self._temperature()}",
-            f"contact length: {self._length()}",
-            *self._sources(),
-            self._band(),
-            *(f"OVERRIDE: {sentence}" for sentence in self.overrides),
-            *(f"CHECK FAILED: {sentence}" for sentence in self.doubts),
-            verified,
-            *remarks,
-        ]
-        return [f"{comment} {one_line(line)}" for line in lines]
+    @property
+    def band(self) -> tuple[float, float] | None:
+        """The frequencies that the test informs, Hz; None for a bare solid."""
+        return self.fit.band if self.fit else None
 
     def extrapolated(self, frequency: float) -> bool:
         """True if the test says nothing of this frequency, Hz; False where no band is known."""
         return self.band is not None and not self.band[0] <= frequency <= self.band[1]
 
-    def _seen(self, j: int) -> str:
-        centre = 1 / (2 * math.pi * self.model.tau[j])
-        return (
-            f" [{centre:.4g} Hz lies outside the identified band]"
-            if self.extrapolated(centre)
-            else ""
-        )
+    def written(
+        self,
+        comment: str,
+        title: str,
+        body: Sequence[str],
+        *,
+        verified: str = NOT_VERIFIED,
+        remarks: Sequence[str] = (),
+    ) -> str:
+        """The text of the deck: its header behind the target's comment sign, then its cards."""
+        header = [f"dashpot {__version__}: {title}", *self._described(), verified, *remarks]
+        return "\n".join([*(f"{comment} {one_line(line)}" for line in header), *body, ""])
 
-    def _temperature(self) -> str:
-        kelvin = self.specimen.temperature
-        return "not stated" if kelvin is None else f"{kelvin:.6g} K ({kelvin - 273.15:.4g} degC)"
+    def _described(self) -> list[str]:
+        units, specimen = self.units, self.specimen
+        length, mass, time, force, stress = units.words
+        stiffness, damping = units.stiffness_word, units.damping_word
+        kelvin, metres = specimen.temperature, specimen.length
+        words = f"{length}, {mass}, {time}, {force}, {stress}"
+        parallel = f", b = {text(self.b)} {damping}" if self.b > 0 else ""
+        described = [
+            f"UNITS: {units.name}: {words}; frequency in {units.frequency_word}",
+            f"model: k_inf = {text(self.k_inf)} {stiffness}{parallel}",
+        ]
+        for j, (k, tau, b) in enumerate(self.arms, start=1):
+            centre = 1 / (2 * math.pi * self.model.tau[j - 1])
+            outside = f" [{centre:.4g} Hz lies outside the identified band]"
+            described.append(
+                f"  arm {j}: k = {text(k)} {stiffness}, tau = {text(tau)} {time}, "
+                f"b = {text(b)} {damping}{outside * self.extrapolated(centre)}"
+            )
+        if self.model is not self.solid:
+            described.append(
+                f"  the arms stand for a {type(self.solid).__name__}, of which any table is"
+            )
+        return [
+            *described,
+            "temperature: "
+            + ("not stated" if kelvin is None else f"{kelvin:.6g} K ({kelvin - 273.15:.4g} degC)"),
+            "contact length: "
+            + ("not stated" if metres is None else f"{metres / units.length:.6g} {length}"),
+            *self._pedigree(),
+            *(f"OVERRIDE: {sentence}" for sentence in self.overrides),
+            *(
+                f"CHECK FAILED: {check.says}"
+                for check in (self.fit.checks if self.fit else ())
+                if not check.passed
+            ),
+        ]
 
-    def _length(self) -> str:
-        metres = self.specimen.length
-        if metres is None:
-            return "not stated"
-        return f"{metres / self.units.length:.6g} {self.units.words[0]}"
-
-    def _sources(self) -> list[str]:
-        if not self.source:
-            return ["source: a model in memory; no file is known to stand behind it"]
-        lines = [f"fit: {self.identity}"] if self.identity else []
-        lines += [f"source: {each.file} sha256 {each.sha256}" for each in self.source]
-        if any(each.simulated for each in self.source):
-            lines.append("SIMULATED: the test behind this deck was made by a virtual rig")
-        return lines
-
-    def _band(self) -> str:
+    def _pedigree(self) -> list[str]:
+        """The fit, its files, and the band that the test informs."""
+        lines = []
+        if self.fit is None or not self.fit.source:
+            lines.append("source: a model in memory; no file is known to stand behind it")
+        else:
+            scaled = [step.says for step in self.fit.steps if step.name == "parallel"]
+            lines.append(f"fit: {', '.join([self.fit.identity, *scaled])}")
+            lines += [f"source: {each.file} sha256 {each.sha256}" for each in self.fit.source]
+            if any(each.simulated for each in self.fit.source):
+                lines.append("SIMULATED: the test behind this deck was made by a virtual rig")
         if self.band is None:
-            return "identified band: not stated; nothing marks what is extrapolated"
-        low, high = self.band
-        return (
-            f"identified band: {low:.4g} to {high:.4g} Hz; whatever lies outside is EXTRAPOLATED "
-            "from the fitted arms"
+            return [*lines, "identified band: not stated; nothing marks what is extrapolated"]
+        band = f"identified band: {self.band[0]:.4g} to {self.band[1]:.4g} Hz"
+        return [*lines, f"{band}; whatever lies outside is EXTRAPOLATED from the fitted arms"]
+
+
+def open_deck(
+    solid: Exportable,
+    target: str,
+    form: str,
+    forms: Sequence[str],
+    *,
+    units: str | None,
+    specimen: Specimen | None = None,
+    allow: Collection[str] = (),
+) -> Deck:
+    """Return the deck of a solid or a fit, or refuse it.
+
+    A bare solid is written with "not stated" wherever its pedigree is unknown: it has nothing
+    that could be missing. A fit must know its temperature and contact length, and every
+    parameter must be identified.
+
+    Parameters
+    ----------
+    solid : Solid or Fit
+    target, form : str
+        ``"prony"`` is a material card of relative moduli; every other form is of a part.
+    forms : sequence of str
+        Those that the target knows.
+    units : str
+        ``"SI"``, ``"mm-t-s"`` or ``"mm-kg-ms"``.
+    specimen : Specimen, optional
+        Replaces what the fit knows of its specimen.
+    allow : collection of str
+        Names from :data:`PROBLEMS` to overlook; ``"all"`` overlooks every one. Each one that
+        applies leaves an OVERRIDE line in the header.
+
+    Raises
+    ------
+    ExportError
+        If the form or the unit system is missing or unknown, or a problem is not allowed.
+    """
+    if form not in forms:
+        raise ExportError(f"{target} has no form '{form}'; expected one of {', '.join(forms)}")
+    if units is None or units not in UNIT_SYSTEMS:
+        found = "no unit system is given" if units is None else f"'{units}' is no unit system"
+        raise ExportError(f"{found}; add units= one of {', '.join(UNIT_SYSTEMS)}")
+    if isinstance(solid, Fit):
+        deck = Deck(solid.solid, UNIT_SYSTEMS[units], specimen or solid.specimen, solid)
+    else:
+        deck = Deck(solid, UNIT_SYSTEMS[units], specimen or Specimen())
+    return replace(deck, overrides=_overlooked(deck, allow, prony=form == "prony"))
+
+
+def _overlooked(deck: Deck, allow: Collection[str], *, prony: bool) -> tuple[str, ...]:
+    """What is wrong with a deck and allowed; raises where anything is not."""
+    unknown = sorted(set(allow) - set(PROBLEMS) - {"all"})
+    if unknown:
+        raise ExportError(
+            f"'{unknown[0]}' is nothing that could be allowed; known: {', '.join(PROBLEMS)}, all"
         )
+    _refuse_impossible(deck, prony=prony)
+    problems = _problems(deck, prony=prony)
+    refused = {name: says for name, says in problems.items() if not {name, "all"} & set(allow)}
+    if refused:
+        found = "; ".join(f"{says} ({_REMEDIES[name]})" for name, says in refused.items())
+        names = ", ".join(f"'{name}'" for name in refused)
+        raise ExportError(
+            f"{found}. To write the deck all the same, with a mark in its header, allow {names} "
+            "(command line: --force)"
+        )
+    return tuple(problems.values())
+
+
+def _refuse_impossible(deck: Deck, *, prony: bool) -> None:
+    """Raise where nothing can be overlooked: there is no right number to write."""
+    model = deck.model
+    if model.k_0 == 0 and model.b == 0:
+        raise ExportError("the solid has neither stiffness nor damping; there is nothing to write")
+    if deck.fit and deck.fit.unit != "N/m" and not prony:
+        raise ExportError(
+            f"the fit is of a material, in {deck.fit.unit}, and springs and dashpots are in N/m; "
+            "write a material card (form='prony'; command line: --form prony)"
+        )
+    if prony and model.b > 0:
+        raise ExportError(
+            f"b = {model.b:g} N s/m: a Prony series cannot hold a parallel dashpot; "
+            "export the arms, or fit without b"
+        )
+
+
+def _problems(deck: Deck, *, prony: bool) -> dict[str, str]:
+    found = {}
+    if deck.fit:
+        # a material has no contact length
+        for name in ("temperature", "length") if deck.fit.unit == "N/m" else ("temperature",):
+            if getattr(deck.specimen, name) is None:
+                found[name] = PROBLEMS[name]
+        doubt = _doubt(deck.fit)
+        if doubt:
+            found["not_identified"] = f"{PROBLEMS['not_identified']}: {doubt}"
+    if prony and sum(round(g, 10) for g, _ in deck.prony) >= 1:
+        found["prony_sum"] = f"{PROBLEMS['prony_sum']} (k_inf = {deck.model.k_inf:.4g})"
+    return found
+
+
+def _doubt(fit: Fit) -> str | None:
+    """Why not every parameter of a fit is identified, or None."""
+    if fit.status not in (Status.CONVERGED, Status.FEWER_ARMS):
+        return str(fit.status.value)
+    model, error = fit.model, fit.standard_error
+    if not model.k_inf > 0:
+        return "k_inf = 0, so the relaxation had not ended when the test did"
+    # a stiffness is known to three standard errors, a relaxation time to two
+    known = [("k_inf", model.k_inf, error["k_inf"], 3, fit.unit)]
+    for j, (k, tau) in enumerate(zip(model.k, model.tau, strict=True)):
+        known.append((f"arm {j + 1} has k", k, error["k"][j], 3, fit.unit))
+        known.append((f"arm {j + 1} has tau", tau, error["tau"][j], 2, "s"))
+    for name, value, se, times, unit in known:
+        if not times * se < value:
+            return f"{name} = {value:.4g} +- {se:.2g} {unit}"
+    return None

@@ -10,7 +10,7 @@ import numpy as np
 
 from dashpot.base.arrays import ByValue, FloatArray, frozen
 from dashpot.base.errors import ExportError
-from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.maxwell import Solid
 
 Damping: TypeAlias = Literal["loss_factor", "damping"]
 """What stands beside the storage stiffness: K''/K', or the viscous equivalent K''/omega."""
@@ -58,7 +58,7 @@ class Table(ByValue):
 
 
 def tabulate(
-    model: GeneralizedMaxwell,
+    solid: Solid,
     *,
     frequency_range: tuple[float, float],
     tolerance: float,
@@ -76,7 +76,7 @@ def tabulate(
 
     Parameters
     ----------
-    model : GeneralizedMaxwell
+    solid : Solid
     frequency_range : (float, float)
         Hz, 0 < low < high.
     tolerance : float
@@ -97,22 +97,15 @@ def tabulate(
         raise ExportError(f"frequency_range = {low:g}:{high:g} Hz; expected 0 < low < high")
     if not 0 < tolerance < 1:
         raise ExportError(f"tolerance = {tolerance!r}; expected a number between 0 and 1")
-    if model.k_0 == 0:
+    if solid.k_0 == 0:
         raise ExportError("a dashpot alone has no storage stiffness to tabulate; export its arms")
-    lossless = not model.k and model.b == 0
-
-    def error(f: FloatArray) -> float:
-        """Of the table that has points at f."""
-        return 0.0 if lossless else float(_interval_errors(model, f, damping, rounded).max())
-
+    lines = _Lines(solid, damping, rounded)
     points = [rounded(low)]
     stops = sorted({rounded(edge) for edge in edges if low < edge < high} | {rounded(high)})
     reach = 0.1  # in ln f
     for stop in stops:
         while points[-1] < stop:
-            following, reach = _furthest(
-                points[-1], stop, reach, error=error, tolerance=tolerance, rounded=rounded
-            )
+            following, reach = lines.furthest(points[-1], stop, reach, tolerance)
             points.append(following)
             if len(points) > _LONGEST:
                 raise ExportError(
@@ -120,55 +113,56 @@ def tabulate(
                     f"and {high:g} Hz; ask for less, or for a narrower range"
                 )
     f = np.array(points)
-    storage, damped = _values(model, f, damping, rounded)
-    return Table(f, storage, damped, error=error(f), tolerance=tolerance)
+    return Table(f, *lines.values(f), error=lines.error(f), tolerance=tolerance)
 
 
-def _furthest(
-    start: float,
-    stop: float,
-    reach: float,
-    *,
-    error: Callable[[FloatArray], float],
-    tolerance: float,
-    rounded: Callable[[float], float],
-) -> tuple[float, float]:
-    """The next point and how far away it is in ln f: the error grows with the square of that."""
-    for trial in range(60):
-        following = min(stop, rounded(start * float(np.exp(reach))))
-        if not following > start:
-            break
-        found = error(np.array([start, following]))
-        wasteful = found < 0.8 * tolerance and following < stop and trial < 30
-        if found <= tolerance and not wasteful:
-            return following, reach
-        factor = np.sqrt(0.9 * tolerance / max(found, 1e-300))
-        reach *= float(np.clip(factor, 0.1, 4.0 if trial < 30 else 0.5))
-    raise ExportError(
-        f"no table reaches the tolerance {tolerance:g} near {start:g} Hz with the digits that "
-        "the deck prints; ask for less"
-    )
+@dataclass(frozen=True)
+class _Lines:
+    """Straight lines between printed points of a solid's stiffness and damping."""
 
+    solid: Solid
+    damping: Damping
+    rounded: Callable[[float], float]
 
-def _values(
-    model: GeneralizedMaxwell, f: FloatArray, damping: Damping, rounded: Callable[[float], float]
-) -> tuple[FloatArray, FloatArray]:
-    omega = 2 * np.pi * f
-    K = model.complex_stiffness(omega)
-    damped = K.imag / K.real if damping == "loss_factor" else K.imag / omega
-    return np.array([rounded(v) for v in K.real]), np.array([rounded(v) for v in damped])
+    def values(self, f: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Storage stiffness and damping at `f`, Hz, as printed."""
+        omega = 2 * np.pi * f
+        K = self.solid.complex_stiffness(omega)
+        damped = K.imag / (K.real if self.damping == "loss_factor" else omega)
+        return (
+            np.array([self.rounded(v) for v in K.real]),
+            np.array([self.rounded(v) for v in damped]),
+        )
 
+    def error(self, f: FloatArray) -> float:
+        """Largest relative error of any FRF, of lines with points at `f`."""
+        storage, damped = self.values(f)
+        inner = f[:-1, None] + np.diff(f)[:, None] * _WITHIN
+        between = np.concatenate((f, inner.ravel()))
+        omega = 2 * np.pi * between
+        K = self.solid.complex_stiffness(omega)
+        if not K.imag.any():
+            return 0.0  # a spring: both of its lines are level
+        real, second = np.interp(between, f, storage), np.interp(between, f, damped)
+        imaginary = second * (real if self.damping == "loss_factor" else omega)
+        with np.errstate(divide="ignore"):
+            return float((np.abs(real + 1j * imaginary - K) / np.abs(imaginary)).max())
 
-def _interval_errors(
-    model: GeneralizedMaxwell, f: FloatArray, damping: Damping, rounded: Callable[[float], float]
-) -> FloatArray:
-    storage, damped = _values(model, f, damping, rounded)
-    inner = f[:-1, None] + np.diff(f)[:, None] * _WITHIN
-    between = np.concatenate((f, inner.ravel()))
-    omega = 2 * np.pi * between
-    real, second = np.interp(between, f, storage), np.interp(between, f, damped)
-    imaginary = real * second if damping == "loss_factor" else omega * second
-    with np.errstate(divide="ignore"):
-        return np.asarray(
-            np.abs(real + 1j * imaginary - model.complex_stiffness(omega)) / np.abs(imaginary)
+    def furthest(
+        self, start: float, stop: float, reach: float, tolerance: float
+    ) -> tuple[float, float]:
+        """The next point and how far away it is in ln f: the error grows with its square."""
+        for trial in range(60):
+            following = min(stop, self.rounded(start * float(np.exp(reach))))
+            if not following > start:
+                break
+            found = self.error(np.array([start, following]))
+            wasteful = found < 0.8 * tolerance and following < stop and trial < 30
+            if found <= tolerance and not wasteful:
+                return following, reach
+            factor = np.sqrt(0.9 * tolerance / max(found, 1e-300))
+            reach *= float(np.clip(factor, 0.1, 4.0 if trial < 30 else 0.5))
+        raise ExportError(
+            f"no table reaches the tolerance {tolerance:g} near {start:g} Hz with the digits that "
+            "the deck prints; ask for less"
         )

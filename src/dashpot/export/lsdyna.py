@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection
 
 from dashpot.base.errors import ExportError
-from dashpot.export.deck import Deck
-from dashpot.export.material import long_term, shear_modulus, shear_terms
-from dashpot.export.number_fields import packed
-from dashpot.export.open_deck import Solid, choose_form, open_deck
+from dashpot.export.deck import Deck, Exportable, open_deck
+from dashpot.export.notation import packed
 from dashpot.records.specimen import Specimen
 
 FORMS = ("arms", "prony")
@@ -16,7 +14,7 @@ _MOST_TERMS = 18  # of *MAT_GENERAL_VISCOELASTIC
 
 
 def lsdyna(
-    solid: Solid,
+    solid: Exportable,
     *,
     units: str | None = None,
     specimen: Specimen | None = None,
@@ -44,8 +42,7 @@ def lsdyna(
     density : float, optional
         kg/m^3; only and always for ``"prony"``.
     """
-    choose_form(form, FORMS, "lsdyna")
-    deck = open_deck(solid, units=units, specimen=specimen, allow=allow, prony=form == "prony")
+    deck = open_deck(solid, "lsdyna", form, FORMS, units=units, specimen=specimen, allow=allow)
     if form == "prony":
         return _prony(deck, modulus, bulk_modulus, density)
     if (modulus, bulk_modulus, density) != (None, None, None):
@@ -57,14 +54,6 @@ def lsdyna(
 
 
 def _arms(deck: Deck) -> str:
-    header = deck.header(
-        "$",
-        "discrete springs and dampers for LS-DYNA",
-        remarks=[
-            "fields of nine columns hold five digits or more; each Maxwell arm is one discrete",
-            "element, all between nodes 1 (ground side) and 2 (moving side)",
-        ],
-    )
     materials: list[tuple[str, list[float]]] = []
     if deck.k_inf > 0:
         materials.append(("*MAT_SPRING_ELASTIC", [deck.k_inf]))
@@ -73,8 +62,7 @@ def _arms(deck: Deck) -> str:
     for k, tau, _ in deck.arms:
         # k0, ki, beta, cut-off time and force, incremental in time
         materials.append(("*MAT_SPRING_MAXWELL", [k, 0.0, 1 / tau, 1e20, 0.0, 0.0]))
-    lines = [
-        *header,
+    cards = [
         "*KEYWORD",
         "*NODE",
         f"{1:>8}{'0.':>16}{'0.':>16}{'0.':>16}",
@@ -86,7 +74,7 @@ def _arms(deck: Deck) -> str:
         _fields(0.0, 0.0),
     ]
     for number, (keyword, values) in enumerate(materials, start=1):
-        lines += [
+        cards += [
             keyword,
             _fields(number, *values),
             "*PART",
@@ -95,35 +83,38 @@ def _arms(deck: Deck) -> str:
             "*ELEMENT_DISCRETE",
             f"{number:>8}{number:>8}{1:>8}{2:>8}",
         ]
-    return "\n".join([*lines, "*END", ""])
+    return deck.written(
+        "$",
+        "discrete springs and dampers for LS-DYNA",
+        [*cards, "*END"],
+        remarks=[
+            "fields of nine columns hold five digits or more; each Maxwell arm is one discrete",
+            "element, all between nodes 1 (ground side) and 2 (moving side)",
+        ],
+    )
 
 
 def _prony(
     deck: Deck, modulus: float | None, bulk_modulus: float | None, density: float | None
 ) -> str:
-    G_0 = shear_modulus(modulus, "LS-DYNA")
-    terms = shear_terms(deck, G_0)
+    long_term, terms = deck.shear(modulus, "LS-DYNA")
     if bulk_modulus is None or density is None or not (bulk_modulus > 0 and density > 0):
         raise ExportError(
             "*MAT_GENERAL_VISCOELASTIC needs bulk_modulus= in Pa and density= in kg/m^3, found "
             f"{bulk_modulus!r} and {density!r}"
         )
-    if deck.model.k_inf > 0:
+    if deck.k_inf > 0:
         # a term that does not decay carries the equilibrium modulus
-        terms = [(long_term(deck, G_0), 0.0), *terms]
+        terms = [(long_term, 0.0), *terms]
     if len(terms) > _MOST_TERMS:
         raise ExportError(
             f"*MAT_GENERAL_VISCOELASTIC holds {_MOST_TERMS} terms, found {len(terms)}; fit fewer "
             "arms"
         )
-    header = deck.header(
+    return deck.written(
         "$",
         "solid material for LS-DYNA",
-        remarks=["the first term has beta = 0: the equilibrium modulus"],
-    )
-    return "\n".join(
         [
-            *header,
             "*KEYWORD",
             "*MAT_GENERAL_VISCOELASTIC",
             "$#     mid        ro      bulk       pcf        ef      tref         a         b",
@@ -133,8 +124,8 @@ def _prony(
             "$#      gi     betai",
             *(_fields(G, beta) for G, beta in terms),
             "*END",
-            "",
-        ]
+        ],
+        remarks=["the first term has beta = 0: the equilibrium modulus"],
     )
 
 

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from dashpot.base.errors import ExportError
-from dashpot.export.deck import Deck
-from dashpot.export.frequency_tables import Damping, Table, tabulate
-from dashpot.export.number_fields import packed
-from dashpot.export.open_deck import Solid, choose_form, open_deck
+from dashpot.export.deck import Deck, Exportable, open_deck
+from dashpot.export.frequency_tables import Damping, Table
+from dashpot.export.notation import packed
 from dashpot.records.specimen import Specimen
 from dashpot.seals.line import SealLine
-from dashpot.solids.maxwell import GeneralizedMaxwell
 
 FORMS = ("table", "viscous-table", "arms")
 _VERIFIED = (
@@ -23,7 +23,7 @@ _VERIFIED = (
 
 
 def nastran(
-    solid: Solid,
+    solid: Exportable,
     *,
     units: str | None = None,
     specimen: Specimen | None = None,
@@ -44,11 +44,11 @@ def nastran(
 
     Parameters
     ----------
-    solid : GeneralizedMaxwell or Fit
+    solid : Solid or Fit
     units : str
         ``"SI"``, ``"mm-t-s"`` or ``"mm-kg-ms"``.
     specimen, allow
-        As in :func:`dashpot.export.open_deck.open_deck`.
+        As in :func:`dashpot.export.deck.open_deck`.
     form : str
     frequency_range : (float, float)
         Of the tables, Hz.
@@ -68,70 +68,74 @@ def nastran(
     ExportError
         If the deck must not be written.
     """
-    choose_form(form, FORMS, "nastran")
-    deck = open_deck(solid, units=units, specimen=specimen, allow=allow)
-    scale = _share(deck, line)
+    deck = open_deck(solid, "nastran", form, FORMS, units=units, specimen=specimen, allow=allow)
+    row = _row_of(deck, line)
     if form == "arms":
-        return _arms(deck, scale, line, first_id)
-    return _table(
-        deck,
-        deck.model * scale,
-        line=line,
-        first_id=first_id,
-        damping="loss_factor" if form == "table" else "damping",
-        frequency_range=frequency_range,
-        tolerance=tolerance,
-        nominal=nominal,
+        return _arms(deck, row, first_id)
+    damping: Damping = "loss_factor" if form == "table" else "damping"
+    table = deck.table(frequency_range, tolerance, share=row.share, damping=damping, printed=_large)
+    at = nominal or float(np.sqrt(frequency_range[0] * frequency_range[1]))
+    return _table(deck, row, table, damping=damping, nominal=at, first_id=first_id)
+
+
+@dataclass(frozen=True)
+class _Row:
+    """Where the elements stand, deck units, and what each carries of the tested stiffness."""
+
+    stations: tuple[tuple[float, ...], ...] = ((0.0, 0.0, 0.0),)
+    normal: tuple[float, ...] = (1.0, 0.0, 0.0)
+    share: float = 1.0
+    remarks: tuple[str, ...] = ()
+
+
+def _row_of(deck: Deck, line: SealLine | None) -> _Row:
+    if line is None:
+        return _Row()
+    if deck.specimen.length is None:
+        raise ExportError(
+            "a seal line needs the contact length that the model stands for; give "
+            "specimen=Specimen(length=...) in m (command line: --length 100mm)"
+        )
+    unit, word = deck.units.length, deck.units.words[0]
+    share = line.piece / deck.specimen.length
+    remark = (
+        f"seal line: {line.length / unit:.6g} {word}, {line.elements} elements of "
+        f"{line.piece / unit:.6g} {word}, each with {share:.6g} of the stiffness above"
     )
+    stations = tuple(tuple(place) for place in (line.stations() / unit).tolist())
+    return _Row(stations, line.normal, share, (remark,))
 
 
 def _table(
-    deck: Deck,
-    model: GeneralizedMaxwell,
-    *,
-    line: SealLine | None,
-    first_id: int,
-    damping: Damping,
-    frequency_range: tuple[float, float],
-    tolerance: float,
-    nominal: float | None,
+    deck: Deck, row: _Row, table: Table, *, damping: Damping, nominal: float, first_id: int
 ) -> str:
     units = deck.units
-    table = tabulate(
-        model,
-        frequency_range=frequency_range,
-        tolerance=tolerance,
-        damping=damping,
-        edges=deck.band or (),
-        rounded=lambda value: float(_large(value)),
-    )
-    at = nominal or float(np.sqrt(frequency_range[0] * frequency_range[1]))
-    header = deck.header(
-        "$",
-        "frequency-dependent bushing for Nastran and OptiStruct",
-        verified=_VERIFIED,
-        remarks=[
-            *_line_remarks(deck, line),
-            table.says,
-            *_marks(deck, table),
-            f"nominal K and damping: those at {at:.6g} Hz; the bushing acts along its x axis",
-        ],
-    )
-    K = complex(model.complex_stiffness(2 * np.pi * at))
+    K = complex((deck.solid * row.share).complex_stiffness(2 * np.pi * nominal))
     if damping == "loss_factor":
-        label, nominal_damping, damped = "GE", K.imag / K.real, table.damping.tolist()
+        label, nominal_damping, damped = "GE", K.imag / K.real, table.damping
     else:
-        label, nominal_damping = "B", units.damping(K.imag / (2 * np.pi * at))
-        damped = [units.damping(b) for b in table.damping.tolist()]
+        label, nominal_damping = "B", units.damping(K.imag / (2 * np.pi * nominal))
+        damped = units.damping(table.damping)
     properties = bush_property(
         first_id,
-        frequency=[units.frequency(f) for f in table.frequency.tolist()],
-        stiffness=[units.stiffness(k) for k in table.storage.tolist()],
-        damping=damped,
+        frequency=units.frequency(table.frequency).tolist(),
+        stiffness=units.stiffness(table.storage).tolist(),
+        damping=damped.tolist(),
         label=label,
         nominal=(units.stiffness(K.real), nominal_damping),
     )
-    return "\n".join([*header, *_bushings(deck, line, first_id), *properties, ""])
+    return deck.written(
+        "$",
+        "frequency-dependent bushing for Nastran and OptiStruct",
+        [*_bushings(row, first_id), *properties],
+        verified=_VERIFIED,
+        remarks=[
+            *row.remarks,
+            table.says,
+            *_marks(deck, table),
+            f"nominal K and damping: those at {nominal:.6g} Hz; the bushing acts along its x axis",
+        ],
+    )
 
 
 def bush_property(
@@ -155,28 +159,6 @@ def bush_property(
     ]
 
 
-def _share(deck: Deck, line: SealLine | None) -> float:
-    """How much of the tested stiffness one element carries."""
-    if line is None:
-        return 1.0
-    if deck.specimen.length is None:
-        raise ExportError(
-            "a seal line needs the contact length that the model stands for; give "
-            "specimen=Specimen(length=...) in m (command line: --length 100mm)"
-        )
-    return line.piece / deck.specimen.length
-
-
-def _line_remarks(deck: Deck, line: SealLine | None) -> list[str]:
-    if line is None:
-        return []
-    unit, word = deck.units.length, deck.units.words[0]
-    share = _share(deck, line)
-    pieces = f"{line.elements} elements of {line.piece / unit:.6g} {word}"
-    length = f"{line.length / unit:.6g} {word}"
-    return [f"seal line: {length}, {pieces}, each with {share:.6g} of the stiffness above"]
-
-
 def _marks(deck: Deck, table: Table) -> list[str]:
     """Which rows of the table the test says nothing of."""
     if deck.band is None:
@@ -188,19 +170,13 @@ def _marks(deck: Deck, table: Table) -> list[str]:
     return [f"EXTRAPOLATED: {count}, from {min(outside):.6g} to {max(outside):.6g} Hz"]
 
 
-def _stations(deck: Deck, line: SealLine | None) -> list[tuple[float, float, float]]:
-    if line is None:
-        return [(0.0, 0.0, 0.0)]
-    return [(x, y, z) for x, y, z in (line.stations() / deck.units.length).tolist()]
-
-
-def _bushings(deck: Deck, line: SealLine | None, first_id: int) -> list[str]:
+def _bushings(row: _Row, first_id: int) -> list[str]:
     cards = []
     system: int | str = 0
-    if line is not None and not np.allclose(line.normal, (1.0, 0.0, 0.0)):
+    if not np.allclose(row.normal, (1.0, 0.0, 0.0)):
         system = first_id
-        cards += _coordinates(system, line.normal)
-    for i, place in enumerate(_stations(deck, line)):
+        cards += _coordinates(system, row.normal)
+    for i, place in enumerate(row.stations):
         a, b = first_id + 2 * i, first_id + 2 * i + 1
         for grid in (a, b):
             cards += _card("GRID*", [grid, "", *place])
@@ -217,37 +193,29 @@ def _coordinates(number: int, normal: Sequence[float]) -> list[str]:
     return _card("CORD2R*", values)
 
 
-def _arms(deck: Deck, scale: float, line: SealLine | None, first_id: int) -> str:
-    header = deck.header(
-        "$",
-        "network of springs and dashpots for Nastran and OptiStruct",
-        verified=_VERIFIED,
-        remarks=[*_line_remarks(deck, line), "the network acts along component 1 of its grids"],
-    )
-    stations = _stations(deck, line)
+def _arms(deck: Deck, row: _Row, first_id: int) -> str:
     per = 2 + 2 * deck.model.arms + 2
     cards: list[str] = []
-    for i, place in enumerate(stations):
+    for i, place in enumerate(row.stations):
         a, b = first_id + per * i, first_id + per * i + 1
         for grid in (a, b):
             cards += _card("GRID*", [grid, "", *place])
-        element = iter(range(a, a + per))
+        number = itertools.count(a)
         if deck.k_inf > 0:
-            cards += _element("CELAS2*", next(element), deck.k_inf * scale, (a, 1), (b, 1))
+            cards += _card("CELAS2*", [next(number), deck.k_inf * row.share, a, 1, b, 1])
         if deck.b > 0:
-            cards += _element("CDAMP2*", next(element), deck.b * scale, (a, 1), (b, 1))
-        for j, (k, _, arm_b) in enumerate(deck.arms):
-            inner = b + 1 + j
+            cards += _card("CDAMP2*", [next(number), deck.b * row.share, a, 1, b, 1])
+        for inner, (k, _, arm_b) in enumerate(deck.arms, start=b + 1):
             cards.append(_small("SPOINT", inner))
-            cards += _element("CELAS2*", next(element), k * scale, (a, 1), (inner, ""))
-            cards += _element("CDAMP2*", next(element), arm_b * scale, (inner, ""), (b, 1))
-    return "\n".join([*header, *cards, ""])
-
-
-def _element(
-    name: str, number: int, value: float, a: tuple[int, int | str], b: tuple[int, int | str]
-) -> list[str]:
-    return _card(name, [number, value, *a, *b])
+            cards += _card("CELAS2*", [next(number), k * row.share, a, 1, inner, ""])
+            cards += _card("CDAMP2*", [next(number), arm_b * row.share, inner, "", b, 1])
+    return deck.written(
+        "$",
+        "network of springs and dashpots for Nastran and OptiStruct",
+        cards,
+        verified=_VERIFIED,
+        remarks=[*row.remarks, "the network acts along component 1 of its grids"],
+    )
 
 
 def _tabled1(number: int, x: Iterable[float], y: Iterable[float]) -> list[str]:

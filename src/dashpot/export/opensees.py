@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from dashpot.export.number_fields import text
-from dashpot.export.open_deck import Solid, choose_form, open_deck
+from dashpot.export.deck import Exportable, open_deck
+from dashpot.export.notation import text
 from dashpot.records.specimen import Specimen
 
 FORMS = ("python", "tcl")
@@ -16,7 +16,7 @@ VERIFIED = (
 
 
 def opensees(
-    solid: Solid,
+    solid: Exportable,
     *,
     units: str | None = None,
     specimen: Specimen | None = None,
@@ -38,32 +38,33 @@ def opensees(
     first_tag : int
         Tag of the first material; the others follow.
     """
-    choose_form(form, FORMS, "opensees")
-    deck = open_deck(solid, units=units, specimen=specimen, allow=allow)
-    materials: list[tuple[str, list[str]]] = []
+    deck = open_deck(solid, "opensees", form, FORMS, units=units, specimen=specimen, allow=allow)
+    materials = []
     if deck.k_inf > 0:
-        materials.append(("Elastic", [text(deck.k_inf)]))
+        materials.append(["Elastic", text(deck.k_inf)])
     if deck.b > 0:
-        materials.append(("Viscous", [text(deck.b), "1."]))
+        materials.append(["Viscous", text(deck.b), "1."])
     # stiffness, viscosity, exponent of the dashpot, length
-    materials += [("Maxwell", [text(k), text(b), "1.", "1."]) for k, _, b in deck.arms]
-    commands = [
-        ("uniaxialMaterial", kind, str(first_tag + i), *values)
-        for i, (kind, values) in enumerate(materials)
-    ]
-    tags = [str(first_tag + i) for i in range(len(materials))]
-    whole = str(first_tag + len(materials))
-    commands.append(("uniaxialMaterial", "Parallel", whole, *tags))
-    header = deck.header(
+    materials += [["Maxwell", text(k), text(b), "1.", "1."] for k, _, b in deck.arms]
+    tags = [str(first_tag + i) for i in range(len(materials) + 1)]
+    materials.append(["Parallel", *tags[:-1]])
+    if form == "tcl":
+        commands = [
+            " ".join(["uniaxialMaterial", kind, tag, *values])
+            for tag, (kind, *values) in zip(tags, materials, strict=True)
+        ]
+    else:
+        commands = ["import openseespy.opensees as ops", ""] + [
+            f"ops.uniaxialMaterial({', '.join([repr(kind), tag, *values])})"
+            for tag, (kind, *values) in zip(tags, materials, strict=True)
+        ]
+    return deck.written(
         "#",
         "uniaxial material for OpenSees",
+        commands,
         verified=VERIFIED,
         remarks=[
-            f"material {whole} is the solid; in a zeroLength element it acts along one",
+            f"material {tags[-1]} is the solid; in a zeroLength element it acts along one",
             "direction, force against displacement",
         ],
     )
-    if form == "tcl":
-        return "\n".join([*header, *(" ".join(command) for command in commands), ""])
-    calls = [f"ops.{name}({', '.join([repr(kind), *values])})" for name, kind, *values in commands]
-    return "\n".join([*header, "import openseespy.opensees as ops", "", *calls, ""])

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from dashpot.export.material import long_term, shear_modulus, shear_terms
-from dashpot.export.number_fields import text
-from dashpot.export.open_deck import Solid, choose_form, open_deck
+from dashpot.export.deck import Exportable, open_deck
+from dashpot.export.notation import text
 from dashpot.records.specimen import Specimen
 
 FORMS = ("prony",)
 
 
 def radioss(
-    solid: Solid,
+    solid: Exportable,
     *,
     units: str | None = None,
     specimen: Specimen | None = None,
@@ -32,26 +31,20 @@ def radioss(
     modulus : float
         Instantaneous shear modulus G_0 of the rubber, Pa: a part's stiffness does not tell it.
     """
-    choose_form(form, FORMS, "radioss")
-    deck = open_deck(solid, units=units, specimen=specimen, allow=allow, prony=True)
-    G_0 = shear_modulus(modulus, "Radioss")
-    terms = shear_terms(deck, G_0)
-    header = deck.header(
+    deck = open_deck(solid, "radioss", form, FORMS, units=units, specimen=specimen, allow=allow)
+    long_term, terms = deck.shear(modulus, "Radioss")
+    return deck.written(
         "#",
         "viscosity card for Radioss",
-        remarks=[
-            "the card adds to the material law of the same number, whose own shear modulus is the",
-            f"long-term one, {text(long_term(deck, G_0))} {deck.units.words[4]}",
-        ],
-    )
-    return "\n".join(
         [
-            *header,
             "/VISC/PRONY/1",
             "#        M",
             f"{len(terms):>10}",
             "#                G_i              beta_i",
             *(f"{text(G):>20}{text(beta):>20}" for G, beta in terms),
-            "",
-        ]
+        ],
+        remarks=[
+            "the card adds to the material law of the same number, whose own shear modulus is the",
+            f"long-term one, {text(long_term)} {deck.units.words[4]}",
+        ],
     )

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from dashpot.export.number_fields import text
-from dashpot.export.open_deck import Solid, choose_form, open_deck
+from dashpot.export.deck import Exportable, open_deck
+from dashpot.export.notation import text
 from dashpot.records.specimen import Specimen
 
 FORMS = ("octave",)
 
 
 def statespace(
-    solid: Solid,
+    solid: Exportable,
     *,
     units: str | None = None,
     specimen: Specimen | None = None,
@@ -30,26 +30,19 @@ def statespace(
 
     Parameters are those of :func:`dashpot.export.nastran.nastran`.
     """
-    choose_form(form, FORMS, "statespace")
-    deck = open_deck(solid, units=units, specimen=specimen, allow=allow)
-    rates = [1 / tau for _, tau, _ in deck.arms]
-    through = deck.k_inf + sum(k for k, _, _ in deck.arms)
-    header = deck.header(
+    deck = open_deck(solid, "statespace", form, FORMS, units=units, specimen=specimen, allow=allow)
+    rates = [text(1 / tau) for _, tau, _ in deck.arms]
+    return deck.written(
         "%",
         "state space of the solid: displacement x in, force F out",
+        [
+            f"A = -diag([{' '.join(rates)}]);",
+            f"B = [{'; '.join(rates)}];",
+            f"C = -[{' '.join(text(k) for k, _, _ in deck.arms)}];",
+            f"D = {text(deck.k_inf + sum(k for k, _, _ in deck.arms))};",
+            f"E = {text(deck.b)};",
+        ],
         remarks=[
             "dy/dt = A y + B x, F = C y + D x + E dx/dt; y is the elongation of each arm's dashpot",
         ],
-    )
-    row = " ".join(text(rate) for rate in rates)
-    return "\n".join(
-        [
-            *header,
-            f"A = -diag([{row}]);",
-            f"B = [{'; '.join(text(rate) for rate in rates)}];",
-            f"C = -[{' '.join(text(k) for k, _, _ in deck.arms)}];",
-            f"D = {text(through)};",
-            f"E = {text(deck.b)};",
-            "",
-        ]
     )

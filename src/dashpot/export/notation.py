@@ -1,0 +1,128 @@
+"""How solvers read quantities: consistent unit systems, numbers with a decimal point."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TypeVar
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import ExportError
+
+_Values = TypeVar("_Values", float, FloatArray)
+
+
+@dataclass(frozen=True)
+class UnitSystem:
+    """A consistent unit system: the SI size of one unit of each base quantity.
+
+    Attributes
+    ----------
+    name : str
+        ``"SI"``, ``"mm-t-s"`` or ``"mm-kg-ms"``.
+    length, mass, time : float
+        Size of the unit in m, kg, s.
+    words : tuple of str
+        Names of the units of length, mass, time, force and stress.
+    """
+
+    name: str
+    length: float
+    mass: float
+    time: float
+    words: tuple[str, str, str, str, str]
+
+    @property
+    def force(self) -> float:
+        """Size of the unit of force, N."""
+        return self.mass * self.length / self.time**2
+
+    def stiffness(self, si: _Values) -> _Values:
+        """N/m in this system."""
+        return si * self.length / self.force
+
+    def damping(self, si: _Values) -> _Values:
+        """N s/m in this system."""
+        return si * self.length / (self.force * self.time)
+
+    def stress(self, si: _Values) -> _Values:
+        """Pa in this system."""
+        return si * self.length**2 / self.force
+
+    def density(self, si: _Values) -> _Values:
+        """kg/m^3 in this system."""
+        return si * self.length**3 / self.mass
+
+    def frequency(self, si: _Values) -> _Values:
+        """Hz in cycles per unit of time: solvers count frequency in their own unit of time."""
+        return si * self.time
+
+    @property
+    def frequency_word(self) -> str:
+        """Name of the unit of frequency."""
+        return "Hz" if self.time == 1 else "kHz"
+
+    @property
+    def stiffness_word(self) -> str:
+        """Name of the unit of stiffness."""
+        return f"{self.words[3]}/{self.words[0]}"
+
+    @property
+    def damping_word(self) -> str:
+        """Name of the unit of damping."""
+        return f"{self.words[3]} {self.words[2]}/{self.words[0]}"
+
+
+UNIT_SYSTEMS = MappingProxyType(
+    {
+        "SI": UnitSystem("SI", 1.0, 1.0, 1.0, ("m", "kg", "s", "N", "Pa")),
+        "mm-t-s": UnitSystem("mm-t-s", 1e-3, 1e3, 1.0, ("mm", "t", "s", "N", "MPa")),
+        "mm-kg-ms": UnitSystem("mm-kg-ms", 1e-3, 1.0, 1e-3, ("mm", "kg", "ms", "kN", "GPa")),
+    }
+)
+"""The unit systems a deck can be written in."""
+
+
+def text(value: float) -> str:
+    """A number as decks print it: ten digits and always a point, without which it is an integer.
+
+    >>> text(2e-05), text(196.5), text(3.0)
+    ('2.e-05', '196.5', '3.')
+    """
+    mantissa, exponent, power = f"{value:.10g}".partition("e")
+    return mantissa + ("" if "." in mantissa else ".") + exponent + power
+
+
+def packed(value: float, width: int) -> str:
+    """A number in at most `width` columns, with as many digits as they hold, always a point.
+
+    >>> packed(0.50212766, 10), packed(3.68393e-05, 10), packed(-120.0, 8)
+    ('0.50212766', '3.68393E-5', '-120.')
+    """
+    if value == 0:
+        return "0."
+    for digits in range(min(17, width), 0, -1):
+        rounded = f"{value:.{digits - 1}E}"
+        mantissa, _, power = rounded.partition("E")
+        plain = f"{value:.{max(digits - 1 - int(power), 0)}f}" if abs(int(power)) < 17 else ""
+        for candidate in (
+            _pointed(plain),
+            re.sub(r"^(-?)0(?=\.)", r"\1", _pointed(plain)),
+            f"{_pointed(mantissa)}E{int(power)}",
+        ):
+            if candidate and len(candidate) <= width and float(candidate) == float(rounded):
+                return candidate
+    raise ExportError(f"{value!r} does not fit into {width} columns")
+
+
+def _pointed(number: str) -> str:
+    """Trailing zeros gone, a decimal point there."""
+    if not number:
+        return ""
+    return number.rstrip("0") if "." in number else number + "."
+
+
+def one_line(line: str) -> str:
+    """Printable ASCII: a file name can hold anything, a solver reads no more."""
+    return "".join(sign if " " <= sign <= "~" else "?" for sign in line)
