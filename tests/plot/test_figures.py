@@ -19,10 +19,10 @@ from matplotlib.text import Text
 from dashpot import plot
 from dashpot.fitting.modulus import fit_modulus
 from dashpot.fitting.relaxation import fit
-from dashpot.plot.dynamic_stiffness import averaged, quantities
 from dashpot.plot.impact import force_spectrum
-from dashpot.plot.panels.frequency import half_power, phase_axis, turned
+from dashpot.plot.panels import half_power, phase_axis, turned
 from dashpot.plot.relaxation import fits_to_show, fitted_force
+from dashpot.plot.solid import averaged, quantities
 from dashpot.plot.style import BLUE, COLUMN, MM, PAGE, REJECTED, SMALL, unit_of
 from dashpot.plot.vibration import smooth
 from dashpot.preparation.prepare import prepare

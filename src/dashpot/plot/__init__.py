@@ -4,12 +4,11 @@ Every function returns a :class:`matplotlib.figure.Figure` that no global state 
 :func:`save` writes it. matplotlib is loaded when the first figure is drawn.
 """
 
-from dashpot.plot.dynamic_stiffness import dynamic_stiffness
 from dashpot.plot.files import save, to_svg
 from dashpot.plot.impact import hits
 from dashpot.plot.overview import hero
 from dashpot.plot.relaxation import fit, segments
-from dashpot.plot.solid import spectrum, stiffness
+from dashpot.plot.solid import dynamic_stiffness, spectrum, stiffness
 from dashpot.plot.vibration import comparison, frf, nyquist
 
 __all__ = [

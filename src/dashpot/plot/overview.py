@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from dashpot.plot import relaxation, vibration
-from dashpot.plot.style import NORMAL, PAGE, figure, legend, unit_of
+from dashpot.plot.style import PAGE, figure, label_axes, legend, unit_of
 from dashpot.records.bounds import FRFBounds
 from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RampHold
@@ -47,25 +47,20 @@ def hero(study: Story) -> Figure:
 
 def _bench(made: Figure | SubFigure, study: Story) -> None:
     upper, lower = made.subplots(2, 1, sharex=True, height_ratios=(2.8, 1.0))
-    shown = relaxation.fits_to_show(study.fit, study.alternatives)
-    relaxation.draw_fits(upper, shown, study.prepared, chosen=study.fit)
     test = study.prepared
+    shown = relaxation.fitted(study.fit, study.alternatives, test)
+    relaxation.draw_fits(upper, shown, test)
     word, factor = unit_of(test.displacement, "m")
-    upper.set_title(
-        f"Relaxation test: {factor * test.depth:.3g} {word} in {test.ramp_time:.3g} s, "
+    label_axes(
+        upper,
+        title=f"Relaxation test: {factor * test.depth:.3g} {word} in {test.ramp_time:.3g} s, "
         f"held {test.hold_time:.3g} s",
-        fontsize=NORMAL, loc="left", fontweight="bold",
-    )  # fmt: skip
-    legend(upper, loc="lower right")
-    relaxation.draw_residual(
-        lower,
-        study.fit,
-        study.prepared,
-        chosen=study.fit,
-        others=[f for f in shown if f != study.fit],
     )
-    lower.set_ylabel(lower.get_ylabel().partition("\n")[2], fontsize=NORMAL)
-    lower.set_xlabel(f"{relaxation.FROM_CONTACT} (log)", fontsize=NORMAL)
+    legend(upper, loc="lower right")
+    chosen = next(one for one in shown if one.fit is study.fit)
+    others = [one for one in shown if one is not chosen]
+    relaxation.draw_residual(lower, chosen, test, others=others)
+    label_axes(lower, x=relaxation.FROM_LOG, y=lower.get_ylabel().partition("\n")[2])
     made.align_ylabels([upper, lower])
 
 
@@ -74,12 +69,11 @@ def _hammer(made: Figure | SubFigure, study: Story, comparison: Comparison) -> N
     curves = vibration.curves_of(comparison, study.joint_comparison)
     vibration.draw_magnitude(upper, curves, around=comparison.measured_hz)
     mass = "" if study.mass is None else f"{1e3 * study.mass:.3g} g on "
-    upper.set_title(f"Hammer test: {mass}{study.seals:g} seals", fontsize=NORMAL, loc="left",
-                    fontweight="bold")  # fmt: skip
+    label_axes(upper, title=f"Hammer test: {mass}{study.seals:g} seals")
     if study.frf_band is not None:
         vibration.draw_band(upper, study.frf_band, parameters=False)
-    vibration.mark_peaks(upper, comparison, study.joint_comparison)
+    vibration.mark_peaks(upper, curves)
     legend(upper, loc="lower right")
     vibration.draw_phase(lower, curves, spread=False)
-    lower.set_xlabel(vibration.FREQUENCY, fontsize=NORMAL)
+    label_axes(lower, x=vibration.FREQUENCY)
     made.align_ylabels([upper, lower])

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.plot.panels import time as panel
+from dashpot.plot import panels as panel
 from dashpot.plot.style import (
     MEASURED,
     NORMAL,
@@ -16,17 +16,17 @@ from dashpot.plot.style import (
     Pen,
     dress,
     figure,
+    label_axes,
     legend,
     log_axis,
     note,
     pen_of_arms,
     unit_of,
 )
-from dashpot.plot.thinning import means
 from dashpot.preparation.denoising import true_motion
 from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RampHold
-from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -36,6 +36,7 @@ DATA = Pen("#9a9a9a", "-", 1.7)
 """The measured force, wide and pale, so that the fits upon it leave it visible."""
 
 FROM_CONTACT = "time from first contact, s"
+FROM_LOG = f"{FROM_CONTACT} (log)"
 
 
 def segments(prepared: RampHold) -> Figure:
@@ -58,12 +59,10 @@ def segments(prepared: RampHold) -> Figure:
         _hold(hold, t, values, prepared)
         dress(ramp, y=label)
         dress(hold)
-    for ax in grid[1]:
-        ax.set_xlabel(FROM_CONTACT, fontsize=NORMAL)
-    for ax in grid[0]:
-        ax.tick_params(labelbottom=False)
-    grid[0, 0].set_title("ramp, linear time", fontsize=NORMAL, loc="left", fontweight="bold")
-    grid[0, 1].set_title("hold, log time", fontsize=NORMAL, loc="left", fontweight="bold")
+    for above, below, title in zip(*grid, ("ramp, linear time", "hold, log time"), strict=True):
+        label_axes(above, title=title)
+        above.tick_params(labelbottom=False)
+        label_axes(below, x=FROM_CONTACT)
     _name_segments(grid[0, 0], grid[0, 1], prepared)
     _say_force(grid[1, 1], prepared)
     return made
@@ -83,26 +82,48 @@ def fit(fit: Fit, prepared: RampHold, *, alternatives: Sequence[Fit] = ()) -> Fi
     alternatives : sequence of Fit
         Others to hold against it, such as one arm against two.
     """
-    shown = fits_to_show(fit, alternatives)
+    shown = fitted(fit, alternatives, prepared)
     made = figure(PAGE, 64 + 24 * len(shown))
     grid = made.add_gridspec(
         1 + len(shown), 2, height_ratios=(2.6, *[1.0] * len(shown)), width_ratios=(1.0, 1.5)
     )
     hold, whole = made.add_subplot(grid[0, 0]), made.add_subplot(grid[0, 1])
-    draw_fits(hold, shown, prepared, chosen=fit, hold_only=True)
-    hold.set_title("hold, linear time", fontsize=NORMAL, loc="left", fontweight="bold")
-    draw_fits(whole, shown, prepared, chosen=fit)
-    whole.set_title("ramp and hold, log time", fontsize=NORMAL, loc="left", fontweight="bold")
-    for ax in (hold, whole):
-        ax.set_xlabel(FROM_CONTACT, fontsize=NORMAL)
+    draw_fits(hold, shown, prepared, hold_only=True)
+    label_axes(hold, x=FROM_CONTACT, title="hold, linear time")
+    draw_fits(whole, shown, prepared)
+    label_axes(whole, x=FROM_CONTACT, title="ramp and hold, log time")
     legend(whole)
-    panels = [made.add_subplot(row) for row in (grid[i, :] for i in range(1, 1 + len(shown)))]
+    panels = [made.add_subplot(grid[row, :]) for row in range(1, 1 + len(shown))]
     for ax, one in zip(panels, shown, strict=True):
-        draw_residual(ax, one, prepared, chosen=fit)
+        draw_residual(ax, one, prepared)
         ax.tick_params(labelbottom=ax is panels[-1])
-    panels[-1].set_xlabel(f"{FROM_CONTACT} (log)", fontsize=NORMAL)
+    label_axes(panels[-1], x=FROM_LOG)
     made.align_ylabels([hold, *panels])
     return made
+
+
+class Fitted(NamedTuple):
+    """A fit as it is drawn: its pen, time from first contact, s, and the force it says there, N."""
+
+    fit: Fit
+    pen: Pen
+    time: FloatArray
+    force: FloatArray
+
+    def left(self, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
+        """Time from first contact and residual, N, over what a log axis shows."""
+        start, end = _log_start(prepared), prepared.hold_end - prepared.onset
+        seen = (self.time >= start) & (self.time <= end)
+        measured = np.interp(self.time[seen], prepared.time - prepared.onset, prepared.force)
+        return self.time[seen], measured - self.force[seen]
+
+
+def fitted(chosen: Fit, alternatives: Sequence[Fit], prepared: RampHold) -> list[Fitted]:
+    """The curves of all fits that are shown."""
+    return [
+        Fitted(one, pen_of_arms(one.model.arms, chosen.model.arms), *fitted_force(one, prepared))
+        for one in fits_to_show(chosen, alternatives)
+    ]
 
 
 def fits_to_show(fit: Fit, alternatives: Sequence[Fit]) -> list[Fit]:
@@ -112,22 +133,23 @@ def fits_to_show(fit: Fit, alternatives: Sequence[Fit]) -> list[Fit]:
 
 
 def draw_fits(
-    ax: Axes, shown: Sequence[Fit], prepared: RampHold, *, chosen: Fit, hold_only: bool = False
+    ax: Axes, shown: Sequence[Fitted], prepared: RampHold, *, hold_only: bool = False
 ) -> None:
     """Force with the fitted curves over it: on log time, or the hold alone on linear time."""
-    t = prepared.time - prepared.onset
     end = prepared.hold_end - prepared.onset
     start = prepared.ramp_time if hold_only else _log_start(prepared)
-    seen = (t >= start) & (t <= end)
     unit, scale = unit_of(prepared.force, "N")
-    data = scale * prepared.force[seen]
-    panel.trace(ax, t[seen], data, DATA, log=not hold_only, label="measured")
+
+    def trace(t: FloatArray, force: FloatArray, pen: Pen, label: str) -> FloatArray:
+        drawn = (t >= start) & (t <= end)
+        values = scale * force[drawn]
+        panel.trace(ax, t[drawn], values, pen, log=not hold_only, label=label)
+        return values
+
+    data = trace(prepared.time - prepared.onset, prepared.force, DATA, "measured")
     for one in shown:
-        when, force = fitted_force(one, prepared)
-        drawn = (when >= start) & (when <= end)
-        pen = pen_of_arms(one.model.arms, chosen.model.arms)
-        curve = scale * force[drawn]
-        panel.trace(ax, when[drawn], curve, pen, log=not hold_only, label=name_of(one))
+        arms = one.fit.model.arms
+        trace(one.time, one.force, one.pen, f"{arms_in_words(arms)} (N = {arms})")
     panel.segments(ax, _bounds(prepared))
     ax.set_xlim(start, end)
     ax.set_ylim(*panel.outer_limits(data))
@@ -137,37 +159,26 @@ def draw_fits(
 
 
 def draw_residual(
-    ax: Axes, one: Fit, prepared: RampHold, *, chosen: Fit, others: Sequence[Fit] = ()
+    ax: Axes, one: Fitted, prepared: RampHold, *, others: Sequence[Fitted] = ()
 ) -> None:
     """Measured less fitted force against log time; of `others` only the mean of each bin."""
-    start, end = _log_start(prepared), prepared.hold_end - prepared.onset
-    when, left = _left(one, prepared)
+    when, left = one.left(prepared)
     unit, scale = unit_of(left, "N")
-    pen = pen_of_arms(one.model.arms, chosen.model.arms)
     panel.residual(
-        ax, when, scale * left, pen, noise=scale * prepared.force_noise, unit=unit,
-        what=short_name_of(one),
+        ax, when, scale * left, one.pen, noise=scale * prepared.force_noise,
+        name=f"N = {one.fit.model.arms}\nresidual, {unit}",
     )  # fmt: skip
     seen = [scale * left]
     for other in others:
-        x, y = means(*_left(other, prepared), log=True)
-        pen = pen_of_arms(other.model.arms, chosen.model.arms)
-        panel.trace(ax, x, scale * y, pen, log=True)
+        x, y = panel.means(*other.left(prepared), log=True)
+        panel.trace(ax, x, scale * y, other.pen, log=True)
         seen.append(scale * y)
     panel.segments(ax, _bounds(prepared))
     ax.set_ylim(*panel.outer_limits(*seen, margin=0.08))
-    ax.set_xlim(start, end)
+    ax.set_xlim(_log_start(prepared), prepared.hold_end - prepared.onset)
     log_axis(ax, "x")
-    note(ax, f"RMS {_rms(one.residual.rms)}", (0.995, 0.95), ha="right")
-
-
-def _left(one: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
-    """Time from first contact and residual, N, over what a log axis shows."""
-    when, force = fitted_force(one, prepared)
-    start, end = _log_start(prepared), prepared.hold_end - prepared.onset
-    seen = (when >= start) & (when <= end)
-    measured = np.interp(when[seen], prepared.time - prepared.onset, prepared.force)
-    return when[seen], measured - force[seen]
+    word, factor = unit_of(np.array([one.fit.residual.rms]), "N")
+    note(ax, f"RMS {factor * one.fit.residual.rms:.3g} {word}", (0.995, 0.95), ha="right")
 
 
 def fitted_force(one: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
@@ -177,47 +188,43 @@ def fitted_force(one: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
     other answers to the motion behind the recorded displacement, with the offset and drift of the
     load cell that the fit allowed: given the solid, they are what least squares makes of the rest.
     """
-    model = _at_depth(one, prepared.depth)
+    solid = _at_depth(one, prepared.depth)
     if one.method == "hold":
         since = prepared.time[prepared.hold] - prepared.onset
-        return since, model.ramp_hold_force(
+        return since, solid.maxwell.ramp_hold_force(
             since, depth=prepared.depth, ramp_time=prepared.ramp_time
         )
     used = slice(0, prepared.hold.stop)
     time, (x, _) = prepared.time[used], true_motion(prepared)
-    force = model.force(time, x - x[0])
+    force = solid.force(time, x - x[0])
     terms = {"offset": np.ones(len(time)), "drift": time - time[0]}
     allowed = {term.name.partition(" ")[0] for term in one.nuisance}
     columns = [column for name, column in terms.items() if name in allowed]
     if columns:
         design = np.column_stack(columns)
-        force = (
-            force + design @ np.linalg.lstsq(design, prepared.force[used] - force, rcond=None)[0]
-        )
+        size, *_ = np.linalg.lstsq(design, prepared.force[used] - force, rcond=None)
+        force = force + design @ size
     return time - prepared.onset, force
 
 
-def _at_depth(one: Fit, depth: float) -> GeneralizedMaxwell:
+def _at_depth(one: Fit, depth: float) -> Solid:
     """The solid at this depth, where every test of the fit has stiffnesses of its own."""
     if not one.by_depth:
-        return one.model
+        return one.solid
     near = min(one.by_depth, key=lambda at: abs(at.depth - depth))
     there = [(k, tau) for k, tau in zip(near.k, one.model.tau, strict=False) if k > 0]
-    return GeneralizedMaxwell(
-        max(near.k_inf, 0.0), tuple(k for k, _ in there), tuple(tau for _, tau in there)
-    )
+    k, tau = zip(*there, strict=True) if there else ((), ())
+    return GeneralizedMaxwell(max(near.k_inf, 0.0), k, tau)
 
 
-def name_of(one: Fit) -> str:
-    """What the legend calls a fit."""
-    arms = one.model.arms
-    word = {0: "no", 1: "one", 2: "two", 3: "three", 4: "four"}.get(arms, str(arms))
-    return f"{word} Maxwell arm{'' if arms == 1 else 's'} (N = {arms})"
+def arms_in_words(arms: int) -> str:
+    """What a sentence calls that many arms.
 
-
-def short_name_of(one: Fit) -> str:
-    """What a narrow panel calls a fit."""
-    return f"N = {one.model.arms}"
+    >>> arms_in_words(1), arms_in_words(4), arms_in_words(9)
+    ('one Maxwell arm', 'four Maxwell arms', '9 Maxwell arms')
+    """
+    words = ("no", "one", "two", "three", "four", "five", "six")
+    return f"{words[arms] if arms < len(words) else arms} Maxwell arm{'' if arms == 1 else 's'}"
 
 
 def _bounds(prepared: RampHold) -> tuple[float, float, float]:
@@ -260,14 +267,14 @@ def _name_segments(ramp: Axes, hold: Axes, prepared: RampHold) -> None:
     low, _ = ramp.get_xlim()
     c = prepared.ramp_time
     middle = float(np.sqrt(c * (prepared.hold_end - prepared.onset)))
-    words = [
+    places = [
         (ramp, 0.72 * c, 0.22 * top, f"ramp\n{c:.3g} s"),
         (ramp, 1.5 * c, 0.5 * top, "hold"),
         (hold, middle, 0.5 * top, f"hold\n{prepared.hold_time:.3g} s at {top:.3g} {word}"),
     ]
     if low < -0.2 * c:
-        words.append((ramp, low / 2, 0.5 * top, "baseline"))
-    for ax, x, y, text in words:
+        places.append((ramp, low / 2, 0.5 * top, "baseline"))
+    for ax, x, y, text in places:
         ax.text(x, y, text, fontsize=NORMAL, va="center", ha="center", color="#333333")
 
 
@@ -283,8 +290,3 @@ def _say_force(ax: Axes, prepared: RampHold) -> None:
         ha="right",
         va="bottom",
     )
-
-
-def _rms(newton: float) -> str:
-    word, factor = unit_of(np.array([newton]), "N")
-    return f"{factor * newton:.3g} {word}"

@@ -1,22 +1,23 @@
-"""Figures of the fitted solid: its relaxation spectrum, its stiffness against frequency."""
+"""Figures of the solid: its relaxation spectrum, its stiffness fitted and straight from an FRF."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
-from dashpot.plot.dynamic_stiffness import averaged, quantities
-from dashpot.plot.panels import frequency as panel
-from dashpot.plot.panels import stems as spectrum_panel
+from dashpot.base.arrays import FloatArray, IndexArray
+from dashpot.plot import panels as panel
 from dashpot.plot.style import (
     BLUE,
     CHOSEN,
     COLUMN,
+    GREEN,
     GREY,
     JOINT,
     MEASURED,
+    ORANGE,
     PAGE,
     PURPLE,
     SMALL,
@@ -27,6 +28,7 @@ from dashpot.plot.style import (
 )
 from dashpot.records.bounds import StiffnessBounds
 from dashpot.records.fit import Fit
+from dashpot.solids.maxwell import Solid
 from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness
 
 if TYPE_CHECKING:
@@ -34,6 +36,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 FREQUENCY = "frequency, Hz"
+LABELS = {
+    "storage": "storage stiffness K′, N/mm",
+    "damping": "damping c, N·s/m",
+    "loss_factor": "loss factor K″/K′, –",
+}
 
 
 def spectrum(fit: Fit, *, joint: Fit | None = None) -> Figure:
@@ -46,7 +53,7 @@ def spectrum(fit: Fit, *, joint: Fit | None = None) -> Figure:
     ax = made.subplots()
     words = _words(fit)
     low, high = (1 / (2 * np.pi * f) for f in reversed(fit.band))
-    spectrum_panel.window(ax, low, high, label=words.seen)
+    panel.shade(ax, low, high, label=words.seen)
     named = f", with 95 % intervals of {words.plateau[0]} and τ"
     label = words.fit + named if fit.parameters else words.fit
     _stems(ax, fit, CHOSEN.color, label, width=3.2)
@@ -96,21 +103,23 @@ def stiffness(
     axes = made.subplots(1, 3)
     f = _frequencies(fit, measured, unseen, mark)
     words = _words(fit)
-    names = ("storage", "loss", "loss_factor")
-    for ax, name, label in zip(axes, names, words.axes, strict=True):
+    limits = (
+        (unseen, PURPLE, "room for arms it cannot see", 0.25),
+        (parameters, BLUE, "standard errors (95 %)", 0.35),
+    )
+    for ax, name, label in zip(axes, ("storage", "loss", "loss_factor"), words.axes, strict=True):
         factor = 1.0 if name == "loss_factor" else words.scale
-        panel.identified(ax, fit.band, label=words.seen)
-        if unseen is not None:
-            panel.limits(ax, unseen.frequency, factor * getattr(unseen, name), PURPLE,
-                         label="room for arms it cannot see", alpha=0.25)  # fmt: skip
-        if parameters is not None:
-            panel.limits(ax, parameters.frequency, factor * getattr(parameters, name),
-                         BLUE, label="standard errors (95 %)", alpha=0.35)  # fmt: skip
-        curve = factor * getattr(fit.model, name)(2 * np.pi * f)
+        panel.shade(ax, *fit.band, label=words.seen)
+        for bounds, color, what, alpha in limits:
+            if bounds is not None:
+                between = factor * getattr(bounds, name)
+                panel.limits(ax, bounds.frequency, between, color, label=what, alpha=alpha)
+        curve = factor * getattr(fit.solid, name)(2 * np.pi * f)
         panel.known_and_extrapolated(ax, f, curve, CHOSEN, known=fit.band, label=words.fit)
         if joint is not None:
-            ax.plot(f, factor * getattr(joint.model, name)(2 * np.pi * f), color=JOINT.color,
-                    linestyle=JOINT.dashes, linewidth=JOINT.width, label="joint fit")  # fmt: skip
+            panel.line(
+                ax, f, factor * getattr(joint.solid, name)(2 * np.pi * f), JOINT, "joint fit"
+            )
         if measured is not None:
             _points(ax, measured, name)
         if mark is not None:
@@ -118,7 +127,9 @@ def stiffness(
                        label=f"resonance, {mark:.4g} Hz")  # fmt: skip
         ax.set_xlim(f[0], f[-1])
         if name != "storage" and curve.max() > 0:  # a spring has no loss to put on a log axis
-            _from_smallest(ax, curve)
+            # a lower limit that touches zero must not make the axis dive after it
+            top = max(ax.get_ylim()[1], 2 * float(np.max(curve)))
+            ax.set_ylim(0.5 * float(np.min(curve)), top)
             log_axis(ax, "y")
         log_axis(ax, "x")
         dress(ax, x=FREQUENCY, y=label)
@@ -144,47 +155,48 @@ def _words(fit: Fit) -> _Words:
     if fit.unit == "Pa":
         axes = ("storage modulus E′, MPa", "loss modulus E″, MPa", "loss factor E″/E′, –")
         return _Words(1e-6, "modulus E, MPa", "E∞", axes, seen, name)
-    axes = ("storage stiffness K′, N/mm", "loss stiffness K″, N/mm", "loss factor K″/K′, –")
+    axes = (LABELS["storage"], "loss stiffness K″, N/mm", LABELS["loss_factor"])
     return _Words(1e-3, "stiffness k, N/mm", "k∞", axes, seen, name)
 
 
 def _stems(ax: Axes, one: Fit, color: str, label: str, *, width: float) -> None:
-    # a dense spectrum has no intervals to draw
-    bounds = one.intervals(level=0.95) if one.parameters else {"tau": (), "k": ()}
-    scale = _words(one).scale
-    low, high = (1 / (2 * np.pi * f) for f in reversed(one.band))
-    spectrum_panel.stems(
-        ax,
-        one.model.tau,
-        tuple(scale * k for k in one.model.k),
-        color,
-        # an open end is drawn to the edge of what could matter
-        tau_range=tuple((max(a, low / 10), min(b, high * 10)) for a, b in bounds["tau"]),
-        k_range=tuple((scale * a, scale * min(b, one.model.k_0)) for a, b in bounds["k"]),
-        label=label,
-        width=width,
-    )
+    """One stem per arm, with the intervals of its stiffness and of its relaxation time."""
+    scale, tau, k_0 = _words(one).scale, one.model.tau, one.model.k_0
+    k = [scale * value for value in one.model.k]
+    ax.vlines(tau, 0.0, k, color=color, linewidth=width, label=label)
+    ax.plot(tau, k, "o", color=color, markersize=2 + width)
+    if not one.parameters:
+        return  # a dense spectrum has no intervals to draw
+    bounds = one.intervals(level=0.95)
+    window = [1 / (2 * np.pi * f) for f in reversed(one.band)]
+    # an open end is drawn to the edge of what could matter
+    ends = [
+        ((t, t), (scale * a, scale * min(b, k_0)))
+        for t, (a, b) in zip(tau, bounds["k"], strict=True)
+    ]
+    ends += [
+        ((max(a, window[0] / 10), min(b, window[1] * 10)), (height, height))
+        for height, (a, b) in zip(k, bounds["tau"], strict=True)
+    ]
+    for x, y in ends:
+        ax.plot(x, y, color=color, linewidth=3.5, alpha=0.35)
 
 
 def _frequencies(
     fit: Fit, measured: DynamicStiffness | None, unseen: StiffnessBounds | None, mark: float | None
 ) -> FloatArray:
-    low, high = fit.band[0] / 3, max(fit.band[1] * 30, 30.0)
+    tops = [fit.band[1] * 30, 30.0]
     if mark is not None:
-        high = max(high, 3 * mark)
-    if unseen is not None:
-        high = max(high, float(unseen.frequency[-1]))
-    if measured is not None:
-        high = max(high, float(measured.frequency[-1]))
-    return np.geomspace(low, high, 400)
+        tops.append(3 * mark)
+    tops += [float(one.frequency[-1]) for one in (unseen, measured) if one is not None]
+    return np.geomspace(fit.band[0] / 3, max(tops), 400)
 
 
 def _points(ax: Axes, measured: DynamicStiffness, name: str) -> None:
     """What the FRF says in thirds of an octave, where that is good, with one standard deviation."""
-    lines = dict(zip(("storage", "damping", "loss_factor"), quantities(measured), strict=True))
-    f, one = averaged(
-        measured.frequency, lines["damping" if name == "loss" else name], per_octave=3
-    )
+    lines = {one.name: one for one in quantities(measured)}
+    line = lines["damping" if name == "loss" else name]
+    f, one = averaged(measured.frequency, line, per_octave=3)
     good = (f >= one.good[0]) & (f <= one.good[1])
     factor = 2e-3 * np.pi * f if name == "loss" else np.ones(len(f))
     ax.errorbar(
@@ -200,7 +212,149 @@ def _points(ax: Axes, measured: DynamicStiffness, name: str) -> None:
     )
 
 
-def _from_smallest(ax: Axes, curve: FloatArray) -> None:
-    """Keep a log axis from diving after a lower limit that touches zero."""
-    top = ax.get_ylim()[1]
-    ax.set_ylim(0.5 * float(np.min(curve)), max(top, 2 * float(np.max(curve))))
+# -- straight from an FRF -------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class Quantity:
+    """One panel: what it shows, in the unit that is read, and the three errors of it."""
+
+    name: str
+    value: FloatArray
+    random: FloatArray
+    phase: FloatArray
+    mass: FloatArray
+    good: tuple[float, float]
+
+    @property
+    def nested(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """All errors together, those of phase and scatter, and scatter alone."""
+        inner = np.hypot(self.random, self.phase)
+        return np.hypot(inner, self.mass), inner, self.random
+
+    def of(self, solid: Solid, f: FloatArray) -> FloatArray:
+        """The same quantity as a solid has it, at `f`, Hz."""
+        omega = 2 * np.pi * f
+        if self.name == "storage":
+            return 1e-3 * solid.storage(omega)
+        return solid.loss(omega) / omega if self.name == "damping" else solid.loss_factor(omega)
+
+
+def dynamic_stiffness(
+    measured: DynamicStiffness, *, fit: Fit | None = None, joint: Fit | None = None
+) -> Figure:
+    """Stiffness, damping and loss factor of one seal, line by line, with their errors.
+
+    Shaded about the points, one standard deviation each: the scatter of the FRF, with it the
+    phase error between the channels, and with both the error of the mass. The blue background is
+    where all of them together leave a usable value.
+
+    Parameters
+    ----------
+    measured : DynamicStiffness
+    fit, joint : Fit, optional
+        Solids of one seal to hold against it.
+    """
+    made = figure(PAGE, 82)
+    axes = made.subplots(1, 3)
+    errors = (
+        (ORANGE, f"and {100 * measured.mass_sd / measured.mass:.2g} % of mass"),
+        (GREEN, f"and {np.degrees(measured.phase_sd):.2g}° of phase"),
+        ("#8f8f8f", "error (1 SD): scatter"),
+    )
+    span = _span(measured)
+    dense = np.geomspace(*span, 200)
+    for ax, line in zip(axes, quantities(measured), strict=True):
+        if np.isfinite(line.good).all():
+            panel.shade(ax, *line.good, label="usable: K′ to 10 %, c to 30 %")
+        f, one = averaged(measured.frequency, line)
+        for error, (color, label) in zip(one.nested, errors, strict=True):
+            between = np.array([one.value - error, one.value + error])
+            panel.limits(ax, f, between, color, label=label, alpha=0.4)
+        low, high = extent(measured.frequency, line.value)
+        ax.vlines(f, low, high, color=GREY, linewidth=0.7, label="range of the lines")
+        ax.plot(f, one.value, ".", color=MEASURED.color, markersize=3, label="from the FRF")
+        for found, pen, who in ((fit, CHOSEN, "relaxation fit"), (joint, JOINT, "joint fit")):
+            if found is not None:
+                panel.line(ax, dense, line.of(found.solid, dense), pen, who)
+        ax.set_xlim(*span)
+        ax.set_ylim(*_view(one, f))
+        log_axis(ax, "x")
+        dress(ax, x=FREQUENCY, y=LABELS[line.name])
+    legend_above(made, axes[0], columns=4)
+    return made
+
+
+def quantities(measured: DynamicStiffness) -> tuple[Quantity, Quantity, Quantity]:
+    """Storage stiffness, damping and loss factor with their errors."""
+    m, omega = measured, 2 * np.pi * measured.frequency
+    none = np.zeros(len(omega))
+
+    def of_factor(loss: FloatArray, storage: FloatArray) -> FloatArray:
+        return np.asarray(np.abs(m.loss_factor) * np.hypot(loss / m.loss, storage / m.storage))
+
+    return (
+        Quantity("storage", 1e-3 * m.storage, 1e-3 * m.storage_random, 1e-3 * m.storage_phase,
+                 1e-3 * m.storage_mass, m.storage_band),
+        Quantity("damping", m.damping, m.loss_random / omega, m.loss_phase / omega, none,
+                 m.loss_band),
+        Quantity("loss_factor", m.loss_factor, of_factor(m.loss_random, m.storage_random),
+                 of_factor(m.loss_phase, m.storage_phase), of_factor(none, m.storage_mass),
+                 m.loss_band),
+    )  # fmt: skip
+
+
+def averaged(f: FloatArray, line: Quantity, *, per_octave: int = 12) -> tuple[FloatArray, Quantity]:
+    """The mean over every part of an octave, lines weighted by their scatter.
+
+    Scatter shrinks with the number of lines; the errors of phase and mass, alike in all, stay.
+    """
+    starts = _bins(f, per_octave)
+    weight = 1 / line.random**2 if (line.random > 0).all() else np.ones(len(f))
+    total = np.add.reduceat(weight, starts)
+
+    def mean(values: FloatArray) -> FloatArray:
+        return np.asarray(np.add.reduceat(weight * values, starts) / total)
+
+    scatter = np.sqrt(np.add.reduceat((weight * line.random) ** 2, starts)) / total
+    return mean(f), Quantity(
+        line.name, mean(line.value), scatter, mean(line.phase), mean(line.mass), line.good
+    )
+
+
+def extent(
+    f: FloatArray, value: FloatArray, *, per_octave: int = 12
+) -> tuple[FloatArray, FloatArray]:
+    """The lowest and the highest line in every part of an octave."""
+    starts = _bins(f, per_octave)
+    return np.minimum.reduceat(value, starts), np.maximum.reduceat(value, starts)
+
+
+def _bins(f: FloatArray, per_octave: int) -> IndexArray:
+    """Where every part of an octave begins, empty ones left out."""
+    number = np.floor(per_octave * np.log2(f / f[0]))
+    return np.flatnonzero(np.concatenate(([True], np.diff(number) > 0)))
+
+
+def _span(measured: DynamicStiffness) -> tuple[float, float]:
+    """The usable band and a little more; all lines if none is usable."""
+    f = measured.frequency
+    low, high = measured.storage_band
+    if not np.isfinite(low):
+        return float(f[0]), float(f[-1])
+    return max(low / 1.3, float(f[0])), min(high * 1.3, float(f[-1]))
+
+
+def _view(one: Quantity, f: FloatArray) -> tuple[float, float]:
+    """Limits that show the usable part with its errors, not the excesses beside it."""
+    usable = (f >= one.good[0]) & (f <= one.good[1])
+    near = usable if usable.any() else np.ones(len(f), dtype=bool)
+    error = one.nested[0]
+    low = float(np.min((one.value - error)[near]))
+    high = float(np.max((one.value + error)[near]))
+    if one.name != "storage" and not one.good[1] > 2 * one.good[0]:
+        # a lightly damped part is usable at its peak only: leave room for what is not
+        middle = float(np.median(one.value[near]))
+        low, high = min(low, -0.5 * abs(middle)), max(high, middle + 1.5 * abs(middle))
+    margin = 0.1 * (high - low)
+    return low - margin, high + margin

@@ -29,9 +29,10 @@ COLUMN, PAGE = 88.0, 180.0
 """Widths of one and of two columns of a journal, mm."""
 
 SMALL, NORMAL = 7.0, 7.5
-#: a log axis wider than this has room for few numbers, and plain ones are short in these limits
-WIDE, PLAIN = 1e6, (1e-4, 1e5)
 """Sizes of tick labels and legends, and of axis labels, points."""
+
+# a log axis wider than this has room for few numbers, and plain ones are short in these limits
+WIDE, PLAIN = 1e6, (1e-4, 1e5)
 
 BLACK, GREY, PALE = "#000000", "#767676", "#d9d9d9"
 ORANGE, SKY, GREEN, YELLOW = "#E69F00", "#56B4E9", "#009E73", "#F0E442"
@@ -106,48 +107,47 @@ def plain(text: str) -> str:
     return "".join(known).replace("$", r"\$")
 
 
-def dress(ax: Axes, *, x: str = "", y: str = "", title: str = "") -> Axes:
-    """Give the axes their labels, quiet spines and a pale grid."""
-    ax.set_xlabel(x, fontsize=NORMAL)
-    ax.set_ylabel(y, fontsize=NORMAL)
+def label_axes(ax: Axes, *, x: str = "", y: str = "", title: str = "") -> None:
+    """Name what the axes show, as far as it is given."""
+    if x:
+        ax.set_xlabel(x, fontsize=NORMAL)
+    if y:
+        ax.set_ylabel(y, fontsize=NORMAL)
     if title:
         ax.set_title(title, fontsize=NORMAL, loc="left", fontweight="bold")
+
+
+def dress(ax: Axes, *, x: str = "", y: str = "", title: str = "") -> None:
+    """Give the axes their labels, quiet spines and a pale grid."""
+    label_axes(ax, x=x, y=y, title=title)
     ax.tick_params(which="both", labelsize=SMALL, color=GREY, direction="out")
     ax.tick_params(which="major", length=3.0, width=0.6)
     ax.tick_params(which="minor", length=1.6, width=0.4)
     for spine in ax.spines.values():
-        spine.set_linewidth(0.6)
-        spine.set_color(GREY)
+        spine.set(linewidth=0.6, color=GREY)
     ax.grid(visible=True, which="major", linewidth=0.4, color="#e6e6e6")
     ax.set_axisbelow(True)
-    return ax
 
 
 def log_axis(ax: Axes, which: Which) -> None:
     """Make an axis logarithmic with plain numbers on it; a very wide one has powers of ten."""
     from matplotlib.ticker import FuncFormatter, LogFormatterMathtext, LogLocator, NullFormatter
 
-    if which == "x":
-        ax.set_xscale("log")
-    else:
-        ax.set_yscale("log")
-    axis: Axis = ax.xaxis if which == "x" else ax.yaxis
-    low, high = sorted(ax.get_xlim() if which == "x" else ax.get_ylim())
+    getattr(ax, f"set_{which}scale")("log")
+    axis: Axis = getattr(ax, f"{which}axis")
+    low, high = sorted(getattr(ax, f"get_{which}lim")())
     ratio = high / low if low > 0 else 1e3
+    wide = ratio > WIDE
+    plain = not wide or (PLAIN[0] <= low and high <= PLAIN[1])
     subs = (1.0,) if ratio > 200 else (1.0, 2.0, 5.0) if ratio > 8 else (1, 1.5, 2, 3, 5, 7)
     axis.set_minor_formatter(NullFormatter())
-    plain = PLAIN[0] <= low and high <= PLAIN[1]
     axis.set_major_formatter(
-        FuncFormatter(lambda value, _: f"{value:g}")
-        if plain or ratio <= WIDE
-        else LogFormatterMathtext()
+        FuncFormatter(lambda value, _: f"{value:g}") if plain else LogFormatterMathtext()
     )
-    if ratio > WIDE:
-        axis.set_major_locator(LogLocator(base=10, numticks=6))
-        axis.set_minor_locator(LogLocator(base=10, numticks=50))
-        return
-    axis.set_major_locator(LogLocator(base=10, subs=subs, numticks=15))
-    axis.set_minor_locator(LogLocator(base=10, subs=range(1, 10), numticks=100))
+    axis.set_major_locator(LogLocator(base=10, subs=subs, numticks=6 if wide else 15))
+    axis.set_minor_locator(
+        LogLocator(base=10, subs=(1.0,) if wide else range(1, 10), numticks=50 if wide else 100)
+    )
 
 
 def legend(ax: Axes, *, loc: Corner = "best") -> None:
@@ -183,8 +183,7 @@ def right_axis(
     right = ax.secondary_yaxis("right", functions=(to, back))
     right.set_ylabel(label, fontsize=SMALL)
     right.tick_params(labelsize=SMALL, color=GREY, length=3.0, width=0.6)
-    right.spines["right"].set_linewidth(0.6)
-    right.spines["right"].set_color(GREY)
+    right.spines["right"].set(linewidth=0.6, color=GREY)
     return right
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
-from dashpot.plot.panels import frequency as panel
+from dashpot.plot import panels as panel
 from dashpot.plot.style import (
     BLUE,
     CHOSEN,
@@ -16,7 +17,6 @@ from dashpot.plot.style import (
     GREY,
     JOINT,
     MEASURED,
-    NORMAL,
     OTHERS,
     PAGE,
     PURPLE,
@@ -24,6 +24,7 @@ from dashpot.plot.style import (
     Pen,
     dress,
     figure,
+    label_axes,
     legend,
     legend_above,
     log_axis,
@@ -39,6 +40,16 @@ if TYPE_CHECKING:
 
 FREQUENCY = "frequency, Hz"
 PENS = (MEASURED, CHOSEN, JOINT, *OTHERS)
+
+
+class Curve(NamedTuple):
+    """An FRF as it is drawn, and the frequency and height of its peak where that is named."""
+
+    frf: FRF
+    label: str
+    pen: Pen
+    peak: tuple[float, float] | None = None
+
 
 # what people read: the unit, its size in SI, and the reference of its decibels
 SHOWN = {
@@ -65,13 +76,8 @@ def frf(
     band : FRFBand, optional
         Between which limits a relaxation test predicts; drawn over an accelerance.
     """
-    same = [measured, *(other.to(measured.kind) for other in others)]
-    names = _names(labels, len(same))
-    pens = [PENS[i % len(PENS)] for i in range(len(same))]
-    return _bode(
-        list(zip(same, names, pens, strict=True)),
-        band if measured.kind is Kind.ACCELERANCE else None,
-    )
+    curves = _same_kind(measured, others, labels)
+    return _bode(curves, band if measured.kind is Kind.ACCELERANCE else None)
 
 
 def comparison(
@@ -88,29 +94,23 @@ def comparison(
     band : FRFBand, optional
         Between which limits the relaxation test predicts.
     """
-    made = _bode(curves_of(comparison, joint), band)
-    mark_peaks(made.axes[0], comparison, joint)
+    curves = curves_of(comparison, joint)
+    made = _bode(curves, band)
+    mark_peaks(made.axes[0], curves)
     return made
 
 
-def curves_of(comparison: Comparison, joint: Comparison | None) -> list[tuple[FRF, str, Pen]]:
-    """The curves of a comparison, measured first."""
+def curves_of(comparison: Comparison, joint: Comparison | None) -> list[Curve]:
+    """The curves of a comparison with their peaks, measured first."""
+    c = comparison
     curves = [
-        (comparison.measured, "measured", MEASURED),
-        (comparison.predicted, "predicted from relaxation", CHOSEN),
+        Curve(c.measured, "measured", MEASURED, (c.measured_hz, c.measured_peak)),
+        Curve(c.predicted, "predicted from relaxation", CHOSEN, (c.predicted_hz, c.predicted_peak)),
     ]
     if joint is not None:
-        curves.append((joint.predicted, "joint fit", JOINT))
+        peak = (joint.predicted_hz, joint.predicted_peak)
+        curves.append(Curve(joint.predicted, "joint fit", JOINT, peak))
     return curves
-
-
-def peaks_of(comparison: Comparison, joint: Comparison | None) -> list[tuple[float, float]]:
-    """Frequency and height of the peak of each of these curves."""
-    c = comparison
-    peaks = [(c.measured_hz, c.measured_peak), (c.predicted_hz, c.predicted_peak)]
-    if joint is not None:
-        peaks.append((joint.predicted_hz, joint.predicted_peak))
-    return peaks
 
 
 def nyquist(measured: FRF, *others: FRF, labels: Sequence[str] = ()) -> Figure:
@@ -118,15 +118,14 @@ def nyquist(measured: FRF, *others: FRF, labels: Sequence[str] = ()) -> Figure:
     unit, scale, _ = SHOWN[measured.kind]
     made = figure(COLUMN, 84)
     ax = made.subplots()
-    same = [measured, *(other.to(measured.kind) for other in others)]
-    names = _names(labels, len(same))
-    for one, name, pen in zip(same, names, PENS, strict=False):
+    for one, name, pen, _ in _same_kind(measured, others, labels):
         f, value = smooth(one)
         value = scale * value
         marks = panel.half_power(value)
         ends = " and ".join(f"{f[i]:.2f}" for i in marks)
         label = f"{name} (○ {ends} Hz)" if name and ends else name
-        panel.nyquist(ax, value, pen, label=label, markers=one.averages > 0)
+        dots = {"linestyle": "none", "marker": "."} if one.averages > 0 else {}
+        panel.line(ax, value.real, value.imag, pen, label, markersize=2.5, **dots)
         ax.plot(value[marks].real, value[marks].imag, "o", markerfacecolor="none", markersize=6,
                 markeredgecolor=pen.color, markeredgewidth=0.9)  # fmt: skip
     ax.axhline(0, color=GREY, linewidth=0.5)
@@ -139,28 +138,31 @@ def nyquist(measured: FRF, *others: FRF, labels: Sequence[str] = ()) -> Figure:
     return made
 
 
-def draw_magnitude(
-    ax: Axes, curves: Sequence[tuple[FRF, str, Pen]], *, around: float | None = None
-) -> None:
+def draw_magnitude(ax: Axes, curves: Sequence[Curve], *, around: float | None = None) -> None:
     """Magnitudes of FRFs of one kind, log-log, with decibels on the right.
 
     All lines are shown, or an octave and a bit to either side of the frequency `around`.
     """
     if around is not None:
         near = (around / 2.4, around * 2.4)
-        curves = [(one.band(*near), label, pen) for one, label, pen in curves]
-    unit, scale, reference = SHOWN[curves[0][0].kind]
-    for one, label, pen in curves:
+        curves = [one._replace(frf=one.frf.band(*near)) for one in curves]
+    first = curves[0].frf
+    unit, scale, reference = SHOWN[first.kind]
+    sizes = []
+    for one, label, pen, _ in curves:
         if one.sd is not None:
             panel.band(ax, one.frequency, scale * one.value, scale * one.sd, pen)
         f, value = smooth(one)
-        panel.magnitude(ax, f, scale * value, pen, label=label)
-    first = curves[0][0].frequency
-    ax.set_xlim(max(first[0], 1e-3 * first[-1]), first[-1])
-    ax.set_ylim(*_decent(np.concatenate([scale * np.abs(smooth(one)[1]) for one, _, _ in curves])))
+        sizes.append(scale * np.abs(value))
+        panel.line(ax, f, sizes[-1], pen, label)
+    ax.set_xlim(max(first.frequency[0], 1e-3 * first.frequency[-1]), first.frequency[-1])
+    size = np.concatenate(sizes)
+    # a few vanishing lines cannot stretch the axis
+    low = max(float(np.percentile(size, 1)), 1e-4 * float(np.max(size)))
+    ax.set_ylim(0.6 * low, 2.0 * float(np.max(size)))
     log_axis(ax, "x")
     log_axis(ax, "y")
-    dress(ax, y=f"{curves[0][0].kind.value.replace('_', ' ')}, {unit}")
+    dress(ax, y=f"{first.kind.value.replace('_', ' ')}, {unit}")
     panel.decibels(ax, reference)
 
 
@@ -177,10 +179,10 @@ def draw_band(ax: Axes, band: FRFBounds, *, parameters: bool = True) -> None:
     ax.set_ylim(low, high)
 
 
-def draw_phase(ax: Axes, curves: Sequence[tuple[FRF, str, Pen]], *, spread: bool = True) -> None:
+def draw_phase(ax: Axes, curves: Sequence[Curve], *, spread: bool = True) -> None:
     """Phases of FRFs, on the part of the circle that they use."""
-    lowest = panel.phase_axis(ax, np.concatenate([one.value for one, _, _ in curves]))
-    for one, _, pen in curves:
+    lowest = panel.phase_axis(ax, np.concatenate([one.frf.value for one in curves]))
+    for one, _, pen, _ in curves:
         if one.sd is not None and spread:
             panel.phase(ax, one.frequency, one.value, pen, lowest=lowest, sd=one.sd)
         else:
@@ -209,11 +211,13 @@ def smooth(one: FRF) -> tuple[FloatArray, ComplexArray]:
     return np.interp(place, lines, one.frequency), np.asarray(1 / (real + 1j * imag))
 
 
-def mark_peaks(ax: Axes, comparison: Comparison, joint: Comparison | None) -> None:
+def mark_peaks(ax: Axes, curves: Sequence[Curve]) -> None:
     """A dot at the peak of every curve, its frequency and height in the corner."""
-    peaks = zip(peaks_of(comparison, joint), (MEASURED, CHOSEN, JOINT), strict=False)
-    for i, ((hz, height), pen) in enumerate(peaks):
-        text = f"{hz:.2f} Hz, {three_digits(height)} (m/s²)/N"
+    peaks = [(*one.peak, one.pen) for one in curves if one.peak is not None]
+    for i, (hz, height, pen) in enumerate(peaks):
+        # at least three digits, never an exponent: 1084, 155, 15.5
+        digits = f"{height:.0f}" if abs(height) >= 100 else f"{height:.3g}"
+        text = f"{hz:.2f} Hz, {digits} (m/s²)/N"
         ax.plot([hz], [height], "o", markersize=3.5, color=pen.color, zorder=7)
         ax.annotate(
             text, (0.985, 0.97), xycoords="axes fraction",
@@ -222,17 +226,19 @@ def mark_peaks(ax: Axes, comparison: Comparison, joint: Comparison | None) -> No
         )  # fmt: skip
 
 
-def three_digits(value: float) -> str:
-    """At least three digits, never an exponent: 1084, 155, 15.5."""
-    return f"{value:.0f}" if abs(value) >= 100 else f"{value:.3g}"
+def _same_kind(measured: FRF, others: Sequence[FRF], labels: Sequence[str]) -> list[Curve]:
+    """Curves of FRFs of the first one's kind, labelled as far as labels go."""
+    same = [measured, *(other.to(measured.kind) for other in others)]
+    return [
+        Curve(one, plain(label), pen)
+        for one, label, pen in zip(
+            same, itertools.chain(labels, itertools.repeat("")), itertools.cycle(PENS)
+        )
+    ]
 
 
-def _names(labels: Sequence[str], count: int) -> list[str]:
-    return [plain(label) for label in labels] + [""] * (count - len(labels))
-
-
-def _bode(curves: Sequence[tuple[FRF, str, Pen]], band: FRFBounds | None) -> Figure:
-    measured = curves[0][0]
+def _bode(curves: Sequence[Curve], band: FRFBounds | None) -> Figure:
+    measured = curves[0].frf
     strip = measured.coherence is not None
     rows = 3 if strip else 2
     made = figure(PAGE, 118 if strip else 100)
@@ -245,12 +251,6 @@ def _bode(curves: Sequence[tuple[FRF, str, Pen]], band: FRFBounds | None) -> Fig
     if measured.coherence is not None:
         panel.coherence(axes[2], measured.frequency, measured.coherence, MEASURED)
         dress(axes[2], y="coherence, –")
-    axes[-1].set_xlabel(FREQUENCY, fontsize=NORMAL)
+    label_axes(axes[-1], x=FREQUENCY)
     made.align_ylabels(list(axes))
     return made
-
-
-def _decent(size: FloatArray) -> tuple[float, float]:
-    """Limits of a log axis that a few vanishing lines cannot stretch."""
-    low = max(float(np.percentile(size, 1)), 1e-4 * float(np.max(size)))
-    return 0.6 * low, 2.0 * float(np.max(size))

@@ -1,1 +1,0 @@
-"""Arrays to Axes: one panel each, knowing no result."""
