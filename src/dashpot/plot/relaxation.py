@@ -149,7 +149,7 @@ def draw_fits(
     data = trace(prepared.time - prepared.onset, prepared.force, DATA, "measured")
     for one in shown:
         arms = one.fit.model.arms
-        trace(one.time, one.force, one.pen, f"{arms_in_words(arms)} (N = {arms})")
+        trace(one.time, one.force, one.pen, f"{counted(arms, 'Maxwell arm')} (N = {arms})")
     panel.segments(ax, _bounds(prepared))
     ax.set_xlim(start, end)
     ax.set_ylim(*panel.outer_limits(data))
@@ -217,14 +217,14 @@ def _at_depth(one: Fit, depth: float) -> Solid:
     return GeneralizedMaxwell(max(near.k_inf, 0.0), k, tau)
 
 
-def arms_in_words(arms: int) -> str:
-    """What a sentence calls that many arms.
+def counted(number: int, what: str) -> str:
+    """So many of a thing, as a sentence says it.
 
-    >>> arms_in_words(1), arms_in_words(4), arms_in_words(9)
-    ('one Maxwell arm', 'four Maxwell arms', '9 Maxwell arms')
+    >>> counted(1, "arm"), counted(4, "Maxwell arm"), counted(9, "arm")
+    ('one arm', 'four Maxwell arms', '9 arms')
     """
     words = ("no", "one", "two", "three", "four", "five", "six")
-    return f"{words[arms] if arms < len(words) else arms} Maxwell arm{'' if arms == 1 else 's'}"
+    return f"{words[number] if number < len(words) else number} {what}{'' if number == 1 else 's'}"
 
 
 def _bounds(prepared: RampHold) -> tuple[float, float, float]:

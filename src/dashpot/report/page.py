@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
+import base64
 import platform
 from importlib import metadata
-from typing import Any
+from typing import Any, NamedTuple
 
 from dashpot.base import numbers
-from dashpot.report import relaxation as bench
-from dashpot.report import summary as words
-from dashpot.report import vibration as hammer
-from dashpot.report.attachments import attachments
+from dashpot.base.provenance import Step
+from dashpot.report import summary, tables
 from dashpot.report.pictures import pictures
-from dashpot.report.tables import checks, halves
+from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.workflow.study import Study
 
 
@@ -42,64 +41,52 @@ def html(study: Study) -> str:
         lstrip_blocks=True,
     )
     environment.filters.update(
-        words=numbers.words, readable=numbers.readable, shorter=numbers.shorter
+        words=numbers.words,
+        readable=numbers.readable,
+        shorter=numbers.shorter,
+        rounded=numbers.rounded,
+        hertz=numbers.hertz,
     )
     return environment.get_template("report.html").render(_contents(study))
 
 
 def _contents(study: Study) -> dict[str, Any]:
-    found = checks(words.stages(study))
-    c = study.comparison
+    length = study.prepared.specimen.length
     return {
         "study": study,
-        "title": words.title(study),
-        "verdict": words.sentences(study),
-        "simulated": words.simulated(study),
-        "straight": words.straight(study),
-        "inferred": words.inferred_mass(study),
-        "failed": sum(mark == "bad" for mark in found.marks),
-        "checks": found,
+        "title": summary.title(study),
+        "verdict": summary.sentences(study),
+        "simulated": summary.simulated(study),
+        "straight": summary.straight(study),
+        "inferred": summary.inferred_mass(study),
+        "checks": tables.checks(summary.stages(study)),
         "pictures": pictures(study),
-        "key": bench.key_numbers(study),
-        "peaks": hammer.peaks(study),
-        "facts": halves(bench.test_facts(study.prepared)),
-        "coefficients": bench.coefficients(study.fit, study.prepared.specimen.length),
-        "orders": bench.orders(study),
-        "routes": None if study.hold_fit is None else bench.two_routes(study.fit, study.hold_fit),
-        "nuisances": bench.nuisances(study.fit),
-        "frequency": bench.in_frequency(
-            study.fit, study.unseen, None if c is None else c.measured_hz
-        ),
-        "arms": None if c is None else hammer.arms_tested(c),
-        "resonance": hammer.resonance(study),
-        "hits": None if study.measured is None else hammer.hits(study.measured),
-        "moved": None if study.joint is None else hammer.moved(study.joint),
-        "joint_coefficients": None
-        if study.joint is None
-        else bench.coefficients(study.joint, study.prepared.specimen.length),
-        "joint_arms": None
-        if study.joint_comparison is None
-        else hammer.arms_tested(study.joint_comparison),
-        "joint_nuisances": None if study.joint is None else bench.nuisances(study.joint),
-        "sources": words.sources(study),
+        "key": tables.key_numbers(study),
+        "peaks": tables.peaks(study),
+        "facts": tables.halves(tables.test_facts(study.prepared)),
+        "coefficients": tables.coefficients(study.fit, length),
+        "orders": tables.orders(study),
+        "routes": tables.two_routes(study),
+        "nuisances": tables.nuisances(study.fit),
+        "frequency": tables.in_frequency(study),
+        "arms": tables.arms_tested(study.comparison),
+        "resonance": tables.resonance(study),
+        "hits": tables.hits(study.measured),
+        "moved": tables.moved(study.joint),
+        "joint_coefficients": tables.coefficients(study.joint, length),
+        "joint_arms": tables.arms_tested(study.joint_comparison),
+        "joint_nuisances": tables.nuisances(study.joint),
+        "sources": summary.sources(study),
         "steps": _steps(study),
         "attachments": attachments(study),
         "versions": versions(),
-        "identity": study.fit.identity,
-        "joint_identity": "" if study.joint is None else study.joint.identity,
-        "band": numbers.hertz(study.fit.band),
-        "mass": None if study.mass is None else numbers.rounded(1e3 * study.mass, digits=4),
-        "rms": numbers.rounded(1e3 * study.fit.residual.rms),
-        "kappa": numbers.rounded(study.fit.residual.kappa),
-        "watson": numbers.rounded(study.fit.residual.durbin_watson),
     }
 
 
-def _steps(study: Study) -> list[Any]:
+def _steps(study: Study) -> list[Step]:
     """Every step since the raw files, each once, in order."""
     groups = [study.fit.steps or study.prepared.steps]
-    for later in (study.measured, study.joint):
-        groups.append(() if later is None else later.steps)
+    groups += [later.steps for later in (study.measured, study.joint) if later is not None]
     return list(dict.fromkeys(step for steps in groups for step in steps))
 
 
@@ -109,3 +96,55 @@ def versions() -> tuple[tuple[str, str], ...]:
         *((name, metadata.version(name)) for name in ("dashpot", "numpy", "scipy", "matplotlib")),
         ("Python", platform.python_version()),
     )
+
+
+# -- the numbers behind the page, to be saved from it ---------------------------------------------
+
+
+class Attachment(NamedTuple):
+    """A file inside the page.
+
+    Attributes
+    ----------
+    name : str
+        What it is saved as.
+    about : str
+        What is in it.
+    link : str
+        Its bytes as a data URI: no server, a link that holds its file.
+    """
+
+    name: str
+    about: str
+    link: str
+
+
+def attachments(study: Study) -> tuple[Attachment, ...]:
+    """The fits in full precision, and the lines of the FRFs if there are any."""
+    from dashpot.workflow.archive import to_json
+
+    json, csv = "application/json", "text/csv"
+    files = [("fit.json", "the fit, SI units, full precision", json, to_json(study.fit))]
+    if study.joint is not None:
+        files.append(("joint.json", "the joint fit", json, to_json(study.joint)))
+    if study.comparison is not None:
+        lines = _lines(study.comparison, study.joint_comparison)
+        files.append(("frf.csv", "measured and predicted accelerance", csv, lines))
+    return tuple(
+        Attachment(name, about, f"data:{kind};base64,{base64.b64encode(text.encode()).decode()}")
+        for name, about, kind, text in files
+    )
+
+
+def _lines(c: Comparison, joint: Comparison | None) -> str:
+    curves = {"measured": c.measured, "predicted": c.predicted}
+    if joint is not None and len(joint.predicted.frequency) == len(c.measured.frequency):
+        curves["joint"] = joint.predicted
+    columns = {"frequency [Hz]": c.measured.frequency}
+    for name, frf in curves.items():
+        columns[f"{name} real [(m/s^2)/N]"] = frf.value.real
+        columns[f"{name} imaginary [(m/s^2)/N]"] = frf.value.imag
+    if c.measured.coherence is not None:
+        columns["coherence [1]"] = c.measured.coherence
+    rows = (",".join(f"{v:.7g}" for v in row) for row in zip(*columns.values(), strict=True))
+    return "\n".join((",".join(columns), *rows, ""))

@@ -7,10 +7,12 @@ import math
 from dashpot.base.checks import Check
 from dashpot.base.numbers import hertz, readable, rounded
 from dashpot.base.provenance import Source
-from dashpot.records.fit import Status
+from dashpot.plot.relaxation import counted
+from dashpot.records.fit import Fit, Status
+from dashpot.records.frf import FRF
+from dashpot.vibration.comparison.comparison import Comparison
+from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness
 from dashpot.workflow.study import Study
-
-COUNT = {0: "no", 1: "one", 2: "two", 3: "three", 4: "four", 5: "five", 6: "six"}
 
 
 def title(study: Study) -> str:
@@ -30,12 +32,10 @@ def sentences(study: Study) -> tuple[str, ...]:
 
 def _solid(study: Study) -> str:
     fit = study.fit
-    arms = COUNT.get(fit.model.arms, str(fit.model.arms))
-    plural = "" if fit.model.arms == 1 else "s"
     return (
-        f"One seal behaves as a spring of {rounded(1e-3 * fit.model.k_inf)} N/mm with {arms} "
-        f"Maxwell arm{plural}, {rounded(1e-3 * fit.model.k_0)} N/mm at once; the relaxation test "
-        f"tells its stiffness and damping from {hertz(fit.band)}."
+        f"One seal behaves as a spring of {rounded(1e-3 * fit.model.k_inf)} N/mm with "
+        f"{counted(fit.model.arms, 'Maxwell arm')}, {rounded(1e-3 * fit.model.k_0)} N/mm at once; "
+        f"the relaxation test tells its stiffness and damping from {hertz(fit.band)}."
     )
 
 
@@ -63,10 +63,8 @@ def _joint(study: Study) -> str:
     joint, after = study.joint, study.joint_comparison
     if joint is None or after is None:
         return ""
-    count = joint.model.arms
-    arms = f"{COUNT.get(count, str(count))} arm{'' if count == 1 else 's'}"
     return (
-        f"Fitted to both tests at once, a solid of {arms} "
+        f"Fitted to both tests at once, a solid of {counted(joint.model.arms, 'arm')} "
         f"meets the hammer within {max(100 * abs(after.frequency_error), 0.01):.2f} % in frequency "
         f"and {max(abs(after.ratio_db), 0.1):.1f} dB at the peak."
     )
@@ -119,16 +117,16 @@ def sources(study: Study) -> tuple[Source, ...]:
 def stages(study: Study) -> list[tuple[str, tuple[Check, ...]]]:
     """The checks of every stage, in the order of the work."""
     of_fit = tuple(check for check in study.fit.checks if check not in study.prepared.checks)
-    groups = [("relaxation", study.prepared.checks), ("fit", of_fit)]
-    if study.measured is not None:
-        groups.append(("hammer", study.measured.checks))
-    if study.direct is not None:
-        groups.append(("FRF", study.direct.checks))
-    if study.comparison is not None:
-        groups.append(("comparison", study.comparison.checks))
-    if study.joint is not None:
-        groups.append(("joint fit", study.joint.checks))
-    if study.joint_comparison is not None:
-        groups.append(("after joint fit", study.joint_comparison.checks))
-    groups.append(("story", study.checks))
-    return groups
+    later: dict[str, FRF | DynamicStiffness | Comparison | Fit | Study | None] = {
+        "hammer": study.measured,
+        "FRF": study.direct,
+        "comparison": study.comparison,
+        "joint fit": study.joint,
+        "after joint fit": study.joint_comparison,
+        "story": study,
+    }
+    return [
+        ("relaxation", study.prepared.checks),
+        ("fit", of_fit),
+        *((stage, found.checks) for stage, found in later.items() if found is not None),
+    ]

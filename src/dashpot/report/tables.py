@@ -1,12 +1,44 @@
-"""A table of the report: cells as text."""
+"""The tables of the report: cells as text, in the units that people read."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
-from dashpot.base.numbers import readable, words
+from dashpot.base.errors import DashpotError
+from dashpot.base.numbers import (
+    decibels,
+    duration,
+    hertz,
+    interval,
+    percent,
+    readable,
+    rounded,
+    symbol,
+    with_error,
+    words,
+)
+from dashpot.records.bounds import StiffnessBounds
+from dashpot.records.fit import Fit, Moved
+from dashpot.records.frf import FRF
+from dashpot.records.relaxation import RampHold
+from dashpot.vibration.comparison.comparison import Comparison
+from dashpot.vibration.modal.modes import model_modes
+from dashpot.workflow.study import Study
+
+VALUE = ("", "value ± standard error", "unit")
+
+# the unit that people read, and its size in the SI unit before it
+READ = {"N/m": ("N/mm", 1e-3), "N s/m": ("N·s/mm", 1e-3)}
+READ_OF_NUISANCE = {
+    "N": ("mN", 1e3), "N/s": ("mN/s", 1e3), "kg": ("g", 1e3), "s": ("ms", 1e3), "1": ("–", 1.0),
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -16,7 +48,6 @@ class Table:
     head: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     marks: tuple[str, ...] = ()
-    caption: str = ""
 
     def mark(self, row: int) -> str:
         """The style of a row."""
@@ -42,3 +73,347 @@ def checks(groups: Sequence[tuple[str, Sequence[Check]]]) -> Table:
     )
     marks = tuple("good" if check.passed else "bad" for _, check in ordered)
     return Table(("", "stage", "question", "answer"), rows, marks)
+
+
+# -- the relaxation test and its fits -------------------------------------------------------------
+
+
+class _Parameter(NamedTuple):
+    """One parameter of a solid in the unit that is read."""
+
+    name: str
+    value: float
+    error: float
+    ends: tuple[float, float]
+    unit: str
+
+
+def _parameters(fit: Fit) -> Iterator[_Parameter]:
+    """k∞, then the stiffness, the dashpot and the relaxation time of every arm."""
+    model, error, between = fit.model, fit.standard_error, fit.intervals(level=0.95)
+    groups = (
+        ("k", "N/m", model.k, error["k"], between["k"]),
+        ("b", "N s/m", model.arm_b, error["b"], between["b"]),
+        ("tau", "s", model.tau, error["tau"], between["tau"]),
+    )
+    every = [("k_inf", "N/m", model.k_inf, error["k_inf"], between["k_inf"])]
+    for name, unit, *columns in groups:
+        for j, (value, se, ends) in enumerate(zip(*columns, strict=True), start=1):
+            every.append((f"{name}_{j}", unit, value, se, ends))
+    for name, si, value, se, (low, high) in every:
+        unit, f = READ.get(si, (si, 1.0))
+        yield _Parameter(symbol(name), f * value, f * se, (f * low, f * high), unit)
+
+
+def key_numbers(study: Study) -> Table:
+    """The numbers a reader came for."""
+    fit, comparison, unseen = study.fit, study.comparison, study.unseen
+    k_inf, *others = _parameters(fit)
+    rows = [
+        ("stiffness at rest, k∞, one seal", with_error(k_inf.value, k_inf.error), "N/mm"),
+        ("stiffness at once, k₀, one seal", rounded(1e-3 * fit.model.k_0), "N/mm"),
+        *(
+            (f"relaxation time {one.name}", with_error(one.value, one.error), "s")
+            for one in others
+            if one.unit == "s"
+        ),
+        ("what the relaxation test can tell", hertz(fit.band).removesuffix(" Hz"), "Hz"),
+    ]
+    if comparison is not None:
+        f = comparison.measured_hz
+        factor = f / fit.band[1]
+        far = f" (extrapolated ×{rounded(factor, digits=2)})" if factor > 1 else ""
+        eta = rounded(float(fit.solid.loss_factor(2 * np.pi * f)))
+        if unseen is not None:
+            eta += f", left open {_range_at(unseen, unseen.loss_factor, f)}"
+        rows.append((f"loss factor at {rounded(f)} Hz{far}", eta, "–"))
+    elif study.prediction is not None and study.mass is not None:
+        peak = int(np.argmax(np.abs(study.prediction.value)))
+        rows.append(("predicted peak", rounded(study.prediction.frequency[peak], digits=4), "Hz"))
+    return Table(VALUE, tuple(rows))
+
+
+def test_facts(prepared: RampHold) -> Table:
+    """What was done to the seal."""
+    steps = np.diff(prepared.time)
+    rate = 1 / float(np.median(steps))
+    even = float(np.ptp(steps)) < 0.01 / rate
+    specimen = prepared.specimen
+    rows = [
+        ("compression", rounded(1e3 * prepared.depth, digits=4), "mm"),
+        ("ramp", rounded(prepared.ramp_time), "s"),
+        ("speed", rounded(1e3 * prepared.depth / prepared.ramp_time), "mm/s"),
+        ("hold", rounded(prepared.hold_time), "s"),
+        ("samples", f"{len(prepared.time)}", ""),
+        ("sampling" if even else "sampling, uneven, median", rounded(rate), "Hz"),
+        ("force noise (standard deviation)", rounded(1e3 * prepared.force_noise, digits=2), "mN"),
+    ]
+    if prepared.preload:
+        rows.append(("preload at the first sample", rounded(prepared.preload), "N"))
+    if specimen.length:
+        rows.append(("length under the plate", rounded(1e3 * specimen.length, digits=4), "mm"))
+    if specimen.height:
+        strain = prepared.depth / specimen.height
+        rows.append(("free height", rounded(1e3 * specimen.height, digits=4), "mm"))
+        rows.append(("compression / height", rounded(100 * strain, digits=2), "%"))
+    if specimen.temperature:
+        rows.append(("temperature", f"{specimen.temperature - 273.15:.1f}", "°C"))
+    return Table(("", "value", "unit"), tuple(rows))
+
+
+def coefficients(fit: Fit | None, length: float | None) -> Table | None:
+    """Table 1 of the paper, with intervals, and per 100 mm of seal if the length is known."""
+    if fit is None:
+        return None
+    rows = []
+    for one in _parameters(fit):
+        value = with_error(one.value, one.error)
+        cells = [one.name, value, interval(*one.ends), one.unit]
+        if length is not None:
+            scale = 0.1 / length
+            each = f"{rounded(one.value * scale, one.error * scale)} {one.unit}"
+            cells.append("" if one.unit == "s" else each)
+        rows.append(tuple(cells))
+    if fit.model.b > 0:
+        unit, f = READ["N s/m"]
+        rows.append(("b", rounded(f * fit.model.b), "", unit, *[""] * (length is not None)))
+    head = ("", "value ± standard error", "95 % interval", "unit", "per 100 mm")
+    return Table(head if length is not None else head[:-1], tuple(rows))
+
+
+def orders(study: Study) -> Table:
+    """One, two and more arms side by side."""
+    fit = study.fit
+    best = min((one.bic for one in fit.orders), default=math.nan)
+    scores = {
+        one.arms: (rounded(one.bic - best, digits=4), "yes" if one.significant else "no")
+        for one in fit.orders
+    }
+    shown = {one.arms: (one.model, math.sqrt(one.sse / fit.residual.n)) for one in fit.orders}
+    shown |= {one.model.arms: (one.model, one.residual.rms) for one in (*study.alternatives, fit)}
+    rows, marks = [], []
+    for arms in sorted(shown):
+        model, rms = shown[arms]
+        chosen = arms == fit.model.arms
+        listed = ", ".join(
+            f"{rounded(1e-3 * k)} at {rounded(tau)} s"
+            for k, tau in zip(model.k, model.tau, strict=True)
+        )
+        rows.append((
+            f"{arms}{' (chosen)' * chosen}",
+            rounded(1e-3 * model.k_inf, digits=4),
+            listed or "none",
+            rounded(1e3 * rms),
+            *scores.get(arms, ("", "")),
+        ))  # fmt: skip
+        marks.append("chosen" * chosen)
+    head = ("arms N", "k∞, N/mm", "arms: k, N/mm at τ", "residual rms, mN", "BIC − best",
+            "every arm significant")  # fmt: skip
+    return Table(head, tuple(rows), tuple(marks))
+
+
+def two_routes(study: Study) -> Table | None:
+    """The full history against the paper's eq. (5) on the hold; None if their arms differ."""
+    fit, hold = study.fit, study.hold_fit
+    if hold is None or fit.model.arms != hold.model.arms:
+        return None
+    rows = tuple(
+        (
+            f"{a.name}, {a.unit}",
+            with_error(a.value, a.error),
+            with_error(b.value, b.error),
+            percent(b.value / a.value - 1),
+        )
+        for a, b in zip(_parameters(fit), _parameters(hold), strict=True)
+        if a.value and a.unit != READ["N s/m"][0]
+    )
+    return Table(("", "full history", "hold only, eq. (5)", "difference"), rows)
+
+
+def nuisances(fit: Fit | None) -> Table | None:
+    """What the fit needed and nobody asked for."""
+    if fit is None or not fit.nuisance:
+        return None
+    rows = []
+    for term in fit.nuisance:
+        unit, f = READ_OF_NUISANCE.get(term.unit, (term.unit, 1.0))
+        rows.append((term.name, with_error(f * term.value, f * term.standard_error), unit))
+    return Table(VALUE, tuple(rows))
+
+
+def in_frequency(study: Study) -> Table:
+    """Stiffness and loss factor of one seal at some frequencies, and whether they are known."""
+    (low, high), unseen = study.fit.band, study.unseen
+    marked = () if study.comparison is None else (study.comparison.measured_hz,)
+    rows, marks = [], []
+    for f in sorted({low, float(np.sqrt(low * high)), high, 1.0, 50.0, *marked}):
+        stiffness = complex(study.fit.solid.complex_stiffness(2 * np.pi * f))
+        factor = max(f / high, low / f)
+        known = factor < 1.0001
+        cells = [
+            rounded(f),
+            rounded(1e-3 * stiffness.real),
+            rounded(1e-3 * stiffness.imag),
+            rounded(stiffness.imag / stiffness.real),
+        ]
+        if unseen is not None:
+            cells.append(_range_at(unseen, 1e-3 * unseen.storage, f))
+            cells.append(_range_at(unseen, unseen.loss_factor, f))
+        cells.append("identified" if known else f"extrapolated ×{rounded(factor, digits=2)}")
+        rows.append(tuple(cells))
+        marks.append("" if known else "doubt")
+    head = ["frequency, Hz", "storage K′, N/mm", "loss K″, N/mm", "loss factor"]
+    if unseen is not None:
+        head += ["K′ left open, N/mm", "loss factor left open"]
+    return Table((*head, "this test"), tuple(rows), tuple(marks))
+
+
+def _range_at(band: StiffnessBounds, limits: FloatArray, f: float) -> str:
+    if not band.frequency[0] <= f <= band.frequency[-1]:
+        return "not computed"
+    low, high = (float(np.interp(np.log(f), np.log(band.frequency), edge)) for edge in limits)
+    return f"{rounded(low, digits=3)} to {rounded(high, digits=3)}"
+
+
+# -- the hammer test ------------------------------------------------------------------------------
+
+
+def peaks(study: Study) -> Table | None:
+    """Predicted, measured and joint: frequency, height and damping of the peak."""
+    c, joint = study.comparison, study.joint_comparison
+    if c is None:
+        return None
+    head = ["", "measured", "predicted", "difference"]
+    columns = [
+        ("peak frequency, Hz", "peak accelerance, (m/s²)/N", "damping ratio, %",
+         "FRAC (1 is alike)", "rms difference, dB"),
+        (_known(c.measured_hz, c.measured_hz_se, digits=4), rounded(c.measured_peak),
+         _measured_damping(c), "", ""),
+        *_predicted(c),
+    ]  # fmt: skip
+    if joint is not None:
+        head += ["after the joint fit", "difference"]
+        columns += _predicted(joint)
+    return Table(tuple(head), tuple(zip(*columns, strict=True)))
+
+
+def _predicted(c: Comparison) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """What a solid predicts of each row of the table of peaks, and how far that is off."""
+    damping = "none" if c.predicted_damping is None else rounded(100 * c.predicted_damping)
+    off = "" if c.damping_ratio_error is None else percent(c.damping_ratio_error)
+    return (
+        (rounded(c.predicted_hz, digits=4), rounded(c.predicted_peak), damping, rounded(c.frac),
+         rounded(c.rms_db)),
+        (percent(c.frequency_error), decibels(c.ratio_db), off, "", ""),
+    )  # fmt: skip
+
+
+def _measured_damping(c: Comparison) -> str:
+    if c.measured_damping is None:
+        return "not supported by the record"
+    se = c.measured_damping_se
+    return _known(100 * c.measured_damping, None if se is None else 100 * se)
+
+
+def _known(value: float, se: float | None, *, digits: int = 3) -> str:
+    """With its standard error where there is one."""
+    return with_error(value, se) if se is not None and se > 0 else rounded(value, digits=digits)
+
+
+def resonance(study: Study) -> Table | None:
+    """Natural frequency and damping of the resonance, read in every way the record supports."""
+    c, measured = study.comparison, study.measured
+    if c is None or measured is None or study.mass is None:
+        return None
+    ways = {
+        "rational": "poles of a record of this length",
+        "circle": "Nyquist circle",
+        "half-power": "half-power width",
+        "decrement": "decay",
+        "peak": "highest line and its neighbours",
+    }
+    rows = [(f"measured: {says}", *_mode_cells(measured, way, c)) for way, says in ways.items()]
+    solids = [("model from relaxation", study.fit, study.mass)]
+    if study.joint is not None:
+        mass = next((n.value for n in study.joint.nuisance if n.name == "mass"), study.mass)
+        solids.append(("model from both tests", study.joint, mass))
+    for says, one, mass in solids:
+        for mode in model_modes(study.seals * one.model, mass)[:1]:
+            rows.append((f"{says}: exact pole", rounded(mode.frequency, digits=5),
+                         rounded(100 * mode.damping_ratio)))  # fmt: skip
+    return Table(("", "natural frequency, Hz", "damping ratio, %"), tuple(rows))
+
+
+def _mode_cells(measured: FRF, way: str, c: Comparison) -> tuple[str, str]:
+    try:
+        modes = measured.modes(method=way)
+    except DashpotError as refused:
+        return "refused", readable(str(refused))
+    if not modes:
+        return "none found", ""
+    # rocking and other modes beside it are not what the prediction is of
+    mode = min(modes, key=lambda one: abs(one.frequency - c.measured_hz))
+    return (
+        with_error(mode.frequency, mode.frequency_se),
+        with_error(100 * mode.damping_ratio, 100 * mode.damping_ratio_se),
+    )
+
+
+def arms_tested(comparison: Comparison | None) -> Table | None:
+    """Which arms carried the loss at the measured peak, and who saw them."""
+    if comparison is None or not comparison.arms:
+        return None
+    rows, marks = [], []
+    for arm in comparison.arms:
+        tested, seen = arm.loss_share > 0.1, arm.seen_by_relaxation
+        share = f"{100 * arm.loss_share:.1f}"
+        answers = ("yes" if tested else "hardly", "yes" if seen else "no")
+        rows.append((duration(arm.tau), share, *answers))
+        marks.append("bad" if tested and not seen else "")
+    head = ("arm's τ", "share of the loss at the peak, %", "tested by this FRF",
+            "seen by the relaxation test")  # fmt: skip
+    return Table(head, tuple(rows), tuple(marks))
+
+
+def hits(frf: FRF | None) -> Table | None:
+    """Every hit and the verdict on it, with the reasons if there are any."""
+    if frf is None or not frf.hits:
+        return None
+    columns = 6 if any(hit.reasons for hit in frf.hits) else 5
+    head = ("hit", "at, s", "peak, N", "pulse, ms", "verdict", "why")
+    rows = tuple(
+        (
+            hit.name,
+            rounded(hit.time, digits=4),
+            rounded(hit.peak),
+            rounded(1e3 * hit.duration),
+            "accepted" if hit.accepted else "rejected",
+            "; ".join(hit.reasons),
+        )[:columns]
+        for hit in frf.hits
+    )
+    return Table(head[:columns], rows, tuple("" if hit.accepted else "bad" for hit in frf.hits))
+
+
+def moved(joint: Fit | None) -> Table | None:
+    """What the hammer changed in the solid."""
+    if joint is None or not joint.moved:
+        return None
+    rows = tuple(_moved_row(one) for one in joint.moved)
+    marks = tuple("doubt" if row[-1] == "new" else "" for row in rows)
+    return Table(("", "relaxation alone", "both tests", "moved by"), rows, marks)
+
+
+def _moved_row(m: Moved) -> tuple[str, ...]:
+    unit, f = READ.get(m.unit, (m.unit, 1.0))
+    name = f"{symbol(m.name)}, {unit}"
+    now = with_error(f * m.after, f * m.after_se)
+    if m.before is None:
+        return name, "", now, "new"
+    known = m.before_se is not None
+    then = with_error(f * m.before, f * (m.before_se or 0.0)) if known else rounded(f * m.before)
+    change = percent(m.after / m.before - 1) if m.before else ""
+    spread = math.hypot(m.before_se or 0.0, m.after_se)
+    if math.isfinite(spread) and spread > 0:
+        change += f" ({rounded(abs(m.after - m.before) / spread, digits=2)} SE)"
+    return name, then, now, change
