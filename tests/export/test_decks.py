@@ -14,6 +14,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from kit.fits import a_fit, altered
+from kit.fractional import SEAL
 
 from dashpot import export
 from dashpot.base.checks import Check
@@ -498,6 +499,28 @@ def test_a_material_goes_into_material_cards_only():
     with pytest.raises(ExportError, match=r"springs and dashpots are in N/m.*--form prony"):
         export.nastran(fit, units="SI", allow=("all",))
     assert "TB,PRONY" in export.ansys(fit, units="SI", allow=("all",), form="prony")
+
+
+@every_deck
+def test_a_solid_that_is_no_sum_of_arms_is_written_by_the_arms_that_stand_for_it(
+    target, form, extra
+):
+    for solid in (SEAL, a_fit(SEAL, specimen=SPECIMEN)):
+        if (target, form) == ("lsdyna", "prony"):
+            with pytest.raises(ExportError, match="holds 18 terms, found 50"):
+                write(target, solid, form=form, **extra)
+            continue
+        deck = write(target, solid, form=form, **extra)
+        assert "arm 49: k =" in deck
+        assert "the arms stand for a FractionalZener" in deck
+
+
+def test_a_table_is_of_the_solid_itself_not_of_its_arms():
+    rows = [row for row in export.csv(SEAL, units="SI").splitlines() if row[0].isdigit()]
+    f, storage, loss = np.array([numbers(row)[:3] for row in rows]).T
+    exact = SEAL.complex_stiffness(2 * np.pi * f)
+    assert storage + 1j * loss == pytest.approx(exact, rel=1e-9)
+    assert np.abs(SEAL.maxwell.complex_stiffness(2 * np.pi * f) / exact - 1).max() > 1e-6
 
 
 @pytest.mark.parametrize(

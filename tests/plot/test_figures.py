@@ -12,7 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from kit import handmade
-from kit.fits import altered
+from kit.fits import a_fit, altered
+from kit.fractional import SEAL
 from matplotlib.colors import to_hex
 from matplotlib.text import Text
 
@@ -222,6 +223,28 @@ def test_stiffness_shows_newtons_per_millimetre(drawn):
     curve = next(one for one in ax.get_lines() if one.get_label() == "joint fit")
     at = curve.get_xdata()
     assert curve.get_ydata() == pytest.approx(1e-3 * S.joint.model.storage(2 * np.pi * at))
+
+
+def test_a_solid_that_is_no_sum_of_arms_is_drawn_by_its_own_stiffness_and_by_its_arms():
+    found = a_fit(SEAL)
+    for ax, name, factor in zip(
+        plot.stiffness(found).axes, ("storage", "loss", "loss_factor"), (1e-3, 1e-3, 1.0),
+        strict=True,
+    ):  # fmt: skip
+        curve = next(one for one in ax.get_lines() if one.get_label() == "relaxation fit")
+        x, y = curve.get_xdata(), np.asarray(curve.get_ydata())
+        own = factor * getattr(SEAL, name)(2 * np.pi * x)
+        assert y[np.isfinite(y)] == pytest.approx(own[np.isfinite(y)], rel=1e-12)
+    stems = plot.spectrum(found).axes[0].collections[0].get_segments()
+    assert len(stems) == SEAL.maxwell.arms == 49
+    held = plot.dynamic_stiffness(S.direct, fit=found).axes[1]
+    curve = next(one for one in held.get_lines() if one.get_label() == "relaxation fit")
+    omega = 2 * np.pi * np.asarray(curve.get_xdata())
+    assert curve.get_ydata() == pytest.approx(SEAL.loss(omega) / omega, rel=1e-12)
+    when, force = fitted_force(found, replace(S.prepared, displacement_noise=0.0))
+    assert force == pytest.approx(
+        SEAL.force(when, S.prepared.displacement[: len(when)]), rel=1e-9, abs=1e-9
+    )
 
 
 def test_a_material_is_drawn_in_megapascals():

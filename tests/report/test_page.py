@@ -9,12 +9,14 @@ from dataclasses import replace
 from html import unescape
 from html.parser import HTMLParser
 
+import numpy as np
 import pytest
 from kit import handmade
-from kit.fits import altered
+from kit.fits import a_fit, altered
+from kit.fractional import SEAL
 
 from dashpot.base.checks import Check
-from dashpot.base.numbers import with_error
+from dashpot.base.numbers import rounded, with_error
 from dashpot.base.provenance import Source, Step
 from dashpot.records.fit import Moved, Status
 from dashpot.records.frf import Hit
@@ -318,6 +320,14 @@ def test_a_spring_without_arms_and_a_seal_without_source_are_reported():
     assert "with no Maxwell arms" in text
     assert "The records came from memory" in text
     assert "preload at the first sample 0.300 N" in text
+
+
+def test_a_solid_that_is_no_sum_of_arms_is_reported_by_its_own_stiffness(sketch):
+    text = sketch(replace(handmade.bench_only(), fit=a_fit(SEAL, band=handmade.BAND)))
+    K = complex(SEAL.complex_stiffness(2 * np.pi))
+    at_1_hz = " ".join(rounded(v) for v in (1e-3 * K.real, 1e-3 * K.imag, K.imag / K.real))
+    assert f"1.00 {at_1_hz} extrapolated" in text
+    assert "with 49 Maxwell arms" in text
 
 
 # -- safe -------------------------------------------------------------------------------------

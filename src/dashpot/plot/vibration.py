@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.numbers import rounded
 from dashpot.plot import panels as panel
 from dashpot.plot.style import (
     BLUE,
@@ -215,9 +216,7 @@ def mark_peaks(ax: Axes, curves: Sequence[Curve]) -> None:
     """A dot at the peak of every curve, its frequency and height in the corner."""
     peaks = [(*one.peak, one.pen) for one in curves if one.peak is not None]
     for i, (hz, height, pen) in enumerate(peaks):
-        # at least three digits, never an exponent: 1084, 155, 15.5
-        digits = f"{height:.0f}" if abs(height) >= 100 else f"{height:.3g}"
-        text = f"{hz:.2f} Hz, {digits} (m/s²)/N"
+        text = f"{hz:.2f} Hz, {rounded(height)} (m/s²)/N"
         ax.plot([hz], [height], "o", markersize=3.5, color=pen.color, zorder=7)
         ax.annotate(
             text, (0.985, 0.97), xycoords="axes fraction",
