@@ -14,19 +14,21 @@ from kit import handmade
 from dashpot import plot
 from dashpot.base.errors import ExportError
 
-S = handmade.study()
+
+def draw():
+    return plot.spectrum(handmade.two_arms(), joint=handmade.joint())
 
 
 @pytest.fixture(scope="module")
 def figure():
-    return plot.fit(S.fit, S.prepared)
+    return draw()
 
 
 @pytest.mark.parametrize("suffix", ["png", "pdf", "svg"])
 def test_the_same_figure_gives_the_same_bytes(tmp_path, figure, suffix):
     first, second = tmp_path / f"a.{suffix}", tmp_path / f"b.{suffix}"
     plot.save(figure, first, dpi=50)
-    plot.save(plot.fit(S.fit, S.prepared), second, dpi=50)
+    plot.save(draw(), second, dpi=50)
     assert first.read_bytes() == second.read_bytes()
     assert first.stat().st_size > 2000
 
@@ -34,7 +36,7 @@ def test_the_same_figure_gives_the_same_bytes(tmp_path, figure, suffix):
 def test_another_process_gives_the_same_svg(figure):
     code = (
         "from kit import handmade as h; from dashpot import plot; import sys;"
-        "sys.stdout.write(plot.to_svg(plot.fit(h.study().fit, h.study().prepared)))"
+        "sys.stdout.write(plot.to_svg(plot.spectrum(h.two_arms(), joint=h.joint())))"
     )
     folder = Path(__file__).parents[1]
     other = subprocess.run(
