@@ -14,7 +14,7 @@ from dashpot.cli import main
 from dashpot.io.options import ReadOptions
 from dashpot.io.reading_profile import load_profile
 from dashpot.io.writers.text import write_relaxation
-from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.relaxation import Rig, simulate_relaxation
 from dashpot.solids.table_1 import PAPER
 from dashpot.workflow import project as folder
 from dashpot.workflow.job import Job
@@ -28,7 +28,8 @@ def page(study) -> str:
 @pytest.fixture(scope="module")
 def raw(tmp_path_factory):
     path = tmp_path_factory.mktemp("machine") / "seal.csv"
-    path.write_text(write_relaxation(simulate_relaxation(PAPER, hold_time=10.0).test))
+    made = simulate_relaxation(PAPER, hold_time=10.0, rig=Rig(rate=200.0))
+    path.write_text(write_relaxation(made.test))
     return path
 
 
