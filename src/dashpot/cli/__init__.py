@@ -12,14 +12,24 @@ import click
 # cycles on the way out, which takes as long as reading a short file
 atexit.register(gc.freeze)
 
-COMMANDS = (
-    "inspect", "fit", "predict", "impact", "compare", "identify", "report", "export",
-    "simulate", "plan", "verify", "demo",
-)  # fmt: skip
+COMMANDS = {
+    "inspect": "What is in a file: columns, units, sampling, segments.",
+    "fit": "The solid behind a relaxation test, and how well it is known.",
+    "predict": "The FRF of a mass on the fitted seal.",
+    "impact": "Hammer hits to an FRF, natural frequency and damping.",
+    "compare": "The predicted FRF against a measured one.",
+    "identify": "Maxwell parameters from vibration, alone or jointly.",
+    "report": "The main job: both tests in, one report out.",
+    "export": "The solid as a deck that a solver reads.",
+    "simulate": "The virtual rig and hammer, stamped 'simulated'.",
+    "plan": "What a test can and cannot tell, before it is run.",
+    "verify": "Check a project's hashes and recompute its results.",
+    "demo": "The whole story on two simulated seals.",
+}
 
 
 class _Lazy(click.Group):
-    """A group whose commands are imported when they are asked for."""
+    """A group whose commands are imported when they are asked for, and not to be listed."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(COMMANDS)
@@ -29,6 +39,10 @@ class _Lazy(click.Group):
             return None
         command: click.Command = import_module(f"dashpot.cli.{cmd_name}").command
         return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl(list(COMMANDS.items()))
 
 
 @click.group(cls=_Lazy, context_settings={"help_option_names": ["-h", "--help"]})

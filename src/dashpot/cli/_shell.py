@@ -1,81 +1,44 @@
-"""What every command shares: outcomes, quantities, errors in words, exit codes."""
+"""What every command shares: its outcome, files in and out, errors in words, exit codes."""
 
 from __future__ import annotations
 
 import functools
 import math
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
-from dashpot.base.errors import DashpotError
+import dashpot as dp
+from dashpot.base.errors import DashpotError, ReadError
 
 if TYPE_CHECKING:
     from dashpot.base.checks import Check
-    from dashpot.base.units import Dimension
+
+A_FIT = "a fit, as 'dashpot fit FILE -o fit.json' writes it"
 
 
 class Outcome(NamedTuple):
-    """What a command found: a document for programs, text for people, and its checks.
+    """What a command found, for programs and as text for people, and its checks.
 
-    The document is made when it is asked for: the archive knows every noun, and importing all of
-    them takes longer than a fit.
+    Attributes
+    ----------
+    found
+        A noun of the archive, or a document. It is written when it is asked for: the archive
+        knows every noun, and importing all of them takes longer than a fit.
+    more
+        What only the command knows, beside the noun's document.
+    must_pass
+        A failed check is this command's own failure, ``--strict`` or not.
     """
 
-    document: Callable[[], dict[str, Any]]
+    found: object
     text: str
     checks: tuple[Check, ...] = ()
-    must_pass: bool = False  # a failed check is this command's own failure, --strict or not
-
-
-class Quantity(click.ParamType[Any]):
-    """A number with its unit, such as ``104g``; the value passed on is in SI."""
-
-    def __init__(self, dimension: Dimension) -> None:
-        self.dimension: Dimension = dimension
-        self.name = dimension
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        from dashpot.base.units import parse_quantity
-
-        if isinstance(value, float):
-            return value
-        try:
-            return parse_quantity(value, self.dimension)
-        except DashpotError as error:
-            self.fail(str(error), param, ctx)
-
-
-class Range(Quantity):
-    """Two quantities, such as ``1:50Hz``, in SI."""
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        from dashpot.base.units import parse_range
-
-        if isinstance(value, tuple):
-            return value
-        try:
-            return parse_range(value, self.dimension)
-        except DashpotError as error:
-            self.fail(str(error), param, ctx)
-
-
-class Arms(click.ParamType[Any]):
-    """A number of Maxwell arms, or ``auto``."""
-
-    name = "auto|N"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        if value == "auto" or isinstance(value, int):
-            return value
-        if not value.isdecimal():
-            self.fail(
-                f"'{value}' is not a number of arms; expected 'auto', 0, 1, 2, ...", param, ctx
-            )
-        return int(value)
+    more: Mapping[str, Any] = {}
+    must_pass: bool = False
 
 
 def reports(function: Callable[..., Outcome]) -> Callable[..., None]:
@@ -91,7 +54,7 @@ def reports(function: Callable[..., Outcome]) -> Callable[..., None]:
     def command(*, as_json: bool, strict: bool, **arguments: Any) -> None:
         try:
             outcome = function(**arguments)
-            text = printed(outcome.document()) if as_json else outcome.text
+            text = printed(outcome.found, outcome.more) if as_json else outcome.text
             if text:
                 click.echo(text)
         except DashpotError as error:
@@ -107,11 +70,15 @@ def reports(function: Callable[..., Outcome]) -> Callable[..., None]:
     return command
 
 
-def printed(document: dict[str, Any]) -> str:
-    """Return a document as the JSON that commands print and write."""
+def printed(found: object, more: Mapping[str, Any] | None = None) -> str:
+    """Return a noun or a document as the JSON that commands print and write."""
     import json
 
-    return json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False)
+    if not isinstance(found, dict):
+        from dashpot.workflow.archive import document
+
+        found = document(found)
+    return json.dumps(found | dict(more or {}), indent=2, ensure_ascii=False, allow_nan=False)
 
 
 def fail(sentence: str) -> None:
@@ -139,6 +106,40 @@ def failed(checks: Iterable[Check]) -> list[str]:
     return [f"  ! {check.name}: {check.says}" for check in checks if not check.passed]
 
 
-def finite(value: float | None) -> float | None:
+def finite(value: float) -> float | None:
     """Return the number, or None where there is none to tell."""
-    return value if value is not None and math.isfinite(value) else None
+    return value if math.isfinite(value) else None
+
+
+def read_fit(path: str) -> dp.Fit:
+    """Return the fit in a JSON file, as written by ``dashpot fit -o``; ``-`` is stdin."""
+    found = _read(path, hint=f"; expected {A_FIT}")
+    if not isinstance(found, dp.Fit):
+        raise ReadError(f"{path} holds a {type(found).__name__}; expected {A_FIT}")
+    return found
+
+
+def read_model(path: str) -> dp.GeneralizedMaxwell:
+    """Return the solid in a JSON file that holds a fit or a model; ``-`` is stdin."""
+    found = _read(path)
+    if isinstance(found, dp.Fit):
+        return found.model
+    if isinstance(found, dp.GeneralizedMaxwell):
+        return found
+    raise ReadError(f"{path} holds a {type(found).__name__}; expected a fit or a model")
+
+
+def _read(path: str, *, hint: str = "") -> object:
+    try:
+        content = sys.stdin.buffer.read() if path == "-" else Path(path).read_bytes()
+        return dp.from_json(content.decode())
+    except UnicodeDecodeError:
+        raise ReadError(f"{path} is not a JSON document: it is not UTF-8 text") from None
+    except ReadError as error:
+        raise ReadError(f"{path}: {error}{hint}") from None
+
+
+def looks_like_json(path: str) -> bool:
+    """Tell whether a file opens like a JSON object, so that it may be a fit."""
+    with Path(path).open("rb") as file:
+        return file.read(64).lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{")

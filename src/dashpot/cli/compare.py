@@ -2,44 +2,29 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import click
 
-from dashpot.cli._hammer import hammer
-from dashpot.cli._reading import reading
-from dashpot.cli._shell import Outcome, Quantity, Range, failed, reports
-
-if TYPE_CHECKING:
-    from dashpot.base.checks import Check
-    from dashpot.io.options import ReadOptions
-    from dashpot.workflow.job import HammerChoices
+import dashpot as dp
+from dashpot import workflow
+from dashpot.cli import _options as options
+from dashpot.cli._shell import Outcome, failed, read_fit, reports
 
 
-@click.command("compare", short_help="The predicted FRF against a measured one.")
+@click.command("compare")
 @click.argument("fit")
 @click.argument("measured", nargs=-1, required=True, metavar="IMPACT|FRF...")
-@click.option(
-    "--mass", type=Quantity("mass"), help="Block mass; inferred, and said so, if missing."
-)
-@click.option("--seal-mass", type=Quantity("mass"), help="Of one seal; a third moves along.")
-@click.option("--seals", type=float, default=1.0, show_default=True, help="Seals in parallel.")
-@click.option("--band", type=Range("frequency"), help="Lines compared, e.g. 5:40Hz.")
-@click.option("--plot", "picture", metavar="FILE", help="Save the figure (png, svg, pdf).")
+@options.mass_if_known
+@options.seal_mass
+@options.seals
+@options.compared
+@options.picture
 @reports
-@hammer
-@reading
+@options.hammer
+@options.reading
 def command(
-    *,
-    fit: str,
-    measured: tuple[str, ...],
-    mass: float | None,
-    seal_mass: float | None,
-    seals: float,
-    band: tuple[float, float] | None,
-    picture: str | None,
-    hammer: HammerChoices,
-    options: ReadOptions,
+    *, fit: str, measured: tuple[str, ...], seals: float, picture: str | None, **choices: Any
 ) -> Outcome:
     """Hold the prediction of FIT against the hits or the FRF in IMPACT|FRF.
 
@@ -47,42 +32,18 @@ def command(
     dashpot compare fit.json hammer.csv --mass 104g --seals 2
     dashpot compare fit.json frf.uff --mass 104g --seals 2 --json
     """
-    from dashpot.cli._inputs import read_fit
-    from dashpot.vibration.comparison.compare import compare
-    from dashpot.vibration.modal.mass import infer_mass
-    from dashpot.vibration.systems.prediction import moving_mass, predict_frf
-    from dashpot.workflow.archive import document
-    from dashpot.workflow.job import read_measured
-
-    found = read_fit(fit)
-    _, frf = read_measured(measured, choices=hammer, options=options, mass=mass)
-    noted: tuple[Check, ...] = ()
-    if mass is not None and seal_mass is not None:
-        mass, check = moving_mass(mass, seal=seal_mass, seals=seals)
-        noted = (check,)
-    inferred = mass is None
-    if mass is None:
-        mass, _ = infer_mass(seals * found.model, frf)
-    predicted = predict_frf(
-        seals * found.model,
-        mass=mass,
-        frequency=frf.frequency,
-        kind=frf.kind,
-        shift=frf.shift,
-    )
-    result = compare(predicted, frf, fit=found, mass=mass, seals=seals, band=band)
+    found = workflow.compare_files(read_fit(fit), measured, seals=seals, **choices)
     if picture:
-        from dashpot import plot
-
-        plot.save(plot.comparison(result), picture)
-    lines = [str(result)]
-    if inferred:
+        dp.plot.save(dp.plot.comparison(found.comparison), picture)
+    lines = [str(found.comparison)]
+    if found.mass_inferred:
         lines.append(
-            f"  mass        {mass * 1e3:.5g} g, inferred from the measured FRF: the agreement in "
-            "frequency then proves nothing; give --mass to test it"
+            f"  mass        {found.mass * 1e3:.5g} g, inferred from the measured FRF: the "
+            "agreement in frequency then proves nothing; give --mass to test it"
         )
-    checks = (*result.checks, *frf.checks, *noted)
-    given = {"mass": mass, "mass_inferred": inferred, "seals": seals}
     return Outcome(
-        lambda: document(result) | given, "\n".join(lines + failed((*frf.checks, *noted))), checks
+        found.comparison,
+        "\n".join(lines + failed(found.noted)),
+        (*found.comparison.checks, *found.noted),
+        {"mass": found.mass, "mass_inferred": found.mass_inferred, "seals": seals},
     )

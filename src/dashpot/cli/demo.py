@@ -7,7 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+import dashpot as dp
+from dashpot import workflow
+from dashpot.cli import _text
 from dashpot.cli._shell import Outcome, reports, said
+from dashpot.cli.simulate import impact, relaxation, seal
 
 if TYPE_CHECKING:
     from dashpot.workflow.study import Study
@@ -15,7 +19,7 @@ if TYPE_CHECKING:
 SEALS = 2
 
 
-@click.command("demo", short_help="The whole story on two simulated seals.")
+@click.command("demo")
 @click.option("-o", "--output", metavar="DIR", default="dashpot-demo", show_default=True)
 @click.option("--seed", type=int, default=0, show_default=True, help="Of the noise.")
 @reports
@@ -35,59 +39,40 @@ def command(*, output: str, seed: int) -> Outcome:
     stories = {name: _story(name, folder, seed) for name in ("paper", "broad")}
     lines = []
     for name, story in stories.items():
-        lines += [f"{name} seal", _summary(story), f"  report: {folder / f'{name}.html'}", ""]
+        lines += [f"{name} seal", _text.study(story), f"  report: {folder / f'{name}.html'}", ""]
     document = {
         "schema": "dashpot/demo@1",
         "seed": seed,
         "seals": {name: _numbers(story, folder, name) for name, story in stories.items()},
     }
-    return Outcome(lambda: document, "\n".join(lines).rstrip())
+    return Outcome(document, "\n".join(lines).rstrip())
 
 
 def _story(name: str, folder: Path, seed: int) -> Study:
     """Simulate, write, read back, characterise and report one seal."""
-    from dashpot.cli._virtual import impact, relaxation
-    from dashpot.io.read import read_impact, read_relaxation
-    from dashpot.report import html
-    from dashpot.solids.table_1 import SEALS as KNOWN
-    from dashpot.vibration.impact.frf_estimation import estimate_frf
-    from dashpot.workflow.study import characterise
-
     said(f"{name}: simulating the bench and the hammer, fitting, comparing, reporting")
-    bench = relaxation(
-        name, depth=8e-3, ramp=1.0, hold=40.0, rate=None, noise_free=False, seed=seed
-    )
-    hammer = impact(
-        name, mass=None, seals=SEALS, hits=5, record=None, rate=None, noise_free=False, seed=seed
-    )
+    bench = relaxation(model=name, seed=seed)
+    hammer = impact(model=name, seals=SEALS, seed=seed)
     for kind, (text, truth) in (("relaxation", bench), ("impact", hammer)):
         (folder / f"{name}_{kind}.csv").write_text(text, encoding="utf-8")
         (folder / f"{name}_{kind}.truth.json").write_text(truth, encoding="utf-8")
-    hits = read_impact(folder / f"{name}_impact.csv")
-    mass = KNOWN[name][1]
-    story = characterise(
-        read_relaxation(folder / f"{name}_relaxation.csv"),
-        estimate_frf(hits, mass=mass),
+    hits = dp.read_impact(folder / f"{name}_impact.csv")
+    mass = seal(name)[1]
+    story = dp.characterise(
+        dp.read_relaxation(folder / f"{name}_relaxation.csv"),
+        dp.estimate_frf(hits, mass=mass),
         impact=hits,
         mass=mass,
         seals=SEALS,
     )
-    (folder / f"{name}.html").write_text(html(story), encoding="utf-8")
+    (folder / f"{name}.html").write_text(dp.report.html(story), encoding="utf-8")
     return story
 
 
-def _summary(story: Study) -> str:
-    from dashpot.cli import _text as _words
-
-    return _words.study(story)
-
-
 def _numbers(story: Study, folder: Path, name: str) -> dict[str, Any]:
-    from dashpot.workflow.archive import document
-
     return {
         "report": str(folder / f"{name}.html"),
-        "fit": document(story.fit),
+        "fit": workflow.document(story.fit),
         "comparison": None if story.comparison is None else _agreement(story.comparison),
         "joint_comparison": (
             None if story.joint_comparison is None else _agreement(story.joint_comparison)
@@ -97,7 +82,5 @@ def _numbers(story: Study, folder: Path, name: str) -> dict[str, Any]:
 
 def _agreement(comparison: Any) -> dict[str, Any]:
     """Return a comparison's document without its two FRFs, line by line."""
-    from dashpot.workflow.archive import document
-
-    whole = document(comparison)
+    whole = workflow.document(comparison)
     return {key: value for key, value in whole.items() if key not in {"predicted", "measured"}}

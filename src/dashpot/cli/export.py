@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from dataclasses import fields, replace
+from inspect import signature
+from typing import Any
 
 import click
 
-from dashpot.cli._shell import Outcome, Quantity, Range, reports, said, write
-from dashpot.cli._specimen import specimen
-
-if TYPE_CHECKING:
-    from dashpot.export import SealLine
-    from dashpot.records.specimen import Specimen
+import dashpot as dp
+from dashpot.base.errors import ExportError
+from dashpot.cli import _options as options
+from dashpot.cli._options import Quantity, Range
+from dashpot.cli._shell import Outcome, read_fit, reports, said, write
+from dashpot.records.specimen import Specimen
 
 # written out, so that --help need not import the decks; a test holds it to export.TARGETS
 TARGETS = (
@@ -20,7 +22,7 @@ TARGETS = (
 )  # fmt: skip
 
 
-@click.command("export", short_help="The solid as a deck that a solver reads.")
+@click.command("export")
 @click.argument("fit")
 @click.option("--to", "target", type=click.Choice(TARGETS), required=True)
 @click.option("--units", metavar="SI|mm-t-s|mm-kg-ms", help="The deck's unit system; required.")
@@ -38,32 +40,26 @@ TARGETS = (
 @click.option("--modulus", type=Quantity("stress"), help="Of the rubber, for material cards.")
 @click.option("--bulk-modulus", type=Quantity("stress"), help="Of the rubber, for material cards.")
 @click.option("--density", type=float, help="Of the rubber, kg/m^3, for material cards.")
-@click.option("--seals", type=float, default=1.0, show_default=True, help="Seals in parallel.")
+@options.seals
 @click.option("--allow", multiple=True, metavar="PROBLEM", help="Overlook one named problem.")
 @click.option("--force", is_flag=True, help="Overlook every problem; leaves a mark in the deck.")
 @click.option("-o", "--output", metavar="FILE", default="-", help="The deck [default: stdout].")
 @reports
-@specimen
+@options.specimen
 def command(
     *,
     fit: str,
     target: str,
     units: str | None,
-    form: str | None,
-    frequency_range: tuple[float, float] | None,
-    tolerance: float | None,
-    mass: float | None,
     line: str | None,
     pitch: float | None,
     normal: str | None,
-    modulus: float | None,
-    bulk_modulus: float | None,
-    density: float | None,
     seals: float,
     allow: tuple[str, ...],
     force: bool,
     output: str,
     specimen: Specimen,
+    **choices: Any,
 ) -> Outcome:
     """Write the solid of FIT (a fit's JSON file) as a deck.
 
@@ -74,31 +70,12 @@ def command(
     dashpot export fit.json --to nastran --units mm-t-s --temperature 23degC --length 100mm
     dashpot export fit.json --to calculix --units mm-t-s --mass 104g --seals 2 --force -o seal.inp
     """
-    from dataclasses import replace
-
-    from dashpot import export
-    from dashpot.cli._inputs import read_fit
-
-    found = read_fit(fit)
-    described = replace(found.provenance, specimen=_described(found.specimen, specimen))
-    found = replace(found, provenance=described)
+    found = _described(read_fit(fit), specimen)
     if seals != 1:
         found = found.in_parallel(seals)
-    choices: dict[str, Any] = {
-        "form": form,
-        "frequency_range": frequency_range,
-        "tolerance": tolerance,
-        "mass": mass,
-        "line": None if line is None else _seal_line(line, pitch, normal, units),
-        "modulus": modulus,
-        "bulk_modulus": bulk_modulus,
-        "density": density,
-    }
-    deck = export.TARGETS[target](
-        found,
-        units=units,
-        allow=("all",) if force else allow,
-        **_taken(target, choices),
+    choices["line"] = None if line is None else _seal_line(line, pitch, normal, units)
+    deck = dp.export.TARGETS[target](
+        found, units=units, allow=("all",) if force else allow, **_taken(target, choices)
     )
     write(output, deck)
     marks = [row for row in deck.splitlines() if "OVERRIDE" in row]
@@ -112,27 +89,21 @@ def command(
         "overrides": marks,
     }
     if output == "-":
-        return Outcome(lambda: document | {"deck": deck}, "")
+        return Outcome(document | {"deck": deck}, "")
     text = f"{output}: {target} deck, {units}, {len(deck.splitlines())} lines"
-    return Outcome(lambda: document, text)
+    return Outcome(document, text)
 
 
-def _described(known: Specimen, said_now: Specimen) -> Specimen:
-    """Return what the fit knows of its specimen, and what the user adds now."""
-    from dataclasses import fields, replace
-
+def _described(found: dp.Fit, said_now: Specimen) -> dp.Fit:
+    """Return the fit with what the user adds now to what it knows of its specimen."""
     news = {field.name: getattr(said_now, field.name) for field in fields(said_now)}
-    return replace(known, **{name: value for name, value in news.items() if value})
+    specimen = replace(found.specimen, **{name: value for name, value in news.items() if value})
+    return replace(found, provenance=replace(found.provenance, specimen=specimen))
 
 
 def _taken(target: str, choices: dict[str, Any]) -> dict[str, Any]:
     """Return the choices that were made, or say that the target has no such choice."""
-    from inspect import signature
-
-    from dashpot import export
-    from dashpot.base.errors import ExportError
-
-    known = signature(export.TARGETS[target]).parameters
+    known = signature(dp.export.TARGETS[target]).parameters
     made = {name: value for name, value in choices.items() if value is not None}
     for name in made:
         if name not in known:
@@ -142,14 +113,14 @@ def _taken(target: str, choices: dict[str, Any]) -> dict[str, Any]:
     return made
 
 
-def _seal_line(path: str, pitch: float | None, normal: str | None, units: str | None) -> SealLine:
+def _seal_line(
+    path: str, pitch: float | None, normal: str | None, units: str | None
+) -> dp.export.SealLine:
     """Return the polyline in a CSV file of x, y, z in the deck's unit of length."""
     import numpy as np
 
-    from dashpot.base.errors import ExportError
-    from dashpot.export import UNIT_SYSTEMS, SealLine
-
-    if pitch is None or units is None or units not in UNIT_SYSTEMS:
+    systems = dp.export.UNIT_SYSTEMS
+    if pitch is None or units is None or units not in systems:
         raise ExportError("--line needs --pitch, e.g. 25mm, and --units")
     try:
         points = np.genfromtxt(path, delimiter=",", comments="#", dtype=float, ndmin=2)
@@ -158,9 +129,9 @@ def _seal_line(path: str, pitch: float | None, normal: str | None, units: str | 
     if points.shape[1] < 3:
         raise ExportError(f"{path} has {points.shape[1]} columns; expected x, y, z")
     named = bool(np.isnan(points[0, :3]).any())  # a first row of names reads as NaN
-    corners = points[1 if named else 0 :, :3] * UNIT_SYSTEMS[units].length
+    corners = points[1 if named else 0 :, :3] * systems[units].length
     try:
         x, y, z = (float(part) for part in (normal or "0,0,1").split(","))
     except ValueError:
         raise ExportError(f"--normal {normal}: expected three numbers, such as 0,0,1") from None
-    return SealLine(corners, pitch, (x, y, z))
+    return dp.export.SealLine(corners, pitch, (x, y, z))

@@ -2,69 +2,54 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from dashpot.cli._hammer import hammer
-from dashpot.cli._reading import reading
+from dashpot import workflow
+from dashpot.cli import _options as options
+from dashpot.cli import _text
+from dashpot.cli._options import Quantity, Range
 from dashpot.cli._shell import (
-    Arms,
     Outcome,
-    Quantity,
-    Range,
     failed,
     finite,
+    looks_like_json,
     printed,
+    read_fit,
     reports,
     write,
 )
 
 if TYPE_CHECKING:
-    from dashpot.base.checks import Check
-    from dashpot.io.options import ReadOptions
-    from dashpot.records.fit import Fit
-    from dashpot.records.relaxation import RampHold
     from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness
-    from dashpot.workflow.job import HammerChoices
 
 
-@click.command("identify", short_help="Maxwell parameters from vibration, alone or jointly.")
+@click.command("identify")
 @click.argument("measured", nargs=-1, required=True, metavar="IMPACT|FRF...")
 @click.option("--with", "together", metavar="FIT|RELAXATION", multiple=True, help="Fit together.")
-@click.option("--mass", type=Quantity("mass"), required=True, help="Block mass, e.g. 104g.")
+@options.mass
 @click.option("--mass-sd", type=Quantity("mass"), help="How well the mass is known.")
-@click.option("--seal-mass", type=Quantity("mass"), help="Of one seal; a third moves along.")
-@click.option("--seals", type=float, default=1.0, show_default=True, help="Seals in parallel.")
-@click.option("--arms", type=Arms(), default="auto", show_default=True, help="Maxwell arms.")
+@options.seal_mass
+@options.seals
+@options.arms
 @click.option("--parallel-dashpot", is_flag=True, help="A dashpot b beside the arms.")
 @click.option("--static-stiffness", type=Quantity("stiffness"), help="One seal, known.")
 @click.option("--natural-frequency", type=Quantity("frequency"), help="Known; constrains the fit.")
 @click.option("--damping-ratio", type=float, help="Known; constrains the fit.")
 @click.option("--band", type=Range("frequency"), help="Lines fitted, e.g. 5:40Hz.")
 @click.option("--direct", metavar="FILE", help="Write k(f), c(f) and loss factor as CSV.")
-@click.option("-o", "--output", metavar="FILE", help="Write the fit as JSON; - is stdout.")
+@options.fit_output
 @reports
-@hammer
-@reading
+@options.hammer
+@options.reading
 def command(
     *,
     measured: tuple[str, ...],
     together: tuple[str, ...],
-    mass: float,
-    mass_sd: float | None,
-    seal_mass: float | None,
-    seals: float,
-    arms: int | Literal["auto"],
-    parallel_dashpot: bool,
-    static_stiffness: float | None,
-    natural_frequency: float | None,
-    damping_ratio: float | None,
-    band: tuple[float, float] | None,
     direct: str | None,
     output: str | None,
-    hammer: HammerChoices,
-    options: ReadOptions,
+    **choices: Any,
 ) -> Outcome:
     """Identify the solid under a mass from the hits or the FRF in IMPACT|FRF.
 
@@ -78,42 +63,19 @@ def command(
     dashpot identify hammer.csv --mass 104g --seals 2 --arms 2
     dashpot identify hammer.csv --with seal_8mm.csv --mass 104g --seals 2 -o joint.json
     """
-    from dashpot.cli import _text as _words
-    from dashpot.fitting.identification.identify import identify
-    from dashpot.io.options import ReadOptions
-    from dashpot.vibration.modal.dynamic_stiffness import dynamic_stiffness
-    from dashpot.vibration.systems.prediction import moving_mass
-    from dashpot.workflow.archive import document
-    from dashpot.workflow.job import read_measured
-
-    _, frf = read_measured(measured, choices=hammer, options=options, mass=mass)
-    noted: tuple[Check, ...] = ()
-    if seal_mass is not None:
-        mass, check = moving_mass(mass, seal=seal_mass, seals=seals)
-        noted = (check,)
-    tests, fits = _partners(together, ReadOptions(units=options.units))
-    straight = dynamic_stiffness(frf, mass, seals=seals)
+    fits = [path for path in together if looks_like_json(path)]
+    found, straight, noted = workflow.identify_files(
+        measured,
+        fits=[read_fit(path) for path in fits],
+        tests=[path for path in together if path not in fits],
+        **choices,
+    )
     if direct:
         write(direct, _table(straight))
-    found = identify(
-        frf.band(*band) if band else frf,
-        tests=tests,
-        fit=fits[0] if fits else None,
-        mass=mass,
-        mass_sd=mass_sd,
-        seals=seals,
-        arms=arms,
-        parallel_dashpot=parallel_dashpot,
-        static_stiffness=static_stiffness,
-        natural_frequency=natural_frequency,
-        damping_ratio=damping_ratio,
-    )
     if output:
-        write(output, printed(document(found)) + "\n")
-    text = "" if output == "-" else "\n".join([_words.fit(found), *failed(noted)])
-    return Outcome(
-        lambda: document(found) | {"direct": _plain(straight)}, text, (*found.checks, *noted)
-    )
+        write(output, printed(found) + "\n")
+    text = "" if output == "-" else "\n".join([_text.fit(found), *failed(noted)])
+    return Outcome(found, text, (*found.checks, *noted), {"direct": _plain(straight)})
 
 
 def _plain(straight: DynamicStiffness) -> dict[str, Any]:
@@ -149,21 +111,3 @@ def _table(straight: DynamicStiffness) -> str:
     )
     rows = zip(*(column.tolist() for column in columns), strict=True)
     return head + "".join(",".join(map(repr, row)) + "\n" for row in rows)
-
-
-def _partners(paths: tuple[str, ...], options: ReadOptions) -> tuple[list[RampHold], list[Fit]]:
-    """Return the relaxation tests and the fits among the files given with ``--with``."""
-    from dashpot.base.errors import ReadError
-    from dashpot.cli._inputs import looks_like_json, read_fit
-    from dashpot.io.read import read_relaxation
-    from dashpot.preparation.prepare import prepare
-
-    fits = [read_fit(path) for path in paths if looks_like_json(path)]
-    tests = [
-        prepare(read_relaxation(path, options=options))
-        for path in paths
-        if not looks_like_json(path)
-    ]
-    if len(fits) > 1 or (fits and tests):
-        raise ReadError("--with takes relaxation tests or one fit, not both: leave the fit out")
-    return tests, fits

@@ -6,14 +6,17 @@ from typing import TYPE_CHECKING
 
 import click
 
-from dashpot.cli._reading import reading
-from dashpot.cli._shell import Outcome, reports, write
+from dashpot import workflow
+from dashpot.cli._options import reading
+from dashpot.cli._shell import Outcome, failed, reports, write
+from dashpot.cli._text import table
+from dashpot.io.options import ReadOptions
 
 if TYPE_CHECKING:
-    from dashpot.io.options import ReadOptions
+    from dashpot.workflow.inspections import InspectedFile
 
 
-@click.command("inspect", short_help="What is in a file: columns, units, sampling, segments.")
+@click.command("inspect")
 @click.argument("files", nargs=-1, required=True, metavar="FILE...")
 @click.option("--save-profile", metavar="FILE", help="Keep the options given here as a profile.")
 @reports
@@ -25,22 +28,71 @@ def command(*, files: tuple[str, ...], save_profile: str | None, options: ReadOp
     dashpot inspect seal_8mm.csv
     dashpot inspect raw.txt --force Kraft --units "force=N" --save-profile lab.toml
     """
-    from dashpot.cli import _inspection
-    from dashpot.io.read import inspect_file
-    from dashpot.io.reading_profile import dump_profile
-
-    found = [inspect_file(path, options=options) for path in files]
-    tests = [
-        _inspection.prepared(item, path, options) for item, path in zip(found, files, strict=True)
-    ]
+    found = workflow.inspect_files(files, options=options)
     if save_profile:
+        from dashpot.io.reading_profile import dump_profile
+
         write(save_profile, dump_profile(options))
-    pairs = list(zip(found, tests, strict=True))
-    return Outcome(
-        lambda: {
-            "schema": "dashpot/inspection@1",
-            "files": [_inspection.document(item, test) for item, test in pairs],
-        },
-        "\n\n".join(_inspection.text(item, test) for item, test in pairs),
-        tuple(check for _, test in pairs for check in _inspection.checks(test)),
+    return Outcome(found, "\n\n".join(_text(one) for one in found.files), found.checks)
+
+
+def _text(found: InspectedFile) -> str:
+    """Return an inspection for people."""
+    how = (
+        found.format,
+        found.encoding,
+        f"delimiter {_shown(found.delimiter)}" if found.delimiter else "",
+        f"decimal {found.decimal!r}" if found.decimal else "",
     )
+    lines = [
+        f"{found.file}: {found.kind} ({found.reason})",
+        f"  format    {', '.join(part for part in how if part)}",
+    ]
+    if found.simulated:
+        lines.append("  SIMULATED: made by the virtual rig or hammer, not measured")
+    lines.append(f"  sampling  {_sampling(found)}")
+    if found.header:
+        lines.append(f"  header    {len(found.header)} lines above the table")
+    rows = [["  #", "column", "unit", "role", "because"]]
+    rows += [
+        [
+            f"  {column.number}",
+            column.name or "(no name)",
+            column.unit or "?",
+            column.role or "-",
+            column.reason,
+        ]
+        for column in found.columns
+    ]
+    lines += table(rows, left=True)
+    lines += [f"  segment   {segment.name}: {segment.rows} rows" for segment in found.segments]
+    lines += [f"  note      {warning}" for warning in found.warnings]
+    lines += [f"  ASK       {question.says}" for question in found.questions]
+    if found.refusal:
+        lines.append(f"  ! cannot be prepared: {found.refusal}")
+    if seen := found.preparation:
+        lines += [
+            (
+                f"  ramp      {seen.onset:.4g} to {seen.ramp_end:.4g} s ({seen.ramp_time:.4g} s), "
+                f"{seen.depth * 1e3:.4g} mm"
+            ),
+            f"  hold      to {seen.hold_end:.5g} s ({seen.hold_time:.4g} s)",
+            (
+                f"  noise     force {seen.force_noise * 1e3:.3g} mN, "
+                f"displacement {seen.displacement_noise * 1e6:.3g} um"
+            ),
+            *failed(seen.checks),
+        ]
+    return "\n".join(lines)
+
+
+def _sampling(found: InspectedFile) -> str:
+    if found.rate is None:
+        return f"{found.rows} rows, no clock"
+    even = "even" if found.even else "uneven"
+    duration = "" if found.duration is None else f" over {found.duration:.5g} s"
+    return f"{found.rows} rows, {found.rate:.6g} Hz, {even}{duration}"
+
+
+def _shown(mark: str) -> str:
+    return {"\t": "tab", " ": "space"}.get(mark, repr(mark))

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import click
 
-from dashpot.cli._shell import Outcome, Quantity, reports, said, write
+import dashpot as dp
+from dashpot.base.errors import DataError
+from dashpot.cli._options import Quantity
+from dashpot.cli._shell import Outcome, read_model, reports, said, write
 
 
-@click.command("simulate", short_help="The virtual rig and hammer, stamped 'simulated'.")
+@click.command("simulate")
 @click.argument("what", type=click.Choice(["relaxation", "impact"]))
 @click.option(
     "--model",
@@ -32,45 +37,14 @@ from dashpot.cli._shell import Outcome, Quantity, reports, said, write
 @click.option("--record", type=Quantity("time"), help="Record after each hit.")
 @click.option("-o", "--output", metavar="FILE", required=True, help="CSV; - is stdout.")
 @reports
-def command(
-    *,
-    what: str,
-    model: str,
-    seed: int,
-    noise_free: bool,
-    depth: float,
-    ramp: float,
-    hold: float,
-    rate: float | None,
-    mass: float | None,
-    seals: float,
-    hits: int,
-    record: float | None,
-    output: str,
-) -> Outcome:
+def command(*, what: str, output: str, **choices: Any) -> Outcome:
     """Simulate a relaxation or an impact test; the truth stands beside it in FILE.truth.json.
 
     \b
     dashpot simulate relaxation --model paper -o seal_8mm.csv
     dashpot simulate impact --model broad --hits 5 -o hammer.csv
     """
-    from dashpot.cli._virtual import impact, relaxation
-
-    if what == "relaxation":
-        text, truth = relaxation(
-            model, depth=depth, ramp=ramp, hold=hold, rate=rate, noise_free=noise_free, seed=seed
-        )
-    else:
-        text, truth = impact(
-            model,
-            mass=mass,
-            seals=seals,
-            hits=hits,
-            record=record,
-            rate=rate,
-            noise_free=noise_free,
-            seed=seed,
-        )
+    text, truth = (relaxation if what == "relaxation" else impact)(**choices)
     write(output, text)
     beside = None
     if output != "-":
@@ -78,4 +52,65 @@ def command(
         Path(beside).write_text(truth, encoding="utf-8")
         said(f"wrote {beside}")
     document = {"schema": "dashpot/simulated@1", "what": what, "file": output, "truth": beside}
-    return Outcome(lambda: document, "" if output == "-" else f"{output}: a simulated {what} test")
+    return Outcome(document, "" if output == "-" else f"{output}: a simulated {what} test")
+
+
+def seal(name: str) -> tuple[dp.GeneralizedMaxwell, float | None]:
+    """Return a demonstration seal and its block's mass, or the model of a fit's JSON file."""
+    from dashpot.solids.table_1 import SEALS
+
+    return SEALS[name] if name in SEALS else (read_model(name), None)
+
+
+def relaxation(
+    *,
+    model: str,
+    depth: float = 8e-3,
+    ramp: float = 1.0,
+    hold: float = 40.0,
+    rate: float | None = None,
+    noise_free: bool = False,
+    seed: int = 0,
+    **_: object,
+) -> tuple[str, str]:
+    """Return a simulated relaxation test as CSV, and its truth as JSON."""
+    from dashpot.io.writers.text import write_relaxation
+
+    room = dp.simulation
+    rig = _chosen(room.Rig(), noise_free=noise_free, rate=rate)
+    made = room.simulate_relaxation(
+        seal(model)[0], depth=depth, ramp_time=ramp, hold_time=hold, rig=rig, seed=seed
+    )
+    return write_relaxation(made.test, comments=room.stamp(made.truth)), room.truth_json(made.truth)
+
+
+def impact(
+    *,
+    model: str,
+    mass: float | None = None,
+    seals: float = 2.0,
+    hits: int = 5,
+    record: float | None = None,
+    rate: float | None = None,
+    noise_free: bool = False,
+    seed: int = 0,
+    **_: object,
+) -> tuple[str, str]:
+    """Return a simulated hammer test as CSV, and its truth as JSON."""
+    from dashpot.io.writers.text import write_impact
+
+    solid, known = seal(model)
+    block = mass if mass is not None else known
+    if block is None:
+        raise DataError(f"the mass under the hammer is not known for {model}; add --mass")
+    room = dp.simulation
+    rig = _chosen(room.Hammer(), noise_free=noise_free, record=record, rate=rate)
+    made = room.simulate_impact(solid, mass=block, seals=seals, hits=hits, rig=rig, seed=seed)
+    return write_impact(made.test, comments=room.stamp(made.truth)), room.truth_json(made.truth)
+
+
+def _chosen(instrument: Any, *, noise_free: bool, **said: float | None) -> Any:
+    """Return an instrument with what the user said of it."""
+    told = {name: value for name, value in said.items() if value is not None}
+    chosen = replace(instrument, **told)
+    return chosen.noise_free() if noise_free else chosen

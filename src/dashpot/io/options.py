@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 
 from dashpot.base.errors import DataError
+from dashpot.base.options import option
 
 ROLES = (
     "time", "displacement", "force", "acceleration",
@@ -20,9 +21,30 @@ _DELIMITERS = {
 _DECIMALS = {"point": ".", "dot": ".", "comma": ","}
 
 
+def parse_units(text: str) -> dict[str, str]:
+    """Return ``{"force": "N", "displacement": "mm"}`` from ``"force=N, displacement=mm"``."""
+    units = {}
+    for part in text.split(","):
+        name, equals, unit = part.rpartition("=")
+        if not (equals and name.strip() and unit.strip()):
+            raise DataError(
+                f"--units \"{text}\": '{part.strip()}' is not 'role=unit'; "
+                'write for example --units "force=N,displacement=mm"'
+            )
+        units[name.strip()] = unit.strip()
+    return units
+
+
+def all_units(texts: Sequence[str]) -> dict[str, str]:
+    """Return the units of several such texts; the last word wins."""
+    return {name: unit for text in texts for name, unit in parse_units(text).items()}
+
+
 @dataclass(frozen=True)
 class ReadOptions:
     """Answers to what a file leaves open; everything None is found in the file.
+
+    Fields that are options are the command line's.
 
     Attributes
     ----------
@@ -49,25 +71,29 @@ class ReadOptions:
         The axis of the calibrated transducer that is the force.
     """
 
-    time: str | None = None
-    displacement: str | None = None
-    force: str | None = None
-    acceleration: tuple[str, ...] = ()
+    time: str | None = option(None, "Column of time.", metavar="COLUMN")
+    displacement: str | None = option(None, "Column of displacement.", metavar="COLUMN")
+    force: str | None = option(None, "Column of force (hammer or bench).", metavar="COLUMN")
+    acceleration: tuple[str, ...] = option(
+        (), "Column of acceleration.", metavar="COLUMN", multiple=True
+    )
     frequency: str | None = None
     storage: str | None = None
     loss: str | None = None
     temperature: str | None = None
     modulus: str | None = None
-    units: Mapping[str, str] | tuple[tuple[str, str], ...] = ()
-    rate: float | None = None
-    delimiter: str | None = None
-    decimal: str | None = None
-    encoding: str | None = None
-    skip_rows: int = 0
-    segment: int | None = None
-    sheet: str | None = None
-    calibration: str | None = None
-    axis: str = "Fz"
+    units: Mapping[str, str] | tuple[tuple[str, str], ...] = option(
+        (), 'E.g. "force=N,time=s".', metavar="ROLE=UNIT", multiple=True, parse=all_units
+    )
+    rate: float | None = option(None, "Sampling rate, if there is no time.", unit="frequency")
+    delimiter: str | None = option(None, "tab, space, comma, ';', fixed, ...")
+    decimal: str | None = option(None, "point or comma.")
+    encoding: str | None = option(None, "E.g. utf-8, cp1250, gb18030.")
+    skip_rows: int = option(0, "Lines to pass over.", least=0)
+    segment: int | None = option(None, "Which segment of the file.", least=1)
+    sheet: str | None = option(None, "Sheet of a workbook, group of TDMS or HDF5.")
+    calibration: str | None = option(None, "ATI .cal file: gauge volts to force.", metavar="FILE")
+    axis: str = option("Fz", "Axis of the calibrated transducer.")
 
     def __post_init__(self) -> None:
         pairs = self.units.items() if isinstance(self.units, Mapping) else self.units
@@ -104,23 +130,9 @@ class ReadOptions:
         """These options, and the profile's wherever these say nothing."""
         default = ReadOptions()
         said = {
-            field.name: getattr(self, field.name)
-            for field in fields(self)
-            if getattr(self, field.name) != getattr(default, field.name)
+            one.name: getattr(self, one.name)
+            for one in fields(self)
+            if getattr(self, one.name) != getattr(default, one.name)
         }
         said["units"] = {**dict(profile.units), **dict(self.units)}
         return replace(profile, **said)
-
-
-def parse_units(text: str) -> dict[str, str]:
-    """Return ``{"force": "N", "displacement": "mm"}`` from ``"force=N, displacement=mm"``."""
-    units = {}
-    for part in text.split(","):
-        name, equals, unit = part.rpartition("=")
-        if not (equals and name.strip() and unit.strip()):
-            raise DataError(
-                f"--units \"{text}\": '{part.strip()}' is not 'role=unit'; "
-                'write for example --units "force=N,displacement=mm"'
-            )
-        units[name.strip()] = unit.strip()
-    return units

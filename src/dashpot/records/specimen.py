@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
-import numpy as np
-
 from dashpot.base.errors import DataError
+from dashpot.base.options import option
 
 
 @dataclass(frozen=True)
@@ -25,13 +25,13 @@ class Specimen:
         Anything else worth keeping: material, fixing, load history.
     """
 
-    length: float | None = None
-    height: float | None = None
-    temperature: float | None = None
-    notes: str = ""
+    length: float | None = option(None, "Contact length of the seal, e.g. 50mm.", unit="length")
+    height: float | None = option(None, "Free height of the section.", unit="length")
+    temperature: float | None = option(None, "Test temperature, e.g. 23degC.", unit="temperature")
+    notes: str = option("", "Material, fixing, load history.")
 
     def __post_init__(self) -> None:
         for name in ("length", "height", "temperature"):
             value = getattr(self, name)
-            if value is not None and not (np.isfinite(value) and value > 0):
+            if value is not None and not (math.isfinite(value) and value > 0):
                 raise DataError(f"specimen {name} = {value!r}; expected a number > 0 in SI units")

@@ -19,6 +19,8 @@ from dashpot.records.impact import ImpactTest
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 from dashpot.vibration.comparison.comparison import Comparison
+from dashpot.workflow.impacts import ImpactResult
+from dashpot.workflow.inspections import InspectedFile, Inspections
 from dashpot.workflow.job import Job
 from dashpot.workflow.study import Study
 
@@ -30,6 +32,8 @@ SCHEMAS: dict[str, type] = {
     "dashpot/fit@1": Fit,
     "dashpot/impact-test@1": ImpactTest,
     "dashpot/frf@1": FRF,
+    "dashpot/impact@1": ImpactResult,
+    "dashpot/inspection@1": Inspections,
     "dashpot/comparison@1": Comparison,
     "dashpot/plan@1": Plan,
     "dashpot/job@1": Job,
@@ -194,10 +198,32 @@ def _comparison_contract(comparison: Comparison, plain: dict[str, Any]) -> dict[
     }
 
 
+def _impact_contract(result: ImpactResult, plain: dict[str, Any]) -> dict[str, Any]:
+    frf = plain["frf"]
+    return {
+        "estimator": result.estimator,
+        "window": result.window,
+        "averages": result.frf.averages,
+        "modes": plain["modes"],
+        "peak": result.peak,
+        **{key: frf[key] for key in ("hits", "checks", "source")},
+        "file": result.file,
+        "frf": frf,
+    }
+
+
+def _inspected_contract(_file: InspectedFile, plain: dict[str, Any]) -> dict[str, Any]:
+    refusal, seen = plain.pop("refusal"), plain.pop("preparation")
+    told = {"error": refusal} if refusal else seen
+    return {**plain, "preparation": told} if told else plain
+
+
 _CONTRACTS: dict[type, Callable[[Any, dict[str, Any]], dict[str, Any]]] = {
     GeneralizedMaxwell: _model_contract,
     Fit: _fit_contract,
     Comparison: _comparison_contract,
+    ImpactResult: _impact_contract,
+    InspectedFile: _inspected_contract,
 }
 
 
@@ -231,6 +257,8 @@ def _restored(value: Any) -> Any:
     restored = {key: _restored(item) for key, item in value.items()}
     if value.get("schema") == "dashpot/fit@1":
         return _restored_fit(restored)
+    if "preparation" in restored and "error" in restored["preparation"]:
+        restored["refusal"] = restored.pop("preparation")["error"]
     return restored
 
 

@@ -37,8 +37,8 @@ from dashpot.io.options import ReadOptions
 from dashpot.io.reading_profile import dump_profile
 from dashpot.workflow import checks
 from dashpot.workflow.archive import document, from_json, to_json
-from dashpot.workflow.job import Job, run
-from dashpot.workflow.study import Study
+from dashpot.workflow.job import Job
+from dashpot.workflow.study import Study, run
 
 SCHEMA = "dashpot/project@1"
 _GENESIS = "0" * 64

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -13,18 +13,19 @@ from dashpot.base.errors import DataError, FitError
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.uncertainty.prediction_bounds import frf_band, parameter_band, unseen_arm_band
+from dashpot.io.read import read_relaxation
 from dashpot.preparation.prepare import prepare
 from dashpot.records.bounds import FRFBounds, StiffnessBounds
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
 from dashpot.records.impact import ImpactTest
 from dashpot.records.relaxation import RampHold, RelaxationTest
-from dashpot.vibration.comparison.compare import compare
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness, dynamic_stiffness
-from dashpot.vibration.modal.mass import infer_mass
 from dashpot.vibration.systems.prediction import predict_frf
 from dashpot.workflow.checks import hold_fit_possible
+from dashpot.workflow.impacts import held_against, read_measured, total_mass, weighed
+from dashpot.workflow.job import Job
 
 COMPARED_ORDERS = (1, 2)
 """The numbers of arms that the paper's Fig. 4 compares."""
@@ -149,9 +150,9 @@ def characterise(
     """
     prepared = prepare(test, filter=filter)
     chosen = fit(prepared, arms=arms)
-    weighed = mass
-    if mass is None and measured is not None:
-        mass, _ = infer_mass(seals * chosen.model, measured)
+    given = mass
+    if measured is not None:
+        mass = weighed(chosen, measured, mass=mass, seals=seals)
     prediction = comparison = None
     if mass is not None:
         prediction, comparison = _predicted(
@@ -159,9 +160,7 @@ def characterise(
         )
     both = mended = agreement = None
     if joint and measured is not None and mass is not None:
-        both = identify(
-            measured, tests=[prepared], fit=chosen, mass=weighed, seals=seals, band=band
-        )
+        both = identify(measured, tests=[prepared], fit=chosen, mass=given, seals=seals, band=band)
         mended, agreement = _predicted(
             both, measured, mass=_mass_of(both, mass), seals=seals, band=band, depth=prepared.depth
         )
@@ -176,7 +175,7 @@ def characterise(
         hold_fit=hold_fit,
         seals=seals,
         mass=mass,
-        mass_inferred=weighed is None and mass is not None,
+        mass_inferred=given is None and mass is not None,
         prediction=prediction,
         impact=impact,
         measured=measured,
@@ -196,6 +195,29 @@ def characterise(
     )
 
 
+def run(job: Job) -> Study:
+    """Read the files of a job and characterise the seal."""
+    test = read_relaxation(job.relaxation, options=job.reading, specimen=job.specimen)
+    impact = measured = None
+    mass, noted = total_mass(job.mass, seal=job.seal_mass, seals=job.seals)
+    if job.impact:
+        impact, measured = read_measured(
+            job.impact, choices=job.hammer, options=job.reading_impact, mass=mass
+        )
+    study = characterise(
+        test,
+        measured,
+        impact=impact,
+        mass=mass,
+        seals=job.seals,
+        arms=job.arms,
+        band=job.band,
+        filter=job.filter,
+        joint=job.joint,
+    )
+    return replace(study, checks=(*study.checks, *noted))
+
+
 def _predicted(
     found: Fit,
     measured: FRF | None,
@@ -206,15 +228,10 @@ def _predicted(
     depth: float,
 ) -> tuple[FRF, Comparison | None]:
     """Return the FRF that a fit predicts, on the measured lines if there are any."""
-    solid = seals * found.model
     if measured is None:
+        solid = seals * found.model
         return predict_frf(solid, mass=mass, frequency=_lines(solid.k_0, mass)), None
-    prediction = predict_frf(
-        solid, mass=mass, frequency=measured.frequency, kind=measured.kind, shift=measured.shift
-    )
-    return prediction, compare(
-        prediction, measured, fit=found, mass=mass, seals=seals, band=band, depth=depth
-    )
+    return held_against(found, measured, mass=mass, seals=seals, band=band, depth=depth)
 
 
 def _prediction_bounds(

@@ -1,0 +1,154 @@
+"""Options: those that a noun's fields declare, and those that several commands share."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from dataclasses import MISSING, Field, fields
+from typing import Any, TypeVar
+
+import click
+
+from dashpot.base.errors import DashpotError
+from dashpot.base.units import Dimension, parse_quantity, parse_range
+from dashpot.io.options import ReadOptions
+from dashpot.records.specimen import Specimen
+
+T = TypeVar("T")
+
+
+class Quantity(click.ParamType[Any]):
+    """A number with its unit, such as ``104g``; the value passed on is in SI."""
+
+    _parsed: Callable[[str, Dimension], Any] = staticmethod(parse_quantity)
+
+    def __init__(self, dimension: Dimension) -> None:
+        self.dimension: Dimension = dimension
+        self.name = dimension
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        if not isinstance(value, str):
+            return value
+        try:
+            return self._parsed(value, self.dimension)
+        except DashpotError as error:
+            self.fail(str(error), param, ctx)
+
+
+class Range(Quantity):
+    """Two quantities, such as ``1:50Hz``, in SI."""
+
+    _parsed = staticmethod(parse_range)
+
+
+class Arms(click.ParamType[Any]):
+    """A number of Maxwell arms, or ``auto``."""
+
+    name = "auto|N"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        if value == "auto" or isinstance(value, int):
+            return value
+        if not value.isdecimal():
+            self.fail(
+                f"'{value}' is not a number of arms; expected 'auto', 0, 1, 2, ...", param, ctx
+            )
+        return int(value)
+
+
+def filled(
+    noun: type, receives: str, *, show_default: bool = False
+) -> Callable[[Callable[..., T]], Callable[..., T]]:
+    """Give a command the options that the fields of `noun` declare; it receives one noun.
+
+    A field is an option if :func:`~dashpot.base.options.option` made it.
+    """
+    asked = [one for one in fields(noun) if one.metadata]
+
+    def decorate(function: Callable[..., T]) -> Callable[..., T]:
+        @functools.wraps(function)
+        def command(**said: Any) -> T:
+            own = {one.name: _value(one, said.pop(one.name)) for one in asked}
+            return function(**{receives: noun(**own)}, **said)
+
+        for one in reversed(asked):
+            how = {key: one.metadata[key] for key in one.metadata if key in _PASSED}
+            named = click.option(
+                f"--{one.name.replace('_', '-')}",
+                one.name,
+                type=_type(one),
+                default=None if one.default is MISSING or "multiple" in how else one.default,
+                show_default=show_default,
+                **how,
+            )
+            command = named(command)
+        return command
+
+    return decorate
+
+
+_PASSED = ("help", "metavar", "multiple")
+
+
+def _type(one: Field[Any]) -> click.ParamType[Any] | None:
+    asked = one.metadata
+    if "unit" in asked:
+        return Quantity(asked["unit"])
+    if "choices" in asked:
+        return click.Choice(asked["choices"])
+    return click.IntRange(asked["least"]) if "least" in asked else None
+
+
+def _value(one: Field[Any], said: Any) -> Any:
+    return one.metadata["parse"](said) if "parse" in one.metadata else said
+
+
+def specimen(function: Callable[..., T]) -> Callable[..., T]:
+    """Give a command the options that describe the specimen; it receives one ``specimen``."""
+    return filled(Specimen, "specimen")(function)
+
+
+def hammer(function: Callable[..., T]) -> Callable[..., T]:
+    """Give a command the options of an impact test; it receives one ``hammer``."""
+    from dashpot.workflow.job import HammerChoices
+
+    return filled(HammerChoices, "hammer", show_default=True)(function)
+
+
+def reading(function: Callable[..., T]) -> Callable[..., T]:
+    """Give a command the reading options and ``--profile``; it receives one ``options``."""
+
+    @click.option("--profile", metavar="FILE", help="Saved answers, TOML; options win over it.")
+    @functools.wraps(function)
+    def command(*, options: ReadOptions, profile: str | None, **said: Any) -> T:
+        return function(options=over_profile(options, profile), **said)
+
+    return filled(ReadOptions, "options")(command)
+
+
+def over_profile(options: ReadOptions, path: str | None) -> ReadOptions:
+    """Return what the user said, and what the profile says wherever the user said nothing."""
+    if not path:
+        return options
+    from dashpot.io.reading_profile import load_profile
+
+    return options.over(load_profile(path))
+
+
+arms = click.option("--arms", type=Arms(), default="auto", show_default=True, help="Maxwell arms.")
+mass = click.option("--mass", type=Quantity("mass"), required=True, help="Block mass, e.g. 104g.")
+mass_if_known = click.option(
+    "--mass", type=Quantity("mass"), help="Block mass; inferred, and said so, if missing."
+)
+seal_mass = click.option(
+    "--seal-mass", type=Quantity("mass"), help="Of one seal; a third moves along."
+)
+seals = click.option(
+    "--seals", type=float, default=1.0, show_default=True, help="Seals in parallel."
+)
+compared = click.option("--band", type=Range("frequency"), help="Lines compared, e.g. 5:40Hz.")
+filtered = click.option("--filter", metavar="SPEC", help="E.g. lowpass:10Hz; off by default.")
+picture = click.option("--plot", "picture", metavar="FILE", help="Save the figure (png, svg, pdf).")
+fit_output = click.option(
+    "-o", "--output", metavar="FILE", help="Write the fit as JSON; - is stdout."
+)

@@ -1,0 +1,6 @@
+from .impact import Hammer as Hammer
+from .impact import simulate_impact as simulate_impact
+from .relaxation import Rig as Rig
+from .relaxation import simulate_relaxation as simulate_relaxation
+from .truth import stamp as stamp
+from .truth import truth_json as truth_json

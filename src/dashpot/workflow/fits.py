@@ -1,0 +1,91 @@
+"""Which fit suits which record: from files to the solid behind them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Literal
+
+import dashpot as dp
+from dashpot.base.errors import FitError
+from dashpot.io.options import ReadOptions
+from dashpot.records.fit import Fit
+from dashpot.records.relaxation import RampHold, RelaxationTest
+from dashpot.records.specimen import Specimen
+
+
+def fit_files(
+    files: Sequence[str | Path],
+    *,
+    arms: int | Literal["auto"] = "auto",
+    method: Literal["full", "hold"] = "full",
+    depth_law: bool = False,
+    thorough: bool = False,
+    filter: str | None = None,
+    modulus: str | None = None,
+    specimen: Specimen | None = None,
+    options: ReadOptions | None = None,
+) -> tuple[Fit, tuple[RampHold, ...]]:
+    """Fit one solid to the records in files, each in the way that suits it.
+
+    Ramps and holds are fitted together; a dynamic (DMA) sweep alone or with ramps and holds of
+    the same part; a relaxation modulus alone.
+
+    Parameters
+    ----------
+    files : sequence of path
+    arms, method, depth_law, thorough
+        As in :func:`~dashpot.fitting.relaxation.fit`.
+    filter : str, optional
+        As in :func:`~dashpot.preparation.prepare.prepare`.
+    modulus : str, optional
+        The file is a relaxation modulus over time: its column.
+    specimen, options
+        As in :func:`~dashpot.io.readers.relaxation.read_relaxation`.
+
+    Returns
+    -------
+    fit : Fit
+    tests : tuple of RampHold
+        The ramps and holds behind it, as fitted.
+
+    Raises
+    ------
+    ReadError, DataError, FitError
+        If a file cannot be read, prepared or fitted, or the choices exclude each other.
+    """
+    options = options or ReadOptions()
+    column = modulus or options.modulus
+    if column is not None:
+        if len(files) > 1 or depth_law or method == "hold" or filter:
+            raise FitError(
+                "a relaxation modulus is fitted one at a time, without --depth-law, --method hold "
+                "and --filter: it is the answer to a step already"
+            )
+        options = replace(options, modulus=column)
+        curve = dp.read_modulus(files[0], options=options, specimen=specimen)
+        found = dp.fit_modulus(
+            curve.time,
+            curve.modulus,
+            arms=arms,
+            thorough=thorough,
+            unit=curve.unit,
+            source=curve.source,
+            specimen=curve.specimen,
+        )
+        return found, ()
+    tests = [dp.read_bench(path, options=options, specimen=specimen) for path in files]
+    sweeps = [test for test in tests if not isinstance(test, RelaxationTest)]
+    prepared = tuple(
+        dp.prepare(test, filter=filter) for test in tests if isinstance(test, RelaxationTest)
+    )
+    if not sweeps:
+        found = dp.fit(prepared, arms=arms, method=method, depth_law=depth_law, thorough=thorough)
+        return found, prepared
+    if len(sweeps) > 1 or depth_law or method == "hold":
+        raise FitError(
+            "a dynamic sweep is fitted one at a time, alone or with relaxation tests of the "
+            "same part, without --depth-law and --method hold"
+        )
+    return dp.fit_dynamic(sweeps[0], arms=arms, tests=prepared, thorough=thorough), prepared

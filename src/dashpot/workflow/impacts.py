@@ -1,0 +1,263 @@
+"""From the files of a hammer test to an FRF, to a comparison, and to the solid behind it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import dashpot as dp
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError, ReadError
+from dashpot.io.options import ReadOptions
+from dashpot.io.read import inspect_file, read_frf, read_impact
+from dashpot.records.fit import Fit
+from dashpot.records.frf import FRF, Mode
+from dashpot.records.impact import ImpactTest
+from dashpot.vibration.comparison.comparison import Comparison
+from dashpot.vibration.impact.frf_estimation import estimate_frf
+from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness
+from dashpot.vibration.systems.prediction import moving_mass, predict_frf
+from dashpot.workflow.job import HammerChoices
+
+
+@dataclass(frozen=True)
+class ImpactMode:
+    """A mode as the document tells it: what a method cannot tell is None."""
+
+    frequency_hz: float
+    damping_ratio: float
+    frequency_se_hz: float | None
+    damping_ratio_se: float | None
+    method: str
+
+
+@dataclass(frozen=True)
+class ImpactResult:
+    """What ``dashpot impact`` found.
+
+    Attributes
+    ----------
+    frf : FRF
+        With every hit and check.
+    modes : tuple of ImpactMode
+    estimator, window : str
+        How the hits were averaged and windowed.
+    file : str or None
+        Where the FRF was written.
+    """
+
+    frf: FRF
+    modes: tuple[ImpactMode, ...]
+    estimator: str
+    window: str
+    file: str | None = None
+
+    @property
+    def peak(self) -> dict[str, float]:
+        """Frequency, Hz, and magnitude of the highest line."""
+        height = np.abs(self.frf.value)
+        top = int(height.argmax())
+        return {"frequency_hz": float(self.frf.frequency[top]), "value": float(height[top])}
+
+
+def impact_files(
+    files: Sequence[str | Path],
+    *,
+    hammer: HammerChoices | None = None,
+    options: ReadOptions | None = None,
+    mass: float | None = None,
+    band: tuple[float, float] | None = None,
+    file: str | None = None,
+) -> tuple[ImpactResult, tuple[Mode, ...], str]:
+    """Average the hits in files into an FRF and find its modes.
+
+    Parameters
+    ----------
+    files : sequence of path
+    hammer, options
+        How the hits are averaged, and what the user said of the files.
+    mass : float, optional
+        kg, of the block: checks the mass line.
+    band : (float, float), optional
+        Where to look for modes, Hz.
+    file : str, optional
+        Where the FRF will be written; told in the document.
+
+    Returns
+    -------
+    result : ImpactResult
+    modes : tuple of Mode
+        Those of the result, with their residues.
+    reason : str
+        Why no mode was found, else empty.
+    """
+    hammer = hammer or HammerChoices()
+    frf = average(read_impact(list(files), options=options), choices=hammer, mass=mass)
+    modes: tuple[Mode, ...] = ()
+    reason = ""
+    try:
+        modes = frf.modes(band=band)
+    except DataError as error:
+        reason = str(error)
+    told = tuple(
+        ImpactMode(
+            mode.frequency,
+            mode.damping_ratio,
+            _finite(mode.frequency_se),
+            _finite(mode.damping_ratio_se),
+            mode.method,
+        )
+        for mode in modes
+    )
+    return ImpactResult(frf, told, hammer.estimator, hammer.window, file), modes, reason
+
+
+def read_measured(
+    paths: Sequence[str | Path],
+    *,
+    choices: HammerChoices,
+    options: ReadOptions,
+    mass: float | None = None,
+) -> tuple[ImpactTest | None, FRF]:
+    """Return the hits that files hold and their FRF, or the FRF that a file holds."""
+    if len(paths) == 1 and inspect_file(paths[0], options=options).kind == "frf":
+        return None, read_frf(paths[0])
+    impact = read_impact(list(paths), options=options)
+    return impact, average(impact, choices=choices, mass=mass)
+
+
+def average(impact: ImpactTest, *, choices: HammerChoices, mass: float | None = None) -> FRF:
+    """Return the FRF of an impact test under these choices."""
+    return estimate_frf(impact, **asdict(choices), mass=mass)
+
+
+def total_mass(
+    block: float | None, *, seal: float | None, seals: float
+) -> tuple[float | None, tuple[Check, ...]]:
+    """Return the block's mass with what moves of the seals, where both are known."""
+    if block is None or seal is None:
+        return block, ()
+    mass, check = moving_mass(block, seal=seal, seals=seals)
+    return mass, (check,)
+
+
+def weighed(found: Fit, frf: FRF, *, mass: float | None, seals: float) -> float:
+    """Return the mass given, else the one that the FRF implies."""
+    return dp.infer_mass(seals * found.model, frf)[0] if mass is None else mass
+
+
+def held_against(
+    found: Fit,
+    measured: FRF,
+    *,
+    mass: float,
+    seals: float,
+    band: tuple[float, float] | None = None,
+    depth: float | None = None,
+) -> tuple[FRF, Comparison]:
+    """Return what a fit predicts on the measured lines, and how well that agrees."""
+    predicted = predict_frf(
+        seals * found.model,
+        mass=mass,
+        frequency=measured.frequency,
+        kind=measured.kind,
+        shift=measured.shift,
+    )
+    return predicted, dp.compare(
+        predicted, measured, fit=found, mass=mass, seals=seals, band=band, depth=depth
+    )
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """What ``dashpot compare`` found: the comparison, the mass behind it, and all checks."""
+
+    comparison: Comparison
+    mass: float
+    mass_inferred: bool
+    noted: tuple[Check, ...]
+
+
+def compare_files(
+    found: Fit,
+    measured: Sequence[str | Path],
+    *,
+    hammer: HammerChoices,
+    options: ReadOptions,
+    mass: float | None = None,
+    seal_mass: float | None = None,
+    seals: float = 1.0,
+    band: tuple[float, float] | None = None,
+) -> Agreement:
+    """Hold the prediction of a fit against the hits or the FRF in files.
+
+    `mass` is the block's, kg, and `seal_mass` that of one seal; `band` in Hz.
+    """
+    _, frf = read_measured(measured, choices=hammer, options=options, mass=mass)
+    total, noted = total_mass(mass, seal=seal_mass, seals=seals)
+    known = weighed(found, frf, mass=total, seals=seals)
+    _, comparison = held_against(found, frf, mass=known, seals=seals, band=band)
+    return Agreement(comparison, known, mass is None, (*frf.checks, *noted))
+
+
+def identify_files(
+    measured: Sequence[str | Path],
+    *,
+    hammer: HammerChoices,
+    options: ReadOptions,
+    mass: float,
+    seal_mass: float | None = None,
+    seals: float = 1.0,
+    band: tuple[float, float] | None = None,
+    fits: Sequence[Fit] = (),
+    tests: Sequence[str | Path] = (),
+    **choices: Any,
+) -> tuple[Fit, DynamicStiffness, tuple[Check, ...]]:
+    """Identify the solid under a mass from hits or an FRF, alone or with the relaxation test.
+
+    Parameters
+    ----------
+    measured, tests : sequence of path
+        The hammer's files, and relaxation tests to fit together with them.
+    mass, seal_mass : float
+        Of the block and of one seal, kg.
+    band : (float, float), optional
+        Lines fitted, Hz.
+    fits : sequence of Fit
+        At most one, in place of the tests.
+    choices
+        As in :func:`~dashpot.fitting.identification.identify.identify`.
+
+    Returns
+    -------
+    fit : Fit
+    direct : DynamicStiffness
+        Stiffness of one seal straight from the FRF.
+    checks : tuple of Check
+        What the mass of the seals does.
+    """
+    if len(fits) > 1 or (fits and tests):
+        raise ReadError("--with takes relaxation tests or one fit, not both: leave the fit out")
+    _, frf = read_measured(measured, choices=hammer, options=options, mass=mass)
+    total, noted = total_mass(mass, seal=seal_mass, seals=seals)
+    # columns named for the hammer's file need not exist in the bench's; units do no harm
+    plain = ReadOptions(units=options.units)
+    prepared = [dp.prepare(dp.read_relaxation(path, options=plain)) for path in tests]
+    straight = dp.dynamic_stiffness(frf, total or mass, seals=seals)
+    found = dp.identify(
+        frf.band(*band) if band else frf,
+        tests=prepared,
+        fit=fits[0] if fits else None,
+        mass=total or mass,
+        seals=seals,
+        **choices,
+    )
+    return found, straight, noted
+
+
+def _finite(value: float) -> float | None:
+    return value if np.isfinite(value) else None

@@ -1,0 +1,82 @@
+"""What files hold, with what preparation sees in a relaxation test."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+from dashpot.base.checks import Check
+from dashpot.base.errors import DashpotError
+from dashpot.base.provenance import Step
+from dashpot.io.inspection import Inspection
+from dashpot.io.options import ReadOptions
+from dashpot.io.read import inspect_file, read_relaxation
+from dashpot.preparation.prepare import prepare
+
+
+@dataclass(frozen=True)
+class Preparation:
+    """What preparation sees in a relaxation test; SI units, as in a ``RampHold``."""
+
+    onset: float
+    ramp_end: float
+    hold_end: float
+    ramp_time: float
+    hold_time: float
+    depth: float
+    preload: float
+    force_noise: float
+    displacement_noise: float
+    steps: tuple[Step, ...]
+    checks: tuple[Check, ...]
+
+
+@dataclass(frozen=True)
+class InspectedFile(Inspection):
+    """An inspection, and the preparation of what is a relaxation test.
+
+    Attributes
+    ----------
+    preparation : Preparation or None
+    refusal : str
+        Why a relaxation test cannot be prepared.
+    """
+
+    preparation: Preparation | None = None
+    refusal: str = ""
+
+
+@dataclass(frozen=True)
+class Inspections:
+    """What ``dashpot inspect`` found, file by file."""
+
+    files: tuple[InspectedFile, ...]
+
+    @property
+    def checks(self) -> tuple[Check, ...]:
+        """What preparation noticed."""
+        return tuple(
+            check for one in self.files if one.preparation for check in one.preparation.checks
+        )
+
+
+def inspect_files(
+    files: Sequence[str | Path], *, options: ReadOptions | None = None
+) -> Inspections:
+    """Inspect files, and prepare those that are relaxation tests and leave no question open."""
+    options = options or ReadOptions()
+    return Inspections(tuple(_inspected(path, options) for path in files))
+
+
+def _inspected(path: str | Path, options: ReadOptions) -> InspectedFile:
+    found = inspect_file(path, options=options)
+    plain = {one.name: getattr(found, one.name) for one in fields(found)}
+    if found.kind != "relaxation" or found.questions:
+        return InspectedFile(**plain)
+    try:
+        test = prepare(read_relaxation(path, options=options))
+    except DashpotError as error:
+        return InspectedFile(**plain, refusal=str(error))
+    seen = Preparation(**{one.name: getattr(test, one.name) for one in fields(Preparation)})
+    return InspectedFile(**plain, preparation=seen)

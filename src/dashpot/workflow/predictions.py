@@ -1,0 +1,125 @@
+"""From a fit to the FRF of a mass on it, with its peak, its modes and its limits."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import dashpot as dp
+from dashpot.base.checks import Check
+from dashpot.fitting.uncertainty.prediction_bounds import formal_frf_band
+from dashpot.records.bounds import FRFBounds
+from dashpot.records.fit import Fit
+from dashpot.records.frf import FRF, Mode
+from dashpot.vibration.modal.modes import model_modes
+from dashpot.vibration.systems.prediction import moving_mass, predict_frf
+
+# lines of the limits over the predicted band
+LIMIT_LINES = 401
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """The FRF of a mass on `seals` seals, and what is known of it.
+
+    Attributes
+    ----------
+    frf : FRF
+    modes : tuple of Mode
+    peak : (float, float)
+        Frequency, Hz, and height of the largest magnitude, between the lines of the grid too.
+    limits : FRFBounds or None
+        By both kinds of ignorance, if the relaxation record is at hand.
+    noted : Check
+        What the mass of the seals does.
+    document : dict
+        ``dashpot/prediction@1``.
+    """
+
+    frf: FRF
+    modes: tuple[Mode, ...]
+    peak: tuple[float, float]
+    limits: FRFBounds | None
+    noted: Check
+    document: dict[str, Any]
+
+
+def predict_files(
+    found: Fit,
+    records: Sequence[str | Path] = (),
+    *,
+    mass: float,
+    seal_mass: float | None = None,
+    seals: float = 1.0,
+    band: tuple[float, float],
+    lines: int = 2001,
+    kind: str = "accelerance",
+) -> Prediction:
+    """Predict the FRF of a mass on a fitted seal.
+
+    Parameters
+    ----------
+    found : Fit
+        Of one seal.
+    records : sequence of path
+        The relaxation tests behind it: the room they leave for arms that they cannot see.
+    mass, seal_mass : float
+        Of the block and of one seal, kg.
+    seals : float
+    band : (float, float)
+        Hz; `lines` lines are laid over it.
+    kind : str
+        What the FRF relates, as in :func:`~dashpot.vibration.systems.prediction.predict_frf`.
+    """
+    moving, noted = moving_mass(mass, seal=seal_mass or 0.0, seals=seals)
+    solid = seals * found.model
+    frf = predict_frf(solid, mass=moving, frequency=np.linspace(*band, lines), kind=kind)
+    modes = model_modes(solid, moving)
+    limits = None
+    if records:
+        tests = [dp.prepare(dp.read_relaxation(path)) for path in records]
+        about = np.linspace(max(frf.frequency[0], 1e-3), frf.frequency[-1], LIMIT_LINES)
+        limits = dp.frf_band(found, tests, mass=moving, frequency=about, seals=seals)
+    top = int(np.abs(frf.value).argmax())
+    low, high = frf.frequency[max(top - 1, 0)], frf.frequency[min(top + 1, len(frf.value) - 1)]
+    fine = predict_frf(solid, mass=moving, frequency=np.linspace(low, high, 2001), kind=frf.kind)
+    height = np.abs(fine.value)
+    peak = float(fine.frequency[height.argmax()]), float(height.max())
+    document = {
+        "schema": "dashpot/prediction@1",
+        "mass": mass,
+        "moving_mass": moving,
+        "seals": seals,
+        "kind": str(frf.kind),
+        "unit": frf.unit,
+        "peak": {"frequency_hz": peak[0], "value": peak[1]},
+        "modes": [
+            {"frequency_hz": mode.frequency, "damping_ratio": mode.damping_ratio} for mode in modes
+        ],
+        "band_hz": list(found.band),
+        "extrapolated": any(not found.band[0] <= mode.frequency <= found.band[1] for mode in modes),
+        "frequency_hz": frf.frequency.tolist(),
+        "real": frf.value.real.tolist(),
+        "imag": frf.value.imag.tolist(),
+        "limits": _plain(found, limits, mass=moving, seals=seals, frf=frf),
+    }
+    return Prediction(frf, modes, peak, limits, noted, document)
+
+
+def _plain(
+    found: Fit, limits: FRFBounds | None, *, mass: float, seals: float, frf: FRF
+) -> dict[str, Any]:
+    """Return the limits of the accelerance, 1/kg; null where nothing limits it."""
+    lines = frf.frequency[frf.frequency > 0]
+    f = np.linspace(lines[0], lines[-1], LIMIT_LINES) if limits is None else limits.frequency
+    formal = formal_frf_band(found, mass=mass, frequency=f, seals=seals)
+    plain: dict[str, Any] = {"frequency_hz": f.tolist(), "parameter": formal.tolist()}
+    if limits is not None:
+        plain["unseen"] = [
+            [float(value) if np.isfinite(value) else None for value in row] for row in limits.unseen
+        ]
+    return plain
