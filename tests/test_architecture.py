@@ -6,9 +6,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import pytest
-
-import dashpot
 from dashpot.io.writers.text import write_relaxation
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.table_1 import PAPER
@@ -82,9 +79,3 @@ def test_fitting_from_the_shell_loads_what_it_needs(tmp_path):
         "dashpot.vibration",
     }  # fmt: skip
     assert not loaded & (HEAVY | others)
-
-
-@pytest.mark.parametrize("name", dashpot.__all__)
-def test_every_public_name_has_a_home_and_says_what_it_is(name):
-    thing = getattr(dashpot, name)
-    assert isinstance(thing, str) or thing.__doc__

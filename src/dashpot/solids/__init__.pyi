@@ -1,0 +1,1 @@
+from . import networks as networks
