@@ -104,6 +104,7 @@ def test_impact_compare_identify_json(folder, tmp_path):
     assert len(impact["hits"]) == 4
     assert {"accepted", "reasons"} <= set(impact["hits"][0])
     assert impact["file"] == str(tmp_path / "frf.csv")
+    assert json.loads(dp.to_json(dp.from_json(json.dumps(impact)))) == impact
     for measured in (folder / "impact.csv", tmp_path / "frf.csv"):
         found = document("compare", tmp_path / "fit.json", measured, *MASS)
         assert {"predicted_hz", "measured_hz", "ratio_db"} <= set(found["peak"])
@@ -129,7 +130,10 @@ def test_predict_plan_inspect_export_json(folder, tmp_path):
     assert predicted["frequency_hz"][0] == 5.0
     assert predicted["extrapolated"] is True
     assert document("plan", "--at", "12.71Hz")["expected"]["loss_factor_sd"] > 0.1
-    (seen,) = document("inspect", folder / "seal_8mm.csv")["files"]
+    told = document("inspect", folder / "seal_8mm.csv", folder / "impact.csv")
+    assert json.loads(dp.to_json(dp.from_json(json.dumps(told)))) == told
+    seen, hammer = told["files"]
+    assert "preparation" not in hammer
     assert seen["kind"] == "relaxation"
     assert [column["role"] for column in seen["columns"]] == ["time", "displacement", "force"]
     assert seen["preparation"]["ramp_time"] == pytest.approx(1, abs=0.02)

@@ -14,6 +14,8 @@ from kit.fits import a_fit
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.provenance import Source, Step
+from dashpot.io.inspection import InspectedColumn, Segment
+from dashpot.io.table import Question
 from dashpot.planning.plan import plan
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.estimate import Nuisance, Profile, Residual
@@ -26,6 +28,8 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.comparison.compare import compare
 from dashpot.vibration.systems.prediction import predict_frf
 from dashpot.workflow.archive import from_json, to_json
+from dashpot.workflow.impacts import ImpactMode, ImpactResult
+from dashpot.workflow.inspections import InspectedFile, Inspections, Preparation
 from dashpot.workflow.job import Job
 
 SOURCE = Source("seal.csv", "0" * 64, "text", ("time [s]",), ("a note",), simulated=True)
@@ -61,6 +65,22 @@ MEASURED = FRF(
 )
 IMPACT = ImpactTest(TIME, TIME, np.array([TIME, -TIME]), positions=(0.05, -0.05), source=(SOURCE,))
 PREDICTED = predict_frf(2 * MODEL, mass=0.104, frequency=FREQUENCY)
+MODES = (ImpactMode(12.7, 0.03, 0.01, None, "rational"),)
+INSPECTED = {"file": "a.csv", "sha256": "0" * 64, "format": "text", "kind": "relaxation"}
+SEEN = Preparation(0.1, 1.1, 41.0, 1.0, 39.9, 8e-3, 0.05, 4e-3, 1e-5, RAMP.steps, RAMP.checks)
+INSPECTIONS = Inspections(
+    (
+        InspectedFile(**INSPECTED, reason="it moves", preparation=SEEN),
+        InspectedFile(**INSPECTED, reason="it moves", refusal="there is no ramp"),
+        InspectedFile(
+            **INSPECTED | {"kind": "unclear"},
+            reason="nothing fits",
+            columns=(InspectedColumn(1, "t", "s", "time", "its name", (0.0, None)),),
+            segments=(Segment("Hit 1", 100, 0.0, None),),
+            questions=(Question("which is force?", "--force"),),
+        ),
+    )
+)
 NOUNS = [
     MODEL,
     DynamicTest(np.array([1.0, 2.0, 5.0]), np.array([3.0, 4.0, 5.0]), np.array([0.1, 0.2, 0.1])),
@@ -72,6 +92,8 @@ NOUNS = [
     PREDICTED,
     compare(PREDICTED, replace(MEASURED, shift=0.0, record=None)),
     plan(depth=8e-3, ramp_time=1.0, hold_time=40.0, rate=100.0, noise=5e-3, at=12.71),
+    ImpactResult(MEASURED, MODES, "Hv", "none", "frf.csv"),
+    INSPECTIONS,
     Job("a.csv", ("b.csv",), mass=0.104, arms="auto", band=(5.0, 40.0)),
 ]
 
