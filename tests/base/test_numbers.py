@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dashpot.base.numbers import (
+    ascii_only,
     decibels,
     duration,
     interval,
@@ -97,3 +98,13 @@ def test_long_numbers_in_steps_are_shortened_and_words_are_not():
     assert shorter("1.5264523502809903") == "1.52645"
     assert shorter("0.25") == "0.25"
     assert shorter("lowpass:10.0000Hz") == "lowpass:10.0000Hz"
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "text"),
+    [(-0.25, 0.012, "-0.250"), (2.5e-7, None, "2.50e-7"), (-math.inf, None, "-inf")],
+)
+def test_terminals_get_the_same_digits_in_their_alphabet(value, error, text):
+    printed = ascii_only(rounded(value, error))
+    assert printed == text
+    assert printed.isascii()

@@ -9,6 +9,7 @@ _PARAMETER = re.compile(r"\bk_inf\b|\b(?:ln_)?(?:k|tau|b)_\d+\b|\btau\b")
 MINUS = "−"
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
+_ASCII = str.maketrans(f"{MINUS}⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "--0123456789") | {ord("∞"): "inf"}
 
 
 def rounded(value: float, error: float | None = None, *, digits: int = 3) -> str:
@@ -23,6 +24,11 @@ def rounded(value: float, error: float | None = None, *, digits: int = 3) -> str
     if decimals > 9:
         return _plain(value, 10)
     return f"{round(value, decimals):.{max(decimals, 0)}f}".replace("-", MINUS)
+
+
+def ascii_only(text: str) -> str:
+    """A number as :func:`rounded` prints it in the alphabet that every terminal has."""
+    return text.replace("·10", "e").translate(_ASCII)
 
 
 def _plain(value: float, digits: int) -> str:

@@ -6,6 +6,8 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
+from dashpot.base import numbers
+from dashpot.base.numbers import ascii_only
 from dashpot.cli._shell import failed
 
 if TYPE_CHECKING:
@@ -15,15 +17,18 @@ if TYPE_CHECKING:
 
 
 def rounded(value: float, error: float | None = None, *, digits: int = 4) -> str:
-    """Return `value` with no more digits than its error supports (two of the error's)."""
-    if not math.isfinite(value):
-        return str(value)
-    if error is None or not math.isfinite(error) or error <= 0:
-        return f"{value:.{digits}g}"
-    decimals = 1 - math.floor(math.log10(error))
-    if decimals <= 0:
-        return f"{round(value, decimals):.0f}"
-    return f"{value:.{min(decimals, 12)}f}"
+    """Return `value` with no more digits than its error supports, as every terminal shows it."""
+    return ascii_only(numbers.rounded(value, error, digits=digits))
+
+
+def with_error(value: float, error: float) -> str:
+    """Return a value and its error, so too."""
+    return ascii_only(numbers.with_error(value, error))
+
+
+def hertz(band: tuple[float, float]) -> str:
+    """Return a band of frequencies, so too."""
+    return ascii_only(numbers.hertz(band))
 
 
 def table(rows: Sequence[Sequence[str]], *, left: bool = False) -> list[str]:
@@ -37,11 +42,6 @@ def table(rows: Sequence[Sequence[str]], *, left: bool = False) -> list[str]:
         ]
         lines.append(("  " + "  ".join(cells)).rstrip())
     return lines
-
-
-def hertz(band: tuple[float, float]) -> str:
-    """Return a band as text."""
-    return f"{band[0]:.3g} to {band[1]:.3g} Hz"
 
 
 def fit(found: Fit) -> str:
@@ -62,8 +62,7 @@ def fit(found: Fit) -> str:
         lines.append(f"  certificate {found.certificate.says}")
     if found.nuisance:
         listed = "; ".join(
-            f"{item.name} {rounded(item.value, item.standard_error)} ± "
-            f"{item.standard_error:.2g} {item.unit}"
+            f"{item.name} {with_error(item.value, item.standard_error)} {item.unit}"
             for item in found.nuisance
         )
         lines.append(f"  nuisance    {listed}")
@@ -98,7 +97,8 @@ def _parameters(found: Fit) -> list[str]:
         if ends:
             low, high = (rounded(end * scale, se * scale) for end in ends)
             between = f"{low} to {high}"
-        rows.append([name, rounded(value * scale, se * scale), f"{se * scale:.2g}", between, unit])
+        shown = (rounded(number * scale, se * scale) for number in (value, se))
+        rows.append([name, *shown, between, unit])
 
     row("k_inf", model.k_inf, error["k_inf"], ends=interval["k_inf"], unit=stiffness)
     for j in range(model.arms):
@@ -171,9 +171,8 @@ def impact(frf: FRF, modes: Iterable[Mode], *, estimator: str) -> str:
     lines += [f"    {hit.name}: {reason}" for hit in frf.hits for reason in hit.reasons]
     for mode in modes:
         lines.append(
-            f"  mode  {rounded(mode.frequency, mode.frequency_se)} ± {mode.frequency_se:.2g} Hz, "
-            f"damping ratio {rounded(100 * mode.damping_ratio, 100 * mode.damping_ratio_se)} ± "
-            f"{100 * mode.damping_ratio_se:.2g} % ({mode.method})"
+            f"  mode  {with_error(mode.frequency, mode.frequency_se)} Hz, damping ratio "
+            f"{with_error(100 * mode.damping_ratio, 100 * mode.damping_ratio_se)} % ({mode.method})"
         )
     return "\n".join(lines + failed(frf.checks))
 
