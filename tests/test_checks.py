@@ -22,7 +22,7 @@ from dashpot.engine.inference.order import DECISIVE, Choice, choose
 from dashpot.fitting import checks as fitting
 from dashpot.fitting.identification import checks as identification
 from dashpot.planning import checks as planning
-from dashpot.planning.needs import Pulse, RecordNeed
+from dashpot.planning.expected import Pulse, RecordNeed
 from dashpot.preparation import checks as preparation
 from dashpot.preparation.baseline import Baseline
 from dashpot.preparation.contact import Touch

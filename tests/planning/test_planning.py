@@ -9,12 +9,11 @@ from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError
 from dashpot.fitting.relaxation import fit
-from dashpot.planning.impact import half_sine, hammer_rows, mass_for_peak, record_need
-from dashpot.planning.needs import Plan
-from dashpot.planning.plan import plan
-from dashpot.planning.relaxation import Bench
+from dashpot.planning.expected import Bench, half_sine, hammer_rows, record_need
+from dashpot.planning.plan import Plan, plan
 from dashpot.records.relaxation import RampHold
 from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.vibration.modal.mass import mass_for_peak
 from dashpot.vibration.systems.prediction import predict_frf
 
 PAPER = GeneralizedMaxwell(196.5, (117.5, 17.8), (59.0 / 117.5, 292.2 / 17.8))

@@ -17,8 +17,8 @@ from dashpot.fitting.relaxation import fit
 from dashpot.preparation.prepare import prepare
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.records.specimen import Specimen
-from dashpot.simulation.axis import Axis
 from dashpot.simulation.relaxation import (
+    Axis,
     Rig,
     SimulatedRelaxation,
     simulate_path,

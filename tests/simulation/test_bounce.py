@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from dashpot.base.errors import DataError
-from dashpot.simulation.bounce import Oscillator, Pulse
+from dashpot.simulation.impact import Oscillator, Pulse
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER, PAPER_MASS
 

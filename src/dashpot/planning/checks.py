@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dashpot.base.checks import Finding, criterion
-from dashpot.planning.needs import Pulse, RecordNeed
+from dashpot.planning.expected import Pulse, RecordNeed
 
 
 @criterion("standard deviation / loss factor", "<=", source="what is wanted, 0.1 by default")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,11 +12,19 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.planning import checks
 from dashpot.planning.checks import percent
-from dashpot.planning.impact import half_sine, hammer_rows, mass_for_peak, record_need
-from dashpot.planning.needs import ExpectedError, Plan, Pulse, RecordNeed
-from dashpot.planning.relaxation import Bench, expected_error
+from dashpot.planning.expected import (
+    Bench,
+    ExpectedError,
+    Pulse,
+    RecordNeed,
+    expected_error,
+    half_sine,
+    hammer_rows,
+    record_need,
+)
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import PAPER
+from dashpot.vibration.modal.mass import mass_for_peak
 
 # the seal of the paper's Table 1, where the user knows nothing better yet
 USUAL_SEAL = PAPER
@@ -29,6 +37,53 @@ FASTER = (1 / 3, 1 / 10, 1 / 30)
 # a hammer test informs the lines within this factor of the peak; their usual spacing, Hz
 AROUND = 3.5
 LINE_STEP = 0.1
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What a test can and cannot tell at a frequency, and what to change.
+
+    Attributes
+    ----------
+    at : float
+        Hz.
+    model : GeneralizedMaxwell
+        The solid that was supposed, the unseen arm included.
+    arm : (float, float) or None
+        Stiffness, N/m, and relaxation time, s, of the arm that the test may not see.
+    expected : ExpectedError
+        Of the test as asked.
+    alternatives : tuple of ExpectedError
+        Of the other method, of faster ramps, and of the same test with a hammer test.
+    band : (float, float)
+        The frequencies that the relaxation test can inform, Hz.
+    record : RecordNeed
+    pulse : Pulse or None
+    checks : tuple of Check
+    advice : tuple of str
+        What to change, most useful first.
+    """
+
+    at: float
+    model: GeneralizedMaxwell
+    arm: tuple[float, float] | None
+    expected: ExpectedError
+    alternatives: tuple[ExpectedError, ...]
+    band: tuple[float, float]
+    record: RecordNeed
+    pulse: Pulse | None
+    checks: tuple[Check, ...]
+    advice: tuple[str, ...]
+
+    def __str__(self) -> str:
+        head = f"{'method':<8}{'ramp, s':>10}{'hold, s':>10}{'storage':>12}{'loss factor':>14}"
+        rows = [
+            f"{e.method:<8}{e.ramp_time:>10.3g}{e.hold_time:>10.3g}"
+            f"{percent(e.storage_sd, 'unknown'):>12}{percent(e.loss_factor_sd, 'unknown'):>14}"
+            for e in (self.expected, *self.alternatives)
+        ]
+        title = f"expected standard deviation at {self.at:g} Hz"
+        return "\n".join([title, head, *rows, *self.advice])
 
 
 def plan(
@@ -55,7 +110,7 @@ def plan(
 
     Supposes that the seal has an arm at :math:`\tau = 1/\omega`, where it matters most for damping,
     and asks the Cramer-Rao bound how well the relaxation test would know storage stiffness and loss
-    factor there (:mod:`dashpot.planning.relaxation`). For the hammer test, how long the record must
+    factor there (:mod:`dashpot.planning.expected`). For the hammer test, how long the record must
     be and what the tip excites.
 
     Parameters

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from dashpot.base.errors import DataError, ReadError
-from dashpot.planning.needs import Plan
+from dashpot.planning.plan import Plan
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.estimate import ParameterEstimate
 from dashpot.records.fit import Evidence, Fit, Provenance, Status

@@ -1,0 +1,295 @@
+r"""What a relaxation test and a hammer test would tell, before they are run.
+
+The bench is judged by its Cramer-Rao bound. With the ramp known and white noise of standard
+deviation sigma, no unbiased fit of :math:`\theta = (k_\infty, k_j, \ln\tau_j)` does better than
+
+.. math::
+
+    C = \sigma^2 (J^T J)^{-1}, \qquad
+    \mathrm{sd}(g) = \sqrt{\nabla g^T C\, \nabla g}, \quad g = K', \tan\delta
+
+with J the sensitivities of the force (paper eqs. 1-5) at every sample. An impact record
+must be long enough for the mass to come to rest, and its pulse short enough to make it ring.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.vibration.modal.truncation import cut_accelerance, poles
+
+# directions with less than this share of the information are not known at all
+SINGULAR = 1e-14
+# Trethewey and Cafeo 1992: six time constants leave less than 0.5 % error in the FRF
+TIME_CONSTANTS = 6.0
+LINES = 5.0
+# places of the lines about the peak that are tried, as parts of a line
+PLACES = 21
+
+
+@dataclass(frozen=True)
+class ExpectedError:
+    """What one relaxation test would leave unknown at one frequency.
+
+    Attributes
+    ----------
+    method : str
+        ``"full"`` or ``"hold"``; ``"joint"`` for ramp, hold and a hammer test together.
+    ramp_time, hold_time : float
+        s.
+    storage_sd, loss_factor_sd : float
+        Expected standard deviation over the value, dimensionless; infinite if the test says
+        nothing.
+    arm_sd : float or None
+        That of the stiffness of the unseen arm; None if none was supposed.
+    """
+
+    method: str
+    ramp_time: float
+    hold_time: float
+    storage_sd: float
+    loss_factor_sd: float
+    arm_sd: float | None
+
+
+@dataclass(frozen=True)
+class Bench:
+    """A ramp-and-hold test to be: SI units, `rate` in Hz, `noise` in N per sample."""
+
+    depth: float
+    ramp_time: float
+    hold_time: float
+    rate: float
+    noise: float
+    method: str
+    drift: bool = False
+
+    def time(self) -> FloatArray:
+        """The samples that the method fits, s from the start of the ramp, shape (n,)."""
+        count = round((self.ramp_time + self.hold_time) * self.rate)
+        t = np.arange(1, count + 1) / self.rate
+        return t if self.method == "full" else t[t >= self.ramp_time * (1 - 1e-12)]
+
+    def sensitivity(self, model: GeneralizedMaxwell) -> FloatArray:
+        r"""Return J = dF / d(k_inf, k, ln tau[, offset, drift]), shape (n, p), N per unit."""
+        t = self.time()
+        speed = self.depth / self.ramp_time
+        tau, k = np.asarray(model.tau), np.asarray(model.k)
+        up = np.minimum(t, self.ramp_time)[:, None]
+        held = np.maximum(t - self.ramp_time, 0.0)[:, None]
+        fade = np.exp(-held / tau)
+        arm = -tau * np.expm1(-up / tau) * fade
+        # d/d ln tau of tau (1 - e^{-u/tau}) e^{-h/tau}
+        slope = arm * (1 + held / tau) - up * np.exp(-up / tau) * fade
+        columns = [speed * up, speed * arm, speed * slope * k]
+        if self.drift:
+            columns += [np.ones((len(t), 1)), t[:, None]]
+        return np.hstack(columns)
+
+    def rows(self, model: GeneralizedMaxwell) -> FloatArray:
+        """The sensitivities in units of the noise, reduced to a triangle, shape (p, p)."""
+        return np.asarray(np.linalg.qr(self.sensitivity(model), mode="r")) / self.noise
+
+
+def expected_error(
+    model: GeneralizedMaxwell,
+    bench: Bench,
+    at: float,
+    arm: int | None,
+    hammer: FloatArray | None = None,
+) -> ExpectedError:
+    """What the test leaves unknown at `at` Hz; `arm` is the index of the unseen arm.
+
+    `hammer` holds the rows of a hammer test in the same parameters and one more, the mass:
+    with them both tests are fitted together.
+    """
+    rows = bench.rows(model)
+    if hammer is not None:
+        own = hammer.shape[1] - 1
+        mass = np.vstack((np.zeros((len(rows), 1)), hammer[:, -1:]))
+        extra = np.zeros((len(hammer), rows.shape[1] - own))
+        rows = np.hstack((np.vstack((rows, np.hstack((hammer[:, :-1], extra)))), mass))
+    covariance = _covariance(rows)
+    storage, loss_factor, gradients = _gradients(model, at)
+    sizes = [
+        float(np.sqrt(max(row @ covariance @ row, 0.0)))
+        for row in np.pad(gradients, ((0, 0), (0, len(covariance) - gradients.shape[1])))
+    ]
+    return ExpectedError(
+        method=bench.method if hammer is None else "joint",
+        ramp_time=bench.ramp_time,
+        hold_time=bench.hold_time,
+        storage_sd=sizes[0] / storage,
+        loss_factor_sd=sizes[1] / loss_factor,
+        arm_sd=None if arm is None else float(np.sqrt(covariance[1 + arm, 1 + arm])) / model.k[arm],
+    )
+
+
+def _covariance(rows: FloatArray) -> FloatArray:
+    """Return (J'J)^-1 by singular values, huge where J says nothing."""
+    scale = np.linalg.norm(rows, axis=0)
+    scale[scale == 0] = 1.0
+    _, values, vectors = np.linalg.svd(rows / scale, full_matrices=False)
+    values = np.maximum(values, SINGULAR * values[0])
+    root = vectors.T / values / scale[:, None]
+    return np.asarray(root @ root.T)
+
+
+def _gradients(model: GeneralizedMaxwell, at: float) -> tuple[float, float, FloatArray]:
+    r"""Storage stiffness, loss factor, and their gradients in (k_inf, k, ln tau), shape (2, p)."""
+    x = 2 * np.pi * at * np.asarray(model.tau)
+    k = np.asarray(model.k)
+    unit = 1j * x / (1 + 1j * x)
+    slope = k * 1j * x / (1 + 1j * x) ** 2
+    stiffness = complex(model.k_inf + unit @ k)
+    complex_gradient = np.concatenate(([1.0], unit, slope))
+    loss_factor = stiffness.imag / stiffness.real
+    storage = complex_gradient.real
+    ratio = (complex_gradient.imag - loss_factor * complex_gradient.real) / stiffness.real
+    return stiffness.real, loss_factor, np.array([storage, ratio])
+
+
+# -- the hammer ------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class RecordNeed:
+    """How long the impact record must be for the mass on this solid.
+
+    Attributes
+    ----------
+    frequency, damping_ratio : float
+        Of the ringing pole, Hz and dimensionless.
+    time_constant : float
+        1/sigma of the free response, s.
+    half_power_width : float
+        Of the peak, Hz.
+    for_decay, for_lines : float
+        Six time constants, and five lines in the half-power band, s.
+    record : float or None
+        The record that was planned, s.
+    peak_error : float or None
+        What cutting at that record does to the peak read off the lines, relative; the worst
+        place of the lines.
+    """
+
+    frequency: float
+    damping_ratio: float
+    time_constant: float
+    half_power_width: float
+    for_decay: float
+    for_lines: float
+    record: float | None = None
+    peak_error: float | None = None
+
+
+@dataclass(frozen=True)
+class Pulse:
+    """What a half-sine hammer pulse excites.
+
+    Attributes
+    ----------
+    duration : float
+        s.
+    level_db : float
+        Force spectrum at the frequency asked for, relative to 0 Hz, dB.
+    band_10db, band_20db : float
+        Where the spectrum has fallen by 10 and 20 dB, Hz.
+    first_zero : float
+        1.5 / duration, Hz.
+    """
+
+    duration: float
+    level_db: float
+    band_10db: float
+    band_20db: float
+    first_zero: float
+
+
+def record_need(model: GeneralizedMaxwell, mass: float, record: float | None) -> RecordNeed:
+    """How long a record the ringing of this mass on this solid asks for."""
+    ringing = poles(model, mass)
+    pole = ringing[np.argmax(ringing.imag)]
+    sigma = -float(pole.real)
+    width = sigma / np.pi
+    return RecordNeed(
+        frequency=float(pole.imag) / (2 * np.pi),
+        damping_ratio=float(sigma / abs(pole)),
+        time_constant=1 / sigma,
+        half_power_width=width,
+        for_decay=TIME_CONSTANTS / sigma,
+        for_lines=LINES / width,
+        record=record,
+        peak_error=None if record is None else _peak_error(model, mass, pole, record),
+    )
+
+
+def hammer_rows(
+    model: GeneralizedMaxwell,
+    mass: float,
+    *,
+    seals: float,
+    lines: FloatArray,
+    relative_sd: float,
+) -> FloatArray:
+    r"""Sensitivities of a hammer test in units of its scatter, shape (2n, p + 1).
+
+    .. math:: \frac{\partial \ln A}{\partial K} = -\frac{n}{m s^2 + n K}, \qquad
+              \frac{\partial \ln A}{\partial \ln m} = -\frac{m s^2}{m s^2 + n K}
+
+    Columns are k_inf, k, ln tau of one seal, then ln m; `relative_sd` is that of real and
+    imaginary part of each line.
+    """
+    s = 2j * np.pi * lines
+    x = s[:, None] * np.asarray(model.tau)
+    k = np.asarray(model.k)
+    slope = np.column_stack((np.ones_like(s), x / (1 + x), k * x / (1 + x) ** 2))
+    inverse = 1 / (mass * s**2 + seals * model.stiffness_at(s))
+    columns = -np.column_stack((seals * slope, mass * s**2)) * inverse[:, None]
+    return np.concatenate((columns.real, columns.imag)) / relative_sd
+
+
+def _peak_error(model: GeneralizedMaxwell, mass: float, pole: complex, record: float) -> float:
+    """Worst relative error of the highest line, over where the lines may lie."""
+    near = 1j * (pole.imag - pole.real / 20 * np.arange(-40, 41))
+    top = float(np.abs(near**2 / (mass * near**2 + model.stiffness_at(near))).max())
+    step = 2 * np.pi / record
+    offsets = np.linspace(-0.5, 0.5, PLACES)[:, None] * step + np.arange(-3, 4) * step
+    s = 1j * np.maximum(pole.imag + offsets, step / 10)
+    lines = np.abs(cut_accelerance(model, mass, s.ravel(), record)).reshape(s.shape)
+    errors = lines.max(axis=1) / top - 1
+    return float(errors[np.argmax(np.abs(errors))])
+
+
+def half_sine(duration: float, at: float) -> Pulse:
+    r"""The spectrum of a half-sine pulse of `duration` s.
+
+    .. math:: \frac{|F(f)|}{|F(0)|} = \left|\frac{\cos \pi f T}{1 - (2 f T)^2}\right|
+    """
+    zero = 1.5 / duration
+
+    def level(f: float) -> float:
+        x = 2 * f * duration
+        if abs(x - 1) < 1e-6:  # the removable singularity
+            return float(np.pi / 4)
+        return float(abs(np.cos(np.pi * x / 2) / (1 - x**2)))
+
+    def falls_to(decibel: float) -> float:
+        low, high = 0.0, zero
+        for _ in range(60):
+            middle = (low + high) / 2
+            low, high = (middle, high) if level(middle) > 10 ** (-decibel / 20) else (low, middle)
+        return low
+
+    tiny = float(np.finfo(float).tiny)
+    return Pulse(
+        duration=duration,
+        level_db=float(20 * np.log10(max(level(at), tiny))),
+        band_10db=falls_to(10.0),
+        band_20db=falls_to(20.0),
+        first_zero=zero,
+    )
