@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dashpot.preparation.noise import scatter, spikes, usual_scatter, without_spikes
-from dashpot.records.resolution import quantum
+from dashpot.records.relaxation import quantum
 
 
 @pytest.mark.parametrize("even", [True, False])

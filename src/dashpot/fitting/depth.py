@@ -26,7 +26,6 @@ from dashpot.fitting.design import Design, compressed, every_sample
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.uncertainty.estimate import Estimate, estimated
 from dashpot.records.fit import AtDepth, Fit
-from dashpot.records.measures import depth_doubt
 from dashpot.records.relaxation import RampHold
 from dashpot.solids.elastic import ElasticLaw, elastic_law
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -135,7 +134,7 @@ def _each(
     peak = max(float(np.abs(test.force).max()) for test in tests)
     solution = solve(blocks, arms, log_tau_start=start)
     found = estimated(solution, every_sample(tests, design, blocks), peak=peak)
-    return found.with_depth_doubt([depth_doubt(test) for test in recorded], shared=False)
+    return found.with_depth_doubt([test.depth_doubt for test in recorded], shared=False)
 
 
 def _springs(each: Estimate) -> FloatArray:

@@ -13,8 +13,7 @@ from dashpot.engine.blocks.hold import hold_block, window_of
 from dashpot.engine.blocks.recorded import recorded_block
 from dashpot.engine.solver.variable_projection import Solution
 from dashpot.preparation.denoising import true_motion
-from dashpot.records.measures import MAX_CREEP, hold_creep
-from dashpot.records.relaxation import RampHold
+from dashpot.records.relaxation import MAX_CREEP, RampHold
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 Method: TypeAlias = Literal["full", "hold"]
@@ -70,7 +69,7 @@ def eq5_obstacle(test: RampHold) -> str | None:
             "this is no single ramp and hold; eq. 5 does not apply: use method='full', or cut "
             "the record to one ramp and its hold"
         )
-    creep = hold_creep(test)
+    creep = test.hold_creep
     if abs(creep) > MAX_CREEP:
         return (
             f"the displacement drifts by {100 * creep:.2g} % of the depth during the hold, more "

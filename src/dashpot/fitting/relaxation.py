@@ -29,7 +29,6 @@ from dashpot.fitting.uncertainty.informed_band import informed_band
 from dashpot.preparation.checks import of_records
 from dashpot.preparation.filters import Filter, filter_of, filtered
 from dashpot.records.fit import Fit, Provenance
-from dashpot.records.measures import depth_doubt, encoder_step
 from dashpot.records.relaxation import RampHold, listed
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -110,7 +109,7 @@ def fit(
     )
     found = chosen_arms(data, arms, max_arms=max_arms, thorough=thorough)
     if method == "hold":
-        doubts = [depth_doubt(record) for record in records]
+        doubts = [record.depth_doubt for record in records]
         found = replace(
             found, estimate=found.estimate.with_depth_doubt(doubts, shared=not depth_law)
         )
@@ -161,7 +160,7 @@ def _encoders(records: Sequence[RampHold], design: Design) -> tuple[Encoder, ...
         Encoder(
             record.time[: record.hold.stop],
             record.displacement[: record.hold.stop],
-            encoder_step(record),
+            record.encoder_step,
             record.onset,
             record.contact_error,
         )
@@ -323,7 +322,7 @@ def _motion_steps(records: Sequence[RampHold], design: Design) -> tuple[Step, ..
         return ()
     steps = []
     for record in records:
-        count, noise = encoder_step(record), record.displacement_noise
+        count, noise = record.encoder_step, record.displacement_noise
         if count > 0 or noise > 0:
             says = (
                 f"read the displacement between counts of {1e6 * count:.3g} um and averaged its "

@@ -17,7 +17,6 @@ from dashpot.fitting.design import Design, compressed
 from dashpot.preparation.denoising import APART, true_motion
 from dashpot.records.estimate import Residual
 from dashpot.records.fit import Fit
-from dashpot.records.measures import encoder_step
 from dashpot.records.relaxation import RampHold
 
 # a dashpot is an arm far faster than anything in the window
@@ -139,7 +138,7 @@ def relaxation_data(test: RampHold, fit: Fit, *, noise: Residual | None = None) 
     block = recorded_block(time, x - x[0], test.force[: len(x)], offset="offset", drift="drift")
     motions: dict[str, BoolArray] = {}
     doubt: dict[str, float] = {}
-    step = encoder_step(test)
+    step = test.encoder_step
     if step > 0:
         motions |= {name: clock >= at for name, at in _readings(test)}
         doubt |= dict.fromkeys(motions, float(step / np.sqrt(12)))

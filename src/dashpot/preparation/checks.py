@@ -14,9 +14,7 @@ from dashpot.preparation.baseline import Baseline
 from dashpot.preparation.contact import Touch
 from dashpot.preparation.cycles import Cycle, listed
 from dashpot.preparation.noise import median_of_three, spikes, usual_scatter
-from dashpot.records.measures import MAX_CREEP, depth_doubt, hold_creep
-from dashpot.records.relaxation import RampHold
-from dashpot.records.resolution import quantum
+from dashpot.records.relaxation import MAX_CREEP, RampHold, quantum
 
 MIN_QUANTA = 20.0
 MIN_BASELINE = 5.0
@@ -275,7 +273,7 @@ def _longest(true: BoolArray) -> tuple[int, int]:
 @criterion("its error / depth", "<=", 0.005, "our choice: half a per cent")
 def depth_resolved(test: RampHold) -> Finding:
     """The depth is known well enough to divide a force by it."""
-    doubt = depth_doubt(test)
+    doubt = test.depth_doubt
     return Finding(
         f"the encoder tells the depth of {1e3 * test.depth:.4g} mm to {100 * doubt:.2g} % (one "
         "standard deviation); every stiffness shares this scale error and its standard error "
@@ -288,7 +286,7 @@ def depth_resolved(test: RampHold) -> Finding:
 @criterion("motion in the hold / depth", "<=", MAX_CREEP, "our choice; method='full' follows it")
 def hold_is_still(test: RampHold, *, method: str) -> Finding:
     """The plate stands still during the hold, or the fit follows it."""
-    creep = hold_creep(test)
+    creep = test.hold_creep
     full = method == "full"
     says = f"the displacement changes by {100 * creep:.2g} % of the depth during the hold"
     if full and not abs(creep) <= MAX_CREEP:

@@ -11,7 +11,6 @@ from __future__ import annotations
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, IndexArray, median
-from dashpot.records.measures import encoder_step
 from dashpot.records.relaxation import RampHold
 
 # half widths of the windows that compete, in samples: each some 1.4 times the one before
@@ -36,7 +35,7 @@ def true_motion(test: RampHold) -> tuple[FloatArray, FloatArray]:
     """
     used = slice(0, test.hold.stop)
     time, x = test.time[used], test.displacement[used]
-    step = encoder_step(test)
+    step = test.encoder_step
     noise = test.displacement_noise
     if step > LEAST_COUNT * test.depth:
         x, noise = between_counts(time, x), LEFT_OF_A_COUNT * step

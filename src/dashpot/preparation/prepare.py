@@ -15,8 +15,7 @@ from dashpot.preparation.contact import Touch, touch_of
 from dashpot.preparation.filters import filtered, parse_filter
 from dashpot.preparation.motion import Motion, find_motion, from_contact, given_motion
 from dashpot.preparation.noise import median_of_three, scatter, without_spikes
-from dashpot.records.relaxation import RampHold, RelaxationTest
-from dashpot.records.resolution import quantum
+from dashpot.records.relaxation import RampHold, RelaxationTest, quantum
 
 
 def prepare(

@@ -11,7 +11,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray, median
 from dashpot.preparation.noise import median_of_three, usual_scatter
-from dashpot.records.resolution import quantum
+from dashpot.records.relaxation import quantum
 
 _LEAST_MOVE = 0.05
 """A move smaller than this part of the whole travel is settling, not a ramp."""

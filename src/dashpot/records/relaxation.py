@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
@@ -12,8 +13,10 @@ from dashpot.base.arrays import ByValue, FloatArray, increasing, same_length, sa
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Source, Step
-from dashpot.records.resolution import quantum
 from dashpot.records.specimen import Specimen
+
+# motion left in a hold, as a part of the depth, that a fit of the hold alone can bear
+MAX_CREEP = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,6 +137,37 @@ class RampHold(ByValue):
         return quantum(self.displacement)
 
     @property
+    def encoder_step(self) -> float:
+        """The step of the displacement's readings that noise leaves, m; 0 if none shows.
+
+        Noise beyond half a step dithers it away: readings then average to the truth.
+        """
+        step = self.displacement_quantum
+        return 0.0 if self.displacement_noise > 0.5 * step else step
+
+    @property
+    def depth_doubt(self) -> float:
+        r"""Relative standard deviation of the depth that the encoder's step leaves.
+
+        Depth is the difference of two readings, each uniform within one step q: :math:`q/\sqrt6`.
+        """
+        return self.encoder_step / float(np.sqrt(6.0)) / self.depth
+
+    @cached_property
+    def hold_creep(self) -> float:
+        """The largest motion left in the hold, to its last tenth, as a part of the depth.
+
+        Means over twelve stretches, each longer than the one before; the first fifth of a ramp
+        time is left to the plate for settling.
+        """
+        x, t = self.displacement[self.hold], self.time[self.hold] - self.ramp_end
+        edges = np.searchsorted(t, np.geomspace(0.2 * self.ramp_time, t[-1], 13))
+        last = float(x[-max(1, len(x) // 10) :].mean())
+        means = [x[a:b].mean() for a, b in pairwise(edges) if b > a]
+        moved = [last - float(mean) for mean in means]
+        return max(moved, key=abs, default=0.0) / self.depth
+
+    @property
     def hold(self) -> slice:
         """The samples of the hold, ramp end included."""
         start, stop = np.searchsorted(self.time, [self.ramp_end, self.hold_end])
@@ -155,3 +189,34 @@ def listed(tests: RampHold | Sequence[RampHold]) -> tuple[RampHold, ...]:
                 f"a fit takes prepared tests, found a {type(record).__name__}; call prepare(test)"
             )
     return records
+
+
+def quantum(values: FloatArray) -> float:
+    """The step of which all differences are whole multiples; 0 if there is none to be seen.
+
+    Quantised readings repeat; where every second reading is a new one, no quantum is claimed.
+    """
+    levels = np.sort(values)
+    gaps = np.diff(levels)
+    gaps = gaps[gaps > 0]
+    if not 1 <= len(gaps) <= 0.5 * len(values) - 1:
+        return 0.0
+    # what arithmetic leaves between two equal readings is no quantum
+    gaps = gaps[gaps > 1e-9 * max(abs(levels[0]), abs(levels[-1]))]
+    if len(gaps) == 0:
+        return 0.0
+    step = float(gaps.min())
+    counts = np.round(gaps / step)
+    off = np.abs(gaps / step - counts) / counts
+    step = float(gaps.sum() / counts.sum())
+    return 0.0 if np.mean(off < 0.02) < 0.98 or _evenly_climbed(values, step) else step
+
+
+def _evenly_climbed(values: FloatArray, step: float) -> bool:
+    """True if the steps are those of a perfect ramp between perfect rests, not of a converter."""
+    moved = np.abs(np.diff(values))
+    moving = moved > 0.5 * step
+    # a converter that counts a ramp in single steps also pauses on it
+    lone = moving[1:-1] & ~(moving[:-2] & moving[2:])
+    single = np.mean(np.abs(moved[moving] / step - 1) < 0.02) > 0.9
+    return bool(single and np.count_nonzero(lone) < 0.1 * np.count_nonzero(moving) + 4)
