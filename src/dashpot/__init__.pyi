@@ -44,10 +44,10 @@ from .solids import networks as networks
 from .solids.elastic import compare_with_curve as compare_with_curve
 from .solids.maxwell import GeneralizedMaxwell as GeneralizedMaxwell
 from .vibration.comparison.compare import compare as compare
+from .vibration.comparison.compare import infer_mass as infer_mass
 from .vibration.comparison.comparison import Comparison as Comparison
 from .vibration.impact.frf_estimation import estimate_frf as estimate_frf
 from .vibration.modal.dynamic_stiffness import dynamic_stiffness as dynamic_stiffness
-from .vibration.modal.mass import infer_mass as infer_mass
 from .vibration.systems.bodies import Mount as Mount
 from .vibration.systems.bodies import planar_body as planar_body
 from .vibration.systems.bodies import point_mass as point_mass

@@ -14,10 +14,8 @@ from dashpot.fitting.identification.identify import identify
 from dashpot.records.fit import Status
 from dashpot.records.frf import FRF
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.vibration.modal.mass import infer_mass
-from dashpot.vibration.modal.modes import model_modes
-from dashpot.vibration.modal.truncation import cut_accelerance, poles
-from dashpot.vibration.systems.prediction import predict_frf
+from dashpot.vibration.comparison.compare import infer_mass
+from dashpot.vibration.systems.prediction import accelerance, model_modes, poles, predict_frf
 
 EXACT_RIG = {"mass_sd": 0.0, "gain_sd": 0.0, "delay_sd": 0.0}
 # domain reference, row [14]: a rubber isolator with three arms under 5 kg
@@ -160,7 +158,7 @@ def test_a_cut_record_needs_no_correction() -> None:
     """From 2 s of a response that rings for 20 s, leakage and all."""
     lines = np.arange(5, 41, 0.5)
     solid = GeneralizedMaxwell(300.0, (20.0,), (0.1,))
-    value = cut_accelerance(solid, 0.052, 2j * np.pi * lines, 2.0, 0.004)
+    value = accelerance(solid, 0.052, 2j * np.pi * lines, 2.0, 0.004)
     frf = FRF(lines, value, record=2.0, pulse=0.004)
     found = identify(frf, mass=0.052, arms=1, band=(5, 40), **EXACT_RIG)
     assert found.model.k_inf == pytest.approx(300.0, rel=1e-4)

@@ -13,8 +13,7 @@ from dashpot.planning.expected import Bench, half_sine, hammer_rows, record_need
 from dashpot.planning.plan import Plan, plan
 from dashpot.records.relaxation import RampHold
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.vibration.modal.mass import mass_for_peak
-from dashpot.vibration.systems.prediction import predict_frf
+from dashpot.vibration.systems.prediction import mass_for_peak, predict_frf
 
 PAPER = GeneralizedMaxwell(196.5, (117.5, 17.8), (59.0 / 117.5, 292.2 / 17.8))
 LSB = 1 / 1280

@@ -24,7 +24,7 @@ from dashpot.records.frf import Hit
 from dashpot.records.specimen import Specimen
 from dashpot.report import html
 from dashpot.report.tables import Table
-from dashpot.vibration.modal.modes import model_modes
+from dashpot.vibration.systems.prediction import model_modes
 from dashpot.workflow.archive import from_json
 
 S = handmade.study()

@@ -17,8 +17,7 @@ from dashpot.records.frf import FRF, Kind
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.comparison.compare import compare
 from dashpot.vibration.comparison.comparison import Comparison
-from dashpot.vibration.modal.truncation import cut_accelerance
-from dashpot.vibration.systems.prediction import predict_frf
+from dashpot.vibration.systems.prediction import accelerance, predict_frf
 
 PAPER = GeneralizedMaxwell(196.5, (117.5, 17.8), (59.0 / 117.5, 292.2 / 17.8))
 BROAD = PAPER + GeneralizedMaxwell(0.0, (20.0, 20.0, 20.0), (0.08, 0.016, 0.0032))
@@ -169,7 +168,7 @@ def test_the_prediction_is_made_anew_for_a_window() -> None:
 
 def test_the_prediction_is_cut_as_the_record_was() -> None:
     lines = np.arange(4.0, 40.0, 0.5)
-    value = cut_accelerance(2 * PAPER, MASS, 2j * np.pi * lines, 2.0)
+    value = accelerance(2 * PAPER, MASS, 2j * np.pi * lines, 2.0)
     measured = FRF(lines, value, record=2.0, averages=5)
     whole = predict_frf(2 * PAPER, mass=MASS, frequency=lines)
     held = compare(whole, measured, model=PAPER, seals=2, mass=MASS)

@@ -12,8 +12,7 @@ from dashpot.records.frf import FRF, Kind
 from dashpot.records.impact import ImpactTest
 from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.vibration.impact.frf_estimation import estimate_frf
-from dashpot.vibration.modal.modes import model_modes
-from dashpot.vibration.systems.prediction import predict_frf
+from dashpot.vibration.systems.prediction import model_modes, predict_frf
 
 MASS = 0.1040426
 NOISE = (5e-3, 0.02)

@@ -13,8 +13,7 @@ from dashpot.base.errors import DataError
 from dashpot.records.frf import FRF, Kind
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.modal.peaks import find_peak, random_sd
-from dashpot.vibration.modal.truncation import cut_accelerance, poles, residues
-from dashpot.vibration.systems.prediction import predict_frf
+from dashpot.vibration.systems.prediction import accelerance, poles, predict_frf, residues
 
 PAPER = GeneralizedMaxwell(196.5, (117.5, 17.8), (59.0 / 117.5, 292.2 / 17.8))
 
@@ -106,7 +105,7 @@ def test_a_cut_response_against_quadrature(record: float, shift: float) -> None:
     impulse = (weight * np.exp(p * t[:, None])).sum(axis=1).real
     s = np.array([3.0, 12.6, 30.0]) * 2j * np.pi + shift
     transform = np.array([np.trapezoid(impulse * np.exp(-one * t), t) for one in s]) + 1 / mass
-    assert cut_accelerance(PAPER, mass, s, record) == pytest.approx(transform, rel=2e-5, abs=1e-2)
+    assert accelerance(PAPER, mass, s, record) == pytest.approx(transform, rel=2e-5, abs=1e-2)
 
 
 def test_a_cut_response_to_a_pulse() -> None:
@@ -124,13 +123,13 @@ def test_a_cut_response_to_a_pulse() -> None:
     kernel = np.exp(-s[:, None] * t)
     ratio = (kernel @ response) / (kernel @ pulse) + 1 / mass
     rms = np.sqrt(np.sum(pulse * (t - width / 2) ** 2) / np.sum(pulse))
-    cut = cut_accelerance(PAPER, mass, s, record, float(rms))
+    cut = accelerance(PAPER, mass, s, record, float(rms))
     assert cut == pytest.approx(ratio, rel=2e-3)
-    plain = cut_accelerance(PAPER, mass, s, record)
+    plain = accelerance(PAPER, mass, s, record)
     assert np.abs(cut - ratio).max() < 0.2 * np.abs(plain - ratio).max()
 
 
 def test_a_long_record_cuts_nothing() -> None:
     s = 2j * np.pi * np.array([1.0, 12.71, 40.0])
     whole = s**2 / (0.05 * s**2 + PAPER.stiffness_at(s))
-    assert cut_accelerance(PAPER, 0.05, s, 500.0) == pytest.approx(whole, rel=1e-12)
+    assert accelerance(PAPER, 0.05, s, 500.0) == pytest.approx(whole, rel=1e-12)

@@ -20,7 +20,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.vibration.modal.truncation import cut_accelerance, poles
+from dashpot.vibration.systems.prediction import accelerance, ringing_pole
 
 # directions with less than this share of the information are not known at all
 SINGULAR = 1e-14
@@ -212,8 +212,7 @@ class Pulse:
 
 def record_need(model: GeneralizedMaxwell, mass: float, record: float | None) -> RecordNeed:
     """How long a record the ringing of this mass on this solid asks for."""
-    ringing = poles(model, mass)
-    pole = ringing[np.argmax(ringing.imag)]
+    pole = ringing_pole(model, mass)
     sigma = -float(pole.real)
     width = sigma / np.pi
     return RecordNeed(
@@ -256,11 +255,11 @@ def hammer_rows(
 def _peak_error(model: GeneralizedMaxwell, mass: float, pole: complex, record: float) -> float:
     """Worst relative error of the highest line, over where the lines may lie."""
     near = 1j * (pole.imag - pole.real / 20 * np.arange(-40, 41))
-    top = float(np.abs(near**2 / (mass * near**2 + model.stiffness_at(near))).max())
+    top = float(np.abs(accelerance(model, mass, near)).max())
     step = 2 * np.pi / record
     offsets = np.linspace(-0.5, 0.5, PLACES)[:, None] * step + np.arange(-3, 4) * step
     s = 1j * np.maximum(pole.imag + offsets, step / 10)
-    lines = np.abs(cut_accelerance(model, mass, s.ravel(), record)).reshape(s.shape)
+    lines = np.abs(accelerance(model, mass, s.ravel(), record)).reshape(s.shape)
     errors = lines.max(axis=1) / top - 1
     return float(errors[np.argmax(np.abs(errors))])
 

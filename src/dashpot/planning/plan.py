@@ -24,7 +24,7 @@ from dashpot.planning.expected import (
 )
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import PAPER
-from dashpot.vibration.modal.mass import mass_for_peak
+from dashpot.vibration.systems.prediction import mass_for_peak
 
 # the seal of the paper's Table 1, where the user knows nothing better yet
 USUAL_SEAL = PAPER

@@ -8,6 +8,7 @@ from enum import StrEnum
 import numpy as np
 
 from dashpot.base.arrays import (
+    BoolArray,
     ByValue,
     ComplexArray,
     FloatArray,
@@ -36,6 +37,9 @@ UNITS = {
     Kind.ACCELERANCE: "(m/s^2)/N",
     Kind.DYNAMIC_STIFFNESS: "N/m",
 }
+
+# a motion per force is the receptance times s to this power
+_POWERS = {Kind.RECEPTANCE: 0, Kind.MOBILITY: 1, Kind.ACCELERANCE: 2}
 
 
 @dataclass(frozen=True)
@@ -128,6 +132,19 @@ class FRF(ByValue):
             frequency=self.frequency, value=self.value, coherence=self.coherence, sd=self.sd
         )
 
+    @classmethod
+    def of_receptance(
+        cls,
+        frequency: FloatArray,
+        receptance: ComplexArray,
+        *,
+        kind: Kind | str = Kind.ACCELERANCE,
+        shift: float = 0.0,
+    ) -> FRF:
+        """The FRF, of any kind, whose receptance at `frequency`, Hz, is this."""
+        kind, s = Kind(kind), np.asarray(2j * np.pi * frequency + shift)
+        return cls(frequency, _as_kind(receptance, s, kind), kind, shift=shift)
+
     @property
     def omega(self) -> FloatArray:
         """Angular frequency, rad/s."""
@@ -152,30 +169,24 @@ class FRF(ByValue):
         kind = Kind(kind)
         if kind is self.kind:
             return self
-        keep = (np.abs(self.s) > 0) & (np.abs(self.value) > 0)
-        s, value = self.s[keep], self.value[keep]
-        receptance = {
-            Kind.RECEPTANCE: lambda: value,
-            Kind.MOBILITY: lambda: value / s,
-            Kind.ACCELERANCE: lambda: value / s**2,
-            Kind.DYNAMIC_STIFFNESS: lambda: 1 / value,
-        }[self.kind]()
-        out = {
-            Kind.RECEPTANCE: lambda: receptance,
-            Kind.MOBILITY: lambda: receptance * s,
-            Kind.ACCELERANCE: lambda: receptance * s**2,
-            Kind.DYNAMIC_STIFFNESS: lambda: 1 / receptance,
-        }[kind]()
-        sd = None
-        if self.sd is not None:  # a relative error is the same for every kind
-            sd = self.sd[keep] * np.abs(out) / np.abs(value)
+        old = self.only((np.abs(self.s) > 0) & (np.abs(self.value) > 0))
+        if old.kind in _POWERS:
+            receptance = old.value / old.s ** _POWERS[old.kind]
+        else:
+            receptance = 1 / old.value
+        value = _as_kind(receptance, old.s, kind)
+        # a relative error is the same for every kind
+        sd = None if old.sd is None else old.sd * np.abs(value) / np.abs(old.value)
+        return replace(old, value=value, kind=kind, sd=sd)
+
+    def only(self, keep: BoolArray) -> FRF:
+        """The chosen lines, `keep` of shape (n,)."""
         return replace(
             self,
             frequency=self.frequency[keep],
-            value=out,
-            kind=kind,
+            value=self.value[keep],
             coherence=None if self.coherence is None else self.coherence[keep],
-            sd=sd,
+            sd=None if self.sd is None else self.sd[keep],
         )
 
     def error_band(self, level: float = 0.95) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -213,13 +224,7 @@ class FRF(ByValue):
                 f"no line between {low:g} and {high:g} Hz; the FRF has "
                 f"{self.frequency[0]:g} to {self.frequency[-1]:g} Hz"
             )
-        return replace(
-            self,
-            frequency=self.frequency[keep],
-            value=self.value[keep],
-            coherence=None if self.coherence is None else self.coherence[keep],
-            sd=None if self.sd is None else self.sd[keep],
-        )
+        return self.only(keep)
 
     def modes(
         self,
@@ -272,6 +277,10 @@ class FRF(ByValue):
             band=band,
             count=count,
         )
+
+
+def _as_kind(receptance: ComplexArray, s: ComplexArray, kind: Kind) -> ComplexArray:
+    return receptance * s ** _POWERS[kind] if kind in _POWERS else 1 / receptance
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,7 @@ from dashpot.records.fit import Fit, Moved
 from dashpot.records.frf import FRF
 from dashpot.records.relaxation import RampHold
 from dashpot.vibration.comparison.comparison import Comparison
-from dashpot.vibration.modal.modes import model_modes
+from dashpot.vibration.systems.prediction import model_modes
 from dashpot.workflow.study import Study
 
 VALUE = ("", "value ± standard error", "unit")

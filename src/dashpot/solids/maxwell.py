@@ -54,6 +54,13 @@ class Solid(ABC):
     def __rmul__(self, count: float) -> Solid:
         """As ``solid * count``."""
 
+    def slope_at(self, s: npt.ArrayLike) -> ComplexArray:
+        """Derivative of the stiffness by s, N s/m: by differences over a circle about `s`."""
+        s = np.asarray(s, dtype=complex)
+        # four points leave an error of the fourth power of the step
+        around = 1e-3 * np.abs(s)[..., None] * np.array([1, 1j, -1, -1j])
+        return np.asarray((self.stiffness_at(s[..., None] + around) / around).mean(axis=-1))
+
     def complex_stiffness(self, omega: npt.ArrayLike) -> ComplexArray:
         r"""Complex stiffness :math:`K^*(\omega)`, N/m, `omega` in rad/s."""
         return self.stiffness_at(1j * np.asarray(omega, dtype=float))
@@ -305,6 +312,16 @@ class GeneralizedMaxwell(Solid):
         k, tau = self._arms()
         product = s[..., None] * tau
         return np.asarray(self.k_inf + (product / (1 + product)) @ k + self.b * s)
+
+    def slope_at(self, s: npt.ArrayLike) -> ComplexArray:
+        r"""Derivative of the stiffness by s, N s/m: :math:`b + \sum_j k_j \tau_j/(1+s\tau_j)^2`.
+
+        Not finite at an arm's own pole.
+        """
+        s = np.asarray(s, dtype=complex)
+        k, tau = self._arms()
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.asarray((k * tau / (1 + s[..., None] * tau) ** 2).sum(axis=-1) + self.b)
 
     # -- private ------------------------------------------------------------------------------
 

@@ -15,8 +15,7 @@ from dashpot.fitting.uncertainty.prediction_bounds import formal_frf_band
 from dashpot.records.bounds import FRFBounds
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF, Mode
-from dashpot.vibration.modal.modes import model_modes
-from dashpot.vibration.systems.prediction import moving_mass, predict_frf
+from dashpot.vibration.systems.prediction import model_modes, moving_mass, predict_frf
 
 # lines of the limits over the predicted band
 LIMIT_LINES = 401

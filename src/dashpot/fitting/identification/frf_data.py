@@ -12,7 +12,7 @@ from dashpot.engine.blocks.block import DesignBlock
 from dashpot.records.frf import FRF, Kind
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.modal.peaks import find_peak, random_sd, usable_lines
-from dashpot.vibration.modal.truncation import cut_accelerance
+from dashpot.vibration.systems.prediction import accelerance
 
 # no line is trusted beyond this part of its value: leakage and aliasing of the pulse remain
 FLOOR = 1e-3
@@ -62,11 +62,7 @@ class FRFData:
 
         less what a cut record loses; g is the gain of acceleration over force, d its delay.
         """
-        total = self.seals * model
-        if self.record is None:
-            value = self.s**2 / (mass * self.s**2 + total.stiffness_at(self.s))
-        else:
-            value = cut_accelerance(total, mass, self.s, self.record, self.pulse)
+        value = accelerance(self.seals * model, mass, self.s, self.record, self.pulse)
         return np.asarray(gain * np.exp(-self.s * delay) * value)
 
     def misfit(self, predicted: ComplexArray) -> FloatArray:

@@ -26,7 +26,7 @@ from dashpot.fitting.identification.frf_data import FRFData
 from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.records.fit import Fit
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.vibration.modal.truncation import poles
+from dashpot.vibration.systems.prediction import ringing_pole
 
 # one unit of the delay parameter, s: of the order of what channels differ by
 DELAY_UNIT = 1e-4
@@ -222,7 +222,7 @@ class Problem:
         if constraints.static_stiffness is not None:
             rows.append(_off(p.model.k_inf, constraints.static_stiffness))
         if constraints.natural_frequency is not None or constraints.damping_ratio is not None:
-            pole = _ringing(self.frf_data.seals * p.model, p.mass)
+            pole = ringing_pole(self.frf_data.seals * p.model, p.mass)
             if constraints.natural_frequency is not None:
                 rows.append(_off(abs(pole) / (2 * np.pi), constraints.natural_frequency))
             if constraints.damping_ratio is not None:
@@ -233,11 +233,6 @@ class Problem:
 
 def _off(value: float, known: Prior) -> float:
     return (value - known.value) / max(known.sd, EXACT * abs(known.value))
-
-
-def _ringing(model: GeneralizedMaxwell, mass: float) -> complex:
-    found = poles(model, mass)
-    return complex(found[np.argmax(found.imag)])
 
 
 def _before(fit: Fit, model: GeneralizedMaxwell) -> FloatArray:

@@ -6,7 +6,7 @@ import numpy as np
 
 from dashpot.base.checks import Check, Finding, criterion
 from dashpot.records.fit import Fit
-from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.maxwell import Solid
 from dashpot.vibration.checks import GRAVITY
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.modal.peaks import Peak
@@ -22,7 +22,7 @@ def checks(
     *,
     seen: Peak,
     told: Peak,
-    model: GeneralizedMaxwell | None,
+    model: Solid | None,
     fit: Fit | None,
     mass: float | None,
     depth: float | None,
@@ -160,7 +160,7 @@ def damping_tested(c: Comparison, fit: Fit) -> Finding:
 
 
 @criterion("sag under the mass, m", source="our choice: within 25 % of the tested depth")
-def operating_point(model: GeneralizedMaxwell, mass: float, depth: float | None) -> Finding:
+def operating_point(model: Solid, mass: float, depth: float | None) -> Finding:
     """Both tests compress the seal alike."""
     sag = mass * GRAVITY / model.k_inf
     says = f"under its own weight the mass sinks {1e3 * sag:.2f} mm into the seals"

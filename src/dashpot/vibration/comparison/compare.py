@@ -11,12 +11,11 @@ from dashpot.base.errors import DashpotError, DataError
 from dashpot.engine.inference.order import significant
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF, Kind, Mode
-from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.maxwell import Solid
 from dashpot.vibration.comparison.checks import checks, verdict
 from dashpot.vibration.comparison.comparison import ArmEvidence, Comparison
-from dashpot.vibration.modal.modes import model_modes
 from dashpot.vibration.modal.peaks import Peak, find_peak, usable_lines
-from dashpot.vibration.modal.truncation import cut_accelerance
+from dashpot.vibration.systems.prediction import accelerance, mass_for_peak, model_modes
 
 # lines outside this factor of the measured peak are mass line, tip roll-off and drift
 AROUND_THE_PEAK = 4.0
@@ -30,7 +29,7 @@ def compare(
     predicted: FRF,
     measured: FRF,
     *,
-    model: GeneralizedMaxwell | None = None,
+    model: Solid | None = None,
     fit: Fit | None = None,
     mass: float | None = None,
     seals: float = 1.0,
@@ -57,7 +56,7 @@ def compare(
     predicted : FRF
         Predicted at ``measured.frequency``, any kind.
     measured : FRF
-    model : GeneralizedMaxwell, optional
+    model : Solid, optional
         The solid behind the prediction; `seals` times it carries the mass.
     fit : Fit, optional
         Where the solid came from: gives `model`, and tells which arms the relaxation test saw.
@@ -76,14 +75,17 @@ def compare(
         If the prediction is on other lines, or was made for another window and no solid is
         given to make it anew.
     """
-    model = _solid(model, fit, seals)
-    measured = _lines(measured.to(Kind.ACCELERANCE), band)
+    if model is None and fit is not None:
+        model = fit.solid
+    model = None if model is None else seals * model
+    measured = measured.to(Kind.ACCELERANCE)
+    measured = measured if band is None else measured.band(*band)
     given = _on_lines(predicted.to(Kind.ACCELERANCE), measured)
     if model is not None and mass is None:
         mass = _mass_within(given, model)
     given = _as_tested(given, measured, model, mass)
     keep = _compared(measured, find_peak(measured), explicit=band is not None)
-    measured, given = _take(measured, keep), _take(given, keep)
+    measured, given = measured.only(keep), given.only(keep)
     seen, told = find_peak(measured), find_peak(given)
     mode = _known(_nearest(_modes(measured), seen.frequency))
     comparison = Comparison(
@@ -113,19 +115,38 @@ def compare(
     return replace(comparison, verdict=verdict(comparison))
 
 
+def infer_mass(model: Solid, frf: FRF) -> tuple[float, float]:
+    r"""Mass that puts the predicted peak of the accelerance on the measured one.
+
+    A frequency predicted with this mass proves nothing: it was put there
+    (:func:`~dashpot.vibration.systems.prediction.mass_for_peak`).
+
+    Parameters
+    ----------
+    model : Solid
+        All the seals together.
+    frf : FRF
+        Measured, any kind.
+
+    Returns
+    -------
+    mass, standard_error : float
+        kg. The error is that of the measured frequency alone, :math:`2 m\,\sigma_f/f`; an error
+        of the model's stiffness goes into the mass in full.
+
+    Raises
+    ------
+    DataError
+        If the model has no stiffness to balance a mass at the measured peak.
+    """
+    peak = find_peak(frf)
+    mass = mass_for_peak(model, peak.frequency)
+    if not (np.isfinite(mass) and mass > 0):
+        raise DataError(f"no mass puts a peak of this model at {peak.frequency:.4g} Hz; give mass=")
+    return mass, float(2 * mass * peak.frequency_se / peak.frequency)
+
+
 # -- bringing both to the same lines ----------------------------------------------------------
-
-
-def _solid(
-    model: GeneralizedMaxwell | None, fit: Fit | None, seals: float
-) -> GeneralizedMaxwell | None:
-    if model is None and fit is not None:
-        model = fit.model
-    return None if model is None else seals * model
-
-
-def _lines(measured: FRF, band: tuple[float, float] | None) -> FRF:
-    return measured if band is None else measured.band(*band)
 
 
 def _on_lines(predicted: FRF, measured: FRF) -> FRF:
@@ -152,7 +173,7 @@ def _on_lines(predicted: FRF, measured: FRF) -> FRF:
     )
 
 
-def _mass_within(predicted: FRF, model: GeneralizedMaxwell) -> float:
+def _mass_within(predicted: FRF, model: Solid) -> float:
     """The mass that the prediction was made with: what D(s) - K(s) leaves over s^2."""
     stiffness = predicted.to(Kind.DYNAMIC_STIFFNESS)
     ratio = (stiffness.value - model.stiffness_at(stiffness.s)) / stiffness.s**2
@@ -165,18 +186,13 @@ def _mass_within(predicted: FRF, model: GeneralizedMaxwell) -> float:
     return mass
 
 
-def _as_tested(
-    predicted: FRF, measured: FRF, model: GeneralizedMaxwell | None, mass: float | None
-) -> FRF:
+def _as_tested(predicted: FRF, measured: FRF, model: Solid | None, mass: float | None) -> FRF:
     """The prediction as the test would see it: its window and its cut record included."""
     if model is not None and mass is not None:
-        s = measured.s
-        value = s**2 / (mass * s**2 + model.stiffness_at(s))
-        if measured.record is not None and measured.frequency[0] > 0:
-            value = cut_accelerance(model, mass, s, measured.record, measured.pulse)
+        record = measured.record if measured.frequency[0] > 0 else None
         return replace(
             predicted,
-            value=value,
+            value=accelerance(model, mass, measured.s, record, measured.pulse),
             shift=measured.shift,
             record=measured.record,
             pulse=measured.pulse,
@@ -200,16 +216,6 @@ def _compared(measured: FRF, peak: Peak, *, explicit: bool) -> BoolArray:
     return keep
 
 
-def _take(frf: FRF, keep: BoolArray) -> FRF:
-    return replace(
-        frf,
-        frequency=frf.frequency[keep],
-        value=frf.value[keep],
-        coherence=None if frf.coherence is None else frf.coherence[keep],
-        sd=None if frf.sd is None else frf.sd[keep],
-    )
-
-
 # -- figures ----------------------------------------------------------------------------------
 
 
@@ -222,7 +228,7 @@ def _rms_db(a: ComplexArray, b: ComplexArray) -> float:
 
 
 def _predicted_damping(
-    model: GeneralizedMaxwell | None, mass: float | None, predicted: FRF, peak: Peak
+    model: Solid | None, mass: float | None, predicted: FRF, peak: Peak
 ) -> float | None:
     modes = _modes(predicted) if model is None or mass is None else model_modes(model, mass)
     mode = _nearest(modes, peak.frequency)
@@ -249,18 +255,16 @@ def _known(mode: Mode | None) -> Mode | None:
     return mode
 
 
-def _evidence(
-    model: GeneralizedMaxwell | None, fit: Fit | None, frequency: float
-) -> tuple[ArmEvidence, ...]:
-    if model is None or not model.arms:
+def _evidence(model: Solid | None, fit: Fit | None, frequency: float) -> tuple[ArmEvidence, ...]:
+    if model is None or not model.maxwell.arms:
         return ()
-    omega = 2 * np.pi * frequency
-    x = omega * np.asarray(model.tau)
-    loss = np.asarray(model.k) * x / (1 + x**2)
-    share = loss / (loss.sum() + omega * model.b)
+    arms, omega = model.maxwell, 2 * np.pi * frequency
+    x = omega * np.asarray(arms.tau)
+    loss = np.asarray(arms.k) * x / (1 + x**2)
+    share = loss / (loss.sum() + omega * arms.b)
     return tuple(
         ArmEvidence(tau, float(part), _seen(fit, j))
-        for j, (tau, part) in enumerate(zip(model.tau, share, strict=True), start=1)
+        for j, (tau, part) in enumerate(zip(arms.tau, share, strict=True), start=1)
     )
 
 

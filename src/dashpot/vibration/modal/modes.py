@@ -1,4 +1,4 @@
-"""Natural frequencies, damping ratios and residues: measured ones and a model's."""
+"""Natural frequencies, damping ratios and residues of a measured FRF."""
 
 from __future__ import annotations
 
@@ -9,9 +9,7 @@ import numpy as np
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import DataError
 from dashpot.records.frf import Mode
-from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.modal.rational_fraction import Lines, find_poles
-from dashpot.vibration.modal.truncation import poles, residues
 
 
 class Method(StrEnum):
@@ -22,32 +20,6 @@ class Method(StrEnum):
     HALF_POWER = "half-power"  # width of the peak at 1/sqrt(2) of its height
     CIRCLE = "circle"  # circle in the plane of the mobility
     DECREMENT = "decrement"  # logarithmic decrement of the impulse response
-
-
-def model_modes(model: GeneralizedMaxwell, mass: float) -> tuple[Mode, ...]:
-    r"""Exact modes of a mass on a solid: the oscillating poles of :math:`m s^2 + K(s)`.
-
-    `model` is all the seals together, `mass` in kg. Empty where the mass creeps back without
-    oscillating. The residue of the receptance is :math:`1/(2 m p + K'(p))`.
-
-    Raises
-    ------
-    DataError
-        If the mass cannot be.
-
-    >>> seal = GeneralizedMaxwell(196.5, k=(117.5, 17.8), tau=(59 / 117.5, 292.2 / 17.8))
-    >>> (mode,) = model_modes(2 * seal, mass=0.1040426)
-    >>> round(mode.frequency, 4), round(mode.damping_ratio, 6)
-    (12.7097, 0.004435)
-    """
-    if not (np.isfinite(mass) and mass > 0):
-        raise DataError(f"mass = {mass!r} kg; expected a number > 0")
-    p = poles(model, mass)
-    p = p[p.imag > 1e-9 * np.abs(p)]
-    return tuple(
-        Mode(float(abs(pole)) / (2 * np.pi), float(-pole.real / abs(pole)), complex(residue))
-        for pole, residue in zip(p, residues(model, mass, p), strict=True)
-    )
 
 
 def find_modes(

@@ -1,20 +1,20 @@
-"""A mass on a viscoelastic solid: the predicted FRF."""
+"""A mass on a viscoelastic solid: its poles, its FRF, and what a record of finite length shows."""
 
 from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import samples
+from dashpot.base.arrays import ComplexArray, samples
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
-from dashpot.records.frf import FRF, Kind
-from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.records.frf import FRF, Kind, Mode
+from dashpot.solids.maxwell import Solid
 from dashpot.vibration.checks import seal_mass_negligible
 
 
 def predict_frf(
-    model: GeneralizedMaxwell,
+    model: Solid,
     *,
     mass: float,
     frequency: npt.ArrayLike,
@@ -30,7 +30,7 @@ def predict_frf(
 
     Parameters
     ----------
-    model : GeneralizedMaxwell
+    model : Solid
         All the seals together: two equal seals are ``2 * model``.
     mass : float
         kg.
@@ -45,8 +45,7 @@ def predict_frf(
     DataError
         If the mass or a frequency cannot be, or the response is infinite at a line.
     """
-    if not (np.isfinite(mass) and mass > 0):
-        raise DataError(f"mass = {mass!r} kg; expected a number > 0")
+    _checked(mass)
     f = samples("frequency", frequency)
     s = 2j * np.pi * f + shift
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -56,14 +55,110 @@ def predict_frf(
         raise DataError(
             f"the response at {f[i]:g} Hz is infinite: the solid has no stiffness there"
         )
-    kind = Kind(kind)
-    value = {
-        Kind.RECEPTANCE: lambda: receptance,
-        Kind.MOBILITY: lambda: s * receptance,
-        Kind.ACCELERANCE: lambda: s**2 * receptance,
-        Kind.DYNAMIC_STIFFNESS: lambda: 1 / receptance,
-    }[kind]()
-    return FRF(frequency=f, value=value, kind=kind, shift=shift)
+    return FRF.of_receptance(f, receptance, kind=kind, shift=shift)
+
+
+def model_modes(model: Solid, mass: float) -> tuple[Mode, ...]:
+    r"""Exact modes of a mass on a solid: the oscillating poles of :math:`m s^2 + K(s)`.
+
+    `model` is all the seals together, `mass` in kg. Empty where the mass creeps back without
+    oscillating. The residue of the receptance is :math:`1/(2 m p + K'(p))`.
+
+    Raises
+    ------
+    DataError
+        If the mass cannot be.
+
+    >>> from dashpot.solids.maxwell import GeneralizedMaxwell
+    >>> seal = GeneralizedMaxwell(196.5, k=(117.5, 17.8), tau=(59 / 117.5, 292.2 / 17.8))
+    >>> (mode,) = model_modes(2 * seal, mass=0.1040426)
+    >>> round(mode.frequency, 4), round(mode.damping_ratio, 6)
+    (12.7097, 0.004435)
+    """
+    _checked(mass)
+    p = poles(model, mass)
+    p = p[p.imag > 1e-9 * np.abs(p)]
+    return tuple(
+        Mode(float(abs(pole)) / (2 * np.pi), float(-pole.real / abs(pole)), complex(residue))
+        for pole, residue in zip(p, residues(model, mass, p), strict=True)
+    )
+
+
+def poles(model: Solid, mass: float) -> ComplexArray:
+    r"""Poles of a mass on a solid, 1/s, shape (2 + arms,): roots of :math:`m s^2 + K(s) = 0`.
+
+    Eigenvalues of the state matrix in position, velocity and the elongation of each arm's spring,
+    :math:`\dot q_j = v - q_j/\tau_j`; `model` is all the seals together, `mass` in kg. Of the
+    arms that stand for the solid.
+    """
+    arms = model.maxwell
+    size = 2 + arms.arms
+    state = np.zeros((size, size))
+    state[0, 1] = 1.0
+    state[1, 0] = -arms.k_inf / mass
+    state[1, 1] = -arms.b / mass
+    state[1, 2:] = -np.asarray(arms.k) / mass
+    state[2:, 1] = 1.0
+    state[2:, 2:] = -np.diag(1 / np.asarray(arms.tau))
+    return np.asarray(np.linalg.eigvals(state), dtype=complex)
+
+
+def ringing_pole(model: Solid, mass: float) -> complex:
+    """The pole that oscillates fastest, 1/s."""
+    found = poles(model, mass)
+    return complex(found[np.argmax(found.imag)])
+
+
+def residues(model: Solid, mass: float, at: ComplexArray) -> ComplexArray:
+    r"""Residues of the receptance at its simple poles: :math:`1 / (2 m p + K'(p))`, m/(N s)."""
+    slope = model.maxwell.slope_at(at)
+    # an arm too weak to shift its own pole has an infinite slope there, and no residue
+    own = np.isfinite(slope)
+    found = np.zeros(len(at), dtype=complex)
+    found[own] = 1 / (2 * mass * at[own] + slope[own])
+    return found
+
+
+def accelerance(
+    model: Solid, mass: float, s: npt.ArrayLike, record: float | None = None, pulse: float = 0.0
+) -> ComplexArray:
+    r"""Accelerance as the transform of a response cut off `record` s after the hit sees it, 1/kg.
+
+    .. math::
+
+        A_T(s) = \frac{s^2}{m s^2 + K(s)} - \sum_i r_i p_i^2
+                 \frac{e^{(p_i - s) T + \vartheta^2 (p_i^2 - s^2)/2}}{s - p_i}
+
+    where :math:`r_i` is the residue of the receptance at its pole :math:`p_i` and
+    :math:`\vartheta` the rms width of the `pulse`, s, at whose middle the record begins. With an
+    exponential window, s = j omega + a, the cut-off part shrinks by e^{-aT}; without a `record`
+    nothing is cut.
+    """
+    s = np.asarray(s, dtype=complex)
+    whole = np.asarray(s**2 / (mass * s**2 + model.stiffness_at(s)))
+    if record is None:
+        return whole
+    p = poles(model, mass)
+    lost = residues(model, mass, p) * p**2 * np.exp(p * record + 0.5 * (pulse * p) ** 2)
+    live = np.abs(lost) > 0
+    p, lost = p[live], lost[live]
+    tail = (lost / (s[:, None] - p)).sum(axis=1)
+    return np.asarray(whole - tail * np.exp(-s * record - 0.5 * (pulse * s) ** 2))
+
+
+def mass_for_peak(model: Solid, frequency: float) -> float:
+    r"""The mass that puts the peak of the accelerance at `frequency` Hz, kg; no number if none.
+
+    At the peak :math:`|m - u|^2`, with :math:`u = K(j\omega)/\omega^2`, has a zero slope, which is
+    linear in m:
+
+    .. math:: m = \frac{\mathrm{Re}(\bar u' u)}{\mathrm{Re}\,u'}
+    """
+    omega = 2 * np.pi * frequency
+    w = omega * (1 + np.array([-1e-5, 0.0, 1e-5]))
+    u = model.complex_stiffness(w) / w**2
+    slope = u[2] - u[0]
+    return float((np.conj(slope) * u[1]).real / slope.real) if slope.real != 0 else float("nan")
 
 
 def moving_mass(block: float, *, seal: float, seals: float = 1.0) -> tuple[float, Check]:
@@ -92,3 +187,8 @@ def moving_mass(block: float, *, seal: float, seals: float = 1.0) -> tuple[float
         if not (np.isfinite(value) and (value > 0 or (value == 0 and name == "seal"))):
             raise DataError(f"{name} mass = {value!r} kg; expected a number {least}")
     return block + seals * seal / 3, seal_mass_negligible(seals * seal / block)
+
+
+def _checked(mass: float) -> None:
+    if not (np.isfinite(mass) and mass > 0):
+        raise DataError(f"mass = {mass!r} kg; expected a number > 0")
