@@ -48,11 +48,11 @@ from .vibration.comparison.compare import infer_mass as infer_mass
 from .vibration.comparison.comparison import Comparison as Comparison
 from .vibration.impact.frf_estimation import estimate_frf as estimate_frf
 from .vibration.modal.dynamic_stiffness import dynamic_stiffness as dynamic_stiffness
-from .vibration.systems.bodies import Mount as Mount
-from .vibration.systems.bodies import planar_body as planar_body
-from .vibration.systems.bodies import point_mass as point_mass
 from .vibration.systems.prediction import predict_frf as predict_frf
+from .vibration.systems.system import Mount as Mount
 from .vibration.systems.system import System as System
+from .vibration.systems.system import planar_body as planar_body
+from .vibration.systems.system import point_mass as point_mass
 from .workflow.archive import from_json as from_json
 from .workflow.archive import to_json as to_json
 from .workflow.study import Study as Study

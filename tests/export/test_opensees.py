@@ -11,9 +11,8 @@ import pytest
 
 from dashpot import export
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.vibration.systems.bodies import Mount, point_mass
-from dashpot.vibration.systems.system import System
-from dashpot.vibration.systems.time_response import respond
+from dashpot.vibration.systems.state_space import respond
+from dashpot.vibration.systems.system import Mount, System, point_mass
 
 RUN = """
 import json, sys

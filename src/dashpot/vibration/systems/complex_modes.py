@@ -141,16 +141,7 @@ def _newton(
 
 def _derivative(system: System, s: complex) -> ComplexArray:
     """dD/ds: 2 s M + E^T K'(s) E."""
-    slopes = np.array(
-        [
-            mount.solid.b
-            + sum(
-                k * tau / (1 + s * tau) ** 2
-                for k, tau in zip(mount.solid.k, mount.solid.tau, strict=True)
-            )
-            for mount in system.mounts
-        ]
-    )
+    slopes = np.array([complex(mount.solid.slope_at(s)) for mount in system.mounts])
     E = system.stretch
     return np.asarray(2 * s * system.mass_matrix + (E.T * slopes) @ E)
 
