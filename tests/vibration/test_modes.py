@@ -11,7 +11,7 @@ from dashpot.base.errors import DataError, FitError
 from dashpot.records.frf import FRF, Kind, Mode
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.impact.frf_estimation import estimate_frf
-from dashpot.vibration.modal.modes import Method, find_modes, mount_band
+from dashpot.vibration.modal.modes import Method, mount_band
 from dashpot.vibration.modal.rational_fraction import Lines, kernel
 from dashpot.vibration.systems.prediction import model_modes, predict_frf
 
@@ -181,7 +181,8 @@ def test_several_modes_are_told_apart(record, shift):
         Mode(20.0, 0.03, 0.02j),
     )
     f = np.arange(1, 160) / 4
-    found = find_modes(f, _modal(f, true, record, shift), record=record, shift=shift, band=(2, 39))
+    frf = FRF(f, _modal(f, true, record, shift), record=record, shift=shift)
+    found = frf.modes(band=(2, 39))
     assert len(found) == 3
     for mode, expected in zip(found, true, strict=True):  # largest residue first
         assert mode.frequency == pytest.approx(expected.frequency, rel=1e-4)
@@ -196,21 +197,20 @@ def test_noise_alone_grows_no_junk_mode():
         random = np.random.default_rng(seed)
         noise = random.standard_normal(len(f)) + 1j * random.standard_normal(len(f))
         sd = 0.2
-        found = find_modes(
-            f, _modal(f, (Mode(12.0, 0.02, -0.05j),)) + sd * noise, sd=np.full(len(f), sd)
-        )
+        value = _modal(f, (Mode(12.0, 0.02, -0.05j),)) + sd * noise
+        found = FRF(f, value, sd=np.full(len(f), sd)).modes()
         assert len(found) == 1
         assert found[0].frequency == pytest.approx(12.0, abs=4 * found[0].frequency_se)
 
 
 def test_flat_lines_have_no_mode():
     f = np.arange(1, 200) / 4
-    assert find_modes(f, np.full(len(f), 2.0 + 0j), band=(1, 40)) == ()
+    assert FRF(f, np.full(len(f), 2.0 + 0j)).modes(band=(1, 40)) == ()
 
 
 def test_as_many_modes_as_asked_for():
     f = np.arange(1, 160) / 4
-    found = find_modes(f, _modal(f, (Mode(9.0, 0.02, -0.05j),)), count=2, band=(2, 39))
+    found = FRF(f, _modal(f, (Mode(9.0, 0.02, -0.05j),))).modes(count=2, band=(2, 39))
     assert len(found) == 2
 
 

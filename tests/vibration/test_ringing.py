@@ -9,8 +9,7 @@ import pytest
 
 from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.vibration.impact.frf_estimation import estimate_frf
-from dashpot.vibration.impact.hits import cut_hits
-from dashpot.vibration.impact.ringing import calm
+from dashpot.vibration.impact.hits import calm, cut_hits
 
 MASS = 0.1040426
 TRUE = 12.70975, 0.00443503

@@ -266,17 +266,7 @@ class FRF(ByValue):
         from dashpot.vibration.modal.modes import find_modes
 
         measured = self.to(Kind.ACCELERANCE)  # what was recorded, and cut at its end
-        return find_modes(
-            measured.frequency,
-            measured.value,
-            sd=measured.sd,
-            record=measured.record,
-            pulse=measured.pulse,
-            shift=measured.shift,
-            method=method,
-            band=band,
-            count=count,
-        )
+        return find_modes(measured, method=method, band=band, count=count)
 
 
 def _as_kind(receptance: ComplexArray, s: ComplexArray, kind: Kind) -> ComplexArray:

@@ -1,27 +1,99 @@
-"""Hits averaged into one FRF, as chosen."""
+"""Hits averaged into one FRF, windowed, turned and weighted as chosen."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
+from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.base.errors import DataError
+from dashpot.records.frf import FRF
 from dashpot.vibration.impact.checks import agreement
-from dashpot.vibration.impact.estimators import Estimator, Spectra, estimate, random_error
-from dashpot.vibration.impact.hit_spectra import Stack
+from dashpot.vibration.impact.estimators import (
+    Estimator,
+    Spectra,
+    Stack,
+    coherence,
+    estimate,
+    random_error,
+)
 from dashpot.vibration.impact.hits import HitBlock
 from dashpot.vibration.impact.quality import Verdict, judge, remaining
 from dashpot.vibration.impact.rocking import Combination, null_rocking
-from dashpot.vibration.impact.windows import force_window, window_decay
 from dashpot.vibration.modal.modes import mount_band
 from dashpot.vibration.modal.rational_fraction import Lines
 
 FORCE_LEFT = 0.1  # -20 dB: where the force has fallen this far, the FRF ends
 ALIAS_FREE = 0.4  # of the sampling rate
 CLEAR = 0.5  # of all motion must go one way to tell the polarity of an accelerometer
+LEFT = 0.01  # what an exponential window leaves of the response at the end of the record
+FORMS = "none, force, exponential, exponential:0.01, force+exponential"
+
+
+@dataclass(frozen=True)
+class Window:
+    """Whether to window the force, whether exponentially both, and the end value if given."""
+
+    force: bool = False
+    exponential: bool = False
+    end: float | None = None
+
+    @classmethod
+    def parse(cls, window: str) -> Window:
+        """Understand ``"force+exponential:0.01"``.
+
+        Never a Hann window: it would erase the pulse, which stands at the edge of the record.
+        """
+        force, exponential, end = False, False, None
+        for part in window.split("+"):
+            name, _, value = part.strip().partition(":")
+            if name == "force" and not value:
+                force = True
+            elif name == "exponential":
+                exponential = True
+                end = _end(value, window) if value else None
+            elif name != "none" or value or window != "none":
+                raise DataError(
+                    f"window {window!r} does not suit a hammer test; expected one of {FORMS}"
+                )
+        return cls(force, exponential, end)
+
+    def decay(self, hits: Sequence[HitBlock]) -> float:
+        r"""Decay a of the exponential window :math:`e^{-at}`, 1/s; 0 without one.
+
+        Without a wanted end value, the gentlest that leaves 1 % of the response at the end of
+        the record, of which a part is left without a window.
+        """
+        if not self.exponential:
+            return 0.0
+        left = max(map(remaining, hits))
+        end = min(1.0, LEFT / max(left, LEFT)) if self.end is None else self.end
+        return float(-np.log(end) / hits[0].length)
+
+
+def _end(value: str, window: str) -> float:
+    try:
+        end = float(value)
+    except ValueError:
+        end = float("nan")
+    if not 0 < end < 1:
+        raise DataError(
+            f"window {window!r}: the number is what the window leaves at the end of the record; "
+            "expected more than 0 and less than 1, such as exponential:0.01"
+        )
+    return end
+
+
+def _force_window(hit: HitBlock) -> FloatArray:
+    """One over the pulse, a half-cosine down over twice its length, then zero: shape (n,)."""
+    pulse = hit.pulse(0.01)
+    flat = pulse.stop + max(pulse.stop - pulse.start, 4)
+    fall = 2 * max(pulse.stop - pulse.start, 4)
+    at = np.arange(len(hit.force))
+    return np.asarray(0.5 * (1 + np.cos(np.pi * np.clip((at - flat) / fall, 0, 1))))
 
 
 @dataclass(frozen=True)
@@ -29,9 +101,7 @@ class Choices:
     """What the caller chose, understood."""
 
     estimator: Estimator
-    force_window: bool
-    exponential: bool
-    end: float | None
+    window: Window
     combine: str
     polarity: Sequence[int] | None
     band: tuple[float, float] | None
@@ -51,22 +121,35 @@ class Average:
     weights: FloatArray
     rocking: Combination | None
     spectra: Spectra
-    value: ComplexArray
+    estimator: Estimator
+
+    @cached_property
+    def frf(self) -> FRF:
+        """The numbers of the average: FRF, coherence and random error."""
+        stack, value = self.stack, estimate(self.spectra, self.estimator)
+        return FRF(
+            frequency=stack.frequency,
+            value=value,
+            coherence=coherence(self.spectra),
+            sd=random_error(self.spectra, value),
+            shift=stack.shift,
+            record=stack.record,
+            pulse=stack.pulse,
+            averages=self.spectra.averages,
+        )
 
 
 def average_hits(hits: Sequence[HitBlock], taken: BoolArray, choices: Choices) -> Average:
     """Transform, turn, weight and average the hits taken, and judge them all."""
-    verdicts = [judge(hit, windowed=choices.exponential) for hit in hits]
+    verdicts = [judge(hit, windowed=choices.window.exponential) for hit in hits]
     good = [hit for hit, t in zip(hits, taken, strict=True) if t]
-    decay = 0.0
-    if choices.exponential:
-        decay = window_decay(max(map(remaining, good)), hits[0].length, choices.end)
-    stack = _transform(hits, choices, decay).band(*(choices.band or _excited(good)))
+    stack = _transform(hits, choices, choices.window.decay(good)).band(
+        *(choices.band or _excited(good))
+    )
     stack = stack.turned(_signs(stack.only(taken), choices.polarity))
     weights, rocking = _combine(stack.only(taken), choices)
     verdicts, taken = agreement(stack.weighted(weights), verdicts, taken, choices.accept)
     stack = stack.only(taken)
-    spectra = stack.weighted(weights)
     return Average(
         hits=tuple(hits),
         verdicts=tuple(verdicts),
@@ -74,15 +157,15 @@ def average_hits(hits: Sequence[HitBlock], taken: BoolArray, choices: Choices) -
         stack=stack,
         weights=weights,
         rocking=rocking,
-        spectra=spectra,
-        value=estimate(spectra, choices.estimator),
+        spectra=stack.weighted(weights),
+        estimator=choices.estimator,
     )
 
 
 def _transform(hits: Sequence[HitBlock], choices: Choices, decay: float) -> Stack:
     rate = hits[0].rate
     fade = np.exp(-decay * np.arange(len(hits[0].force)) / rate)
-    force = [b.force * fade * (force_window(b) if choices.force_window else 1.0) for b in hits]
+    force = [b.force * fade * (_force_window(b) if choices.window.force else 1.0) for b in hits]
     response = np.array([b.acceleration * fade for b in hits]).swapaxes(0, 1)
     return Stack(
         frequency=np.asarray(np.fft.rfftfreq(len(fade), 1 / rate), dtype=np.float64),
@@ -98,7 +181,7 @@ def _transform(hits: Sequence[HitBlock], choices: Choices, decay: float) -> Stac
 def _excited(hits: Sequence[HitBlock]) -> tuple[float, float]:
     """Lines above 0 Hz that the hammer excites: up to where its spectrum falls by 20 dB."""
     rate, n = hits[0].rate, len(hits[0].force)
-    power = (np.abs(np.fft.rfft([b.force * force_window(b) for b in hits])) ** 2).mean(axis=0)
+    power = (np.abs(np.fft.rfft([b.force * _force_window(b) for b in hits])) ** 2).mean(axis=0)
     weak = np.flatnonzero(power < FORCE_LEFT**2 * power[: max(n // 500, 2)].max())
     top = float(weak[0]) if weak.size else np.inf
     return 0.5 * rate / n, min(max(top - 0.5, 8.5), ALIAS_FREE * n) * rate / n
@@ -117,15 +200,16 @@ def _signs(stack: Stack, polarity: Sequence[int] | None) -> FloatArray:
     near = stack.band(*_mounts(stack))
     h = np.array([estimate(spectra) for spectra in near.each()])
     # the real part of the mobility, summed, is the velocity just after the hit
-    mobility = (h / (2j * np.pi * near.frequency + near.shift)).real
+    mobility = (h / near.s).real
     kick = mobility.sum(axis=1) / np.abs(mobility).sum(axis=1)
     if kick.min() < -CLEAR and kick.max() > CLEAR:
-        along = [name for name, k in zip(stack.channels, kick, strict=True) if k > 0]
-        against = [name for name, k in zip(stack.channels, kick, strict=True) if k < 0]
+        along, against = (
+            ", ".join(np.array(stack.channels)[side]) for side in (kick > 0, kick <= 0)
+        )
         raise DataError(
-            f"accelerometers of opposite polarity: a hit moves {', '.join(along)} along with it "
-            f"but {', '.join(against)} against it; check the mounting and give the polarity, such "
-            f"as {tuple(1 if k > 0 else -1 for k in kick)}"
+            f"accelerometers of opposite polarity: a hit moves {along} along with it but {against} "
+            "against it; check the mounting and give the polarity, such as "
+            f"{tuple(1 if k > 0 else -1 for k in kick)}"
         )
     return np.full(count, -1.0 if kick.min() < -CLEAR else 1.0)
 
@@ -145,12 +229,11 @@ def _combine(stack: Stack, choices: Choices) -> tuple[FloatArray, Combination | 
     ]
     found = null_rocking(
         Lines.measured(
-            near.frequency,
+            near.s,
             values,
             None if near.averages < 2 else np.array(errors),
             record=near.record,
             pulse=near.pulse,
-            shift=near.shift,
         ),
         near.response / near.force[None],
         choices.reach,

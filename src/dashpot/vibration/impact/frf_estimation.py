@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,16 +10,13 @@ import numpy as np
 from dashpot.base.arrays import BoolArray
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
-from dashpot.records.frf import FRF, Hit, Kind
+from dashpot.records.frf import FRF, Hit
 from dashpot.records.impact import ImpactTest
-from dashpot.vibration.impact.averaging import Average, Choices, average_hits
+from dashpot.vibration.impact.averaging import Average, Choices, Window, average_hits
 from dashpot.vibration.impact.checks import checks_of
-from dashpot.vibration.impact.estimators import Estimator, coherence, random_error
-from dashpot.vibration.impact.hits import HitBlock, cut_hits
-from dashpot.vibration.impact.quality import Verdict, judge, moving_before
-from dashpot.vibration.impact.ringing import calm
-from dashpot.vibration.impact.windows import parse_window
-from dashpot.vibration.modal.modes import find_modes
+from dashpot.vibration.impact.estimators import Estimator
+from dashpot.vibration.impact.hits import HitBlock, calm, cut_hits
+from dashpot.vibration.impact.quality import judge, moving_before
 
 STILL = 0.003  # of the response: less motion before a hit is left as it is
 
@@ -91,14 +88,12 @@ def estimate_frf(
     tests = (tests,) if isinstance(tests, ImpactTest) else tuple(tests)
     if mass is not None and not (np.isfinite(mass) and mass > 0):
         raise DataError(f"mass = {mass!r} kg; expected a number > 0")
-    force, exponential, end = parse_window(window)
+    asked = Window.parse(window)
     hits = cut_hits(tests, record=record, pretrigger=pretrigger)
-    taken = _taken(hits, [judge(hit) for hit in hits], accept, reject)
+    taken = _taken(hits, accept, reject)
     choices = Choices(
         estimator=_estimator(estimator),
-        force_window=force,
-        exponential=exponential,
-        end=end,
+        window=asked,
         combine=_known(combine, tests[0].channels),
         polarity=polarity,
         band=band,
@@ -106,51 +101,35 @@ def estimate_frf(
         channels=tests[0].channels,
         reach=_reach(tests),
     )
-    average = average_hits(hits, taken, choices)
-    if any(moving_before(b) > STILL for b, t in zip(hits, taken, strict=True) if t):
-        for _ in range(2):  # better poles take the earlier hit off better
-            poles = _free_poles(average)
-            still = [calm(hit, poles) for hit in hits]
-            if not any(hit.calmed for hit in still):
-                break
-            average = average_hits(still, taken, choices)
-    frf = _frf(average, choices)
-    frf = replace(frf, source=tuple(dict.fromkeys(s for test in tests for s in test.source)))
-    return replace(
-        frf,
-        checks=checks_of(frf, average.spectra, choices.estimator, average.rocking, mass),
-    )
-
-
-def _frf(average: Average, choices: Choices) -> FRF:
-    stack, spectra = average.stack, average.spectra
-    return FRF(
-        frequency=stack.frequency,
-        value=average.value,
-        kind=Kind.ACCELERANCE,
-        coherence=coherence(spectra),
-        sd=random_error(spectra, average.value),
-        shift=stack.shift,
-        record=stack.record,
-        pulse=stack.pulse,
-        averages=spectra.averages,
+    average = _calmed(average_hits(hits, taken, choices), hits, taken, choices)
+    frf = replace(
+        average.frf,
         hits=_hits(average),
+        source=tuple(dict.fromkeys(source for test in tests for source in test.source)),
         steps=_steps(average, choices),
     )
+    checks = checks_of(frf, average.spectra, choices.estimator, average.rocking, mass)
+    return replace(frf, checks=checks)
+
+
+def _calmed(
+    average: Average, hits: Sequence[HitBlock], taken: BoolArray, choices: Choices
+) -> Average:
+    """Take off what still rings from hits before, where that is worth it."""
+    if not any(moving_before(b) > STILL for b, t in zip(hits, taken, strict=True) if t):
+        return average
+    for _ in range(2):  # better poles take the earlier hit off better
+        poles = _free_poles(average)
+        still = [calm(hit, poles) for hit in hits]
+        if not any(hit.calmed for hit in still):
+            break
+        average = average_hits(still, taken, choices)
+    return average
 
 
 def _free_poles(average: Average) -> list[complex]:
     """Poles of the block's free motions: of the FRF's modes, and of rocking that it cancels."""
-    stack = average.stack
-    modes = find_modes(
-        stack.frequency,
-        average.value,
-        sd=random_error(average.spectra, average.value),
-        record=stack.record,
-        pulse=stack.pulse,
-        shift=stack.shift,
-    )
-    poles = [mode.pole for mode in modes]
+    poles = [mode.pole for mode in average.frf.modes()]
     if average.rocking is not None:
         rocking = average.rocking.rocking
         if all(abs(p - rocking) > 0.02 * abs(p) for p in poles):
@@ -176,24 +155,16 @@ def _known(combine: str, channels: Sequence[str]) -> str:
     return combine
 
 
-def _taken(
-    hits: Sequence[HitBlock],
-    verdicts: Sequence[Verdict],
-    accept: Sequence[str],
-    reject: Sequence[str],
-) -> BoolArray:
-    names = [hit.name for hit in hits]
-    unknown = [name for name in (*accept, *reject) if name not in names]
+def _taken(hits: Sequence[HitBlock], accept: Sequence[str], reject: Sequence[str]) -> BoolArray:
+    faults = {hit.name: judge(hit).faults for hit in hits}
+    unknown = [name for name in (*accept, *reject) if name not in faults]
     if unknown:
-        raise DataError(f"there is no hit {unknown[0]!r}; the hits are {', '.join(names)}")
-    taken = [
-        name in accept or (name not in reject and not verdict.faults)
-        for name, verdict in zip(names, verdicts, strict=True)
-    ]
+        raise DataError(f"there is no hit {unknown[0]!r}; the hits are {', '.join(faults)}")
+    taken = [name in accept or (name not in reject and not wrong) for name, wrong in faults.items()]
     if not any(taken):
         why = "; ".join(
-            f"hit {name}: {'. Also: '.join(verdict.faults) or 'rejected by name'}"
-            for name, verdict in zip(names, verdicts, strict=True)
+            f"hit {name}: {'. Also: '.join(wrong) or 'rejected by name'}"
+            for name, wrong in faults.items()
         )
         raise DataError(f"no hit is left to average. {why}. To use one anyway, accept it by name")
     return np.array(taken)
@@ -223,20 +194,12 @@ def _steps(average: Average, choices: Choices) -> tuple[Step, ...]:
     name = choices.estimator.value
     return (
         _cut_step(average.hits),
-        *_calm_steps(average),
-        *_window_steps(average.stack.shift, choices),
+        *_calm_steps(average.hits),
+        *_window_steps(average.stack.shift, choices.window),
         *_sign_steps(average),
         *_combine_steps(average, choices),
         Step("estimate", (("estimator", name),), f"{name}, linear averages"),
     )
-
-
-def _calm_steps(average: Average) -> tuple[Step, ...]:
-    names = [hit.name for hit in average.hits if hit.calmed]
-    if not names:
-        return ()
-    says = f"what still rang from the hit before was taken off hits {', '.join(names)}"
-    return (Step("ringing", (("hits", ", ".join(names)),), says),)
 
 
 def _cut_step(hits: Sequence[HitBlock]) -> Step:
@@ -253,47 +216,43 @@ def _cut_step(hits: Sequence[HitBlock]) -> Step:
     )
 
 
-def _sign_steps(average: Average) -> tuple[Step, ...]:
-    stack, steps = average.stack, []
-    if any(hit.turned for hit in average.hits):
-        steps.append(
-            Step("hammer_sign", (), "the hammer was recorded negative; now pushing is positive")
-        )
-    turned = [name for name, sign in zip(stack.channels, stack.signs, strict=True) if sign < 0]
-    if turned:
-        steps.append(
-            Step("polarity", (("turned", ", ".join(turned)),), f"{', '.join(turned)}: sign turned")
-        )
-    return tuple(steps)
+def _calm_steps(hits: Sequence[HitBlock]) -> Iterator[Step]:
+    names = ", ".join(hit.name for hit in hits if hit.calmed)
+    if names:
+        says = f"what still rang from the hit before was taken off hits {names}"
+        yield Step("ringing", (("hits", names),), says)
 
 
-def _window_steps(decay: float, choices: Choices) -> tuple[Step, ...]:
-    steps = []
-    if choices.force_window:
-        steps.append(Step("force_window", (), "after the pulse the force was faded to zero"))
+def _window_steps(decay: float, window: Window) -> Iterator[Step]:
+    if window.force:
+        yield Step("force_window", (), "after the pulse the force was faded to zero")
     if decay > 0:
-        steps.append(
-            Step(
-                "exponential_window",
-                (("decay", f"{decay:.9g} 1/s"),),
-                f"force and response were multiplied by exp(-{decay:.4g} t / s): the FRF is H at "
-                f"s = j omega + {decay:.4g} 1/s",
-            )
+        says = (
+            f"force and response were multiplied by exp(-{decay:.4g} t / s): the FRF is H at "
+            f"s = j omega + {decay:.4g} 1/s"
         )
-    elif choices.exponential:
-        steps.append(
-            Step("exponential_window", (), "not needed: the response decays within the record")
-        )
-    return tuple(steps)
+        yield Step("exponential_window", (("decay", f"{decay:.9g} 1/s"),), says)
+    elif window.exponential:
+        says = "not needed: the response decays within the record"
+        yield Step("exponential_window", (), says)
 
 
-def _combine_steps(average: Average, choices: Choices) -> tuple[Step, ...]:
-    channels, weights = choices.channels, average.weights
-    if len(channels) < 2:
-        return ()
-    parts = [f"{w:.4g} {name}" for name, w in zip(channels, weights, strict=True) if w]
-    says = f"response = {' + '.join(parts)}"
+def _sign_steps(average: Average) -> Iterator[Step]:
+    stack = average.stack
+    if any(hit.turned for hit in average.hits):
+        says = "the hammer was recorded negative; now pushing is positive"
+        yield Step("hammer_sign", (), says)
+    signs = zip(stack.channels, stack.signs, strict=True)
+    turned = ", ".join(name for name, sign in signs if sign < 0)
+    if turned:
+        yield Step("polarity", (("turned", turned),), f"{turned}: sign turned")
+
+
+def _combine_steps(average: Average, choices: Choices) -> Iterator[Step]:
+    weights = list(zip(choices.channels, average.weights, strict=True))
+    if len(weights) < 2:
+        return
+    says = f"response = {' + '.join(f'{w:.4g} {name}' for name, w in weights if w)}"
     if choices.combine == "weighted" and average.rocking is None:
         says += ": the plain mean, since no rocking was found to cancel"
-    weighted = tuple((name, f"{w:.9g}") for name, w in zip(channels, weights, strict=True))
-    return (Step("combine", weighted, says),)
+    yield Step("combine", tuple((name, f"{w:.9g}") for name, w in weights), says)

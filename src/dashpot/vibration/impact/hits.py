@@ -1,13 +1,13 @@
-"""Hammer hits, found in continuous records and cut into blocks."""
+"""Hammer hits, found in continuous records, cut into blocks, and freed of what still rings."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
+from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import DataError
 from dashpot.records.impact import ImpactTest
 
@@ -16,6 +16,7 @@ APART = 0.5  # s: pulses closer than this are one hit, perhaps a double one
 PRETRIGGER = 0.1  # s, where that much is recorded
 GUARD = 2  # samples before the onset that may already feel the pulse
 HISTORY = 1.0  # s before a hit that are kept to tell how the block still moves
+EXPLAINED = 0.5  # of the motion before a hit must be free decay to be taken off
 RATE_TOLERANCE = 1e-3  # between tests, relative; time stamps are often printed with few digits
 
 
@@ -186,10 +187,8 @@ def _find(test: ImpactTest) -> list[_Found]:
             continue
         firsts = hot[np.concatenate(([True], np.diff(hot) > APART * test.rate))]
         onsets = [_onset(sign * force, int(i), noise) for i in firsts]
-        for i, onset in enumerate(onsets):
-            before = onsets[i - 1] if i else None
-            after = onsets[i + 1] if i + 1 < len(onsets) else None
-            found.append(_Found(test, sign, record, onset, before, after))
+        neighbours = zip([None, *onsets], onsets, [*onsets[1:], None], strict=False)
+        found += [_Found(test, sign, record, at, last, after) for last, at, after in neighbours]
     if not found:
         raise DataError(
             f"no hammer hit found: the force stays within {float(np.ptp(loudest)):.3g} N, without "
@@ -275,3 +274,30 @@ def _past(hit: _Found) -> FloatArray:
     return hit.test.acceleration[
         :, record.start + first : record.start + max(hit.onset - GUARD, first)
     ]
+
+
+def calm(hit: HitBlock, poles: Sequence[complex]) -> HitBlock:
+    r"""Take off :math:`\sum_i \mathrm{Re}\,c_i e^{p_i t} + c_0`, fitted to what precedes the hit.
+
+    A block that has not come to rest moves on as if nothing had struck it, and answers the hit on
+    top of that. With the poles known, up to a second of record before the hit tells how.
+    The hit is returned as it is if that explains less than half of the motion.
+    """
+    past = hit.past
+    if past.shape[1] < 4 * (2 * len(poles) + 1) or not poles:
+        return hit
+    before = (np.arange(past.shape[1]) - past.shape[1] - GUARD) / hit.rate
+    basis = _decays(before, np.array(poles))
+    c, *_ = np.linalg.lstsq(basis, past.T, rcond=1e-10)
+    left = past.T - basis @ c
+    if left.var() > (1 - EXPLAINED) * past.var():
+        return hit
+    after = (np.arange(len(hit.force)) - hit.onset) / hit.rate
+    return replace(
+        hit, acceleration=hit.acceleration - (_decays(after, np.array(poles)) @ c).T, calmed=True
+    )
+
+
+def _decays(t: FloatArray, poles: ComplexArray) -> FloatArray:
+    waves = np.exp(np.outer(t, poles))
+    return np.column_stack((waves.real, waves.imag, np.ones_like(t)))

@@ -53,13 +53,12 @@ class Lines:
     @classmethod
     def measured(
         cls,
-        frequency: FloatArray,
+        s: ComplexArray,
         value: ComplexArray,
         sd: FloatArray | None,
         *,
         record: float | None,
         pulse: float = 0.0,
-        shift: float = 0.0,
     ) -> Lines:
         """Lines as an FRF holds them; `value` and `sd` of shape (channels, n)."""
         size = np.abs(value)
@@ -67,7 +66,7 @@ class Lines:
         error = np.broadcast_to(FLOOR * top, size.shape)
         if sd is not None:
             error = np.sqrt(sd**2 + (FLOOR * size) ** 2 + (FLOOR_OF_TOP * top) ** 2)
-        return cls(np.asarray(2j * np.pi * frequency + shift), value, error, record, pulse)
+        return cls(s, value, error, record, pulse)
 
     def only(self, keep: BoolArray) -> Lines:
         """The chosen lines."""
