@@ -10,6 +10,7 @@ import numpy as np
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import DataError
 from dashpot.records.impact import ImpactTest
+from dashpot.vibration.modal.peaks import run_about
 
 TRIGGER = 0.1  # of the largest force of the test: smaller pulses are not hits
 APART = 0.5  # s: pulses closer than this are one hit, perhaps a double one
@@ -85,14 +86,7 @@ class HitBlock:
 
     def pulse(self, level: float = 0.1) -> slice:
         """The samples around the peak that stay above `level` times the peak."""
-        above = self.force > level * self.peak
-        left = self.peak_at - int(np.argmin(above[self.peak_at :: -1])) + 1
-        right = self.peak_at + int(np.argmin(above[self.peak_at :]))
-        if above[: self.peak_at + 1].all():
-            left = 0
-        if above[self.peak_at :].all():
-            right = len(above)
-        return slice(left, right)
+        return run_about(self.force > level * self.peak, self.peak_at)
 
     def width(self, level: float) -> float:
         """Pulse width at `level` times the peak, s, its ends found by straight lines."""

@@ -11,7 +11,7 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.records.frf import FRF, Kind
 from dashpot.vibration.checks import causal
-from dashpot.vibration.modal.peaks import find_peak, random_sd, usable_lines
+from dashpot.vibration.modal.peaks import find_peak, random_sd, run_about, usable_lines
 
 DEGREE = float(np.pi / 180)
 STORAGE_LIMIT, LOSS_LIMIT = 0.1, 0.3
@@ -175,12 +175,8 @@ def _about(frequency: FloatArray, peak: float, good: BoolArray) -> tuple[float, 
     top = int(np.argmin(np.abs(frequency - peak)))
     if not good[top]:
         return float("nan"), float("nan")
-    low = high = top
-    while low > 0 and good[low - 1]:
-        low -= 1
-    while high < len(frequency) - 1 and good[high + 1]:
-        high += 1
-    return float(frequency[low]), float(frequency[high])
+    run = run_about(good, top)
+    return float(frequency[run.start]), float(frequency[run.stop - 1])
 
 
 def causal_loss_factor(frequency: FloatArray, storage: FloatArray, at: float) -> float:

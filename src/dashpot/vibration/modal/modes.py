@@ -18,6 +18,7 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.base.errors import DataError, FitError
 from dashpot.records.frf import FRF, Mode
+from dashpot.vibration.modal.peaks import run_about
 from dashpot.vibration.modal.rational_fraction import Lines, find_poles
 
 FEWEST_LINES = 5  # in the half-power band, for its width to be read
@@ -180,7 +181,7 @@ def _peak(s: ComplexArray, accelerance: ComplexArray, sd: FloatArray | None) -> 
     """
     top = _top(accelerance)
     near = np.zeros(len(s), dtype=bool)
-    near[_run(np.abs(accelerance) > HEIGHT * np.abs(accelerance[top]), top)] = True
+    near[run_about(np.abs(accelerance) > HEIGHT * np.abs(accelerance[top]), top)] = True
     near[top - 1 : top + 2] = True
 
     def poles(value: ComplexArray) -> tuple[complex, complex]:
@@ -243,7 +244,7 @@ def _circle(s: ComplexArray, accelerance: ComplexArray, sd: FloatArray | None) -
     top = _top(accelerance)
     size = np.abs(accelerance)
     near = np.zeros(len(s), dtype=bool)
-    near[_run(size > 0.4 * size[top], top)] = True
+    near[run_about(size > 0.4 * size[top], top)] = True
     near[max(top - 2, 0) : top + 3] = True
 
     def poles(value: ComplexArray) -> tuple[complex, complex]:
@@ -311,14 +312,6 @@ def _top(accelerance: ComplexArray) -> int:
     return top
 
 
-def _run(good: BoolArray, at: int) -> slice:
-    """The unbroken run of True about an index."""
-    gaps = np.flatnonzero(~good)
-    left = gaps[gaps < at]
-    right = gaps[gaps > at]
-    return slice(int(left[-1]) + 1 if left.size else 0, int(right[0]) if right.size else len(good))
-
-
 def _width(omega: FloatArray, value: ComplexArray, top: int) -> tuple[int, float, float]:
     """Lines above half power, and where the power falls to a half of its peak, rad/s.
 
@@ -328,7 +321,7 @@ def _width(omega: FloatArray, value: ComplexArray, top: int) -> tuple[int, float
     x = (omega[top - 1 : top + 2] - omega[top]) / (omega[top + 1] - omega[top])
     a, b, c = np.polyfit(x, y[top - 1 : top + 2], 2)
     level = 2 * (c - 0.25 * b**2 / a if a > 0 else y[top])
-    inside = _run(y < level, top)
+    inside = run_about(y < level, top)
     i, j = inside.start, inside.stop - 1
     low, high = float(omega[i]), float(omega[j])
     if i > 0:

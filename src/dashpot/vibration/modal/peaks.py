@@ -70,6 +70,13 @@ def usable_lines(frf: FRF) -> BoolArray:
     return np.asarray(keep)
 
 
+def run_about(good: BoolArray, at: int) -> slice:
+    """The unbroken run of True about an index."""
+    gaps = np.flatnonzero(~good)
+    left, right = gaps[gaps < at], gaps[gaps > at]
+    return slice(int(left[-1]) + 1 if left.size else 0, int(right[0]) if right.size else len(good))
+
+
 def find_peak(frf: FRF) -> Peak:
     r"""Find the highest peak of the accelerance, between the lines if need be.
 
@@ -101,16 +108,9 @@ def find_peak(frf: FRF) -> Peak:
 def _about_the_peak(height: FloatArray) -> slice:
     """The lines of the half-power band, widened to the fewest that hold a parabola."""
     top = int(np.argmax(height))
-    low = high = top
-    while low > 0 and height[low - 1] > height[top] / np.sqrt(2) and top - low < MOST // 2:
-        low -= 1
-    while (
-        high < len(height) - 1
-        and height[high + 1] > height[top] / np.sqrt(2)
-        and high - top < MOST // 2
-    ):
-        high += 1
-    low, high = min(low, top - FEWEST // 2), max(high, top + FEWEST // 2)
+    run = run_about(height > height[top] / np.sqrt(2), top)
+    low = min(max(run.start, top - MOST // 2), top - FEWEST // 2)
+    high = max(min(run.stop - 1, top + MOST // 2), top + FEWEST // 2)
     low = max(0, min(low, len(height) - FEWEST))
     high = min(len(height) - 1, max(high, FEWEST - 1))
     return slice(low, high + 1)

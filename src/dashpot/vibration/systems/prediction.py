@@ -78,6 +78,9 @@ def model_modes(model: Solid, mass: float) -> tuple[Mode, ...]:
     _checked(mass)
     p = poles(model, mass)
     p = p[p.imag > 1e-9 * np.abs(p)]
+    if model.maxwell is not model:  # the poles of arms that stand for it are a start only
+        for _ in range(4):
+            p = p - (mass * p**2 + model.stiffness_at(p)) / (2 * mass * p + model.slope_at(p))
     return tuple(
         Mode(float(abs(pole)) / (2 * np.pi), float(-pole.real / abs(pole)), complex(residue))
         for pole, residue in zip(p, residues(model, mass, p), strict=True)
@@ -111,7 +114,7 @@ def ringing_pole(model: Solid, mass: float) -> complex:
 
 def residues(model: Solid, mass: float, at: ComplexArray) -> ComplexArray:
     r"""Residues of the receptance at its simple poles: :math:`1 / (2 m p + K'(p))`, m/(N s)."""
-    slope = model.maxwell.slope_at(at)
+    slope = model.slope_at(at)
     # an arm too weak to shift its own pole has an infinite slope there, and no residue
     own = np.isfinite(slope)
     found = np.zeros(len(at), dtype=complex)
@@ -139,7 +142,7 @@ def accelerance(
     if record is None:
         return whole
     p = poles(model, mass)
-    lost = residues(model, mass, p) * p**2 * np.exp(p * record + 0.5 * (pulse * p) ** 2)
+    lost = residues(model.maxwell, mass, p) * p**2 * np.exp(p * record + 0.5 * (pulse * p) ** 2)
     live = np.abs(lost) > 0
     p, lost = p[live], lost[live]
     tail = (lost / (s[:, None] - p)).sum(axis=1)

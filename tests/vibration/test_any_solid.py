@@ -1,0 +1,138 @@
+"""Whatever has a complex stiffness and arms is predicted, shaken, compared: a fractional Zener."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from dashpot.base.arrays import ComplexArray
+from dashpot.records.frf import FRF
+from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
+from dashpot.vibration.comparison.compare import compare, infer_mass
+from dashpot.vibration.systems.complex_modes import complex_modes, newton_modes
+from dashpot.vibration.systems.prediction import (
+    accelerance,
+    mass_for_peak,
+    model_modes,
+    predict_frf,
+)
+from dashpot.vibration.systems.state_space import respond
+from dashpot.vibration.systems.system import Mount, System, point_mass
+
+MASS = 0.2
+LINES = np.linspace(2.0, 60.0, 233)
+
+
+@dataclass(frozen=True)
+class FractionalZener(Solid):
+    r"""A spring beside a spring and a springpot: :math:`k_\infty + k (s\tau)^a / (1 + (s\tau)^a)`.
+
+    Its spectrum is Cole and Cole's; the arms are its trapezoidal rule in ln tau.
+    """
+
+    k_inf: float
+    k: float
+    tau: float
+    power: float
+
+    @property
+    def k_0(self) -> float:
+        return self.k_inf + self.k
+
+    @property
+    def maxwell(self) -> GeneralizedMaxwell:
+        x = np.linspace(-18.0, 18.0, 73)
+        turn = np.pi * self.power
+        weight = np.sin(turn) / (np.cosh(self.power * x) + np.cos(turn))
+        return GeneralizedMaxwell(
+            self.k_inf, tuple(self.k * weight / weight.sum()), tuple(self.tau * np.exp(x))
+        )
+
+    def stiffness_at(self, s: npt.ArrayLike) -> ComplexArray:
+        x = (np.asarray(s, dtype=complex) * self.tau) ** self.power
+        return np.asarray(self.k_inf + self.k * x / (1 + x))
+
+    def __mul__(self, count: float) -> FractionalZener:
+        return replace(self, k_inf=self.k_inf * count, k=self.k * count)
+
+    __rmul__ = __mul__
+
+
+SEAL = FractionalZener(400.0, 500.0, 0.01, 0.6)
+
+
+def closed_form(frequency: np.ndarray, *, shift: float = 0.0, seals: int = 2) -> np.ndarray:
+    s = 2j * np.pi * frequency + shift
+    x = (0.01 * s) ** 0.6
+    return s**2 / (MASS * s**2 + seals * (400.0 + 500.0 * x / (1 + x)))
+
+
+def test_its_arms_stand_for_it() -> None:
+    omega = np.geomspace(1e-2, 1e5, 40)
+    stiffness = SEAL.complex_stiffness(omega)
+    assert SEAL.maxwell.complex_stiffness(omega) == pytest.approx(stiffness, rel=1e-4)
+
+
+@pytest.mark.parametrize("solid", [SEAL, GeneralizedMaxwell(100.0, (40.0,), (0.02,), 0.3)])
+def test_the_slope_of_the_stiffness_is_its_derivative(solid: Solid) -> None:
+    s = np.array([-3.0 + 80j, 0.5 + 10j, 200j])
+    assert Solid.slope_at(solid, s) == pytest.approx(solid.slope_at(s), rel=1e-9)
+    step = 1e-4 * np.abs(s)
+    central = (solid.stiffness_at(s + step) - solid.stiffness_at(s - step)) / (2 * step)
+    assert solid.slope_at(s) == pytest.approx(central, rel=1e-6)
+
+
+@pytest.mark.parametrize("shift", [0.0, 2.3])
+def test_it_is_predicted_in_closed_form(shift: float) -> None:
+    frf = predict_frf(2 * SEAL, mass=MASS, frequency=LINES, shift=shift)
+    np.testing.assert_allclose(frf.value, closed_form(LINES, shift=shift), rtol=1e-13)
+
+
+def test_it_holds_a_system() -> None:
+    system = System(
+        (point_mass("block", MASS),), tuple(Mount(SEAL, ("block", "ground")) for _ in range(2))
+    )
+    frf = system.frf(response="block.z", force="block.z", frequency=LINES)
+    np.testing.assert_allclose(frf.value, closed_form(LINES), rtol=1e-12)
+    (mode,) = newton_modes(system)
+    assert mode.converged
+    left = MASS * mode.pole**2 + 2 * SEAL.stiffness_at(mode.pole)
+    assert abs(left) < 1e-9 * 2 * SEAL.k_0
+    (same,) = model_modes(2 * SEAL, MASS)
+    assert mode.pole == pytest.approx(same.pole, rel=1e-9)
+    ringing = [each for each in complex_modes(system) if each.oscillates]
+    assert ringing[0].pole == pytest.approx(mode.pole, rel=1e-3)
+
+
+def test_a_system_on_it_moves_as_on_its_arms() -> None:
+    t = np.linspace(0.0, 0.3, 61)
+    moved = [
+        respond(
+            System((point_mass("block", MASS),), (Mount(solid, ("block", "ground")),)),
+            t, force={"block.z": np.sin(40 * t)},
+        ).displacement
+        for solid in (SEAL, SEAL.maxwell)
+    ]  # fmt: skip
+    np.testing.assert_allclose(*moved, rtol=1e-12)
+    assert np.abs(moved[0]).max() > 1e-4
+
+
+def test_it_is_compared_as_its_test_saw_it() -> None:
+    s = 2j * np.pi * LINES + 1.5
+    measured = FRF(LINES, accelerance(2 * SEAL, MASS, s, 1.0), shift=1.5, record=1.0)
+    given = predict_frf(2 * SEAL, mass=MASS, frequency=LINES)
+    found = compare(given, measured, model=SEAL, seals=2)
+    assert found.frac == pytest.approx(1.0, abs=1e-12)
+    assert abs(found.frequency_error) < 1e-9
+    assert sum(arm.loss_share for arm in found.arms) == pytest.approx(1.0)
+
+
+def test_the_mass_behind_its_peak_is_found() -> None:
+    fine = np.linspace(10.0, 30.0, 2001)
+    frf = predict_frf(2 * SEAL, mass=MASS, frequency=fine)
+    peak = fine[np.argmax(np.abs(frf.value))]
+    assert mass_for_peak(2 * SEAL, peak) == pytest.approx(MASS, rel=1e-3)
+    assert infer_mass(2 * SEAL, frf)[0] == pytest.approx(MASS, rel=1e-3)
