@@ -346,16 +346,24 @@ def _status(solution: Solution, asked: int | None, checks: Sequence[Check]) -> S
     failed = {check.name for check in checks if not check.passed}
     if "force_relaxes" in failed:
         return Status.FORCE_RISES
-    stationary = solution.converged or solution.relative_offset < _STATIONARY
-    if not stationary and not solution.at_bound.any():
+    at_bound = bool(solution.at_bound.any())
+    return ended(
+        stationary=solution.converged or solution.relative_offset < _STATIONARY or at_bound,
+        fewer=asked is not None and solution.order < asked,
+        at_bound=at_bound or "tau_inside_window" in failed,
+        identified=not failed & {"arms_supported", "k_inf_positive"},
+    )
+
+
+def ended(*, stationary: bool, fewer: bool, at_bound: bool, identified: bool) -> Status:
+    """Return how a fit ended: the first of these that went wrong, or that nothing did."""
+    if not stationary:
         return Status.NOT_CONVERGED
-    if asked is not None and solution.order < asked:
+    if fewer:
         return Status.FEWER_ARMS
-    if solution.at_bound.any() or "tau_inside_window" in failed:
+    if at_bound:
         return Status.TAU_AT_BOUND
-    if failed & {"arms_supported", "k_inf_positive"}:
-        return Status.NOT_IDENTIFIED
-    return Status.CONVERGED
+    return Status.CONVERGED if identified else Status.NOT_IDENTIFIED
 
 
 def _residual(estimate: Estimate) -> Residual:

@@ -10,8 +10,8 @@ from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.base.checks import Check
 from dashpot.base.provenance import Source, Step
 from dashpot.fitting.identification import checks
-from dashpot.fitting.identification.likelihood import DELAY_UNIT
-from dashpot.fitting.identification.search import Candidate, window_ends
+from dashpot.fitting.identification.likelihood import DELAY_UNIT, Candidate
+from dashpot.fitting.pipeline import ended
 from dashpot.records.estimate import Nuisance, ParameterEstimate, Residual, parameter_names
 from dashpot.records.fit import Evidence, Fit, Moved, OrderScore, Provenance, Status
 from dashpot.records.frf import FRF
@@ -34,7 +34,7 @@ def assembled(
 ) -> Fit:
     """The fit of one seal, with everything needed to judge it."""
     problem, point = best.problem, best.point
-    covariance = best.covariance()
+    covariance = best.covariance
     order = np.argsort(best.theta[1 + problem.arms : 1 + 2 * problem.arms], kind="stable")
     names, physical = _physical(covariance, point.model, order, dashpot=problem.dashpot)
     residual, samples = _residual(best)
@@ -74,40 +74,33 @@ def _physical(
 
 
 def _residual(best: Candidate) -> tuple[Residual, float]:
-    problem = best.problem
-    lines = problem.frf_residual(best.theta)
-    relaxations = problem.relaxation_chi2(best.theta)
-    chi2 = float(lines @ lines) + sum(relaxations)
-    effective = len(lines) + sum(relaxation.samples for relaxation in problem.relaxations)
-    n = len(lines) + sum(relaxation.block.samples for relaxation in problem.relaxations)
-    residual = Residual(
-        n=n, sse=chi2, rms=float(np.sqrt(chi2 / effective)), kappa=float(n / effective)
-    )
-    return residual, float(effective)
+    lines, relaxations = 2 * len(best.problem.frf_data.s), best.problem.relaxations
+    effective = lines + sum(relaxation.samples for relaxation in relaxations)
+    n = lines + sum(relaxation.block.samples for relaxation in relaxations)
+    rms = float(np.sqrt(best.chi2 / effective))
+    return Residual(n=n, sse=best.chi2, rms=rms, kappa=float(n / effective)), float(effective)
 
 
 def _score(candidate: Candidate) -> OrderScore:
-    lines = candidate.problem.frf_residual(candidate.theta)
     return OrderScore(
-        arms=candidate.problem.arms,
-        sse=float(lines @ lines) + sum(candidate.problem.relaxation_chi2(candidate.theta)),
-        bic=candidate.bic,
-        significant=candidate.significant(),
-        model=candidate.point.model,
+        candidate.problem.arms,
+        candidate.chi2,
+        candidate.bic,
+        candidate.significant,
+        candidate.point.model,
     )
 
 
 def _status(best: Candidate, asked: int | str, most: int) -> Status:
-    low, high = window_ends(best.problem)
+    low, high = best.problem.log_tau_range
     N = best.problem.arms
     log_tau = best.theta[1 + N : 1 + 2 * N]
-    if not best.converged:
-        return Status.NOT_CONVERGED
-    if asked != "auto" and most > N:
-        return Status.FEWER_ARMS
-    if N and (log_tau.min() < low + 1e-3 or log_tau.max() > high - 1e-3):
-        return Status.TAU_AT_BOUND
-    return Status.CONVERGED if best.significant() else Status.NOT_IDENTIFIED
+    return ended(
+        stationary=best.converged,
+        fewer=asked != "auto" and most > N,
+        at_bound=bool(np.any((log_tau < low + 1e-3) | (log_tau > high - 1e-3))),
+        identified=best.significant,
+    )
 
 
 def _band(best: Candidate, before: Fit | None) -> tuple[float, float]:
@@ -213,5 +206,5 @@ def _checks(best: Candidate, covariance: FloatArray, before: Fit | None) -> tupl
         answers.append(checks.delay_believable(found, point.delay, priors.delay_sd))
     worst = float(max(np.sqrt(np.diag(covariance))[1 : 1 + 2 * arms], default=0.0))
     new = 0 if before is None else arms - before.model.arms
-    answers.append(checks.arms_identified(arms, worst, significant=best.significant(), new=new))
+    answers.append(checks.arms_identified(arms, worst, significant=best.significant, new=new))
     return tuple(answers)

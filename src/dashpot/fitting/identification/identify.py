@@ -3,28 +3,45 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Literal, TypeAlias
 
 import numpy as np
 
 from dashpot.base.errors import DataError, FitError
+from dashpot.engine.blocks.block import Block
+from dashpot.engine.solver.variable_projection import solve_orders
 from dashpot.fitting.identification.fit_assembly import assembled
 from dashpot.fitting.identification.frf_data import frf_data_of
-from dashpot.fitting.identification.likelihood import Constraints, NuisancePriors, Prior
-from dashpot.fitting.identification.search import Search, chosen, line_scale
-from dashpot.fitting.relaxation_data import RelaxationData, relaxation_data
+from dashpot.fitting.identification.likelihood import (
+    Candidate,
+    Constraints,
+    NuisancePriors,
+    Parameters,
+    Prior,
+    Problem,
+    descend,
+)
+from dashpot.fitting.relaxation import fit as fit_tests
+from dashpot.fitting.relaxation_data import RelaxationData, WeightedBlock, relaxation_data
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
 from dashpot.records.relaxation import RampHold, listed
+from dashpot.solids.maxwell import GeneralizedMaxwell
 
 Given: TypeAlias = float | tuple[float, float] | None
 
-# a block on a balance, with its glue, studs and a part of the seals' own mass
 # a block on a workshop balance: 0.1 g of 100 g
 USUAL_MASS_SD = 0.001
 USUAL_GAIN_SD = 0.01
 USUAL_DELAY_SD = 1e-4
 MOST_ARMS = 3
+# an arm with less than this part of the stiffness has left
+GONE = 1e-6
+# a criterion this much above the best ends the search for more arms
+WORSE = 6.0
+# relative fall of chi-square that ends a search, and the last descent
+LOOSE, TIGHT = 1e-9, 1e-13
 
 
 def identify(
@@ -96,7 +113,7 @@ def identify(
     records = listed(tests)
     frf_data = frf_data_of(frf, seals=_seals(seals), band=band)
     priors = NuisancePriors(
-        _mass(mass, mass_sd), _spread("gain_sd", gain_sd), _spread("delay_sd", delay_sd)
+        _mass(mass, mass_sd), _sd("gain_sd", gain_sd), _sd("delay_sd", delay_sd)
     )
     before, relaxations = _relaxations(records, fit)
     constraints = Constraints(
@@ -105,23 +122,113 @@ def identify(
         _known("damping_ratio", damping_ratio),
         before if before is not None and not relaxations else None,
     )
+    whole = Problem(relaxations, frf_data, priors, constraints)
     numbers = _numbers(arms, before)
     dashpots = (False, True) if parallel_dashpot == "auto" else (bool(parallel_dashpot),)
-    search = Search(relaxations, frf_data, priors, constraints, before)
-    found = [best for dashpot in dashpots for best in search.candidates(numbers, dashpot=dashpot)]
-    fewer = min(numbers)
-    while not found and fewer > 0 and constraints.before is None:
-        fewer -= 1  # the data reject that many arms
-        found = [best for on in dashpots for best in search.candidates([fewer], dashpot=on)]
-    if not found:
-        raise FitError("no solid with arms of positive stiffness explains the FRF; widen band=")
-    best = chosen(found)
-    scale = line_scale(best)
-    final = search.refined(best, scale)
-    orders = [search.rescaled(candidate, scale) for candidate in found]
+    found = _every([replace(whole, dashpot=dashpot) for dashpot in dashpots], numbers, before)
+    best = _chosen(found)
+    scale = best.line_scale
+    final = descend(replace(best.problem, scale=scale), best.theta, tolerance=TIGHT)
+    orders = [candidate.scaled(scale) for candidate in found]
     return assembled(
         final, orders, frf=frf, tests=records, before=before, asked=arms, most=max(numbers)
     )
+
+
+# -- the best solid for each number of arms ---------------------------------------------------
+
+
+def _every(
+    problems: Sequence[Problem], numbers: Sequence[int], before: Fit | None
+) -> list[Candidate]:
+    """The optimum for every number of arms, or for fewer where the data reject so many."""
+    found = [best for problem in problems for best in _candidates(problem, numbers, before)]
+    fewer = 0 if problems[0].constraints.before is not None else min(numbers)
+    while not found and fewer > 0:
+        fewer -= 1
+        found = [best for problem in problems for best in _candidates(problem, [fewer], before)]
+    if not found:
+        raise FitError("no solid with arms of positive stiffness explains the FRF; widen band=")
+    return found
+
+
+def _candidates(whole: Problem, numbers: Sequence[int], before: Fit | None) -> list[Candidate]:
+    """The optimum for each number of arms that keeps all its arms."""
+    linear = _linear(whole, max(numbers))
+    found: list[Candidate] = []
+    for number in numbers:
+        problem = replace(whole, arms=number)
+        starts = [start for start in linear if start.model.arms == number]
+        starts += _spread(problem, before)
+        tries = [descend(problem, problem.pack(start), tolerance=LOOSE) for start in starts]
+        best = min(tries, key=lambda candidate: candidate.cost)
+        model = best.point.model
+        if all(k > GONE * model.k_0 for k in model.k):
+            found.append(best)
+        if found and best.bic > min(candidate.bic for candidate in found) + WORSE:
+            break
+    return found
+
+
+def _chosen(found: Sequence[Candidate]) -> Candidate:
+    """Choose by the criterion among those with every arm significant, else among all."""
+    scale = min(found, key=lambda candidate: candidate.bic).line_scale
+    sure = [candidate for candidate in found if candidate.scaled(scale).significant]
+    return min(sure or found, key=lambda candidate: candidate.bic)
+
+
+def _linear(problem: Problem, most: int) -> list[Parameters]:
+    """Starts from the engine: dynamic stiffness is linear in the stiffnesses of the solid."""
+    known = None if problem.priors.mass is None else problem.priors.mass.value
+    blocks: list[Block] = [
+        WeightedBlock(relaxation, i) for i, relaxation in enumerate(problem.relaxations)
+    ]
+    blocks.append(problem.frf_data.stiffness_block(known, dashpot=problem.dashpot))
+    starts = []
+    for solution in solve_orders(blocks, most):
+        k = solution.arms[0]
+        model = GeneralizedMaxwell(
+            max(solution.coefficient("k_inf"), 0.0),
+            tuple(np.maximum(k, GONE * k.max(initial=0.0))),
+            tuple(solution.tau),
+            max(solution.coefficient("b"), 0.0) if problem.dashpot else 0.0,
+        )
+        mass = known if known is not None else solution.coefficient("mass@frf")
+        if mass > 0:
+            starts.append(_start(problem, model, mass))
+    return starts
+
+
+def _spread(problem: Problem, before: Fit | None) -> list[Parameters]:
+    """Starts from the earlier fit, or from nothing, with arms spread over the lines."""
+    omega = 2 * np.pi * problem.frf_data.peak_hz
+    prior = problem.priors.mass
+    mass = 1.0 if prior is None else prior.value
+    # at the peak the mass holds the storage stiffness in balance
+    level = mass * omega**2 / problem.frf_data.seals
+    base, part = GeneralizedMaxwell(level * 0.8), 0.2
+    if before is not None:
+        level = level if prior is None else before.model.k_0
+        base, part = before.model, 0.1
+    new = problem.arms - base.arms
+    if new < 0:
+        return []
+    starts = []
+    for reach in (1.0, 6.0) if new > 1 else (1.0,):
+        tau = (
+            np.geomspace(1 / (reach * omega), reach / omega, new) if new > 1 else [1 / omega] * new
+        )
+        model = base + GeneralizedMaxwell(0.0, (part * level / max(new, 1),) * new, tuple(tau))
+        if model.arms == problem.arms:
+            starts.append(_start(problem, model, mass))
+    return starts
+
+
+def _start(problem: Problem, model: GeneralizedMaxwell, mass: float) -> Parameters:
+    if problem.dashpot and model.b <= 0:
+        # two percent of the stiffness at the peak
+        model = replace(model, b=0.02 * model.k_0 / (2 * np.pi * problem.frf_data.peak_hz))
+    return Parameters(model, mass, 1.0, 0.0)
 
 
 # -- what was given ---------------------------------------------------------------------------
@@ -132,8 +239,6 @@ def _relaxations(
 ) -> tuple[Fit | None, tuple[RelaxationData, ...]]:
     if not records:
         return fit, ()
-    from dashpot.fitting.relaxation import fit as fit_tests
-
     before = fit if fit is not None else fit_tests(list(records))
     same = len(records) == 1 and before.method in {"full", "hold"}
     alone = [before] if same else [fit_tests(record) for record in records]
@@ -168,10 +273,10 @@ def _mass(mass: float | None, sd: float | None) -> Prior | None:
         return None
     if not (np.isfinite(mass) and mass > 0):
         raise DataError(f"mass = {mass!r} kg; expected a number > 0")
-    return Prior(mass, _spread("mass_sd", USUAL_MASS_SD * mass if sd is None else sd))
+    return Prior(mass, _sd("mass_sd", USUAL_MASS_SD * mass if sd is None else sd))
 
 
-def _spread(name: str, value: float) -> float:
+def _sd(name: str, value: float) -> float:
     if not (np.isfinite(value) and value >= 0):
         raise DataError(f"{name} = {value!r}; expected a standard deviation >= 0")
     return float(value)
@@ -183,4 +288,4 @@ def _known(name: str, given: Given) -> Prior | None:
     value, sd = given if isinstance(given, tuple) else (given, 0.0)
     if not (np.isfinite(value) and value > 0):
         raise DataError(f"{name} = {value!r}; expected a number > 0")
-    return Prior(float(value), _spread(name, sd))
+    return Prior(float(value), _sd(name, sd))

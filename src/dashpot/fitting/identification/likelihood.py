@@ -1,4 +1,4 @@
-r"""One likelihood for relaxation tests, a hammer test, and what is known of the rig.
+r"""One likelihood for relaxation tests, a hammer test, and what is known of the rig; its optimum.
 
 With r the weighted residuals of each test and a prior on each nuisance, the fit minimises
 
@@ -16,12 +16,14 @@ static stiffness, enter as priors too narrow to bend. Source: J. Zhang and C. M.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.engine.inference.order import significant
 from dashpot.fitting.identification.frf_data import FRFData
 from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.records.fit import Fit
@@ -34,6 +36,9 @@ DELAY_UNIT = 1e-4
 EXACT = 1e-6
 # arms that lose this many powers of e are gone
 FADED = 1e-9
+# arms are sought this far, as a factor in time, beyond what the lines and tests could tell
+BEYOND = 3.0
+SMALLEST_SCATTER = 1e-9
 
 
 @dataclass(frozen=True)
@@ -43,6 +48,10 @@ class Prior:
     value: float
     sd: float = 0.0
 
+    def off(self, found: float) -> float:
+        """How far `found` is from it, in standard deviations; an equality has a narrow one."""
+        return (found - self.value) / max(self.sd, EXACT * abs(self.value))
+
 
 @dataclass(frozen=True)
 class NuisancePriors:
@@ -50,7 +59,7 @@ class NuisancePriors:
 
     Attributes
     ----------
-    mass : Known or None
+    mass : Prior or None
         kg; None if nothing is known.
     gain_sd : float
         Relative; 0 if the gain is exactly one.
@@ -69,11 +78,11 @@ class Constraints:
 
     Attributes
     ----------
-    static_stiffness : Known or None
+    static_stiffness : Prior or None
         k_inf of one seal, N/m.
-    natural_frequency : Known or None
+    natural_frequency : Prior or None
         |p| / 2 pi of the mass on the seals, Hz.
-    damping_ratio : Known or None
+    damping_ratio : Prior or None
         -Re p / |p|.
     before : Fit or None
         An earlier fit of one seal whose covariance is a prior on its parameters.
@@ -95,70 +104,88 @@ class Parameters:
     delay: float
 
 
+@dataclass(frozen=True, eq=False)
 class Problem:
     """The residuals of one number of arms, as a function of a flat parameter vector.
 
     The vector holds ln k_inf, ln k_j, ln tau_j, ln b if there is a dashpot, then those of ln m,
     ln g and d / 0.1 ms that are not known exactly.
+
+    Attributes
+    ----------
+    relaxations : tuple of RelaxationData
+    frf_data : FRFData
+    priors : NuisancePriors
+    constraints : Constraints
+    arms : int
+    dashpot : bool
+    scale : float
+        What the standard deviation of the lines is multiplied by.
     """
 
-    def __init__(
-        self,
-        relaxations: tuple[RelaxationData, ...],
-        frf_data: FRFData,
-        priors: NuisancePriors,
-        constraints: Constraints,
-        *,
-        arms: int,
-        dashpot: bool,
-        scale: float = 1.0,
-    ) -> None:
-        self.relaxations, self.frf_data, self.priors, self.constraints = (
-            relaxations,
-            frf_data,
-            priors,
-            constraints,
-        )
-        self.arms, self.dashpot = arms, dashpot
-        # the standard deviation of the lines is multiplied by this
-        self.scale = scale
-        names = ["ln_k_inf"]
-        names += [f"ln_k_{j}" for j in range(1, arms + 1)]
-        names += [f"ln_tau_{j}" for j in range(1, arms + 1)]
-        names += ["ln_b"] if dashpot else []
-        names += [] if priors.mass is not None and priors.mass.sd == 0 else ["ln_mass"]
-        names += ["ln_gain"] if priors.gain_sd > 0 else []
-        names += ["delay"] if priors.delay_sd > 0 else []
-        self.names = tuple(names)
-        self.at = {name: i for i, name in enumerate(names)}
+    relaxations: tuple[RelaxationData, ...]
+    frf_data: FRFData
+    priors: NuisancePriors
+    constraints: Constraints
+    arms: int = 0
+    dashpot: bool = False
+    scale: float = 1.0
+
+    @cached_property
+    def at(self) -> dict[str, int]:
+        """Place of each nuisance, and of ln b, in the vector."""
+        mass = self.priors.mass
+        there = {
+            "ln_b": self.dashpot,
+            "ln_mass": mass is None or mass.sd > 0,
+            "ln_gain": self.priors.gain_sd > 0,
+            "delay": self.priors.delay_sd > 0,
+        }
+        names = [name for name, present in there.items() if present]
+        return {name: place for place, name in enumerate(names, start=1 + 2 * self.arms)}
+
+    @property
+    def log_tau_range(self) -> tuple[float, float]:
+        """Shortest and longest relaxation time that is sought, ln s."""
+        windows = [relaxation.block.window for relaxation in self.relaxations]
+        windows.append(self.frf_data.stiffness_block(1.0, dashpot=False).window)
+        before = self.constraints.before
+        if before is not None and before.model.arms:
+            windows.append((before.model.tau[0] / BEYOND, before.model.tau[-1] * BEYOND))
+        low, high = min(w[0] for w in windows), max(w[1] for w in windows)
+        return float(np.log(low / BEYOND)), float(np.log(high * BEYOND))
 
     # -- parameters ---------------------------------------------------------------------------
 
     def pack(self, point: Parameters) -> FloatArray:
         """The vector of a point."""
         model = point.model
-        values = [np.log(max(model.k_inf, FADED * max(model.k_0, 1e-300)))]
-        values += list(np.log(model.k)) + list(np.log(model.tau))
-        values += [np.log(max(model.b, 1e-300))] if self.dashpot else []
-        values += [np.log(point.mass)] if "ln_mass" in self.at else []
-        values += [np.log(point.gain)] if "ln_gain" in self.at else []
-        values += [point.delay / DELAY_UNIT] if "delay" in self.at else []
-        return np.array(values, dtype=float)
+        nuisances = {
+            "ln_b": np.log(max(model.b, 1e-300)),
+            "ln_mass": np.log(point.mass),
+            "ln_gain": np.log(point.gain),
+            "delay": point.delay / DELAY_UNIT,
+        }
+        k_inf = max(model.k_inf, FADED * max(model.k_0, 1e-300))
+        solid = np.log([k_inf, *model.k, *model.tau])
+        return np.append(solid, [nuisances[name] for name in self.at])
 
     def unpack(self, theta: FloatArray) -> Parameters:
         """The point of a vector."""
         N = self.arms
-        fixed = 1.0 if self.priors.mass is None else self.priors.mass.value
+        solid = np.exp(theta[: 1 + 2 * N])
+        rest = {name: float(theta[place]) for name, place in self.at.items()}
+        known = 1.0 if self.priors.mass is None else self.priors.mass.value
         return Parameters(
             model=GeneralizedMaxwell(
-                float(np.exp(theta[0])),
-                tuple(np.exp(theta[1 : 1 + N])),
-                tuple(np.exp(theta[1 + N : 1 + 2 * N])),
-                float(np.exp(theta[self.at["ln_b"]])) if self.dashpot else 0.0,
+                float(solid[0]),
+                tuple(solid[1 : 1 + N]),
+                tuple(solid[1 + N :]),
+                float(np.exp(rest.get("ln_b", -np.inf))),
             ),
-            mass=float(np.exp(theta[self.at["ln_mass"]])) if "ln_mass" in self.at else fixed,
-            gain=float(np.exp(theta[self.at["ln_gain"]])) if "ln_gain" in self.at else 1.0,
-            delay=float(theta[self.at["delay"]]) * DELAY_UNIT if "delay" in self.at else 0.0,
+            mass=float(np.exp(rest["ln_mass"])) if "ln_mass" in rest else known,
+            gain=float(np.exp(rest.get("ln_gain", 0.0))),
+            delay=rest.get("delay", 0.0) * DELAY_UNIT,
         )
 
     # -- residuals ----------------------------------------------------------------------------
@@ -211,28 +238,30 @@ class Problem:
 
     def prior_residual(self, theta: FloatArray) -> FloatArray:
         """Those of everything known beforehand."""
-        p, priors, constraints = self.unpack(theta), self.priors, self.constraints
-        rows = []
+        point, before = self.unpack(theta), self.constraints.before
+        rows = np.array([*self._of_rig(point), *self._of_solid(point)], dtype=float)
+        return rows if before is None else np.append(rows, _before(before, point.model))
+
+    def _of_rig(self, point: Parameters) -> Iterator[float]:
+        priors = self.priors
         if priors.mass is not None and priors.mass.sd > 0:
-            rows.append(np.log(p.mass / priors.mass.value) * priors.mass.value / priors.mass.sd)
+            known = priors.mass
+            yield np.log(point.mass / known.value) * known.value / known.sd
         if priors.gain_sd > 0:
-            rows.append(np.log(p.gain) / priors.gain_sd)
+            yield np.log(point.gain) / priors.gain_sd
         if priors.delay_sd > 0:
-            rows.append(p.delay / priors.delay_sd)
-        if constraints.static_stiffness is not None:
-            rows.append(_off(p.model.k_inf, constraints.static_stiffness))
-        if constraints.natural_frequency is not None or constraints.damping_ratio is not None:
-            pole = ringing_pole(self.frf_data.seals * p.model, p.mass)
-            if constraints.natural_frequency is not None:
-                rows.append(_off(abs(pole) / (2 * np.pi), constraints.natural_frequency))
-            if constraints.damping_ratio is not None:
-                rows.append(_off(-pole.real / abs(pole), constraints.damping_ratio))
-        before = [] if constraints.before is None else [_before(constraints.before, p.model)]
-        return np.concatenate([np.array(rows, dtype=float), *before])
+            yield point.delay / priors.delay_sd
 
-
-def _off(value: float, known: Prior) -> float:
-    return (value - known.value) / max(known.sd, EXACT * abs(known.value))
+    def _of_solid(self, point: Parameters) -> Iterator[float]:
+        known = self.constraints
+        if known.static_stiffness is not None:
+            yield known.static_stiffness.off(point.model.k_inf)
+        if known.natural_frequency is not None or known.damping_ratio is not None:
+            pole = ringing_pole(self.frf_data.seals * point.model, point.mass)
+            if known.natural_frequency is not None:
+                yield known.natural_frequency.off(abs(pole) / (2 * np.pi))
+            if known.damping_ratio is not None:
+                yield known.damping_ratio.off(-pole.real / abs(pole))
 
 
 def _before(fit: Fit, model: GeneralizedMaxwell) -> FloatArray:
@@ -264,3 +293,89 @@ def _differences(function: Callable[[FloatArray], FloatArray], theta: FloatArray
         move[i] = step
         columns.append((function(theta + move) - start) / step)
     return np.array(columns).T
+
+
+# -- the optimum ------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """The optimum for one number of arms, with or without a parallel dashpot."""
+
+    problem: Problem
+    theta: FloatArray
+    cost: float
+    converged: bool
+
+    @cached_property
+    def point(self) -> Parameters:
+        """The optimum in physical terms."""
+        return self.problem.unpack(self.theta)
+
+    @cached_property
+    def covariance(self) -> FloatArray:
+        """Of the flat parameter vector."""
+        jacobian = self.problem.jacobian(self.theta)
+        return np.asarray(np.linalg.pinv(jacobian.T @ jacobian, rcond=1e-14, hermitian=True))
+
+    @property
+    def significant(self) -> bool:
+        """Every arm has k > 3 SE and SE(ln tau) < 0.5."""
+        se, arms = np.sqrt(np.diag(self.covariance)), self.problem.arms
+        return significant(np.ones(arms), se[1 : 1 + arms], se[1 + arms : 1 + 2 * arms])
+
+    @cached_property
+    def bic(self) -> float:
+        r"""Bayesian criterion with each test's own noise profiled: sum n ln(chi2/n) + p ln n."""
+        problem, theta = self.problem, self.theta
+        lines = 2.0 * len(problem.frf_data.s)
+        misfit = float(np.sum((problem.frf_residual(theta) * problem.scale) ** 2))
+        # below a millionth of the value, or of the noise, one misfit is as good as another
+        total, count = lines * np.log(max(misfit / lines, SMALLEST_SCATTER**2)), lines
+        chi2s = problem.relaxation_chi2(theta)
+        for relaxation, chi2 in zip(problem.relaxations, chi2s, strict=True):
+            total += relaxation.samples * np.log(chi2 / relaxation.samples)
+            count += relaxation.samples
+        prior = float(np.sum(problem.prior_residual(theta) ** 2))
+        return float(total + prior + len(theta) * np.log(count))
+
+    @cached_property
+    def chi2(self) -> float:
+        """Of the lines and of the relaxation tests."""
+        lines = self.problem.frf_residual(self.theta)
+        return float(lines @ lines) + sum(self.problem.relaxation_chi2(self.theta))
+
+    @property
+    def line_scale(self) -> float:
+        """What the standard deviation of the lines must be multiplied by to explain the misfit."""
+        residual = self.problem.frf_residual(self.theta) * self.problem.scale
+        spare = max(len(residual) - len(self.theta), 1)
+        rms = float(np.sqrt(residual @ residual / spare))
+        return max(rms, 1.0 if self.problem.frf_data.known_sd else SMALLEST_SCATTER)
+
+    def scaled(self, scale: float) -> Candidate:
+        """As it was found, its covariance with the scatter of the lines scaled."""
+        return replace(self, problem=replace(self.problem, scale=scale))
+
+
+def descend(problem: Problem, start: FloatArray, *, tolerance: float) -> Candidate:
+    """To the nearest optimum, every logarithm kept where doubles can follow."""
+    from scipy.optimize import least_squares
+
+    low, high = start - 25.0, start + 12.0
+    arms = slice(1 + problem.arms, 1 + 2 * problem.arms)
+    low[arms], high[arms] = problem.log_tau_range
+    if "delay" in problem.at:
+        low[problem.at["delay"]], high[problem.at["delay"]] = -1e3, 1e3
+    result = least_squares(
+        problem.residual,
+        np.clip(start, low + 1e-9, high - 1e-9),
+        jac=problem.jacobian,
+        bounds=(low, high),
+        x_scale="jac",
+        xtol=1e-10,
+        ftol=tolerance,
+        gtol=1e-12,
+        max_nfev=200,
+    )
+    return Candidate(problem, result.x, 2 * float(result.cost), result.status > 0)
