@@ -148,12 +148,12 @@ class ParameterEstimate(ByValue):
 
     def standard_errors(self, model: GeneralizedMaxwell) -> StandardErrors:
         """Standard errors of k_inf, and of k, tau and b = k tau of each arm of `model`."""
-        arms = list(enumerate(zip(model.k, model.tau, strict=True), start=1))
+        arms = range(1, model.arms + 1)
         return StandardErrors(
             k_inf=self._error("k_inf"),
-            k=tuple(self._error(f"k_{j}") for j, _ in arms),
-            tau=tuple(tau * self._error(f"ln_tau_{j}") for j, (_, tau) in arms),
-            b=tuple(k * tau * self._error_of_log_b(j, k) for j, (k, tau) in arms),
+            k=tuple(self._error(f"k_{j}") for j in arms),
+            tau=tuple(t * self._error(f"ln_tau_{j}") for j, t in enumerate(model.tau, start=1)),
+            b=tuple(b * self._error_of_log_b(model, j) for j, b in enumerate(model.arm_b, start=1)),
         )
 
     def intervals(self, model: GeneralizedMaxwell, level: float) -> Intervals:
@@ -175,11 +175,10 @@ class ParameterEstimate(ByValue):
         def of(name: str, value: float, error: float) -> Interval:
             if name in profiles:
                 return profile_interval(profiles[name], deviance_limit=quantile**2)
-            if not isfinite(error):
-                return -inf, inf
-            return value - quantile * error, value + quantile * error
+            reach = quantile * error if isfinite(error) else inf
+            return value - reach, value + reach
 
-        def positive(name: str, value: float) -> Interval:
+        def stiffness(name: str, value: float) -> Interval:
             low, high = of(name, value, self._error(name))
             return max(low, 0.0), high
 
@@ -187,16 +186,15 @@ class ParameterEstimate(ByValue):
             low, high = of(name, float(np.log(value)), error)
             return _exp(low), _exp(high)
 
-        arms = list(enumerate(zip(model.k, model.tau, strict=True), start=1))
+        k, tau, b = (list(enumerate(each, start=1)) for each in (model.k, model.tau, model.arm_b))
         return Intervals(
-            k_inf=positive("k_inf", model.k_inf),
-            k=tuple(positive(f"k_{j}", k) for j, (k, _) in arms),
+            k_inf=stiffness("k_inf", model.k_inf),
+            k=tuple(stiffness(f"k_{j}", value) for j, value in k),
             tau=tuple(
-                exponential(f"ln_tau_{j}", tau, self._error(f"ln_tau_{j}")) for j, (_, tau) in arms
+                exponential(f"ln_tau_{j}", value, self._error(f"ln_tau_{j}")) for j, value in tau
             ),
             b=tuple(
-                exponential(f"ln_b_{j}", k * tau, self._error_of_log_b(j, k))
-                for j, (k, tau) in arms
+                exponential(f"ln_b_{j}", value, self._error_of_log_b(model, j)) for j, value in b
             ),
         )
 
@@ -212,11 +210,11 @@ class ParameterEstimate(ByValue):
         row = self.parameters.index(name)
         return sqrt(max(float(self.covariance[row, row]), 0.0))
 
-    def _error_of_log_b(self, arm: int, k: float) -> float:
+    def _error_of_log_b(self, model: GeneralizedMaxwell, arm: int) -> float:
         if not self.parameters:
             return inf
         gradient = np.zeros(len(self.parameters))
-        for name, slope in ((f"k_{arm}", 1.0 / k), (f"ln_tau_{arm}", 1.0)):
+        for name, slope in ((f"k_{arm}", 1.0 / model.k[arm - 1]), (f"ln_tau_{arm}", 1.0)):
             if name in self.parameters:
                 gradient[self.parameters.index(name)] = slope
         used = gradient != 0.0

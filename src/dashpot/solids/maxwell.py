@@ -132,23 +132,24 @@ class GeneralizedMaxwell(Solid):
     b: float = 0.0
 
     def __post_init__(self) -> None:
-        k = tuple(float(value) for value in np.atleast_1d(np.asarray(self.k, dtype=float)))
-        tau = tuple(float(value) for value in np.atleast_1d(np.asarray(self.tau, dtype=float)))
+        k, tau = (np.atleast_1d(np.asarray(each, dtype=float)) for each in (self.k, self.tau))
         if len(k) != len(tau):
             raise DataError(f"every arm needs a k and a tau, found {len(k)} k and {len(tau)} tau")
         for name, value in (("k_inf", self.k_inf), ("b", self.b)):
             if not (np.isfinite(value) and value >= 0):
                 raise DataError(f"{name} = {value!r}; a passive solid needs {name} >= 0 and finite")
-        for j, (stiffness, time) in enumerate(zip(k, tau, strict=True), start=1):
-            if not (np.isfinite(stiffness) and stiffness > 0):
-                raise DataError(f"k_{j} = {stiffness!r}; a passive arm needs k > 0 and finite")
-            if not (np.isfinite(time) and time > 0):
-                raise DataError(f"tau_{j} = {time!r}; a passive arm needs tau > 0 and finite")
-        order = sorted(range(len(tau)), key=lambda j: tau[j])
+        for name, values in (("k", k), ("tau", tau)):
+            bad = np.flatnonzero(~(np.isfinite(values) & (values > 0)))
+            if bad.size:
+                at, value = int(bad[0]), float(values[bad[0]])
+                raise DataError(
+                    f"{name}_{at + 1} = {value!r}; a passive arm needs {name} > 0 and finite"
+                )
+        order = np.argsort(tau, kind="stable")
         object.__setattr__(self, "k_inf", float(self.k_inf))
         object.__setattr__(self, "b", float(self.b))
-        object.__setattr__(self, "k", tuple(k[j] for j in order))
-        object.__setattr__(self, "tau", tuple(tau[j] for j in order))
+        object.__setattr__(self, "k", tuple(k[order].tolist()))
+        object.__setattr__(self, "tau", tuple(tau[order].tolist()))
 
     # -- what it is ---------------------------------------------------------------------------
 

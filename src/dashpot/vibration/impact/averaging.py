@@ -191,12 +191,13 @@ def _signs(stack: Stack, polarity: Sequence[int] | None) -> FloatArray:
     """Sign of each accelerometer: a hit sets a block moving in its own direction."""
     count = len(stack.channels)
     if polarity is not None:
-        if len(polarity) != count or any(abs(sign) != 1 for sign in polarity):
+        given = np.array(polarity, dtype=float)
+        if len(given) != count or (np.abs(given) != 1).any():
             raise DataError(
                 f"polarity = {tuple(polarity)}; expected +1 or -1 for each of the {count} "
                 f"accelerometers ({', '.join(stack.channels)})"
             )
-        return np.array(polarity, dtype=float)
+        return given
     near = stack.band(*_mounts(stack))
     h = np.array([estimate(spectra) for spectra in near.each()])
     # the real part of the mobility, summed, is the velocity just after the hit
@@ -209,7 +210,7 @@ def _signs(stack: Stack, polarity: Sequence[int] | None) -> FloatArray:
         raise DataError(
             f"accelerometers of opposite polarity: a hit moves {along} along with it but {against} "
             "against it; check the mounting and give the polarity, such as "
-            f"{tuple(1 if k > 0 else -1 for k in kick)}"
+            f"{tuple(np.where(kick > 0, 1, -1).tolist())}"
         )
     return np.full(count, -1.0 if kick.min() < -CLEAR else 1.0)
 

@@ -160,14 +160,15 @@ def _taken(hits: Sequence[HitBlock], accept: Sequence[str], reject: Sequence[str
     unknown = [name for name in (*accept, *reject) if name not in faults]
     if unknown:
         raise DataError(f"there is no hit {unknown[0]!r}; the hits are {', '.join(faults)}")
-    taken = [name in accept or (name not in reject and not wrong) for name, wrong in faults.items()]
-    if not any(taken):
+    good = {name for name, wrong in faults.items() if not wrong}
+    taken = (good - set(reject)) | set(accept)
+    if not taken:
         why = "; ".join(
             f"hit {name}: {'. Also: '.join(wrong) or 'rejected by name'}"
             for name, wrong in faults.items()
         )
         raise DataError(f"no hit is left to average. {why}. To use one anyway, accept it by name")
-    return np.array(taken)
+    return np.array([name in taken for name in faults])
 
 
 def _reach(tests: Sequence[ImpactTest]) -> float | None:

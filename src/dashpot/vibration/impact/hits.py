@@ -90,15 +90,9 @@ class HitBlock:
 
     def width(self, level: float) -> float:
         """Pulse width at `level` times the peak, s, its ends found by straight lines."""
-        inside, f, height = self.pulse(level), self.force, level * self.peak
-        left, right = float(inside.start), float(inside.stop - 1)
-        if inside.start > 0:
-            a, b = f[inside.start - 1], f[inside.start]
-            left -= (b - height) / (b - a)
-        if inside.stop < len(f):
-            a, b = f[inside.stop - 1], f[inside.stop]
-            right += (a - height) / (a - b)
-        return float(right - left) / self.rate
+        inside = self.pulse(level)
+        ends = inside.start, inside.stop - 1
+        return width_at(self.force, level * self.peak, ends) / self.rate
 
     def moments(self) -> tuple[float, float]:
         """When the pulse acts on average, s from the start of the block, and its rms width, s."""
@@ -107,6 +101,17 @@ class HitBlock:
         at = np.arange(inside.start, inside.stop) / self.rate
         middle = float(at @ weights)
         return middle, float(np.sqrt((at - middle) ** 2 @ weights))
+
+
+def width_at(values: FloatArray, level: float, ends: tuple[int, int]) -> float:
+    """Samples between the crossings of a level just outside two samples, by straight lines."""
+    first, last = ends
+    width = float(last - first)
+    if first > 0:
+        width += (values[first] - level) / (values[first] - values[first - 1])
+    if last < len(values) - 1:
+        width += (values[last] - level) / (values[last] - values[last + 1])
+    return float(width)
 
 
 @dataclass(frozen=True)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.vibration.impact.hits import HitBlock
+from dashpot.vibration.impact.hits import HitBlock, width_at
+from dashpot.vibration.modal.peaks import run_about
 
 REBOUND = 0.05  # of the peak: a second pulse this high is a second hit
 FEWEST_SAMPLES = 5  # that a pulse must hold to be known in shape
@@ -37,21 +39,7 @@ def judge(hit: HitBlock, *, windowed: bool = False) -> Verdict:
 
     A fault makes the FRF wrong and rejects the hit; a doubt costs accuracy and is only said.
     """
-    faults = (
-        _cut_short(hit),
-        _no_pretrigger(hit),
-        _double(hit),
-        _clipped(hit),
-        _response_clipped(hit),
-    )
-    doubts = (
-        _no_quiet(hit),
-        _undersampled(hit),
-        _not_decayed(hit, windowed),
-        _ringing(hit),
-        _undershoot(hit),
-    )
-    return Verdict(tuple(filter(None, faults)), tuple(filter(None, doubts)))
+    return Verdict(tuple(_faults(hit)), tuple(_doubts(hit, windowed)))
 
 
 def remaining(hit: HitBlock) -> float:
@@ -101,74 +89,80 @@ def second_pulse(hit: HitBlock) -> tuple[float, float]:
     return best / top, where / hit.rate
 
 
-def _cut_short(hit: HitBlock) -> str:
-    if not hit.missing:
-        return ""
-    have = (len(hit.force) - hit.missing) / hit.rate
-    return (
-        f"the recording ends {have:.3g} s into a block of {len(hit.force) / hit.rate:.3g} s; "
-        "record on, or ask for a shorter record"
-    )
-
-
-def _no_pretrigger(hit: HitBlock) -> str:
-    if hit.onset >= 2 or hit.force[0] <= 0.05 * hit.peak:
-        return ""
-    return (
-        f"the recording begins inside the pulse, at {100 * hit.force[0] / hit.peak:.0f} % of its "
-        "peak; set a pretrigger"
-    )
-
-
-def _no_quiet(hit: HitBlock) -> str:
-    if hit.onset >= 8:
-        return ""
-    return (
-        f"only {hit.onset} samples lie before the pulse, too few to know the offsets; set a "
-        "pretrigger of some 0.1 s"
-    )
-
-
-def _double(hit: HitBlock) -> str:
-    height, after = second_pulse(hit)
-    if height < REBOUND or height * hit.peak < 8 * hit.noise[0]:
-        return ""
-    return (
-        f"double hit: a second pulse of {100 * height:.0f} % of the peak "
-        f"{1000 * abs(after):.0f} ms {'after' if after > 0 else 'before'} it"
-    )
-
-
-def _clipped(hit: HitBlock) -> str:
-    if not flat_topped(hit.force[hit.pulse(0.3)], hit.noise[0]):
-        return ""
-    return (
-        f"hammer overload: the pulse is flat at {hit.peak:.4g} N, as if cut off; hit more softly "
-        "or raise the range"
-    )
-
-
-def _response_clipped(hit: HitBlock) -> str:
-    for number, (row, noise) in enumerate(
-        zip(hit.acceleration, hit.noise[1:], strict=True), start=1
-    ):
-        for signed in (row, -row):
-            top = int(np.argmax(signed))
-            above = signed > 0.3 * signed[top]
-            left = top - int(np.argmin(above[top::-1])) + 1 if not above[: top + 1].all() else 0
-            right = top + int(np.argmin(above[top:])) if not above[top:].all() else len(row)
-            lobe = signed[left:right]
-            run = int(np.count_nonzero(lobe > lobe.max() - max(3 * noise, 1e-6 * lobe.max())))
-            # any smooth top is a parabola, which spends 0.39 of its upper fifth in its upper 3 %
-            upper = np.count_nonzero(lobe > 0.97 * lobe.max()) / np.count_nonzero(
-                lobe > 0.8 * lobe.max()
+def _faults(hit: HitBlock) -> Iterator[str]:
+    if hit.missing:
+        have = (len(hit.force) - hit.missing) / hit.rate
+        yield (
+            f"the recording ends {have:.3g} s into a block of {hit.length:.3g} s; record on, or "
+            "ask for a shorter record"
+        )
+    if hit.onset < 2 and hit.force[0] > 0.05 * hit.peak:
+        yield (
+            f"the recording begins inside the pulse, at {100 * hit.force[0] / hit.peak:.0f} % of "
+            "its peak; set a pretrigger"
+        )
+    second, after = second_pulse(hit)
+    if second >= REBOUND and second * hit.peak >= 8 * hit.noise[0]:
+        yield (
+            f"double hit: a second pulse of {100 * second:.0f} % of the peak "
+            f"{1000 * abs(after):.0f} ms {'after' if after > 0 else 'before'} it"
+        )
+    if flat_topped(hit.force[hit.pulse(0.3)], hit.noise[0]):
+        yield (
+            f"hammer overload: the pulse is flat at {hit.peak:.4g} N, as if cut off; hit more "
+            "softly or raise the range"
+        )
+    for number, (row, noise) in enumerate(zip(hit.acceleration, hit.noise[1:], strict=True), 1):
+        height = _overloaded(row, noise) or _overloaded(-row, noise)
+        if height:
+            yield (
+                f"acceleration {number} overloads: it is flat at {height:.4g} m/s^2; hit more "
+                "softly or raise the range"
             )
-            if run >= 4 and upper > FLAT_RESPONSE and flat_topped(lobe, noise):
-                return (
-                    f"acceleration {number} overloads: it is flat at {lobe.max():.4g} m/s^2; hit "
-                    "more softly or raise the range"
-                )
-    return ""
+            break
+
+
+def _overloaded(row: FloatArray, noise: float) -> float:
+    """Where the highest lobe of a response is cut off, m/s^2; 0 if it is not."""
+    top = int(np.argmax(row))
+    lobe = row[run_about(row > 0.3 * row[top], top)]
+    peak = float(lobe.max())
+    run = int(np.count_nonzero(lobe > peak - max(3 * noise, 1e-6 * peak)))
+    # any smooth top is a parabola, which spends 0.39 of its upper fifth in its upper 3 %
+    upper = np.count_nonzero(lobe > 0.97 * peak) / np.count_nonzero(lobe > 0.8 * peak)
+    flat = run >= 4 and upper > FLAT_RESPONSE and flat_topped(lobe, noise)
+    return peak if flat else 0.0
+
+
+def _doubts(hit: HitBlock, windowed: bool) -> Iterator[str]:
+    if hit.onset < 8:
+        yield (
+            f"only {hit.onset} samples lie before the pulse, too few to know the offsets; set a "
+            "pretrigger of some 0.1 s"
+        )
+    inside = hit.pulse(0.1)
+    samples = inside.stop - inside.start
+    if samples < FEWEST_SAMPLES:
+        yield (
+            f"the pulse is {samples} sample{'s' if samples > 1 else ''} long, so its height is "
+            f"guesswork; sample at {FEWEST_SAMPLES / samples * hit.rate:.3g} Hz or more, or take "
+            "a softer tip"
+        )
+    left, limit = remaining(hit), DECAYED_WITH_WINDOW if windowed else DECAYED
+    if left > limit and not hit.missing:
+        yield (
+            f"{100 * left:.2g} % of the response is left at the end of the record (expected "
+            f"{100 * limit:.0f} % {'with' if windowed else 'without'} a window); record longer"
+            + ("" if windowed else ", or use the exponential window")
+        )
+    worst = moving_before(hit)
+    if worst >= MOVES:
+        yield (
+            f"the block still moves before the hit, by {100 * worst:.0f} % of the response to it; "
+            + ("that is taken off as a free decay, but better " if hit.calmed else "")
+            + "wait longer between hits"
+        )
+    yield from _undershoot(hit)
 
 
 def flat_topped(lobe: FloatArray, noise: float) -> bool:
@@ -193,70 +187,29 @@ def flat_topped(lobe: FloatArray, noise: float) -> bool:
 
 
 def _width(lobe: FloatArray, level: float) -> float:
-    """Samples between the first and the last crossing of a level, by straight lines."""
+    """Samples between the first and the last crossing of a level."""
     above = np.flatnonzero(lobe >= level)
-    first, last = int(above[0]), int(above[-1])
-    left, right = float(first), float(last)
-    if first > 0:
-        left -= (lobe[first] - level) / (lobe[first] - lobe[first - 1])
-    if last < len(lobe) - 1:
-        right += (lobe[last] - level) / (lobe[last] - lobe[last + 1])
-    return right - left
+    return width_at(lobe, level, (int(above[0]), int(above[-1])))
 
 
-def _undersampled(hit: HitBlock) -> str:
-    inside = hit.pulse(0.1)
-    samples = inside.stop - inside.start
-    if samples >= FEWEST_SAMPLES:
-        return ""
-    return (
-        f"the pulse is {samples} sample{'s' if samples > 1 else ''} long, so its height is "
-        f"guesswork; sample at {FEWEST_SAMPLES / samples * hit.rate:.3g} Hz or more, or take a "
-        "softer tip"
-    )
-
-
-def _not_decayed(hit: HitBlock, windowed: bool) -> str:
-    left = remaining(hit)
-    limit = DECAYED_WITH_WINDOW if windowed else DECAYED
-    if left <= limit or hit.missing:
-        return ""
-    return (
-        f"{100 * left:.2g} % of the response is left at the end of the record (expected "
-        f"{100 * limit:.0f} % {'with' if windowed else 'without'} a window); record longer"
-        + ("" if windowed else ", or use the exponential window")
-    )
-
-
-def _ringing(hit: HitBlock) -> str:
-    worst = moving_before(hit)
-    if worst < MOVES:
-        return ""
-    return (
-        f"the block still moves before the hit, by {100 * worst:.0f} % of the response to it; "
-        + ("that is taken off as a free decay, but better " if hit.calmed else "")
-        + "wait longer between hits"
-    )
-
-
-def _undershoot(hit: HitBlock) -> str:
+def _undershoot(hit: HitBlock) -> Iterator[str]:
     """A force channel coupled by a capacitor gives the impulse back after the pulse."""
     inside = hit.pulse(0.02)
     end = inside.stop + (inside.stop - inside.start)
     tail = hit.force[end : len(hit.force) - hit.missing]
     if hit.onset < 8 or len(tail) < 16:
-        return ""
+        return
     impulse = float(hit.force[inside].sum())
     given_back = -float(tail.sum()) / impulse
     # the base line is known only as well as the mean of the samples before the hit
     doubt = 5 * hit.noise[0] * len(tail) / np.sqrt(hit.onset) / impulse
     if given_back < max(UNDERSHOOT, doubt):
-        return ""
+        return
     # of what is to be given back, exp(-2 pi f t) is still to come after t
     early = max(len(tail) // 50, 8)
     share = min(max(-float(tail[:early].sum()) / float(hit.force[:end].sum()), 0.0), 0.99)
     corner = -np.log1p(-share) * hit.rate / (2 * np.pi * early)
-    return (
+    yield (
         f"the force stays below its base line after the pulse and gives {100 * given_back:.0f} % "
         f"of the impulse back, as a channel with a high pass at {corner:.2g} Hz does; couple "
         "it by DC, or trust only frequencies 20 times as high"

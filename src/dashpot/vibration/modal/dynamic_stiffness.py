@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -133,40 +133,39 @@ def dynamic_stiffness(
     mass_sd = 0.01 * mass if mass_sd is None else mass_sd
     measured = frf.to(Kind.ACCELERANCE)
     measured = measured if band is None else measured.band(*band)
-    keep = usable_lines(measured)
-    s, value = measured.s[keep], measured.value[keep]
-    scatter = random_sd(measured)
+    measured = measured.only(usable_lines(measured))
+    s, value, scatter = measured.s, measured.value, random_sd(measured)
     raw = s**2 / value
     K = (raw - mass * s**2) / seals
-    random = np.zeros(len(s)) if scatter is None else scatter[keep] * np.abs(raw / value) / seals
-    omega = s.imag
-    storage, loss = K.real, K.imag
-    parts = {
+    random = np.zeros(len(s)) if scatter is None else scatter * np.abs(raw / value) / seals
+    arrays = {
+        "frequency": measured.frequency,
+        "storage": K.real,
+        "loss": K.imag,
+        "damping": K.imag / s.imag,
+        "loss_factor": K.imag / K.real,
         "storage_random": random,
         "loss_random": random,
-        "storage_mass": mass_sd * omega**2 / seals,
+        "storage_mass": mass_sd * s.imag**2 / seals,
         "storage_phase": phase_sd * np.abs(raw.imag) / seals,
         "loss_phase": phase_sd * np.abs(raw.real) / seals,
     }
-    frequency = measured.frequency[keep]
-    peak = find_peak(measured).frequency
-    storage_sd = np.sqrt(random**2 + parts["storage_mass"] ** 2 + parts["storage_phase"] ** 2)
-    loss_sd = np.hypot(random, parts["loss_phase"])
-    return DynamicStiffness(
-        frequency=frozen(frequency),
-        storage=frozen(storage),
-        loss=frozen(loss),
-        damping=frozen(loss / omega),
-        loss_factor=frozen(loss / storage),
+    found = DynamicStiffness(
+        **{name: frozen(values) for name, values in arrays.items()},
         mass=float(mass),
         mass_sd=float(mass_sd),
         phase_sd=float(phase_sd),
-        storage_band=_about(frequency, peak, storage_sd <= STORAGE_LIMIT * np.abs(storage)),
-        loss_band=_about(frequency, peak, loss_sd <= LOSS_LIMIT * np.abs(loss)),
-        checks=_causal(
-            frequency, storage, loss, peak=peak, random=random, mass=parts["storage_mass"]
-        ),
-        **{name: frozen(part) for name, part in parts.items()},
+        storage_band=(np.nan, np.nan),
+        loss_band=(np.nan, np.nan),
+        checks=(),
+    )
+    f, storage, loss = found.frequency, found.storage, found.loss
+    peak = find_peak(measured).frequency
+    return replace(
+        found,
+        storage_band=_about(f, peak, found.storage_sd <= STORAGE_LIMIT * np.abs(storage)),
+        loss_band=_about(f, peak, found.loss_sd <= LOSS_LIMIT * np.abs(loss)),
+        checks=_causal(f, storage, loss, peak=peak, random=random, mass=found.storage_mass),
     )
 
 
