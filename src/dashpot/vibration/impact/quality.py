@@ -107,6 +107,10 @@ def _faults(hit: HitBlock) -> Iterator[str]:
             f"double hit: a second pulse of {100 * second:.0f} % of the peak "
             f"{1000 * abs(after):.0f} ms {'after' if after > 0 else 'before'} it"
         )
+    yield from _overloads(hit)
+
+
+def _overloads(hit: HitBlock) -> Iterator[str]:
     if flat_topped(hit.force[hit.pulse(0.3)], hit.noise[0]):
         yield (
             f"hammer overload: the pulse is flat at {hit.peak:.4g} N, as if cut off; hit more "
@@ -148,6 +152,11 @@ def _doubts(hit: HitBlock, windowed: bool) -> Iterator[str]:
             f"guesswork; sample at {FEWEST_SAMPLES / samples * hit.rate:.3g} Hz or more, or take "
             "a softer tip"
         )
+    yield from _ringing(hit, windowed)
+    yield from _undershoot(hit)
+
+
+def _ringing(hit: HitBlock, windowed: bool) -> Iterator[str]:
     left, limit = remaining(hit), DECAYED_WITH_WINDOW if windowed else DECAYED
     if left > limit and not hit.missing:
         yield (
@@ -162,7 +171,6 @@ def _doubts(hit: HitBlock, windowed: bool) -> Iterator[str]:
             + ("that is taken off as a free decay, but better " if hit.calmed else "")
             + "wait longer between hits"
         )
-    yield from _undershoot(hit)
 
 
 def flat_topped(lobe: FloatArray, noise: float) -> bool:

@@ -15,6 +15,7 @@ mass line, modes above the band and, as slow real poles, relaxation and modes be
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -92,6 +93,76 @@ class PoleFit:
     covariance: FloatArray
 
 
+@dataclass(frozen=True, eq=False)
+class _Trial:
+    """Poles, as ln sigma and omega of each, with the best residues and background there.
+
+    Background and modes, two real coefficients each, are solved for channel by channel.
+    """
+
+    lines: Lines
+    theta: FloatArray
+
+    @cached_property
+    def poles(self) -> ComplexArray:
+        """Shape (modes,)."""
+        return np.asarray(-np.exp(self.theta[0::2]) + 1j * self.theta[1::2])
+
+    @cached_property
+    def columns(self) -> ComplexArray:
+        """Modes, then the background: shape (n, 2 modes + background)."""
+        lines, s = self.lines, self.lines.s
+        columns = [column for p in self.poles for column in _mode_columns(lines, p)]
+        centre = float(np.sqrt(s.imag[0] * s.imag[-1]))
+        top = float(s.imag[-1])
+        columns += [np.ones_like(s), (s / top) ** 2]
+        rates = np.array(SLOW_POLES) * centre
+        columns += [kernel(lines, complex(-rate)) * centre for rate in rates]
+        return np.array(columns).T
+
+    @cached_property
+    def solution(self) -> tuple[list[FloatArray], list[FloatArray]]:
+        """Coefficients and weighted residuals by channel."""
+        coefficients, residuals = [], []
+        for value, sd in zip(self.lines.value, self.lines.sd, strict=True):
+            rows, y = _stack(self.columns, 1 / sd), _stack(value, 1 / sd)
+            scale = np.linalg.norm(rows, axis=0)
+            q, triangle = np.linalg.qr(rows / scale)
+            c = np.linalg.lstsq(triangle, q.T @ y, rcond=1e-12)[0] / scale
+            coefficients.append(c)
+            residuals.append(y - rows @ c)
+        return coefficients, residuals
+
+    @cached_property
+    def cost(self) -> float:
+        """Sum of squared residuals."""
+        return sum(float(r @ r) for r in self.solution[1])
+
+    @cached_property
+    def misfit(self) -> FloatArray:
+        """Squared residual of each line over its variance, shape (channels, n)."""
+        return np.array([(r.reshape(2, -1) ** 2).sum(axis=0) for r in self.solution[1]])
+
+    @cached_property
+    def residues(self) -> ComplexArray:
+        """Shape (channels, modes)."""
+        c = np.array(self.solution[0])[:, : len(self.theta)]
+        return np.asarray(c[:, 0::2] + 1j * c[:, 1::2])
+
+    def slopes(self, channel: int) -> ComplexArray:
+        """Derivative of the modes' sum by ln sigma and omega at fixed residues, (n, 2 modes)."""
+        columns = []
+        for p, residue in zip(self.poles, self.residues[channel], strict=True):
+            up = residue * _kernel_slope(self.lines, p)
+            down = residue.conjugate() * _kernel_slope(self.lines, p.conjugate())
+            columns += [p.real * (up + down), 1j * (up - down)]
+        return np.array(columns).T
+
+    def only(self, modes: list[int]) -> _Trial:
+        """The chosen modes."""
+        return replace(self, theta=self.theta.reshape(-1, 2)[modes].ravel())
+
+
 def kernel(lines: Lines, p: complex) -> ComplexArray:
     r"""Transform of :math:`e^{pt}` over the record (module docstring), shape (n,)."""
     s = lines.s
@@ -122,60 +193,36 @@ def find_poles(lines: Lines, *, most: int, count: int | None = None) -> PoleFit 
     PoleFit or None
         None if there is no mode in the lines.
     """
-    kept, theta = np.empty(0), np.empty(0)
-    before = _misfit(lines, theta)
+    trial = kept = _Trial(lines, np.empty(0))
     failures = 0
     for _ in range(count or most):
-        theta = _refine(lines, np.concatenate((theta, _next_pole(lines, theta, before))))
-        after = _misfit(lines, theta)
-        if count is not None or _matters(lines, theta, before, after):
-            kept, failures = theta, 0
+        last, trial = trial, _refine(_with_next_pole(trial))
+        if count is not None or _matters(trial, last):
+            kept, failures = trial, 0
         else:
             failures += 1  # one of two like modes does not matter before the other is there
-        before = after
         if failures == 2:
             break
     if count is None:
-        kept = _prune(lines, kept)
-    return _finish(lines, kept) if kept.size else None
+        kept = _prune(kept)
+    return _finish(kept) if kept.theta.size else None
 
 
 def residues_at(lines: Lines, poles: ComplexArray) -> ComplexArray:
     """Best residues of each row at given poles, shape (channels, modes)."""
     theta = np.ravel(np.column_stack((np.log(-poles.real), poles.imag)))
-    coefficients = _solve(lines, theta)[1]
-    return np.array([_residues(coefficients, i) for i in range(len(poles))]).T
+    return _Trial(lines, theta).residues
 
 
-def _prune(lines: Lines, theta: FloatArray) -> FloatArray:
+def _prune(trial: _Trial) -> _Trial:
     """Drop what is no mode until all are."""
-    while theta.size:
-        c = _solve(lines, theta)[1]
-        good = [i for i in range(len(theta) // 2) if _is_mode(lines, theta, c, i)]
-        if 2 * len(good) == len(theta):
+    while trial.theta.size:
+        good = [i for i in range(len(trial.poles)) if _is_mode(trial, i)]
+        if len(good) == len(trial.poles):
             break
-        theta = theta.reshape(-1, 2)[good].ravel()
-        theta = _refine(lines, theta) if theta.size else theta
-    return theta
-
-
-def _residues(coefficients: list[FloatArray], i: int) -> ComplexArray:
-    return np.array([complex(c[2 * i], c[2 * i + 1]) for c in coefficients])
-
-
-def _poles(theta: FloatArray) -> ComplexArray:
-    return np.asarray(-np.exp(theta[0::2]) + 1j * theta[1::2])
-
-
-def _columns(lines: Lines, theta: FloatArray) -> ComplexArray:
-    """Modes, two real coefficients each, and the background: shape (n, 2 modes + background)."""
-    s = lines.s
-    columns = [column for p in _poles(theta) for column in _mode_columns(lines, p)]
-    centre = float(np.sqrt(s.imag[0] * s.imag[-1]))
-    top = float(s.imag[-1])
-    columns += [np.ones_like(s), (s / top) ** 2]
-    columns += [kernel(lines, complex(-rate)) * centre for rate in np.array(SLOW_POLES) * centre]
-    return np.array(columns).T
+        trial = trial.only(good)
+        trial = _refine(trial) if good else trial
+    return trial
 
 
 def _mode_columns(lines: Lines, p: complex) -> tuple[ComplexArray, ComplexArray]:
@@ -190,49 +237,11 @@ def _stack(values: ComplexArray, weight: FloatArray) -> FloatArray:
     return np.concatenate((values.real * w, values.imag * w))
 
 
-def _solve(lines: Lines, theta: FloatArray) -> tuple[float, list[FloatArray], list[FloatArray]]:
-    """Best linear coefficients at given poles: cost, coefficients and residuals by channel."""
-    return _linear(lines, _columns(lines, theta))
-
-
-def _linear(
-    lines: Lines, columns: ComplexArray
-) -> tuple[float, list[FloatArray], list[FloatArray]]:
-    cost, coefficients, residuals = 0.0, [], []
-    for value, sd in zip(lines.value, lines.sd, strict=True):
-        rows, y = _stack(columns, 1 / sd), _stack(value, 1 / sd)
-        scale = np.linalg.norm(rows, axis=0)
-        q, triangle = np.linalg.qr(rows / scale)
-        c = np.linalg.lstsq(triangle, q.T @ y, rcond=1e-12)[0] / scale
-        r = y - rows @ c
-        coefficients.append(c)
-        residuals.append(r)
-        cost += float(r @ r)
-    return cost, coefficients, residuals
-
-
-def _misfit(lines: Lines, theta: FloatArray) -> FloatArray:
-    """Squared residual of each line over its variance, shape (channels, n)."""
-    _, _, residuals = _solve(lines, theta)
-    return np.array([(r.reshape(2, -1) ** 2).sum(axis=0) for r in residuals])
-
-
 def _near(lines: Lines, p: complex) -> BoolArray:
     """The lines that decide about a mode: ten to either side, or three half-power widths."""
     omega = lines.s.imag
     reach = max(10.5 * float(np.median(np.diff(omega))), -6 * p.real)
     return np.asarray(np.abs(omega - p.imag) <= reach)
-
-
-def _slopes(lines: Lines, theta: FloatArray, c: FloatArray) -> ComplexArray:
-    """Derivative of the modes' sum by ln sigma and omega at fixed coefficients, (n, 2 modes)."""
-    columns = []
-    for i, p in enumerate(_poles(theta)):
-        residue = complex(c[2 * i], c[2 * i + 1])
-        up = residue * _kernel_slope(lines, p)
-        down = residue.conjugate() * _kernel_slope(lines, p.conjugate())
-        columns += [p.real * (up + down), 1j * (up - down)]
-    return np.array(columns).T
 
 
 def _kernel_slope(lines: Lines, p: complex) -> ComplexArray:
@@ -243,51 +252,50 @@ def _kernel_slope(lines: Lines, p: complex) -> ComplexArray:
     return np.asarray((k - later * np.exp(_lost(lines, p))) / (lines.s - p))
 
 
-def _refine(lines: Lines, theta: FloatArray) -> FloatArray:
+def _refine(trial: _Trial) -> _Trial:
     """Levenberg-Marquardt over the poles, the residues projected out (Kaufman's Jacobian)."""
-    cost, coefficients, residuals = _solve(lines, theta)
     damping = 1e-3
     for _ in range(STEPS):
-        columns = _columns(lines, theta)
-        normal, gradient = np.zeros((len(theta),) * 2), np.zeros(len(theta))
-        for c, r, sd in zip(coefficients, residuals, lines.sd, strict=True):
-            basis, _ = np.linalg.qr(_stack(columns, 1 / sd))
-            jacobian = _stack(_slopes(lines, theta, c), 1 / sd)
-            jacobian = jacobian - basis @ (basis.T @ jacobian)
-            normal += jacobian.T @ jacobian
-            gradient += jacobian.T @ r
+        normal, gradient = _normal(trial)
         diagonal = np.diag(normal).copy()
         diagonal[diagonal == 0] = 1.0
-        moved = False
-        while damping < 1e8:
+        better = None
+        while better is None and damping < 1e8:
             step = np.linalg.solve(normal + damping * np.diag(diagonal), gradient)
             step[0::2] = np.clip(step[0::2], -2.0, 2.0)
-            trial = theta + step
-            if (np.exp(trial[0::2]) < MOST_DAMPED * trial[1::2]).all():
-                trial_cost, trial_c, trial_r = _solve(lines, trial)
-                if trial_cost <= cost:
-                    moved = True
-                    break
-            damping *= 10
-        if not moved:
+            theta = trial.theta + step
+            if (np.exp(theta[0::2]) < MOST_DAMPED * theta[1::2]).all():
+                there = _Trial(trial.lines, theta)
+                better = there if there.cost <= trial.cost else None
+            damping = damping * 10 if better is None else max(damping / 10, 1e-12)
+        if better is None:
             break
-        gain = cost - trial_cost
-        theta, cost, coefficients, residuals = trial, trial_cost, trial_c, trial_r
-        damping = max(damping / 10, 1e-12)
-        if gain <= 1e-13 * cost or np.abs(step).max() < 1e-13:
+        gain, trial = trial.cost - better.cost, better
+        if gain <= 1e-13 * trial.cost or np.abs(step).max() < 1e-13:
             break
-    return theta
+    return trial
 
 
-def _next_pole(lines: Lines, theta: FloatArray, misfit: FloatArray) -> FloatArray:
+def _normal(trial: _Trial) -> tuple[FloatArray, FloatArray]:
+    """Normal matrix and gradient of the poles."""
+    size = len(trial.theta)
+    normal, gradient = np.zeros((size, size)), np.zeros(size)
+    for i, (r, sd) in enumerate(zip(trial.solution[1], trial.lines.sd, strict=True)):
+        basis, _ = np.linalg.qr(_stack(trial.columns, 1 / sd))
+        jacobian = _stack(trial.slopes(i), 1 / sd)
+        jacobian = jacobian - basis @ (basis.T @ jacobian)
+        normal += jacobian.T @ jacobian
+        gradient += jacobian.T @ r
+    return normal, gradient
+
+
+def _with_next_pole(trial: _Trial) -> _Trial:
     """Scan frequency and damping about the line that the poles so far miss by most."""
-    omega = lines.s.imag
-    missed = (misfit * lines.sd**2).sum(axis=0)
+    lines, omega = trial.lines, trial.lines.s.imag
+    missed = (trial.misfit * lines.sd**2).sum(axis=0)
     worst, step = float(omega[np.argmax(missed)]), float(np.median(np.diff(omega)))
     weights = [1 / sd for sd in lines.sd]
-    known = _columns(lines, theta)
-    bases = [np.linalg.qr(_stack(known, weight))[0] for weight in weights]
-    residuals = _linear(lines, known)[2]
+    bases = [np.linalg.qr(_stack(trial.columns, weight))[0] for weight in weights]
     ratios = np.geomspace(3e-4, 0.4, 9)
     # sharp peaks stand where most is missed, to a line; broad ones may be missed most beside it
     trials = [(r * worst, worst + i * step) for r in ratios for i in np.linspace(-1.5, 1.5, 7)]
@@ -297,40 +305,36 @@ def _next_pole(lines: Lines, theta: FloatArray, misfit: FloatArray) -> FloatArra
     for sigma, at in trials:
         pair = np.column_stack(_mode_columns(lines, complex(-sigma, at)))
         gain = 0.0
-        for weight, basis, r in zip(weights, bases, residuals, strict=True):
+        for weight, basis, r in zip(weights, bases, trial.solution[1], strict=True):
             new = _stack(pair, weight)
             new = new - basis @ (basis.T @ new)  # what the rest cannot say as well
             gain += float(r @ new @ np.linalg.pinv(new.T @ new) @ (new.T @ r))
         if gain > best:
             best, start = gain, np.array([np.log(sigma), at])
-    return start
+    return _Trial(lines, np.concatenate((trial.theta, start)))
 
 
-def _finish(lines: Lines, theta: FloatArray) -> PoleFit:
+def _finish(trial: _Trial) -> PoleFit:
     """Residues, and the covariance of the first channel's fit with all parameters in it."""
-    _, coefficients, _ = _solve(lines, theta)
-    misfit = _misfit(lines, theta)
-    poles, modes = _poles(theta), len(theta) // 2
-    sd = lines.sd[0]
-    columns = _stack(_columns(lines, theta), 1 / sd)
-    slopes = _stack(_slopes(lines, theta, coefficients[0]), 1 / sd)
+    poles, modes, sd = trial.poles, len(trial.poles), trial.lines.sd[0]
+    slopes = _stack(trial.slopes(0), 1 / sd)
     slopes[:, 0::2] /= poles.real  # by p.real = -sigma, so by sigma up to the sign
-    full = np.hstack((slopes, columns))
+    full = np.hstack((slopes, _stack(trial.columns, 1 / sd)))
     scale = np.linalg.norm(full, axis=0)
     covariance = np.linalg.pinv((full / scale).T @ (full / scale)) / np.outer(scale, scale)
     # what the model misses about a mode widens that mode's error
-    worse = np.sqrt([max(_chi2(lines, p, misfit), 1.0) for p in poles])
+    worse = np.sqrt([max(_chi2(trial, p), 1.0) for p in poles])
     widen = np.concatenate((np.repeat(worse, 2), np.repeat(worse, 2)))
     return PoleFit(
         poles=poles,
-        residues=np.array([_residues(coefficients, i) for i in range(modes)]).T,
+        residues=trial.residues,
         covariance=covariance[: 4 * modes, : 4 * modes] * np.outer(widen, widen),
     )
 
 
-def _chi2(lines: Lines, p: complex, misfit: FloatArray) -> float:
+def _chi2(trial: _Trial, p: complex) -> float:
     """Misfit per degree of freedom of the lines about a mode."""
-    near = misfit[:, _near(lines, p)]
+    near = trial.misfit[:, _near(trial.lines, p)]
     return float(near.sum()) / max(2 * near.size - _parameters(near), 1)
 
 
@@ -339,34 +343,29 @@ def _parameters(channels: FloatArray) -> int:
     return 2 + 2 * len(channels)
 
 
-def _matters(lines: Lines, theta: FloatArray, before: FloatArray, after: FloatArray) -> bool:
+def _matters(trial: _Trial, before: _Trial) -> bool:
     """Tell whether the last mode added is one, and explains more than chance would."""
-    coefficients = _solve(lines, theta)[1]
-    if not _is_mode(lines, theta, coefficients, len(theta) // 2 - 1):
+    if not _is_mode(trial, len(trial.poles) - 1):
         return False
-    p = _poles(theta)[-1]
-    near = _near(lines, p)
-    gain = float((before - after)[:, near].sum()) / max(_chi2(lines, p, after), 1e-300)
-    return bool(gain > 3 * _parameters(before) * np.log(2 * lines.value.size))
+    p = trial.poles[-1]
+    near = _near(trial.lines, p)
+    gain = float((before.misfit - trial.misfit)[:, near].sum()) / max(_chi2(trial, p), 1e-300)
+    return bool(gain > 3 * _parameters(trial.misfit) * np.log(2 * trial.lines.value.size))
 
 
-def _is_mode(lines: Lines, theta: FloatArray, coefficients: list[FloatArray], i: int) -> bool:
+def _is_mode(trial: _Trial, i: int) -> bool:
     """Tell whether pole i lies in the band, oscillates, decays, is distinct and tall."""
-    poles = _poles(theta)
-    p, others = poles[i], np.delete(poles, i)
-    residue = np.abs(_residues(coefficients, i))
+    lines, p = trial.lines, trial.poles[i]
     omega, record = lines.s.imag, lines.record
     if not omega[0] < p.imag < omega[-1] or -p.real > 0.99 * MOST_DAMPED * p.imag:
         return False
     if record is not None and -p.real * record < 1e-2:
         return False
-    taller = np.array(
-        [np.abs(_residues(coefficients, j)).max() > residue.max() for j in range(len(poles))]
-    )
-    nearest = np.abs(others - p)[np.delete(taller, i)]
+    residue = np.abs(trial.residues)
+    taller = residue.max(axis=0) > residue[:, i].max()
     # closer than this no record of such length tells two modes apart
     apart = max(-0.5 * p.real, 0.0 if record is None else 3 * np.pi / record)
-    if nearest.size and nearest.min() < apart:
+    if (np.abs(trial.poles - p)[taller] < apart).any():
         return False
-    height = residue * float(np.abs(kernel(lines, p)).max())
+    height = residue[:, i] * float(np.abs(kernel(lines, p)).max())
     return bool((height >= SMALLEST_MODE * np.abs(lines.value).max(axis=1)).any())
