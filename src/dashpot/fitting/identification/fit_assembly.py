@@ -74,7 +74,7 @@ def _physical(
 
 
 def _residual(best: Candidate) -> tuple[Residual, float]:
-    lines, relaxations = 2 * len(best.problem.frf_data.s), best.problem.relaxations
+    lines, relaxations = 2 * len(best.problem.frf_data.lines.s), best.problem.relaxations
     effective = lines + sum(relaxation.samples for relaxation in relaxations)
     n = lines + sum(relaxation.block.samples for relaxation in relaxations)
     rms = float(np.sqrt(best.chi2 / effective))
@@ -106,8 +106,8 @@ def _status(best: Candidate, asked: int | str, most: int) -> Status:
 def _band(best: Candidate, before: Fit | None) -> tuple[float, float]:
     """Where the tests inform the solid: an octave about the peak, and what relaxation sees."""
     frf_data = best.problem.frf_data
-    low = max(frf_data.peak_hz / 2, float(frf_data.frequency[0]))
-    high = min(frf_data.peak_hz * 2, float(frf_data.frequency[-1]))
+    low = max(frf_data.peak_hz / 2, float(frf_data.lines.frequency[0]))
+    high = min(frf_data.peak_hz * 2, float(frf_data.lines.frequency[-1]))
     return (low, high) if before is None else (min(low, before.band[0]), max(high, before.band[1]))
 
 
@@ -136,13 +136,13 @@ def _step(best: Candidate) -> Step:
     return Step(
         "identify",
         (
-            ("lines", str(len(frf_data.s))),
-            ("band_hz", f"{frf_data.frequency[0]:.6g} {frf_data.frequency[-1]:.6g}"),
+            ("lines", str(len(frf_data.lines.s))),
+            ("band_hz", f"{frf_data.lines.frequency[0]:.6g} {frf_data.lines.frequency[-1]:.6g}"),
             ("seals", f"{frf_data.seals:g}"),
             ("relaxation_tests", str(len(relaxations))),
             ("scatter_scaled_by", f"{best.problem.scale:.6g}"),
         ),
-        f"fitted {len(frf_data.s)} lines of the FRF"
+        f"fitted {len(frf_data.lines.s)} lines of the FRF"
         + (f" together with {len(relaxations)} relaxation test(s)" if relaxations else ""),
     )
 

@@ -27,29 +27,19 @@ class FRFData:
 
     Attributes
     ----------
-    frequency : array, shape (n,)
-        Hz.
-    s, value : complex array, shape (n,)
-        1/s and 1/kg.
+    lines : FRF
+        Accelerance.
     sd : array, shape (n,)
-        Standard deviation of real and imaginary part.
+        Standard deviation of real and imaginary part, what leakage leaves included.
     known_sd : bool
         False if nothing told the scatter, so that lines count by their relative misfit.
-    record : float or None
-        Length of the record after the hit, s.
-    pulse : float
-        Rms width of the hammer's pulse, s.
     seals : float
     peak_hz : float
     """
 
-    frequency: FloatArray
-    s: ComplexArray
-    value: ComplexArray
+    lines: FRF
     sd: FloatArray
     known_sd: bool
-    record: float | None
-    pulse: float
     seals: float
     peak_hz: float
 
@@ -62,13 +52,13 @@ class FRFData:
 
         less what a cut record loses; g is the gain of acceleration over force, d its delay.
         """
-        value = accelerance(self.seals * model, mass, self.s, self.record, self.pulse)
-        return np.asarray(gain * np.exp(-self.s * delay) * value)
+        s = self.lines.s
+        value = accelerance(self.seals * model, mass, s, self.lines.record, self.lines.pulse)
+        return np.asarray(gain * np.exp(-s * delay) * value)
 
     def misfit(self, predicted: ComplexArray) -> FloatArray:
         """Weighted differences, real then imaginary, shape (2n,)."""
-        difference = (predicted - self.value) / self.sd
-        return np.concatenate((difference.real, difference.imag))
+        return _stacked((predicted - self.lines.value) / self.sd)
 
     def stiffness_block(self, mass: float | None, *, dashpot: bool) -> DesignBlock:
         r"""The same lines as a linear problem in the stiffnesses of one seal, for starts.
@@ -78,23 +68,24 @@ class FRFData:
 
         With no mass given it is one more unknown, named ``mass@frf``.
         """
-        stiffness = self.s**2 / self.value
-        weight = np.abs(self.value) / (np.abs(stiffness) * self.sd)
+        s, value = self.lines.s, self.lines.value
+        stiffness = s**2 / value
+        weight = np.abs(value) / (np.abs(stiffness) * self.sd)
         weights = np.concatenate((weight, weight))[:, None]
-        columns = {"k_inf": self.seals * np.ones_like(self.s)}
+        columns = {"k_inf": self.seals * np.ones_like(s)}
         if dashpot:
-            columns["b"] = self.seals * self.s
+            columns["b"] = self.seals * s
         if mass is None:
-            columns["mass@frf"] = self.s**2
+            columns["mass@frf"] = s**2
         else:
-            stiffness = stiffness - mass * self.s**2
+            stiffness = stiffness - mass * s**2
 
         def arms(tau: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
-            x = self.s[:, None] * tau
-            value = weights * _stacked(self.seals * x / (1 + x))
+            x = s[:, None] * tau
+            design = weights * _stacked(self.seals * x / (1 + x))
             if not derivative:
-                return value, value
-            return value, weights * _stacked(self.seals * x / (1 + x) ** 2)
+                return design, design
+            return design, weights * _stacked(self.seals * x / (1 + x) ** 2)
 
         return DesignBlock(
             target=weights[:, 0] * _stacked(stiffness),
@@ -102,8 +93,8 @@ class FRFData:
             fixed_names=tuple(columns),
             columns=arms,
             window=(
-                0.1 / float(np.abs(self.s).max()),
-                10.0 / float(np.abs(self.s).min()),
+                0.1 / float(np.abs(s).max()),
+                10.0 / float(np.abs(s).min()),
             ),
         )
 
@@ -129,18 +120,7 @@ def frf_data_of(frf: FRF, *, seals: float, band: tuple[float, float] | None) -> 
             f"{np.count_nonzero(keep)} usable lines between {low:.4g} and {high:.4g} Hz; a model "
             f"needs at least {FEWEST_LINES}: widen band=, or record longer for more lines"
         )
-    value = measured.value[keep]
-    scatter = random_sd(measured)
-    floor = FLOOR * np.abs(value)
-    sd = np.abs(value) if scatter is None else np.hypot(scatter[keep], floor)
-    return FRFData(
-        frequency=measured.frequency[keep],
-        s=measured.s[keep],
-        value=value,
-        sd=sd,
-        known_sd=scatter is not None,
-        record=measured.record,
-        pulse=measured.pulse,
-        seals=float(seals),
-        peak_hz=peak,
-    )
+    lines = measured.only(keep)
+    scatter, size = random_sd(lines), np.abs(lines.value)
+    sd = size if scatter is None else np.hypot(scatter, FLOOR * size)
+    return FRFData(lines, sd, scatter is not None, float(seals), peak)

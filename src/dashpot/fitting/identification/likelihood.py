@@ -328,7 +328,7 @@ class Candidate:
     def bic(self) -> float:
         r"""Bayesian criterion with each test's own noise profiled: sum n ln(chi2/n) + p ln n."""
         problem, theta = self.problem, self.theta
-        lines = 2.0 * len(problem.frf_data.s)
+        lines = 2.0 * len(problem.frf_data.lines.s)
         misfit = float(np.sum((problem.frf_residual(theta) * problem.scale) ** 2))
         # below a millionth of the value, or of the noise, one misfit is as good as another
         total, count = lines * np.log(max(misfit / lines, SMALLEST_SCATTER**2)), lines
