@@ -104,11 +104,11 @@ def fit_depths(
     count = first.model.arms if arms == "auto" else arms
     secant, error = _secants(first.by_depth)
     law = elastic_law(depth, secant, error)
-    start = np.log(np.array(first.model.tau)) if len(first.model.tau) == count else None
+    log_tau = np.log(first.model.tau)
     for _ in range(_ROUNDS):
         bent = [_bent(test, law) for test in ordered]
-        each = _each(bent, ordered, count, start)
-        start = each.solution.log_tau if each.solution.order == count else None
+        each = _each(bent, ordered, count, log_tau if len(log_tau) == count else None)
+        log_tau = each.solution.log_tau
         # what a bent fit calls stiffness is a factor on the law's own force
         stretch = np.array([test.depth for test in bent]) / depth
         new = elastic_law(depth, _springs(each) * stretch, error)
