@@ -39,7 +39,7 @@ class SealLine(ByValue):
         if not np.isfinite(points).all():
             row = int(np.flatnonzero(~np.isfinite(points).all(axis=1))[0])
             raise ExportError(f"point {row} of the seal line is not finite: {points[row]}")
-        steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+        steps = _lengths(points)
         if (steps == 0).any():
             raise ExportError(
                 f"point {int(np.argmin(steps)) + 1} of the seal line repeats the one before it"
@@ -63,7 +63,7 @@ class SealLine(ByValue):
     @property
     def length(self) -> float:
         """Length along the line, m."""
-        return float(np.linalg.norm(np.diff(self.points, axis=0), axis=1).sum())
+        return float(_lengths(self.points).sum())
 
     @property
     def elements(self) -> int:
@@ -77,11 +77,14 @@ class SealLine(ByValue):
 
     def stations(self) -> FloatArray:
         """Where the elements stand, the middles of the pieces, m, shape (elements, 3)."""
-        along = np.concatenate(
-            ([0.0], np.cumsum(np.linalg.norm(np.diff(self.points, axis=0), axis=1)))
-        )
+        along = np.append(0.0, np.cumsum(_lengths(self.points)))
         middles = (np.arange(self.elements) + 0.5) * self.piece
         return np.stack([np.interp(middles, along, self.points[:, i]) for i in range(3)], axis=1)
+
+
+def _lengths(points: FloatArray) -> FloatArray:
+    """Of the pieces, m."""
+    return np.asarray(np.linalg.norm(np.diff(points, axis=0), axis=1))
 
 
 def _first_crossing(points: FloatArray, *, nearer_than: float) -> tuple[int, int] | None:

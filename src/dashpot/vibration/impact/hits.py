@@ -238,15 +238,13 @@ def _cut(hit: _Found, name: str, before: int, length: int) -> HitBlock:
     stop = min(start + length, hit.record.start + size)
     rows = np.vstack((hit.sign * test.force[start:stop], test.acceleration[:, start:stop]))
     quiet = rows[:, : max(onset - GUARD, 0)]
-    offset = quiet.mean(axis=1) if quiet.shape[1] >= 4 else np.zeros(len(rows))
-    rows = rows - offset[:, None]
-    spread = quiet.std(axis=1) if quiet.shape[1] >= 4 else np.zeros(len(rows))
-    # differences of neighbours see noise, not the slow ringing of an earlier hit
-    noise = (
-        np.diff(quiet, axis=1).std(axis=1) / np.sqrt(2)
-        if quiet.shape[1] >= 5
-        else np.zeros(len(rows))
-    )
+    offset, spread, noise = np.zeros((3, len(rows)))
+    if quiet.shape[1] >= 4:
+        offset, spread = quiet.mean(axis=1), quiet.std(axis=1)
+        rows = rows - offset[:, None]
+    if quiet.shape[1] >= 5:
+        # differences of neighbours see noise, not the slow ringing of an earlier hit
+        noise = np.diff(quiet, axis=1).std(axis=1) / np.sqrt(2)
     missing = length - (stop - start)
     rows = np.pad(rows, ((0, 0), (0, missing)))
     return HitBlock(

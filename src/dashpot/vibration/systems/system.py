@@ -187,14 +187,9 @@ class System:
     @cached_property
     def mass_matrix(self) -> FloatArray:
         """M, shape (n, n)."""
-        n = len(self.dofs)
-        matrix = np.zeros((n, n))
-        start = 0
-        for body in self.bodies:
-            block = slice(start, start + len(body.free))
-            matrix[block, block] = body.mass_matrix
-            start = block.stop
-        return matrix
+        from scipy.linalg import block_diag
+
+        return np.asarray(block_diag(*(body.mass_matrix for body in self.bodies)))
 
     @cached_property
     def stretch(self) -> FloatArray:
