@@ -168,7 +168,7 @@ def _taken(hits: Sequence[HitBlock], accept: Sequence[str], reject: Sequence[str
             for name, wrong in faults.items()
         )
         raise DataError(f"no hit is left to average. {why}. To use one anyway, accept it by name")
-    return np.array([name in taken for name in faults])
+    return np.isin([*faults], [*taken])
 
 
 def _reach(tests: Sequence[ImpactTest]) -> float | None:
