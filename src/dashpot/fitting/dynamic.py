@@ -176,27 +176,14 @@ def _at_temperature(data: DynamicTest, temperature: float | None) -> DynamicTest
                 f"no sample within {_ONE_TEMPERATURE / 2:g} K of {temperature:g} K; the test has "
                 f"{listed} K"
             )
-        data = replace(
-            data,
-            frequency=data.frequency[near],
-            storage=data.storage[near],
-            loss=data.loss[near],
-            temperature=data.temperature[near],
-        )
+        data = data.only(near)
     elif data.temperature is not None and np.ptp(data.temperature) > _ONE_TEMPERATURE:
         raise FitError(
             f"the sweeps were made between {data.temperature.min():.1f} K and "
             f"{data.temperature.max():.1f} K, and one solid has one temperature: say which with "
             "temperature=, or shift the sweeps to a master curve first"
         )
-    order = np.argsort(data.frequency, kind="stable")
-    return replace(
-        data,
-        frequency=data.frequency[order],
-        storage=data.storage[order],
-        loss=data.loss[order],
-        temperature=None if data.temperature is None else data.temperature[order],
-    )
+    return data.only(np.argsort(data.frequency, kind="stable"))
 
 
 def _records(

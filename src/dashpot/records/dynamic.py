@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, ComplexArray, FloatArray, same_length, samples
+from dashpot.base.arrays import (
+    BoolArray,
+    ByValue,
+    ComplexArray,
+    FloatArray,
+    IndexArray,
+    same_length,
+    samples,
+)
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
 from dashpot.records.specimen import Specimen
@@ -63,6 +71,16 @@ class DynamicTest(ByValue):
             raise DataError(f"frequency[{i}] = {self.frequency[i]:g} Hz; expected > 0")
         if self.unit not in {"Pa", "N/m"}:
             raise DataError(f"unit '{self.unit}' of storage and loss; expected 'Pa' or 'N/m'")
+
+    def only(self, chosen: BoolArray | IndexArray) -> DynamicTest:
+        """The chosen samples, in the order given."""
+        return replace(
+            self,
+            frequency=self.frequency[chosen],
+            storage=self.storage[chosen],
+            loss=self.loss[chosen],
+            temperature=None if self.temperature is None else self.temperature[chosen],
+        )
 
     @property
     def omega(self) -> FloatArray:
