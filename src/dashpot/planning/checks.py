@@ -52,6 +52,6 @@ def tip_excites(tip: Pulse, at: float) -> Finding:
     )
 
 
-def percent(value: float) -> str:
+def percent(value: float, beyond: str = "more than 1000 %") -> str:
     """Return a part of 1 as people read it."""
-    return "more than 1000 %" if value > 10 else f"{100 * value:.3g} %"
+    return beyond if value > 10 else f"{100 * value:.3g} %"
