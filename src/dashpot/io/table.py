@@ -27,7 +27,6 @@ class Column:
     name: str
     unit: str | None = None
     content: Content = "number"
-    unit_from: str = ""
 
     def label(self, number: int) -> str:
         """How to speak of it to a user: its name, else its number counted from 1."""

@@ -33,7 +33,6 @@ class Assigned:
     role: Role
     index: int
     reason: str
-    score: float = 0.0
     rivals: tuple[int, ...] = ()
 
 
@@ -48,7 +47,7 @@ def assign(table: Table, role: Role, options: ReadOptions) -> Assigned | Questio
     named = getattr(options, role, None)
     if named:
         index = find_column(table.columns, str(named), f"--{role}")
-        return Assigned(role, index, f"named by --{role}", 9.0)
+        return Assigned(role, index, f"named by --{role}")
     scored = sorted(
         ((score(column, role, options), -i) for i, column in enumerate(table.columns)), reverse=True
     )
@@ -66,7 +65,7 @@ def assign(table: Table, role: Role, options: ReadOptions) -> Assigned | Questio
             f"--{role} NAME",
         )
     others = tuple(i for _, i in scored[1:])
-    return Assigned(role, index, _reason(table.columns[index], role), top, others)
+    return Assigned(role, index, _reason(table.columns[index], role), others)
 
 
 def accelerations(table: Table, taken: Sequence[int], options: ReadOptions) -> tuple[int, ...]:

@@ -47,10 +47,10 @@ def gather(arrays: Sequence[Named], *, file: str, format_: str, notes: Sequence[
             f"{len(left)} arrays of another length than {length} were passed over: "
             + ", ".join(left[:5])
         )
-    columns = []
-    for array in kept:
-        name, unit = (array.name, array.unit) if array.unit else part_unit(array.name)
-        columns.append(Column(name, unit, unit_from="file" if array.unit else "name"))
+    columns = [
+        Column(*((array.name, array.unit) if array.unit else part_unit(array.name)))
+        for array in kept
+    ]
     return Table(
         format=format_,
         columns=tuple(columns),

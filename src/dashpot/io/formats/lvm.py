@@ -191,14 +191,14 @@ def _columns(
     for i, name in enumerate(names):
         if i in clocks:
             repeated: Content = "text" if i != clocks[0] else "number"
-            columns.append(Column("X_Value", "s", repeated, "X_Dimension"))
+            columns.append(Column("X_Value", "s", repeated))
             continue
         # the labels follow the key "Y_Unit_Label" itself, so that they stand one to the left
         place = i - (len([c for c in clocks if c < i]) if not multi else 1)
         unit = segment.units[place] if 0 <= place < len(segment.units) else ""
         stem, inner = part_unit(name)
         label = stem if inner and not unit else name
-        columns.append(Column(label, unit or inner, contents[i], "Y_Unit_Label"))
+        columns.append(Column(label, unit or inner, contents[i]))
     return columns
 
 

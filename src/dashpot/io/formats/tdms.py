@@ -57,9 +57,9 @@ def read(raw: Raw, options: ReadOptions) -> Table:
     notes: list[str] = []
     blocks = [_block(channels, raw.name, notes) for channels in groups.values()]
     first = next(iter(groups.values()))
-    columns = [Column(c.name, c.unit, unit_from="file") for c in first]
+    columns = [Column(c.name, c.unit) for c in first]
     if blocks[0].shape[1] > len(first):
-        columns.insert(0, Column("time", "s", unit_from="wf_increment"))
+        columns.insert(0, Column("time", "s"))
     starts = np.cumsum([0, *(len(block) for block in blocks[:-1])])
     return Table(
         format="TDMS",

@@ -34,7 +34,7 @@ def calibrated(table: Table, calibration_file: str, *, axis: str, file: str) -> 
     gauges, factor = _gauges(table, file)
     row = ati.AXES.index(axis)
     place = len(table.columns)
-    column = Column(axis, "N" if row < 3 else "N*m", unit_from=f"calibration {calibration.serial}")
+    column = Column(axis, "N" if row < 3 else "N*m")
 
     def load(indexes: Sequence[int]) -> Loaded:
         plain = [i for i in indexes if i != place]

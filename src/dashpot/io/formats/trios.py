@@ -49,7 +49,7 @@ def read(raw: Raw, options: ReadOptions) -> Table:
     starts = np.cumsum([0, *(len(part) for part in rows[:-1])])
     return Table(
         format="TRIOS JSON",
-        columns=tuple(Column(name, unit or None, unit_from="file") for name, unit in columns),
+        columns=tuple(Column(name, unit or None) for name, unit in columns),
         load=in_memory(np.concatenate(rows), tuple(map(int, starts)), tuple(e[0] for e in sets)),
     )
 

@@ -124,7 +124,7 @@ def _timed(
         unit = _label(entry["ordinate_axis_units_lab"]) or _from_164(entry, "ordinate", units)
         name = _title(entry) or f"channel {i + 1}"
         name += " (PSD)" if entry["func_type"] == _PSD else ""
-        columns.append(Column(name, unit, unit_from="file"))
+        columns.append(Column(name, unit))
         values.append(np.real(np.asarray(entry["data"])).astype(float))
     return _table(columns, values, first, notes)
 

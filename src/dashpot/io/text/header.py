@@ -53,13 +53,13 @@ def name_columns(lines: Sequence[str], dialect: Dialect) -> tuple[Column, ...]:
 
 def _column(name: str, word: str | None, content: Content) -> Column:
     if content == "clock":  # read as seconds, whatever "hh:mm:ss" stands over it
-        return Column(part_unit(name)[0], "s", content, "clock times")
+        return Column(part_unit(name)[0], "s", content)
     if word is not None and word.strip(" -[]()<>{}"):
         stem, inner = part_unit(name)
         same = inner is not None and units.find(inner) == units.find(_strip(word))
-        return Column(stem if same else name, _strip(word), content, "units row")
+        return Column(stem if same else name, _strip(word), content)
     stem, unit = part_unit(name)
-    return Column(stem, unit, content, "name" if unit is not None else "")
+    return Column(stem, unit, content)
 
 
 def _strip(word: str) -> str:
