@@ -37,3 +37,24 @@ def test_anything_else_keeps_the_sentence_of_the_relaxation_reader(tmp_path: Pat
     path.write_text("time [s],colour\n1,2\n2,3\n3,4\n")
     with pytest.raises(ReadError, match="displacement"):
         read_bench(path)
+
+
+@pytest.mark.parametrize(
+    "header", ["time [s],displacement [mm],force [N]", "f [Hz],E_stor [MPa],E_loss [MPa]"]
+)
+def test_a_file_is_opened_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, header: str
+) -> None:
+    path = tmp_path / "bench.csv"
+    rows = "\n".join(f"{i + 1},{min(i, 5)},{min(i, 5) / 2}" for i in range(9))
+    path.write_text(f"{header}\n{rows}\n")
+    opened = []
+    plain = Path.open
+
+    def counted(self: Path, *args: object, **kwargs: object) -> object:
+        opened.append(self)
+        return plain(self, *args, **kwargs)
+
+    monkeypatch.setattr(Path, "open", counted)
+    read_bench(path)
+    assert opened == [path]

@@ -8,18 +8,21 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from importlib import import_module
 from io import BytesIO
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
-from dashpot.base.errors import ReadError
+from dashpot.base.errors import DataError, ReadError
 
-BLOCK = 1 << 20
+_BLOCK = 1 << 20
+_HELD = 1 << 24
+"""Bytes of the largest file that is kept in memory, and so opened once."""
 
 
 @dataclass(frozen=True)
 class Raw:
-    """A file that can be opened again and again; stdin is kept in memory."""
+    """The bytes of a file: held in memory, or (`path` alone) too many for that."""
 
     name: str
     path: Path | None
@@ -27,7 +30,7 @@ class Raw:
 
     def open(self) -> BinaryIO:
         """The bytes from the start."""
-        return BytesIO(self.held) if self.path is None else self.path.open("rb")
+        return BytesIO(self.held) if self.held or self.path is None else self.path.open("rb")
 
     def head(self, size: int) -> bytes:
         """The first `size` bytes, or fewer."""
@@ -37,13 +40,13 @@ class Raw:
     def blocks(self) -> Iterator[bytes]:
         """All bytes, a block at a time."""
         with self.open() as stream:
-            while block := stream.read(BLOCK):
+            while block := stream.read(_BLOCK):
                 yield block
 
     @cached_property
     def size(self) -> int:
         """Bytes in all."""
-        return len(self.held) if self.path is None else self.path.stat().st_size
+        return len(self.held) if self.held or self.path is None else self.path.stat().st_size
 
     @cached_property
     def sha256(self) -> str:
@@ -52,11 +55,6 @@ class Raw:
         for block in self.blocks():
             digest.update(block)
         return digest.hexdigest()
-
-    @property
-    def suffix(self) -> str:
-        """Extension in lower case, with its dot."""
-        return Path(self.name).suffix.lower()
 
     def on_disk(self) -> Path:
         """The path, for readers that need one."""
@@ -68,15 +66,14 @@ class Raw:
 
 
 @contextmanager
-def about(raw: Raw) -> Iterator[None]:
-    """Put the file's name before what is wrong with it."""
+def about(name: str) -> Iterator[None]:
+    """Put a file's name before what is wrong with it or with its numbers."""
     try:
         yield
-    except ReadError as error:
+    except (ReadError, DataError) as error:
         text = str(error)
-        if text.startswith(raw.name):
-            raise
-        raise ReadError(f"{raw.name}: {text}") from None
+        mark = " " if text.startswith("is not a test") else ": "
+        raise ReadError(f"{name}{mark}{text}") from None
 
 
 def open_raw(path: str | Path) -> Raw:
@@ -95,10 +92,10 @@ def open_raw(path: str | Path) -> Raw:
             if path.is_dir():
                 raise ReadError(f"{path} is a folder; give the file to read")
             with path.open("rb") as stream:
-                if path.is_file():
+                if path.is_file() and path.stat().st_size >= _HELD:
                     raw = Raw(path.name, path)
-                else:  # a pipe can be read only once
-                    raw = Raw(path.name, None, stream.read())
+                else:  # a pipe has no path to be opened again
+                    raw = Raw(path.name, path if path.is_file() else None, stream.read())
         except (OSError, ValueError) as error:
             reason = getattr(error, "strerror", None) or error
             raise ReadError(f"{path}: cannot be read: {reason}") from None
@@ -111,3 +108,19 @@ def open_raw(path: str | Path) -> Raw:
 def _piped(stream: BinaryIO) -> bytes:
     """What stdin holds; kept, for a pipe can be read only once and a file is looked at twice."""
     return stream.read()
+
+
+def extra(module: str, package: str, what: str) -> Any:
+    """Return an optional package's module, imported when a file needs it.
+
+    Raises
+    ------
+    ReadError
+        If it is not installed, with the command that installs it.
+    """
+    try:
+        return import_module(module)
+    except ImportError:
+        raise ReadError(
+            f'{what} need the package {package}; install it with pip install "dashpot[io]"'
+        ) from None

@@ -1,8 +1,10 @@
-r"""ATI force/torque transducers: six gauge voltages to force and torque, by their ``.cal`` file."""
+"""ATI force/torque transducers: six gauge voltages to force and torque, by their ``.cal`` file."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -11,10 +13,16 @@ import numpy as np
 from dashpot.base import units
 from dashpot.base.arrays import ByValue, FloatArray, frozen
 from dashpot.base.errors import ReadError
+from dashpot.io.options import ReadOptions
+from dashpot.io.source import Raw, about
+from dashpot.io.table import Column, Loaded, Table
 
 AXES = ("Fx", "Fy", "Fz", "Tx", "Ty", "Tz")
 _NEAR = 0.9
 _LARGEST = 1 << 20
+_GAUGE = re.compile(r"(?:.*\b|.*_|)(?:sg|g|gauge|gage|ch|ai|v|volt|voltage)[\s_]*(\d)\b.*", re.I)
+_REST = 0.02
+"""Share of the record, from its start, whose median is taken as the unloaded voltages."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,66 +76,70 @@ def read_calibration(path: str | Path) -> Calibration:
     ReadError
         If the file is no calibration, lacks an axis or a unit, or its transform turns the axes.
     """
-    name = Path(path).name
     try:
         content = Path(path).read_bytes()
     except OSError as error:
         raise ReadError(f"{path}: cannot be read: {error.strerror}") from None
+    with about(Path(path).name):
+        root, said = _parsed(content)
+        force = _factor(said.get("ForceUnits"), "force")
+        torque = _factor(said.get("TorqueUnits"), "torque")
+        si = np.repeat([force, torque], 3)
+        rows, limits, scaled = _rows(said)
+        matrix = rows * si[:, None]
+        return Calibration(
+            serial=root.get("Serial", ""),
+            part=said.get("PartNumber", ""),
+            date=said.get("CalDate", ""),
+            matrix=frozen(_moved(said, matrix) if scaled else matrix),
+            limit=frozen(limits * si),
+        )
+
+
+def _parsed(content: bytes) -> tuple[ET.Element, ET.Element]:
+    """The root of a calibration file and its calibration."""
+    no = "not an ATI calibration file"
     if len(content) > _LARGEST or b"<!DOCTYPE" in content or b"<!ENTITY" in content:
-        raise ReadError(f"{name}: not an ATI calibration file")
+        raise ReadError(no)
     try:
         root = ET.fromstring(content)  # noqa: S314 - entities are refused above
     except (ET.ParseError, ValueError, LookupError) as error:
-        raise ReadError(f"{name}: not an ATI calibration file: {error}") from None
+        raise ReadError(f"{no}: {error}") from None
     said = root.find("Calibration")
     if root.tag != "FTSensor" or said is None:
-        raise ReadError(f"{name}: not an ATI calibration file: no FTSensor/Calibration in it")
-    force = _factor(name, said.get("ForceUnits"), "force")
-    torque = _factor(name, said.get("TorqueUnits"), "torque")
-    rows, limits, scaled = _rows(name, said)
-    matrix = rows * np.repeat([force, torque], 3)[:, None]
-    if scaled:
-        matrix = _moved(name, said, matrix)
-    return Calibration(
-        serial=root.get("Serial", ""),
-        part=said.get("PartNumber", ""),
-        date=said.get("CalDate", ""),
-        matrix=frozen(matrix),
-        limit=frozen(limits * np.repeat([force, torque], 3)),
-    )
+        raise ReadError(f"{no}: no FTSensor/Calibration in it")
+    return root, said
 
 
-def _factor(name: str, word: str | None, dimension: units.Dimension) -> float:
+def _factor(word: str | None, dimension: units.Dimension) -> float:
     unit = units.find(word or "", dimension)
     if unit is None:
-        raise ReadError(f"{name}: '{word}' is no unit of {dimension} that dashpot knows")
+        raise ReadError(f"'{word}' is no unit of {dimension} that dashpot knows")
     return unit.factor
 
 
-def _rows(name: str, said: ET.Element) -> tuple[FloatArray, FloatArray, bool]:
+def _rows(said: ET.Element) -> tuple[FloatArray, FloatArray, bool]:
     """The matrix in the file's units, the ranges, and whether it is the scaled form."""
     users = {entry.get("Name"): entry for entry in said.findall("UserAxis")}
-    plain = {entry.get("Name"): entry for entry in said.findall("Axis")}
-    scaled = not users
-    found = plain if scaled else users
+    found = users or {entry.get("Name"): entry for entry in said.findall("Axis")}
     matrix, limits = np.empty((6, 6)), np.empty(6)
     for i, axis in enumerate(AXES):
         entry = found.get(axis)
         if entry is None:
-            raise ReadError(f"{name}: axis {axis} is missing")
+            raise ReadError(f"axis {axis} is missing")
         try:
-            row = [float(text) for text in entry.get("values", "").split()]
-            scale = float(entry.get("scale", "nan")) if scaled else 1.0
+            row = np.array(entry.get("values", "").split(), dtype=float)
+            scale = 1.0 if users else float(entry.get("scale", "nan"))
             limits[i] = float(entry.get("max", "nan"))
-            matrix[i] = np.array(row) / scale
+            matrix[i] = row / scale
         except ValueError:
-            raise ReadError(f"{name}: axis {axis} does not hold six numbers") from None
+            raise ReadError(f"axis {axis} does not hold six numbers") from None
     if not (np.isfinite(matrix).all() and (limits > 0).all()):
-        raise ReadError(f"{name}: an axis lacks its scale or its range")
-    return matrix, limits, scaled
+        raise ReadError("an axis lacks its scale or its range")
+    return matrix, limits, not users
 
 
-def _moved(name: str, said: ET.Element, matrix: FloatArray) -> FloatArray:
+def _moved(said: ET.Element, matrix: FloatArray) -> FloatArray:
     """Torques about the tool face, from those about the transducer's origin."""
     entry = said.find("BasicTransform")
     if entry is None:
@@ -136,13 +148,84 @@ def _moved(name: str, said: ET.Element, matrix: FloatArray) -> FloatArray:
         shift = np.array([float(entry.get(key, "0")) for key in ("Dx", "Dy", "Dz")])
         turn = [float(entry.get(key, "0")) for key in ("Rx", "Ry", "Rz")]
     except ValueError:
-        raise ReadError(f"{name}: BasicTransform does not hold numbers") from None
+        raise ReadError("BasicTransform does not hold numbers") from None
     if any(turn):
         raise ReadError(
-            f"{name}: BasicTransform turns the axes ({turn}), which a version 1.0 file does not "
+            f"BasicTransform turns the axes ({turn}), which a version 1.0 file does not "
             "define beyond doubt; ask for a calibration file of version 1.1"
         )
-    shift = shift * _factor(name, said.get("DistUnits"), "length")
+    shift = shift * _factor(said.get("DistUnits"), "length")
     moved = matrix.copy()
     moved[3:] -= np.cross(shift, matrix[:3], axisb=0, axisc=0)
     return moved
+
+
+def calibrated(table: Table, raw: Raw, options: ReadOptions) -> Table:
+    """Return the table with the axis of the calibrated transducer as one more column, the force.
+
+    The bias is the median of the first rows, subtracted in volts.
+
+    Raises
+    ------
+    ReadError
+        If the table has not six columns of gauge voltages, in order.
+    """
+    axis = options.axis
+    if axis not in AXES:
+        raise ReadError(f"--axis {axis}: expected one of {', '.join(AXES)}")
+    calibration = read_calibration(str(options.calibration))
+    with about(raw.name):
+        gauges, factor = _gauges(table)
+    row, place = AXES.index(axis), len(table.columns)
+
+    def load(indexes: Sequence[int]) -> Loaded:
+        if place not in indexes:
+            return table.load(indexes)
+        plain = [i for i in indexes if i != place]
+        loaded = table.load([*plain, *gauges])
+        loads, notes = _loads(calibration, factor * loaded.values[:, len(plain) :].T, axis)
+        column = dict(zip(plain, loaded.values.T, strict=False)) | {place: loads[row]}
+        values = np.column_stack([column[i] for i in indexes])
+        return replace(loaded, values=values, notes=(*loaded.notes, *notes))
+
+    hidden = [replace(c, content="text") if i in gauges else c for i, c in enumerate(table.columns)]
+    column = Column(axis, "N" if row < 3 else "N*m")
+    return replace(table, columns=(*hidden, column), load=load)
+
+
+def _loads(calibration: Calibration, volts: FloatArray, axis: str) -> tuple[FloatArray, list[str]]:
+    """Force and torque of gauge voltages, the first of which are of the unloaded transducer."""
+    rest = max(1, int(_REST * volts.shape[1]))
+    loads = calibration.load(volts, np.nanmedian(volts[:, :rest], axis=1))
+    known = np.isfinite(loads).all(axis=0)
+    says = (
+        f"{axis} from six gauge voltages by the calibration of {calibration.serial} "
+        f"({calibration.part}, {calibration.date}); the median of the first {rest} rows is "
+        "taken as unloaded and subtracted in volts"
+    )
+    return loads, [says, *(calibration.overload(loads[:, known]) if known.any() else [])]
+
+
+def _gauges(table: Table) -> tuple[list[int], float]:
+    """The six gauge columns in the order of their numbers, and the factor to volts."""
+    numbered: dict[int, int] = {}
+    volts = {}
+    for i, column in enumerate(table.columns):
+        match = _GAUGE.fullmatch(column.name)
+        if match and column.content == "number":
+            numbered.setdefault(int(match[1]), i)
+        unit = units.find(column.unit or "", "voltage")
+        if unit is not None:
+            volts[i] = unit.factor
+    gauges = [numbered[key] for key in sorted(numbered)] if len(numbered) == 6 else list(volts)
+    if len(gauges) != 6:
+        raise ReadError(
+            f"--calibration needs six columns of gauge voltages, found {len(gauges)}; name "
+            "them G0 [V] ... G5 [V] in the header"
+        )
+    factors = {volts[i] for i in gauges if i in volts}
+    if len(factors) != 1:
+        raise ReadError(
+            "the gauge columns need one unit of voltage; write it as 'G0 [V]' in the header"
+        )
+    return gauges, factors.pop()

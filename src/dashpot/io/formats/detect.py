@@ -8,7 +8,7 @@ from importlib import import_module
 
 from dashpot.base.errors import DashpotError, ReadError
 from dashpot.io.options import ReadOptions
-from dashpot.io.source import Raw
+from dashpot.io.source import Raw, about
 from dashpot.io.table import Table
 
 _OURS = {"text", "lvm", "trios"}
@@ -24,7 +24,7 @@ _MAGIC: tuple[tuple[bytes, str], ...] = (
 
 
 def format_of(raw: Raw) -> str:
-    """Return the name of the format: ``"text"``, or a module of this folder."""
+    """Return the name of the format, which is that of a module of this folder."""
     head = raw.head(4096)
     bare = head.removeprefix(b"\xef\xbb\xbf")
     for mark, name in _MAGIC:
@@ -43,24 +43,28 @@ def read_table(raw: Raw, options: ReadOptions) -> Table:
     ReadError
         Whatever is wrong with the file; a foreign reader may stumble over a broken one in any way.
     """
+    with about(raw.name):
+        table = _table(raw, options)
+    if options.calibration is None:
+        return table
+    from dashpot.io.formats.ati import calibrated
+
+    return calibrated(table, raw, options)
+
+
+def _table(raw: Raw, options: ReadOptions) -> Table:
     name = format_of(raw)
-    module = "dashpot.io.text.delimited" if name == "text" else f"dashpot.io.formats.{name}"
-    reader: Callable[[Raw, ReadOptions], Table] = import_module(module).read
+    reader: Callable[[Raw, ReadOptions], Table] = import_module(f"dashpot.io.formats.{name}").read
     try:
-        table = reader(raw, options)
+        return reader(raw, options)
     except DashpotError:
         raise
     except (MemoryError, OSError) as error:
-        raise ReadError(f"{raw.name}: cannot be read: {type(error).__name__} {error}") from None
+        raise ReadError(f"cannot be read: {type(error).__name__} {error}") from None
     except Exception as error:
         if name in _OURS:
             raise
         raise ReadError(
-            f"{raw.name}: a broken or unknown variety of {name}: {type(error).__name__}: {error}; "
+            f"a broken or unknown variety of {name}: {type(error).__name__}: {error}; "
             "export it again, or as text"
         ) from error
-    if options.calibration is None:
-        return table
-    from dashpot.io.formats.transducer import calibrated
-
-    return calibrated(table, options.calibration, axis=options.axis, file=raw.name)

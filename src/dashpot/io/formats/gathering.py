@@ -26,7 +26,7 @@ class Named:
     unit: str | None = None
 
 
-def gather(arrays: Sequence[Named], *, file: str, format_: str, notes: Sequence[str] = ()) -> Table:
+def gather(arrays: Sequence[Named], *, format_: str, notes: Sequence[str] = ()) -> Table:
     """Return the arrays of the commonest length as one table; single numbers become hints.
 
     Raises
@@ -36,7 +36,7 @@ def gather(arrays: Sequence[Named], *, file: str, format_: str, notes: Sequence[
     """
     vectors = [array for array in _columns(arrays) if array.values.size >= 2]
     if not vectors:
-        raise ReadError(f"{file}: no numeric channels found in this {format_} file")
+        raise ReadError(f"no numeric channels found in this {format_} file")
     counts = Counter(array.values.size for array in vectors)
     length = max(counts, key=lambda size: (counts[size] > 1, counts[size] * size))
     kept = [array for array in vectors if array.values.size == length]

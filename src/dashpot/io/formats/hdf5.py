@@ -7,10 +7,9 @@ from typing import Any
 import numpy as np
 
 from dashpot.base.errors import ReadError
-from dashpot.io.formats.foreign import extra
 from dashpot.io.formats.gathering import Named, gather, real
 from dashpot.io.options import ReadOptions
-from dashpot.io.source import Raw
+from dashpot.io.source import Raw, extra
 from dashpot.io.table import Table
 
 _UNIT = ("unit", "units", "Unit", "Units", "unit_string", "UNIT")
@@ -26,13 +25,13 @@ def read(raw: Raw, options: ReadOptions) -> Table:
     Units are read from the attribute ``unit`` or ``units``, or from a text dataset of that name
     beside the data (as MATLAB structs become).
     """
-    h5py = extra("h5py", "h5py", raw.name, "HDF5 or MAT 7.3 files")
+    h5py = extra("h5py", "h5py", "HDF5 or MAT 7.3 files")
     with raw.open() as stream, h5py.File(stream, "r") as file:
         group: Any = file
         if options.sheet is not None:
             if options.sheet not in file:
                 raise ReadError(
-                    f"{raw.name}: --sheet {options.sheet}: there is no such group; there are "
+                    f"--sheet {options.sheet}: there is no such group; there are "
                     f"{', '.join(list(file)[:10])}"
                 )
             group = file[options.sheet]
@@ -40,7 +39,7 @@ def read(raw: Raw, options: ReadOptions) -> Table:
         notes: list[str] = []
         _walk(group, "", arrays, notes)
     matlab = raw.head(10) == b"MATLAB 7.3"
-    return gather(arrays, file=raw.name, format_="MAT 7.3" if matlab else "HDF5", notes=notes)
+    return gather(arrays, format_="MAT 7.3" if matlab else "HDF5", notes=notes)
 
 
 def _walk(node: Any, name: str, arrays: list[Named], notes: list[str]) -> None:

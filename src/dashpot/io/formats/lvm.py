@@ -57,35 +57,35 @@ def read(raw: Raw, options: ReadOptions) -> Table:
     """
     encoding = options.encoding or find_encoding(raw.head(_HEAD))
     found = options.encoding is None
-    first = next(decoded([raw.head(_HEAD)], encoding, raw.name, found=found), "")
+    first = next(decoded([raw.head(_HEAD)], encoding, found=found), "")
     lines = first.split("\n")
     ends = [i for i, line in enumerate(lines) if line.startswith(_END)]
     if len(ends) < 2 or ends[1] + 1 >= len(lines):
-        raise ReadError(f"{raw.name}: an LVM file without two '{_END}' lines and channel names")
+        raise ReadError(f"an LVM file without two '{_END}' lines and channel names")
     sign = "," if re.search(r"^Separator[\t,]Comma", first, re.MULTILINE) else "\t"
     names = cell.split(lines[ends[1] + 1], sign)
     top = ends[1] + 2
     mark = _mark(first, lines[top : top + 50], sign, options)
-    segments = _segments(decoded(raw.blocks(), encoding, raw.name, found=found), sign, mark)
+    segments = _segments(decoded(raw.blocks(), encoding, found=found), sign, mark)
     if not segments or any(s.channels != segments[0].channels for s in segments):
-        raise ReadError(f"{raw.name}: the LVM segments differ in their channels; export them apart")
+        raise ReadError("the LVM segments differ in their channels; export them apart")
     comment = bool(names) and names[-1].casefold() == "comment"
     names = names[:-1] if comment else names
     clocks = [i for i, name in enumerate(names) if name.casefold().startswith("x_value")]
     counted = not any(_filled(line, clocks, sign) for line in lines[top : top + 20])
     dialect = Dialect(sign, mark, _contents(names, clocks, lines[top : top + 200], sign, mark), top)
     if not any(i not in clocks for i in dialect.numbers):
-        raise ReadError(f"{raw.name}: no rows of numbers under the LVM header")
+        raise ReadError("no rows of numbers under the LVM header")
     columns = _columns(names, clocks, segments[0], dialect.contents)
     notes, doubts = _rate(segments[0], counted)
     if len(set(segments[0].step[: len(columns)])) > 1 and _unlike(segments[0]):
-        raise ReadError(f"{raw.name}: channels have different Delta_X; export them at one rate")
+        raise ReadError("channels have different Delta_X; export them at one rate")
 
     def load(indexes: Sequence[int]) -> Loaded:
-        blocks = decoded(raw.blocks(), encoding, raw.name, found=found)
+        blocks = decoded(raw.blocks(), encoding, found=found)
         wanted = [i for i in indexes if not (counted and i == 0)]
         read_for = wanted or [next(i for i in dialect.numbers if i not in clocks)]
-        loaded = _stacked(load_rows(blocks, dialect, read_for, name=raw.name), segments)
+        loaded = _stacked(load_rows(blocks, dialect, read_for), segments)
         if not (counted and 0 in indexes):
             return loaded
         time = _counted(loaded, segments)

@@ -1,20 +1,40 @@
-"""MATLAB files up to version 7, through SciPy."""
+"""MATLAB files up to version 7, through SciPy.
+
+SciPy looks an element's type up in a table without a check: a damaged tag ends the process, not the
+call. The tags are therefore walked first. Layout: MathWorks, *MAT-File Format*, chapter 1.
+"""
 
 from __future__ import annotations
 
-from typing import Any
+import struct
+import zlib
+from collections.abc import Callable
+from math import prod
+from typing import Any, BinaryIO
 
 import numpy as np
 
 from dashpot.base.errors import ReadError
 from dashpot.io.formats.gathering import Named, gather, real
-from dashpot.io.formats.matfile import check_elements
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw
 from dashpot.io.table import Table
 
 _DATA = ("data", "values", "value", "y", "signal")
-_UNIT = ("unit", "units", "unit_string", "label_unit")
+_UNITS = ("unit", "units", "unit_string", "label_unit")
+_HEADER, _TAG, _MATRIX, _COMPRESSED = 128, 8, 14, 15
+_NAME, _INT32, _UINT32 = frozenset({1}), frozenset({5}), 6
+_ARRAYS, _VARIABLES = frozenset({_MATRIX}), frozenset({_MATRIX, _COMPRESSED})
+_NUMBERS = frozenset({*range(1, 8), 9, 12, 13})
+_LETTERS = _NUMBERS | {16, 17, 18}
+_CELL, _STRUCT, _OBJECT, _CHAR, _SPARSE = range(1, 6)
+_NUMERIC = range(_SPARSE, 16)
+_COMPLEX = 0x800
+_DIMENSIONS = range(8, 132, 4)  # two to 31 whole numbers
+_DEEPEST = 32
+_AT_ONCE = 1 << 16
+
+Take = Callable[[int], bytes]
 
 
 def read(raw: Raw, options: ReadOptions) -> Table:
@@ -22,35 +42,187 @@ def read(raw: Raw, options: ReadOptions) -> Table:
     from scipy.io import loadmat
 
     with raw.open() as stream:
-        check_elements(stream, raw.name)
+        check_elements(stream)
         content: dict[str, Any] = loadmat(stream, simplify_cells=True)  # type: ignore[arg-type]
     arrays: list[Named] = []
     for name, value in content.items():
         if not name.startswith("__"):
-            flatten(name, value, arrays)
+            _flatten(name, value, arrays)
     if options.sheet is not None:
         arrays = [array for array in arrays if array.name.startswith(options.sheet)]
         if not arrays:
-            raise ReadError(f"{raw.name}: --sheet {options.sheet}: there is no such variable")
-    return gather(arrays, file=raw.name, format_="MAT")
+            raise ReadError(f"--sheet {options.sheet}: there is no such variable")
+    return gather(arrays, format_="MAT")
 
 
-def flatten(name: str, value: Any, arrays: list[Named], depth: int = 0) -> None:
+def _flatten(name: str, value: Any, arrays: list[Named], depth: int = 0) -> None:
     """Append the arrays in a variable, a struct or a cell; a struct may hold data and unit."""
-    if isinstance(value, dict) and depth < 8:
-        folded = {str(key).casefold(): key for key in value}
-        data = next((folded[key] for key in _DATA if key in folded), None)
-        unit = next((value[folded[key]] for key in _UNIT if key in folded), None)
-        numbers = None if data is None else real(value[data])
-        if numbers is not None and isinstance(unit, str):
-            arrays.append(Named(name, numbers, unit))
+    if isinstance(value, dict | list) and depth < 8:
+        measured = _measured(name, value) if isinstance(value, dict) else None
+        if measured is not None:
+            arrays.append(measured)
             return
-        for key, entry in value.items():
-            flatten(f"{name}.{key}", entry, arrays, depth + 1)
-    elif isinstance(value, list) and depth < 8:
-        for i, entry in enumerate(value):
-            flatten(f"{name}.{i + 1}", entry, arrays, depth + 1)
+        inner = value.items() if isinstance(value, dict) else enumerate(value, start=1)
+        for key, entry in inner:
+            _flatten(f"{name}.{key}", entry, arrays, depth + 1)
     elif isinstance(value, int | float | np.ndarray | np.number):
         numbers = real(value)
         if numbers is not None:
             arrays.append(Named(name, numbers))
+
+
+def _measured(name: str, fields: dict[str, Any]) -> Named | None:
+    """The array of a struct that holds numbers and their unit."""
+    folded = {str(key).casefold(): value for key, value in fields.items()}
+    data = next((folded[key] for key in _DATA if key in folded), None)
+    unit = next((folded[key] for key in _UNITS if key in folded), None)
+    numbers = None if data is None else real(data)
+    return Named(name, numbers, unit) if numbers is not None and isinstance(unit, str) else None
+
+
+def check_elements(stream: BinaryIO) -> None:
+    """Raise a ReadError if a tag of the file is none that a MAT file can hold.
+
+    Files of another version than 5 to 7 are passed over; the stream is left at its start.
+    """
+    header = stream.read(_HEADER)
+    order = {b"IM": "<", b"MI": ">"}.get(header[126:128])
+    if order is not None and 0 not in header[:4]:
+        size = stream.seek(0, 2)
+        stream.seek(_HEADER)
+        try:
+            while stream.tell() < size:
+                _element(stream.read, order, size - stream.tell(), _VARIABLES, depth=0)
+        except (_Damaged, zlib.error, struct.error) as error:
+            at = stream.tell()
+            raise ReadError(
+                f"the MAT file is damaged near byte {at}: {error}; save it again"
+            ) from None
+    stream.seek(0)
+
+
+class _Damaged(Exception):  # noqa: N818
+    pass
+
+
+def _element(take: Take, order: str, room: int, kinds: frozenset[int], *, depth: int) -> int:
+    """Walk one element, of these kinds and at most `room` bytes; return how many it took."""
+    kind, size, short = _tag(take, order, room, kinds)
+    if short is not None:
+        return 8
+    if kind == _COMPRESSED:
+        _inflated(take, order, size, depth=depth)
+    elif kind == _MATRIX:
+        _array(take, order, size, depth=depth)
+    else:
+        size = min(-(-size // 8) * 8, room - 8)
+        _passed(take, size)
+    return 8 + size
+
+
+def _tag(take: Take, order: str, room: int, kinds: frozenset[int]) -> tuple[int, int, bytes | None]:
+    """Kind and size of the next element, and its data if they stand in the tag."""
+    if room < _TAG:
+        raise _Damaged(f"an element where {max(room, 0)} bytes are left")
+    word: int = struct.unpack(order + "I", _exactly(take, 4))[0]
+    kind, size = word & 0xFFFF, word >> 16
+    if size:
+        if kind not in kinds - _VARIABLES or size > 4:
+            raise _Damaged(f"an element of type {kind} with {size} bytes in its tag")
+        return kind, size, _exactly(take, 4)[:size]
+    size = int(struct.unpack(order + "I", _exactly(take, 4))[0])
+    if kind not in kinds or size > room - 8:
+        raise _Damaged(f"an element of type {kind} and {size} bytes, {room - 8} are left")
+    return kind, size, None
+
+
+def _content(take: Take, order: str, room: int, kinds: frozenset[int]) -> tuple[int, bytes]:
+    """How many bytes the next element took, and its data."""
+    _, size, short = _tag(take, order, room, kinds)
+    if short is not None:
+        return 8, short
+    padded = min(-(-size // 8) * 8, room - 8)
+    return 8 + padded, _exactly(take, padded)[:size]
+
+
+def _array(take: Take, order: str, size: int, *, depth: int) -> None:
+    """The elements of an array: class, dimensions, name, then as many as its class holds."""
+    if not size:
+        return
+    if depth > _DEEPEST:
+        raise _Damaged("arrays nested too deep")
+    kind, length, flags, _ = struct.unpack(order + "4I", _exactly(take, min(16, size)))
+    class_, parts = flags & 0xFF, 1 + bool(flags & _COMPLEX)
+    if (kind, length) != (_UINT32, 8):
+        raise _Damaged("an array without a class")
+    left = size - 16
+    read, dimensions = _content(take, order, left, _INT32)
+    left -= read
+    if len(dimensions) not in _DIMENSIONS:
+        raise _Damaged(f"an array with {len(dimensions)} bytes of dimensions")
+    cells = prod(abs(n) for n in _integers(dimensions, order))
+    if cells > size and class_ != _SPARSE:
+        raise _Damaged(f"an array of {cells} values in {size} bytes")
+    left -= _content(take, order, left, _NAME)[0]
+    rest = _NUMBERS
+    if class_ == _CELL:
+        rest, parts = _ARRAYS, cells
+    elif class_ in {_STRUCT, _OBJECT}:
+        if class_ == _OBJECT:
+            left -= _content(take, order, left, _NAME)[0]
+        read, longest = _content(take, order, left, _INT32)
+        left -= read
+        read, names = _content(take, order, left, _NAME)
+        left -= read
+        width = sum(_integers(longest, order))
+        if width < 1:
+            raise _Damaged(f"a struct with names of {width} letters")
+        rest, parts = _ARRAYS, cells * (len(names) // width)
+    elif class_ == _CHAR:
+        rest, parts = _LETTERS, 1
+    elif class_ == _SPARSE:
+        parts += 2
+    elif class_ not in _NUMERIC:
+        raise _Damaged(f"an array of class {class_}")
+    for _part in range(parts):
+        left -= _element(take, order, left, rest, depth=depth + 1)
+    _passed(take, left)
+
+
+def _integers(data: bytes, order: str) -> tuple[int, ...]:
+    return struct.unpack(f"{order}{len(data) // 4}i", data[: len(data) // 4 * 4])
+
+
+def _inflated(take: Take, order: str, size: int, *, depth: int) -> None:
+    """A compressed element: the one inside, inflated a stretch at a time."""
+    inflate = zlib.decompressobj()
+    waiting, packed = b"", size
+
+    def more(count: int) -> bytes:
+        nonlocal waiting, packed
+        while len(waiting) < count and (packed or inflate.unconsumed_tail):
+            source = inflate.unconsumed_tail
+            if not source:
+                source = _exactly(take, min(packed, _AT_ONCE))
+                packed -= len(source)
+            fresh = inflate.decompress(source, _AT_ONCE)
+            if not fresh and inflate.eof:
+                break
+            waiting += fresh
+        found, waiting = waiting[:count], waiting[count:]
+        return found
+
+    _element(more, order, 1 << 62, _ARRAYS, depth=depth + 1)
+    _passed(take, packed)
+
+
+def _passed(take: Take, count: int) -> None:
+    while count > 0:
+        count -= len(_exactly(take, min(count, _AT_ONCE)))
+
+
+def _exactly(take: Take, count: int) -> bytes:
+    found = take(count)
+    if len(found) < count:
+        raise _Damaged("it ends inside an array")
+    return found

@@ -9,9 +9,8 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
-from dashpot.io.formats.foreign import extra
 from dashpot.io.options import ReadOptions
-from dashpot.io.source import Raw
+from dashpot.io.source import Raw, extra
 from dashpot.io.table import Column, Table, in_memory
 
 _UNITS = ("unit_string", "NI_UnitDescription", "Unit", "unit", "Units")
@@ -37,25 +36,25 @@ def read(raw: Raw, options: ReadOptions) -> Table:
         If groups hold different channels (name one with ``--sheet``), or channels of one group
         differ in rate or length.
     """
-    nptdms = extra("nptdms", "npTDMS", raw.name, "TDMS files")
+    nptdms = extra("nptdms", "npTDMS", "TDMS files")
     with raw.open() as stream:
         file = nptdms.TdmsFile.read(stream)
     groups = {group.name: _channels(group) for group in file.groups()}
     groups = {name: channels for name, channels in groups.items() if channels}
     if options.sheet is not None:
         if options.sheet not in groups:
-            raise ReadError(f"{raw.name}: --sheet {options.sheet}: the groups are {_list(groups)}")
+            raise ReadError(f"--sheet {options.sheet}: the groups are {_list(groups)}")
         groups = {options.sheet: groups[options.sheet]}
     if not groups:
-        raise ReadError(f"{raw.name}: this TDMS file holds no numeric channels")
+        raise ReadError("this TDMS file holds no numeric channels")
     shapes = {tuple((c.name, c.unit) for c in channels) for channels in groups.values()}
     if len(shapes) > 1:
         raise ReadError(
-            f"{raw.name}: groups {_list(groups)} hold different channels; choose one with --sheet "
+            f"groups {_list(groups)} hold different channels; choose one with --sheet "
             f'"{next(iter(groups))}"'
         )
     notes: list[str] = []
-    blocks = [_block(channels, raw.name, notes) for channels in groups.values()]
+    blocks = [_block(channels, notes) for channels in groups.values()]
     first = next(iter(groups.values()))
     columns = [Column(c.name, c.unit) for c in first]
     if blocks[0].shape[1] > len(first):
@@ -90,27 +89,25 @@ def _channels(group: Any) -> list[_Channel]:
     return found
 
 
-def _block(channels: list[_Channel], file: str, notes: list[str]) -> FloatArray:
+def _block(channels: list[_Channel], notes: list[str]) -> FloatArray:
     """One group as rows: with its time in front if the channels carry it."""
     steps = {channel.step for channel in channels}
     if len(steps) > 1:
         listed = ", ".join(f"'{c.name}' {c.step} s" for c in channels[:6])
         raise ReadError(
-            f"{file}: channels are sampled at different steps ({listed}); export them at one rate"
+            f"channels are sampled at different steps ({listed}); export them at one rate"
         )
     step = steps.pop()
     if step is None:
         sizes = {channel.values.size for channel in channels}
         if len(sizes) > 1:
-            raise ReadError(
-                f"{file}: channels differ in length ({sorted(sizes)}) and have no clock"
-            )
+            raise ReadError(f"channels differ in length ({sorted(sizes)}) and have no clock")
         return np.column_stack([channel.values for channel in channels])
     start = max(channel.offset for channel in channels)
     end = min(channel.offset + step * (channel.values.size - 1) for channel in channels)
     count = int(np.floor((end - start) / step + 1e-6)) + 1
     if count < 2:
-        raise ReadError(f"{file}: the channels do not overlap in time (wf_start_offset)")
+        raise ReadError("the channels do not overlap in time (wf_start_offset)")
     time: FloatArray = start + step * np.arange(count, dtype=float)
     return np.column_stack([time, *(_aligned(c, time, step, notes) for c in channels)])
 

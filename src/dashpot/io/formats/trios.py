@@ -26,15 +26,15 @@ def read(raw: Raw, options: ReadOptions) -> Table:
         If it is not such a file, or its data sets differ in their columns.
     """
     if raw.size > _LARGEST:
-        raise ReadError(f"{raw.name}: a JSON file of {raw.size} bytes; export it as text instead")
+        raise ReadError(f"a JSON file of {raw.size} bytes; export it as text instead")
     try:
         content = json.loads(raw.head(raw.size).decode("utf-8-sig"))
         sets = list(_data_sets(content))
     except (ValueError, RecursionError) as error:
-        raise ReadError(f"{raw.name}: not valid JSON: {error}") from None
+        raise ReadError(f"not valid JSON: {error}") from None
     if not sets:
         raise ReadError(
-            f"{raw.name}: JSON, but no TRIOS data found (expected 'columns' with 'name' and "
+            "JSON, but no TRIOS data found (expected 'columns' with 'name' and "
             "'unit', and 'values'); dashpot's own results are read by the commands that take FIT"
         )
     if options.sheet is not None:
@@ -42,9 +42,7 @@ def read(raw: Raw, options: ReadOptions) -> Table:
     columns = sets[0][1]
     if any(entry[1] != columns for entry in sets):
         names = ", ".join(f"'{entry[0]}'" for entry in sets[:6])
-        raise ReadError(
-            f"{raw.name}: results {names} have different columns; choose one with --sheet"
-        )
+        raise ReadError(f"results {names} have different columns; choose one with --sheet")
     rows = [np.asarray(values, dtype=float).reshape(-1, len(columns)) for _, _, values in sets]
     starts = np.cumsum([0, *(len(part) for part in rows[:-1])])
     return Table(

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
-from dashpot.io.formats.foreign import extra
 from dashpot.io.options import ReadOptions
-from dashpot.io.source import Raw
+from dashpot.io.source import Raw, extra
 from dashpot.io.table import Column, Question, Table, in_memory
 
 TIME, FRF_, COHERENCE = 1, 4, 6
@@ -21,6 +20,7 @@ _PSD = 9
 _QUANTITY = {8: "m", 11: "m/s", 12: "m/s^2", 9: "N", 13: "N", 17: "s", 18: "Hz"}
 """SI unit by the specific data type of an axis."""
 _BLANK = {"", "NONE", "NULL"}
+_Set: TypeAlias = dict[str, Any]
 
 
 def read(raw: Raw, options: ReadOptions) -> Table:
@@ -34,7 +34,7 @@ def read(raw: Raw, options: ReadOptions) -> Table:
     ReadError
         If there is no dataset 58 of either type, or several FRFs and no choice.
     """
-    pyuff = extra("pyuff", "pyuff", raw.name, "UFF files")
+    pyuff = extra("pyuff", "pyuff", "UFF files")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         found = pyuff.UFF(str(raw.on_disk())).read_sets()
@@ -42,22 +42,21 @@ def read(raw: Raw, options: ReadOptions) -> Table:
     units = next((entry for entry in sets if entry.get("type") == 164), None)
     curves = [entry for entry in sets if entry.get("type") == 58 and np.size(entry.get("data"))]
     frfs = [entry for entry in curves if entry["func_type"] == FRF_]
+    # a spectrum or the like is shown, and refused where a test is asked for
+    timed = [entry for entry in curves if entry["func_type"] in {0, TIME}] or curves[:1]
+    if not curves:
+        kinds = sorted({int(entry.get("type", 0)) for entry in sets})
+        raise ReadError(
+            "no dataset 58 with an FRF or a time record; the datasets are of types "
+            f"{', '.join(map(str, kinds)) or 'none'}"
+        )
     notes = _said(sets, units)
     if frfs:
-        return _frf(raw, frfs, curves, units, options=options, notes=notes)
-    timed = [entry for entry in curves if entry["func_type"] in {0, TIME}]
-    if timed:
-        return _timed(raw, timed, units, notes)
-    if curves:  # a spectrum or the like: shown, and refused where a test is asked for
-        return _timed(raw, curves[:1], units, notes)
-    kinds = sorted({int(entry.get("type", 0)) for entry in sets})
-    raise ReadError(
-        f"{raw.name}: no dataset 58 with an FRF or a time record; the datasets are of types "
-        f"{', '.join(map(str, kinds)) or 'none'}"
-    )
+        return _frf(frfs, curves, units, segment=options.segment, notes=notes)
+    return _timed(timed, units, notes)
 
 
-def _said(sets: Sequence[dict[str, Any]], units: dict[str, Any] | None) -> list[str]:
+def _said(sets: Sequence[_Set], units: _Set | None) -> list[str]:
     notes = []
     model = next((e for e in sets if e.get("type") == 151), None)
     if model is not None and str(model.get("model_name", "")).strip():
@@ -70,58 +69,56 @@ def _said(sets: Sequence[dict[str, Any]], units: dict[str, Any] | None) -> list[
 
 
 def _frf(
-    raw: Raw,
-    frfs: Sequence[dict[str, Any]],
-    curves: Sequence[dict[str, Any]],
-    units: dict[str, Any] | None,
+    frfs: Sequence[_Set],
+    curves: Sequence[_Set],
+    units: _Set | None,
     *,
-    options: ReadOptions,
+    segment: int | None,
     notes: list[str],
 ) -> Table:
     doubts: tuple[Question, ...] = ()
-    if options.segment is not None and options.segment > len(frfs):
-        raise ReadError(
-            f"{raw.name}: --segment {options.segment}, but the file has {len(frfs)} FRFs"
-        )
-    if options.segment is None and len(frfs) > 1:
+    if segment is not None and segment > len(frfs):
+        raise ReadError(f"--segment {segment}, but the file has {len(frfs)} FRFs")
+    if segment is None and len(frfs) > 1:
         listed = ", ".join(f"{i + 1} {_title(entry)}" for i, entry in enumerate(frfs[:8]))
         says = f"{len(frfs)} FRFs in the file: {listed}; choose one, for example --segment 1"
         doubts = (Question(says, "--segment NUMBER"),)
-    one = frfs[(options.segment or 1) - 1]
-    unit = _label(one["ordinate_axis_units_lab"]) or _from_164(one, "ordinate", units)
-    below = _label(one["orddenom_axis_units_lab"]) or _from_164(one, "orddenom", units)
-    if unit and "/" + (below or "?") not in unit and below and "(1/" not in unit:
-        unit = f"({unit})/{below}"
-    frequency = np.asarray(one["x"], dtype=float)
+    one = frfs[(segment or 1) - 1]
+    unit = _per(_unit(one, "ordinate", units), _unit(one, "orddenom", units))
     value = np.asarray(one["data"], dtype=complex)
     columns = [Column("frequency", _label(one["abscissa_axis_units_lab"]) or "Hz"),
                Column("real", unit), Column("imaginary", unit)]  # fmt: skip
-    values = [frequency, value.real, value.imag]
-    for entry in curves:
-        same = entry["func_type"] == COHERENCE and np.array_equal(entry["x"], one["x"])
-        if same and len(columns) == 3:
-            columns.append(Column("coherence", "1"))
-            values.append(np.real(entry["data"]))
+    values = [np.asarray(one["x"], dtype=float), value.real, value.imag]
+    coherent = (e for e in curves if e["func_type"] == COHERENCE)
+    same = next((e for e in coherent if np.array_equal(e["x"], one["x"])), None)
+    if same is not None:
+        columns.append(Column("coherence", "1"))
+        values.append(np.real(same["data"]))
     return _table(columns, values, one, notes, doubts)
 
 
-def _timed(
-    raw: Raw, timed: Sequence[dict[str, Any]], units: dict[str, Any] | None, notes: list[str]
-) -> Table:
+def _per(above: str | None, below: str | None) -> str | None:
+    """The unit of a ratio, unless the upper label holds the lower one already."""
+    if not above or not below or f"/{below}" in above or "(1/" in above:
+        return above
+    return f"({above})/{below}"
+
+
+def _timed(timed: Sequence[_Set], units: _Set | None, notes: list[str]) -> Table:
     first = timed[0]
     grids = {
         (len(e["x"]), round(float(e["x"][0]), 12), round(float(e["x"][-1]), 12)) for e in timed
     }
     if len(grids) > 1:
         raise ReadError(
-            f"{raw.name}: the time records differ in length or start ({len(grids)} kinds); give "
+            f"the time records differ in length or start ({len(grids)} kinds); give "
             "files whose channels were recorded together"
         )
     word = _label(first["abscissa_axis_units_lab"]) or "s"
     columns = [Column("time" if first["func_type"] in {0, TIME} else "abscissa", word)]
     values = [np.asarray(first["x"], dtype=float)]
     for i, entry in enumerate(timed):
-        unit = _label(entry["ordinate_axis_units_lab"]) or _from_164(entry, "ordinate", units)
+        unit = _unit(entry, "ordinate", units)
         name = _title(entry) or f"channel {i + 1}"
         name += " (PSD)" if entry["func_type"] == _PSD else ""
         columns.append(Column(name, unit))
@@ -132,7 +129,7 @@ def _timed(
 def _table(
     columns: Sequence[Column],
     values: Sequence[FloatArray],
-    entry: dict[str, Any],
+    entry: _Set,
     notes: Sequence[str],
     doubts: tuple[Question, ...] = (),
 ) -> Table:
@@ -148,7 +145,7 @@ def _table(
     )
 
 
-def _title(entry: dict[str, Any]) -> str:
+def _title(entry: _Set) -> str:
     """What a curve is called: its axis label, response point or first identification line."""
     for key in ("ordinate_axis_lab", "rsp_ent_name", "id1"):
         word = _label(entry.get(key, ""))
@@ -165,16 +162,16 @@ def _label(word: Any) -> str | None:
     )
 
 
-def _from_164(entry: dict[str, Any], axis: str, units: dict[str, Any] | None) -> str | None:
-    """The unit that dataset 164 and the specific data type give, if the factors are SI's."""
-    kind = int(entry.get(f"{axis}_spec_data_type", 0) or 0)
-    if units is None or kind not in _QUANTITY:
-        return None
-    word = _QUANTITY[kind]
+def _unit(entry: _Set, axis: str, units: _Set | None) -> str | None:
+    """The unit on an axis' label, else what dataset 164 says, if its factors are SI's."""
+    label = _label(entry[f"{axis}_axis_units_lab"])
+    if label or units is None:
+        return label
+    word = _QUANTITY.get(int(entry.get(f"{axis}_spec_data_type", 0) or 0), "")
     length, force = float(units.get("length", 1.0)), float(units.get("force", 1.0))
     if word == "N":
         return {1.0: "N", 1000.0: "mN", 1e-3: "kN"}.get(force)
     if word.startswith("m"):
         prefix = {1.0: "", 1000.0: "m"}.get(length)
         return None if prefix is None else prefix + word
-    return word
+    return word or None

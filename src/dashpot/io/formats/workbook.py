@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import datetime as dt
 import zipfile
+from dataclasses import replace
 from typing import Any, BinaryIO
 
 from dashpot.base.errors import ReadError
 from dashpot.io.columns.kinds import kind_of
-from dashpot.io.formats.foreign import extra
+from dashpot.io.formats import text
 from dashpot.io.options import ReadOptions
-from dashpot.io.source import Raw
+from dashpot.io.source import Raw, extra
 from dashpot.io.table import Table
 
 _LARGEST = 1 << 31
@@ -25,13 +26,13 @@ def read(raw: Raw, options: ReadOptions) -> Table:
     ReadError
         If no sheet or several sheets could be meant.
     """
-    calamine = extra("python_calamine", "python-calamine", raw.name, "spreadsheets")
+    calamine = extra("python_calamine", "python-calamine", "spreadsheets")
     with raw.open() as stream:
-        _refuse_bomb(raw.name, stream)
+        _refuse_bomb(stream)
         book = calamine.CalamineWorkbook.from_filelike(stream)
     names = book.sheet_names
     if options.sheet is not None and options.sheet not in names:
-        raise ReadError(f"{raw.name}: --sheet {options.sheet}: the sheets are {_list(names)}")
+        raise ReadError(f"--sheet {options.sheet}: the sheets are {_list(names)}")
     tables = {}
     for name in names if options.sheet is None else [options.sheet]:
         lines = [
@@ -43,39 +44,32 @@ def read(raw: Raw, options: ReadOptions) -> Table:
             if options.sheet is not None:
                 raise
     if not tables:
-        raise ReadError(
-            f"{raw.name}: no sheet holds a table of numbers; the sheets are {_list(names)}"
-        )
+        raise ReadError(f"no sheet holds a table of numbers; the sheets are {_list(names)}")
     known = [
         n for n, t in tables.items() if kind_of(t, options)[0] not in {"unclear", "not-a-test"}
     ]
     likely = known or list(tables)
     if len(likely) > 1:
         raise ReadError(
-            f"{raw.name}: sheets {_list(likely)} could each be the test; choose with --sheet "
-            f'"{likely[0]}"'
+            f'sheets {_list(likely)} could each be the test; choose with --sheet "{likely[0]}"'
         )
     return tables[likely[0]]
 
 
-def _refuse_bomb(file: str, stream: BinaryIO) -> None:
+def _refuse_bomb(stream: BinaryIO) -> None:
     """Refuse a zipped workbook that unpacks to more than any test needs."""
     if stream.read(2) == b"PK":
         with zipfile.ZipFile(stream) as packed:
             size = sum(entry.file_size for entry in packed.infolist())
         if size > _LARGEST:
-            raise ReadError(f"{file}: unpacks to {size / 1e9:.1f} GB; export it as text instead")
+            raise ReadError(f"unpacks to {size / 1e9:.1f} GB; export it as text instead")
     stream.seek(0)
 
 
 def _sheet(raw: Raw, lines: list[str], options: ReadOptions) -> Table:
-    from dataclasses import replace
-
-    from dashpot.io.text import delimited as text
-
     content = "\n".join(lines).encode()
     if not content.strip():
-        raise ReadError(f"{raw.name}: an empty sheet")
+        raise ReadError("an empty sheet")
     shown = replace(options, delimiter="\t", encoding="utf-8", sheet=None)
     table = text.read(Raw(raw.name, None, content), shown)
     return replace(table, format="workbook", encoding="", delimiter="", decimal="")

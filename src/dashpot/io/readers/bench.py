@@ -6,8 +6,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dashpot.base.errors import ReadError
+from dashpot.io.columns.kinds import kind_of
 from dashpot.io.options import ReadOptions
-from dashpot.io.readers.relaxation import read_relaxation
+from dashpot.io.readers import channels
+from dashpot.io.readers.channels import Opened
+from dashpot.io.readers.relaxation import relaxation_in, roles
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.records.specimen import Specimen
 
@@ -20,17 +23,27 @@ def read_bench(
 ) -> RelaxationTest | DynamicTest:
     """Return the relaxation test or the dynamic (DMA) test in a file, in SI units.
 
+    A table of frequency, storage and loss is a dynamic test, unless it holds the columns of a
+    relaxation test too.
+
     Raises
     ------
     ReadError
         If the file is neither, or leaves open which column is what or in which unit.
     """
-    try:
-        return read_relaxation(path, options=options, specimen=specimen)
-    except ReadError:
-        from dashpot.io.readers.dynamic import read_dynamic
-        from dashpot.io.readers.inspect import inspect_file
+    with channels.opened(path, options) as file:
+        if _is_sweep(file):
+            from dashpot.io.readers.dynamic import dynamic_in
 
-        if str(path) == "-" or inspect_file(path, options=options).kind != "dma":
-            raise
-    return read_dynamic(path, options=options, specimen=specimen)
+            return dynamic_in(file, specimen or Specimen())
+        return relaxation_in(file, specimen or Specimen())
+
+
+def _is_sweep(file: Opened) -> bool:
+    if kind_of(file.table, file.options)[0] != "dma":
+        return False
+    try:
+        channels.choose(file, roles(file.options))
+    except ReadError:
+        return True
+    return False

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
@@ -16,11 +18,20 @@ from dashpot.io.columns.roles import Assigned, assign, list_columns, quoted, uni
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.formats.detect import read_table
 from dashpot.io.options import ReadOptions
-from dashpot.io.source import Raw, about
+from dashpot.io.source import Raw, about, open_raw
 from dashpot.io.table import Loaded, Question, Table
 
 _OVERLOAD = 9.9e37
 """What SCPI instruments send for an infinite or an invalid reading."""
+
+
+@dataclass(frozen=True, eq=False)
+class Opened:
+    """A file, the table found in it, and what the user says of it."""
+
+    raw: Raw
+    table: Table
+    options: ReadOptions
 
 
 @dataclass(frozen=True)
@@ -33,36 +44,33 @@ class Channel:
     says: str
 
 
-def sure_table(raw: Raw, options: ReadOptions) -> Table:
-    """Return the table of a file.
+@contextmanager
+def opened(path: str | Path, options: ReadOptions | None, *, sure: bool = True) -> Iterator[Opened]:
+    """Open a file for a reader: whatever is wrong within is said with the file's name.
 
     Raises
     ------
     ReadError
-        If its numbers can be read two ways.
+        If it cannot be read, or, where it must be `sure`, its numbers can be read two ways.
     """
+    options = options or ReadOptions()
+    raw = open_raw(path)
     table = read_table(raw, options)
-    if table.doubts:
-        raise ReadError(f"{raw.name}: {table.doubts[0].says}")
-    return table
+    with about(raw.name):
+        if sure and table.doubts:
+            raise ReadError(table.doubts[0].says)
+        yield Opened(raw, table, options)
 
 
-def test_table(raw: Raw, options: ReadOptions) -> Table:
-    """Return the table of a file that claims to be a test.
-
-    Raises
-    ------
-    ReadError
-        If its numbers can be read two ways, or it is a summary of cycles.
-    """
-    table = sure_table(raw, options)
-    peaks = cycle_peaks(table)
-    if peaks and not (options.force or options.displacement or options.acceleration):
-        raise ReadError(f"{raw.name} is not a test: {peaks}")
-    return table
+def refuse_summary(file: Opened) -> None:
+    """Refuse a table of one row per cycle, unless the user names its columns."""
+    said = file.options
+    peaks = cycle_peaks(file.table)
+    if peaks and not (said.force or said.displacement or said.acceleration):
+        raise ReadError(f"is not a test: {peaks}")
 
 
-def choose(raw: Raw, table: Table, roles: Sequence[Role], options: ReadOptions) -> list[Channel]:
+def choose(file: Opened, roles: Sequence[Role]) -> list[Channel]:
     """Return the columns that play the roles.
 
     Raises
@@ -70,29 +78,33 @@ def choose(raw: Raw, table: Table, roles: Sequence[Role], options: ReadOptions) 
     ReadError
         With every question that the file leaves open, in one sentence each.
     """
-    with about(raw):
-        found = [assign(table, role, options) for role in roles]
+    found = [assign(file.table, role, file.options) for role in roles]
+    if any(isinstance(answer, Question) for answer in found):
+        kind, reason = kind_of(file.table, file.options)
+        if kind == "not-a-test":
+            raise ReadError(f"is not a test: {reason}")
+    chosen = answered(found)
+    roles_of: dict[int, Role] = {}
+    for one in chosen:
+        other = roles_of.setdefault(one.index, one.role)
+        if other != one.role:
+            columns = file.table.columns
+            raise ReadError(
+                f"{quoted(columns, one.index)} would be both {other} and {one.role}; name the "
+                f"columns with --{other} and --{one.role}; they are {list_columns(columns)}"
+            )
+    return with_units(file, chosen)
+
+
+def answered(found: Sequence[Assigned | Question], hint: str = "") -> list[Assigned]:
+    """Return the columns found, or raise every question in one sentence with the hint."""
     asked = [answer.says for answer in found if isinstance(answer, Question)]
     if asked:
-        kind, reason = kind_of(table, options)
-        if kind == "not-a-test":
-            raise ReadError(f"{raw.name} is not a test: {reason}")
-        raise ReadError(f"{raw.name}: " + "; ".join(asked))
-    chosen = [answer for answer in found if isinstance(answer, Assigned)]
-    for i, one in enumerate(chosen):
-        for other in chosen[:i]:
-            if other.index == one.index:
-                raise ReadError(
-                    f"{raw.name}: {quoted(table.columns, one.index)} would be both {other.role} "
-                    f"and {one.role}; name the columns with --{other.role} and --{one.role}; they "
-                    f"are {list_columns(table.columns)}"
-                )
-    return with_units(raw, table, chosen, options)
+        raise ReadError("; ".join(asked) + hint)
+    return [answer for answer in found if isinstance(answer, Assigned)]
 
 
-def with_units(
-    raw: Raw, table: Table, chosen: Sequence[Assigned], options: ReadOptions
-) -> list[Channel]:
+def with_units(file: Opened, chosen: Sequence[Assigned]) -> list[Channel]:
     """Return assigned columns with their units.
 
     Raises
@@ -102,43 +114,41 @@ def with_units(
     """
     found, asked = [], []
     for one in chosen:
+        column, number = file.table.columns[one.index], one.index + 1
         try:
-            found.append(channel(table, one, options))
+            unit = unit_for(column, number, one.role, file.options)
         except ReadError as error:
             asked.append(str(error))
+            continue
+        why = f" ({one.reason})" if one.reason else ""
+        says = f"{one.role}: {column.label(number)} [{unit.word}]{why}"
+        found.append(Channel(one.role, one.index, unit, says))
     if asked:
-        raise ReadError(f"{raw.name}: " + "; ".join(asked))
+        raise ReadError("; ".join(asked))
     return found
 
 
-def channel(table: Table, one: Assigned, options: ReadOptions) -> Channel:
-    """Return an assigned column with its unit."""
-    column = table.columns[one.index]
-    unit = unit_for(column, one.index + 1, one.role, options)
-    says = f"{one.role}: {column.label(one.index + 1)} [{unit.word}]"
-    return Channel(one.role, one.index, unit, says + (f" ({one.reason})" if one.reason else ""))
-
-
-def rivals(table: Table, chosen: Sequence[Channel], options: ReadOptions) -> list[str]:
+def rivals(file: Opened, chosen: Sequence[Channel]) -> list[str]:
     """Say which other columns could have played a role, where one was clearly better."""
     taken = {one.index for one in chosen}
+    columns = file.table.columns
     notes = []
     for one in chosen:
-        answer = assign(table, one.role, options)
+        answer = assign(file.table, one.role, file.options)
         others = [i for i in getattr(answer, "rivals", ()) if i not in taken]
         if others:
-            listed = ", ".join(quoted(table.columns, i) for i in others[:3])
+            listed = ", ".join(quoted(columns, i) for i in others[:3])
             notes.append(
-                f"{one.role} is {quoted(table.columns, one.index)}; {listed} could be too: "
+                f"{one.role} is {quoted(columns, one.index)}; {listed} could be too: "
                 f"--{one.role} NAME chooses"
             )
     return notes
 
 
-def source(raw: Raw, table: Table, channels: Sequence[Channel], notes: Sequence[str]) -> Source:
+def source(file: Opened, columns: Sequence[str], notes: Sequence[str]) -> Source:
     """Return where the numbers came from."""
-    lines = tuple(one.says for one in channels)
-    return Source(raw.name, raw.sha256, table.format, lines, tuple(notes), table.simulated)
+    raw, table = file.raw, file.table
+    return Source(raw.name, raw.sha256, table.format, tuple(columns), tuple(notes), table.simulated)
 
 
 def si(values: FloatArray, unit: Unit) -> FloatArray:
@@ -153,9 +163,9 @@ def si(values: FloatArray, unit: Unit) -> FloatArray:
     return values
 
 
-def load(table: Table, indexes: Sequence[int], options: ReadOptions, file: str) -> Loaded:
+def load(table: Table, indexes: Sequence[int], segment: int | None) -> Loaded:
     """Return the numbers of some columns: of the segment asked for, overload marks left out."""
-    loaded = part(table.load(indexes), options, file)
+    loaded = part(table.load(indexes), segment)
     marks = 0
     for j in range(loaded.values.shape[1]):
         beyond = np.abs(loaded.values[:, j]) >= _OVERLOAD
@@ -165,6 +175,22 @@ def load(table: Table, indexes: Sequence[int], options: ReadOptions, file: str) 
     if marks:
         note = f"{marks} values of 9.9e37 or more are an instrument's overload mark, not numbers"
         loaded = replace(loaded, notes=(*loaded.notes, note))
+    return loaded
+
+
+def load_test(file: Opened, chosen: Sequence[Channel], least: int = 8) -> Loaded:
+    """Return the numbers of the chosen columns of a test, in the file's units.
+
+    Raises
+    ------
+    ReadError
+        If there are fewer than `least` rows.
+    """
+    loaded = load(file.table, [one.index for one in chosen], file.options.segment)
+    count = len(loaded.values)
+    if count < least:
+        plural = "s" * (count != 1)
+        raise ReadError(f"only {count} row{plural} of numbers; a test needs at least {least}")
     return loaded
 
 
@@ -179,7 +205,7 @@ def whole_rows(loaded: Loaded) -> tuple[FloatArray, tuple[str, ...]]:
     return loaded.values[whole], (*loaded.notes, note)
 
 
-def part(loaded: Loaded, options: ReadOptions, file: str) -> Loaded:
+def part(loaded: Loaded, segment: int | None) -> Loaded:
     """Return the segment asked for, or everything.
 
     Raises
@@ -187,17 +213,15 @@ def part(loaded: Loaded, options: ReadOptions, file: str) -> Loaded:
     ReadError
         If there is no such segment.
     """
-    if options.segment is None:
+    if segment is None:
         return loaded
     count = len(loaded.starts)
-    if options.segment > count:
+    if segment > count:
         plural = "s" * (count != 1)
-        raise ReadError(
-            f"{file}: --segment {options.segment}, but the file has {count} segment{plural}"
-        )
+        raise ReadError(f"--segment {segment}, but the file has {count} segment{plural}")
     stops = (*loaded.starts[1:], len(loaded.values))
     keep = np.zeros(len(loaded.values), dtype=bool)
-    keep[loaded.starts[options.segment - 1] : stops[options.segment - 1]] = True
+    keep[loaded.starts[segment - 1] : stops[segment - 1]] = True
     return rows(loaded, keep)
 
 
@@ -215,13 +239,3 @@ def rows(loaded: Loaded, keep: BoolArray) -> Loaded:
         ]
         lines = tuple((i, loaded.line(int(kept[i]))) for i in runs)
     return Loaded(loaded.values[kept], (0,), ("",), lines, loaded.notes)
-
-
-def enough(loaded: Loaded, file: str, least: int = 8) -> None:
-    """Refuse a table of too few rows."""
-    count = len(loaded.values)
-    if count < least:
-        plural = "s" * (count != 1)
-        raise ReadError(
-            f"{file}: only {count} row{plural} of numbers; a test needs at least {least}"
-        )

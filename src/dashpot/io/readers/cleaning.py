@@ -15,7 +15,7 @@ _FEW = 1e-3
 
 
 def drop_missing(
-    loaded: Loaded, names: Sequence[str], *, protect: BoolArray, file: str
+    loaded: Loaded, names: Sequence[str], *, protect: BoolArray
 ) -> tuple[BoolArray, list[str]]:
     """Return which rows are whole, and a note on those that are not.
 
@@ -37,7 +37,7 @@ def drop_missing(
     more = f" and {rows.size - 3} more" if rows.size > 3 else ""
     if rows.size > 0.5 * len(keep):
         raise ReadError(
-            f"{file}: {rows.size} of {len(keep)} rows lack a number, first at {places}{more}; "
+            f"{rows.size} of {len(keep)} rows lack a number, first at {places}{more}; "
             "the columns may be recorded at different rates: export them on one time base"
         )
     guarded = rows[protect[rows] & (rows < len(keep) - 1)]  # a last row may well be cut off
@@ -45,7 +45,7 @@ def drop_missing(
         row = int(guarded[0])
         plural = "s" * (rows.size > 1)
         raise ReadError(
-            f"{file}: {loaded.where(row)} lacks {lacks(row)} within the ramp or the start of the "
+            f"{loaded.where(row)} lacks {lacks(row)} within the ramp or the start of the "
             f"hold, where every sample counts ({rows.size} such row{plural} in all); "
             "repair or repeat the record there"
         )
@@ -76,7 +76,7 @@ def ramp_window(time: FloatArray, displacement: FloatArray) -> BoolArray:
     return np.asarray((filled >= onset) & (filled <= end + 10 * max(end - onset, 0.0)))
 
 
-def drop_repeats(time: FloatArray, loaded: Loaded, *, file: str) -> tuple[BoolArray, list[str]]:
+def drop_repeats(time: FloatArray, loaded: Loaded) -> tuple[BoolArray, list[str]]:
     """Return which samples to keep so that time rises, and a note on the repeats left out.
 
     Raises
@@ -90,7 +90,7 @@ def drop_repeats(time: FloatArray, loaded: Loaded, *, file: str) -> tuple[BoolAr
     if falls.size:
         i = int(falls[0])
         raise ReadError(
-            f"{file}: time falls from {time[i]:.9g} s to {time[i + 1]:.9g} s at "
+            f"time falls from {time[i]:.9g} s to {time[i + 1]:.9g} s at "
             f"{loaded.where(i + 1)}: the clock was reset or rows are out of order "
             f"({falls.size} such place{'s' * (falls.size > 1)}); split the file there, read one "
             "part with --segment, or give --rate 1000Hz (the true one) if the rows are evenly "
@@ -102,7 +102,7 @@ def drop_repeats(time: FloatArray, loaded: Loaded, *, file: str) -> tuple[BoolAr
     first = loaded.where(int(repeats[0]))
     if repeats.size > max(1.0, _FEW * len(time)):
         raise ReadError(
-            f"{file}: {repeats.size} of {len(time)} time stamps repeat the one before, first "
+            f"{repeats.size} of {len(time)} time stamps repeat the one before, first "
             f"t = {time[repeats[0]]:.9g} s at {first}; the clock has too few "
             "digits: export more, or give --rate 1000Hz (the true one) if the rows are evenly "
             "sampled"

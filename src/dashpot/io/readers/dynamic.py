@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from dashpot.base.errors import DataError, ReadError
+from dashpot.base.errors import ReadError
 from dashpot.io.columns.kinds import kind_of
 from dashpot.io.columns.roles import Assigned, assign
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels
-from dashpot.io.source import Raw, about, open_raw
-from dashpot.io.table import Question, Table
+from dashpot.io.readers.channels import Opened
+from dashpot.io.table import Question
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.specimen import Specimen
 
@@ -31,43 +31,42 @@ def read_dynamic(
     ReadError
         If frequency, storage or loss is not found, or has no unit.
     """
-    options = options or ReadOptions()
-    raw = open_raw(path)
-    table = channels.sure_table(raw, options)
-    with about(raw):
-        wanted, ratio = _columns(raw, table, options)
-    chosen = channels.with_units(raw, table, wanted, options)
+    with channels.opened(path, options) as file:
+        return dynamic_in(file, specimen or Specimen())
+
+
+def dynamic_in(file: Opened, specimen: Specimen) -> DynamicTest:
+    """Return the dynamic test in an opened file."""
+    wanted, ratio = _columns(file)
+    chosen = channels.with_units(file, wanted)
     indexes = [c.index for c in chosen] + ([] if ratio is None else [ratio])
-    loaded = channels.load(table, indexes, options, raw.name)
-    rows, gaps = channels.whole_rows(loaded)
+    rows, gaps = channels.whole_rows(channels.load(file.table, indexes, file.options.segment))
     values = {c.role: channels.si(rows[:, j].copy(), c.unit) for j, c in enumerate(chosen)}
     kinds = {c.role: c.unit.dimension for c in chosen}
-    notes = [*table.notes, *gaps]
+    notes = [*file.table.notes, *gaps]
     if ratio is not None:
-        percent = table.columns[ratio].unit == "%"
-        values["loss"] = values["storage"] * rows[:, -1] / (100 if percent else 1)
-        notes.append(f"loss is storage times '{table.columns[ratio].name}'")
+        factor = file.table.columns[ratio]
+        values["loss"] = values["storage"] * rows[:, -1] / (100 if factor.unit == "%" else 1)
+        notes.append(f"loss is storage times '{factor.name}'")
     elif kinds["storage"] != kinds["loss"]:
         raise ReadError(
-            f"{raw.name}: storage is a {kinds['storage']} and loss a {kinds['loss']}; "
+            f"storage is a {kinds['storage']} and loss a {kinds['loss']}; "
             "expected both in one kind of unit, such as MPa or N/mm"
         )
-    try:
-        return DynamicTest(
-            values["frequency"],
-            values["storage"],
-            values["loss"],
-            values.get("temperature"),
-            "N/m" if kinds["storage"] == "stiffness" else "Pa",
-            specimen or Specimen(),
-            channels.source(raw, table, chosen, notes),
-        )
-    except DataError as error:
-        raise ReadError(f"{raw.name}: {error}") from None
+    return DynamicTest(
+        values["frequency"],
+        values["storage"],
+        values["loss"],
+        values.get("temperature"),
+        "N/m" if kinds["storage"] == "stiffness" else "Pa",
+        specimen,
+        channels.source(file, [c.says for c in chosen], notes),
+    )
 
 
-def _columns(raw: Raw, table: Table, options: ReadOptions) -> tuple[list[Assigned], int | None]:
+def _columns(file: Opened) -> tuple[list[Assigned], int | None]:
     """The columns by role, and that of the loss factor if there is no loss."""
+    table, options = file.table, file.options
     found = {role: assign(table, role, options) for role in _ROLES}
     ratio = None
     if isinstance(found["loss"], Question):
@@ -75,10 +74,10 @@ def _columns(raw: Raw, table: Table, options: ReadOptions) -> tuple[list[Assigne
         if isinstance(answer, Assigned):
             ratio = answer.index
             del found["loss"]
-    asked = [answer.says for answer in found.values() if isinstance(answer, Question)]
-    if asked:
+    hint = ""
+    if any(isinstance(answer, Question) for answer in found.values()):
         kind, reason = kind_of(table, options)
-        hint = f" (it is not a DMA test: {reason})" if kind not in {"dma", "unclear"} else ""
-        raise ReadError(f"{raw.name}: " + "; ".join(asked) + hint)
-    found["temperature"] = assign(table, "temperature", options)
-    return [answer for answer in found.values() if isinstance(answer, Assigned)], ratio
+        hint = "" if kind in {"dma", "unclear"} else f" (it is not a DMA test: {reason})"
+    columns = channels.answered(list(found.values()), hint)
+    temperature = assign(table, "temperature", options)
+    return columns + ([temperature] if isinstance(temperature, Assigned) else []), ratio

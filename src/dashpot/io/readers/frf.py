@@ -9,22 +9,25 @@ import numpy as np
 
 from dashpot.base import units
 from dashpot.base.arrays import ComplexArray, FloatArray
-from dashpot.base.errors import DataError, ReadError
-from dashpot.base.provenance import Source
+from dashpot.base.errors import ReadError
+from dashpot.base.units import Dimension
 from dashpot.io.columns.roles import Assigned, assign, list_columns, unit_for
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels
-from dashpot.io.source import Raw, about, open_raw
+from dashpot.io.readers.channels import Opened
 from dashpot.io.table import Table
 from dashpot.records.frf import FRF, Kind
 
-_KINDS: dict[tuple[str, str], Kind] = {
-    ("length", "force"): Kind.RECEPTANCE,
-    ("velocity", "force"): Kind.MOBILITY,
-    ("acceleration", "force"): Kind.ACCELERANCE,
-    ("force", "length"): Kind.DYNAMIC_STIFFNESS,
-}
+_KINDS: tuple[tuple[Dimension, Dimension, Kind], ...] = (
+    ("length", "force", Kind.RECEPTANCE),
+    ("velocity", "force", Kind.MOBILITY),
+    ("acceleration", "force", Kind.ACCELERANCE),
+    ("force", "length", Kind.DYNAMIC_STIFFNESS),
+)
+_SPECIAL = {"1/kg": Kind.ACCELERANCE, "m/(N*s)": Kind.MOBILITY, "m/(N·s)": Kind.MOBILITY}
+_FRF_ROLES: tuple[Role, ...] = ("frequency", "real", "imaginary", "magnitude", "phase", "coherence")
+_STATED = re.compile(r"\W*kind\s*:\s*(\w+)")
 
 
 def read_frf(path: str | Path, *, options: ReadOptions | None = None) -> FRF:
@@ -38,53 +41,42 @@ def read_frf(path: str | Path, *, options: ReadOptions | None = None) -> FRF:
     ReadError
         If there is no FRF in the file, or its kind or unit is left open.
     """
-    options = options or ReadOptions()
-    raw = open_raw(path)
-    table = channels.sure_table(raw, options)
-    with about(raw):
-        index = {role: _maybe(table, role, options) for role in _FRF_ROLES}
-    cartesian = index["real"] is not None and index["imaginary"] is not None
-    polar = index["magnitude"] is not None and index["phase"] is not None
-    if index["frequency"] is None or not (cartesian or polar):
-        raise ReadError(
-            f"{raw.name}: no frequency response found; expected columns such as 'frequency [Hz], "
-            f"real [(m/s^2)/N], imaginary [(m/s^2)/N]' (or magnitude and phase); the columns are "
-            f"{list_columns(table.columns)}"
+    with channels.opened(path, options) as file:
+        index = _columns(file)
+        loaded = channels.load(file.table, range(len(file.table.columns)), None)
+        column = {role: loaded.values[:, i] for role, i in index.items()}
+        main: Role = "real" if "real" in index else "magnitude"
+        kind, factor = _kind(file, main, index[main])
+        value: ComplexArray = np.asarray(
+            column["real"] + 1j * column["imaginary"]
+            if main == "real"
+            else _polar(file.table, index, column)
         )
-    said = _comments(table.header)
-    loaded = channels.load(table, range(len(table.columns)), ReadOptions(), raw.name)
-    column = {role: loaded.values[:, i] for role, i in index.items() if i is not None}
-    role: Role = "real" if cartesian else "magnitude"
-    kind, factor = _kind(raw, table, role, index[role], options)
-    value: ComplexArray = np.asarray(
-        column["real"] + 1j * column["imaginary"]
-        if cartesian
-        else _polar(raw, table, index, column)
-    )
-    frequency = column["frequency"] * _hertz(raw, table, index["frequency"], options)
-    sd = next((i for i, c in enumerate(table.columns) if c.name.casefold() == "sd"), None)
-    source = Source(
-        raw.name, raw.sha256, table.format, tuple(c.name for c in table.columns),
-        (*table.notes, *loaded.notes), table.simulated,
-    )  # fmt: skip
-    try:
+        sd = next((i for i, c in enumerate(file.table.columns) if c.name.casefold() == "sd"), None)
+        said = _comments(file.table.header)
+        names = [c.name for c in file.table.columns]
         return FRF(
-            frequency, value * factor, kind,
+            column["frequency"] * _hertz(file, index["frequency"]), value * factor, kind,
             coherence=column.get("coherence"),
             sd=None if sd is None else loaded.values[:, sd] * factor,
             shift=said.get("shift", 0.0), record=said.get("record"),
-            averages=int(said.get("averages", 0)), source=(source,),
+            averages=int(said.get("averages", 0)),
+            source=(channels.source(file, names, (*file.table.notes, *loaded.notes)),),
         )  # fmt: skip
-    except DataError as error:
-        raise ReadError(f"{raw.name}: {error}") from None
 
 
-_FRF_ROLES: tuple[Role, ...] = ("frequency", "real", "imaginary", "magnitude", "phase", "coherence")
-
-
-def _maybe(table: Table, role: Role, options: ReadOptions) -> int | None:
-    answer = assign(table, role, options)
-    return answer.index if isinstance(answer, Assigned) else None
+def _columns(file: Opened) -> dict[Role, int]:
+    """The columns of frequency and of one complex value, Cartesian or else polar, and coherence."""
+    answers = {role: assign(file.table, role, file.options) for role in _FRF_ROLES}
+    index = {role: one.index for role, one in answers.items() if isinstance(one, Assigned)}
+    for pair in (("real", "imaginary"), ("magnitude", "phase")):
+        if {"frequency", *pair} <= index.keys():
+            return {r: i for r, i in index.items() if r in {"frequency", "coherence", *pair}}
+    raise ReadError(
+        "no frequency response found; expected columns such as 'frequency [Hz], "
+        "real [(m/s^2)/N], imaginary [(m/s^2)/N]' (or magnitude and phase); the columns are "
+        f"{list_columns(file.table.columns)}"
+    )
 
 
 def _comments(header: tuple[str, ...]) -> dict[str, float]:
@@ -102,30 +94,23 @@ def _comments(header: tuple[str, ...]) -> dict[str, float]:
     return found
 
 
-def _kind(
-    raw: Raw, table: Table, role: Role, index: int | None, options: ReadOptions
-) -> tuple[Kind, float]:
+def _kind(file: Opened, role: Role, index: int) -> tuple[Kind, float]:
     """Kind of the FRF and the factor to SI, from the unit, held against a ``kind:`` comment."""
-    for line in table.header:
-        match = re.match(r"\W*kind\s*:\s*(\w+)", line)
-        if match and match[1] in set(Kind):
-            stated: Kind | None = Kind(match[1])
-            break
-    else:
-        stated = None
-    column = table.columns[index or 0]
-    word = options.unit_of(role, column.name) or column.unit or ""
+    said = [match[1] for line in file.table.header if (match := _STATED.match(line))]
+    stated = next((Kind(word) for word in said if word in set(Kind)), None)
+    column = file.table.columns[index]
+    word = file.options.unit_of(role, column.name) or column.unit or ""
     ratio = _ratio(word)
     if ratio is None:
         raise ReadError(
-            f"{raw.name}: '{column.name}' has the unit '{word}', which tells no FRF; "
+            f"'{column.name}' has the unit '{word}', which tells no FRF; "
             "expected motion per force such as (m/s^2)/N, g/N, m/N, or force per motion such as "
             f'N/m; add --units "{role}=(m/s^2)/N", or write it into the header'
         )
     kind, factor = ratio
     if stated is not None and stated is not kind:
         raise ReadError(
-            f"{raw.name}: the comment says {stated.value}, but the unit '{column.unit}' is that of "
+            f"the comment says {stated.value}, but the unit '{column.unit}' is that of "
             f"{kind.value}; correct one of them"
         )
     return kind, factor
@@ -134,37 +119,26 @@ def _kind(
 def _ratio(word: str) -> tuple[Kind, float] | None:
     """Kind and SI factor of a unit such as ``(m/s^2)/N`` or ``1/kg``."""
     text = word.replace(" s)", "*s)").strip()
-    if text == "1/kg":
-        return Kind.ACCELERANCE, 1.0
-    if text in {"m/(N*s)", "m/(N·s)"}:
-        return Kind.MOBILITY, 1.0
+    if text in _SPECIAL:
+        return _SPECIAL[text], 1.0
     swapped = re.fullmatch(r"\(?1/(\w+)\)?\s*[*·]\s*(.+)", text)  # (1/N)*(m/s^2)
     top, slash, bottom = (swapped[2], "/", swapped[1]) if swapped else text.rpartition("/")
-    for (upper, lower), kind in _KINDS.items():
-        a = units.find(top.strip("() "), upper)  # type: ignore[arg-type]
-        b = units.find(bottom.strip("() "), lower)  # type: ignore[arg-type]
-        if slash and a is not None and b is not None:
+    for upper, lower, kind in _KINDS if slash else ():
+        a, b = units.find(top.strip("() "), upper), units.find(bottom.strip("() "), lower)
+        if a is not None and b is not None:
             return kind, a.factor / b.factor
     return None
 
 
-def _polar(
-    raw: Raw, table: Table, index: dict[Role, int | None], column: dict[Role, FloatArray]
-) -> ComplexArray:
-    unit = table.columns[index["phase"] or 0].unit
-    angle = units.find(unit or "", "angle")
+def _polar(table: Table, index: dict[Role, int], column: dict[Role, FloatArray]) -> ComplexArray:
+    angle = units.find(table.columns[index["phase"]].unit or "", "angle")
     if angle is None:
-        raise ReadError(
-            f"{raw.name}: the phase has no unit; write 'phase [deg]' or 'phase [rad]' in the header"
-        )
+        raise ReadError("the phase has no unit; write 'phase [deg]' or 'phase [rad]' in the header")
     magnitude = column["magnitude"]
-    if (table.columns[index["magnitude"] or 0].unit or "").casefold().startswith("db"):
+    if (table.columns[index["magnitude"]].unit or "").casefold().startswith("db"):
         magnitude = 10 ** (magnitude / 20)  # dB re 1 of the unit given by --units
     return np.asarray(magnitude * np.exp(1j * column["phase"] * angle.factor))
 
 
-def _hertz(raw: Raw, table: Table, index: int, options: ReadOptions) -> float:
-    try:
-        return unit_for(table.columns[index], index + 1, "frequency", options).factor
-    except ReadError as error:
-        raise ReadError(f"{raw.name}: {error}") from None
+def _hertz(file: Opened, index: int) -> float:
+    return unit_for(file.table.columns[index], index + 1, "frequency", file.options).factor

@@ -13,9 +13,8 @@ from dashpot.io.columns.roles import Assigned, accelerations, list_columns
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels
-from dashpot.io.readers.channels import Channel
-from dashpot.io.source import Raw, about, open_raw
-from dashpot.io.table import Loaded, Table
+from dashpot.io.readers.channels import Channel, Opened
+from dashpot.io.table import Loaded
 from dashpot.records.impact import ImpactTest
 
 
@@ -37,7 +36,7 @@ def read_impact(
     listed = [paths] if isinstance(paths, str | Path) else list(paths)
     if not listed:
         raise ReadError("no impact file given")
-    tests = [_one(open_raw(path), options) for path in listed]
+    tests = [_one(path, options) for path in listed]
     if len(tests) == 1:
         return tests[0]
     names = tests[0].channels
@@ -47,73 +46,77 @@ def read_impact(
                 f"{path}: accelerations are {', '.join(test.channels)}, but {listed[0]} has "
                 f"{', '.join(names)}; give files of one set-up"
             )
+    return _joined(tests)
+
+
+def _joined(tests: Sequence[ImpactTest]) -> ImpactTest:
+    """Tests of one set-up, one after the other."""
     offsets = np.cumsum([0, *(len(test.time) for test in tests[:-1])])
+    starts = [np.add(test.starts, offset) for test, offset in zip(tests, offsets, strict=True)]
     return ImpactTest(
         time=np.concatenate([test.time for test in tests]),
         force=np.concatenate([test.force for test in tests]),
         acceleration=np.concatenate([test.acceleration for test in tests], axis=1),
-        starts=tuple(
-            int(offset + start)
-            for offset, test in zip(offsets, tests, strict=True)
-            for start in test.starts
-        ),
-        channels=names,
+        starts=tuple(np.concatenate(starts).tolist()),
+        channels=tests[0].channels,
         source=tuple(source for test in tests for source in test.source),
     )
 
 
-def _one(raw: Raw, options: ReadOptions) -> ImpactTest:
-    table = channels.test_table(raw, options)
-    chosen = _channels(raw, table, options)
-    loaded = channels.load(table, [c.index for c in chosen], options, raw.name)
-    channels.enough(loaded, raw.name)
-    _whole(loaded, raw.name)
-    columns = [channels.si(loaded.values[:, j], c.unit) for j, c in enumerate(chosen)]
-    notes = [*table.notes, *channels.rivals(table, chosen[:-1], options), *loaded.notes]
-    starts = loaded.starts
-    if options.rate is None:
-        time, *signals = columns
-        starts, said = _starts(time, loaded)
-        notes += said
-    else:
-        time, signals = np.arange(len(loaded.values)) / options.rate, columns
-        notes.append(f"time counted from the rows at {options.rate:g} Hz, as given")
-    found = [c for c in chosen if c.role == "acceleration"]
-    names = tuple(
-        table.columns[c.index].name or f"acceleration {k + 1}" for k, c in enumerate(found)
-    )
-    try:
-        return ImpactTest(
-            time, signals[0], np.array(signals[1:]), starts, names,
-            source=(channels.source(raw, table, chosen, notes),),
-        )  # fmt: skip
-    except DataError as error:
-        advice = "; if the rows are evenly sampled, give the rate, for example --rate 2048Hz"
-        more = advice if "even sampling" in str(error) and options.rate is None else ""
-        raise ReadError(f"{raw.name}: {error}{more}") from None
+def _one(path: str | Path, options: ReadOptions | None) -> ImpactTest:
+    with channels.opened(path, options) as file:
+        channels.refuse_summary(file)
+        chosen = _channels(file)
+        loaded = channels.load_test(file, chosen)
+        _whole(loaded)
+        columns = [channels.si(loaded.values[:, j], c.unit) for j, c in enumerate(chosen)]
+        notes = [*file.table.notes, *channels.rivals(file, chosen[:-1]), *loaded.notes]
+        starts, rate = loaded.starts, file.options.rate
+        if rate is None:
+            time, *signals = columns
+            starts, said = _starts(time, loaded)
+            notes += said
+        else:
+            time, signals = np.arange(len(loaded.values)) / rate, columns
+            notes.append(f"time counted from the rows at {rate:g} Hz, as given")
+        source = channels.source(file, [c.says for c in chosen], notes)
+        try:
+            return ImpactTest(
+                time, signals[0], np.array(signals[1:]), starts, _names(file, chosen),
+                source=(source,),
+            )  # fmt: skip
+        except DataError as error:
+            advice = "; if the rows are evenly sampled, give the rate, for example --rate 2048Hz"
+            more = advice if "even sampling" in str(error) and rate is None else ""
+            raise ReadError(f"{error}{more}") from None
 
 
-def _channels(raw: Raw, table: Table, options: ReadOptions) -> list[Channel]:
+def _names(file: Opened, chosen: Sequence[Channel]) -> tuple[str, ...]:
+    """What the accelerations are called."""
+    names = [file.table.columns[c.index].name for c in chosen if c.role == "acceleration"]
+    return tuple(name or f"acceleration {k}" for k, name in enumerate(names, start=1))
+
+
+def _channels(file: Opened) -> list[Channel]:
     """Time unless a rate is given, the hammer, and every acceleration."""
-    wanted: list[Role] = ["force"] if options.rate is not None else ["time", "force"]
-    chosen = channels.choose(raw, table, wanted, options)
-    with about(raw):
-        found = accelerations(table, [c.index for c in chosen], options)
+    wanted: list[Role] = ["force"] if file.options.rate is not None else ["time", "force"]
+    chosen = channels.choose(file, wanted)
+    found = accelerations(file.table, [c.index for c in chosen], file.options)
     if not found:
         raise ReadError(
-            f"{raw.name}: no column is recognised as acceleration; the columns are "
-            f"{list_columns(table.columns)}; name each by its name or number with --acceleration"
+            "no column is recognised as acceleration; the columns are "
+            f"{list_columns(file.table.columns)}; name each by its name or number with "
+            "--acceleration"
         )
-    says = "named by --acceleration" if options.acceleration else ""
-    more = [Assigned("acceleration", i, says) for i in found]
-    return chosen + channels.with_units(raw, table, more, options)
+    says = "named by --acceleration" if file.options.acceleration else ""
+    return chosen + channels.with_units(file, [Assigned("acceleration", i, says) for i in found])
 
 
-def _whole(loaded: Loaded, file: str) -> None:
+def _whole(loaded: Loaded) -> None:
     holes = np.flatnonzero(~np.isfinite(loaded.values).all(axis=1))
     if holes.size:
         raise ReadError(
-            f"{file}: {loaded.where(int(holes[0]))} lacks a number ({holes.size} such "
+            f"{loaded.where(int(holes[0]))} lacks a number ({holes.size} such "
             f"row{'s' * (holes.size > 1)}); an impact record needs every sample: cut the record "
             "there or export it again"
         )

@@ -12,11 +12,10 @@ from dashpot.base.errors import ReadError
 from dashpot.io.columns.kinds import kind_of
 from dashpot.io.columns.roles import Assigned, accelerations, assign, unit_for
 from dashpot.io.columns.vocabulary import Role
-from dashpot.io.formats.detect import read_table
 from dashpot.io.inspection import InspectedColumn, Inspection, Segment
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels, cleaning
-from dashpot.io.source import about, open_raw
+from dashpot.io.readers.channels import Opened
 from dashpot.io.table import Loaded, Question, Table
 
 _ROLES: dict[str, tuple[Role, ...]] = {
@@ -38,14 +37,16 @@ def inspect_file(path: str | Path, *, options: ReadOptions | None = None) -> Ins
     ReadError
         If the file cannot be opened or holds no table.
     """
-    options = options or ReadOptions()
-    raw = open_raw(path)
-    table = read_table(raw, options)
-    with about(raw):
-        kind, reason = kind_of(table, options)
-        roles, questions = _proposal(table, kind, options)
+    with channels.opened(path, options, sure=False) as file:
+        return _inspected(file)
+
+
+def _inspected(file: Opened) -> Inspection:
+    raw, table, options = file.raw, file.table, file.options
+    kind, reason = kind_of(table, options)
+    roles, questions = _proposal(table, kind, options)
     numbers = [i for i, c in enumerate(table.columns) if c.content in {"number", "clock"}]
-    loaded = channels.load(table, numbers, options, raw.name)
+    loaded = channels.load(table, numbers, options.segment)
     by_index = {i: loaded.values[:, j] for j, i in enumerate(numbers)}
     time = _time(table, by_index, roles, options, len(loaded.values))
     rate, even, duration = _sampling(time, loaded.starts)

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.errors import DataError, ReadError
+from dashpot.base.errors import ReadError
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels, cleaning
-from dashpot.io.source import open_raw
+from dashpot.io.readers.channels import Opened
 from dashpot.io.table import Loaded
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.records.specimen import Specimen
@@ -37,52 +37,53 @@ def read_relaxation(
         If the file cannot be read, or leaves open which column is what or in which unit; the
         sentence says which option answers it.
     """
-    options = options or ReadOptions()
-    raw = open_raw(path)
-    table = channels.test_table(raw, options)
-    roles: list[Role] = ["displacement", "force"]
-    if options.rate is None:
-        roles.insert(0, "time")
-    chosen = channels.choose(raw, table, roles, options)
-    loaded = channels.load(table, [c.index for c in chosen], options, raw.name)
-    channels.enough(loaded, raw.name)
+    with channels.opened(path, options) as file:
+        return relaxation_in(file, specimen or Specimen())
+
+
+def roles(options: ReadOptions) -> list[Role]:
+    """The columns that a relaxation test needs: no clock where a rate is given."""
+    return ["displacement", "force"] if options.rate else ["time", "displacement", "force"]
+
+
+def relaxation_in(file: Opened, specimen: Specimen) -> RelaxationTest:
+    """Return the relaxation test in an opened file."""
+    channels.refuse_summary(file)
+    chosen = channels.choose(file, roles(file.options))
+    loaded = channels.load_test(file, chosen)
     values = {c.role: channels.si(loaded.values[:, j], c.unit) for j, c in enumerate(chosen)}
-    notes = [*table.notes, *channels.rivals(table, chosen, options), *loaded.notes]
-    if options.rate is not None:
-        values["time"] = np.arange(len(loaded.values)) / options.rate
-        notes.append(f"time counted from the rows at {options.rate:g} Hz, as given")
+    notes = [*file.table.notes, *channels.rivals(file, chosen), *loaded.notes]
+    rate = file.options.rate
+    if rate is not None:
+        values["time"] = np.arange(len(loaded.values)) / rate
+        notes.append(f"time counted from the rows at {rate:g} Hz, as given")
     if len(loaded.starts) > 1:
-        notes.append(_joined(values["time"], loaded, raw.name))
+        notes.append(_joined(values["time"], loaded))
     if not np.isfinite(loaded.values).all():
         window = cleaning.ramp_window(values["time"], values["displacement"])
-        names = [c.role for c in chosen]
-        keep, said = cleaning.drop_missing(loaded, names, protect=window, file=raw.name)
+        keep, said = cleaning.drop_missing(loaded, [c.role for c in chosen], protect=window)
         notes += said
         values = {role: column[keep] for role, column in values.items()}
         loaded = channels.rows(loaded, keep)
-    keep, said = cleaning.drop_repeats(values["time"], loaded, file=raw.name)
+    keep, said = cleaning.drop_repeats(values["time"], loaded)
     notes += said
     time, moved, force = (
         values[role] if keep.all() else values[role][keep]
         for role in ("time", "displacement", "force")
     )
-    notes += cleaning.clock_notes(time)
-    notes += cleaning.swapped(moved, force)
-    source = channels.source(raw, table, chosen, notes)
-    try:
-        return RelaxationTest(time, moved, force, specimen or Specimen(), source)
-    except DataError as error:
-        raise ReadError(f"{raw.name}: {error}") from None
+    notes += [*cleaning.clock_notes(time), *cleaning.swapped(moved, force)]
+    source = channels.source(file, [c.says for c in chosen], notes)
+    return RelaxationTest(time, moved, force, specimen, source)
 
 
-def _joined(time: FloatArray, loaded: Loaded, file: str) -> str:
+def _joined(time: FloatArray, loaded: Loaded) -> str:
     """Say that segments were joined; refuse it where their clocks start again."""
     names = [f"{i + 1} {name}".strip() for i, name in enumerate(loaded.segments)]
     listed = ", ".join(names[:8]) + (" ..." if len(names) > 8 else "")
     for start in loaded.starts[1:]:
         if time[start] < time[start - 1]:
             raise ReadError(
-                f"{file}: {len(names)} segments ({listed}), and the clock starts again at "
+                f"{len(names)} segments ({listed}), and the clock starts again at "
                 f"{loaded.where(start)}; choose one, for example --segment 1"
             )
     return f"{len(names)} segments joined into one record: {listed}"

@@ -81,9 +81,7 @@ def _likely(text: str, codec: str) -> float:
     return score
 
 
-def decoded(
-    blocks: Iterable[bytes], encoding: str, name: str, *, found: bool = False
-) -> Iterator[str]:
+def decoded(blocks: Iterable[bytes], encoding: str, *, found: bool = False) -> Iterator[str]:
     """Decode blocks of bytes to text with one kind of line end, each ending with a line end.
 
     Where the encoding was `found`, not given, a stray byte becomes a question mark: it stands in
@@ -98,7 +96,7 @@ def decoded(
         decoder = codecs.getincrementaldecoder(encoding)("replace" if found else "strict")
     except LookupError:
         raise ReadError(
-            f"{name}: encoding '{encoding}' is unknown; give --encoding utf-8, utf-16, cp1252, "
+            f"encoding '{encoding}' is unknown; give --encoding utf-8, utf-16, cp1252, "
             "cp1250 or gb18030"
         ) from None
     rest = ""
@@ -111,13 +109,13 @@ def decoded(
                 yield _ends(text[:cut])
             elif len(rest) > _LONGEST:
                 raise ReadError(
-                    f"{name}: a line of more than {_LONGEST >> 20} million characters; this is no "
+                    f"a line of more than {_LONGEST >> 20} million characters; this is no "
                     "text of rows, or its line ends were lost: export it again"
                 )
         rest += decoder.decode(b"", final=True)
     except UnicodeDecodeError as error:
         raise ReadError(
-            f"{name}: byte 0x{error.object[error.start]:02X} is not {encoding}; "
+            f"byte 0x{error.object[error.start]:02X} is not {encoding}; "
             "give the file's encoding with --encoding, for example --encoding cp1252"
         ) from None
     if rest:

@@ -63,7 +63,7 @@ def _remark(between: Sequence[tuple[int, str]]) -> bool:
 
 
 def load_rows(
-    blocks: Iterator[str], dialect: Dialect, indexes: Sequence[int], *, name: str, first: str = ""
+    blocks: Iterator[str], dialect: Dialect, indexes: Sequence[int], *, first: str = ""
 ) -> Loaded:
     """Return the columns `indexes` of the table, from blocks of whole lines.
 
@@ -75,7 +75,7 @@ def load_rows(
         If a line holds more numbers than there are columns.
     """
     got = _Gathered(segments=[first])
-    reader = _Reader(dialect, tuple(indexes), name)
+    reader = _Reader(dialect, tuple(indexes))
     line = 1
     skipped = dialect.first
     for block in blocks:
@@ -139,10 +139,9 @@ def title(lines: Sequence[str]) -> str:
 class _Reader:
     """Reads blocks of lines for one dialect and one choice of columns."""
 
-    def __init__(self, dialect: Dialect, indexes: tuple[int, ...], name: str) -> None:
+    def __init__(self, dialect: Dialect, indexes: tuple[int, ...]) -> None:
         self.dialect = dialect
         self.indexes = indexes
-        self.name = name
         sign = dialect.delimiter
         self.plain = not sign.startswith("fixed") and not any(
             dialect.contents[i] == "clock" for i in indexes
@@ -268,6 +267,6 @@ class _Reader:
         found = cell.numeric(cells, self.dialect.mark)
         if got.rows and len(cells) > width and sum(found) > len(self.dialect.numbers):
             raise ReadError(
-                f"{self.name}: line {number} has {len(cells)} cells where the table has {width}: "
+                f"line {number} has {len(cells)} cells where the table has {width}: "
                 f"'{line.strip()[:60]}'; the table changes there, split the file at that line"
             )

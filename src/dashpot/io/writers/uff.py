@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from dashpot.io.formats.foreign import extra
 from dashpot.io.formats.uff import COHERENCE, FRF_
+from dashpot.io.source import extra
 from dashpot.records.frf import FRF, Kind
 
 _NUMERATOR = {
@@ -25,7 +25,7 @@ def write_frf_uff(frf: FRF, path: str | Path, *, title: str = "dashpot FRF") -> 
     second dataset 58 (function type 6). The window's shift, the record and the number of averages
     stand in the identification lines.
     """
-    pyuff = extra("pyuff", "pyuff", str(path), "UFF files")
+    pyuff = extra("pyuff", "pyuff", f"{path}: UFF files")
     motion = frf.to(Kind.RECEPTANCE) if frf.kind is Kind.DYNAMIC_STIFFNESS else frf
     stamp = "simulated" if any(source.simulated for source in frf.source) else "NONE"
     number, unit = _NUMERATOR[motion.kind]

@@ -37,7 +37,7 @@ def read(raw: Raw, options: ReadOptions) -> Table:
         if dialect is not None or whole:
             break
     if dialect is None:
-        raise ReadError(_no_table(raw, lines, options))
+        raise ReadError(_no_table(lines, options))
     return _table(raw, encoding, lines, dialect, options)
 
 
@@ -49,20 +49,20 @@ def _lines(raw: Raw, encoding: str, size: int, *, found: bool) -> tuple[list[str
         ("utf-16", "utf-32", "utf_16", "utf_32")
     ):
         raise ReadError(
-            f"{raw.name}: not a text file (zero bytes), and no format that dashpot knows by its "
+            "not a text file (zero bytes), and no format that dashpot knows by its "
             "content; export it as text (csv, txt)"
         )
     if not whole:  # an incremental decoder waits for the rest of a character cut in two
-        text = "".join(_partial(head, encoding, raw.name, found=found))
+        text = "".join(_partial(head, encoding, found=found))
         return text.split("\n")[:-1], False
-    text = "".join(decoded([head], encoding, raw.name, found=found))
+    text = "".join(decoded([head], encoding, found=found))
     return text.removesuffix("\n").split("\n"), True
 
 
-def _partial(head: bytes, encoding: str, name: str, *, found: bool) -> list[str]:
+def _partial(head: bytes, encoding: str, *, found: bool) -> list[str]:
     out = []
     try:
-        for text in decoded([head], encoding, name, found=found):
+        for text in decoded([head], encoding, found=found):
             out.append(text)
     except ReadError:
         # the last character is cut in two; anything else fails again when the rows are read
@@ -97,8 +97,8 @@ def _table(
 
     def load(indexes: Sequence[int]) -> Loaded:
         found = options.encoding is None
-        blocks = decoded(raw.blocks(), encoding, raw.name, found=found)
-        return load_rows(blocks, dialect, indexes, name=raw.name, first=title(header))
+        blocks = decoded(raw.blocks(), encoding, found=found)
+        return load_rows(blocks, dialect, indexes, first=title(header))
 
     return Table(
         format="text",
@@ -138,10 +138,10 @@ def _hints(header: Sequence[str]) -> list[str]:
     return found[:1]
 
 
-def _no_table(raw: Raw, lines: Sequence[str], options: ReadOptions) -> str:
+def _no_table(lines: Sequence[str], options: ReadOptions) -> str:
     filled = [line for line in lines if line.strip()]
     if not filled:
-        return f"{raw.name}: holds nothing but blank lines; export the test again"
+        return "holds nothing but blank lines; export the test again"
     tried = ""
     if options.delimiter or options.decimal:
         tried = " with the delimiter and decimal mark given (leave out --delimiter and --decimal)"
@@ -151,11 +151,11 @@ def _no_table(raw: Raw, lines: Sequence[str], options: ReadOptions) -> str:
         for line in filled
     ):
         return (
-            f"{raw.name}: no numbers under the header{tried}: {len(filled)} lines of text, "
+            f"no numbers under the header{tried}: {len(filled)} lines of text, "
             f"the first is '{first}'; expected rows of numbers below the column names"
         )
     return (
-        f"{raw.name}: no table of numbers found{tried} in {len(filled)} lines, the first is "
+        f"no table of numbers found{tried} in {len(filled)} lines, the first is "
         f"'{first}'; expected rows of equally many numbers, parted by one kind of delimiter "
         "(--delimiter, --decimal, --skip-rows say it)"
     )
