@@ -9,9 +9,9 @@ from pathlib import Path
 from dashpot.base.checks import Check
 from dashpot.base.errors import DashpotError
 from dashpot.base.provenance import Step
-from dashpot.io.inspection import Inspection
 from dashpot.io.options import ReadOptions
 from dashpot.io.read import inspect_file, read_relaxation
+from dashpot.io.readers.inspect import Inspection
 from dashpot.preparation.prepare import prepare
 
 

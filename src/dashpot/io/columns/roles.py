@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from dashpot.base import units
@@ -19,6 +19,12 @@ _EXAMPLE = {
     "storage": "MPa", "loss": "MPa", "temperature": "degC", "modulus": "MPa",
 }  # fmt: skip
 _MODULI = {"storage", "loss", "modulus"}  # of a part they are stiffnesses
+_LESS = (
+    (vocabulary.COMMANDED, 1.5, None),
+    (vocabulary.EXTREMES, 1.0, False),
+    (vocabulary.PARTIAL_TIME, 1.0, True),
+)
+"""Words that speak against a column, by how much, and if they do so of time or of the rest."""
 _WEIGHTS = {"g": "gf", "kg": "kgf", "lb": "lbf"}
 _SENSITIVITY = re.compile(
     r"([\d.]+(?:e[+-]?\d+)?)\s*(m|u|µ)?V\s*/\s*\(?([^()]+)\)?\Z", re.IGNORECASE
@@ -48,82 +54,98 @@ def assign(table: Table, role: Role, options: ReadOptions) -> Assigned | Questio
     if named:
         index = find_column(table.columns, str(named), f"--{role}")
         return Assigned(role, index, f"named by --{role}")
-    scored = sorted(
-        ((score(column, role, options), -i) for i, column in enumerate(table.columns)), reverse=True
-    )
-    scored = [(s, -i) for s, i in scored if s >= 1.0]
-    if not scored:
+    suited = _suited(table, role, options)
+    if not suited:
         return Question(_nothing(table, role), f"--{role} NAME")
-    top, index = scored[0]
-    rivals = tuple(i for s, i in scored[1:] if s > top - _SAME)
-    if rivals:
-        labels = [quoted(table.columns, i) for i in sorted((index, *rivals))]
-        listed = ", ".join(labels[:-1]) + " and " + labels[-1]
-        best = handle(table.columns, index)
-        return Question(
-            f'{listed} could each be the {role}; say which, for example --{role} "{best}"',
-            f"--{role} NAME",
+    (top, index), *others = suited
+    equals = sorted([index, *(i for value, i in others if value > top - _SAME)])
+    if len(equals) > 1:
+        *labels, last = (quoted(table.columns, i) for i in equals)
+        says = (
+            f"{', '.join(labels)} and {last} could each be the {role}; say which, for example "
+            f'--{role} "{handle(table.columns, index)}"'
         )
-    others = tuple(i for _, i in scored[1:])
-    return Assigned(role, index, _reason(table.columns[index], role), others)
+        return Question(says, f"--{role} NAME")
+    reason = _reason(table.columns[index], role)
+    return Assigned(role, index, reason, tuple(i for _, i in others))
+
+
+def _suited(table: Table, role: Role, options: ReadOptions) -> list[tuple[float, int]]:
+    """The columns that could play a role with their scores, the best first."""
+    scored = ((score(column, role, options), -i) for i, column in enumerate(table.columns))
+    return [(value, -i) for value, i in sorted(scored, reverse=True) if value >= 1.0]
 
 
 def accelerations(table: Table, taken: Sequence[int], options: ReadOptions) -> tuple[int, ...]:
     """Return every acceleration column, as named or as found."""
     if options.acceleration:
         return tuple(find_column(table.columns, n, "--acceleration") for n in options.acceleration)
-    scores = {
-        i: score(column, "acceleration", options)
-        for i, column in enumerate(table.columns)
-        if i not in taken and vocabulary.matches(column.name).get("force", 0.0) < 1.5
-    }
+    free = {i: c for i, c in enumerate(table.columns) if i not in taken and not _is_force(c)}
+    return _likely_accelerations(free, options)
+
+
+def _likely_accelerations(free: Mapping[int, Column], options: ReadOptions) -> tuple[int, ...]:
+    scores = {i: score(column, "acceleration", options) for i, column in free.items()}
     best = max(scores.values(), default=0.0)
     if best < 1.0:  # named so, but in volts or the like: the question is the unit
-        return tuple(i for i in scores if _named(table.columns[i], "acceleration"))
-    # one unit-only column beside named ones is something else
-    floor = 1.0 if best < 2.0 else 1.5 if best < 3.5 else best - 1.5
-    return tuple(i for i, s in scores.items() if s >= max(1.0, floor))
+        return tuple(i for i, column in free.items() if _is_named_acceleration(column))
+    return tuple(i for i, value in scores.items() if value >= _floor(best))
 
 
-def _named(column: Column, role: Role) -> bool:
-    says = vocabulary.matches(column.name).get(role, 0.0)
+def _floor(best: float) -> float:
+    """The least score beside the best: one unit-only column beside named ones is something else."""
+    if best < 2.0:
+        return 1.0
+    return max(1.5, best - 1.5) if best >= 3.5 else 1.5
+
+
+def _is_force(column: Column) -> bool:
+    return vocabulary.matches(column.name).get("force", 0.0) >= 1.5
+
+
+def _is_named_acceleration(column: Column) -> bool:
+    says = vocabulary.matches(column.name).get("acceleration", 0.0)
     return column.content == "number" and says >= 2.5
 
 
 def score(column: Column, role: Role, options: ReadOptions) -> float:
     """How well a column's name and unit suit a role; 0 if it cannot play it."""
-    if column.content not in {"number", "clock"}:
+    if column.content not in ({"number", "clock"} if role == "time" else {"number"}):
         return 0.0
-    if column.content == "clock" and role != "time":
-        return 0.0
-    says = vocabulary.matches(column.name)
-    value = says.get(role, 0.0)
-    dimension = DIMENSION.get(role)
-    word = _given(column, role, options, by_role=value >= 1.5) or column.unit
-    fits = False
-    if word is not None and dimension is not None:
-        fits = units.find(word, dimension) is not None or (
-            role in _MODULI and units.find(word, "stiffness") is not None
-        )
-        if not fits and units.find(word) is not None and not _SENSITIVITY.match(word):
-            return 0.0
-    if fits:
-        # "Force" in mm is no force; "x" in N may well be one
-        other = max(
-            (s for r, s in says.items() if r != role and DIMENSION.get(r) == dimension), default=0.0
-        )
-        value = value + 1.0 if value else (1.0 if other < 2.0 else 0.0)
+    value = _said(column, role, options)
     if value == 0.0:
         return 0.0
     if vocabulary.has_word(column.name, vocabulary.DERIVED):
         return 0.5
-    if vocabulary.has_word(column.name, vocabulary.COMMANDED):
-        value -= 1.5
-    if role != "time" and vocabulary.has_word(column.name, vocabulary.EXTREMES):
-        value -= 1.0
-    if role == "time" and vocabulary.has_word(column.name, vocabulary.PARTIAL_TIME):
-        value -= 1.0
+    for words, less, of_time in _LESS:
+        if of_time in {None, role == "time"} and vocabulary.has_word(column.name, words):
+            value -= less
     return value
+
+
+def _said(column: Column, role: Role, options: ReadOptions) -> float:
+    """How well the name says a role, one more where the unit fits; 0 if the unit forbids it."""
+    says = vocabulary.matches(column.name)
+    value = says.get(role, 0.0)
+    word = _given(column, role, options, by_role=value >= 1.5) or column.unit
+    fits = word is not None and _fits(word, role)
+    if fits is None:
+        return 0.0
+    if value or not fits:
+        return value + fits
+    # "Force" in mm is no force; "x" in N may well be one
+    same = (s for r, s in says.items() if DIMENSION.get(r) == DIMENSION[role])
+    return float(max(same, default=0.0) < 2.0)
+
+
+def _fits(word: str, role: Role) -> bool | None:
+    """Whether a unit word is one of a role: None where it measures something else."""
+    dimension = DIMENSION.get(role)
+    if dimension is None:
+        return False
+    if units.find(word, dimension) or (role in _MODULI and units.find(word, "stiffness")):
+        return True
+    return False if units.find(word) is None or _SENSITIVITY.match(word) else None
 
 
 def _given(column: Column, role: Role, options: ReadOptions, *, by_role: bool) -> str | None:
@@ -146,31 +168,35 @@ def _reason(column: Column, role: Role) -> str:
 def _nothing(table: Table, role: Role) -> str:
     """Why no column was found for a role: a wrong label is worth naming."""
     for column in table.columns:
-        says = vocabulary.matches(column.name)
-        word = column.unit or ""
-        fits = any(r in DIMENSION and units.find(word, DIMENSION[r]) for r in says)
-        meant = says.get(role, 0.0) >= max([1.5, *says.values()])
-        if meant and not fits and units.find(word) is not None:
+        if _is_mislabelled(column, role):
             return mislabelled(column, role)
-    dimension = DIMENSION.get(role)
-    more = ", or --rate 1000Hz if the rows are evenly spaced in time" if role == "time" else ""
-    if more and table.hints:
-        more = "; " + "; ".join(table.hints)
-    kind = f" (a unit of {dimension} would show it)" if dimension else ""
+    more = ""
+    if role == "time":
+        guess = "or --rate 1000Hz if the rows are evenly spaced in time"
+        more = "; " + "; ".join(table.hints) if table.hints else f", {guess}"
+    kind = f" (a unit of {DIMENSION[role]} would show it)" if role in DIMENSION else ""
     return (
         f"no column is recognised as {role}{kind}; the columns are {list_columns(table.columns)}; "
         f'name it by its name or number, for example --{role} "{_example(table, role)}"{more}'
     )
 
 
+def _is_mislabelled(column: Column, role: Role) -> bool:
+    """Whether the name says the role best, but the unit suits nothing that the name says."""
+    says, word = vocabulary.matches(column.name), column.unit or ""
+    meant = says.get(role, 0.0) >= max([1.5, *says.values()])
+    fits = any(units.find(word, DIMENSION[r]) for r in says if r in DIMENSION)
+    return meant and not fits and units.find(word) is not None
+
+
 def _example(table: Table, role: Role) -> str:
     """A column that could be meant: one whose name says nothing else."""
-    numbers = [i for i, c in enumerate(table.columns) if c.content == "number"]
+    numbers = [i for i, c in enumerate(table.columns) if c.content == "number"] or [0]
     free = [i for i in numbers if not vocabulary.matches(table.columns[i].name)]
     place = {"displacement": 1, "force": 2}.get(role, 0)
-    unnamed = free and not any(table.columns[i].name for i in free)
-    index = free[min(place, len(free) - 1)] if unnamed else (free or numbers or [0])[0]
-    return handle(table.columns, index) if table.columns else "NAME"
+    if not any(table.columns[i].name for i in free):
+        free = free[place:] or free[-1:]
+    return handle(table.columns, (free or numbers)[0])
 
 
 def mislabelled(column: Column, role: Role) -> str:
@@ -227,30 +253,25 @@ def unit_for(column: Column, number: int, role: Role, options: ReadOptions) -> U
         If no unit is given, or the one given is unknown or measures something else.
     """
     dimension = DIMENSION[role]
-    said = options.unit_of(role, column.name)
     example = _EXAMPLE.get(role, "")
     label = column.name or f"column {number}"
-    if said is None and column.unit is None:
+    said = options.unit_of(role, column.name)
+    word = column.unit if said is None else said
+    advice = f'add --units "{role}={example}"'
+    if word is None:
+        header = f"{column.name or role} [{example}]"
         raise ReadError(
-            f"'{label}' ({role}) has no unit; add --units \"{role}={example}\", or write the unit "
-            f"into the header as '{column.name or role} [{example}]'"
+            f"'{label}' ({role}) has no unit; {advice}, or write the unit into the header as "
+            f"'{header}'"
         )
-    word = said if said is not None else str(column.unit)
-    scaled = sensitivity(word, dimension, column.unit if said is not None else None)
-    if scaled is not None:
-        return scaled
+    scaled = sensitivity(word, dimension, None if said is None else column.unit)
+    stiffness = units.find(word, "stiffness") if role in _MODULI else None
     try:
-        return _modulus_or(word, role, dimension)
+        return scaled or stiffness or units.parse_unit(word, dimension)
     except DataError as error:
-        if said is None and units.find(word) is not None:
-            raise ReadError(mislabelled(column, role)) from None
-        raise ReadError(f"'{label}' ({role}): {error}; add --units \"{role}={example}\"") from None
-
-
-def _modulus_or(word: str, role: Role, dimension: Dimension) -> Unit:
-    if role in _MODULI and (stiffness := units.find(word, "stiffness")) is not None:
-        return stiffness
-    return units.parse_unit(word, dimension)
+        wrong = said is None and units.find(word) is not None
+        text = mislabelled(column, role) if wrong else f"'{label}' ({role}): {error}; {advice}"
+        raise ReadError(text) from None
 
 
 def sensitivity(word: str, dimension: Dimension, column_unit: str | None) -> Unit | None:

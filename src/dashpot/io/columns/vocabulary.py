@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from collections.abc import Iterator
 from functools import lru_cache
 from types import MappingProxyType
 from typing import Literal, TypeAlias
@@ -160,27 +161,28 @@ def has_word(name: str, words: tuple[str, ...]) -> bool:
     return any(w in found or (ord(w[0]) > 0x3000 and w in name) for w in words)
 
 
+def _says(spelling: str) -> Iterator[tuple[Role, float]]:
+    """The roles that one word may mean, and how surely."""
+    first = FIRST.get(spelling, ())
+    yield from ((role, 3.0) for role in first)
+    yield from ((role, 1.5) for role in SECOND.get(spelling, ()))
+    for stem, roles in () if first else _STEMS:
+        # German puts the head of a compound last: Standardkraft is a force
+        east = ord(stem[0]) > 0x3000 and stem in spelling
+        if len(spelling) > len(stem) and (spelling.endswith(stem) or east):
+            yield from ((role, 2.5) for role in roles)
+
+
 @lru_cache(maxsize=4096)
 def matches(name: str) -> MappingProxyType[Role, float]:
     """How well a name says each role: 3 exactly, 2.5 as a part of a word, 1.5 perhaps."""
     scores: dict[Role, float] = {}
-
-    def note(roles: tuple[Role, ...], score: float) -> None:
-        for role in roles:
-            scores[role] = max(score, scores.get(role, 0.0))
-
     whole = unicodedata.normalize("NFKC", name).casefold().strip().replace(" ", "_")
     found = tokens(name)
     stems = {word.rstrip("0123456789") for word in found} - {*found, ""}
     for word in {whole, *found, *stems}:
         less = 0.3 if word in stems else 0.0  # T beats T2, Force beats Force 1
         for spelling in {word, bare(word)}:
-            note(FIRST.get(spelling, ()), 3.0 - less)
-            note(SECOND.get(spelling, ()), 1.5 - less)
-            if not FIRST.get(spelling):
-                for stem, roles in _STEMS:
-                    # German puts the head of a compound last: Standardkraft is a force
-                    east = ord(stem[0]) > 0x3000 and stem in spelling
-                    if len(spelling) > len(stem) and (spelling.endswith(stem) or east):
-                        note(roles, 2.5 - less)
+            for role, value in _says(spelling):
+                scores[role] = max(value - less, scores.get(role, 0.0))
     return MappingProxyType(scores)
