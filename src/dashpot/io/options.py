@@ -105,17 +105,8 @@ class ReadOptions:
             raise DataError(f"skip_rows = {self.skip_rows}; expected a number of lines >= 0")
         if self.segment is not None and self.segment < 1:
             raise DataError(f"segment = {self.segment}; segments are counted from 1")
-        if self.delimiter is not None:
-            mark = _DELIMITERS.get(self.delimiter.lower(), self.delimiter)
-            if len(mark) != 1 and mark != "fixed":
-                words = ", ".join(_DELIMITERS)
-                raise DataError(f"delimiter '{self.delimiter}'; expected one character or {words}")
-            object.__setattr__(self, "delimiter", mark)
-        if self.decimal is not None:
-            mark = _DECIMALS.get(self.decimal.lower(), self.decimal)
-            if mark not in {".", ","}:
-                raise DataError(f"decimal mark '{self.decimal}'; expected '.' or ','")
-            object.__setattr__(self, "decimal", mark)
+        object.__setattr__(self, "delimiter", _delimiter(self.delimiter))
+        object.__setattr__(self, "decimal", _decimal(self.decimal))
 
     def unit_of(self, role: str, column: str) -> str | None:
         """The unit given for a column, by its name or by its role, or None."""
@@ -136,3 +127,18 @@ class ReadOptions:
         }
         said["units"] = {**dict(profile.units), **dict(self.units)}
         return replace(profile, **said)
+
+
+def _delimiter(word: str | None) -> str | None:
+    mark = word and _DELIMITERS.get(word.lower(), word)
+    if mark is not None and len(mark) != 1 and mark != "fixed":
+        words = ", ".join(_DELIMITERS)
+        raise DataError(f"delimiter '{word}'; expected one character or {words}")
+    return mark
+
+
+def _decimal(word: str | None) -> str | None:
+    mark = word and _DECIMALS.get(word.lower(), word)
+    if mark not in {".", ",", None}:
+        raise DataError(f"decimal mark '{word}'; expected '.' or ','")
+    return mark

@@ -66,24 +66,25 @@ def _from_toml(content: dict[str, Any]) -> ReadOptions:
     said: dict[str, Any] = {}
     for section, entries in content.items():
         if section == "rate":
-            said["rate"] = (
-                parse_quantity(entries, "frequency") if isinstance(entries, str) else float(entries)
-            )
+            given = isinstance(entries, str)
+            said["rate"] = parse_quantity(entries, "frequency") if given else float(entries)
         elif section == "units":
             said["units"] = {str(name): str(unit) for name, unit in entries.items()}
         elif section in _SECTIONS:
-            for name, value in entries.items():
-                if name not in _SECTIONS[section]:
-                    known = ", ".join(_SECTIONS[section])
-                    raise DataError(f"[{section}] {name} is unknown; known are {known}")
-                if name == "acceleration":
-                    said[name] = (value,) if isinstance(value, str) else tuple(map(str, value))
-                else:
-                    said[name] = int(value) if name in {"skip_rows", "segment"} else str(value)
+            said |= {name: _option(section, name, value) for name, value in entries.items()}
         else:
             known = ", ".join(["rate", "units", *_SECTIONS])
             raise DataError(f"'{section}' is unknown in a profile; known are {known}")
     return ReadOptions(**said)
+
+
+def _option(section: str, name: str, value: Any) -> Any:
+    if name not in _SECTIONS[section]:
+        known = ", ".join(_SECTIONS[section])
+        raise DataError(f"[{section}] {name} is unknown; known are {known}")
+    if name == "acceleration":
+        return (value,) if isinstance(value, str) else tuple(map(str, value))
+    return int(value) if name in {"skip_rows", "segment"} else str(value)
 
 
 def _toml(value: object) -> str:

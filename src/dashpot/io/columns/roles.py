@@ -253,24 +253,22 @@ def unit_for(column: Column, number: int, role: Role, options: ReadOptions) -> U
         If no unit is given, or the one given is unknown or measures something else.
     """
     dimension = DIMENSION[role]
-    example = _EXAMPLE.get(role, "")
-    label = column.name or f"column {number}"
     said = options.unit_of(role, column.name)
     word = column.unit if said is None else said
-    advice = f'add --units "{role}={example}"'
+    label = f"'{column.name or f'column {number}'}' ({role})"
+    advice = f'add --units "{role}={_EXAMPLE.get(role, "")}"'
     if word is None:
-        header = f"{column.name or role} [{example}]"
+        header = f"{column.name or role} [{_EXAMPLE.get(role, '')}]"
         raise ReadError(
-            f"'{label}' ({role}) has no unit; {advice}, or write the unit into the header as "
-            f"'{header}'"
+            f"{label} has no unit; {advice}, or write the unit into the header as '{header}'"
         )
-    scaled = sensitivity(word, dimension, None if said is None else column.unit)
     stiffness = units.find(word, "stiffness") if role in _MODULI else None
     try:
-        return scaled or stiffness or units.parse_unit(word, dimension)
+        sensed = sensitivity(word, dimension, None if said is None else column.unit)
+        return sensed or stiffness or units.parse_unit(word, dimension)
     except DataError as error:
         wrong = said is None and units.find(word) is not None
-        text = mislabelled(column, role) if wrong else f"'{label}' ({role}): {error}; {advice}"
+        text = mislabelled(column, role) if wrong else f"{label}: {error}; {advice}"
         raise ReadError(text) from None
 
 

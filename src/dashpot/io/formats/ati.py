@@ -208,16 +208,9 @@ def _loads(calibration: Calibration, volts: FloatArray, axis: str) -> tuple[Floa
 
 def _gauges(table: Table) -> tuple[list[int], float]:
     """The six gauge columns in the order of their numbers, and the factor to volts."""
-    numbered: dict[int, int] = {}
-    volts = {}
-    for i, column in enumerate(table.columns):
-        match = _GAUGE.fullmatch(column.name)
-        if match and column.content == "number":
-            numbered.setdefault(int(match[1]), i)
-        unit = units.find(column.unit or "", "voltage")
-        if unit is not None:
-            volts[i] = unit.factor
-    gauges = [numbered[key] for key in sorted(numbered)] if len(numbered) == 6 else list(volts)
+    found = [units.find(column.unit or "", "voltage") for column in table.columns]
+    volts = {i: unit.factor for i, unit in enumerate(found) if unit is not None}
+    gauges = _numbered(table) or list(volts)
     if len(gauges) != 6:
         raise ReadError(
             f"--calibration needs six columns of gauge voltages, found {len(gauges)}; name "
@@ -229,3 +222,13 @@ def _gauges(table: Table) -> tuple[list[int], float]:
             "the gauge columns need one unit of voltage; write it as 'G0 [V]' in the header"
         )
     return gauges, factors.pop()
+
+
+def _numbered(table: Table) -> list[int]:
+    """The six columns that are called gauges by number, in that order; none if not six."""
+    found: dict[int, int] = {}
+    for i, column in enumerate(table.columns):
+        match = _GAUGE.fullmatch(column.name)
+        if match and column.content == "number":
+            found.setdefault(int(match[1]), i)
+    return [found[number] for number in sorted(found)] if len(found) == 6 else []

@@ -34,33 +34,30 @@ def gather(arrays: Sequence[Named], *, format_: str, notes: Sequence[str] = ()) 
     ReadError
         If no two arrays, nor one wide array, could be a test.
     """
-    vectors = [array for array in _columns(arrays) if array.values.size >= 2]
+    vectors = _vectors(arrays)
     if not vectors:
         raise ReadError(f"no numeric channels found in this {format_} file")
     counts = Counter(array.values.size for array in vectors)
     length = max(counts, key=lambda size: (counts[size] > 1, counts[size] * size))
     kept = [array for array in vectors if array.values.size == length]
     left = [array.name for array in vectors if array.values.size != length]
-    notes = list(notes)
-    if left:
-        notes.append(
-            f"{len(left)} arrays of another length than {length} were passed over: "
-            + ", ".join(left[:5])
-        )
-    columns = [
-        Column(*((array.name, array.unit) if array.unit else part_unit(array.name)))
-        for array in kept
-    ]
+    passed = f"{len(left)} arrays of another length than {length} were passed over: " + ", ".join(
+        left[:5]
+    )
     return Table(
         format=format_,
-        columns=tuple(columns),
+        columns=tuple(map(_column, kept)),
         load=in_memory(np.column_stack([array.values for array in kept])),
-        notes=tuple(notes),
+        notes=(*notes, passed) if left else tuple(notes),
         hints=tuple(_hints(arrays)),
     )
 
 
-def _columns(arrays: Sequence[Named]) -> list[Named]:
+def _column(array: Named) -> Column:
+    return Column(array.name, array.unit) if array.unit else Column(*part_unit(array.name))
+
+
+def _vectors(arrays: Sequence[Named]) -> list[Named]:
     """Vectors as they are; a matrix as one vector for each of its columns."""
     out = []
     for array in arrays:
@@ -72,7 +69,7 @@ def _columns(arrays: Sequence[Named]) -> list[Named]:
             out += [
                 Named(f"{array.name} {i + 1}", tall[:, i], array.unit) for i in range(tall.shape[1])
             ]
-    return out
+    return [array for array in out if array.values.size >= 2]
 
 
 def _hints(arrays: Sequence[Named]) -> list[str]:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.io.formats.gathering import Named, gather, real
 from dashpot.io.options import ReadOptions
@@ -14,6 +15,7 @@ from dashpot.io.table import Table
 
 _UNIT = ("unit", "units", "Unit", "Units", "unit_string", "UNIT")
 _NAMES = ("columns", "names", "channels", "column_names", "fields")
+_INNER = {"data", "values"}
 _TEXT = 1000
 _LARGEST = 1 << 28
 """Values in one dataset; a small file can claim any number of them."""
@@ -45,7 +47,7 @@ def read(raw: Raw, options: ReadOptions) -> Table:
 def _walk(node: Any, name: str, arrays: list[Named], notes: list[str]) -> None:
     if hasattr(node, "dtype"):
         if node.size is not None and node.size <= _LARGEST:
-            _dataset(node, name, arrays)
+            arrays += _dataset(node, name)
         else:
             notes.append(f"'{name}' with {node.size} values was passed over")
         return
@@ -54,29 +56,33 @@ def _walk(node: Any, name: str, arrays: list[Named], notes: list[str]) -> None:
             _walk(child, f"{name}.{key}".strip("."), arrays, notes)
 
 
-def _dataset(node: Any, name: str, arrays: list[Named]) -> None:
-    if node.dtype.names:  # a table of named fields
+def _dataset(node: Any, name: str) -> list[Named]:
+    """The numbers of one dataset, parted where its columns or fields have names."""
+    if node.dtype.names:
         whole = node[()]
-        for field in node.dtype.names:
-            numbers = real(whole[field])
-            if numbers is not None:
-                arrays.append(Named(field, numbers, None))
-        return
-    if _word(node.attrs.get("MATLAB_class")) == "char":
-        return
-    numbers = real(node[()]) if node.dtype.kind in "iufb" else None
+        fields = ((field, real(whole[field])) for field in node.dtype.names)
+        return [Named(field, numbers) for field, numbers in fields if numbers is not None]
+    text = _word(node.attrs.get("MATLAB_class")) == "char"
+    numbers = None if text or node.dtype.kind not in "iufb" else real(node[()])
     if numbers is None:
-        return
+        return []
     unit = _unit(node)
+    return _parted(node, name, numbers) or [Named(_stem(name) if unit else name, numbers, unit)]
+
+
+def _parted(node: Any, name: str, numbers: FloatArray) -> list[Named]:
+    """The columns of a matrix by the names in an attribute, if it has one for each."""
     names = next((node.attrs[key] for key in _NAMES if key in node.attrs), None)
-    if names is not None and numbers.ndim == 2 and len(names) in numbers.shape:
-        tall = numbers if numbers.shape[1] == len(names) else numbers.T
-        arrays.extend(Named(_word(n) or name, tall[:, i]) for i, n in enumerate(names))
-        return
+    if names is None or numbers.ndim != 2 or len(names) not in numbers.shape:
+        return []
+    tall = numbers if numbers.shape[1] == len(names) else numbers.T
+    return [Named(_word(n) or name, tall[:, i]) for i, n in enumerate(names)]
+
+
+def _stem(name: str) -> str:
+    """The struct that ``struct.data`` is the numbers of."""
     stem, _, last = name.rpartition(".")
-    arrays.append(
-        Named(stem if unit and stem and last in {"data", "values"} else name, numbers, unit)
-    )
+    return stem if stem and last in _INNER else name
 
 
 def _unit(node: Any) -> str | None:
@@ -84,9 +90,7 @@ def _unit(node: Any) -> str | None:
         if key in node.attrs:
             return _word(node.attrs[key])
     for key in _UNIT:
-        beside = (
-            node.parent.get(key) if node.name.rsplit("/", 1)[-1] in {"data", "values"} else None
-        )
+        beside = node.parent.get(key) if node.name.rsplit("/", 1)[-1] in _INNER else None
         if beside is not None and beside.size < _TEXT:
             return _word(beside[()])
     return None

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal, InvalidOperation
+from itertools import chain
 
 import numpy as np
 
@@ -44,6 +45,33 @@ class _Segment:
     half_digit: float
 
 
+@dataclass(frozen=True)
+class _Rows:
+    """The rows under the headers, and whether their time (column 0) is counted."""
+
+    dialect: Dialect
+    clocks: tuple[int, ...]
+    counted: bool
+    segments: tuple[_Segment, ...]
+
+    def __post_init__(self) -> None:
+        if not self.signals():
+            raise ReadError("no rows of numbers under the LVM header")
+
+    def signals(self) -> list[int]:
+        return [i for i in self.dialect.numbers if i not in self.clocks]
+
+    def load(self, blocks: Iterator[str], indexes: Sequence[int]) -> Loaded:
+        wanted = [i for i in indexes if not (self.counted and i == 0)]
+        loaded = load_rows(blocks, self.dialect, wanted or self.signals()[:1])
+        loaded = _stacked(loaded, self.segments)
+        if len(wanted) == len(indexes):
+            return loaded
+        column = dict(zip(wanted, loaded.values.T, strict=False))
+        column[0] = _counted(loaded, self.segments)
+        return replace(loaded, values=np.column_stack([column[i] for i in indexes]))
+
+
 def read(raw: Raw, options: ReadOptions) -> Table:
     """Return the channels of an LVM file; each segment, and each record stacked in one, parts.
 
@@ -59,38 +87,22 @@ def read(raw: Raw, options: ReadOptions) -> Table:
     found = options.encoding is None
     first = next(decoded([raw.head(_HEAD)], encoding, found=found), "")
     lines = first.split("\n")
-    ends = [i for i, line in enumerate(lines) if line.startswith(_END)]
-    if len(ends) < 2 or ends[1] + 1 >= len(lines):
-        raise ReadError(f"an LVM file without two '{_END}' lines and channel names")
+    top = _top(lines)
     sign = "," if re.search(r"^Separator[\t,]Comma", first, re.MULTILINE) else "\t"
-    names = cell.split(lines[ends[1] + 1], sign)
-    top = ends[1] + 2
     mark = _mark(first, lines[top : top + 50], sign, options)
     segments = _segments(decoded(raw.blocks(), encoding, found=found), sign, mark)
-    if not segments or any(s.channels != segments[0].channels for s in segments):
-        raise ReadError("the LVM segments differ in their channels; export them apart")
-    comment = bool(names) and names[-1].casefold() == "comment"
-    names = names[:-1] if comment else names
-    clocks = [i for i, name in enumerate(names) if name.casefold().startswith("x_value")]
+    names, clocks = _names(lines[top - 1], sign)
     counted = not any(_filled(line, clocks, sign) for line in lines[top : top + 20])
     dialect = Dialect(sign, mark, _contents(names, clocks, lines[top : top + 200], sign, mark), top)
-    if not any(i not in clocks for i in dialect.numbers):
-        raise ReadError("no rows of numbers under the LVM header")
+    rows = _Rows(dialect, tuple(clocks), counted, tuple(segments))
     columns = _columns(names, clocks, segments[0], dialect.contents)
-    notes, doubts = _rate(segments[0], counted)
-    if len(set(segments[0].step[: len(columns)])) > 1 and _unlike(segments[0]):
+    if _unlike(segments[0], len(columns)):
         raise ReadError("channels have different Delta_X; export them at one rate")
+    asks = counted and options.rate is None
+    notes, doubts = _rate(segments[0]) if asks else ((), ())
 
     def load(indexes: Sequence[int]) -> Loaded:
-        blocks = decoded(raw.blocks(), encoding, found=found)
-        wanted = [i for i in indexes if not (counted and i == 0)]
-        read_for = wanted or [next(i for i in dialect.numbers if i not in clocks)]
-        loaded = _stacked(load_rows(blocks, dialect, read_for), segments)
-        if not (counted and 0 in indexes):
-            return loaded
-        time = _counted(loaded, segments)
-        stack = [time if i == 0 else loaded.values[:, wanted.index(i)] for i in indexes]
-        return replace(loaded, values=np.column_stack(stack))
+        return rows.load(decoded(raw.blocks(), encoding, found=found), indexes)
 
     return Table(
         format="LVM",
@@ -99,11 +111,27 @@ def read(raw: Raw, options: ReadOptions) -> Table:
         encoding=encoding,
         delimiter="comma" if sign == "," else "tab",
         decimal="comma" if mark == "," else "point",
-        header=tuple(line for line in lines[: ends[1]] if line.strip()),
-        notes=() if options.rate is not None else tuple(notes),
-        simulated=any("simulated" in line.casefold() for line in lines[: ends[1]]),
-        doubts=() if options.rate is not None else doubts,
+        header=tuple(filter(str.strip, lines[: top - 2])),
+        notes=notes,
+        simulated="simulated" in "\n".join(lines[: top - 2]).casefold(),
+        doubts=doubts,
     )
+
+
+def _top(lines: Sequence[str]) -> int:
+    """The line of the first row: two below the end of the second header."""
+    ends = [i for i, line in enumerate(lines) if line.startswith(_END)]
+    if len(ends) < 2 or ends[1] + 1 >= len(lines):
+        raise ReadError(f"an LVM file without two '{_END}' lines and channel names")
+    return ends[1] + 2
+
+
+def _names(line: str, sign: str) -> tuple[list[str], list[int]]:
+    """The names of the columns, without the comment, and which are clocks."""
+    names = cell.split(line, sign)
+    if names and names[-1].casefold() == "comment":
+        names.pop()
+    return names, [i for i, name in enumerate(names) if name.casefold().startswith("x_value")]
 
 
 def _mark(head: str, rows: Sequence[str], sign: str, options: ReadOptions) -> Mark:
@@ -117,19 +145,21 @@ def _mark(head: str, rows: Sequence[str], sign: str, options: ReadOptions) -> Ma
 
 
 def _segments(blocks: Iterable[str], sign: str, mark: Mark) -> list[_Segment]:
-    found: list[_Segment] = []
-    said: dict[str, list[str]] = {}
-    for block in blocks:
-        if "\nDelta_X" not in block and "\nChannels" not in block:
-            continue
-        for key, rest in _KEYS.findall(block):
-            if key == "Channels" and said.get("Channels"):
-                found.append(_segment(said, mark))
-                said = {}
-            said[key] = [text.strip() for text in rest.split(sign)]
-    if said.get("Channels"):
-        found.append(_segment(said, mark))
+    found = [_segment(said, mark) for said in _headers(blocks, sign) if "Channels" in said]
+    if len({segment.channels for segment in found}) != 1:
+        raise ReadError("the LVM segments differ in their channels; export them apart")
     return found
+
+
+def _headers(blocks: Iterable[str], sign: str) -> list[dict[str, list[str]]]:
+    """What each header says: the cells after its keys."""
+    headers: list[dict[str, list[str]]] = [{}]
+    with_keys = (block for block in blocks if "\nDelta_X" in block or "\nChannels" in block)
+    for key, rest in chain.from_iterable(map(_KEYS.findall, with_keys)):
+        if key == "Channels" and key in headers[-1]:
+            headers.append({})
+        headers[-1][key] = [text.strip() for text in rest.split(sign)]
+    return headers
 
 
 def _segment(said: dict[str, list[str]], mark: Mark) -> _Segment:
@@ -158,9 +188,10 @@ def _half_digit(text: str) -> float:
     return 0.5 * 10.0**exponent if isinstance(exponent, int) and abs(exponent) < 300 else 0.0
 
 
-def _unlike(segment: _Segment) -> bool:
-    filled = [step for step, n in zip(segment.step, segment.samples, strict=False) if n > 0]
-    return len(set(filled)) > 1
+def _unlike(segment: _Segment, columns: int) -> bool:
+    """Whether the channels that hold samples differ in their step."""
+    filled = {step for step, n in zip(segment.step, segment.samples, strict=False) if n > 0}
+    return len(set(segment.step[:columns])) > 1 and len(filled) > 1
 
 
 def _filled(line: str, clocks: Sequence[int], sign: str) -> bool:
@@ -186,38 +217,33 @@ def _columns(
     names: Sequence[str], clocks: Sequence[int], segment: _Segment, contents: Sequence[Content]
 ) -> list[Column]:
     """Names, and the unit labels, which stand over the channels."""
-    multi = len(clocks) > 1
     columns = []
     for i, name in enumerate(names):
         if i in clocks:
-            repeated: Content = "text" if i != clocks[0] else "number"
-            columns.append(Column("X_Value", "s", repeated))
+            columns.append(Column("X_Value", "s", "number" if i == clocks[0] else "text"))
             continue
         # the labels follow the key "Y_Unit_Label" itself, so that they stand one to the left
-        place = i - (len([c for c in clocks if c < i]) if not multi else 1)
-        unit = segment.units[place] if 0 <= place < len(segment.units) else ""
+        place = i - (1 if len(clocks) > 1 else sum(c < i for c in clocks))
+        unit = dict(enumerate(segment.units)).get(place, "")
         stem, inner = part_unit(name)
-        label = stem if inner and not unit else name
-        columns.append(Column(label, unit or inner, contents[i]))
+        columns.append(Column(stem if inner and not unit else name, unit or inner, contents[i]))
     return columns
 
 
-def _rate(segment: _Segment, counted: bool) -> tuple[list[str], tuple[Question, ...]]:
+def _rate(segment: _Segment) -> tuple[tuple[str, ...], tuple[Question, ...]]:
     """A note where the step is printed with so few digits that the rate is uncertain."""
-    if not counted:
-        return [], ()
     if not segment.step or segment.step[0] <= 0:
         says = "there is no column of time and no Delta_X; give the rate, --rate 1000Hz"
-        return [], (Question(says, "--rate RATE"),)
+        return (), (Question(says, "--rate RATE"),)
     rate = 1 / segment.step[0]
     doubt = segment.half_digit / segment.step[0]
     if doubt < _SURE or abs(rate - round(rate)) < 1e-6 * rate:
-        return [], ()
+        return (), ()
     says = (
         f"Delta_X = {segment.step[0]:g} s is rounded: the rate is {rate:.2f} Hz, give or take "
         f"{doubt * rate:.1f} Hz; if you know it, say it, for example --rate {_likely(rate)}Hz"
     )
-    return [says], ()
+    return (says,), ()
 
 
 def _likely(rate: float) -> int:
@@ -226,35 +252,34 @@ def _likely(rate: float) -> int:
     return power if abs(power / rate - 1) < 1e-3 else max(1, round(rate))
 
 
+def _parts(loaded: Loaded, segments: Sequence[_Segment]) -> Iterator[tuple[int, int, _Segment]]:
+    """First row, end and header of each part; what has no header of its own has the last."""
+    stops = (*loaded.starts[1:], len(loaded.values))
+    for k, (start, stop) in enumerate(zip(loaded.starts, stops, strict=True)):
+        yield start, stop, segments[min(k, len(segments) - 1)]
+
+
 def _stacked(loaded: Loaded, segments: Sequence[_Segment]) -> Loaded:
     """Part each segment where it holds several records of ``Samples`` rows."""
-    stops = (*loaded.starts[1:], len(loaded.values))
     starts: list[int] = []
-    names: list[str] = []
     notes = list(loaded.notes)
-    for k, (start, stop) in enumerate(zip(loaded.starts, stops, strict=True)):
-        said = segments[min(k, len(segments) - 1)].samples
-        length = max(said, default=0)
+    for start, stop, segment in _parts(loaded, segments):
+        length = max(segment.samples, default=0)
         count = (stop - start) // length if length > 1 else 1
         if count > 1 and (stop - start) % length == 0:
             notes.append(f"{count} records of {length} samples stand under one header; parted")
-            starts += [start + j * length for j in range(count)]
-            names += [""] * count
+            starts += range(start, stop, length)
         else:
             starts.append(start)
-            names.append("")
-    return replace(loaded, starts=tuple(starts), segments=tuple(names), notes=tuple(notes))
+    names = ("",) * len(starts)
+    return replace(loaded, starts=tuple(starts), segments=names, notes=tuple(notes))
 
 
 def _counted(loaded: Loaded, segments: Sequence[_Segment]) -> FloatArray:
-    """Time of every row, from X0 and Delta_X of its segment."""
-    time = np.empty(len(loaded.values))
-    stops = (*loaded.starts[1:], len(loaded.values))
-    for k, (start, stop) in enumerate(zip(loaded.starts, stops, strict=True)):
-        segment = segments[min(k, len(segments) - 1)]
-        if not segment.step:
-            time[start:stop] = np.nan  # asked for before it is used
-            continue
-        origin = segment.start[0] if segment.start else 0.0
-        time[start:stop] = origin + segment.step[0] * np.arange(stop - start)
+    """Time of every row, from X0 and Delta_X of its segment; NaN without, asked for before use."""
+    time = np.full(len(loaded.values), np.nan)
+    for start, stop, segment in _parts(loaded, segments):
+        if segment.step:
+            origin = segment.start[0] if segment.start else 0.0
+            time[start:stop] = origin + segment.step[0] * np.arange(stop - start)
     return time

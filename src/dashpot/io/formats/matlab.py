@@ -164,29 +164,33 @@ def _array(take: Take, order: str, size: int, *, depth: int) -> None:
     if cells > size and class_ != _SPARSE:
         raise _Damaged(f"an array of {cells} values in {size} bytes")
     left -= _content(take, order, left, _NAME)[0]
-    rest = _NUMBERS
-    if class_ == _CELL:
-        rest, parts = _ARRAYS, cells
-    elif class_ in {_STRUCT, _OBJECT}:
-        if class_ == _OBJECT:
-            left -= _content(take, order, left, _NAME)[0]
+    read, kinds, parts = _inside(take, order, left, class_=class_, cells=cells, parts=parts)
+    left -= read
+    for _part in range(parts):
+        left -= _element(take, order, left, kinds, depth=depth + 1)
+    _passed(take, left)
+
+
+def _inside(
+    take: Take, order: str, room: int, *, class_: int, cells: int, parts: int
+) -> tuple[int, frozenset[int], int]:
+    """Bytes that name the fields, and the kinds and number of the elements that follow them."""
+    if class_ in {_STRUCT, _OBJECT}:
+        left = room - (_content(take, order, room, _NAME)[0] if class_ == _OBJECT else 0)
         read, longest = _content(take, order, left, _INT32)
         left -= read
         read, names = _content(take, order, left, _NAME)
-        left -= read
         width = sum(_integers(longest, order))
         if width < 1:
             raise _Damaged(f"a struct with names of {width} letters")
-        rest, parts = _ARRAYS, cells * (len(names) // width)
-    elif class_ == _CHAR:
-        rest, parts = _LETTERS, 1
-    elif class_ == _SPARSE:
-        parts += 2
-    elif class_ not in _NUMERIC:
+        return room - left + read, _ARRAYS, cells * (len(names) // width)
+    if class_ == _CELL:
+        return 0, _ARRAYS, cells
+    if class_ == _CHAR:
+        return 0, _LETTERS, 1
+    if class_ not in _NUMERIC:
         raise _Damaged(f"an array of class {class_}")
-    for _part in range(parts):
-        left -= _element(take, order, left, rest, depth=depth + 1)
-    _passed(take, left)
+    return 0, _NUMBERS, parts + 2 * (class_ == _SPARSE)
 
 
 def _integers(data: bytes, order: str) -> tuple[int, ...]:

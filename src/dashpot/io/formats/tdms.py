@@ -39,20 +39,7 @@ def read(raw: Raw, options: ReadOptions) -> Table:
     nptdms = extra("nptdms", "npTDMS", "TDMS files")
     with raw.open() as stream:
         file = nptdms.TdmsFile.read(stream)
-    groups = {group.name: _channels(group) for group in file.groups()}
-    groups = {name: channels for name, channels in groups.items() if channels}
-    if options.sheet is not None:
-        if options.sheet not in groups:
-            raise ReadError(f"--sheet {options.sheet}: the groups are {_list(groups)}")
-        groups = {options.sheet: groups[options.sheet]}
-    if not groups:
-        raise ReadError("this TDMS file holds no numeric channels")
-    shapes = {tuple((c.name, c.unit) for c in channels) for channels in groups.values()}
-    if len(shapes) > 1:
-        raise ReadError(
-            f"groups {_list(groups)} hold different channels; choose one with --sheet "
-            f'"{next(iter(groups))}"'
-        )
+    groups = _groups(file, options.sheet)
     notes: list[str] = []
     blocks = [_block(channels, notes) for channels in groups.values()]
     first = next(iter(groups.values()))
@@ -68,24 +55,37 @@ def read(raw: Raw, options: ReadOptions) -> Table:
     )
 
 
+def _groups(file: Any, sheet: str | None) -> dict[str, list[_Channel]]:
+    """The groups that hold numbers, or the one named; all with the same channels."""
+    found = {group.name: _channels(group) for group in file.groups()}
+    groups = {name: channels for name, channels in found.items() if channels}
+    if sheet is not None:
+        if sheet not in groups:
+            raise ReadError(f"--sheet {sheet}: the groups are {_list(groups)}")
+        groups = {sheet: groups[sheet]}
+    if not groups:
+        raise ReadError("this TDMS file holds no numeric channels")
+    if len({tuple((c.name, c.unit) for c in channels) for channels in groups.values()}) > 1:
+        raise ReadError(
+            f"groups {_list(groups)} hold different channels; choose one with --sheet "
+            f'"{next(iter(groups))}"'
+        )
+    return groups
+
+
 def _channels(group: Any) -> list[_Channel]:
     found = []
     for channel in group.channels():
         values = np.asarray(channel[:])
-        if values.size == 0 or values.dtype.kind not in "iuf":
-            continue
-        said = channel.properties
-        unit = next((str(said[key]) for key in _UNITS if str(said.get(key, "")).strip()), None)
-        step = said.get("wf_increment")
-        found.append(
-            _Channel(
-                channel.name,
-                unit,
-                values.astype(float),
-                float(step) if step else None,
-                float(said.get("wf_start_offset", 0.0)),
+        if values.size and values.dtype.kind in "iuf":
+            said = channel.properties
+            unit = next((str(said[key]) for key in _UNITS if str(said.get(key, "")).strip()), None)
+            step, offset = said.get("wf_increment"), float(said.get("wf_start_offset", 0.0))
+            found.append(
+                _Channel(
+                    channel.name, unit, values.astype(float), float(step) if step else None, offset
+                )
             )
-        )
     return found
 
 
@@ -99,17 +99,22 @@ def _block(channels: list[_Channel], notes: list[str]) -> FloatArray:
         )
     step = steps.pop()
     if step is None:
-        sizes = {channel.values.size for channel in channels}
+        sizes = sorted({channel.values.size for channel in channels})
         if len(sizes) > 1:
-            raise ReadError(f"channels differ in length ({sorted(sizes)}) and have no clock")
+            raise ReadError(f"channels differ in length ({sizes}) and have no clock")
         return np.column_stack([channel.values for channel in channels])
+    time = _common(channels, step)
+    return np.column_stack([time, *(_aligned(c, time, step, notes) for c in channels)])
+
+
+def _common(channels: list[_Channel], step: float) -> FloatArray:
+    """The times at which every channel was sampled."""
     start = max(channel.offset for channel in channels)
     end = min(channel.offset + step * (channel.values.size - 1) for channel in channels)
     count = int(np.floor((end - start) / step + 1e-6)) + 1
     if count < 2:
         raise ReadError("the channels do not overlap in time (wf_start_offset)")
-    time: FloatArray = start + step * np.arange(count, dtype=float)
-    return np.column_stack([time, *(_aligned(c, time, step, notes) for c in channels)])
+    return start + step * np.arange(count, dtype=float)
 
 
 def _aligned(channel: _Channel, time: FloatArray, step: float, notes: list[str]) -> FloatArray:

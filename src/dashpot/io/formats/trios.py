@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -14,6 +14,7 @@ from dashpot.io.source import Raw
 from dashpot.io.table import Column, Table, in_memory
 
 _LARGEST = 1 << 28
+_DEEPEST = 20
 _Set: TypeAlias = tuple[str, tuple[tuple[str, str], ...], list[list[float]]]
 
 
@@ -25,11 +26,28 @@ def read(raw: Raw, options: ReadOptions) -> Table:
     ReadError
         If it is not such a file, or its data sets differ in their columns.
     """
+    sets = _parsed(raw)
+    if options.sheet is not None:
+        sets = [entry for entry in sets if entry[0] == options.sheet] or sets
+    names, heads, values = zip(*sets, strict=True)
+    columns = heads[0]
+    if len(set(heads)) > 1:
+        listed = ", ".join(f"'{name}'" for name in names[:6])
+        raise ReadError(f"results {listed} have different columns; choose one with --sheet")
+    rows = [np.asarray(part, dtype=float).reshape(-1, len(columns)) for part in values]
+    starts = np.cumsum([0, *map(len, rows[:-1])])
+    return Table(
+        format="TRIOS JSON",
+        columns=tuple(Column(name, unit or None) for name, unit in columns),
+        load=in_memory(np.concatenate(rows), tuple(map(int, starts)), names),
+    )
+
+
+def _parsed(raw: Raw) -> list[_Set]:
     if raw.size > _LARGEST:
         raise ReadError(f"a JSON file of {raw.size} bytes; export it as text instead")
     try:
-        content = json.loads(raw.head(raw.size).decode("utf-8-sig"))
-        sets = list(_data_sets(content))
+        sets = list(_data_sets(json.loads(raw.head(raw.size).decode("utf-8-sig"))))
     except (ValueError, RecursionError) as error:
         raise ReadError(f"not valid JSON: {error}") from None
     if not sets:
@@ -37,25 +55,12 @@ def read(raw: Raw, options: ReadOptions) -> Table:
             "JSON, but no TRIOS data found (expected 'columns' with 'name' and "
             "'unit', and 'values'); dashpot's own results are read by the commands that take FIT"
         )
-    if options.sheet is not None:
-        sets = [entry for entry in sets if entry[0] == options.sheet] or sets
-    columns = sets[0][1]
-    if any(entry[1] != columns for entry in sets):
-        names = ", ".join(f"'{entry[0]}'" for entry in sets[:6])
-        raise ReadError(f"results {names} have different columns; choose one with --sheet")
-    rows = [np.asarray(values, dtype=float).reshape(-1, len(columns)) for _, _, values in sets]
-    starts = np.cumsum([0, *(len(part) for part in rows[:-1])])
-    return Table(
-        format="TRIOS JSON",
-        columns=tuple(Column(name, unit or None) for name, unit in columns),
-        load=in_memory(np.concatenate(rows), tuple(map(int, starts)), tuple(e[0] for e in sets)),
-    )
+    return sets
 
 
 def _data_sets(node: Any, name: str = "", depth: int = 0) -> Iterator[_Set]:
     """Every ``{"columns": [...], "values": [...]}`` in the document, with the nearest name."""
-    if depth > 20:
-        return
+    children: Iterable[Any] = node if isinstance(node, list) else ()
     if isinstance(node, dict):
         said = node.get("Properties", node)
         name = str(said.get("Name", name)) if isinstance(said, dict) else name
@@ -63,11 +68,9 @@ def _data_sets(node: Any, name: str = "", depth: int = 0) -> Iterator[_Set]:
             heads = tuple((str(c["name"]), str(c.get("unit") or "")) for c in node["columns"])
             yield name, heads, [_row(row, len(heads)) for row in node["values"]]
             return
-        for child in node.values():
-            yield from _data_sets(child, name, depth + 1)
-    elif isinstance(node, list):
-        for child in node:
-            yield from _data_sets(child, name, depth + 1)
+        children = node.values()
+    for child in children if depth < _DEEPEST else ():
+        yield from _data_sets(child, name, depth + 1)
 
 
 def _table_like(node: dict[str, Any]) -> bool:

@@ -39,26 +39,33 @@ def read(raw: Raw, options: ReadOptions) -> Table:
         warnings.simplefilter("ignore")
         found = pyuff.UFF(str(raw.on_disk())).read_sets()
     sets = found if isinstance(found, list) else [found]
-    units = next((entry for entry in sets if entry.get("type") == 164), None)
+    units = _dataset(sets, 164)
     curves = [entry for entry in sets if entry.get("type") == 58 and np.size(entry.get("data"))]
-    frfs = [entry for entry in curves if entry["func_type"] == FRF_]
-    # a spectrum or the like is shown, and refused where a test is asked for
-    timed = [entry for entry in curves if entry["func_type"] in {0, TIME}] or curves[:1]
     if not curves:
-        kinds = sorted({int(entry.get("type", 0)) for entry in sets})
+        kinds = ", ".join(map(str, sorted({int(entry.get("type", 0)) for entry in sets})))
         raise ReadError(
             "no dataset 58 with an FRF or a time record; the datasets are of types "
-            f"{', '.join(map(str, kinds)) or 'none'}"
+            f"{kinds or 'none'}"
         )
     notes = _said(sets, units)
+    frfs = _of_type(curves, FRF_)
     if frfs:
-        return _frf(frfs, curves, units, segment=options.segment, notes=notes)
-    return _timed(timed, units, notes)
+        return _frf(frfs, _of_type(curves, COHERENCE), units, segment=options.segment, notes=notes)
+    # a spectrum or the like is shown, and refused where a test is asked for
+    return _timed(_of_type(curves, 0, TIME) or curves[:1], units, notes)
+
+
+def _of_type(curves: Sequence[_Set], *types: int) -> list[_Set]:
+    return [entry for entry in curves if entry["func_type"] in types]
+
+
+def _dataset(sets: Sequence[_Set], number: int) -> _Set | None:
+    return next((entry for entry in sets if entry.get("type") == number), None)
 
 
 def _said(sets: Sequence[_Set], units: _Set | None) -> list[str]:
     notes = []
-    model = next((e for e in sets if e.get("type") == 151), None)
+    model = _dataset(sets, 151)
     if model is not None and str(model.get("model_name", "")).strip():
         notes.append(f"model {str(model['model_name']).strip()} (dataset 151)")
     if units is None:
@@ -70,26 +77,26 @@ def _said(sets: Sequence[_Set], units: _Set | None) -> list[str]:
 
 def _frf(
     frfs: Sequence[_Set],
-    curves: Sequence[_Set],
+    coherent: Sequence[_Set],
     units: _Set | None,
     *,
     segment: int | None,
     notes: list[str],
 ) -> Table:
     doubts: tuple[Question, ...] = ()
-    if segment is not None and segment > len(frfs):
-        raise ReadError(f"--segment {segment}, but the file has {len(frfs)} FRFs")
     if segment is None and len(frfs) > 1:
         listed = ", ".join(f"{i + 1} {_title(entry)}" for i, entry in enumerate(frfs[:8]))
         says = f"{len(frfs)} FRFs in the file: {listed}; choose one, for example --segment 1"
         doubts = (Question(says, "--segment NUMBER"),)
-    one = frfs[(segment or 1) - 1]
+    number = segment or 1
+    if number > len(frfs):
+        raise ReadError(f"--segment {segment}, but the file has {len(frfs)} FRFs")
+    one = frfs[number - 1]
     unit = _per(_unit(one, "ordinate", units), _unit(one, "orddenom", units))
     value = np.asarray(one["data"], dtype=complex)
     columns = [Column("frequency", _label(one["abscissa_axis_units_lab"]) or "Hz"),
                Column("real", unit), Column("imaginary", unit)]  # fmt: skip
     values = [np.asarray(one["x"], dtype=float), value.real, value.imag]
-    coherent = (e for e in curves if e["func_type"] == COHERENCE)
     same = next((e for e in coherent if np.array_equal(e["x"], one["x"])), None)
     if same is not None:
         columns.append(Column("coherence", "1"))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import datetime as dt
 import zipfile
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any, BinaryIO
 
@@ -14,6 +15,7 @@ from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw, extra
 from dashpot.io.table import Table
 
+_NO_TEST = {"unclear", "not-a-test"}
 _LARGEST = 1 << 31
 """Bytes of an unpacked workbook."""
 
@@ -31,23 +33,17 @@ def read(raw: Raw, options: ReadOptions) -> Table:
         _refuse_bomb(stream)
         book = calamine.CalamineWorkbook.from_filelike(stream)
     names = book.sheet_names
-    if options.sheet is not None and options.sheet not in names:
-        raise ReadError(f"--sheet {options.sheet}: the sheets are {_list(names)}")
+    if options.sheet is not None:
+        if options.sheet not in names:
+            raise ReadError(f"--sheet {options.sheet}: the sheets are {_list(names)}")
+        return _sheet(book, options.sheet, raw, options)
     tables = {}
-    for name in names if options.sheet is None else [options.sheet]:
-        lines = [
-            _line(row) for row in book.get_sheet_by_name(name).to_python(skip_empty_area=False)
-        ]
-        try:
-            tables[name] = _sheet(raw, lines, options)
-        except ReadError:
-            if options.sheet is not None:
-                raise
+    for name in names:
+        with suppress(ReadError):
+            tables[name] = _sheet(book, name, raw, options)
     if not tables:
         raise ReadError(f"no sheet holds a table of numbers; the sheets are {_list(names)}")
-    known = [
-        n for n, t in tables.items() if kind_of(t, options)[0] not in {"unclear", "not-a-test"}
-    ]
+    known = [n for n, t in tables.items() if kind_of(t, options)[0] not in _NO_TEST]
     likely = known or list(tables)
     if len(likely) > 1:
         raise ReadError(
@@ -66,8 +62,9 @@ def _refuse_bomb(stream: BinaryIO) -> None:
     stream.seek(0)
 
 
-def _sheet(raw: Raw, lines: list[str], options: ReadOptions) -> Table:
-    content = "\n".join(lines).encode()
+def _sheet(book: Any, name: str, raw: Raw, options: ReadOptions) -> Table:
+    rows = book.get_sheet_by_name(name).to_python(skip_empty_area=False)
+    content = "\n".join(map(_line, rows)).encode()
     if not content.strip():
         raise ReadError("an empty sheet")
     shown = replace(options, delimiter="\t", encoding="utf-8", sheet=None)

@@ -51,38 +51,33 @@ class Dialect:
             return None
         found = cell.split(line, self.delimiter)
         width = len(self.contents)
-        if not found or any(
-            extra and cell.number(extra, self.mark) is not None for extra in found[width:]
-        ):
+        if not found or any(cell.number(c, self.mark) is not None for c in found[width:] if c):
             return None
         if self.contents[0] == "blank" and found[0]:
             return None  # a word where every row is blank: a key of the header
         found = found[:width] + [""] * (width - len(found))
-        filled = words = 0
+        return found if self._has_numbers(found) else None
+
+    def _has_numbers(self, found: Sequence[str]) -> bool:
+        """Whether there are numbers enough, and more than words, where numbers are expected."""
+        filled = blank = words = 0
         for i in self.numbers:
-            text = found[i]
-            if self.value(text, i) is not None:
+            if self.value(found[i], i) is not None:
                 filled += 1
-            elif not cell.is_missing(text):
-                if i == self.numbers[0]:
-                    return None  # "Mean;1.2;3.4"
+            elif cell.is_missing(found[i]):
+                blank += 1
+            elif i == self.numbers[0]:
+                return False  # "Mean;1.2;3.4"
+            else:
                 words += 1
-        # a row has numbers; a heading that holds a number or two has more words than numbers
-        return (
-            found
-            if filled > words and 2 * (filled + _blank(found, self.numbers)) > len(self.numbers)
-            else None
-        )
+        # a heading that holds a number or two has more words than numbers
+        return filled > words and 2 * (filled + blank) > len(self.numbers)
 
     def value(self, text: str, column: int) -> float | None:
         """The number in a cell of a column, or None."""
         if self.contents[column] == "clock":
             return cell.clock(text)
         return cell.number(text, self.mark)
-
-
-def _blank(found: Sequence[str], numbers: Sequence[int]) -> int:
-    return sum(cell.is_missing(found[i]) for i in numbers)
 
 
 def find_dialect(
@@ -96,21 +91,26 @@ def find_dialect(
     windows = list(_windows(lines))
     best: Dialect | None = None
     highest = 0.0
-    delimiters: tuple[str, ...] = _DELIMITERS if delimiter is None else (delimiter,)
-    if delimiter == "fixed":
-        delimiters = tuple({_fixed(window) for window in windows})
-    if delimiter is None:
-        # a fixed-width table whose cells may be blank
-        delimiters += tuple({_fixed(_digits(window)) for window in windows} - {*delimiters})
-    marks = _MARKS if decimal is None else tuple(m for m in _MARKS if m == decimal)
-    for sign, mark in product(delimiters, marks):
-        for window in windows:
-            if len(sign) == 1 and sign != " " and not any(sign in line for line in window):
-                continue
+    marks = [mark for mark in _MARKS if decimal in {None, mark}]
+    for sign, mark, window in product(_delimiters(windows, delimiter), marks, windows):
+        if _stands_in(sign, window):
             score, contents = _best_run(window, sign, mark, above=highest)
             if contents:
                 highest, best = score, Dialect(sign, mark, contents)
     return None if best is None else _from_the_top(lines, best)
+
+
+def _delimiters(windows: Sequence[Sequence[str]], given: str | None) -> tuple[str, ...]:
+    """What to try: the one given, else all, and a fixed width for cells that may be blank."""
+    if given == "fixed":
+        return tuple(dict.fromkeys(map(_fixed, windows)))
+    if given is not None:
+        return (given,)
+    return tuple(dict.fromkeys((*_DELIMITERS, *(_fixed(_digits(window)) for window in windows))))
+
+
+def _stands_in(sign: str, window: Sequence[str]) -> bool:
+    return len(sign) > 1 or sign == " " or any(sign in line for line in window)
 
 
 def _windows(lines: Sequence[str]) -> Iterator[list[str]]:
@@ -149,19 +149,13 @@ def _runs(rows: Sequence[list[str]], mark: Mark) -> Iterator[list[list[str]]]:
     mask: list[bool] = []
     for row in rows:
         is_number = [cell.number(c, mark) is not None or cell.clock(c) is not None for c in row]
-        if not any(is_number):
-            if run:
-                yield run
-            run, mask = [], []
-            continue
-        if run and _alike(mask, is_number, row):
+        if run and any(is_number) and _alike(mask, is_number, row):
             run.append(row)
-            if len(row) > len(mask):
-                mask = mask + is_number[len(mask) :]
-        else:
-            if run:
-                yield run
-            run, mask = [row], is_number
+            mask += is_number[len(mask) :]
+            continue
+        if run:
+            yield run
+        run, mask = ([row], is_number) if any(is_number) else ([], [])
     if run:
         yield run
 
@@ -180,24 +174,24 @@ def _alike(mask: list[bool], is_number: list[bool], row: list[str]) -> bool:
 
 def _contents(run: Sequence[Sequence[str]], mark: Mark) -> tuple[Content, ...]:
     width = Counter(len(row) for row in run).most_common(1)[0][0]
-    held: list[Content] = []
-    for i in range(width):
-        column = [row[i] for row in run if i < len(row) and row[i]]
-        others = [text for text in column if cell.number(text, mark) is None]
-        numbers = len(column) - len(others)
-        clocks = sum(cell.clock(text) is not None for text in others)
-        missing = sum(cell.is_missing(text) for text in others)
-        if not column or missing == len(column):
-            held.append("blank")
-        elif clocks > numbers and clocks + missing >= 0.6 * len(column):
-            held.append("clock")
-        elif numbers + missing >= 0.6 * len(column):
-            held.append("number")
-        else:
-            held.append("text")
+    columns = ([row[i] for row in run if i < len(row) and row[i]] for i in range(width))
+    held = [_content(column, mark) for column in columns]
     while held and held[-1] == "blank":
         held.pop()
     return tuple(held)
+
+
+def _content(cells: Sequence[str], mark: Mark) -> Content:
+    """What the filled cells of a column hold, most of them."""
+    others = [text for text in cells if cell.number(text, mark) is None]
+    numbers = len(cells) - len(others)
+    missing = sum(map(cell.is_missing, others))
+    clocks = sum(cell.clock(text) is not None for text in others)
+    if missing == len(cells):
+        return "blank"
+    if clocks > numbers and clocks + missing >= 0.6 * len(cells):
+        return "clock"
+    return "number" if numbers + missing >= 0.6 * len(cells) else "text"
 
 
 def _from_the_top(lines: Sequence[str], dialect: Dialect) -> Dialect | None:
@@ -240,13 +234,16 @@ def _fixed(lines: Sequence[str]) -> str:
 def ambiguous_commas(lines: Sequence[str], dialect: Dialect) -> str | None:
     """Return a cell such as ``1,234`` if the commas of the whole sample can be read either way."""
     example = None
-    for line in lines:
-        if "," not in line or (dialect.delimiter == "," and '"' not in line):
-            continue
-        for i, text in enumerate(dialect.row(line) or ()):
-            if i not in dialect.numbers or "," not in text:
-                continue
-            if not cell.EITHER_WAY.match(text):  # 0,5 or 1,234.5 or 1,234,567 settles it
-                return None
-            example = example or text
+    for text in _with_commas(lines, dialect):
+        if not cell.EITHER_WAY.match(text):  # 0,5 or 1,234.5 or 1,234,567 settles it
+            return None
+        example = example or text
     return example
+
+
+def _with_commas(lines: Sequence[str], dialect: Dialect) -> Iterator[str]:
+    """The cells with commas where numbers are expected."""
+    for line in lines:
+        if "," in line and (dialect.delimiter != "," or '"' in line):
+            row = dialect.row(line) or [""] * len(dialect.contents)
+            yield from (row[i] for i in dialect.numbers if "," in row[i])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import codecs
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 from dashpot.base.errors import ReadError
 from dashpot.io.columns import vocabulary
@@ -59,26 +59,27 @@ def _code_page(head: bytes) -> str:
 
 def _likely(text: str, codec: str) -> float:
     """How much a decoded text reads like names and units of a lab."""
-    score = 0.0
-    for word in re.findall(r"[^\W\d_]+", text):
-        if word.isascii():
-            continue
-        known = vocabulary.FIRST.get(word.casefold())
-        score += 10.0 if known else 0.0
-        east = [c for c in word if ord(c) > 0x2E80]
-        # half a word in Chinese is a European word misread
-        score -= 3.0 if east and (len(east) < len(word) or len(east) == 1) else 0.0
-        score += 1.0 if len(east) == len(word) > 1 and codec == "gb18030" else 0.0
-        score -= (
-            0.5 if any(c.isupper() for c in word[1:]) and any(c.islower() for c in word) else 0.0
-        )
-        score -= 0.2 * sum(c in "þðýÞÐÝ" for c in word)
-        score -= 0.3 * sum("\u0400" <= c <= "\u04ff" for c in word) if len(word) < 3 else 0.0
-    score += sum(1.0 for _ in re.findall(r"(?:°[CF]?|[µμ][mNsV]|[ms][²³])(?![^\W\d_])", text))
-    score -= 2.0 * len(
-        re.findall(r"(?<=[^\W\d_])[³¹¿œŸž¡£¥]|[¤¦¨¸¯](?=\w)|[\x80-\x9f\ufffd\ue000-\uf8ff]", text)
-    )
-    return score
+    words = (word for word in re.findall(r"[^\W\d_]+", text) if not word.isascii())
+    score = sum((weight * count(word, codec) for word in words for weight, count in _WORDS), 0.0)
+    return score + len(_UNITS.findall(text)) - 2.0 * len(_DEBRIS.findall(text))
+
+
+def _eastern(word: str) -> int:
+    return sum(c > "\u2e80" for c in word)
+
+
+_WORDS: tuple[tuple[float, Callable[[str, str], float]], ...] = (
+    (10.0, lambda word, _: word.casefold() in vocabulary.FIRST),
+    # half a word in Chinese is a European word misread
+    (-3.0, lambda word, _: 0 < _eastern(word) < max(2, len(word))),
+    (1.0, lambda word, codec: codec == "gb18030" and _eastern(word) == len(word) > 1),
+    (-0.5, lambda word, _: any(map(str.isupper, word[1:])) and any(map(str.islower, word))),
+    (-0.2, lambda word, _: sum(c in "þðýÞÐÝ" for c in word)),
+    (-0.3, lambda word, _: sum("\u0400" <= c <= "\u04ff" for c in word) * (len(word) < 3)),
+)
+"""What a word beyond ASCII tells of its code page, and how much."""
+_UNITS = re.compile(r"(?:°[CF]?|[µμ][mNsV]|[ms][²³])(?![^\W\d_])")
+_DEBRIS = re.compile(r"(?<=[^\W\d_])[³¹¿œŸž¡£¥]|[¤¦¨¸¯](?=\w)|[\x80-\x9f\ufffd\ue000-\uf8ff]")
 
 
 def decoded(blocks: Iterable[bytes], encoding: str, *, found: bool = False) -> Iterator[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 from dashpot.base import units
 from dashpot.io.columns import vocabulary
@@ -76,19 +76,19 @@ def _cells(line: str, dialect: Dialect) -> list[str]:
     fixed = dialect.delimiter.startswith("fixed")  # headings need not keep to the columns
     if abs(len(found) - width) <= 1 and len(found) > 1 and not fixed:
         return found
+    cuts = _other_cuts(text, dialect.delimiter)
+    return next((again for again in cuts if len(again) == width), found)
+
+
+def _other_cuts(text: str, delimiter: str) -> Iterator[list[str]]:
+    """The cells of a header line by what else may part them."""
     for other in ("\t", ";", ",", "|"):
-        if other in text and other != dialect.delimiter:
-            again = cell.split(text, other)
-            if len(again) == width:
-                return again
+        if other in text and other != delimiter:
+            yield cell.split(text, other)
     bracketed = re.findall(r"[^\[\]()]+?\s*(?:\[[^\]]*\]|\([^)]*\))", text)
-    if len(bracketed) == width:
-        return [part.strip(" \t,;|") for part in bracketed]
-    wide = [part.strip() for part in re.split(r"\s{2,}|\t", text.strip())]
-    if len(wide) == width:
-        return wide
-    quoted = re.findall(r'"([^"]*)"', text)
-    return quoted if len(quoted) == width else found
+    yield [part.strip(" \t,;|") for part in bracketed]
+    yield [part.strip() for part in re.split(r"\s{2,}|\t", text.strip())]
+    yield re.findall(r'"([^"]*)"', text)
 
 
 _LABELS = {
@@ -115,18 +115,13 @@ def _pick(rows: Sequence[list[str]], width: int) -> tuple[list[str], list[str]]:
     """The row of names and the row of units among the last lines above the table."""
     words: list[str] = []
     for i in range(len(rows) - 1, -1, -1):
-        row = rows[i]
-        if not any(row):
-            continue
+        row, above = rows[i], rows[i - 1] if i else []
         if not words and _is_units(row, width):
             words = row
-            continue
-        if _is_names(row, width):
-            above = rows[i - 1] if i else []
-            if not words and len(above) == len(row) and _is_units(above, width):
-                words = above
-            return row, words
-        if words or len(row) >= max(2, width - 1):
+        elif _is_names(row, width):
+            beside = not words and len(above) == len(row) and _is_units(above, width)
+            return row, above if beside else words
+        elif any(row) and (words or len(row) >= max(2, width - 1)):
             break
     return [], words
 
@@ -134,18 +129,18 @@ def _pick(rows: Sequence[list[str]], width: int) -> tuple[list[str], list[str]]:
 def _is_units(row: Sequence[str], width: int) -> bool:
     """Whether a row holds units: most filled cells are unit words, and it is about as wide."""
     filled = [_strip(text) for text in row if text.strip(" -[]()")]
-    if not filled or not width - 1 <= len(row) <= width + 2:
-        return (
-            width > 1
-            and bool(filled)
-            and len(filled) == len(row) >= 2
-            and all(units.find(word) for word in filled)
-            and len(row) <= width
-        )
+    if not filled:
+        return False
+    if not width - 1 <= len(row) <= width + 2:  # a shorter row must hold nothing else
+        return 2 <= len(row) == len(filled) <= width and all(map(units.find, filled))
     known = sum(units.find(word) is not None or _unit_shape(word) for word in filled)
-    names = sum(bool(vocabulary.FIRST.get(vocabulary.plain(word))) for word in filled)
-    bracketed = sum(text.strip()[:1] in "[(" and text.strip()[-1:] in "])" for text in row if text)
-    return names == 0 and (known >= 0.6 * len(filled) or bracketed == len(filled))
+    named = any(vocabulary.plain(word) in vocabulary.FIRST for word in filled)
+    bracketed = sum(map(_is_bracketed, row)) == len(filled)
+    return not named and (known >= 0.6 * len(filled) or bracketed)
+
+
+def _is_bracketed(text: str) -> bool:
+    return re.fullmatch(r"[\[(].*[\])]", text.strip(), re.DOTALL) is not None
 
 
 def _unit_shape(word: str) -> bool:
@@ -171,25 +166,48 @@ def part_unit(name: str) -> tuple[str, str | None]:
     text = unicodedata.normalize("NFKC", name.replace("²", "^2")).strip().strip("\"'").strip()
     if _OF_TIME.fullmatch(text):
         return text, None
+    for shape in _SHAPES:
+        found = shape(text)
+        if found is not None:
+            return found
+    return text, None
+
+
+def _unit_before(text: str) -> tuple[str, str] | None:
     match = _UNIT_FIRST.match(text)
-    if match and units.find(match[1]):
-        return match[2].strip(), match[1].strip()
+    known = match is not None and units.find(match[1])
+    return (match[2].strip(), match[1].strip()) if match and known else None
+
+
+def _bracketed(text: str) -> tuple[str, str | None] | None:
     match = _BRACKETS.match(text)
-    if match and match[2].strip():
-        return match[1].strip() or text, match[2].strip()
-    if match:
-        return match[1].strip(), None
+    if match is None:
+        return None
+    name, word = match[1].strip(), match[2].strip()
+    return (name or text, word) if word else (name, None)
+
+
+def _mangled(text: str) -> tuple[str, str] | None:
     match = _MANGLED.match(text)
-    if match and _says(match[1], match[2].replace("_", "/")):
-        return match[1].strip("_ "), match[2].replace("_", "/")
+    word = match[2].replace("_", "/") if match else ""
+    return (match[1].strip("_ "), word) if match and _says(match[1], word) else None
+
+
+def _after_sign(text: str) -> tuple[str, str] | None:
     match = _PLAIN_TAIL.match(text)
-    if match and units.find(match[2]) and match[2] != "1":
+    if match and match[2] != "1" and units.find(match[2]):
         return match[1].strip(), match[2]
     for sign in list(_SIGNS.finditer(text))[:-4:-1]:  # the last few places to cut, last first
         stem, word = text[: sign.start()], text[sign.end() :]
         if stem and word and _says(stem, word):
             return stem.strip(" _,/:"), word
-    return text, None
+    return None
+
+
+_SHAPES: tuple[Callable[[str], tuple[str, str | None] | None], ...] = (
+    _unit_before, _bracketed, _mangled, _after_sign,
+)  # fmt: skip
+"""The ways to write a unit into a name, the surest first."""
 
 
 def _says(stem: str, word: str) -> bool:

@@ -146,10 +146,11 @@ class _Reader:
         self.plain = not sign.startswith("fixed") and not any(
             dialect.contents[i] == "clock" for i in indexes
         )
+        self.blanks = sign == " "
         self.swaps_comma = dialect.mark != "."
         if self.swaps_comma and sign == ",":
             self.plain = False
-        if len(sign) == 1 and sign != " ":
+        if len(sign) == 1 and not self.blanks:
             s = re.escape(sign)
             # a blank cell becomes nan, whether alone, quoted or padded
             self.blank = re.compile(rf"(?:(?<={s})|(?<=\n)|\A)[ ]*(?={s}|\n)")
@@ -180,21 +181,27 @@ class _Reader:
             got.add(np.array(run), line + text.count("\n") - len(run))
 
     def _fast(self, text: str) -> FloatArray | None:
-        sign = self.dialect.delimiter
+        plain = self._plain(text)
+        if plain is None or self.blanks:
+            return None if plain is None else self._parse(plain)
+        if not self._same_width(plain):
+            return None
+        values = self._parse(plain)
+        if values is None and self.blank.search(plain):
+            values = self._parse(self.blank.sub("nan", plain))
+        return values
+
+    def _plain(self, text: str) -> str | None:
+        """The text without quotes and with decimal points, None if that is not surely the same."""
         if '"' in text:
-            if sign == " " or (self.swaps_comma and sign == ","):
+            if self.blanks or (self.swaps_comma and self.dialect.delimiter == ","):
                 return None
             text = text.replace('"', "")
         if self.swaps_comma:
             if "." in text and self.dialect.mark == ",":  # points group the thousands
                 return None
             text = text.replace(",", ".")
-        if sign != " " and not self._same_width(text):
-            return None
-        values = self._parse(text)
-        if values is None and sign != " " and self.blank.search(text):
-            values = self._parse(self.blank.sub("nan", text))
-        return values
+        return text
 
     def _same_width(self, text: str) -> bool:
         """Whether every line has as many delimiters as the table needs, or one at its end."""
@@ -209,22 +216,21 @@ class _Reader:
         )
 
     def _parse(self, text: str) -> FloatArray | None:
-        sign = self.dialect.delimiter
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # "no data": a block of blank lines
             try:
                 values = np.loadtxt(
                     io.StringIO(text),
-                    delimiter=None if sign == " " else sign,
+                    delimiter=None if self.blanks else self.dialect.delimiter,
                     comments=None,
                     ndmin=2,
-                    usecols=None if sign == " " else self.indexes,
+                    usecols=None if self.blanks else self.indexes,
                 )
             except (ValueError, IndexError, OverflowError):
                 return None
         if len(values) != text.count("\n"):  # blank lines: the line numbers would be wrong
             return None
-        if sign == " ":
+        if self.blanks:
             if values.shape[1] != len(self.dialect.contents):
                 return None
             values = values[:, list(self.indexes)]
@@ -235,9 +241,8 @@ class _Reader:
     ) -> list[float] | None:
         """The numbers of one line, None if it is no row; `begun` if the line before was one."""
         row = self.dialect.row(line)
-        if row is not None and got.rows and got.between and not begun and not self._full(row):
-            row = None  # "Maximum;8.0;1.9" below the table
-        if row is None:
+        below = got.rows and got.between and not begun
+        if row is None or (below and not self._full(row)):  # "Maximum;8.0;1.9" below the table
             return None
         values = []
         for i in self.indexes:
