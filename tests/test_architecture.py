@@ -6,7 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from dashpot.io.writers.text import write_relaxation
+from dashpot.io.write import write_relaxation
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.table_1 import PAPER
 
@@ -58,7 +58,7 @@ def test_fitting_a_text_file_loads_numpy_only(tmp_path):
         f"p = {str(tmp_path / 'seal.csv')!r}\n"
         "from dashpot.simulation.relaxation import simulate_relaxation\n"
         "from dashpot.solids.table_1 import PAPER\n"
-        "from dashpot.io.writers.text import write_relaxation\n"
+        "from dashpot.io.write import write_relaxation\n"
         "made = simulate_relaxation(PAPER, hold_time=5.0)\n"
         "open(p, 'w').write(write_relaxation(made.test))\n"
         "dp.fit(dp.prepare(dp.read_relaxation(p)), arms=1).intervals()\n"

@@ -12,7 +12,7 @@ from click.testing import CliRunner
 
 import dashpot as dp
 from dashpot.cli import main
-from dashpot.io.writers.text import write_impact, write_relaxation
+from dashpot.io.write import write_impact, write_relaxation
 from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.table_1 import BROAD, BROAD_MASS

@@ -104,7 +104,7 @@ def instruments(folder: Path) -> list[bytes]:
     from kit.instruments import frf, lvm, sheet, tdms, workbook
     from scipy.io import savemat
 
-    from dashpot.io.writers.uff import write_frf_uff
+    from dashpot.io.write import write_frf_uff
 
     tdms(folder / "a.tdms", hits=2)
     write_frf_uff(frf(n=10), folder / "a.uff")

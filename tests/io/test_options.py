@@ -9,8 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError, ReadError
-from dashpot.io.options import ReadOptions, parse_units
-from dashpot.io.reading_profile import dump_profile, load_profile
+from dashpot.io.options import ReadOptions, dump_profile, load_profile, parse_units
 
 text = st.text(st.characters(blacklist_categories=("Cs",)), min_size=1, max_size=12)
 maybe = st.none() | text

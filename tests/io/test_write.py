@@ -16,8 +16,7 @@ from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Source
 from dashpot.io.options import ReadOptions
 from dashpot.io.read import inspect_file, read_frf, read_impact, read_relaxation
-from dashpot.io.writers.text import neutral, write_frf, write_impact, write_relaxation
-from dashpot.io.writers.uff import write_frf_uff
+from dashpot.io.write import neutral, write_frf, write_frf_uff, write_impact, write_relaxation
 from dashpot.records.frf import Kind
 from dashpot.records.impact import ImpactTest
 from dashpot.records.relaxation import RelaxationTest

@@ -11,9 +11,8 @@ from click.testing import CliRunner
 
 from dashpot.base.errors import DataError, ReadError
 from dashpot.cli import main
-from dashpot.io.options import ReadOptions
-from dashpot.io.reading_profile import load_profile
-from dashpot.io.writers.text import write_relaxation
+from dashpot.io.options import ReadOptions, load_profile
+from dashpot.io.write import write_relaxation
 from dashpot.simulation.relaxation import Rig, simulate_relaxation
 from dashpot.solids.table_1 import PAPER
 from dashpot.workflow import project as folder

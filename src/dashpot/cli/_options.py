@@ -130,7 +130,7 @@ def over_profile(options: ReadOptions, path: str | None) -> ReadOptions:
     """Return what the user said, and what the profile says wherever the user said nothing."""
     if not path:
         return options
-    from dashpot.io.reading_profile import load_profile
+    from dashpot.io.options import load_profile
 
     return options.over(load_profile(path))
 

@@ -46,8 +46,7 @@ def command(
 
 def _write(frf: dp.FRF, path: str) -> None:
     """Write an FRF as CSV, or as UFF 58 where the file's name ends in .uff or .unv."""
-    from dashpot.io.writers.text import write_frf
-    from dashpot.io.writers.uff import write_frf_uff
+    from dashpot.io.write import write_frf, write_frf_uff
 
     if path.lower().endswith((".uff", ".unv")):
         write_frf_uff(frf, path)

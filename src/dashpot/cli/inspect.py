@@ -30,7 +30,7 @@ def command(*, files: tuple[str, ...], save_profile: str | None, options: ReadOp
     """
     found = workflow.inspect_files(files, options=options)
     if save_profile:
-        from dashpot.io.reading_profile import dump_profile
+        from dashpot.io.options import dump_profile
 
         write(save_profile, dump_profile(options))
     return Outcome(found, "\n\n".join(_text(one) for one in found.files), found.checks)

@@ -50,7 +50,7 @@ def command(*, fit: str, picture: str | None, output: str | None, **choices: Any
         band = found.limits if found.frf.kind == "accelerance" else None
         dp.plot.save(dp.plot.frf(found.frf, band=band), picture)
     if output:
-        from dashpot.io.writers.text import write_frf
+        from dashpot.io.write import write_frf
 
         write(output, write_frf(found.frf))
     text = _text.prediction(

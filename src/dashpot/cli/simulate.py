@@ -74,7 +74,7 @@ def relaxation(
     **_: object,
 ) -> tuple[str, str]:
     """Return a simulated relaxation test as CSV, and its truth as JSON."""
-    from dashpot.io.writers.text import write_relaxation
+    from dashpot.io.write import write_relaxation
 
     room = dp.simulation
     rig = _chosen(room.Rig(), noise_free=noise_free, rate=rate)
@@ -97,7 +97,7 @@ def impact(
     **_: object,
 ) -> tuple[str, str]:
     """Return a simulated hammer test as CSV, and its truth as JSON."""
-    from dashpot.io.writers.text import write_impact
+    from dashpot.io.write import write_impact
 
     solid, known = seal(model)
     block = mass if mass is not None else known

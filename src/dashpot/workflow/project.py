@@ -33,8 +33,7 @@ from typing import Any
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.version import __version__
-from dashpot.io.options import ReadOptions
-from dashpot.io.reading_profile import dump_profile
+from dashpot.io.options import ReadOptions, dump_profile
 from dashpot.workflow import checks
 from dashpot.workflow.archive import document, from_json, to_json
 from dashpot.workflow.job import Job

@@ -1,1 +1,0 @@
-"""The text and UFF files that every tool here reads."""
