@@ -1,1 +1,70 @@
-"""One file format, one file."""
+"""One file format, one file; which one reads a file is seen from its first bytes."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from importlib import import_module
+
+from dashpot.base.errors import DashpotError, ReadError
+from dashpot.io.options import ReadOptions
+from dashpot.io.source import Raw, about
+from dashpot.io.table import Table
+
+_OURS = {"text", "lvm", "trios"}
+_MAGIC: tuple[tuple[bytes, str], ...] = (
+    (b"LabVIEW Measurement", "lvm"),
+    (b"\x89HDF\r\n\x1a\n", "hdf5"),
+    (b"MATLAB 5.0 MAT-file", "matlab"),
+    (b"MATLAB 7.3 MAT-file", "hdf5"),
+    (b"TDSm", "tdms"),
+    (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "workbook"),
+    (b"PK\x03\x04", "workbook"),
+)
+
+
+def format_of(raw: Raw) -> str:
+    """Return the name of the format, which is that of a module of this folder."""
+    head = raw.head(4096)
+    bare = head.removeprefix(b"\xef\xbb\xbf")
+    for mark, name in _MAGIC:
+        if bare.startswith(mark):
+            return name
+    if re.match(rb"\s*-1\s*[\r\n]+\s*\d+b?(\s|$)", bare):
+        return "uff"
+    return "trios" if bare.lstrip().startswith((b"{", b"[{")) else "text"
+
+
+def read_table(raw: Raw, options: ReadOptions) -> Table:
+    """Return the table in a file of any known format.
+
+    Raises
+    ------
+    ReadError
+        Whatever is wrong with the file; a foreign reader may stumble over a broken one in any way.
+    """
+    with about(raw.name):
+        table = _table(raw, options)
+    if options.calibration is None:
+        return table
+    from dashpot.io.formats.ati import calibrated
+
+    return calibrated(table, raw, options)
+
+
+def _table(raw: Raw, options: ReadOptions) -> Table:
+    name = format_of(raw)
+    reader: Callable[[Raw, ReadOptions], Table] = import_module(f"dashpot.io.formats.{name}").read
+    try:
+        return reader(raw, options)
+    except DashpotError:
+        raise
+    except (MemoryError, OSError) as error:
+        raise ReadError(f"cannot be read: {type(error).__name__} {error}") from None
+    except Exception as error:
+        if name in _OURS:
+            raise
+        raise ReadError(
+            f"a broken or unknown variety of {name}: {type(error).__name__}: {error}; "
+            "export it again, or as text"
+        ) from error

@@ -16,7 +16,7 @@ from dashpot.base.units import Unit
 from dashpot.io.columns.kinds import cycle_peaks, kind_of
 from dashpot.io.columns.roles import Assigned, assign, list_columns, quoted, unit_for
 from dashpot.io.columns.vocabulary import Role
-from dashpot.io.formats.detect import read_table
+from dashpot.io.formats import read_table
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw, about, open_raw
 from dashpot.io.table import Loaded, Question, Table
