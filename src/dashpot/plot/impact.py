@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -33,7 +33,27 @@ ACCEPTED = Pen(BLUE, "-", 0.7)
 USABLE = 20.0
 """The hammer excites the part where its force is within so many dB of that at 0 Hz."""
 
-Judged = tuple[HitBlock, Hit | None]
+
+class Judged(NamedTuple):
+    """A hit as it is drawn: with its clock, s after the hit, and the verdict on it."""
+
+    block: HitBlock
+    time: FloatArray
+    verdict: Hit | None
+
+    @property
+    def accepted(self) -> bool:
+        """True unless it was rejected."""
+        return self.verdict is None or self.verdict.accepted
+
+    @property
+    def pen(self) -> Pen:
+        """Of all its curves."""
+        return ACCEPTED if self.accepted else REJECTED
+
+    def last(self, size: FloatArray, share: float) -> float:
+        """When `size` last exceeds a share of its peak, s after the hit."""
+        return float(self.time[np.flatnonzero(size > share * np.max(size))[-1]])
 
 
 def hits(impact: ImpactTest, frf: FRF) -> Figure:
@@ -49,7 +69,10 @@ def hits(impact: ImpactTest, frf: FRF) -> Figure:
         The FRF estimated from it, which carries the verdict on every hit.
     """
     verdicts = {hit.name: hit for hit in frf.hits}
-    judged = [(hit, verdicts.get(hit.name)) for hit in cut_hits([impact])]
+    judged = [
+        Judged(one, (np.arange(len(one.force)) - one.onset) / one.rate, verdicts.get(one.name))
+        for one in cut_hits([impact])
+    ]
     channels = min(len(impact.channels), 3)
     made = figure(PAGE, 104)
     grid = made.add_gridspec(2, 6)
@@ -57,16 +80,16 @@ def hits(impact: ImpactTest, frf: FRF) -> Figure:
     _spectra(made.add_subplot(grid[0, 3:]), judged)
     wide = 6 // channels
     first: Axes | None = None
-    end = max(decay_time(hit) for hit, _ in judged)
-    record = min(float(_clock(hit)[-1]) for hit, _ in judged)
+    # the acceleration falls below 1 % of its peak for good
+    end = max(one.last(np.max(np.abs(one.block.acceleration), axis=0), 0.01) for one in judged)
+    record = min(float(one.time[-1]) for one in judged)
     bins = max(120, 3000 // (channels * len(judged)))  # many hits hide each other's detail
     for i in range(channels):
         ax = made.add_subplot(grid[1, wide * i : wide * (i + 1)], sharey=first)
         first = first or ax
-        for hit, verdict in judged:
-            time = _clock(hit)
-            seen = time <= 1.25 * end
-            panel.trace(ax, time[seen], hit.acceleration[i, seen], _pen(verdict), bins=bins)
+        for one in judged:
+            seen = one.time <= 1.25 * end
+            panel.trace(ax, one.time[seen], one.block.acceleration[i, seen], one.pen, bins=bins)
         dress(
             ax, x="time after the hit, s", y="acceleration, m/s²", title=plain(impact.channels[i])
         )
@@ -75,13 +98,6 @@ def hits(impact: ImpactTest, frf: FRF) -> Figure:
         decay = f"above 1 % of the peak at the end, {record:.3g} s"
     note(first or ax, decay, (0.97, 0.95), ha="right")
     return made
-
-
-def decay_time(hit: HitBlock) -> float:
-    """When the acceleration falls below 1 % of its peak for good, s after the hit."""
-    size = np.max(np.abs(hit.acceleration), axis=0)
-    loud = np.flatnonzero(size > 0.01 * np.max(size))
-    return float(_clock(hit)[loud[-1]])
 
 
 def force_spectrum(hit: HitBlock) -> tuple[FloatArray, FloatArray]:
@@ -96,46 +112,28 @@ def force_spectrum(hit: HitBlock) -> tuple[FloatArray, FloatArray]:
     return frequency, np.asarray(20 * np.log10(level / level[0]), dtype=float)
 
 
-def _accepted(hit: Hit | None) -> bool:
-    return hit is None or hit.accepted
-
-
-def _pen(hit: Hit | None) -> Pen:
-    return ACCEPTED if _accepted(hit) else REJECTED
-
-
-def _clock(hit: HitBlock) -> FloatArray:
-    return (np.arange(len(hit.force)) - hit.onset) / hit.rate
-
-
 def _pulses(ax: Axes, judged: Sequence[Judged]) -> None:
-    width = max(max(hit.width(0.1), 8 / hit.rate) for hit, _ in judged)
-    end = max(_last_pulse(hit) for hit, _ in judged) + 0.6 * width
-    for hit, verdict in judged:
-        time = _clock(hit)
-        near = (time > -0.6 * width) & (time < end)
-        label = f"hit {plain(verdict.name)}: rejected" if verdict and not verdict.accepted else ""
+    width = max(max(one.block.width(0.1), 8 / one.block.rate) for one in judged)
+    # a double hit shows its second
+    end = max(one.last(one.block.force, 0.1) for one in judged) + 0.6 * width
+    for one in judged:
+        near = (one.time > -0.6 * width) & (one.time < end)
+        label = "" if one.accepted else f"hit {plain(one.block.name)}: rejected"
         # where samples are few they are shown
-        panel.line(ax, 1e3 * time[near], hit.force[near], _pen(verdict), label, alpha=0.85,
+        panel.line(ax, 1e3 * one.time[near], one.block.force[near], one.pen, label, alpha=0.85,
                    marker="." if near.sum() <= 80 else "", markersize=2.5)  # fmt: skip
-    accepted = sum(_accepted(hit) for _, hit in judged)
+    accepted = sum(one.accepted for one in judged)
     dress(ax, x="time after the hit, ms", y="hammer force, N",
           title=f"{accepted} of {len(judged)} hits accepted")  # fmt: skip
     legend(ax, loc="upper right")
 
 
-def _last_pulse(hit: HitBlock) -> float:
-    """When the force last falls below a tenth of its peak, s: a double hit shows its second."""
-    above = np.flatnonzero(hit.force > 0.1 * hit.peak)
-    return float(_clock(hit)[above[-1]])
-
-
 def _spectra(ax: Axes, judged: Sequence[Judged]) -> None:
     ends = []
-    for hit, verdict in judged:
-        frequency, level = force_spectrum(hit)
-        panel.line(ax, frequency, level, _pen(verdict))
-        if _accepted(verdict):
+    for one in judged:
+        frequency, level = force_spectrum(one.block)
+        panel.line(ax, frequency, level, one.pen)
+        if one.accepted:
             below = np.flatnonzero(level < -USABLE)
             ends.append(float(frequency[below[0]] if below.size else frequency[-1]))
     ax.axhline(-USABLE, color=GREY, linewidth=0.6, linestyle=(0, (2, 2)))
@@ -143,6 +141,6 @@ def _spectra(ax: Axes, judged: Sequence[Judged]) -> None:
         usable = min(ends)
         panel.shade(ax, 0, usable, alpha=0.16)
         note(ax, f"usable to {usable:.0f} Hz (−{USABLE:.0f} dB)", (0.97, 0.95), ha="right")
-        ax.set_xlim(0, min(2.2 * usable, 0.5 * judged[0][0].rate))
+        ax.set_xlim(0, min(2.2 * usable, 0.5 * judged[0].block.rate))
     ax.set_ylim(-50, 5)
     dress(ax, x="frequency, Hz", y="force, dB re 0 Hz", title="Force spectra")

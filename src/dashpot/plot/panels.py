@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray, IndexArray
-from dashpot.plot.style import GREY, PALE, SKY, YELLOW, Pen, dress, right_axis
+from dashpot.plot.style import GREY, PALE, SKY, YELLOW, Pen, right_axis
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -38,33 +38,11 @@ def trace(
     log: bool = False,
     bins: int = 500,
     label: str = "",
+    **more: object,
 ) -> None:
     """One record against time, every excursion kept; with `log`, times must count from an event."""
     x, y = extremes(time, values, bins=bins, log=log)
-    line(ax, x, y, pen, label)
-
-
-def residual(
-    ax: Axes,
-    time: FloatArray,
-    values: FloatArray,
-    pen: Pen,
-    *,
-    noise: float,
-    name: str,
-) -> None:
-    """Residuals against log time: every excursion pale, the mean of each bin in ink.
-
-    On the right the same in standard deviations of the noise, `noise` in their unit, if known.
-    """
-    x, y = extremes(time, values, log=True)
-    ax.plot(x, y, color=PALE, linewidth=0.5, zorder=1)
-    x, y = means(time, values, log=True)
-    ax.plot(x, y, color=pen.color, linestyle="-", linewidth=pen.width, zorder=3)
-    ax.axhline(0.0, color=GREY, linewidth=0.5, zorder=2)
-    dress(ax, y=name)
-    if noise > 0:
-        right_axis(ax, "in noise SD", lambda y: y / noise, lambda y: y * noise)
+    line(ax, x, y, pen, label, **more)
 
 
 def segments(ax: Axes, bounds: tuple[float, float, float], *, before: float | None = None) -> None:

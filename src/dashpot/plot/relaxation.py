@@ -10,17 +10,19 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.plot import panels as panel
 from dashpot.plot.style import (
+    GREY,
     MEASURED,
     NORMAL,
     PAGE,
+    PALE,
     Pen,
     dress,
     figure,
     label_axes,
     legend,
-    log_axis,
     note,
     pen_of_arms,
+    right_axis,
     unit_of,
 )
 from dashpot.preparation.denoising import true_motion
@@ -58,7 +60,6 @@ def segments(prepared: RampHold) -> Figure:
         _zoom(ramp, t, values, prepared)
         _hold(hold, t, values, prepared)
         dress(ramp, y=label)
-        dress(hold)
     for above, below, title in zip(*grid, ("ramp, linear time", "hold, log time"), strict=True):
         label_axes(above, title=title)
         above.tick_params(labelbottom=False)
@@ -153,22 +154,24 @@ def draw_fits(
     panel.segments(ax, _bounds(prepared))
     ax.set_xlim(start, end)
     ax.set_ylim(*panel.outer_limits(data))
-    dress(ax, y=f"force, {unit}")
-    if not hold_only:
-        log_axis(ax, "x")
+    dress(ax, y=f"force, {unit}", log="" if hold_only else "x")
 
 
 def draw_residual(
     ax: Axes, one: Fitted, prepared: RampHold, *, others: Sequence[Fitted] = ()
 ) -> None:
-    """Measured less fitted force against log time; of `others` only the mean of each bin."""
+    """Measured less fitted force against log time; of `others` only the mean of each bin.
+
+    On the right the same in standard deviations of the noise, if that is known.
+    """
     when, left = one.left(prepared)
     unit, scale = unit_of(left, "N")
-    panel.residual(
-        ax, when, scale * left, one.pen, noise=scale * prepared.force_noise,
-        name=f"N = {one.fit.model.arms}\nresidual, {unit}",
-    )  # fmt: skip
     seen = [scale * left]
+    # every excursion pale, the mean of each bin in ink
+    panel.trace(ax, when, seen[0], Pen(PALE, "-", 0.5), log=True, zorder=1)
+    x, y = panel.means(when, seen[0], log=True)
+    panel.line(ax, x, y, Pen(one.pen.color, "-", one.pen.width), zorder=3)
+    ax.axhline(0.0, color=GREY, linewidth=0.5, zorder=2)
     for other in others:
         x, y = panel.means(*other.left(prepared), log=True)
         panel.trace(ax, x, scale * y, other.pen, log=True)
@@ -176,7 +179,10 @@ def draw_residual(
     panel.segments(ax, _bounds(prepared))
     ax.set_ylim(*panel.outer_limits(*seen, margin=0.08))
     ax.set_xlim(_log_start(prepared), prepared.hold_end - prepared.onset)
-    log_axis(ax, "x")
+    dress(ax, y=f"N = {one.fit.model.arms}\nresidual, {unit}", log="x")
+    noise = scale * prepared.force_noise
+    if noise > 0:
+        right_axis(ax, "in noise SD", lambda y: y / noise, lambda y: y * noise)
     word, factor = unit_of(np.array([one.fit.residual.rms]), "N")
     note(ax, f"RMS {factor * one.fit.residual.rms:.3g} {word}", (0.995, 0.95), ha="right")
 
@@ -258,7 +264,7 @@ def _hold(ax: Axes, t: FloatArray, values: FloatArray, prepared: RampHold) -> No
     seen = t >= start
     panel.trace(ax, t[seen], values[seen], MEASURED, log=True)
     ax.set_xlim(start, max(t[-1], prepared.hold_end - prepared.onset))
-    log_axis(ax, "x")
+    dress(ax, log="x")
 
 
 def _name_segments(ramp: Axes, hold: Axes, prepared: RampHold) -> None:

@@ -24,7 +24,6 @@ from dashpot.plot.style import (
     dress,
     figure,
     legend_above,
-    log_axis,
 )
 from dashpot.records.bounds import StiffnessBounds
 from dashpot.records.fit import Fit
@@ -64,8 +63,7 @@ def spectrum(fit: Fit, *, joint: Fit | None = None) -> Figure:
     shown = [*fit.model.tau, *(joint.model.tau if joint else ())]
     ax.set_xlim(min([low, *shown]) / 4, max([high, *shown]) * 4)
     ax.set_ylim(0, 1.12 * ax.get_ylim()[1])
-    log_axis(ax, "x")
-    dress(ax, x="relaxation time τ, s", y=words.arm)
+    dress(ax, x="relaxation time τ, s", y=words.arm, log="x")
     ax.annotate(
         words.plateau, (0.02, k_inf), xycoords=("axes fraction", "data"), xytext=(0, 1.5),
         textcoords="offset points", fontsize=SMALL, color=CHOSEN.color, va="bottom",
@@ -126,15 +124,18 @@ def stiffness(
             ax.axvline(mark, color=GREY, linewidth=0.8, linestyle=(0, (1, 1.5)),
                        label=f"resonance, {mark:.4g} Hz")  # fmt: skip
         ax.set_xlim(f[0], f[-1])
-        if name != "storage" and curve.max() > 0:  # a spring has no loss to put on a log axis
-            # a lower limit that touches zero must not make the axis dive after it
-            top = max(ax.get_ylim()[1], 2 * float(np.max(curve)))
-            ax.set_ylim(0.5 * float(np.min(curve)), top)
-            log_axis(ax, "y")
-        log_axis(ax, "x")
-        dress(ax, x=FREQUENCY, y=label)
+        lossy = name != "storage" and curve.max() > 0  # a spring has no loss for a log axis
+        if lossy:
+            _from_smallest(ax, curve)
+        dress(ax, x=FREQUENCY, y=label, log="xy" if lossy else "x")
     legend_above(made, axes[0], columns=4)
     return made
+
+
+def _from_smallest(ax: Axes, curve: FloatArray) -> None:
+    """Keep a log axis from diving after a lower limit that touches zero."""
+    top = max(ax.get_ylim()[1], 2 * float(np.max(curve)))
+    ax.set_ylim(0.5 * float(np.min(curve)), top)
 
 
 class _Words(NamedTuple):
@@ -279,8 +280,7 @@ def dynamic_stiffness(
                 panel.line(ax, dense, line.of(found.solid, dense), pen, who)
         ax.set_xlim(*span)
         ax.set_ylim(*_view(one, f))
-        log_axis(ax, "x")
-        dress(ax, x=FREQUENCY, y=LABELS[line.name])
+        dress(ax, x=FREQUENCY, y=LABELS[line.name], log="x")
     legend_above(made, axes[0], columns=4)
     return made
 

@@ -38,7 +38,6 @@ BLACK, GREY, PALE = "#000000", "#767676", "#d9d9d9"
 ORANGE, SKY, GREEN, YELLOW = "#E69F00", "#56B4E9", "#009E73", "#F0E442"
 BLUE, VERMILLION, PURPLE = "#0072B2", "#D55E00", "#CC79A7"
 
-Which: TypeAlias = Literal["x", "y"]
 Corner: TypeAlias = Literal[
     "best", "upper right", "upper left", "lower right", "lower left", "center left"
 ]
@@ -117,8 +116,12 @@ def label_axes(ax: Axes, *, x: str = "", y: str = "", title: str = "") -> None:
         ax.set_title(title, fontsize=NORMAL, loc="left", fontweight="bold")
 
 
-def dress(ax: Axes, *, x: str = "", y: str = "", title: str = "") -> None:
-    """Give the axes their labels, quiet spines and a pale grid."""
+def dress(
+    ax: Axes, *, x: str = "", y: str = "", title: str = "", log: Literal["", "x", "y", "xy"] = ""
+) -> None:
+    """Give the axes their labels, quiet spines and a pale grid; `log` ones have their limits."""
+    for which in log:
+        _log_axis(ax, which)
     label_axes(ax, x=x, y=y, title=title)
     ax.tick_params(which="both", labelsize=SMALL, color=GREY, direction="out")
     ax.tick_params(which="major", length=3.0, width=0.6)
@@ -129,7 +132,7 @@ def dress(ax: Axes, *, x: str = "", y: str = "", title: str = "") -> None:
     ax.set_axisbelow(True)
 
 
-def log_axis(ax: Axes, which: Which) -> None:
+def _log_axis(ax: Axes, which: str) -> None:
     """Make an axis logarithmic with plain numbers on it; a very wide one has powers of ten."""
     from matplotlib.ticker import FuncFormatter, LogFormatterMathtext, LogLocator, NullFormatter
 

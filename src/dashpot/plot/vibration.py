@@ -28,7 +28,6 @@ from dashpot.plot.style import (
     label_axes,
     legend,
     legend_above,
-    log_axis,
     plain,
 )
 from dashpot.records.bounds import FRFBounds
@@ -161,9 +160,7 @@ def draw_magnitude(ax: Axes, curves: Sequence[Curve], *, around: float | None = 
     # a few vanishing lines cannot stretch the axis
     low = max(float(np.percentile(size, 1)), 1e-4 * float(np.max(size)))
     ax.set_ylim(0.6 * low, 2.0 * float(np.max(size)))
-    log_axis(ax, "x")
-    log_axis(ax, "y")
-    dress(ax, y=f"{first.kind.value.replace('_', ' ')}, {unit}")
+    dress(ax, y=f"{first.kind.value.replace('_', ' ')}, {unit}", log="xy")
     panel.decibels(ax, reference)
 
 
