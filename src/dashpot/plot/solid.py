@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
@@ -124,18 +124,19 @@ def stiffness(
             ax.axvline(mark, color=GREY, linewidth=0.8, linestyle=(0, (1, 1.5)),
                        label=f"resonance, {mark:.4g} Hz")  # fmt: skip
         ax.set_xlim(f[0], f[-1])
-        lossy = name != "storage" and curve.max() > 0  # a spring has no loss for a log axis
-        if lossy:
-            _from_smallest(ax, curve)
-        dress(ax, x=FREQUENCY, y=label, log="xy" if lossy else "x")
+        dress(ax, x=FREQUENCY, y=label, log=_scales(ax, name, curve))
     legend_above(made, axes[0], columns=4)
     return made
 
 
-def _from_smallest(ax: Axes, curve: FloatArray) -> None:
-    """Keep a log axis from diving after a lower limit that touches zero."""
+def _scales(ax: Axes, name: str, curve: FloatArray) -> Literal["x", "xy"]:
+    """Which axes are logarithmic: that of a loss too, unless it is a spring's, which has none."""
+    if name == "storage" or not curve.max() > 0:
+        return "x"
+    # a lower limit that touches zero must not make the axis dive after it
     top = max(ax.get_ylim()[1], 2 * float(np.max(curve)))
     ax.set_ylim(0.5 * float(np.min(curve)), top)
+    return "xy"
 
 
 class _Words(NamedTuple):
