@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -63,8 +64,6 @@ def to_svg(figure: Figure, *, name: str = "figure", title: str = "") -> str:
     title : str
         What a screen reader says in place of the picture.
     """
-    from html import escape
-
     from matplotlib import rc_context
 
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9-]*", name):

@@ -111,7 +111,7 @@ class Fitted(NamedTuple):
     time: FloatArray
     force: FloatArray
 
-    def left(self, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
+    def residual(self, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
         """Time from first contact and residual, N, over what a log axis shows."""
         start, end = _log_start(prepared), prepared.hold_end - prepared.onset
         seen = (self.time >= start) & (self.time <= end)
@@ -164,7 +164,7 @@ def draw_residual(
 
     On the right the same in standard deviations of the noise, if that is known.
     """
-    when, left = one.left(prepared)
+    when, left = one.residual(prepared)
     unit, scale = unit_of(left, "N")
     seen = [scale * left]
     # every excursion pale, the mean of each bin in ink
@@ -173,7 +173,7 @@ def draw_residual(
     panel.line(ax, x, y, Pen(one.pen.color, "-", one.pen.width), zorder=3)
     ax.axhline(0.0, color=GREY, linewidth=0.5, zorder=2)
     for other in others:
-        x, y = panel.means(*other.left(prepared), log=True)
+        x, y = panel.means(*other.residual(prepared), log=True)
         panel.trace(ax, x, scale * y, other.pen, log=True)
         seen.append(scale * y)
     panel.segments(ax, _bounds(prepared))
