@@ -86,6 +86,16 @@ def median(values: FloatArray) -> float:
     return 0.5 * float(parted[low] + parted[high])
 
 
+def runs(true: BoolArray) -> IndexArray:
+    """Return the first and the last index of every run of True, shape (m, 2).
+
+    >>> runs(np.array([True, True, False, True])).tolist()
+    [[0, 1], [3, 3]]
+    """
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], true, [False]))))
+    return np.asarray(edges.reshape(-1, 2) - (0, 1))
+
+
 def frozen(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
     """Return a read-only view of a private copy."""
     copy = np.array(values)

@@ -10,6 +10,9 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
 
+# samples: fewer have no scatter to speak of
+MIN_BASELINE = 5.0
+
 
 class Baseline(NamedTuple):
     """What the load cell showed before the plate met the seal.
@@ -38,7 +41,7 @@ class Baseline(NamedTuple):
     @property
     def long_enough(self) -> bool:
         """Five samples make a mean worth subtracting."""
-        return self.samples >= 5
+        return self.samples >= MIN_BASELINE
 
 
 def baseline_of(time: FloatArray, force: FloatArray) -> Baseline:
@@ -46,7 +49,7 @@ def baseline_of(time: FloatArray, force: FloatArray) -> Baseline:
     middle, level = float(time.mean()), float(force.mean())
     t = time - middle
     power = float(t @ t)
-    sloped = len(force) >= 5 and power > 0
+    sloped = len(force) >= MIN_BASELINE and power > 0
     slope = float(t @ force) / power if sloped else 0.0
     free = len(force) - 2 * sloped
     noise = float(np.sqrt(np.sum((force - level - slope * t) ** 2) / free))
@@ -67,7 +70,8 @@ def zeroed(
     if drift == "baseline" and not found.long_enough:
         raise DataError(
             f"{where}: drift='baseline' was asked for, but {found.samples} samples lie before "
-            "contact; expected at least 5: record a baseline, or give the drift in N/s"
+            f"contact; expected at least {MIN_BASELINE:.0f}: record a baseline, or give the drift "
+            "in N/s"
         )
     rate = found.slope if drift == "baseline" else float(drift or 0.0)
     tare = found.level if found.long_enough else 0.0

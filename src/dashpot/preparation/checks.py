@@ -7,17 +7,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, FloatArray, median
+from dashpot.base.arrays import FloatArray, median, runs
 from dashpot.base.checks import Check, Finding, criterion
 from dashpot.base.errors import DataError
-from dashpot.preparation.baseline import Baseline
+from dashpot.preparation.baseline import MIN_BASELINE, Baseline
 from dashpot.preparation.contact import Touch
 from dashpot.preparation.cycles import Cycle, listed
 from dashpot.preparation.noise import median_of_three, spikes, usual_scatter
 from dashpot.records.relaxation import MAX_CREEP, RampHold, quantum
 
 MIN_QUANTA = 20.0
-MIN_BASELINE = 5.0
 MAX_PRELOAD = 0.05
 MAX_OVERSHOOT = 0.05
 MIN_HOLD_OVER_RAMP = 10.0
@@ -199,10 +198,7 @@ def _worst(checks: Sequence[Check]) -> Check:
 @criterion("samples at the peak", "<", FLAT_SAMPLES, "our choice; or a rest or noise explains it")
 def force_not_clipped(test: RampHold) -> Finding:
     """The peak is no ceiling at which the force stayed while the seal still moved."""
-    top = float(test.force.max())
-    at_top = test.force >= top - 1e-9 * abs(top)
-    first, last = _longest(at_top)
-    count = int(np.count_nonzero(at_top))
+    top, count, first, last = _flat_top(test.force)
     moved = float(np.ptp(test.displacement[first : last + 1]))
     step = quantum(test.force)
     # over so far the force climbs by three quanta even at half its mean rate
@@ -252,8 +248,7 @@ def refuse_saturated(where: str, test: RampHold) -> None:
     plausible = columns_plausible(test)
     if not plausible.passed:
         raise DataError(f"{where}: {plausible.says}")
-    top = float(test.force.max())
-    first, last = _longest(test.force >= top - 1e-9 * abs(top))
+    top, _, first, last = _flat_top(test.force)
     raise DataError(
         f"{where}: the force stands at exactly {top:.4g} N above the tare for {last - first + 1} "
         f"samples from t = {test.time[first]:.6g} s to {test.time[last]:.6g} s: the sensor or the "
@@ -262,12 +257,13 @@ def refuse_saturated(where: str, test: RampHold) -> None:
     )
 
 
-def _longest(true: BoolArray) -> tuple[int, int]:
-    """First and last sample of the longest run of True."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], true.astype(int), [0]))))
-    starts, stops = edges[::2], edges[1::2]
-    i = int(np.argmax(stops - starts))
-    return int(starts[i]), int(stops[i]) - 1
+def _flat_top(force: FloatArray) -> tuple[float, int, int, int]:
+    """Return the highest force, how often it is read, and its longest run: first and last."""
+    top = float(force.max())
+    at_top = force >= top - 1e-9 * abs(top)
+    found = runs(at_top)
+    first, last = found[np.argmax(found[:, 1] - found[:, 0])].tolist()
+    return top, int(np.count_nonzero(at_top)), first, last
 
 
 @criterion("its error / depth", "<=", 0.005, "our choice: half a per cent")

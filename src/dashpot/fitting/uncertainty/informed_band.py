@@ -19,7 +19,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
+from dashpot.base.arrays import FloatArray, runs
 from dashpot.engine.blocks.block import Block
 from dashpot.engine.solver.descent import Stack
 from dashpot.records.relaxation import RampHold
@@ -86,12 +86,10 @@ def _of_groups(arms: FloatArray, count: int) -> FloatArray:
 def _widest(
     frequency: FloatArray, left: FloatArray, slowest: float, fastest: float
 ) -> tuple[float, float]:
-    informed = left <= _LEARNED
     best = float(
         np.clip(frequency[int(np.argmin(left))], min(slowest, fastest), max(slowest, fastest))
     )
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], informed.astype(int), [0]))))
-    runs = [(float(frequency[a]), float(frequency[b - 1])) for a, b in edges.reshape(-1, 2)]
-    clipped = [(max(low, slowest), min(high, fastest)) for low, high in runs]
+    ends = frequency[runs(left <= _LEARNED)].tolist()
+    clipped = [(max(low, slowest), min(high, fastest)) for low, high in ends]
     wide = [(low, high) for low, high in clipped if high > low]
     return max(wide, key=lambda run: run[1] / run[0], default=(best, best))
