@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import math
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
@@ -104,11 +103,6 @@ def write(path: str, text: str) -> None:
 def failed(checks: Iterable[Check]) -> list[str]:
     """Return one line for each failed check, for the text of a command."""
     return [f"  ! {check.name}: {check.says}" for check in checks if not check.passed]
-
-
-def finite(value: float) -> float | None:
-    """Return the number, or None where there is none to tell."""
-    return value if math.isfinite(value) else None
 
 
 def read_fit(path: str) -> dp.Fit:

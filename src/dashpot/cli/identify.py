@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -13,16 +13,12 @@ from dashpot.cli._options import Quantity, Range
 from dashpot.cli._shell import (
     Outcome,
     failed,
-    finite,
     looks_like_json,
     printed,
     read_fit,
     reports,
     write,
 )
-
-if TYPE_CHECKING:
-    from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness
 
 
 @click.command("identify")
@@ -71,43 +67,9 @@ def command(
         **choices,
     )
     if direct:
-        write(direct, _table(straight))
+        write(direct, workflow.direct_table(straight))
     if output:
         write(output, printed(found) + "\n")
     text = "" if output == "-" else "\n".join([_text.fit(found), *failed(noted)])
-    return Outcome(found, text, (*found.checks, *noted), {"direct": _plain(straight)})
-
-
-def _plain(straight: DynamicStiffness) -> dict[str, Any]:
-    """Return stiffness and damping straight from the FRF, each with all its errors."""
-    return {
-        "frequency_hz": straight.frequency.tolist(),
-        "stiffness": straight.storage.tolist(),
-        "stiffness_sd": straight.storage_sd.tolist(),
-        "damping": straight.damping.tolist(),
-        "loss_factor": straight.loss_factor.tolist(),
-        "loss_factor_sd": straight.loss_factor_sd.tolist(),
-        "stiffness_band_hz": [finite(end) for end in straight.storage_band],
-        "loss_band_hz": [finite(end) for end in straight.loss_band],
-    }
-
-
-def _table(straight: DynamicStiffness) -> str:
-    """Return them as CSV, with the bands where they are good in the head."""
-    head = (
-        f"# stiffness good to 10 % from {straight.storage_band[0]:.4g} to "
-        f"{straight.storage_band[1]:.4g} Hz, loss to 30 % from {straight.loss_band[0]:.4g} to "
-        f"{straight.loss_band[1]:.4g} Hz\n"
-        "frequency [Hz],stiffness [N/m],sd of stiffness [N/m],damping [N*s/m],loss factor [1],"
-        "sd of loss factor [1]\n"
-    )
-    columns = (
-        straight.frequency,
-        straight.storage,
-        straight.storage_sd,
-        straight.damping,
-        straight.loss_factor,
-        straight.loss_factor_sd,
-    )
-    rows = zip(*(column.tolist() for column in columns), strict=True)
-    return head + "".join(",".join(map(repr, row)) + "\n" for row in rows)
+    told = {"direct": workflow.direct_document(straight)}
+    return Outcome(found, text, (*found.checks, *noted), told)

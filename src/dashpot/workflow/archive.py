@@ -100,6 +100,8 @@ def from_json(text: str | bytes) -> Any:
 # -- nouns to plain values -----------------------------------------------------------------------
 
 
+# msgspec encodes a dataclass without asking: the schema and the layout of an inner noun would be
+# lost, so this walk stays; cattrs would take a hook per noun and a dependency more
 def _plain(value: Any) -> Any:
     if hasattr(value, "__dataclass_fields__"):
         plain = {one.name: _plain(getattr(value, one.name)) for one in fields(value)}
@@ -107,10 +109,10 @@ def _plain(value: Any) -> Any:
         if type(value) in _CONTRACTS:
             plain = _CONTRACTS[type(value)](value, plain)
         return {"schema": name, **plain} if name else plain
-    if isinstance(value, np.ndarray):
+    if isinstance(value, np.ndarray | np.generic):
         if np.iscomplexobj(value):
             return {"real": _plain(value.real), "imag": _plain(value.imag)}
-        return [_plain(item) for item in value.tolist()]
+        return _plain(value.tolist())
     if isinstance(value, Status):
         return value.name.lower()
     if isinstance(value, Enum):
@@ -119,8 +121,6 @@ def _plain(value: Any) -> Any:
         return [_plain(item) for item in value]
     if isinstance(value, dict):
         return {str(key): _plain(item) for key, item in value.items()}
-    if isinstance(value, np.generic):
-        return _plain(value.item())
     if isinstance(value, float) and not np.isfinite(value):
         return "NaN" if np.isnan(value) else "Infinity" if value > 0 else "-Infinity"
     return value

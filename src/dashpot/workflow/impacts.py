@@ -259,5 +259,32 @@ def identify_files(
     return found, straight, noted
 
 
+def direct_document(straight: DynamicStiffness) -> dict[str, Any]:
+    """Return stiffness and damping straight from the FRF, each with all its errors."""
+    return {
+        "frequency_hz": straight.frequency.tolist(),
+        "stiffness": straight.storage.tolist(),
+        "stiffness_sd": straight.storage_sd.tolist(),
+        "damping": straight.damping.tolist(),
+        "loss_factor": straight.loss_factor.tolist(),
+        "loss_factor_sd": straight.loss_factor_sd.tolist(),
+        "stiffness_band_hz": [_finite(end) for end in straight.storage_band],
+        "loss_band_hz": [_finite(end) for end in straight.loss_band],
+    }
+
+
+def direct_table(straight: DynamicStiffness) -> str:
+    """Return them as CSV, with the bands where they are good in the head."""
+    head = (
+        f"# stiffness good to 10 % from {straight.storage_band[0]:.4g} to "
+        f"{straight.storage_band[1]:.4g} Hz, loss to 30 % from {straight.loss_band[0]:.4g} to "
+        f"{straight.loss_band[1]:.4g} Hz\n"
+        "frequency [Hz],stiffness [N/m],sd of stiffness [N/m],damping [N*s/m],loss factor [1],"
+        "sd of loss factor [1]\n"
+    )
+    columns = list(direct_document(straight).values())[:6]
+    return head + "".join(",".join(map(repr, row)) + "\n" for row in zip(*columns, strict=True))
+
+
 def _finite(value: float) -> float | None:
     return value if np.isfinite(value) else None

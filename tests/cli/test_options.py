@@ -1,0 +1,96 @@
+"""A noun's fields make the options of a command, and the options make the noun."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import click
+import pytest
+from click.testing import CliRunner
+
+from dashpot.base.options import option
+from dashpot.cli import COMMANDS, main
+from dashpot.cli._options import filled
+from dashpot.io.options import ReadOptions
+from dashpot.records.specimen import Specimen
+from dashpot.workflow.job import HammerChoices
+
+
+@dataclass(frozen=True)
+class Tea:
+    """Something with one field of each kind."""
+
+    kind: str = option("green", "What leaves.", choices=("green", "black"))
+    water: float | None = option(None, "How hot.", unit="temperature")
+    infusions: int = option(1, least=1)
+    with_: tuple[str, ...] = option((), metavar="WHAT", multiple=True)
+    cups: tuple[int, ...] | None = option(
+        None, multiple=True, parse=lambda texts: tuple(map(int, texts)) or None
+    )
+    hidden: str = "not asked for"
+
+
+def brewed(*words):
+    got = []
+
+    @click.command()
+    @filled(Tea, "tea", show_default=True)
+    def command(*, tea):
+        got.append(tea)
+
+    result = CliRunner().invoke(command, words)
+    return result, got
+
+
+def test_no_option_is_the_noun_itself():
+    assert brewed()[1] == [Tea()]
+
+
+def test_every_kind_of_option_fills_its_field():
+    said = "--kind black --water 80degC --infusions 3 --with- milk --with- sugar --cups 2 --cups 3"
+    _, (tea,) = brewed(*said.split())
+    assert tea == Tea("black", pytest.approx(353.15), 3, ("milk", "sugar"), (2, 3))
+
+
+def test_help_tells_what_the_field_says():
+    text = brewed("--help")[0].output
+    assert "What leaves.  [default: green]" in text
+    assert "--hidden" not in text
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [(("--kind", "mud"), "mud"), (("--water", "80"), "no unit"), (("--infusions", "0"), "0")],
+)
+def test_what_cannot_be_is_refused(words, says):
+    result, got = brewed(*words)
+    assert result.exit_code == 2
+    assert says in result.output
+    assert not got
+
+
+@pytest.mark.parametrize(
+    ("command", "nouns"),
+    [
+        ("fit", (ReadOptions, Specimen)),
+        ("inspect", (ReadOptions,)),
+        ("impact", (ReadOptions, HammerChoices)),
+        ("compare", (ReadOptions, HammerChoices)),
+        ("identify", (ReadOptions, HammerChoices)),
+        ("report", (ReadOptions, Specimen, HammerChoices)),
+        ("export", (Specimen,)),
+    ],
+)
+def test_commands_offer_every_field_of_their_nouns(command, nouns):
+    text = CliRunner().invoke(main, [command, "--help"]).output
+    for noun in nouns:
+        for one in fields(noun):
+            if one.metadata:
+                assert f"--{one.name.replace('_', '-')} " in text
+
+
+def test_the_list_of_commands_needs_none_of_them():
+    text = CliRunner().invoke(main, ["--help"]).output
+    for name, says in COMMANDS.items():
+        assert f"  {name} " in text
+        assert says in " ".join(text.split())
