@@ -13,6 +13,7 @@ from dashpot.cli._shell import failed
 if TYPE_CHECKING:
     from dashpot.records.fit import Fit
     from dashpot.records.frf import FRF, Mode
+    from dashpot.workflow.impacts import ImpactResult
     from dashpot.workflow.study import Study
 
 
@@ -21,9 +22,10 @@ def rounded(value: float, error: float | None = None, *, digits: int = 4) -> str
     return ascii_only(numbers.rounded(value, error, digits=digits))
 
 
-def with_error(value: float, error: float) -> str:
-    """Return a value and its error, so too."""
-    return ascii_only(numbers.with_error(value, error))
+def with_error(value: float, error: float | None, *, scale: float = 1.0) -> str:
+    """Return a value and its error, so too; None is an error that is not known."""
+    error = math.nan if error is None else error
+    return ascii_only(numbers.with_error(value * scale, error * scale))
 
 
 def hertz(band: tuple[float, float]) -> str:
@@ -152,10 +154,13 @@ def _orders(found: Fit) -> list[str]:
     return table(rows)
 
 
-def impact(frf: FRF, modes: Iterable[Mode], *, estimator: str) -> str:
+def impact(found: ImpactResult) -> str:
     """Return the hits with their verdicts, the modes, and what the record cannot support."""
+    frf = found.frf
     used = f"{frf.averages} of {len(frf.hits)} hit{'s' * (len(frf.hits) != 1)} averaged"
-    lines = [f"{used}, {estimator}, {frf.frequency[1] - frf.frequency[0]:.4g} Hz between lines"]
+    lines = [
+        f"{used}, {found.estimator}, {frf.frequency[1] - frf.frequency[0]:.4g} Hz between lines"
+    ]
     rows = [["hit", "time, s", "peak, N", "pulse, ms", "verdict"]]
     rows += [
         [
@@ -169,11 +174,10 @@ def impact(frf: FRF, modes: Iterable[Mode], *, estimator: str) -> str:
     ]
     lines += table(rows)
     lines += [f"    {hit.name}: {reason}" for hit in frf.hits for reason in hit.reasons]
-    for mode in modes:
-        lines.append(
-            f"  mode  {with_error(mode.frequency, mode.frequency_se)} Hz, damping ratio "
-            f"{with_error(100 * mode.damping_ratio, 100 * mode.damping_ratio_se)} % ({mode.method})"
-        )
+    for mode in found.modes:
+        frequency = with_error(mode.frequency_hz, mode.frequency_se_hz)
+        ratio = with_error(mode.damping_ratio, mode.damping_ratio_se, scale=100)
+        lines.append(f"  mode  {frequency} Hz, damping ratio {ratio} % ({mode.method})")
     return "\n".join(lines + failed(frf.checks))
 
 

@@ -33,14 +33,14 @@ def command(
     dashpot impact hit1.csv hit2.csv hit3.csv --estimator Hv --combine weighted -o frf.uff
     dashpot impact hammer.csv --reject 3 --window exponential --mass 104g
     """
-    found, modes, reason = workflow.impact_files(files, file=output, **choices)
+    found, reason = workflow.impact_files(files, file=output, **choices)
     if reason:
         said(f"no mode: {reason}")
     if output:
         _write(found.frf, output)
     if picture:
         dp.plot.save(dp.plot.frf(found.frf), picture)
-    text = "" if output == "-" else _text.impact(found.frf, modes, estimator=found.estimator)
+    text = "" if output == "-" else _text.impact(found)
     return Outcome(found, text, found.frf.checks)
 
 

@@ -72,7 +72,7 @@ def impact_files(
     mass: float | None = None,
     band: tuple[float, float] | None = None,
     file: str | None = None,
-) -> tuple[ImpactResult, tuple[Mode, ...], str]:
+) -> tuple[ImpactResult, str]:
     """Average the hits in files into an FRF and find its modes.
 
     Parameters
@@ -90,8 +90,6 @@ def impact_files(
     Returns
     -------
     result : ImpactResult
-    modes : tuple of Mode
-        Those of the result, with their residues.
     reason : str
         Why no mode was found, else empty.
     """
@@ -113,7 +111,7 @@ def impact_files(
         )
         for mode in modes
     )
-    return ImpactResult(frf, told, hammer.estimator, hammer.window, file), modes, reason
+    return ImpactResult(frf, told, hammer.estimator, hammer.window, file), reason
 
 
 def read_measured(
@@ -174,7 +172,18 @@ def held_against(
 
 @dataclass(frozen=True)
 class Agreement:
-    """What ``dashpot compare`` found: the comparison, the mass behind it, and all checks."""
+    """What ``dashpot compare`` found.
+
+    Attributes
+    ----------
+    comparison : Comparison
+    mass : float
+        What moves, kg.
+    mass_inferred : bool
+        True if the mass was taken from the measured FRF, so that the frequency proves nothing.
+    noted : tuple of Check
+        What the FRF and the mass of the seals say beside the comparison's own checks.
+    """
 
     comparison: Comparison
     mass: float
@@ -195,7 +204,19 @@ def compare_files(
 ) -> Agreement:
     """Hold the prediction of a fit against the hits or the FRF in files.
 
-    `mass` is the block's, kg, and `seal_mass` that of one seal; `band` in Hz.
+    Parameters
+    ----------
+    found : Fit
+        Of one seal.
+    measured : sequence of path
+    hammer, options
+        How hits are averaged, and what the user said of the files.
+    mass, seal_mass : float, optional
+        Of the block, inferred from the FRF if missing, and of one seal, kg.
+    seals : float
+        How many carry the block.
+    band : (float, float), optional
+        Lines compared, Hz.
     """
     _, frf = read_measured(measured, choices=hammer, options=options, mass=mass)
     total, noted = total_mass(mass, seal=seal_mass, seals=seals)
