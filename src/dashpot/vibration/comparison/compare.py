@@ -151,10 +151,8 @@ def infer_mass(model: Solid, frf: FRF) -> tuple[float, float]:
 
 def _on_lines(predicted: FRF, measured: FRF) -> FRF:
     """The prediction at the measured lines, which must be among its own."""
-    where = np.searchsorted(predicted.frequency, measured.frequency)
-    where = np.clip(where, 1, len(predicted.frequency) - 1)
-    left, right = predicted.frequency[where - 1], predicted.frequency[where]
-    where = where - (measured.frequency - left < right - measured.frequency)
+    lines = np.arange(len(predicted.frequency))
+    where = np.rint(np.interp(measured.frequency, predicted.frequency, lines)).astype(int)
     off = np.abs(predicted.frequency[where] - measured.frequency)
     step = float(np.median(np.diff(measured.frequency))) if len(measured.frequency) > 1 else 1.0
     if off.max() > 1e-6 * step:
