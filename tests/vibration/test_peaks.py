@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from dashpot.base.errors import DataError
 from dashpot.records.frf import FRF, Kind
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.vibration.modal.peaks import find_peak, random_sd
+from dashpot.vibration.modal.peaks import find_peak
 from dashpot.vibration.systems.prediction import accelerance, poles, predict_frf, residues
 
 PAPER = GeneralizedMaxwell(196.5, (117.5, 17.8), (59.0 / 117.5, 292.2 / 17.8))
@@ -62,9 +62,9 @@ def test_coherence_gives_the_scatter() -> None:
     frf = FRF(
         np.array([1.0, 2.0]), np.array([3 + 4j, 1j]), coherence=np.array([0.9, 1.0]), averages=5
     )
-    assert random_sd(frf) == pytest.approx([5 * np.sqrt(0.1 / (10 * 0.9)), 0.0])
-    assert random_sd(replace(frf, averages=1)) is None
-    assert random_sd(replace(frf, coherence=None)) is None
+    assert frf.random_sd == pytest.approx([5 * np.sqrt(0.1 / (10 * 0.9)), 0.0])
+    assert replace(frf, averages=1).random_sd is None
+    assert replace(frf, coherence=None).random_sd is None
 
 
 def test_too_few_lines() -> None:

@@ -38,6 +38,12 @@ UNITS = {
     Kind.DYNAMIC_STIFFNESS: "N/m",
 }
 
+# a line whose random error is larger than this part of its value says nothing about a peak
+NOISY_LINE = 0.5
+# what is noise is not told from fewer quiet lines
+FEWEST = 5
+# line frequencies below this, Hz, are 0
+ZERO = 1e-9
 # a motion per force is the receptance times s to this power
 _POWERS = {Kind.RECEPTANCE: 0, Kind.MOBILITY: 1, Kind.ACCELERANCE: 2}
 
@@ -178,6 +184,32 @@ class FRF(ByValue):
         # a relative error is the same for every kind
         sd = None if old.sd is None else old.sd * np.abs(value) / np.abs(old.value)
         return replace(old, value=value, kind=kind, sd=sd)
+
+    @property
+    def random_sd(self) -> FloatArray | None:
+        r"""Standard deviation of the real and of the imaginary part, shape (n,); None if unknown.
+
+        The FRF's own `sd` where it has one, else from coherence and n averages,
+        :math:`|H| \sqrt{(1-\gamma^2) / (2 n \gamma^2)}` (ISO 7626-2, annex A).
+        """
+        if self.sd is not None:
+            return self.sd
+        if self.coherence is None or self.averages < 2:
+            return None
+        squared = np.clip(self.coherence, 1e-6, 1.0)
+        return np.asarray(
+            np.abs(self.value) * np.sqrt((1 - squared) / (2 * self.averages * squared))
+        )
+
+    @property
+    def usable(self) -> BoolArray:
+        """Lines to hold against a model: not 0 Hz, not zero, not mere noise, shape (n,)."""
+        keep = (self.frequency > ZERO) & (np.abs(self.value) > 0)
+        sd = self.random_sd
+        if sd is not None:
+            quiet = keep & (sd < NOISY_LINE * np.abs(self.value))
+            keep = quiet if np.count_nonzero(quiet) >= FEWEST else keep
+        return np.asarray(keep)
 
     def only(self, keep: BoolArray) -> FRF:
         """The chosen lines, `keep` of shape (n,)."""

@@ -11,7 +11,7 @@ from dashpot.base.errors import DataError
 from dashpot.engine.blocks.block import DesignBlock
 from dashpot.records.frf import FRF, Kind
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.vibration.modal.peaks import find_peak, random_sd, usable_lines
+from dashpot.vibration.modal.peaks import find_peak
 from dashpot.vibration.systems.prediction import accelerance
 
 # no line is trusted beyond this part of its value: leakage and aliasing of the pulse remain
@@ -114,13 +114,13 @@ def frf_data_of(frf: FRF, *, seals: float, band: tuple[float, float] | None) -> 
     measured = frf.to(Kind.ACCELERANCE)
     peak = find_peak(measured if band is None else measured.band(*band)).frequency
     low, high = (peak / AROUND_THE_PEAK, peak * AROUND_THE_PEAK) if band is None else band
-    keep = usable_lines(measured) & (measured.frequency >= low) & (measured.frequency <= high)
+    keep = measured.usable & (measured.frequency >= low) & (measured.frequency <= high)
     if np.count_nonzero(keep) < FEWEST_LINES:
         raise DataError(
             f"{np.count_nonzero(keep)} usable lines between {low:.4g} and {high:.4g} Hz; a model "
             f"needs at least {FEWEST_LINES}: widen band=, or record longer for more lines"
         )
     lines = measured.only(keep)
-    scatter, size = random_sd(lines), np.abs(lines.value)
+    scatter, size = lines.random_sd, np.abs(lines.value)
     sd = size if scatter is None else np.hypot(scatter, FLOOR * size)
     return FRFData(lines, sd, scatter is not None, float(seals), peak)

@@ -14,7 +14,7 @@ from dashpot.records.frf import FRF, Kind, Mode
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.comparison.checks import checks, verdict
 from dashpot.vibration.comparison.comparison import ArmEvidence, Comparison
-from dashpot.vibration.modal.peaks import Peak, find_peak, usable_lines
+from dashpot.vibration.modal.peaks import Peak, find_peak
 from dashpot.vibration.systems.prediction import accelerance, mass_for_peak, model_modes
 
 # lines outside this factor of the measured peak are mass line, tip roll-off and drift
@@ -205,7 +205,7 @@ def _as_tested(predicted: FRF, measured: FRF, model: Solid | None, mass: float |
 
 
 def _compared(measured: FRF, peak: Peak, *, explicit: bool) -> BoolArray:
-    keep = usable_lines(measured)
+    keep = measured.usable
     if not explicit:
         near = (measured.frequency >= peak.frequency / AROUND_THE_PEAK) & (
             measured.frequency <= peak.frequency * AROUND_THE_PEAK

@@ -9,7 +9,6 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.records.frf import FRF
-from dashpot.vibration.modal.peaks import random_sd
 
 
 @dataclass(frozen=True)
@@ -103,7 +102,7 @@ class Comparison:
         The standard deviation is that of the complex value, so that z is about 1 where the
         model holds.
         """
-        sd = random_sd(self.measured)
+        sd = self.measured.random_sd
         if sd is None:
             return None
         difference = np.abs(self.predicted.value - self.measured.value)

@@ -11,7 +11,7 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.records.frf import FRF, Kind
 from dashpot.vibration.checks import causal
-from dashpot.vibration.modal.peaks import find_peak, random_sd, run_about, usable_lines
+from dashpot.vibration.modal.peaks import find_peak, run_about
 
 DEGREE = float(np.pi / 180)
 STORAGE_LIMIT, LOSS_LIMIT = 0.1, 0.3
@@ -133,8 +133,8 @@ def dynamic_stiffness(
     mass_sd = 0.01 * mass if mass_sd is None else mass_sd
     measured = frf.to(Kind.ACCELERANCE)
     measured = measured if band is None else measured.band(*band)
-    measured = measured.only(usable_lines(measured))
-    s, value, scatter = measured.s, measured.value, random_sd(measured)
+    measured = measured.only(measured.usable)
+    s, value, scatter = measured.s, measured.value, measured.random_sd
     raw = s**2 / value
     K = (raw - mass * s**2) / seals
     random = np.zeros(len(s)) if scatter is None else scatter * np.abs(raw / value) / seals

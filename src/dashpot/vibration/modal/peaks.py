@@ -10,12 +10,8 @@ from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.base.errors import DataError
 from dashpot.records.frf import FRF, Kind
 
-# a line whose random error is larger than this part of its value says nothing about a peak
-NOISY_LINE = 0.5
 # the parabola is laid through at least this many and at most that many lines
 FEWEST, MOST = 5, 31
-# relative step of the line frequencies below which a line counts as 0 Hz
-ZERO = 1e-9
 
 
 @dataclass(frozen=True)
@@ -46,30 +42,6 @@ class Peak:
     decay: float
 
 
-def random_sd(frf: FRF) -> FloatArray | None:
-    r"""Standard deviation of the real and of the imaginary part, shape (n,), or None if unknown.
-
-    The FRF's own `sd` where it has one, else from coherence and n averages,
-    :math:`|H| \sqrt{(1-\gamma^2) / (2 n \gamma^2)}` (ISO 7626-2, annex A).
-    """
-    if frf.sd is not None:
-        return frf.sd
-    if frf.coherence is None or frf.averages < 2:
-        return None
-    coherence = np.clip(frf.coherence, 1e-6, 1.0)
-    return np.asarray(np.abs(frf.value) * np.sqrt((1 - coherence) / (2 * frf.averages * coherence)))
-
-
-def usable_lines(frf: FRF) -> BoolArray:
-    """Lines that can be held against a model: not 0 Hz, not zero, not mere noise, shape (n,)."""
-    keep = (frf.frequency > ZERO) & (np.abs(frf.value) > 0)
-    sd = random_sd(frf)
-    if sd is not None:
-        quiet = keep & (sd < NOISY_LINE * np.abs(frf.value))
-        keep = quiet if np.count_nonzero(quiet) >= FEWEST else keep
-    return np.asarray(keep)
-
-
 def run_about(good: BoolArray, at: int) -> slice:
     """The unbroken run of True about an index."""
     gaps = np.flatnonzero(~good)
@@ -91,14 +63,14 @@ def find_peak(frf: FRF) -> Peak:
         If fewer than 5 lines can be used.
     """
     accelerance = frf.to(Kind.ACCELERANCE)
-    keep = usable_lines(accelerance)
+    keep = accelerance.usable
     if np.count_nonzero(keep) < FEWEST:
         raise DataError(
             f"{np.count_nonzero(keep)} usable lines between {frf.frequency[0]:g} and "
             f"{frf.frequency[-1]:g} Hz; a peak needs at least {FEWEST}: widen the band"
         )
     s, value = accelerance.s[keep], accelerance.value[keep]
-    sd = random_sd(accelerance)
+    sd = accelerance.random_sd
     relative = None if sd is None else sd[keep] / np.abs(value)
     lines = _about_the_peak(np.abs(value))
     local = None if relative is None else relative[lines]
