@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
@@ -230,4 +229,6 @@ def _toml(value: object) -> str:
         return "[" + ", ".join(_toml(entry) for entry in value) + "]"
     if isinstance(value, int):
         return str(value)
+    import json  # few need it, as tomllib
+
     return json.dumps(str(value), ensure_ascii=False).replace("\x7f", "\\u007F")
