@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from kit import broad_seal
 
-from dashpot.engine.blocks.interpolated import reduced
+from dashpot.engine.blocks.kernels import reduced_block
 from dashpot.engine.blocks.recorded import recursion_block
 from dashpot.fitting.uncertainty.prediction_bounds import unseen_arm_band
 from dashpot.records.fit import Fit
@@ -34,7 +34,7 @@ def test_it_is_the_block_in_other_coordinates() -> None:
     force = BROAD.force(t - t[0], x) + 1e-3 * draw.standard_normal(len(t))
     fixed = {"k_inf": x, "offset": np.ones(len(t))}
     whole = recursion_block(t, x, force, window=slice(0, len(t)), fixed=fixed)
-    few = reduced(whole, shortest=1e-5, longest=1e3)
+    few = reduced_block(whole, reach=(1e-5, 1e3))
     assert len(few.target) < 140
     assert few.samples == 3000
     log_tau = np.log([3e-5, 2e-3, 0.0137, 0.31, 5.0, 270.0])

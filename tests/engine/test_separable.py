@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError, FitError
-from dashpot.engine.blocks.block import DesignBlock, frequency_block
+from dashpot.engine.blocks.block import Block, design_block, frequency_block
 from dashpot.engine.blocks.hold import decay_block, hold_block
 from dashpot.engine.solver.certificate import certificate
 from dashpot.engine.solver.descent import Stack, descend, point_at
@@ -26,7 +26,7 @@ def noise(seed: int, sd: float = 1e-2) -> np.ndarray:
     return sd * np.random.default_rng(seed).standard_normal(len(TIME))
 
 
-def two_depths() -> list[DesignBlock]:
+def two_depths() -> list[Block]:
     """Two tests that share relaxation times and a drift, with stiffnesses of their own."""
     return [
         hold_block(
@@ -335,4 +335,4 @@ def test_refusals_say_what_was_expected() -> None:
     with pytest.raises(FitError, match="use fewer arms or a longer record"):
         solve([decay_block(TIME[:5], TIME[:5])], 3)
     with pytest.raises(DataError, match="one column per name"):
-        DesignBlock(np.zeros(3), np.zeros((3, 2)), ("k_inf",), lambda t, d: (t, t), (1.0, 2.0))
+        design_block(np.zeros(3), np.zeros((3, 2)), ("k_inf",), lambda t, d: (t, t), (1.0, 2.0))

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.linalg import toeplitz
 
-from dashpot.engine.blocks.block import Block, DesignBlock
+from dashpot.engine.blocks.block import Block
 from dashpot.engine.blocks.hold import hold_block
 from dashpot.engine.blocks.recorded import recorded_block
 from dashpot.engine.inference.covariance import Noise
@@ -24,7 +24,7 @@ K = np.array([120.0, 40.0])
 DEPTH, RAMP = 8e-3, 1.0
 
 
-def held(noise: np.ndarray | float = 0.0) -> DesignBlock:
+def held(noise: np.ndarray | float = 0.0) -> Block:
     """Eq. 5 on a hold of 12 s, every sample a row."""
     mean = TAU / RAMP * -np.expm1(-RAMP / TAU)
     force = DEPTH * (200.0 + np.exp(-TIME[:, None] / TAU) @ (K * mean))

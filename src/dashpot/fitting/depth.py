@@ -22,7 +22,7 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError
 from dashpot.engine.solver.variable_projection import solve
 from dashpot.fitting.checks import separable
-from dashpot.fitting.design import Design, compressed, every_sample
+from dashpot.fitting.design import Design, compressed
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.uncertainty.estimate import Estimate, estimated
 from dashpot.records.fit import AtDepth, Fit
@@ -133,7 +133,7 @@ def _each(
     blocks = compressed(tests, design)
     peak = max(float(np.abs(test.force).max()) for test in tests)
     solution = solve(blocks, arms, log_tau_start=start)
-    found = estimated(solution, every_sample(tests, design, blocks), peak=peak)
+    found = estimated(solution, [block.exact for block in blocks], peak=peak)
     return found.with_depth_doubt([test.depth_doubt for test in recorded], shared=False)
 
 

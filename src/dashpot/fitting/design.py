@@ -8,8 +8,8 @@ from typing import Literal, NamedTuple, TypeAlias, TypedDict
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.engine.blocks.block import Block, DesignBlock
-from dashpot.engine.blocks.hold import hold_block, window_of
+from dashpot.engine.blocks.block import Block
+from dashpot.engine.blocks.hold import hold_block
 from dashpot.engine.blocks.recorded import recorded_block
 from dashpot.engine.solver.variable_projection import Solution
 from dashpot.preparation.denoising import true_motion
@@ -38,15 +38,6 @@ def compressed(tests: Sequence[RampHold], design: Design) -> tuple[Block, ...]:
     """Return one block per test, a few hundred rows each, on which the fit is the full fit."""
     make = _hold if design.method == "hold" else _full
     return tuple(make(test, i, design) for i, test in enumerate(tests))
-
-
-def every_sample(
-    tests: Sequence[RampHold], design: Design, blocks: Sequence[Block]
-) -> tuple[Block, ...]:
-    """Return the blocks of :func:`compressed` with one row per sample, in the record's order."""
-    if design.method == "hold":
-        return tuple(_hold_samples(test, i, design) for i, test in enumerate(tests))
-    return tuple(b.exact for b in blocks)
 
 
 def fitted_samples(test: RampHold, design: Design) -> slice:
@@ -138,27 +129,6 @@ def _hold(test: RampHold, i: int, design: Design) -> Block:
         depth=test.depth,
         ramp_time=test.ramp_time,
         **_names(i, design),
-    )
-
-
-def _hold_samples(test: RampHold, i: int, design: Design) -> Block:
-    s, c = test.time[test.hold] - test.ramp_end, test.ramp_time
-
-    def columns(tau: FloatArray, _derivative: bool) -> tuple[FloatArray, FloatArray]:
-        x = c / tau
-        mean = -np.expm1(-x) / x
-        decay = test.depth * np.exp(-s[:, None] / tau)
-        arms = mean * decay
-        return arms, arms * s[:, None] / tau + (mean - np.exp(-x)) * decay
-
-    names = _names(i, design)
-    return DesignBlock(
-        target=test.force[test.hold],
-        fixed=np.full((len(s), 1), test.depth),
-        fixed_names=(names["k_inf"],),
-        columns=columns,
-        window=window_of(s),
-        arm_group=names["arm_group"],
     )
 
 

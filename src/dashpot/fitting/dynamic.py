@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
@@ -12,13 +11,12 @@ from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
 from dashpot.base.provenance import Source, Step
-from dashpot.engine.blocks.block import Block, DesignBlock, frequency_block
+from dashpot.engine.blocks.block import Block, frequency_block
 from dashpot.fitting import checks
-from dashpot.fitting.design import Design, compressed, every_sample
+from dashpot.fitting.design import Design, compressed
 from dashpot.fitting.pipeline import (
     Chosen,
     FitData,
-    Weighted,
     alone,
     asked_arms,
     assembled,
@@ -217,7 +215,7 @@ def _sweep(data: DynamicTest, weights: str, *, dashpot: bool, most: int) -> _Set
 
 def _sweep_block(
     data: DynamicTest, scale: tuple[FloatArray, FloatArray], *, dashpot: bool
-) -> DesignBlock:
+) -> Block:
     return frequency_block(
         data.omega,
         data.value,  # type: ignore[arg-type]
@@ -252,28 +250,22 @@ def _scale(
     )
 
 
-def _halves(block: DesignBlock, n: int) -> tuple[Block, Block]:
+def _halves(block: Block, n: int) -> tuple[Block, Block]:
     """The storage and the loss of a sweep as records of their own, in order of frequency."""
-
-    def part(rows: slice) -> DesignBlock:
-        def columns(tau: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
-            arms, slope = block.columns(tau, derivative)
-            return arms[rows], slope[rows]
-
-        return replace(
-            block, target=block.target[rows], fixed=block.fixed[rows], columns=columns, samples=n
-        )
-
-    return part(slice(0, n)), part(slice(n, 2 * n))
+    first, second = slice(0, n), slice(n, 2 * n)
+    return (
+        block.changed(lambda part: part[first], samples=n),
+        block.changed(lambda part: part[second], samples=n),
+    )
 
 
 def _relaxations(records: Sequence[RampHold], most: int) -> list[_Set]:
     design = Design("full")
     blocks = compressed(records, design)
     sets = []
-    for block, row in zip(blocks, every_sample(records, design, blocks), strict=True):
-        factor = 1 / alone([block], [row], most).scatter[0]
-        sets.append(_Set(Weighted(block, factor), (Weighted(row, factor),)))
+    for block in blocks:
+        factor = 1 / alone([block], [block.exact], most).scatter[0]
+        sets.append(_Set(block.weighted(factor), (block.exact.weighted(factor),)))
     return sets
 
 

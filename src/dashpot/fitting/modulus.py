@@ -11,7 +11,7 @@ import numpy.typing as npt
 from dashpot.base.arrays import FloatArray, increasing, same_length, samples
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Source, Step
-from dashpot.engine.blocks.block import DesignBlock
+from dashpot.engine.blocks.block import Block
 from dashpot.engine.blocks.hold import decay_block
 from dashpot.fitting import checks
 from dashpot.fitting.pipeline import FitData, alone, asked_arms, assembled, chosen_arms
@@ -128,7 +128,7 @@ def fit_modulus(
 
 def _block(
     t: FloatArray, values: FloatArray, weight: FloatArray, window: tuple[float, float]
-) -> DesignBlock:
+) -> Block:
     block = decay_block(t, values, weights=weight, compress=False)
     return replace(block, window=(window[0], 10 * window[1]))
 

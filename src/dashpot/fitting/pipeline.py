@@ -12,7 +12,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
-from dashpot.engine.blocks.block import Block, Evaluation
+from dashpot.engine.blocks.block import Block
 from dashpot.engine.inference.covariance import Noise, nearly_white, noise_gain_differs
 from dashpot.engine.inference.order import DECISIVE, Choice, choose
 from dashpot.engine.solver.certificate import certificate
@@ -416,60 +416,6 @@ def _certificate(blocks: Sequence[Block], solution: Solution) -> Certificate:
 ROUNDING = 1e-9
 
 
-@dataclass(frozen=True, eq=False)
-class Weighted:
-    """A block whose every row is multiplied by one factor, 1/sd."""
-
-    block: Block
-    factor: float
-
-    @property
-    def floor(self) -> float:  # noqa: D102
-        return self.factor**2 * self.block.floor
-
-    @property
-    def rounding_floor(self) -> float:  # noqa: D102
-        return self.factor**2 * self.block.rounding_floor
-
-    @property
-    def energy(self) -> float:  # noqa: D102
-        return self.factor**2 * self.block.energy
-
-    @property
-    def sampling(self) -> None:  # noqa: D102
-        return None
-
-    @property
-    def rotated_basis(self) -> bool:  # noqa: D102
-        return self.block.rotated_basis
-
-    @property
-    def samples(self) -> int:  # noqa: D102
-        return self.block.samples
-
-    @property
-    def fixed_names(self) -> tuple[str, ...]:  # noqa: D102
-        return self.block.fixed_names
-
-    @property
-    def arm_group(self) -> str:  # noqa: D102
-        return self.block.arm_group
-
-    @property
-    def exact(self) -> Weighted:  # noqa: D102
-        return Weighted(self.block.exact, self.factor)
-
-    @property
-    def window(self) -> tuple[float, float]:  # noqa: D102
-        return self.block.window
-
-    def evaluate(self, log_tau: FloatArray, derivative: bool = True) -> Evaluation:
-        """Return target and design matrix, weighted."""
-        return Evaluation(
-            *(self.factor * part for part in self.block.evaluate(log_tau, derivative))
-        )
-
-
 class Alone(NamedTuple):
     """The best that one test allows: its solid, and the scatter that each of its records leaves.
 
@@ -502,4 +448,4 @@ def alone(blocks: Sequence[Block], samples: Sequence[Block], most: int) -> Alone
 
 
 def _largest(block: Block) -> float:
-    return float(np.abs(block.evaluate(np.zeros(0), derivative=False).target).max())
+    return float(np.abs(block.target).max())

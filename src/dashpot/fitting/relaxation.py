@@ -19,7 +19,6 @@ from dashpot.fitting.design import (
     Method,
     compressed,
     eq5_obstacle,
-    every_sample,
     solid_of,
 )
 from dashpot.fitting.pipeline import Chosen, FitData, asked_arms, assembled, chosen_arms
@@ -102,7 +101,7 @@ def fit(
     blocks = compressed(records, design)
     data = FitData(
         blocks,
-        every_sample(records, design, blocks),
+        [block.exact for block in blocks],
         in_time=True,
         encoders=_encoders(records, design),
         suffix=f"@{deepest}" if depth_law else "",
@@ -243,7 +242,7 @@ def _supported(record: RampHold) -> GeneralizedMaxwell:
     """Return the solid with as many arms as the record supports."""
     design = Design("full")
     blocks = compressed([record], design)
-    data = FitData(blocks, every_sample([record], design, blocks), in_time=True)
+    data = FitData(blocks, [block.exact for block in blocks], in_time=True)
     return chosen_arms(data, "auto").model
 
 

@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
-from dashpot.engine.blocks.block import Block, DesignBlock, Evaluation
-from dashpot.engine.blocks.correlation import CorrelationBlock, correlation_block
-from dashpot.engine.blocks.interpolated import reduced
+from dashpot.engine.blocks.block import Block, Evaluation
+from dashpot.engine.blocks.correlation import correlation_block
+from dashpot.engine.blocks.kernels import reduced_block
 from dashpot.engine.blocks.recorded import recorded_block
 from dashpot.fitting.design import Design, compressed
 from dashpot.preparation.denoising import APART, true_motion
@@ -54,12 +54,15 @@ class RelaxationData:
     kappa : float
     doubt : dict of str to float
         Standard deviation of the coefficient of those private columns that are not free.
+    certain : Block
+        The test without the columns in doubt.
     """
 
     block: Block
     weight: float
     kappa: float
     doubt: Mapping[str, float]
+    certain: Block
 
     @property
     def floor(self) -> float:
@@ -70,6 +73,11 @@ class RelaxationData:
     def samples(self) -> float:
         """Effective number of samples."""
         return self.block.samples / self.kappa
+
+    def weighted(self, index: int) -> Block:
+        """The certain block in rows of unit noise; `index` tells private columns of tests apart."""
+        names = (n if n in SOLID else f"{n}@{index}" for n in self.certain.fixed_names)
+        return self.certain.weighted(self.weight, tuple(names))
 
     def rows(self, log_tau: FloatArray, *, slopes: bool = True) -> Rows:
         r"""Everything that depends on the solid.
@@ -129,10 +137,11 @@ def relaxation_data(test: RampHold, fit: Fit, *, noise: Residual | None = None) 
     noise = fit.residual if noise is None else noise
     weight = 1 / (noise.rms * np.sqrt(noise.kappa))
     if fit.method == "hold":
-        return RelaxationData(compressed((test,), Design("hold"))[0], weight, noise.kappa, {})
+        held = compressed((test,), Design("hold"))[0]
+        return RelaxationData(held, weight, noise.kappa, {}, held)
     x, left = true_motion(test)
     clock = test.time[: len(x)]
-    if isinstance(compressed((test,), Design("full"))[0], CorrelationBlock):
+    if compressed((test,), Design("full"))[0].rotated_basis:
         clock = np.linspace(clock[0], clock[-1], len(clock))  # even, but for its last digits
     time = clock - clock[0]
     block = recorded_block(time, x - x[0], test.force[: len(x)], offset="offset", drift="drift")
@@ -149,9 +158,10 @@ def relaxation_data(test: RampHold, fit: Fit, *, noise: Residual | None = None) 
             np.sqrt(np.mean(left[np.any([*bends.values()], axis=0)] ** 2))
         )
     if not motions:
-        return RelaxationData(block, weight, noise.kappa, {})
+        return RelaxationData(block, weight, noise.kappa, {}, block)
     columns = {name: fit.model.force(time, 1.0 * motion) for name, motion in motions.items()}
-    return RelaxationData(_widened(block, time, x - x[0], columns), weight, noise.kappa, doubt)
+    wide = _widened(block, time, x - x[0], columns)
+    return RelaxationData(wide, weight, noise.kappa, doubt, block)
 
 
 def _readings(test: RampHold) -> tuple[tuple[str, float], ...]:
@@ -171,93 +181,14 @@ def _widened(
     block: Block, time: FloatArray, x: FloatArray, columns: Mapping[str, FloatArray]
 ) -> Block:
     """The block of a recorded motion with more fixed columns."""
-    exact = block.exact
-    if not isinstance(exact, DesignBlock):
-        return block
-    wide = replace(
-        exact,
-        fixed=np.column_stack((exact.fixed, *columns.values())),
-        fixed_names=(*exact.fixed_names, *columns),
-    )
-    if isinstance(block, CorrelationBlock):
+    exact, more = block.exact, np.column_stack(list(columns.values()))
+
+    def rows(log_tau: FloatArray, derivative: bool) -> Evaluation:
+        found = exact.evaluate(log_tau, derivative)
+        return found._replace(fixed=np.concatenate((found.fixed, more), axis=1))
+
+    wide = replace(exact, rows=rows, fixed_names=(*exact.fixed_names, *columns))
+    if block.rotated_basis:
         return correlation_block(wide, time, x, start=0, stop=len(time))
     low, high = exact.window
-    return reduced(wide, shortest=min(DASHPOT * low, SHORTEST), longest=LONGEST * high)
-
-
-@dataclass(frozen=True, eq=False)
-class WeightedBlock:
-    """A bench as the engine takes it: rows of unit noise, the doubtful columns left out.
-
-    Attributes
-    ----------
-    relaxation : Bench
-    index : int
-        Tells the private columns of several benches apart.
-    """
-
-    relaxation: RelaxationData
-    index: int
-
-    @property
-    def floor(self) -> float:
-        """Weighted."""
-        return self.relaxation.floor
-
-    @property
-    def rounding_floor(self) -> float:
-        """Weighted."""
-        return self.relaxation.weight**2 * self.relaxation.block.rounding_floor
-
-    @property
-    def energy(self) -> float:
-        """Weighted."""
-        return self.relaxation.weight**2 * self.relaxation.block.energy
-
-    @property
-    def sampling(self) -> None:
-        """Not known: the weight is the record's own."""
-
-    @property
-    def rotated_basis(self) -> bool:
-        """As the block's."""
-        return self.relaxation.block.rotated_basis
-
-    @property
-    def samples(self) -> int:
-        """As the block's."""
-        return self.relaxation.block.samples
-
-    @property
-    def fixed_names(self) -> tuple[str, ...]:
-        """Those of the solid as they are, private ones with the index."""
-        return tuple(name if name in SOLID else f"{name}@{self.index}" for name in self._kept)
-
-    @property
-    def arm_group(self) -> str:
-        """As the block's."""
-        return self.relaxation.block.arm_group
-
-    @property
-    def exact(self) -> Block:
-        """Every weighted sample as a row."""
-        return WeightedBlock(
-            replace(self.relaxation, block=self.relaxation.block.exact), self.index
-        )
-
-    @property
-    def window(self) -> tuple[float, float]:
-        """As the block's."""
-        return self.relaxation.block.window
-
-    def evaluate(self, log_tau: FloatArray, derivative: bool = True) -> Evaluation:
-        """The block's rows times the weight."""
-        found = self.relaxation.block.evaluate(log_tau, derivative)
-        kept = [name in self._kept for name in self.relaxation.block.fixed_names]
-        found = found._replace(fixed=found.fixed[:, kept])
-        return Evaluation(*(self.relaxation.weight * part for part in found))
-
-    @property
-    def _kept(self) -> tuple[str, ...]:
-        names = self.relaxation.block.fixed_names
-        return tuple(name for name in names if name.partition("@")[0] not in self.relaxation.doubt)
+    return reduced_block(wide, reach=(min(DASHPOT * low, SHORTEST), LONGEST * high))

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
-from dataclasses import dataclass
-from typing import NamedTuple, Protocol, TypeAlias
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
+from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.base.errors import DataError
 
 Columns: TypeAlias = Callable[[FloatArray, bool], tuple[FloatArray, FloatArray]]
@@ -40,119 +41,151 @@ class Evaluation(NamedTuple):
     arms: FloatArray
     d_arms: FloatArray
 
+    def each(self, change: Callable[[FloatArray], FloatArray]) -> Evaluation:
+        """The same change made to every part."""
+        target, fixed, arms = change(self.target), change(self.fixed), change(self.arms)
+        return Evaluation(
+            target, fixed, arms, arms if self.d_arms is self.arms else change(self.d_arms)
+        )
 
-class Block(Protocol):
-    """One data set in a separable stack.
+
+Rows: TypeAlias = Callable[[FloatArray, bool], Evaluation]
+"""``rows(log_tau, derivative) -> Evaluation``."""
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """One data set in a separable stack: rows, the names of their fixed columns, a window.
 
     Attributes
     ----------
-    floor : float
-        Sum of squares that no model of the block's family can remove.
-    rounding_floor : float
-        Sum of squares below which a residual is rounding or compression, not data.
-    energy : float
-        Sum of squares of the target.
-    sampling : hashable or None
-        Blocks of equal sampling have equal columns; None if nothing is known.
-    rotated_basis : bool
-        The orthogonal coordinates of `evaluate` depend on the relaxation times, so that only
-        columns evaluated together may be compared.
-    samples : int
-        Samples of the full data set.
+    rows : callable
+        Target and design matrix at any relaxation times, weighted.
     fixed_names : tuple of str
         Names of the columns that no relaxation time moves, such as ``("k_inf", "offset@0")``.
         Columns of one name are one parameter, shared by all blocks of a stack. The part before
         ``@`` names the kind: ``k_inf`` and ``b`` are a spring and a dashpot and never
         negative, every other kind has either sign.
-    arm_group : str
-        Blocks of one group share the arms' coefficients: ``"k"``, or ``"k@0"``, ``"k@1"``.
-    exact : Block
-        The same data with every weighted sample as a row, in order.
     window : (float, float)
         Shortest and longest relaxation time that the data could possibly tell, s.
+    samples : int
+        Samples of the full data set.
+    arm_group : str
+        Blocks of one group share the arms' coefficients: ``"k"``, or ``"k@0"``, ``"k@1"``.
+    floor : float
+        Sum of squares that no model of the block's family can remove.
+    accuracy : float
+        Relative accuracy of target and columns: a residual below is rounding or compression.
+    rotated_basis : bool
+        The orthogonal coordinates depend on the relaxation times, so that only columns
+        evaluated together may be compared.
+    sampling : hashable or None
+        Blocks of equal sampling have equal columns; None if nothing is known.
+    full : callable, optional
+        Makes the same data with every weighted sample as a row, in order; left out if the rows
+        are those already.
     """
 
-    @property
-    def floor(self) -> float: ...  # noqa: D102
-    @property
-    def rounding_floor(self) -> float: ...  # noqa: D102
-    @property
-    def energy(self) -> float: ...  # noqa: D102
-    @property
-    def sampling(self) -> Hashable: ...  # noqa: D102
-    @property
-    def rotated_basis(self) -> bool: ...  # noqa: D102
-    @property
-    def samples(self) -> int: ...  # noqa: D102
-    @property
-    def fixed_names(self) -> tuple[str, ...]: ...  # noqa: D102
-    @property
-    def arm_group(self) -> str: ...  # noqa: D102
-    @property
-    def exact(self) -> Block: ...  # noqa: D102
-    @property
-    def window(self) -> tuple[float, float]: ...  # noqa: D102
+    rows: Rows
+    fixed_names: tuple[str, ...]
+    window: tuple[float, float]
+    samples: int
+    arm_group: str = "k"
+    floor: float = 0.0
+    accuracy: float = 1e-15
+    rotated_basis: bool = False
+    sampling: Hashable = None
+    full: Callable[[], Block] | None = None
 
     def evaluate(self, log_tau: FloatArray, derivative: bool = True) -> Evaluation:
         """Return target and design matrix at these relaxation times."""
-        ...
-
-
-@dataclass(frozen=True, eq=False)
-class DesignBlock:
-    """A block whose arms' columns come from a function of tau.
-
-    The columns are returned in the coordinates of `target`: weighted, and projected if the
-    data were. `accuracy` is the relative accuracy of target and columns; `full` makes the same
-    block with every sample as a row; blocks of equal `sampling`, where known, have equal columns.
-    """
-
-    target: FloatArray
-    fixed: FloatArray
-    fixed_names: tuple[str, ...]
-    columns: Columns
-    window: tuple[float, float]
-    floor: float = 0.0
-    samples: int = 0
-    arm_group: str = "k"
-    accuracy: float = 1e-15
-    full: Callable[[], DesignBlock] | None = None
-    sampling: Hashable = None
-
-    def __post_init__(self) -> None:
-        rows = len(self.target)
-        if self.fixed.shape != (rows, len(self.fixed_names)):
-            raise DataError(
-                f"the fixed columns have shape {self.fixed.shape}, expected "
-                f"{(rows, len(self.fixed_names))}: one row per target value, one column per name"
-            )
-        if not self.samples:
-            object.__setattr__(self, "samples", rows)
+        return self.rows(log_tau, derivative)
 
     @property
-    def exact(self) -> DesignBlock:
+    def exact(self) -> Block:
         """The same data with every sample as a row; itself if nothing was compressed."""
         return self if self.full is None else self.full()
 
     @property
-    def rotated_basis(self) -> bool:
-        """Rows stay what they are."""
-        return False
+    def target(self) -> FloatArray:
+        """The data in the coordinates of no arms."""
+        return self.rows(np.zeros(0), False).target
 
-    @property
+    @cached_property
     def energy(self) -> float:
         """Sum of squares of the target."""
-        return float(self.target @ self.target)
+        target = self.target
+        return float(target @ target)
 
     @property
     def rounding_floor(self) -> float:
         """Sum of squares below which a residual is rounding or compression, not data."""
         return self.accuracy**2 * self.energy
 
-    def evaluate(self, log_tau: FloatArray, derivative: bool = True) -> Evaluation:
-        """Return target and design matrix at these relaxation times."""
-        arms, d_arms = self.columns(np.exp(log_tau), derivative)
-        return Evaluation(self.target, self.fixed, arms, d_arms)
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """The window of ln tau."""
+        low, high = np.log(self.window)
+        return float(low), float(high)
+
+    def changed(self, change: Callable[[FloatArray], FloatArray], **facts: Any) -> Block:
+        """The block with the same linear change made to target and columns; `facts` as new."""
+
+        def rows(log_tau: FloatArray, derivative: bool) -> Evaluation:
+            return self.rows(log_tau, derivative).each(change)
+
+        return replace(self, rows=rows, **{"sampling": None, "full": None, **facts})
+
+    def weighted(self, factor: float, fixed_names: tuple[str, ...] | None = None) -> Block:
+        """Every row times one factor, 1/sd; with other names, if they are given."""
+        full, names = self.full, fixed_names or self.fixed_names
+        return self.changed(
+            lambda part: factor * part,
+            fixed_names=names,
+            floor=factor**2 * self.floor,
+            full=None if full is None else lambda: full().weighted(factor, names),
+        )
+
+
+def design_rows(target: FloatArray, fixed: FloatArray, columns: Columns) -> Rows:
+    """Rows of a design matrix whose arms' columns come from a function of tau.
+
+    The columns are returned in the coordinates of `target`: weighted, and projected if the
+    data were.
+    """
+    none = np.empty((len(target), 0))
+
+    def rows(log_tau: FloatArray, derivative: bool) -> Evaluation:
+        if not len(log_tau):
+            return Evaluation(target, fixed, none, none)
+        return Evaluation(target, fixed, *columns(np.exp(log_tau), derivative))
+
+    return rows
+
+
+def design_block(
+    target: FloatArray,
+    fixed: FloatArray,
+    fixed_names: tuple[str, ...],
+    columns: Columns,
+    window: tuple[float, float],
+    *,
+    arm_group: str = "k",
+) -> Block:
+    """A block of every sample as a row; see :class:`Block` and :func:`design_rows`."""
+    rows = len(target)
+    if fixed.shape != (rows, len(fixed_names)):
+        raise DataError(
+            f"the fixed columns have shape {fixed.shape}, expected "
+            f"{(rows, len(fixed_names))}: one row per target value, one column per name"
+        )
+    made = design_rows(target, fixed, columns)
+    return Block(made, fixed_names, window, rows, arm_group)
+
+
+def stiffnesses(names: Sequence[str]) -> BoolArray:
+    """Which fixed coefficients are those of a spring or a dashpot and never negative."""
+    return np.array([name.partition("@")[0] in {"k_inf", "b"} for name in names], dtype=bool)
 
 
 def frequency_block(
@@ -162,7 +195,7 @@ def frequency_block(
     weights: tuple[FloatArray, FloatArray] | None = None,
     dashpot: bool = False,
     arm_group: str = "k",
-) -> DesignBlock:
+) -> Block:
     r"""Storage and loss stiffness at given frequencies as one block of real rows.
 
     .. math:: K' + jK'' = k_\infty + \sum_j k_j \frac{j\omega\tau_j}{1 + j\omega\tau_j}
@@ -197,7 +230,7 @@ def frequency_block(
         slope = np.concatenate((2 * x * x, x * (1 - x * x))) / np.tile((1 + x * x) ** 2, (2, 1))
         return arms, slope * weight[:, None]
 
-    return DesignBlock(
+    return design_block(
         target=np.concatenate((stiffness.real, stiffness.imag)) * weight,
         fixed=fixed,
         fixed_names=names,

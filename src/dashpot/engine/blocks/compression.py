@@ -112,6 +112,20 @@ class Compression:
         return values, floor
 
 
+def projected(
+    plans: Sequence[Compression], values: FloatArray
+) -> tuple[FloatArray, FloatArray | float]:
+    """Compress values, shape (..., M), that stand one plan after the other."""
+    parts, first = [], 0
+    floor: FloatArray | float = 0.0
+    for plan in plans:
+        part, aside = plan.project(values[..., first : first + plan.samples])
+        parts.append(part)
+        floor = floor + aside
+        first += plan.samples
+    return np.concatenate(parts, axis=-1), floor
+
+
 def _through(values: FloatArray, stages: Sequence[tuple[_Section, ...]]) -> FloatArray:
     for sections in stages:
         values = np.concatenate([_cut(values, section)[1] for section in sections], axis=-1)

@@ -25,7 +25,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import ByValue, ComplexArray, FloatArray
-from dashpot.engine.blocks.block import DesignBlock, Evaluation
+from dashpot.engine.blocks.block import Block, Evaluation, Rows
 from dashpot.engine.blocks.compression import Compression, counted
 from dashpot.engine.fourier import fast_length
 
@@ -158,70 +158,17 @@ class Force(NamedTuple):
         return cls(response.correlate(values), values @ response.fixed, energy)
 
 
-@dataclass(frozen=True, eq=False)
-class CorrelationBlock:
-    """A block whose inner products are closed forms in tau.
+def correlation_rows(seen: Response, force: Force) -> Rows:
+    """Rows whose inner products are closed forms in tau, in the coordinates of their factor."""
+    q = seen.fixed.shape[1]
 
-    The Gram matrix resolves an SSE to 1e-15 of the data's own sum of squares; `exact` is the
-    same block with every sample as a row.
-    """
-
-    exact: DesignBlock
-    response: Response
-    force: Force
-
-    @property
-    def floor(self) -> float:
-        """Nothing is set aside."""
-        return 0.0
-
-    @property
-    def sampling(self) -> None:
-        """Columns turn with the data."""
-
-    @property
-    def rotated_basis(self) -> bool:
-        """Each Cholesky factor has its own coordinates."""
-        return True
-
-    @property
-    def energy(self) -> float:
-        """Sum of squares of the force in the window."""
-        return float(self.force.energy)
-
-    @property
-    def rounding_floor(self) -> float:
-        """Sum of squares below which the Gram matrix holds rounding only."""
-        return ROUNDING * self.energy
-
-    @property
-    def samples(self) -> int:
-        """Samples in the window."""
-        return self.exact.samples
-
-    @property
-    def fixed_names(self) -> tuple[str, ...]:
-        """Names of the fixed columns."""
-        return self.exact.fixed_names
-
-    @property
-    def arm_group(self) -> str:
-        """The group of the arms' coefficients."""
-        return self.exact.arm_group
-
-    @property
-    def window(self) -> tuple[float, float]:
-        """Shortest and longest relaxation time that the data could tell, s."""
-        return self.exact.window
-
-    def evaluate(self, log_tau: FloatArray, derivative: bool = True) -> Evaluation:
-        """Return target and design matrix in the coordinates of the Cholesky factor."""
-        gram = self.response.gram(np.exp(log_tau), self.force, derivative=derivative)
-        factor = upper_factor(gram)
-        q, arms = len(self.fixed_names), len(log_tau)
-        own = slice(q, q + arms)
-        slope = slice(q + arms, -1) if derivative else own
+    def rows(log_tau: FloatArray, derivative: bool) -> Evaluation:
+        factor = upper_factor(seen.gram(np.exp(log_tau), force, derivative=derivative))
+        own = slice(q, q + len(log_tau))
+        slope = slice(own.stop, -1) if derivative else own
         return Evaluation(factor[:, -1], factor[:, :q], factor[:, own], factor[:, slope])
+
+    return rows
 
 
 class _ArmSums(NamedTuple):
@@ -383,8 +330,18 @@ def _lagged(
 
 
 def correlation_block(
-    exact: DesignBlock, time: FloatArray, x: FloatArray, *, start: int, stop: int
-) -> CorrelationBlock:
-    """The block of one force: its record correlated, every sample kept in `exact`."""
-    seen = response(time, x, exact.fixed, start=start, stop=stop)
-    return CorrelationBlock(exact, seen, Force.of(seen, exact.target))
+    exact: Block, time: FloatArray, x: FloatArray, *, start: int, stop: int
+) -> Block:
+    """The block of one force: its record correlated, every sample kept in `exact`.
+
+    Its Gram matrix resolves an SSE to 1e-14 of the data's own sum of squares.
+    """
+    target, fixed, *_ = exact.evaluate(np.zeros(0), False)
+    seen = response(time, x, fixed, start=start, stop=stop)
+    return replace(
+        exact,
+        rows=correlation_rows(seen, Force.of(seen, target)),
+        accuracy=float(np.sqrt(ROUNDING)),
+        rotated_basis=True,
+        full=lambda: exact,
+    )

@@ -2,24 +2,89 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, ByValue, FloatArray, IndexArray
+from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 from dashpot.base.errors import DataError
-from dashpot.engine.blocks.block import Block, DesignBlock
-from dashpot.engine.blocks.column_space import ColumnSpace, column_space
-from dashpot.engine.blocks.compression import Compression, compression, uniform_step
+from dashpot.engine.blocks.block import Block, stiffnesses
+from dashpot.engine.blocks.compression import Compression, compression, projected, uniform_step
 from dashpot.engine.blocks.correlation import ROUNDING, Force, Response, response, upper_factor
-from dashpot.engine.blocks.family import Seen
 from dashpot.engine.blocks.hold import decay_block, hold_block, ramp_hold_block
 from dashpot.engine.blocks.recorded import recorded_block
 
 #: samples compressed together
 AT_ONCE = 400_000
+TIMES_PER_FOLD = 9.5
+RANK = 1e-14
+
+
+class Seen(NamedTuple):
+    """A stack of records through a family: all that a fit needs of them."""
+
+    data: tuple[FloatArray, ...]  # arrays whose first axis is the record
+    floor: FloatArray  # (R,)
+    energy: FloatArray  # (R,) sum of squares of what the rows hold
+
+    def take(self, index: IndexArray | BoolArray) -> Seen:
+        """Some of the records."""
+        return Seen(tuple(part[index] for part in self.data), self.floor[index], self.energy[index])
+
+
+@dataclass(frozen=True, eq=False)
+class Family(ABC):
+    """Records that share a sampling and a history, so that only the data differ.
+
+    Attributes
+    ----------
+    block : callable
+        Makes the block of one record, shape (M,).
+    template : Block
+        That of a record of zeros.
+    rounding_floor : float
+        Relative sum of squares that is rounding.
+    """
+
+    block: Callable[[FloatArray], Block]
+    template: Block
+    rounding_floor: ClassVar[float] = ROUNDING
+
+    @property
+    def fixed_count(self) -> int:
+        """Number of fixed columns."""
+        return len(self.template.fixed_names)
+
+    @property
+    def nonnegative(self) -> BoolArray:
+        """Which fixed coefficients are stiffnesses, shape (q,)."""
+        return stiffnesses(self.template.fixed_names)
+
+    def see(self, values: FloatArray) -> Seen:
+        """Reduce records, shape (R, M), a few at a time: they stay in the cache."""
+        few = max(1, AT_ONCE // values.shape[1])
+        parts = [self._seen(values[i : i + few]) for i in range(0, len(values), few)]
+        data, floor, energy = zip(*parts, strict=True)
+        together = tuple(np.concatenate(part) for part in zip(*data, strict=True))
+        return Seen(together, np.concatenate(floor), np.concatenate(energy))
+
+    @abstractmethod
+    def _seen(self, values: FloatArray) -> Seen: ...
+
+    @abstractmethod
+    def factor(self, log_tau: FloatArray, seen: Seen, *, exact: bool) -> FloatArray:
+        """Triangular factors of [fixed, arms, slopes, y] at ln tau (R, N), one per record.
+
+        `exact` asks for the factor that does not go through a Gram matrix, if there is one.
+        """
+
+    @abstractmethod
+    def moments(self, log_tau: FloatArray, seen: Seen) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Gram of [fixed, arms] at shared ln tau (G,), products with y: (R, q) and (R, G)."""
 
 
 def decay_family(time: FloatArray, *, constant: str | None = "k_inf") -> CompressedFamily:
@@ -52,14 +117,12 @@ def recorded_family(
         If the grid is not uniform or the displacement does not start at zero: nothing can be
         shared there.
     """
-    start, stop, _ = window.indices(len(time))
-    make = partial(_recorded_block, time, displacement, slice(start, stop))
-    x = np.asarray(displacement, dtype=float)
+    x, (start, stop, _) = np.asarray(displacement, dtype=float), window.indices(len(time))
     if not shares_correlation(time, x):
         raise DataError("records share a correlation only on a uniform grid and from x = 0")
-    template = make(np.zeros(len(time)))
+    make = partial(recorded_block, time, x, window=slice(start, stop))
     shared = response(time, x, x[start:stop, None], start=start, stop=stop)
-    return RecordedFamily(shared, template.fixed_names, template.window, make)
+    return RecordedFamily(make, make(np.zeros(len(time))), shared)
 
 
 def shares_correlation(time: FloatArray, displacement: FloatArray) -> bool:
@@ -67,16 +130,60 @@ def shares_correlation(time: FloatArray, displacement: FloatArray) -> bool:
     return displacement[0] == 0 and uniform_step(time) is not None
 
 
-def _recorded_block(
-    time: FloatArray, displacement: FloatArray, window: slice, force: FloatArray
-) -> Block:
-    return recorded_block(time, displacement, force, window=window)
+class ColumnSpace(NamedTuple):
+    r"""The few dimensions that the compressed columns of a sampling live in.
+
+    With B an orthonormal basis of them, the fixed columns first, :math:`G = B_f F`, and S as many
+    nodes as it has columns, so chosen that B_S is well conditioned,
+
+    .. math:: B'\varphi(\tau) = B_S^{-1} \varphi_S(\tau)
+
+    Attributes
+    ----------
+    basis : array, shape (n, q + r)
+    triangle : array, shape (q, q)
+        F.
+    inverse : array, shape (q + r, q + r)
+        The inverse of B_S.
+    chosen : Block
+        The columns at the nodes S alone.
+    """
+
+    basis: FloatArray
+    triangle: FloatArray
+    inverse: FloatArray
+    chosen: Block
+
+
+def column_space(template: Block, at_nodes: Callable[[IndexArray], Block]) -> ColumnSpace:
+    """Return the space of a block's columns; `at_nodes` makes the block at some of its rows."""
+    low, high = template.bounds
+    log_tau = np.linspace(low, high, round(TIMES_PER_FOLD * (high - low)))
+    _, given, columns, _ = template.evaluate(log_tau, False)
+    fixed = np.linalg.qr(given)[0]
+    swept = columns - fixed @ (fixed.T @ columns)
+    u, s, _ = np.linalg.svd(swept / np.linalg.norm(columns, axis=0), full_matrices=False)
+    # the last directions hold rounding along the fixed columns
+    basis, r = np.linalg.qr(np.concatenate((given, u[:, s > RANK * s[0]]), axis=1))
+    nodes, q = _independent(basis), given.shape[1]
+    return ColumnSpace(basis, r[:q, :q], np.linalg.inv(basis[nodes]), at_nodes(nodes))
+
+
+def _independent(basis: FloatArray) -> IndexArray:
+    """As many rows as there are columns, each the farthest from the span of those before it."""
+    rest, chosen = basis.copy(), []
+    for _ in range(basis.shape[1]):
+        square = np.vecdot(rest, rest)
+        chosen.append(int(np.argmax(square)))
+        unit = rest[chosen[-1]] / np.sqrt(square[chosen[-1]])
+        rest -= np.outer(rest @ unit, unit)
+    return np.sort(np.array(chosen))
 
 
 def _compressed(
     time: FloatArray,
     plans: tuple[Compression, ...],
-    make: Callable[..., DesignBlock],
+    make: Callable[..., Block],
     *,
     second_from: float = 0.0,
 ) -> CompressedFamily:
@@ -84,83 +191,40 @@ def _compressed(
     nodes = np.concatenate([plan.nodes + at for plan, at in zip(plans, origins, strict=False)])
     root = np.concatenate([plan.root_weight for plan in plans])
 
-    def at_nodes(chosen: slice | IndexArray) -> DesignBlock:
-        return make(
-            nodes[chosen], np.zeros(len(nodes[chosen])), weights=root[chosen], compress=False
-        )
+    def at_nodes(chosen: IndexArray) -> Block:
+        zeros = np.zeros(len(chosen))
+        return make(nodes[chosen], zeros, weights=root[chosen], compress=False)
 
-    template = make(time, np.zeros(len(time)))
-    return CompressedFamily(
-        template, plans, column_space(template, at_nodes), lambda values: make(time, values)
-    )
+    block = partial(make, time)
+    template = block(np.zeros(len(time)))
+    return CompressedFamily(block, template, plans, column_space(template, at_nodes))
 
 
 @dataclass(frozen=True, eq=False)
-class CompressedFamily(ByValue):
+class CompressedFamily(Family):
     """Records of a hold, a ramp and hold, or a plain decay on one sampling.
 
     A record is seen as its coordinates in the space of the sampling's columns, those along the
     fixed columns apart: Gram matrices of the others then hold no large constant.
     """
 
-    template: DesignBlock
     plans: tuple[Compression, ...]
     space: ColumnSpace
-    again: Callable[[FloatArray], DesignBlock]
 
-    @property
-    def fixed_count(self) -> int:
-        """Number of fixed columns."""
-        return len(self.template.fixed_names)
-
-    @property
-    def samples(self) -> int:
-        """Samples of a record."""
-        return self.template.samples
-
-    @property
-    def nonnegative(self) -> BoolArray:
-        """Which fixed coefficients are stiffnesses."""
-        return _stiff(self.template.fixed_names)
-
-    @property
-    def bounds(self) -> tuple[float, float]:
-        """The window of ln tau."""
-        low, high = np.log(self.template.window)
-        return float(low), float(high)
-
-    @property
-    def rounding_floor(self) -> float:
-        """Relative sum of squares below which a Gram matrix holds rounding only."""
-        return ROUNDING
-
-    def see(self, values: FloatArray) -> Seen:
-        """Compress a few records at a time: they stay in the cache."""
-        few = max(1, AT_ONCE // values.shape[1])
-        parts = [self._project(values[i : i + few]) for i in range(0, len(values), few)]
-        z = np.concatenate([part[0] for part in parts])
+    def _seen(self, values: FloatArray) -> Seen:
+        z, floor = projected(self.plans, values)
         at = z @ self.space.basis
         rest = z - at @ self.space.basis.T
-        floor = np.concatenate([part[1] for part in parts]) + np.vecdot(rest, rest)
-        q = self.fixed_count
-        return Seen((at[:, :q], at[:, q:]), floor, np.vecdot(at[:, q:], at[:, q:]))
+        along, beside = at[:, : self.fixed_count], at[:, self.fixed_count :]
+        return Seen((along, beside), floor + np.vecdot(rest, rest), np.vecdot(beside, beside))
 
-    def _project(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-        z, floor, first = [], np.zeros(len(values)), 0
-        for plan in self.plans:
-            part, aside = plan.project(values[:, first : first + plan.samples])
-            z.append(part)
-            floor += aside
-            first += plan.samples
-        return np.concatenate(z, axis=1), floor
-
-    def factor(self, tau: FloatArray, seen: Seen, *, exact: bool) -> FloatArray:
-        """Triangular factors of [fixed, arms, slopes, y] at tau (R, N), one per record."""
+    def factor(self, log_tau: FloatArray, seen: Seen, *, exact: bool) -> FloatArray:
+        """Triangular factors, by a Gram matrix or `exact` by QR."""
         along, beside = seen.data
-        count, arms = tau.shape
+        count, arms = log_tau.shape
         q, size = self.fixed_count, 2 * arms + 1
         both = np.empty((count, size, q + beside.shape[1]))
-        columns, slopes = self.space.chosen.columns(tau.ravel(), True)
+        _, _, columns, slopes = self.space.chosen.evaluate(log_tau.ravel())
         both[:, :arms] = (columns.T @ self.space.inverse.T).reshape(count, arms, -1)
         both[:, arms:-1] = (slopes.T @ self.space.inverse.T).reshape(count, arms, -1)
         both[:, -1, :q], both[:, -1, q:] = along, beside
@@ -174,9 +238,9 @@ class CompressedFamily(ByValue):
             out[:, q:, q:] = upper_factor(swept @ swept.transpose(0, 2, 1))
         return out
 
-    def moments(self, tau: FloatArray, seen: Seen) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Gram of [fixed, arms] at shared tau (G,), products with y: (R, q) and (R, G)."""
-        columns = self.space.inverse @ self.space.chosen.columns(tau, False)[0]
+    def moments(self, log_tau: FloatArray, seen: Seen) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """In the space of the columns."""
+        columns = self.space.inverse @ self.space.chosen.evaluate(log_tau, False).arms
         q = self.fixed_count
         fixed = np.zeros((len(columns), q))
         fixed[:q] = self.space.triangle
@@ -184,69 +248,25 @@ class CompressedFamily(ByValue):
         at = np.concatenate(seen.data, axis=1) @ every
         return every.T @ every, at[:, :q], at[:, q:]
 
-    def block(self, values: FloatArray) -> Block:
-        """One record as a block, shape (M,)."""
-        return self.again(values)
-
 
 @dataclass(frozen=True, eq=False)
-class RecordedFamily(ByValue):
+class RecordedFamily(Family):
     """Records under one recorded displacement on a uniform grid."""
 
     response: Response
-    fixed_names: tuple[str, ...]
-    window: tuple[float, float]
-    again: Callable[[FloatArray], Block]
+    rounding_floor: ClassVar[float] = 100 * ROUNDING
 
-    @property
-    def fixed_count(self) -> int:
-        """Number of fixed columns."""
-        return len(self.fixed_names)
+    def _seen(self, values: FloatArray) -> Seen:
+        force = Force.of(self.response, values[:, self.response.start : self.response.count])
+        return Seen(force, np.zeros(len(values)), force.energy)
 
-    @property
-    def samples(self) -> int:
-        """Samples of a record in the window."""
-        return len(self.response.fixed)
+    def factor(self, log_tau: FloatArray, seen: Seen, *, exact: bool) -> FloatArray:  # noqa: ARG002
+        """Triangular factors by a Gram matrix: it is all that there is."""
+        return upper_factor(self.response.gram(np.exp(log_tau), Force(*seen.data), derivative=True))
 
-    @property
-    def nonnegative(self) -> BoolArray:
-        """Which fixed coefficients are stiffnesses."""
-        return _stiff(self.fixed_names)
-
-    @property
-    def bounds(self) -> tuple[float, float]:
-        """The window of ln tau."""
-        low, high = np.log(self.window)
-        return float(low), float(high)
-
-    @property
-    def rounding_floor(self) -> float:
-        """Relative sum of squares below which a Gram matrix holds rounding only."""
-        return 100 * ROUNDING
-
-    def see(self, values: FloatArray) -> Seen:
-        """Correlate every record with the displacement."""
-        window = values[:, self.response.start : self.response.count]
-        few = max(1, 400_000 // values.shape[1])
-        forces = [Force.of(self.response, window[i : i + few]) for i in range(0, len(window), few)]
-        data = tuple(np.concatenate(part) for part in zip(*forces, strict=True))
-        return Seen(data, np.zeros(len(values)), data[2])
-
-    def factor(self, tau: FloatArray, seen: Seen, *, exact: bool) -> FloatArray:  # noqa: ARG002
-        """Triangular factors of [fixed, arms, slopes, y] at tau (R, N), one per record."""
-        return upper_factor(self.response.gram(tau, Force(*seen.data), derivative=True))
-
-    def moments(self, tau: FloatArray, seen: Seen) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Gram of [fixed, arms] at shared tau (G,), products with y: (R, q) and (R, G)."""
-        force = Force(*seen.data)
+    def moments(self, log_tau: FloatArray, seen: Seen) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """By the correlations."""
+        tau, force = np.exp(log_tau), Force(*seen.data)
         first = Force(force.sequence[0], force.fixed[0], force.energy[0])
         gram = self.response.gram(tau, first, derivative=False)[:-1, :-1]
         return gram, force.fixed, self.response.products(tau, force.sequence)
-
-    def block(self, values: FloatArray) -> Block:
-        """One record as a block, shape (M,)."""
-        return self.again(values)
-
-
-def _stiff(names: tuple[str, ...]) -> BoolArray:
-    return np.array([name.partition("@")[0] in {"k_inf", "b"} for name in names], dtype=bool)

@@ -2,21 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from dataclasses import replace
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
-from dashpot.engine.blocks.block import Columns, DesignBlock
+from dashpot.engine.blocks.block import Block, Columns, design_rows
 from dashpot.engine.blocks.compression import (
     ACCURACY,
     Compression,
     compression,
+    projected,
     uncompressed,
     uniform_step,
 )
+
+
+class _Ideal(NamedTuple):
+    """An ideal motion, whether its ramp is in the record, and the names of the fixed columns."""
+
+    depth: float
+    ramp_time: float
+    ramp: bool
+    spring: str | None
+    offset: str | None = None
+    drift: str | None = None
 
 
 def decay_block(
@@ -27,7 +40,7 @@ def decay_block(
     weights: FloatArray | None = None,
     arm_group: str = "k",
     compress: bool = True,
-) -> DesignBlock:
+) -> Block:
     r"""A plain sum of exponentials :math:`y = y_\infty + \sum_j k_j e^{-t/\tau_j}` from t = 0.
 
     Parameters
@@ -41,17 +54,9 @@ def decay_block(
     compress : bool
         False keeps every sample as a row.
     """
-    time, step = _checked(time, values, weights)
-    plan = (compression if compress else uncompressed)(time, weights, step=step)
-    fixed = {} if constant is None else {constant: np.ones(len(plan.nodes))}
-
-    def columns(tau: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
-        x = plan.nodes / tau[:, None]
-        arms = plan.root_weight * np.exp(-x)
-        return arms.T, (x * arms if derivative else arms).T
-
-    full = partial(decay_block, time, values, constant=constant, weights=weights)
-    return _block([plan], [(values, weights)], fixed, columns, time, full=full, arm_group=arm_group)
+    # a step of one, held
+    ideal = _Ideal(1.0, 0.0, False, constant)
+    return _block(time, values, weights, ideal, arm_group=arm_group, compress=compress)
 
 
 def hold_block(
@@ -65,7 +70,7 @@ def hold_block(
     weights: FloatArray | None = None,
     arm_group: str = "k",
     compress: bool = True,
-) -> DesignBlock:
+) -> Block:
     r"""The hold after an ideal ramp (paper eq. 5, in a form that cannot overflow).
 
     .. math:: F = x_h \Bigl[k_\infty + \sum_j k_j\, g(c/\tau_j)\, e^{-s/\tau_j}\Bigr],
@@ -86,26 +91,8 @@ def hold_block(
     compress : bool
         False keeps every sample as a row.
     """
-    time, step = _checked(time, force, weights)
-    plan = (compression if compress else uncompressed)(time, weights, step=step)
-    fixed = {k_inf: np.full(len(plan.nodes), depth)}
-    if drift is not None:
-        fixed[drift] = plan.nodes
-
-    def columns(tau: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
-        return _hold(plan, tau, depth, ramp_time, derivative=derivative)
-
-    full = partial(
-        hold_block,
-        time,
-        force,
-        depth=depth,
-        ramp_time=ramp_time,
-        k_inf=k_inf,
-        drift=drift,
-        weights=weights,
-    )
-    return _block([plan], [(force, weights)], fixed, columns, time, full=full, arm_group=arm_group)
+    ideal = _Ideal(depth, ramp_time, False, k_inf, None, drift)
+    return _block(time, force, weights, ideal, arm_group=arm_group, compress=compress)
 
 
 def ramp_hold_block(
@@ -120,7 +107,7 @@ def ramp_hold_block(
     weights: FloatArray | None = None,
     arm_group: str = "k",
     compress: bool = True,
-) -> DesignBlock:
+) -> Block:
     r"""An ideal ramp and its hold.
 
     On the ramp, with t since its start and A = depth/ramp_time,
@@ -130,48 +117,8 @@ def ramp_hold_block(
     and on the hold as in :func:`hold_block`. Parameters as there, with `time` since the start
     of the ramp; `offset` names a constant force.
     """
-    time, step = _checked(time, force, weights)
-    first = int(np.searchsorted(time, ramp_time))
-    if first == 0 or first == len(time):
-        raise DataError(
-            f"ramp_time = {ramp_time:g} s leaves {first} of {len(time)} samples on the ramp; "
-            "expected some on the ramp and some on the hold"
-        )
-    weighted = (None, None) if weights is None else (weights[:first], weights[first:])
-    plan = compression if compress else uncompressed
-    ramp = plan(time[:first], weighted[0], step=step)
-    hold = plan(time[first:] - ramp_time, weighted[1], step=step)
-    at = np.concatenate((ramp.nodes, hold.nodes + ramp_time))
-    fixed = {k_inf: depth / ramp_time * np.minimum(at, ramp_time)}
-    if offset is not None:
-        fixed[offset] = np.ones(len(at))
-    if drift is not None:
-        fixed[drift] = at
-
-    def columns(tau: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
-        x = ramp.nodes[:, None] / tau
-        scale = depth / ramp_time * ramp.root_weight[:, None]
-        rise = -tau * np.expm1(-x)
-        held, held_slope = _hold(hold, tau, depth, ramp_time, derivative=derivative)
-        arms = np.concatenate((scale * rise, held))
-        if not derivative:
-            return arms, arms
-        slope = scale * (rise - ramp.nodes[:, None] * np.exp(-x))
-        return arms, np.concatenate((slope, held_slope))
-
-    data = [(force[:first], weighted[0]), (force[first:], weighted[1])]
-    full = partial(
-        ramp_hold_block,
-        time,
-        force,
-        depth=depth,
-        ramp_time=ramp_time,
-        k_inf=k_inf,
-        offset=offset,
-        drift=drift,
-        weights=weights,
-    )
-    return _block([ramp, hold], data, fixed, columns, time, full=full, arm_group=arm_group)
+    ideal = _Ideal(depth, ramp_time, True, k_inf, offset, drift)
+    return _block(time, force, weights, ideal, arm_group=arm_group, compress=compress)
 
 
 def window_of(time: FloatArray, step: float | None = None) -> tuple[float, float]:
@@ -186,66 +133,117 @@ def window_of(time: FloatArray, step: float | None = None) -> tuple[float, float
     return 2 * fine, 10 * float(time[-1] - time[0])
 
 
-def _hold(
-    plan: Compression, tau: FloatArray, depth: float, ramp_time: float, *, derivative: bool
-) -> tuple[FloatArray, FloatArray]:
-    x = ramp_time / tau
-    lost = np.expm1(-x)
-    mean = -lost / x if ramp_time > 0 else np.ones(len(tau))
-    # a column is a row until the end: long rows are fast
-    s = plan.nodes * (-1 / tau)[:, None]
-    decay = np.exp(s)
-    decay *= depth * plan.root_weight
-    arms = mean[:, None] * decay
-    if not derivative:
-        return arms.T, arms.T
-    # d/d ln tau of g(c/tau) is g - e^{-c/tau}
-    decay *= (mean - (1 + lost))[:, None]
-    s *= arms
-    decay -= s
-    return arms.T, decay.T
-
-
 def _block(
-    plans: list[Compression],
-    data: list[tuple[FloatArray, FloatArray | None]],
-    fixed: dict[str, FloatArray],
-    columns: Columns,
     time: FloatArray,
+    values: FloatArray,
+    weights: FloatArray | None,
+    ideal: _Ideal,
     *,
-    full: partial[DesignBlock],
     arm_group: str,
-) -> DesignBlock:
-    target, floor = [], 0.0
-    for plan, (values, weights) in zip(plans, data, strict=True):
-        z, aside = plan.project(values if weights is None else values * weights)
-        target.append(z)
-        floor += float(aside)
+    compress: bool,
+) -> Block:
+    time, step = _checked(time, values, weights)
+    plans = _plans(time, weights, ideal, step, compress=compress)
+    starts = (0.0, ideal.ramp_time)
+    at = np.concatenate([plan.nodes + start for plan, start in zip(plans, starts, strict=False)])
     root = np.concatenate([plan.root_weight for plan in plans])
-    stacked = np.concatenate(target)
-    compressed = len(stacked) < len(time)
-    empty = np.zeros((len(stacked), 0))
-    return DesignBlock(
-        target=stacked,
-        fixed=np.column_stack([root * column for column in fixed.values()]) if fixed else empty,
-        fixed_names=tuple(fixed),
-        columns=columns,
-        window=window_of(time, plans[-1].step),
-        floor=floor,
-        samples=len(time),
-        arm_group=arm_group,
-        accuracy=ACCURACY if compressed else 1e-15,
-        full=partial(full, arm_group=arm_group, compress=False) if compressed else None,
-        sampling=_sampling(full, time, plans[-1].step) if compressed else None,
+    spring = np.full(len(at), ideal.depth)
+    if ideal.ramp:
+        spring = ideal.depth / ideal.ramp_time * np.minimum(at, ideal.ramp_time)
+    fixed = {ideal.spring: spring, ideal.offset: np.ones(len(at)), ideal.drift: at}
+    names = tuple(name for name in fixed if name is not None)
+    matrix = np.empty((len(at), len(names)))
+    for i, name in enumerate(names):
+        matrix[:, i] = root * fixed[name]
+    target, floor = projected(plans, values if weights is None else values * weights)
+    every = Block(
+        design_rows(target, matrix, _columns(plans, ideal)),
+        names,
+        window_of(time, plans[-1].step),
+        len(time),
+        arm_group,
+    )
+    if len(target) == len(time):
+        return every
+    # the columns follow from the clock and all but the data
+    known = weights is None and step is not None
+    return replace(
+        every,
+        floor=float(floor),
+        accuracy=ACCURACY,
+        sampling=(len(time), float(time[0]), step, ideal) if known else None,
+        full=partial(_block, time, values, weights, ideal, arm_group=arm_group, compress=False),
     )
 
 
-def _sampling(full: partial[DesignBlock], time: FloatArray, step: float | None) -> Hashable:
-    """What the columns of a compressed record follow from: its clock and all but its data."""
-    parameters = dict(full.keywords)
-    if parameters.pop("weights") is not None or step is None:
-        return None
-    return full.func.__name__, len(time), float(time[0]), step, tuple(parameters.items())
+def _plans(
+    time: FloatArray,
+    weights: FloatArray | None,
+    ideal: _Ideal,
+    step: float | None,
+    *,
+    compress: bool,
+) -> tuple[Compression, ...]:
+    """The hold's compression, after the ramp's if the record has it."""
+    plan = compression if compress else uncompressed
+    if not ideal.ramp:
+        return (plan(time, weights, step=step),)
+    first = int(np.searchsorted(time, ideal.ramp_time))
+    if first == 0 or first == len(time):
+        raise DataError(
+            f"ramp_time = {ideal.ramp_time:g} s leaves {first} of {len(time)} samples on the ramp; "
+            "expected some on the ramp and some on the hold"
+        )
+    on, after = (None, None) if weights is None else (weights[:first], weights[first:])
+    return (
+        plan(time[:first], on, step=step),
+        plan(time[first:] - ideal.ramp_time, after, step=step),
+    )
+
+
+def _columns(plans: tuple[Compression, ...], ideal: _Ideal) -> Columns:
+    *ramps, hold = plans
+
+    def columns(tau: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
+        held, held_slope = _hold(hold, tau, ideal, derivative=derivative)
+        if not ramps:
+            return held, held_slope
+        ramp = ramps[0]
+        x = ramp.nodes[:, None] / tau
+        scale = ideal.depth / ideal.ramp_time * ramp.root_weight[:, None]
+        rise = -tau * np.expm1(-x)
+        arms = np.concatenate((scale * rise, held))
+        if not derivative:
+            return arms, arms
+        slope = scale * (rise - ramp.nodes[:, None] * np.exp(-x))
+        return arms, np.concatenate((slope, held_slope))
+
+    return columns
+
+
+def _hold(
+    plan: Compression, tau: FloatArray, ideal: _Ideal, *, derivative: bool
+) -> tuple[FloatArray, FloatArray]:
+    # a column is a row until the end: long rows are fast
+    s = plan.nodes / -tau[:, None]
+    decay = np.exp(s)
+    decay *= ideal.depth * plan.root_weight
+    if ideal.ramp_time > 0:
+        x = ideal.ramp_time / tau
+        lost = np.expm1(-x)
+        mean = -lost / x
+        arms = mean[:, None] * decay
+    else:
+        arms = decay
+    if not derivative:
+        return arms.T, arms.T
+    s *= arms
+    if ideal.ramp_time <= 0:
+        return arms.T, -s.T
+    # d/d ln tau of g(c/tau) is g - e^{-c/tau}
+    decay *= (mean - (1 + lost))[:, None]
+    decay -= s
+    return arms.T, decay.T
 
 
 def _checked(

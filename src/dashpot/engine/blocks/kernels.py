@@ -6,20 +6,32 @@ With K fixed relaxation times, the kernels at them sampled at some 300 lags as t
 .. math:: e^{-t/\tau} = \sum_k c_k(\tau)\, e^{-t/\tau_k} + O(\epsilon), \qquad
     c(\tau) = V S^{-1} U' e(\tau)
 
-A column that is a linear image of its kernel is then the same sum of the images at the fixed times.
+A column that is a linear image of its kernel is then the same sum of the images at the fixed times,
+computed once:
+
+.. math:: \varphi(\tau) = \Phi V S^{-1} U' e(\tau)
+
+Over all relaxation times of a window the kernels span, to rounding, about sixty dimensions, so that
+any long record, whatever its clock, weights and history, is a block of some seventy rows.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.engine.blocks.block import Columns
+from dashpot.engine.blocks.block import Block, Columns, design_rows
+from dashpot.engine.blocks.compression import ACCURACY
 
 LAGS = 300
+TIMES_PER_FOLD = 9.5
+RANK = 1e-15
+AT_ONCE = 16
+ROWS_AT_ONCE = 2048
 
 
 class Kernels(NamedTuple):
@@ -55,14 +67,23 @@ class Kernels(NamedTuple):
         tau, lags, right, left = _from_one(folds, per_fold, rank)
         return cls(tau * shortest, lags * shortest, right, left)
 
+    def space(self, exact: Block) -> FloatArray:
+        r"""The space :math:`\Phi V` of a block that has every sample as a row, shape (n, r)."""
+        out = np.zeros((exact.samples, self.right.shape[1]))
+        for first in range(0, len(self.tau), AT_ONCE):
+            part = slice(first, first + AT_ONCE)
+            out += exact.evaluate(np.log(self.tau[part]), False).arms @ self.right[part]
+        return out
+
     def columns(self, operator: FloatArray) -> Columns:
-        r"""Columns :math:`A\, e(\tau)` and their slopes, for A of shape (n, L)."""
+        r"""Columns :math:`A\, S^{-1} U' e(\tau)` and their slopes, for A of shape (n, r)."""
+        full = operator @ self.left
 
         def columns(at: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
             x = self.lags[:, None] / at
             decay = np.exp(-x)
-            arms = operator @ decay
-            return (arms, operator @ (x * decay)) if derivative else (arms, arms)
+            arms = full @ decay
+            return (arms, full @ (x * decay)) if derivative else (arms, arms)
 
         return columns
 
@@ -74,3 +95,35 @@ def _from_one(folds: float, per_fold: float, rank: float) -> Kernels:
     u, s, vt = np.linalg.svd(np.exp(-lags[:, None] / tau), full_matrices=False)
     keep = s > rank * s[0]
     return Kernels(tau, lags, vt[keep].T, u[:, keep].T / s[keep, None])
+
+
+def reduced_block(exact: Block, *, reach: tuple[float, float] | None = None) -> Block:
+    r"""The same data in orthogonal coordinates, one row per dimension of the kernels' space.
+
+    One triangular factor of :math:`[\Phi V, G, y]` turns every later trial into a product of small
+    matrices.
+
+    Parameters
+    ----------
+    exact : Block
+        Every sample as a row; its window's upper end is at least the record's span.
+    reach : (float, float), optional
+        Relaxation times to be evaluated, s; those of the window, if left out.
+    """
+    kernels = Kernels.over(reach or exact.window, per_fold=TIMES_PER_FOLD, rank=RANK)
+    target, fixed, *_ = exact.evaluate(np.zeros(0), False)
+    every = np.concatenate((kernels.space(exact), fixed, target[:, None]), axis=1)
+    factor = every[:0]
+    for first in range(0, len(every), ROWS_AT_ONCE):
+        rows = np.concatenate((factor, every[first : first + ROWS_AT_ONCE]))
+        factor = np.asarray(np.linalg.qr(rows, mode="r"))
+    rank = kernels.right.shape[1]
+    return replace(
+        exact,
+        rows=design_rows(
+            factor[:-1, -1], factor[:-1, rank:-1], kernels.columns(factor[:-1, :rank])
+        ),
+        floor=float(factor[-1, -1] ** 2),
+        accuracy=ACCURACY,
+        full=lambda: exact,
+    )

@@ -17,11 +17,11 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
-from dashpot.engine.blocks.block import Block, DesignBlock
+from dashpot.engine.blocks.block import Block, design_block
 from dashpot.engine.blocks.compression import SMALL, uniform_step
 from dashpot.engine.blocks.correlation import correlation_block
 from dashpot.engine.blocks.hold import window_of
-from dashpot.engine.blocks.interpolated import reduced_block
+from dashpot.engine.blocks.kernels import reduced_block
 
 #: samples from which the recursion is worth reducing
 LONG = 2000
@@ -44,7 +44,7 @@ def recorded_block(
     .. math:: F_i = k_\infty x_i + \sum_j k_j q_j(t_i) + F_0 + \dot F (t_i - t_w)
 
     The form is chosen by the record: correlation on a uniform grid, recursion otherwise, reduced
-    (:mod:`dashpot.engine.blocks.interpolated`) if it is long.
+    (:mod:`dashpot.engine.blocks.kernels`) if it is long.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def recursion_block(
     step: float | None = None,
     weights: FloatArray | None = None,
     arm_group: str = "k",
-) -> DesignBlock:
+) -> Block:
     """The full record, every sample a row, arms by recursion: any grid, any weights.
 
     `step` is the interval of a grid known to be uniform.
@@ -114,7 +114,7 @@ def recursion_block(
 
     columns_fixed = [column[:, None] for column in fixed.values()]
     matrix = columns_fixed[0] if len(fixed) == 1 else np.concatenate(columns_fixed, axis=1)
-    return DesignBlock(
+    return design_block(
         target=y[window] if root is None else root[:, 0] * y[window],
         fixed=matrix if root is None else root * matrix,
         fixed_names=tuple(fixed),

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
-from dashpot.engine.blocks.family import Family, Seen
+from dashpot.engine.blocks.families import Family, Seen
 from dashpot.engine.solver.descent import FINISHED, LINEAR, LONGEST_STEP, REST, TAIL, UNCHANGED
 
 
@@ -38,7 +38,7 @@ def points_at(family: Family, log_tau: FloatArray, seen: Seen, *, exact: bool = 
     """As :func:`dashpot.engine.solver.descent.point_at`, from stacked triangular factors."""
     q, arms = family.fixed_count, log_tau.shape[1]
     p = q + arms
-    factor = family.factor(np.exp(log_tau), seen, exact=exact)
+    factor = family.factor(log_tau, seen, exact=exact)
     r = factor[:, :p, :p]
     pivot, length = np.diagonal(r, axis1=1, axis2=2) ** 2, (r * r).sum(axis=1)
     dependent = (pivot <= 1e-13 * length).any(axis=1)
@@ -77,7 +77,7 @@ def descend_together(
     family: Family, start: FloatArray, started: BoolArray, seen: Seen, limit: int = 40
 ) -> Descended:
     """The descent of :func:`dashpot.engine.solver.descent.descend`, for all records at once."""
-    low, high = family.bounds
+    low, high = family.template.bounds
     log_tau = start.copy()
     here = points_at(family, log_tau, seen)
     rounding = family.rounding_floor * seen.energy

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
-from dashpot.engine.blocks.block import Block
+from dashpot.engine.blocks.block import Block, stiffnesses
 from dashpot.engine.solver.nnls import nonnegative_columns
 
 LONGEST_STEP = 1.5
@@ -75,8 +75,8 @@ class Stack:
 
     def restricted(self, arms: int, *, signed: bool) -> BoolArray:
         """Which linear parameters must not be negative, shape (p,)."""
-        fixed = [name.partition("@")[0] in {"k_inf", "b"} for name in self.names]
-        every = np.array(fixed + [True] * (arms * len(self.groups)), dtype=bool)
+        every = np.ones(len(self.names) + arms * len(self.groups), dtype=bool)
+        every[: len(self.names)] = stiffnesses(self.names)
         return every & (not signed)
 
     def evaluate(self, log_tau: FloatArray, *, derivative: bool = True) -> Rows:

@@ -9,7 +9,7 @@ from itertools import combinations
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
-from dashpot.engine.blocks.family import Family, Seen
+from dashpot.engine.blocks.families import Family, Seen
 
 #: grid points by number of arms: every set of them is tried; more arms have too many sets, and go
 #: one by one
@@ -21,13 +21,13 @@ class GridSearch:
 
     def __init__(self, family: Family, arms: int) -> None:
         self.family = family
-        self.log_tau = np.linspace(*family.bounds, POINTS[arms])
+        self.log_tau = np.linspace(*family.template.bounds, POINTS[arms])
         self.sets = np.array(list(combinations(range(POINTS[arms]), arms)))
         self.inverse: FloatArray | None = None
 
     def gains(self, seen: Seen) -> FloatArray:
         """What each set explains of each record, (sets, R); zero without positive coefficients."""
-        gram, with_fixed, with_grid = self.family.moments(np.exp(self.log_tau), seen)
+        gram, with_fixed, with_grid = self.family.moments(self.log_tau, seen)
         q = self.family.fixed_count
         across = np.linalg.solve(gram[:q, :q], gram[:q, q:])
         swept = gram[q:, q:] - gram[q:, :q] @ across

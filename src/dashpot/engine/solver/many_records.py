@@ -20,7 +20,7 @@ from dashpot.base.arrays import BoolArray, ByValue, FloatArray, IndexArray
 from dashpot.base.errors import FitError
 from dashpot.engine.blocks.block import Block
 from dashpot.engine.blocks.compression import PLAIN
-from dashpot.engine.blocks.family import Family, Seen
+from dashpot.engine.blocks.families import Family, Seen
 from dashpot.engine.solver.batched import Descended, descend_together, points_at
 from dashpot.engine.solver.grid_search import POINTS, GridSearch
 from dashpot.engine.solver.insertion import DOUBT
@@ -65,9 +65,9 @@ def solve_many(family: Family, records: FloatArray, arms: int) -> ManySolutions:
     """
     if arms < 1:
         raise FitError(f"arms = {arms}; expected at least one")
-    if family.samples < family.fixed_count + 2 * arms:
+    if family.template.samples < family.fixed_count + 2 * arms:
         raise FitError(
-            f"{family.samples} samples cannot determine {family.fixed_count + 2 * arms} "
+            f"{family.template.samples} samples cannot determine {family.fixed_count + 2 * arms} "
             "parameters; use fewer arms or longer records"
         )
     count = len(records)
@@ -176,7 +176,7 @@ def _together(
 
 def _proper(family: Family, found: Descended, seen: Seen) -> BoolArray:
     """Which records have an optimum inside the window, all coefficients positive."""
-    low, high = family.bounds
+    low, high = family.template.bounds
     q, beta = family.fixed_count, found.point.beta
     proper = found.done & (found.point.sse > 100 * family.rounding_floor * seen.energy)
     proper &= (beta[:, q:] > 0).all(axis=1) & (beta[:, :q] > 0)[:, family.nonnegative].all(axis=1)
@@ -187,7 +187,7 @@ def _proper(family: Family, found: Descended, seen: Seen) -> BoolArray:
 def _known(family: Family, found: Descended, seen: Seen) -> BoolArray:
     """Which records know every relaxation time so well that no other optimum can be better."""
     count, arms = found.log_tau.shape
-    spare = family.samples - family.fixed_count - 2 * arms
+    spare = family.template.samples - family.fixed_count - 2 * arms
     if spare < 10:
         return np.zeros(count, dtype=bool)
     curvature = found.point.curvature

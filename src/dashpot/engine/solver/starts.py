@@ -68,7 +68,7 @@ class _Known(OrderedDict[Hashable, Lattice]):
         if stack.sampling is None:
             return Lattice.of(stack, size)
         if key in self:
-            return self[key], stack.blocks[0].evaluate(np.zeros(0), False).target
+            return self[key], stack.blocks[0].target
         found, target = Lattice.of(stack, size)
         self[key] = found
         if len(self) > KEPT:

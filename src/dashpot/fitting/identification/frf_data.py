@@ -8,7 +8,7 @@ import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import DataError
-from dashpot.engine.blocks.block import DesignBlock
+from dashpot.engine.blocks.block import Block, design_block
 from dashpot.records.frf import FRF, Kind
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.modal.peaks import find_peak
@@ -60,7 +60,7 @@ class FRFData:
         """Weighted differences, real then imaginary, shape (2n,)."""
         return _stacked((predicted - self.lines.value) / self.sd)
 
-    def stiffness_block(self, mass: float | None, *, dashpot: bool) -> DesignBlock:
+    def stiffness_block(self, mass: float | None, *, dashpot: bool) -> Block:
         r"""The same lines as a linear problem in the stiffnesses of one seal, for starts.
 
         .. math:: s^2/A - m s^2 = n\left[k_\infty + \sum_j k_j \frac{s\tau_j}{1+s\tau_j}
@@ -87,7 +87,7 @@ class FRFData:
                 return design, design
             return design, weights * _stacked(self.seals * x / (1 + x) ** 2)
 
-        return DesignBlock(
+        return design_block(
             target=weights[:, 0] * _stacked(stiffness),
             fixed=weights * _stacked(np.column_stack(list(columns.values()))),
             fixed_names=tuple(columns),

@@ -9,7 +9,6 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from dashpot.base.errors import DataError, FitError
-from dashpot.engine.blocks.block import Block
 from dashpot.engine.solver.variable_projection import solve_orders
 from dashpot.fitting.identification.fit_assembly import assembled
 from dashpot.fitting.identification.frf_data import frf_data_of
@@ -23,7 +22,7 @@ from dashpot.fitting.identification.likelihood import (
     descend,
 )
 from dashpot.fitting.relaxation import fit as fit_tests
-from dashpot.fitting.relaxation_data import RelaxationData, WeightedBlock, relaxation_data
+from dashpot.fitting.relaxation_data import RelaxationData, relaxation_data
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
 from dashpot.records.relaxation import RampHold, listed
@@ -180,9 +179,7 @@ def _chosen(found: Sequence[Candidate]) -> Candidate:
 def _linear(problem: Problem, most: int) -> list[Parameters]:
     """Starts from the engine: dynamic stiffness is linear in the stiffnesses of the solid."""
     known = None if problem.priors.mass is None else problem.priors.mass.value
-    blocks: list[Block] = [
-        WeightedBlock(relaxation, i) for i, relaxation in enumerate(problem.relaxations)
-    ]
+    blocks = [relaxation.weighted(i) for i, relaxation in enumerate(problem.relaxations)]
     blocks.append(problem.frf_data.stiffness_block(known, dashpot=problem.dashpot))
     starts = []
     for solution in solve_orders(blocks, most):

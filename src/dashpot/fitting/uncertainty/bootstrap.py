@@ -18,7 +18,7 @@ from dashpot.base.arrays import ByValue, FloatArray, frozen
 from dashpot.base.errors import DataError, FitError
 from dashpot.engine.inference.covariance import noise_of
 from dashpot.engine.solver.variable_projection import Solution, solve
-from dashpot.fitting.design import Design, compressed, every_sample, fitted_samples
+from dashpot.fitting.design import Design, compressed, fitted_samples
 from dashpot.fitting.uncertainty.estimate import estimated
 from dashpot.records.estimate import parameter_names
 from dashpot.records.fit import Fit
@@ -95,7 +95,7 @@ def bootstrap(
     design = Design(cast('Literal["full", "hold"]', fit.method))
     arms, start = fit.model.arms, np.log(np.array(fit.model.tau))
     blocks = compressed(records, design)
-    samples = every_sample(records, design, blocks)
+    samples = [block.exact for block in blocks]
     peak = max(float(np.abs(record.force).max()) for record in records)
     residuals = estimated(solve(blocks, arms, log_tau_start=start), samples, peak=peak).residuals
     used = [fitted_samples(record, design) for record in records]
