@@ -11,7 +11,7 @@ import numpy.typing as npt
 from dashpot.base.arrays import FloatArray, increasing, same_length, samples
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Source
-from dashpot.engine.solver.pivoted_nnls import pivoted
+from dashpot.engine.solver.nnls import nonnegative
 from dashpot.fitting.checks import FOLLOWED, few_arms_suffice
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.estimate import ParameterEstimate, Residual
@@ -216,7 +216,7 @@ def _nonnegative(columns: FloatArray, target: FloatArray) -> FloatArray:
     length = np.linalg.norm(columns, axis=0)
     length = np.where(length > 0, length, 1.0)
     unit = columns / length
-    return pivoted(unit.T @ unit, unit.T @ target) / length
+    return nonnegative(unit.T @ unit, unit.T @ target) / length
 
 
 def _solid(found: FloatArray, grid: FloatArray) -> GeneralizedMaxwell:

@@ -10,8 +10,6 @@ from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.engine.solver.descent import Stack
 from dashpot.engine.solver.nnls import nonnegative
 
-ENTERING = 200
-
 
 class Cone(NamedTuple):
     """A stack's columns at given relaxation times, free of the fixed columns, of unit length.
@@ -51,6 +49,6 @@ class Cone(NamedTuple):
 
     def best(self) -> tuple[FloatArray, float]:
         """Weights of the unit columns, shape (G m,), and the sum of squares that they leave."""
-        x = nonnegative(self.columns.T @ self.columns, self.columns.T @ self.aim, limit=ENTERING)
+        x = nonnegative(self.columns.T @ self.columns, self.columns.T @ self.aim)
         rest = self.aim - self.columns @ x
         return x, float(rest @ rest)

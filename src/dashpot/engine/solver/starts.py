@@ -104,7 +104,7 @@ class Grid:
 
     def spectrum(self) -> FloatArray:
         """Best non-negative spectrum on the grid, in unit columns, shape (G, m)."""
-        found = nonnegative(self.gram, self.moment, limit=40)
+        found = nonnegative(self.gram, self.moment)
         return np.asarray(found.reshape(self.groups, -1))
 
     def left_by(self, spectrum: FloatArray) -> float:
