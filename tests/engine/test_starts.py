@@ -88,7 +88,7 @@ def test_a_kept_lattice_is_the_one_made_anew() -> None:
     for block in blocks:
         stack = Stack([block])
         grid = Grid(stack)
-        lattice, target = Lattice.of(stack, len(grid.log_tau))
+        lattice, target = Lattice.of(stack, grid.log_tau)
         np.testing.assert_array_equal(grid.columns, lattice.rows.T)
         np.testing.assert_array_equal(grid.moment, lattice.rows @ target)
         np.testing.assert_array_equal(grid.gram, lattice.gram)

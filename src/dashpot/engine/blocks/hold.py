@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
@@ -150,27 +149,26 @@ def _block(
     spring = np.full(len(at), ideal.depth)
     if ideal.ramp:
         spring = ideal.depth / ideal.ramp_time * np.minimum(at, ideal.ramp_time)
-    fixed = {ideal.spring: spring, ideal.offset: np.ones(len(at)), ideal.drift: at}
+    fixed = {ideal.spring: spring, ideal.offset: 1.0, ideal.drift: at}
     names = tuple(name for name in fixed if name is not None)
     matrix = np.empty((len(at), len(names)))
     for i, name in enumerate(names):
         matrix[:, i] = root * fixed[name]
     target, floor = projected(plans, values if weights is None else values * weights)
-    every = Block(
-        design_rows(target, matrix, _columns(plans, ideal)),
-        names,
-        window_of(time, plans[-1].step),
-        len(time),
-        arm_group,
-    )
+    rows = design_rows(target, matrix, _columns(plans, ideal))
+    window = window_of(time, plans[-1].step)
     if len(target) == len(time):
-        return every
+        return Block(rows, names, window, len(time), arm_group)
     # the columns follow from the clock and all but the data
     known = weights is None and step is not None
-    return replace(
-        every,
-        floor=float(floor),
-        accuracy=ACCURACY,
+    return Block(
+        rows,
+        names,
+        window,
+        len(time),
+        arm_group,
+        float(floor),
+        ACCURACY,
         sampling=(len(time), float(time[0]), step, ideal) if known else None,
         full=partial(_block, time, values, weights, ideal, arm_group=arm_group, compress=False),
     )

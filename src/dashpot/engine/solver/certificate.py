@@ -9,8 +9,8 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.engine.blocks.block import Block
-from dashpot.engine.solver.arm_cone import Cone
 from dashpot.engine.solver.descent import Stack, descend
+from dashpot.engine.solver.starts import Grid
 from dashpot.engine.solver.variable_projection import Solution
 
 GRID = 96
@@ -59,16 +59,17 @@ def certificate(blocks: Sequence[Block], solution: Solution) -> Optimality:
     best, left, dual_gradient, place = np.inf, 0.0, -np.inf, 0.0
     for round_ in range(ROUNDS):
         together = np.concatenate((solution.log_tau, grid))
-        cone = Cone.of(stack, together, loose=loose)
+        offered = Grid(stack, log_tau=together, loose=loose)
         if round_ == 0:
-            own = cone.arms[:, :, : solution.order].reshape(len(cone.target), -1)
-            residual = cone.target - cone.fixed @ solution.fixed - own @ solution.arms.ravel()
+            length = offered.length.reshape(groups, -1)[:, : solution.order]
+            own = np.zeros((groups, len(together)))
+            own[:, : solution.order] = solution.arms * np.where(np.isfinite(length), length, 0.0)
+            residual = offered.aim - offered.columns @ own.ravel()
             left = float(residual @ residual)
-            towards = (cone.columns.T @ residual).reshape(groups, -1).max(axis=0)
+            towards = (offered.columns.T @ residual).reshape(groups, -1).max(axis=0)
             dual_gradient, place = float(towards.max()), float(together[np.argmax(towards)])
-        x, sse = cone.best()
-        best = min(best, sse)
-        weight = x.reshape(groups, -1).sum(axis=0)
+        best = min(best, offered.left)
+        weight = offered.spectrum.sum(axis=0)
         grid = _refined(together, weight, round_, stack.bounds)
     best = min(best, _polished(stack, together, weight))
     sse = stack.floor + left
@@ -76,7 +77,7 @@ def certificate(blocks: Sequence[Block], solution: Solution) -> Optimality:
     optimal = gap <= CERTAIN
     return Optimality(
         optimal=optimal,
-        gap=gap,
+        gap=float(gap),
         dual_gradient=float(dual_gradient / np.sqrt(sse)) if sse > 0 else 0.0,
         tau=None if optimal else float(np.exp(place)),
     )

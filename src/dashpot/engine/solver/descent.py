@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property, lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, FloatArray
+from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 from dashpot.engine.blocks.block import Block, stiffnesses
+from dashpot.engine.blocks.families import Family, Seen
 from dashpot.engine.solver.nnls import nonnegative_columns
 
 LONGEST_STEP = 1.5
@@ -102,22 +103,81 @@ class Stack:
 
 
 class Point(NamedTuple):
-    r"""One trial of ln tau with everything linear solved.
+    r"""One trial of ln tau with everything linear solved; of each record, if axes lead.
 
     `gradient` is J'r and `curvature` J'J of the reduced residual, both per ln tau, `turn`
-    (p, N) the derivative of beta by ln tau; `sse` is without the stack's floor.
+    (p, N) the derivative of beta by ln tau; `sse` is without the floor, infinite where the columns
+    are dependent and the rest says nothing.
     """
 
     log_tau: FloatArray
     beta: FloatArray
-    sse: float
+    sse: Any  # a number, or one of each record
     gradient: FloatArray
     curvature: FloatArray
     turn: FloatArray
 
+    @classmethod
+    def of(
+        cls, log_tau: FloatArray, factor: FloatArray, fixed: int, active: BoolArray | None = None
+    ) -> Point:
+        r"""From the triangular factor of the `active` columns, the slopes and the target.
+
+        With Phi = QR, r = (I - QQ')y and beta = R^{-1}Q'y, the derivative of r by ln tau_j is
+
+        .. math:: J_j = -(I - QQ') D_j \beta_j - Q R^{-T} e_j (D_j' r)
+
+        (G. H. Golub and V. Pereyra, *SIAM J. Numer. Anal.* 10, 1973); arms shared by several
+        groups add up. The two terms are orthogonal, and only the first meets r. Everything that
+        they need stands in the triangular factor of one QR,
+
+        .. math:: [\Phi, D, y] \to
+            \begin{bmatrix} R & Q'D & Q'y \\ 0 & D_\perp & r \end{bmatrix}
+
+        where D_perp and r are in coordinates orthogonal to Q. In the same letters
+
+        .. math:: \frac{\partial\beta}{\partial\ln\tau_j}
+            = -R^{-1} Q' D_j \beta_j + R^{-1} R^{-T} e_j (D_j' r)
+        """
+        arms, slopes = log_tau.shape[-1], factor.shape[-1] - 1
+        p = fixed + (slopes - fixed) // 2 if active is None else int(active.sum())
+        inverse = np.asarray(np.linalg.inv(factor[..., :p, :p]), dtype=float)
+        beta = (inverse @ factor[..., :p, -1:])[..., 0]
+        along = inverse @ factor[..., :p, p:-1]
+        towards = inverse
+        if active is not None:
+            beta, along, towards = (_spread(active, each) for each in (beta, along, inverse))
+        residual, outside = factor[..., p:, -1], factor[..., p:, p:-1]
+        k = beta[..., fixed:]
+        lean = (residual[..., None, :] @ outside)[..., 0, :]
+        inside = towards[..., fixed:, :] * lean[..., None]
+        scale = k[..., None, :]
+        outside, along = outside * scale, along * scale
+        gradient = -k * lean
+        if k.shape[-1] > arms:
+            gradient = gradient.reshape(-1, arms).sum(axis=0)
+            inside = inside.reshape(-1, arms, p).sum(axis=0)
+            outside = outside.reshape(len(outside), -1, arms).sum(axis=1)
+            along = along.reshape(len(along), -1, arms).sum(axis=1)
+        turned = inside.swapaxes(-1, -2)
+        curvature = outside.swapaxes(-1, -2) @ outside + inside @ turned
+        # a Python number is compared faster
+        sse = np.vecdot(residual, residual) if residual.ndim > 1 else float(residual @ residual)
+        return cls(log_tau, beta, sse, gradient, curvature, towards @ turned - along)
+
     def ahead(self, step: FloatArray) -> Point:
         """The point a short step away, where beta is linear and the SSE is flat."""
-        return self._replace(log_tau=self.log_tau + step, beta=self.beta + self.turn @ step)
+        turned = (self.turn @ step[..., None])[..., 0]
+        return self._replace(log_tau=self.log_tau + step, beta=self.beta + turned)
+
+    def take(self, index: IndexArray | BoolArray) -> Point:
+        """Copies of some records."""
+        return Point(*(part[index] for part in self))
+
+    def put(self, index: IndexArray, new: Point) -> None:
+        """Write some records anew."""
+        for old, fresh in zip(self, new, strict=True):
+            old[index] = fresh
 
 
 class Local(NamedTuple):
@@ -128,65 +188,29 @@ class Local(NamedTuple):
     converged: bool
 
 
-def point_at(
-    stack: Stack, log_tau: FloatArray, *, restricted: BoolArray | None = None
-) -> Point | None:
+def point_at(stack: Stack, log_tau: FloatArray, *, restricted: BoolArray | None = None) -> Point:
     r"""Solve the linear parameters at ln tau and differentiate the residual left over.
 
-    With Phi = QR, r = (I - QQ')y and beta = R^{-1}Q'y, the derivative of r by ln tau_j is
-
-    .. math:: J_j = -(I - QQ') D_j \beta_j - Q R^{-T} e_j (D_j' r)
-
-    (G. H. Golub and V. Pereyra, *SIAM J. Numer. Anal.* 10, 1973); arms shared by several
-    groups add up. The two terms are orthogonal, and only the first meets r. Everything that
-    they need stands in the triangular factor of one QR,
-
-    .. math:: [\Phi, D, y] \to
-        \begin{bmatrix} R & Q'D & Q'y \\ 0 & D_\perp & r \end{bmatrix}
-
-    where D_perp and r are in coordinates orthogonal to Q. In the same letters
-
-    .. math:: \frac{\partial\beta}{\partial\ln\tau_j}
-        = -R^{-1} Q' D_j \beta_j + R^{-1} R^{-T} e_j (D_j' r)
-
     With `restricted`, those coefficients are kept >= 0; an arm at zero has no derivative.
-    Returns None if the columns are dependent to 13 digits.
+    Columns that are dependent to 13 digits have an infinite SSE.
     """
     stack.trials += 1
     target, phi, slope = stack.evaluate(log_tau)
     fixed = phi.shape[1] - slope.shape[1]
     active = None if restricted is None else nonnegative_columns(phi, target, restricted)
     used = phi if active is None else phi[:, active]
-    p, arms = used.shape[1], len(log_tau)
+    p = used.shape[1]
     factor = triangle(np.concatenate((used.T, slope.T, target[None])))
     r = factor[:p, :p]
     pivot = r.diagonal()
-    if len(factor) < p or (pivot * pivot <= 1e-26 * (r * r).sum(axis=0)).any():
-        return None
-    inverse: FloatArray = np.linalg.inv(r).astype(float, copy=False)
-    beta = inverse @ factor[:p, -1]
-    along = inverse @ factor[:p, p:-1]
-    towards = inverse
-    if active is not None:
-        beta, along, towards = (_spread(active, each) for each in (beta, along, inverse))
-    k, residual, outside = beta[fixed:], factor[p:, -1], factor[p:, p:-1]
-    dual_gradient = residual @ outside
-    inside = towards[fixed:] * dual_gradient[:, None]
-    outside, along = outside * k, along * k
-    dual_gradient = k * dual_gradient
-    if len(k) > arms:
-        dual_gradient = dual_gradient.reshape(-1, arms).sum(axis=0)
-        inside = inside.reshape(-1, arms, p).sum(axis=0)
-        outside = outside.reshape(len(outside), -1, arms).sum(axis=1)
-        along = along.reshape(len(along), -1, arms).sum(axis=1)
-    return Point(
-        log_tau,
-        beta,
-        float(residual @ residual),
-        -dual_gradient,
-        outside.T @ outside + inside @ inside.T,
-        towards @ inside.T - along,
-    )
+    if len(factor) < p or (pivot * pivot <= 1e-26 * np.vecdot(r.T, r.T)).any():
+        return _nowhere(log_tau, phi.shape[1])
+    return Point.of(log_tau, factor, fixed, active)
+
+
+def _nowhere(log_tau: FloatArray, p: int) -> Point:
+    n = len(log_tau)
+    return Point(log_tau, np.zeros(p), np.inf, np.zeros(n), np.zeros((n, n)), np.zeros((p, n)))
 
 
 def triangle(columns: FloatArray) -> FloatArray:
@@ -201,11 +225,24 @@ def _upper(size: int) -> FloatArray:
     return np.triu(np.ones((size, size)))
 
 
+_unit = lru_cache(maxsize=64)(np.eye)
+
+
 def _spread(active: BoolArray, values: FloatArray) -> FloatArray:
     """Values of the active columns in their places among all, zero elsewhere."""
     out = np.zeros((len(active), *values.shape[1:]))
     out[active] = values
     return out
+
+
+def accepted(new: Any, old: Any, moved: Any, rounding: Any) -> Any:
+    """Far away a step must lower the SSE; near the end, where it is flat, not raise it."""
+    return (new < old) | ((moved < TAIL) & (new <= old * (1 + 1e-8) + rounding))
+
+
+def settled(moved: Any, last: Any, fall: Any, sse: Any) -> Any:
+    """At the rate of the last undamped steps next to nothing is left, of ln tau and of the SSE."""
+    return (moved <= LINEAR) & (moved * moved <= REST * last) & (fall <= UNCHANGED * sse)
 
 
 def descend(
@@ -235,52 +272,48 @@ def descend(
     """
     low, high = stack.bounds
     here = point_at(stack, np.clip(np.sort(start), low, high), restricted=restricted)
-    if here is None:
+    if here.sse == np.inf:
         return None
-    rounding_floor = stack.rounding_floor
+    rounding = stack.rounding_floor
     lacking: FloatArray | None = None
     last = np.inf
     for count in range(2, limit + 2):
-        trial = here.log_tau + _step(here, lacking, damping, low, high)
-        if not all(low <= value <= high for value in trial.tolist()):
-            trial = np.clip(trial, low, high)
+        trial = _trial(here, lacking, damping, (low, high))
         step = trial - here.log_tau
         moved = max(map(abs, step.tolist()), default=0.0)
-        fall, sse = abs(float(here.gradient @ step)), stack.floor + here.sse
+        fall, sse = abs(float(here.gradient @ step)), stack.floor + float(here.sse)
         if moved <= finished or (fall < flat * sse and damping <= DAMPED):
             return Local(here, count, True)
-        if (
-            damping < LINEAR
-            and moved <= LINEAR
-            and moved * moved <= REST * last
-            and fall <= UNCHANGED * sse
-        ):
+        if damping < LINEAR and settled(moved, last, fall, sse):
             return Local(here.ahead(step), count, True)
         new = point_at(stack, trial, restricted=restricted)
-        tail = moved < TAIL
-        if new is not None and (
-            new.sse < here.sse or (tail and new.sse <= here.sse * (1 + 1e-8) + rounding_floor)
-        ):
-            if ROUNDING < moved < NEAR and moved > SLOW * last:
-                lacking = _learned(lacking, here, new)
-            last = moved
-            here = new
-            damping = 0.0 if tail else 0.1 * damping
-            if new.sse <= rounding_floor:
+        if accepted(new.sse, here.sse, moved, rounding):
+            lacking = _learned(lacking, here, new, moved, last)
+            last, here = moved, new
+            damping = 0.0 if moved < TAIL else 0.1 * damping
+            if here.sse <= rounding:
                 return Local(here, count, True)
+        elif moved < TAIL and damping == 0.0:
+            return Local(here, count, True)
         else:
-            if tail and damping == 0.0:
-                return Local(here, count, True)
             damping = 10 * max(damping, 1e-6)
-            if damping > 1e9:
-                return Local(here, count, False)
-        if rivals and any(np.abs(np.sort(here.log_tau) - rival).max() < 1e-2 for rival in rivals):
+        if damping > 1e9:
+            return Local(here, count, False)
+        if rivals and _met(here.log_tau, rivals):
             return None
     return Local(here, limit, False)
 
 
-def _learned(lacking: FloatArray | None, old: Point, new: Point) -> FloatArray | None:
-    """What the Hessian holds beyond J'J, corrected so that it explains the last step."""
+def _met(log_tau: FloatArray, rivals: Sequence[FloatArray]) -> bool:
+    return bool(np.abs(np.sort(log_tau) - rivals).max(axis=1).min() < 1e-2)
+
+
+def _learned(
+    lacking: FloatArray | None, old: Point, new: Point, length: float, last: float
+) -> FloatArray | None:
+    """What the Hessian holds beyond J'J, corrected so that it explains a step that creeps."""
+    if not (ROUNDING < length < NEAR and length > SLOW * last):
+        return lacking
     moved = new.log_tau - old.log_tau
     missed = new.gradient - old.gradient - new.curvature @ moved
     if lacking is not None:
@@ -292,11 +325,11 @@ def _learned(lacking: FloatArray | None, old: Point, new: Point) -> FloatArray |
     return update if lacking is None else lacking + update
 
 
-def _step(
-    point: Point, lacking: FloatArray | None, damping: float, low: float, high: float
+def _trial(
+    point: Point, lacking: FloatArray | None, damping: float, bounds: tuple[float, float]
 ) -> FloatArray:
-    """The damped step, with arms held that press against the window or carry nothing."""
-    gradient, curvature = point.gradient, point.curvature
+    """Where the damped step ends, with arms held that press against the window or carry nothing."""
+    (low, high), gradient, curvature = bounds, point.gradient, point.curvature
     scale = curvature.diagonal()
     # an estimate that would turn the step uphill is no Hessian
     if lacking is not None:
@@ -308,22 +341,21 @@ def _step(
     if all(low < value < high for value in at.tolist()) and all(scale.tolist()):
         step = _solved(curvature, gradient, ridge)
     else:
-        free = scale > 0
-        free &= ~((at <= low) & (gradient > 0))
-        free &= ~((at >= high) & (gradient < 0))
-        index = np.flatnonzero(free)
+        held = ((at <= low) & (gradient > 0)) | ((at >= high) & (gradient < 0))
+        index = np.flatnonzero((scale > 0) & ~held)
         step = np.zeros(len(gradient))
-        if not len(index):
-            return step
         part = curvature[index[:, None], index]
         step[index] = _solved(part, gradient[index], ridge[index])
-    longest = max(map(abs, step.tolist()))
-    return step if longest <= LONGEST_STEP else np.clip(step, -LONGEST_STEP, LONGEST_STEP)
+    longest = max(map(abs, step.tolist()), default=0.0)
+    step = step if longest <= LONGEST_STEP else np.clip(step, -LONGEST_STEP, LONGEST_STEP)
+    trial = at + step
+    inside = all(low <= value <= high for value in trial.tolist())
+    return trial if inside else np.clip(trial, low, high)
 
 
 def _solved(curvature: FloatArray, gradient: FloatArray, ridge: FloatArray) -> FloatArray:
     try:
-        return np.asarray(-np.linalg.solve(curvature + np.diag(ridge), gradient))
+        return np.asarray(-np.linalg.solve(curvature + ridge * _unit(len(ridge)), gradient))
     except np.linalg.LinAlgError:
         return np.asarray(-gradient / (curvature.diagonal() + ridge))
 
@@ -340,3 +372,71 @@ def relative_offset(point: Point, sse: float) -> float:
     except np.linalg.LinAlgError:
         step = np.linalg.lstsq(point.curvature, point.gradient, rcond=1e-14)[0]
     return float(np.sqrt(abs(point.gradient @ step) / sse))
+
+
+# -- many records side by side --------------------------------------------------------------------
+
+
+def points_at(family: Family, log_tau: FloatArray, seen: Seen, *, exact: bool = False) -> Point:
+    """As :func:`point_at`, one trial of each record, ln tau (R, N)."""
+    q = family.fixed_count
+    p = q + log_tau.shape[1]
+    factor = family.factor(log_tau, seen, exact=exact)
+    r = factor[:, :p, :p]
+    pivot, length = np.diagonal(r, axis1=1, axis2=2) ** 2, (r * r).sum(axis=1)
+    dependent = (pivot <= 1e-13 * length).any(axis=1)
+    r[dependent] = np.eye(p)
+    point = Point.of(log_tau, factor, q)
+    point.sse[dependent] = np.inf
+    return point
+
+
+def descend_together(
+    family: Family, start: FloatArray, started: BoolArray, seen: Seen, limit: int = 40
+) -> tuple[Point, BoolArray]:
+    """As :func:`descend`, all records at once; where each ended, and whether at an optimum."""
+    low, high = family.template.bounds
+    here = points_at(family, start.copy(), seen)
+    rounding = family.rounding_floor * seen.energy
+    done = np.zeros(len(start), dtype=bool)
+    damping = np.full(len(start), 1e-6)
+    last = np.full(len(start), np.inf)
+    active = np.flatnonzero(started & np.isfinite(here.sse))
+    for _ in range(limit):
+        if not len(active):
+            break
+        now = here.take(active)
+        trial = np.clip(now.log_tau + _steps(now, damping[active]), low, high)
+        step = trial - now.log_tau
+        moved, fall = np.abs(step).max(axis=1), np.abs(np.vecdot(now.gradient, step))
+        sse = seen.floor[active] + now.sse
+        over = (damping[active] < LINEAR) & settled(moved, last[active], fall, sse)
+        over |= moved <= FINISHED
+        before = now.sse
+        if over.any():
+            here.put(active[over], now.take(over).ahead(step[over]))
+            done[active[over]] = True
+            active, trial, moved, before = (x[~over] for x in (active, trial, moved, before))
+        if not len(active):
+            break
+        new = points_at(family, trial, seen.take(active))
+        tail, better = moved < TAIL, accepted(new.sse, before, moved, rounding[active])
+        taken = active[better]
+        last[taken] = moved[better]
+        here.put(taken, new.take(better))
+        damping[taken] = np.where(tail[better], 0.0, 0.1 * damping[taken])
+        stuck = ~better & tail & (damping[active] == 0.0)
+        done[active[stuck]] = True
+        refused = active[~better]
+        damping[refused] = 10 * np.maximum(damping[refused], 1e-6)
+        active = active[~stuck & (damping[active] < 1e9)]
+    return here, done
+
+
+def _steps(point: Point, damping: FloatArray) -> FloatArray:
+    scale = np.maximum(np.diagonal(point.curvature, axis1=1, axis2=2), 1e-300)
+    unit = point.curvature / np.sqrt(scale[:, :, None] * scale[:, None, :])
+    unit = unit + (np.maximum(damping, 1e-14)[:, None, None]) * np.eye(scale.shape[1])
+    root = np.sqrt(scale)
+    step = -np.linalg.solve(unit, (point.gradient / root)[..., None])[..., 0] / root
+    return np.clip(step, -LONGEST_STEP, LONGEST_STEP)

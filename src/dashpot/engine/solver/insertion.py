@@ -10,7 +10,6 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.base.errors import FitError
-from dashpot.engine.solver.arm_cone import Cone
 from dashpot.engine.solver.descent import FINISHED, Local, Point, Stack, descend, point_at
 from dashpot.engine.solver.starts import (
     Grid,
@@ -60,14 +59,9 @@ class Chain:
         return Grid(self.stack)
 
     @cached_property
-    def spectrum(self) -> FloatArray:
-        """The best non-negative spectrum on the grid."""
-        return self.grid.spectrum()
-
-    @cached_property
     def peaks(self) -> tuple[FloatArray, FloatArray]:
         """Positions and weights of the spectrum's peaks."""
-        return peaks_of(self.grid, self.spectrum)
+        return peaks_of(self.grid)
 
     def leap(self, arms: int) -> bool:
         """Go straight to `arms` if that leaves no doubt."""
@@ -95,14 +89,14 @@ class Chain:
             or point.sse <= 100 * self.stack.nothing
             or spare < 10
             or (point.beta[self.stack.restricted(arms, signed=False)] <= 0).any()
-            or not (low < point.log_tau.min() and point.log_tau.max() < high)
+            or not all(low < value < high for value in point.log_tau.tolist())
         ):
             return None
         noise = (self.stack.floor + point.sse) / spare
         known = np.diagonal(np.linalg.inv(point.curvature)) * noise < DOUBT**2
         if not known.all():
             return None
-        if arms not in LOOK and point.sse - self.grid.left_by(self.spectrum) > FAR * noise:
+        if arms not in LOOK and point.sse - self.grid.left > FAR * noise:
             return None
         return local
 
@@ -152,30 +146,12 @@ class Chain:
         together = np.concatenate((point.log_tau, self.grid.log_tau))
         fixed = point.beta[: len(self.stack.names)]
         loose = ~(self.stack.restricted(0, signed=False) & (fixed == 0))
-        return Cone.of(self.stack, together, loose=loose).best()[1]
+        return Grid(self.stack, log_tau=together, loose=loose).left
 
     def _best_with(self, arms: int) -> Local | None:
-        starts = inserted(self.grid, self.best[-1].point, signed=self.signed)
-        if not self.signed:
-            starts = partitioned(self.grid, *self.peaks, arms) + starts
-        if self.thorough:
-            starts += scattered(self.stack, arms, EXTRA_STARTS, self.seed)
+        """The best of the optima next to every start, finished; None if no arms carry as many."""
         restricted = self.stack.restricted(arms, signed=self.signed)
-        first = self._attempt(arms)
-        found = [] if first is None else [first]
-        for start in starts:
-            local = self._descend(start, [np.sort(rival.point.log_tau) for rival in found])
-            if local is not None:
-                found.append(local)
-        feasible = [bool((local.point.beta[restricted] >= 0).all()) for local in found]
-        allowed = list(compress(found, feasible))
-        refused = [local for local, ok in zip(found, feasible, strict=True) if not ok]
-        reach = min((local.point.sse for local in allowed), default=np.inf)
-        pushed = [local.point.log_tau for local in refused if local.point.sse < reach]
-        for start in pushed + ([] if allowed else starts[-2:]):
-            local = self._descend(start, (), restricted=restricted)
-            if local is not None and not (local.point.beta[-arms:] == 0).all():
-                allowed.append(local)
+        allowed = self._optima(arms, restricted)
         full = [local for local in allowed if _carries(local.point, self.stack)]
         if not full:
             return None
@@ -190,6 +166,34 @@ class Chain:
         if not bound and (polished.point.beta[restricted] < 0).any():
             return winner
         return polished
+
+    def _starts(self, arms: int) -> list[FloatArray]:
+        starts = inserted(self.grid, self.best[-1].point, signed=self.signed)
+        if not self.signed:
+            starts = partitioned(self.grid, *self.peaks, arms) + starts
+        if self.thorough:
+            starts += scattered(self.stack, arms, EXTRA_STARTS, self.seed)
+        return starts
+
+    def _optima(self, arms: int, restricted: BoolArray) -> list[Local]:
+        """The optima without a coefficient below zero that the starts lead to."""
+        starts, first = self._starts(arms), self._attempt(arms)
+        found = [] if first is None else [first]
+        for start in starts:
+            local = self._descend(start, [np.sort(rival.point.log_tau) for rival in found])
+            if local is not None:
+                found.append(local)
+        feasible = [bool((local.point.beta[restricted] >= 0).all()) for local in found]
+        allowed = list(compress(found, feasible))
+        reach = min((local.point.sse for local in allowed), default=np.inf)
+        # what is better but not allowed is pushed back to where it is
+        refused = (local.point for local, ok in zip(found, feasible, strict=True) if not ok)
+        pushed = [point.log_tau for point in refused if point.sse < reach]
+        for start in pushed + ([] if allowed else starts[-2:]):
+            local = self._descend(start, (), restricted=restricted)
+            if local is not None and not (local.point.beta[-arms:] == 0).all():
+                allowed.append(local)
+        return allowed
 
     def _descend(
         self,
@@ -224,7 +228,7 @@ def _without_arms(stack: Stack, *, signed: bool) -> Point:
         return Point(nothing, nothing, float(target @ target), nothing, none, none)
     restricted = None if signed else stack.restricted(0, signed=False)
     point = point_at(stack, nothing, restricted=restricted)
-    if point is None:
+    if point.sse == np.inf:
         raise FitError(
             "the columns that do not relax are not independent in this data; "
             "fit fewer of " + ", ".join(stack.names)

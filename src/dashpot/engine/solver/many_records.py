@@ -1,8 +1,8 @@
 r"""Thousands of records on one sampling, fitted side by side.
 
 What one record computes, a stack of them computes at once: compression is a matrix product, a start
-is the best of all sets of grid points (:mod:`dashpot.engine.solver.grid_search`), and every step of
-the descent is arithmetic on small matrices, one per record (:mod:`dashpot.engine.solver.batched`).
+is the best of all sets of grid points (:class:`.GridSearch`), and every step of
+the descent is arithmetic on small matrices, one per record.
 Where a relaxation time is not known to 10 %, other peaks of the look are descended from too;
 whatever leaves another doubt (an arm at the edge of the window, a coefficient that is not positive)
 is solved again one by one, so that the result is that of
@@ -21,9 +21,9 @@ from dashpot.base.errors import FitError
 from dashpot.engine.blocks.block import Block
 from dashpot.engine.blocks.compression import PLAIN
 from dashpot.engine.blocks.families import Family, Seen
-from dashpot.engine.solver.batched import Descended, descend_together, points_at
-from dashpot.engine.solver.grid_search import POINTS, GridSearch
+from dashpot.engine.solver.descent import Point, descend_together, points_at
 from dashpot.engine.solver.insertion import DOUBT
+from dashpot.engine.solver.starts import POINTS, GridSearch
 from dashpot.engine.solver.variable_projection import Solution, solve
 
 CHUNK = 128
@@ -150,22 +150,21 @@ def _together(
 ) -> BoolArray:
     """Descend all records of a chunk; write the ones that leave no doubt, and say which."""
     gain = look.gains(seen)
-    found = descend_together(family, *look.best(gain), seen)
-    sure = _proper(family, found, seen)
+    point, done = descend_together(family, *look.best(gain), seen)
+    sure = done & _proper(family, point, seen)
     weak = np.flatnonzero(sure)
-    weak = weak[~_known(family, found.take(weak), seen.take(weak))]
+    weak = weak[~_known(family, point.take(weak), seen.take(weak))]
     if len(weak):
-        best, sure[weak] = _compared(family, look, gain[:, weak], found.take(weak), seen.take(weak))
-        found.put(weak, best)
-    log_tau, point, _ = found
-    q, arms = family.fixed_count, log_tau.shape[1]
+        best, sure[weak] = _compared(family, look, gain[:, weak], point.take(weak), seen.take(weak))
+        point.put(weak, best)
+    q, (_, arms) = family.fixed_count, point.log_tau.shape
     small = np.flatnonzero(sure & (point.sse < PLAIN * seen.energy))
     if len(small):
-        point.put(small, points_at(family, log_tau[small], seen.take(small), exact=True))
+        point.put(small, points_at(family, point.log_tau[small], seen.take(small), exact=True))
     sse = seen.floor + point.sse
     rows = index[sure]
-    order = np.argsort(log_tau[sure], axis=1)
-    out.log_tau[rows] = np.take_along_axis(log_tau[sure], order, axis=1)
+    order = np.argsort(point.log_tau[sure], axis=1)
+    out.log_tau[rows] = np.take_along_axis(point.log_tau[sure], order, axis=1)
     out.arms[rows] = np.take_along_axis(point.beta[sure, q:], order, axis=1)
     out.fixed[rows] = point.beta[sure, :q]
     out.sse[rows] = sse[sure]
@@ -174,39 +173,39 @@ def _together(
     return sure
 
 
-def _proper(family: Family, found: Descended, seen: Seen) -> BoolArray:
-    """Which records have an optimum inside the window, all coefficients positive."""
+def _proper(family: Family, point: Point, seen: Seen) -> BoolArray:
+    """Which points lie inside the window, all coefficients positive."""
     low, high = family.template.bounds
-    q, beta = family.fixed_count, found.point.beta
-    proper = found.done & (found.point.sse > 100 * family.rounding_floor * seen.energy)
+    q, beta = family.fixed_count, point.beta
+    proper: BoolArray = point.sse > 100 * family.rounding_floor * seen.energy
     proper &= (beta[:, q:] > 0).all(axis=1) & (beta[:, :q] > 0)[:, family.nonnegative].all(axis=1)
-    proper &= ((found.log_tau > low) & (found.log_tau < high)).all(axis=1)
+    proper &= ((point.log_tau > low) & (point.log_tau < high)).all(axis=1)
     return proper
 
 
-def _known(family: Family, found: Descended, seen: Seen) -> BoolArray:
+def _known(family: Family, point: Point, seen: Seen) -> BoolArray:
     """Which records know every relaxation time so well that no other optimum can be better."""
-    count, arms = found.log_tau.shape
+    count, arms = point.log_tau.shape
     spare = family.template.samples - family.fixed_count - 2 * arms
     if spare < 10:
         return np.zeros(count, dtype=bool)
-    curvature = found.point.curvature
+    curvature = point.curvature
     scale = np.maximum(np.diagonal(curvature, axis1=1, axis2=2), 1e-300)
     unit = curvature / np.sqrt(scale[:, :, None] * scale[:, None, :]) + 1e-14 * np.eye(arms)
     variance = np.diagonal(np.linalg.inv(unit), axis1=1, axis2=2) / scale
-    noise = (seen.floor + found.point.sse) / spare
+    noise = (seen.floor + point.sse) / spare
     known = (variance > 0) & (variance * noise[:, None] < DOUBT**2)
     return np.asarray(known.all(axis=1))
 
 
 def _compared(
-    family: Family, look: GridSearch, gain: FloatArray, found: Descended, seen: Seen
-) -> tuple[Descended, BoolArray]:
+    family: Family, look: GridSearch, gain: FloatArray, found: Point, seen: Seen
+) -> tuple[Point, BoolArray]:
     """The best of what was found and of descents from other peaks, and where it is proper."""
-    proper = np.ones(len(found.done), dtype=bool)
+    proper = np.ones(len(found.sse), dtype=bool)
     for start, started in look.peaks(gain, RIVALS):
-        other = descend_together(family, start, started, seen)
-        better = np.flatnonzero(other.point.sse < found.point.sse * (1 - 1e-10))
-        proper[better] = _proper(family, other, seen)[better]
+        other, done = descend_together(family, start, started, seen)
+        better = np.flatnonzero(other.sse < found.sse * (1 - 1e-10))
+        proper[better] = (done & _proper(family, other, seen))[better]
         found.put(better, other.take(better))
     return found, proper

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Hashable
-from functools import lru_cache
+from collections.abc import Hashable, Iterator
+from functools import cached_property, lru_cache
 from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, IndexArray
+from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
+from dashpot.engine.blocks.families import Family, Seen
 from dashpot.engine.solver.descent import Point, Stack
 from dashpot.engine.solver.nnls import nonnegative
 
@@ -20,6 +21,9 @@ COARSE = 3
 MOST_PEAKS = 9
 #: samplings whose lattices are kept
 KEPT = 8
+#: grid points by number of arms: every set of them is tried; more arms have too many sets, and go
+#: one by one
+POINTS = {1: 72, 2: 40, 3: 24}
 
 
 class Lattice(NamedTuple):
@@ -44,13 +48,19 @@ class Lattice(NamedTuple):
     basis: FloatArray
 
     @classmethod
-    def of(cls, stack: Stack, size: int) -> tuple[Lattice, FloatArray]:
-        """The lattice, and the target in its coordinates."""
-        log_tau = np.linspace(*stack.bounds, size)
+    def of(
+        cls, stack: Stack, log_tau: FloatArray, loose: BoolArray | None = None
+    ) -> tuple[Lattice, FloatArray]:
+        """The lattice, and the target in its coordinates.
+
+        `loose` says which fixed columns have a coefficient that is not held at zero; all, by
+        default.
+        """
         target, phi, _ = stack.evaluate(log_tau, derivative=False)
         q = len(stack.names)
         rows = np.ascontiguousarray(phi.T[q:])
-        basis = np.linalg.qr(phi[:, :q])[0] if q else np.zeros((len(target), 0))
+        fixed = phi[:, :q] if loose is None else phi[:, :q][:, loose]
+        basis = np.linalg.qr(fixed)[0] if fixed.size else np.zeros((len(target), 0))
         raw = np.vecdot(rows, rows)
         rows -= (rows @ basis) @ basis.T
         left = np.vecdot(rows, rows)
@@ -65,11 +75,11 @@ class _Known(OrderedDict[Hashable, Lattice]):
 
     def of(self, stack: Stack, size: int) -> tuple[Lattice, FloatArray]:
         key = (stack.sampling, size)
-        if stack.sampling is None:
-            return Lattice.of(stack, size)
         if key in self:
             return self[key], stack.blocks[0].target
-        found, target = Lattice.of(stack, size)
+        found, target = Lattice.of(stack, np.linspace(*stack.bounds, size))
+        if stack.sampling is None:
+            return found, target
         self[key] = found
         if len(self) > KEPT:
             self.popitem(last=False)
@@ -88,29 +98,43 @@ class Grid:
         Of the :class:`Lattice`; columns of shape (n, G m).
     moment : array, shape (G m,)
         Inner products of columns with the target.
-    energy : float
-        Sum of squares of the target, fixed columns swept out.
     """
 
-    def __init__(self, stack: Stack, size: int = GRID) -> None:
-        lattice, target = _KNOWN.of(stack, size)
+    def __init__(
+        self,
+        stack: Stack,
+        size: int = GRID,
+        *,
+        log_tau: FloatArray | None = None,
+        loose: BoolArray | None = None,
+    ) -> None:
+        if log_tau is None:
+            lattice, target = _KNOWN.of(stack, size)
+        else:
+            lattice, target = Lattice.of(stack, log_tau, loose)
         self.stack = stack
         self.groups = len(stack.groups)
         self.log_tau, self.length, self.gram = lattice.log_tau, lattice.length, lattice.gram
         self.columns = lattice.rows.T
         self.moment = lattice.rows @ target
-        rest = target - lattice.basis @ (lattice.basis.T @ target)
-        self.energy = float(rest @ rest)
+        self.target, self.basis = target, lattice.basis
 
+    @cached_property
+    def aim(self) -> FloatArray:
+        """The target, fixed columns swept out, shape (n,)."""
+        return np.asarray(self.target - self.basis @ (self.basis.T @ self.target))
+
+    @cached_property
     def spectrum(self) -> FloatArray:
         """Best non-negative spectrum on the grid, in unit columns, shape (G, m)."""
         found = nonnegative(self.gram, self.moment)
         return np.asarray(found.reshape(self.groups, -1))
 
-    def left_by(self, spectrum: FloatArray) -> float:
-        """Sum of squares that a spectrum on the grid leaves."""
-        x = spectrum.ravel()
-        return self.energy - float(x @ (2 * self.moment - self.gram @ x))
+    @cached_property
+    def left(self) -> float:
+        """Sum of squares that the best spectrum leaves."""
+        rest = self.aim - self.columns @ self.spectrum.ravel()
+        return float(rest @ rest)
 
     def dual_gradient(self, point: Point, *, signed: bool) -> FloatArray:
         r"""How much of the residual one more arm at each grid point would remove, shape (m,).
@@ -172,7 +196,8 @@ def paired(grid: Grid) -> FloatArray | None:
     determinant = 1.0 - cosine * cosine
     leads = m[:, None] - cosine * m
     # neighbours that are one column to five digits cannot be told apart from one
-    allowed = (leads > 0) & (leads.T > 0) & (determinant > 1e-10)
+    positive = leads > 0
+    allowed = positive & positive.T & (determinant > 1e-10)
     gain = np.divide(
         m[:, None] * leads + m * leads.T, determinant, out=np.zeros_like(cosine), where=allowed
     )
@@ -253,9 +278,9 @@ def inserted(grid: Grid, point: Point, *, signed: bool, count: int = 2) -> list[
     return [np.sort(np.append(point.log_tau, grid.log_tau[i])) for i in best]
 
 
-def peaks_of(grid: Grid, spectrum: FloatArray) -> tuple[FloatArray, FloatArray]:
+def peaks_of(grid: Grid) -> tuple[FloatArray, FloatArray]:
     """Positions in ln tau and weights of the spectrum's peaks, neighbours merged."""
-    weight = spectrum.sum(axis=0)
+    weight = grid.spectrum.sum(axis=0)
     support = np.flatnonzero(weight > 1e-9 * weight.max(initial=0.0))
     if not len(support):
         return np.zeros(0), np.zeros(0)
@@ -311,3 +336,63 @@ def scattered(stack: Stack, arms: int, count: int, seed: int) -> list[FloatArray
     unit = (shift + np.arange(1, count + 1)[:, None] * steps) % 1.0
     low, high = stack.bounds
     return [np.sort(low + (high - low) * row) for row in unit]
+
+
+# -- many records side by side --------------------------------------------------------------------
+
+
+class GridSearch:
+    """The best set of grid points for each record: all sets at once, on swept Gram matrices."""
+
+    def __init__(self, family: Family, arms: int) -> None:
+        self.family = family
+        self.log_tau = np.linspace(*family.template.bounds, POINTS[arms])
+        self.sets = np.array(list(combinations(range(POINTS[arms]), arms)))
+        self.inverse: FloatArray | None = None
+
+    def gains(self, seen: Seen) -> FloatArray:
+        """What each set explains of each record, (sets, R); zero without positive coefficients."""
+        gram, with_fixed, with_grid = self.family.moments(self.log_tau, seen)
+        q = self.family.fixed_count
+        across = np.linalg.solve(gram[:q, :q], gram[:q, q:])
+        swept = gram[q:, q:] - gram[q:, :q] @ across
+        length = np.sqrt(np.maximum(np.diagonal(swept), 1e-14 * np.diagonal(gram)[q:]))
+        moment = (with_grid - with_fixed @ across) / length
+        if self.inverse is None:
+            cosine = swept / length / length[:, None]
+            parts = cosine[self.sets[:, :, None], self.sets[:, None, :]]
+            told_apart = np.linalg.eigvalsh(parts)[:, 0] > 1e-7
+            self.sets = self.sets[told_apart]
+            self.inverse = np.linalg.inv(parts[told_apart])
+        # one row per set: whole rows of records are picked, added and compared
+        picked = [moment.T[column] for column in self.sets.T]
+        gain, positive = np.zeros(picked[0].shape), np.ones(picked[0].shape, dtype=bool)
+        for i, row in enumerate(picked):
+            beta = sum(self.inverse[:, i, j, None] * other for j, other in enumerate(picked))
+            positive &= beta > 0
+            gain += beta * row
+        return gain * positive
+
+    def best(self, gain: FloatArray) -> tuple[FloatArray, BoolArray]:
+        """Return ln tau (R, N) of the best set of each record, and whether it explains anything."""
+        best = np.argmax(gain, axis=0)
+        return self.log_tau[self.sets[best]], gain[best, np.arange(gain.shape[1])] > 0
+
+    def peaks(self, gain: FloatArray, count: int) -> Iterator[tuple[FloatArray, BoolArray]]:
+        """Yield what `best` says of the second, third, ... highest local maximum of each record."""
+        left = gain * (gain >= np.maximum.reduce([gain[beside] for beside in self.beside.T]))
+        records = np.arange(gain.shape[1])
+        for _ in range(count):
+            left[np.argmax(left, axis=0), records] = 0.0
+            yield self.best(left)
+
+    @cached_property
+    def beside(self) -> IndexArray:
+        """The sets next to each set, shape (sets, 3^N); itself where there is none."""
+        size = len(self.log_tau) + 2
+        shape = (size,) * self.sets.shape[1]
+        row = np.full(size ** len(shape), -1)
+        row[np.ravel_multi_index((self.sets + 1).T, shape)] = np.arange(len(self.sets))
+        around = np.indices((3,) * len(shape)).reshape(len(shape), -1)
+        found = row[np.ravel_multi_index(self.sets.T[:, :, None] + around[:, None], shape)]
+        return np.where(found < 0, np.arange(len(self.sets))[:, None], found)

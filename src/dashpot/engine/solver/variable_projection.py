@@ -254,7 +254,7 @@ def _solution(
     q = len(stack.names)
     low, high = stack.bounds
     at_bound = (log_tau <= low + 1e-9) | (log_tau >= high - 1e-9)
-    sse = stack.floor + point.sse
+    sse = stack.floor + float(point.sse)
     return Solution(
         log_tau=log_tau,
         groups=stack.groups,
