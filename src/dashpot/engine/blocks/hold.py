@@ -150,10 +150,11 @@ def _block(
     if ideal.ramp:
         spring = ideal.depth / ideal.ramp_time * np.minimum(at, ideal.ramp_time)
     fixed = {ideal.spring: spring, ideal.offset: 1.0, ideal.drift: at}
-    names = tuple(name for name in fixed if name is not None)
-    matrix = np.empty((len(at), len(names)))
-    for i, name in enumerate(names):
-        matrix[:, i] = root * fixed[name]
+    fixed.pop(None, None)
+    matrix = np.empty((len(at), len(fixed)))
+    for i, column in enumerate(fixed.values()):
+        matrix[:, i] = root * column
+    names = tuple(filter(None, fixed))
     target, floor = projected(plans, values if weights is None else values * weights)
     rows = design_rows(target, matrix, _columns(plans, ideal))
     window = window_of(time, plans[-1].step)
@@ -252,9 +253,9 @@ def _checked(
     for name, array in (("values", values), ("weights", weights)):
         if array is not None and np.shape(array) != time.shape:
             raise DataError(f"{name} have shape {np.shape(array)}, time has {time.shape}")
-    step = uniform_step(time) if len(time) > 2 else None
+    step = uniform_step(time)
     rising = step is not None or bool((time[1:] > time[:-1]).all())
-    if len(time) < 3 or time[0] < 0 or not rising:
+    if not (len(time) >= 3 and time[0] >= 0 and rising):
         raise DataError("time must hold at least 3 strictly increasing values from 0 on")
     if weights is not None and not np.min(weights) > 0:
         raise DataError("weights are 1/sd of each sample: every one must be > 0")

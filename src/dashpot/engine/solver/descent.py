@@ -50,19 +50,24 @@ class Stack:
         self.blocks = tuple(blocks)
         self.names = tuple(dict.fromkeys(n for block in blocks for n in block.fixed_names))
         self.groups = tuple(dict.fromkeys(block.arm_group for block in blocks))
-        self.floor = float(sum(block.floor for block in blocks))
+        self.floor = sum(block.floor for block in blocks)
         self.samples = sum(block.samples for block in blocks)
-        shortest = min(block.window[0] for block in blocks)
-        longest = max(block.window[1] for block in blocks)
-        self.bounds = (float(np.log(shortest)), float(np.log(longest)))
+        shortest, longest = zip(*(block.window for block in blocks), strict=True)
+        self.bounds = (float(np.log(min(shortest))), float(np.log(max(longest))))
         #: how often :func:`point_at` was asked
         self.trials = 0
         #: stacks of equal sampling have equal columns
         self.sampling = blocks[0].sampling if len(blocks) == 1 else None
-        #: the blocks' coordinates depend on tau, so only columns evaluated together compare
-        self.rotated_basis = any(block.rotated_basis for block in blocks)
-        #: sum of squares below which a residual is rounding
-        self.rounding_floor = float(sum(block.rounding_floor for block in blocks))
+
+    @cached_property
+    def rotated_basis(self) -> bool:
+        """The blocks' coordinates depend on tau, so only columns evaluated together compare."""
+        return any(block.rotated_basis for block in self.blocks)
+
+    @cached_property
+    def rounding_floor(self) -> float:
+        """Sum of squares below which a residual is rounding."""
+        return float(sum(block.rounding_floor for block in self.blocks))
 
     @cached_property
     def energy(self) -> float:
@@ -281,7 +286,7 @@ def descend(
         trial = _trial(here, lacking, damping, (low, high))
         step = trial - here.log_tau
         moved = max(map(abs, step.tolist()), default=0.0)
-        fall, sse = abs(float(here.gradient @ step)), stack.floor + float(here.sse)
+        fall, sse = abs(float(here.gradient @ step)), stack.floor + here.sse
         if moved <= finished or (fall < flat * sse and damping <= DAMPED):
             return Local(here, count, True)
         if damping < LINEAR and settled(moved, last, fall, sse):
@@ -290,22 +295,26 @@ def descend(
         if accepted(new.sse, here.sse, moved, rounding):
             lacking = _learned(lacking, here, new, moved, last)
             last, here = moved, new
-            damping = 0.0 if moved < TAIL else 0.1 * damping
-            if here.sse <= rounding:
-                return Local(here, count, True)
+            damping = 0.1 * damping * (moved >= TAIL)
         elif moved < TAIL and damping == 0.0:
             return Local(here, count, True)
         else:
             damping = 10 * max(damping, 1e-6)
-        if damping > 1e9:
-            return Local(here, count, False)
-        if rivals and _met(here.log_tau, rivals):
+        if here.sse <= rounding or damping > 1e9:
+            return Local(here, count, here.sse <= rounding)
+        if _met(here.log_tau, rivals):
             return None
     return Local(here, limit, False)
 
 
+def between(log_tau: FloatArray, bounds: tuple[float, float]) -> bool:
+    """True if no relaxation time sits at an end of the window."""
+    low, high = bounds
+    return all(low < value < high for value in log_tau.tolist())
+
+
 def _met(log_tau: FloatArray, rivals: Sequence[FloatArray]) -> bool:
-    return bool(np.abs(np.sort(log_tau) - rivals).max(axis=1).min() < 1e-2)
+    return bool(rivals) and bool(np.abs(np.sort(log_tau) - rivals).max(axis=1).min() < 1e-2)
 
 
 def _learned(
@@ -338,7 +347,7 @@ def _trial(
             curvature = hessian
     ridge = max(damping, 1e-15) * scale
     at = point.log_tau
-    if all(low < value < high for value in at.tolist()) and all(scale.tolist()):
+    if between(at, bounds) and all(scale.tolist()):
         step = _solved(curvature, gradient, ridge)
     else:
         held = ((at <= low) & (gradient > 0)) | ((at >= high) & (gradient < 0))

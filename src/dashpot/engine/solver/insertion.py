@@ -10,7 +10,7 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.base.errors import FitError
-from dashpot.engine.solver.descent import FINISHED, Local, Point, Stack, descend, point_at
+from dashpot.engine.solver.descent import FINISHED, Local, Point, Stack, between, descend, point_at
 from dashpot.engine.solver.starts import (
     Grid,
     inserted,
@@ -82,14 +82,13 @@ class Chain:
         if local is None:
             return None
         point = local.point
-        low, high = self.stack.bounds
         spare = self.stack.samples - len(point.beta) - arms
         if (
             not local.converged
             or point.sse <= 100 * self.stack.nothing
             or spare < 10
             or (point.beta[self.stack.restricted(arms, signed=False)] <= 0).any()
-            or not all(low < value < high for value in point.log_tau.tolist())
+            or not between(point.log_tau, self.stack.bounds)
         ):
             return None
         noise = (self.stack.floor + point.sse) / spare
@@ -183,17 +182,19 @@ class Chain:
             local = self._descend(start, [np.sort(rival.point.log_tau) for rival in found])
             if local is not None:
                 found.append(local)
-        feasible = [bool((local.point.beta[restricted] >= 0).all()) for local in found]
+        sse = np.array([local.point.sse for local in found])
+        signs = [(local.point.beta[restricted] >= 0).all() for local in found]
+        feasible = np.array(signs, dtype=bool)
         allowed = list(compress(found, feasible))
-        reach = min((local.point.sse for local in allowed), default=np.inf)
         # what is better but not allowed is pushed back to where it is
-        refused = (local.point for local, ok in zip(found, feasible, strict=True) if not ok)
-        pushed = [point.log_tau for point in refused if point.sse < reach]
-        for start in pushed + ([] if allowed else starts[-2:]):
-            local = self._descend(start, (), restricted=restricted)
-            if local is not None and not (local.point.beta[-arms:] == 0).all():
-                allowed.append(local)
-        return allowed
+        better = ~feasible & (sse < sse[feasible].min(initial=np.inf))
+        pushed = [local.point.log_tau for local in compress(found, better)]
+        return allowed + self._pushed(pushed + ([] if allowed else starts[-2:]), restricted)
+
+    def _pushed(self, starts: Sequence[FloatArray], restricted: BoolArray) -> list[Local]:
+        """The optima next to the starts with no restricted coefficient below zero."""
+        found = [self._descend(start, (), restricted=restricted) for start in starts]
+        return [one for one in found if one and one.point.beta[-len(one.point.log_tau) :].any()]
 
     def _descend(
         self,
