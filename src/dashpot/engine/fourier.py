@@ -1,4 +1,7 @@
-"""Lengths that a fast Fourier transform likes."""
+"""Lengths that a fast Fourier transform likes.
+
+`scipy.fft.next_fast_len` says the same, at the price of an import that outlasts the first fit.
+"""
 
 from __future__ import annotations
 
