@@ -14,7 +14,7 @@ from kit.fits import a_fit
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.provenance import Source, Step
-from dashpot.io.inspection import InspectedColumn, Segment
+from dashpot.io.readers.inspect import InspectedColumn, Segment
 from dashpot.io.table import Question
 from dashpot.planning.plan import plan
 from dashpot.records.dynamic import DynamicTest

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import pytest
-from dashpot.io.writers.text import write_relaxation
 from kit.fits import a_fit
 
 from dashpot.base.errors import FitError, ReadError
 from dashpot.io.options import ReadOptions
+from dashpot.io.write import write_relaxation
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.table_1 import PAPER
 from dashpot.workflow.fits import fit_files
