@@ -25,7 +25,7 @@ from dashpot.fitting.checks import kramers_kronig
 from dashpot.fitting.dynamic import fit_dynamic
 from dashpot.fitting.modulus import fit_modulus
 from dashpot.fitting.spectrum import dynamic_master_curve, master_curve, passive_misfit
-from dashpot.io.read import read_dynamic
+from dashpot.io.readers.dynamic import read_dynamic
 from dashpot.records.dynamic import DynamicTest
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import BROAD

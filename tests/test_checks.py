@@ -24,11 +24,9 @@ from dashpot.fitting.identification import checks as identification
 from dashpot.planning import checks as planning
 from dashpot.planning.expected import Pulse, RecordNeed
 from dashpot.preparation import checks as preparation
-from dashpot.preparation.baseline import Baseline
-from dashpot.preparation.contact import Touch
-from dashpot.preparation.cycles import Cycle
+from dashpot.preparation.contact import Baseline, Touch
 from dashpot.preparation.filters import parse_filter
-from dashpot.preparation.segments import Segment
+from dashpot.preparation.segments import Cycle, Segment
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.frf import FRF, Hit, Mode
 from dashpot.records.relaxation import RampHold

@@ -22,13 +22,13 @@ from .fitting.spectrum import master_curve as master_curve
 from .fitting.uncertainty.bootstrap import bootstrap as bootstrap
 from .fitting.uncertainty.prediction_bounds import frf_band as frf_band
 from .fitting.uncertainty.prediction_bounds import unseen_arm_band as unseen_arm_band
-from .io.read import inspect_file as inspect_file
-from .io.read import read_frf as read_frf
-from .io.read import read_impact as read_impact
-from .io.read import read_relaxation as read_relaxation
 from .io.readers.bench import read_bench as read_bench
 from .io.readers.dynamic import read_dynamic as read_dynamic
+from .io.readers.frf import read_frf as read_frf
+from .io.readers.impact import read_impact as read_impact
+from .io.readers.inspect import inspect_file as inspect_file
 from .io.readers.modulus import read_modulus as read_modulus
+from .io.readers.relaxation import read_relaxation as read_relaxation
 from .planning.plan import plan as plan
 from .preparation.prepare import prepare as prepare
 from .records.dynamic import DynamicTest as DynamicTest

@@ -15,7 +15,7 @@ from dashpot.fitting.checks import kramers_kronig
 from dashpot.fitting.dynamic import fit_dynamic
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.spectrum import passive_misfit
-from dashpot.io.read import read_dynamic
+from dashpot.io.readers.dynamic import read_dynamic
 from dashpot.preparation.prepare import prepare
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import Fit, Status

@@ -14,7 +14,8 @@ from dashpot.base.errors import DataError, ReadError
 from dashpot.cli import main
 from dashpot.fitting.modulus import fit_modulus
 from dashpot.io.options import ReadOptions
-from dashpot.io.read import inspect_file, read_modulus
+from dashpot.io.readers.inspect import inspect_file
+from dashpot.io.readers.modulus import read_modulus
 from dashpot.records.fit import Status
 from dashpot.records.modulus import RelaxationModulus
 from dashpot.solids.maxwell import GeneralizedMaxwell

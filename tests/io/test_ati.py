@@ -11,7 +11,7 @@ from kit.look_alikes import truth
 from dashpot.base.errors import ReadError
 from dashpot.io.formats.ati import AXES, read_calibration
 from dashpot.io.options import ReadOptions
-from dashpot.io.read import read_relaxation
+from dashpot.io.readers.relaxation import read_relaxation
 
 SHIFT = 6.096  # mm along z, a plausible tool face
 

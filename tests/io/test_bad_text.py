@@ -11,7 +11,9 @@ from kit.look_alikes import ROWS, table, truth
 
 from dashpot.base.errors import ReadError
 from dashpot.io.options import ReadOptions
-from dashpot.io.read import inspect_file, read_impact, read_relaxation
+from dashpot.io.readers.impact import read_impact
+from dashpot.io.readers.inspect import inspect_file
+from dashpot.io.readers.relaxation import read_relaxation
 
 HEAD = "Time (s);Displacement (mm);Force (N)\n"
 

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from kit.look_alikes import DIALECTS, truth
 
-from dashpot.io.read import inspect_file, read_relaxation
+from dashpot.io.readers.inspect import inspect_file
+from dashpot.io.readers.relaxation import read_relaxation
 
 
 @pytest.mark.parametrize("dialect", DIALECTS, ids=lambda d: d.name)

@@ -17,7 +17,10 @@ from scipy.io import savemat
 
 from dashpot.base.errors import ReadError
 from dashpot.io.options import ReadOptions
-from dashpot.io.read import inspect_file, read_dynamic, read_impact, read_relaxation
+from dashpot.io.readers.dynamic import read_dynamic
+from dashpot.io.readers.impact import read_impact
+from dashpot.io.readers.inspect import inspect_file
+from dashpot.io.readers.relaxation import read_relaxation
 
 
 def same(test) -> None:
@@ -333,7 +336,8 @@ def test_text_loads_no_heavy_library(tmp_path: Path) -> None:
     path = tmp_path / "a.csv"
     path.write_text("time [s],displacement [mm],force [N]\n" + table(","))
     code = (
-        "import sys; from dashpot.io.read import read_relaxation, inspect_file; "
+        "import sys; from dashpot.io.readers.relaxation import read_relaxation; "
+        "from dashpot.io.readers.inspect import inspect_file; "
         f"read_relaxation({str(path)!r}); inspect_file({str(path)!r}); "
         "print([m for m in ('scipy', 'matplotlib', 'h5py', 'pyuff', 'nptdms', 'jinja2') "
         "if m in sys.modules])"

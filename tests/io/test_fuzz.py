@@ -15,14 +15,12 @@ from kit.look_alikes import DIALECTS
 from dashpot.base.errors import ReadError
 from dashpot.io.formats import ati
 from dashpot.io.options import ReadOptions
-from dashpot.io.read import (
-    inspect_file,
-    read_dynamic,
-    read_frf,
-    read_impact,
-    read_modulus,
-    read_relaxation,
-)
+from dashpot.io.readers.dynamic import read_dynamic
+from dashpot.io.readers.frf import read_frf
+from dashpot.io.readers.impact import read_impact
+from dashpot.io.readers.inspect import inspect_file
+from dashpot.io.readers.modulus import read_modulus
+from dashpot.io.readers.relaxation import read_relaxation
 
 READERS = (inspect_file, read_relaxation, read_impact, read_frf, read_dynamic, read_modulus)
 NAMED = ReadOptions(

@@ -10,13 +10,11 @@ import pytest
 
 from dashpot.base.errors import ReadError
 from dashpot.io.options import ReadOptions
-from dashpot.io.read import (
-    inspect_file,
-    read_dynamic,
-    read_frf,
-    read_impact,
-    read_relaxation,
-)
+from dashpot.io.readers.dynamic import read_dynamic
+from dashpot.io.readers.frf import read_frf
+from dashpot.io.readers.impact import read_impact
+from dashpot.io.readers.inspect import inspect_file
+from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.records.frf import Kind
 
 HAMMER = "lvm_read_F_m1_m2/long_single_header_multi_ch.lvm"

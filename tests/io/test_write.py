@@ -15,7 +15,10 @@ from kit.instruments import frf
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Source
 from dashpot.io.options import ReadOptions
-from dashpot.io.read import inspect_file, read_frf, read_impact, read_relaxation
+from dashpot.io.readers.frf import read_frf
+from dashpot.io.readers.impact import read_impact
+from dashpot.io.readers.inspect import inspect_file
+from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.io.write import neutral, write_frf, write_frf_uff, write_impact, write_relaxation
 from dashpot.records.frf import Kind
 from dashpot.records.impact import ImpactTest

@@ -9,9 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dashpot.preparation.cycles import cycles_of
-from dashpot.preparation.ramps import ideal_ramp
-from dashpot.preparation.segments import Segment, find_segments
+from dashpot.preparation.motion import ideal_ramp
+from dashpot.preparation.segments import Segment, cycles_of, find_segments
 
 
 def kinds(time, x) -> list[str]:

@@ -1,1 +1,1 @@
-"""One format, one file: read; and the archive of dashpot's own JSON."""
+"""From files to records and back: options, formats, text, columns, readers, and one writer."""

@@ -10,10 +10,9 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, median, runs
 from dashpot.base.checks import Check, Finding, criterion
 from dashpot.base.errors import DataError
-from dashpot.preparation.baseline import MIN_BASELINE, Baseline
-from dashpot.preparation.contact import Touch
-from dashpot.preparation.cycles import Cycle, listed
+from dashpot.preparation.contact import MIN_BASELINE, Baseline, Touch
 from dashpot.preparation.noise import median_of_three, spikes, usual_scatter
+from dashpot.preparation.segments import Cycle, listed
 from dashpot.records.relaxation import MAX_CREEP, RampHold, quantum
 
 MIN_QUANTA = 20.0

@@ -10,8 +10,7 @@ from dashpot.base.arrays import FloatArray, median
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
 from dashpot.preparation import checks
-from dashpot.preparation.baseline import Baseline, baseline_of, zeroed
-from dashpot.preparation.contact import Touch, touch_of
+from dashpot.preparation.contact import Baseline, Touch, baseline_of, touch_of, zeroed
 from dashpot.preparation.filters import filtered, parse_filter
 from dashpot.preparation.motion import Motion, find_motion, from_contact, given_motion
 from dashpot.preparation.noise import median_of_three, scatter, without_spikes

@@ -13,7 +13,9 @@ import dashpot as dp
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, ReadError
 from dashpot.io.options import ReadOptions
-from dashpot.io.read import inspect_file, read_frf, read_impact
+from dashpot.io.readers.frf import read_frf
+from dashpot.io.readers.impact import read_impact
+from dashpot.io.readers.inspect import inspect_file
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF, Mode
 from dashpot.records.impact import ImpactTest

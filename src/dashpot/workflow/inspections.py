@@ -10,8 +10,8 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import DashpotError
 from dashpot.base.provenance import Step
 from dashpot.io.options import ReadOptions
-from dashpot.io.read import inspect_file, read_relaxation
-from dashpot.io.readers.inspect import Inspection
+from dashpot.io.readers.inspect import Inspection, inspect_file
+from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.preparation.prepare import prepare
 
 

@@ -13,7 +13,7 @@ from dashpot.base.errors import DataError, FitError
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.uncertainty.prediction_bounds import frf_band, parameter_band, unseen_arm_band
-from dashpot.io.read import read_relaxation
+from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.preparation.prepare import prepare
 from dashpot.records.bounds import FRFBounds, StiffnessBounds
 from dashpot.records.fit import Fit

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.engine.fourier import fast_length
+from dashpot.engine.blocks.correlation import fast_length
 
 # a direction whose share of the information is below this is a rounding error, not knowledge
 _SINGULAR = 1e-13
