@@ -107,21 +107,21 @@ def over_frequency(folder: Path) -> None:
     for per_decade in (1, 4):
         found, ours = timed(lambda n=per_decade: dynamic_master_curve(data, per_decade=n))
         value = found.model.complex_stiffness(data.omega)
-        told(f"dashpot, {per_decade} per decade", found.model.arms, data, value, ours)
+        row(f"dashpot, {per_decade} per decade", found.model.arms, data, value, ours)
     terms = terms_of(folder / "ansys-reference" / "freq_master.prony_terms.MPL")
     storage, loss = prony_frequency(data.omega, terms)
     ratio = np.concatenate((storage / data.storage, loss / data.loss))
     e_0 = ratio.sum() / (ratio @ ratio)
-    told("commercial FE code, best E_0", len(terms), data, e_0 * (storage + 1j * loss))
+    row("commercial FE code, best E_0", len(terms), data, e_0 * (storage + 1j * loss))
     theirs = pyvisco_terms(folder / "freq_user_master.csv", "freq")
     if theirs is not None:
         e_0, terms, spent = theirs
         storage, loss = prony_frequency(data.omega, terms)
-        told("pyvisco", len(terms), data, 1e6 * e_0 * (storage + 1j * loss), spent)
+        row("pyvisco", len(terms), data, 1e6 * e_0 * (storage + 1j * loss), spent)
     print("  " + kramers_kronig(passive_misfit(data)).says)
 
 
-def told(
+def row(
     name: str, arms: int, data: DynamicTest, value: np.ndarray, spent: float | None = None
 ) -> None:
     storage, loss = value.real / data.storage - 1, value.imag / data.loss - 1
@@ -160,7 +160,9 @@ def known_answers(folder: Path) -> None:
     for name, answer in stated.items():
         t, modulus = np.loadtxt(folder / f"{name}.dat", unpack=True)
         found, spent = timed(lambda t=t, m=modulus: fit_modulus(t, m), repeats=3)
-        print(f"{name}: {terms_said(found.model)}  [{answer}]  {found.status.name}, {spent:.0f} ms")
+        print(
+            f"{name}: {listed_terms(found.model)}  [{answer}]  {found.status.name}, {spent:.0f} ms"
+        )
         lmfit_modes(t, modulus, found.model, found.residual.sse)
     for name, plateau in (("test3", 0.0), ("test7", 10.0)):
         t, modulus = np.loadtxt(folder / f"{name}.dat", unpack=True)
@@ -190,12 +192,12 @@ def lmfit_modes(t: np.ndarray, modulus: np.ndarray, model: GeneralizedMaxwell, o
 
     found, spent = timed(lambda: lmfit.minimize(residual, start), repeats=3)
     tau = sorted(float(np.exp(found.params[f"ln_tau{j}"])) for j in range(1, model.arms + 1))
-    said = ", ".join(f"{value:.5g}" for value in tau)
-    print(f"  lmfit, told {model.arms} arms: tau {said}; SSE {found.chisqr / ours:.3g} times ours, "
-          f"{spent:.0f} ms")  # fmt: skip
+    times = ", ".join(f"{value:.5g}" for value in tau)
+    print(f"  lmfit, told {model.arms} arms: tau {times}; "
+          f"SSE {found.chisqr / ours:.3g} times ours, {spent:.0f} ms")  # fmt: skip
 
 
-def terms_said(model: GeneralizedMaxwell) -> str:
+def listed_terms(model: GeneralizedMaxwell) -> str:
     pairs = zip(model.k, model.tau, strict=True)
     return ", ".join(f"g {k:.7g} at tau {tau:.7g}" for k, tau in pairs)
 

@@ -47,8 +47,8 @@ def test_no_option_is_the_noun_itself():
 
 
 def test_every_kind_of_option_fills_its_field():
-    said = "--kind black --water 80degC --infusions 3 --with- milk --with- sugar --cups 2 --cups 3"
-    _, (tea,) = brewed(*said.split())
+    words = "--kind black --water 80degC --infusions 3 --with- milk --with- sugar --cups 2 --cups 3"
+    _, (tea,) = brewed(*words.split())
     assert tea == Tea("black", pytest.approx(353.15), 3, ("milk", "sugar"), (2, 3))
 
 

@@ -28,11 +28,11 @@ def refused(tmp_path: Path, text: str | bytes, *words: str, **options) -> str:
     """The sentence, which holds each of the words."""
     with pytest.raises(ReadError) as caught:
         read(tmp_path, text, **options)
-    said = str(caught.value)
-    assert said.startswith("bad.csv")
+    message = str(caught.value)
+    assert message.startswith("bad.csv")
     for word in words:
-        assert word in said, said
-    return said
+        assert word in message, message
+    return message
 
 
 def lines(**changed: str) -> str:
@@ -70,8 +70,8 @@ def test_mixed_marks_are_stated(tmp_path: Path) -> None:
 # row 2: units
 def test_missing_unit_is_asked(tmp_path: Path) -> None:
     text = "Time (s);Displacement;Force (N)\n" + table(";")
-    said = refused(tmp_path, text, "'Displacement' (displacement) has no unit")
-    assert '--units "displacement=mm"' in said
+    message = refused(tmp_path, text, "'Displacement' (displacement) has no unit")
+    assert '--units "displacement=mm"' in message
     assert read(tmp_path, text, units={"displacement": "mm"}).displacement[-1] == 8e-3
 
 
@@ -115,9 +115,11 @@ def test_implausible_rate_is_noted(tmp_path: Path, factor: float) -> None:
 
 def test_clock_reset_names_the_line(tmp_path: Path) -> None:
     rows = table(";").splitlines()
-    said = refused(tmp_path, HEAD + "\n".join(rows + rows) + "\n", "time falls from 5.9 s to 0 s")
-    assert f"line {ROWS + 2}" in said
-    assert "--rate" in said
+    message = refused(
+        tmp_path, HEAD + "\n".join(rows + rows) + "\n", "time falls from 5.9 s to 0 s"
+    )
+    assert f"line {ROWS + 2}" in message
+    assert "--rate" in message
 
 
 def test_segments_that_start_again_are_asked(tmp_path: Path) -> None:
@@ -209,8 +211,8 @@ def test_no_file_and_a_folder(tmp_path: Path) -> None:
 
 # what is what
 def test_no_header_asks_for_every_column(tmp_path: Path) -> None:
-    said = refused(tmp_path, table(","), '--time "1"', '--displacement "2"', "--rate 1000Hz")
-    assert "1 (no name), 2 (no name), 3 (no name)" in said
+    message = refused(tmp_path, table(","), '--time "1"', '--displacement "2"', "--rate 1000Hz")
+    assert "1 (no name), 2 (no name), 3 (no name)" in message
     named = {"time": "1", "displacement": "2", "force": "3"}
     refused(tmp_path, table(","), "'column 1' (time) has no unit", **named)
     units = {"time": "s", "displacement": "mm", "force": "N"}
@@ -232,8 +234,8 @@ def test_two_displacements_are_asked(tmp_path: Path) -> None:
 def test_two_specimens_side_by_side_are_asked_by_number(tmp_path: Path) -> None:
     head = ";".join(("Time [s]", "Weg [mm]", "Kraft [N]") * 2) + "\n"
     text = head + table(";", columns=(*truth(), *truth()))
-    said = refused(tmp_path, text, "column 1 'Time' [s] and column 4 'Time' [s] could each be")
-    assert '--time "1"' in said
+    message = refused(tmp_path, text, "column 1 'Time' [s] and column 4 'Time' [s] could each be")
+    assert '--time "1"' in message
     refused(tmp_path, text, "columns 1 and 4 have that name; give the number", time="Time")
     named = {"time": "4", "displacement": "5", "force": "6"}
     assert len(read(tmp_path, text, **named).time) == ROWS

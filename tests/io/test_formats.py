@@ -116,7 +116,7 @@ def test_tdms_scaling_is_applied(tmp_path: Path) -> None:
     from nptdms import ChannelObject, TdmsWriter
 
     time, moved, force = truth()
-    said = {
+    properties = {
         "unit_string": "N", "NI_Number_Of_Scales": 1, "NI_Scale[0]_Scale_Type": "Linear",
         "NI_Scale[0]_Linear_Slope": 0.001, "NI_Scale[0]_Linear_Y_Intercept": 0.0,
         "NI_Scale[0]_Linear_Input_Source": 0xFFFFFFFF, "NI_Scaling_Status": "unscaled",
@@ -126,7 +126,9 @@ def test_tdms_scaling_is_applied(tmp_path: Path) -> None:
             [
                 ChannelObject("g", "Time", time, properties={"unit_string": "s"}),
                 ChannelObject("g", "Position", moved, properties={"unit_string": "mm"}),
-                ChannelObject("g", "Load", np.round(force * 1e3).astype(np.int16), properties=said),
+                ChannelObject(
+                    "g", "Load", np.round(force * 1e3).astype(np.int16), properties=properties
+                ),
             ]
         )
     test = read_relaxation(tmp_path / "a.tdms")

@@ -13,7 +13,7 @@ from dashpot.solids.maxwell import Solid
 PARTS = {"estimate": ParameterEstimate, "evidence": Evidence, "provenance": Provenance}
 
 
-def a_fit(solid: Solid, *, relative: float = 0.01, **said: object) -> Fit:
+def a_fit(solid: Solid, *, relative: float = 0.01, **given: object) -> Fit:
     """A fit of `solid` with equal relative errors of every parameter, or as said."""
     model = solid.maxwell
     sizes = relative * np.array([model.k_inf, *model.k, *np.ones(model.arms)])
@@ -26,13 +26,13 @@ def a_fit(solid: Solid, *, relative: float = 0.01, **said: object) -> Fit:
         Evidence((0.004, 0.32)),
         Provenance("full"),
     )
-    return altered(usual, **said)
+    return altered(usual, **given)
 
 
-def altered(fit: Fit, **said: object) -> Fit:
+def altered(fit: Fit, **given: object) -> Fit:
     """The fit with some fields of its own or of its parts replaced."""
     for part, kind in PARTS.items():
-        own = {one.name: said.pop(one.name) for one in fields(kind) if one.name in said}
+        own = {one.name: given.pop(one.name) for one in fields(kind) if one.name in given}
         if own:
-            said[part] = replace(getattr(fit, part), **own)
-    return replace(fit, **said)
+            given[part] = replace(getattr(fit, part), **own)
+    return replace(fit, **given)

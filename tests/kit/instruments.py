@@ -50,9 +50,11 @@ def tdms(path: Path, offsets: tuple[float, float] = (0.0, 0.0), hits: int = 1) -
                 ("Hammer", "Response"), ("N", "m/s^2"), offsets, (1, -1), strict=True
             ):
                 instants = offset + 1e-3 * np.arange(50)
-                said = {"wf_increment": 1e-3, "wf_start_offset": offset, "unit_string": unit}
+                properties = {"wf_increment": 1e-3, "wf_start_offset": offset, "unit_string": unit}
                 channels.append(
-                    ChannelObject(f"Hit {k + 1}", name, sign * instants * 1e3, properties=said)
+                    ChannelObject(
+                        f"Hit {k + 1}", name, sign * instants * 1e3, properties=properties
+                    )
                 )
             writer.write_segment(channels)
 

@@ -220,13 +220,13 @@ def test_an_air_gap_is_taken_off_and_told():
 
 
 def test_the_error_of_the_contact_is_its_scatter():
-    errors, said = [], []
+    errors, stated = [], []
     for seed in range(12):
         made = simulate_relaxation(PAPER, hold_time=10.0, rig=Rig(gap=0.5e-3), seed=seed)
         found = prepare(made.test)
         errors.append(found.depth - (made.truth.displacement[-1] - 0.5e-3))
-        said.append(found.contact_error)
-    assert 0.5 < np.sqrt(np.mean(np.square(errors))) / np.mean(said) < 2.0
+        stated.append(found.contact_error)
+    assert 0.5 < np.sqrt(np.mean(np.square(errors))) / np.mean(stated) < 2.0
     assert prepare(simulate_relaxation(PAPER, hold_time=2.0).test).contact_error == 0.0
 
 

@@ -84,10 +84,10 @@ def test_a_record_that_starts_in_the_pulse_is_said(strike):
         estimate_frf(
             ImpactTest(cut.time[: n - late], cut.force[: n - late], cut.acceleration[:, : n - late])
         )
-    said = str(refusal.value)
-    assert "hit 1: the recording begins inside the pulse" in said
-    assert "recording ends" not in said
-    assert said.endswith("accept it by name")
+    message = str(refusal.value)
+    assert "hit 1: the recording begins inside the pulse" in message
+    assert "recording ends" not in message
+    assert message.endswith("accept it by name")
 
 
 def test_the_other_hits_give_an_incoherent_one_away(strike):

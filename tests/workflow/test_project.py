@@ -62,10 +62,10 @@ def test_a_project_recomputes_itself(kept, raw):
 
 
 def test_what_was_said_of_reading_is_kept_as_a_profile(kept, raw):
-    said = ReadOptions(force="force", decimal="point")
-    folder.record(kept, Job(str(raw), arms=1, reading=said), page=page)
+    reading = ReadOptions(force="force", decimal="point")
+    folder.record(kept, Job(str(raw), arms=1, reading=reading), page=page)
     (profile,) = (kept.folder / "profiles").iterdir()
-    assert load_profile(profile) == said
+    assert load_profile(profile) == reading
     assert not failures(kept)
 
 

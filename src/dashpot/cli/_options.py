@@ -67,9 +67,9 @@ def filled(
 
     def decorate(function: Callable[..., T]) -> Callable[..., T]:
         @functools.wraps(function)
-        def command(**said: Any) -> T:
-            own = {one.name: _value(one, said.pop(one.name)) for one in asked}
-            return function(**{receives: noun(**own)}, **said)
+        def command(**given: Any) -> T:
+            own = {one.name: _value(one, given.pop(one.name)) for one in asked}
+            return function(**{receives: noun(**own)}, **given)
 
         for one in reversed(asked):
             how = {key: one.metadata[key] for key in one.metadata if key in _PASSED}
@@ -99,8 +99,8 @@ def _type(one: Field[Any]) -> click.ParamType[Any] | None:
     return click.IntRange(asked["least"]) if "least" in asked else None
 
 
-def _value(one: Field[Any], said: Any) -> Any:
-    return one.metadata["parse"](said) if "parse" in one.metadata else said
+def _value(one: Field[Any], given: Any) -> Any:
+    return one.metadata["parse"](given) if "parse" in one.metadata else given
 
 
 def specimen(function: Callable[..., T]) -> Callable[..., T]:
@@ -120,8 +120,8 @@ def reading(function: Callable[..., T]) -> Callable[..., T]:
 
     @click.option("--profile", metavar="FILE", help="Saved answers, TOML; options win over it.")
     @functools.wraps(function)
-    def command(*, options: ReadOptions, profile: str | None, **said: Any) -> T:
-        return function(options=over_profile(options, profile), **said)
+    def command(*, options: ReadOptions, profile: str | None, **given: Any) -> T:
+        return function(options=over_profile(options, profile), **given)
 
     return filled(ReadOptions, "options")(command)
 

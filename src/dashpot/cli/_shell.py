@@ -86,8 +86,8 @@ def fail(sentence: str) -> None:
     sys.exit(2)
 
 
-def said(message: str) -> None:
-    """Tell about progress, on stderr."""
+def to_stderr(message: str) -> None:
+    """Print progress and remarks on stderr."""
     click.echo(message, err=True)
 
 
@@ -97,7 +97,7 @@ def write(path: str, text: str) -> None:
         click.echo(text, nl=not text.endswith("\n"))
         return
     Path(path).write_text(text, encoding="utf-8", newline="\n")
-    said(f"wrote {path}")
+    to_stderr(f"wrote {path}")
 
 
 def failed(checks: Iterable[Check]) -> list[str]:
@@ -133,7 +133,7 @@ def _read(path: str, *, hint: str = "") -> object:
         raise ReadError(f"{path}: {error}{hint}") from None
 
 
-def looks_like_json(path: str) -> bool:
+def is_json(path: str) -> bool:
     """Tell whether a file opens like a JSON object, so that it may be a fit."""
     with Path(path).open("rb") as file:
         return file.read(64).lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{")

@@ -10,7 +10,7 @@ import click
 import dashpot as dp
 from dashpot import workflow
 from dashpot.cli import _text
-from dashpot.cli._shell import Outcome, reports, said
+from dashpot.cli._shell import Outcome, reports, to_stderr
 from dashpot.cli.simulate import impact, relaxation, seal
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ def command(*, output: str, seed: int) -> Outcome:
 
 def _story(name: str, folder: Path, seed: int) -> Study:
     """Simulate, write, read back, characterise and report one seal."""
-    said(f"{name}: simulating the bench and the hammer, fitting, comparing, reporting")
+    to_stderr(f"{name}: simulating the bench and the hammer, fitting, comparing, reporting")
     bench = relaxation(model=name, seed=seed)
     hammer = impact(model=name, seals=SEALS, seed=seed)
     for kind, (text, truth) in (("relaxation", bench), ("impact", hammer)):

@@ -12,7 +12,7 @@ import dashpot as dp
 from dashpot.base.errors import ExportError
 from dashpot.cli import _options as options
 from dashpot.cli._options import Quantity, Range
-from dashpot.cli._shell import Outcome, read_fit, reports, said, write
+from dashpot.cli._shell import Outcome, read_fit, reports, to_stderr, write
 from dashpot.records.specimen import Specimen
 
 # written out, so that --help need not import the decks; a test holds it to export.TARGETS
@@ -80,7 +80,7 @@ def command(
     write(output, deck)
     marks = [row for row in deck.splitlines() if "OVERRIDE" in row]
     for mark in marks:
-        said(mark.strip())
+        to_stderr(mark.strip())
     document = {
         "schema": "dashpot/deck@1",
         "target": target,

@@ -13,7 +13,7 @@ from dashpot.cli._options import Quantity, Range
 from dashpot.cli._shell import (
     Outcome,
     failed,
-    looks_like_json,
+    is_json,
     printed,
     read_fit,
     reports,
@@ -59,7 +59,7 @@ def command(
     dashpot identify hammer.csv --mass 104g --seals 2 --arms 2
     dashpot identify hammer.csv --with seal_8mm.csv --mass 104g --seals 2 -o joint.json
     """
-    fits = [path for path in together if looks_like_json(path)]
+    fits = [path for path in together if is_json(path)]
     found, straight, noted = workflow.identify_files(
         measured,
         fits=[read_fit(path) for path in fits],
@@ -71,5 +71,5 @@ def command(
     if output:
         write(output, printed(found) + "\n")
     text = "" if output == "-" else "\n".join([_text.fit(found), *failed(noted)])
-    told = {"direct": workflow.direct_document(straight)}
-    return Outcome(found, text, (*found.checks, *noted), told)
+    further = {"direct": workflow.direct_document(straight)}
+    return Outcome(found, text, (*found.checks, *noted), further)

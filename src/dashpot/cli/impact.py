@@ -11,7 +11,7 @@ from dashpot import workflow
 from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._options import Quantity, Range
-from dashpot.cli._shell import Outcome, reports, said, write
+from dashpot.cli._shell import Outcome, reports, to_stderr, write
 
 
 @click.command("impact")
@@ -35,7 +35,7 @@ def command(
     """
     found, reason = workflow.impact_files(files, file=output, **choices)
     if reason:
-        said(f"no mode: {reason}")
+        to_stderr(f"no mode: {reason}")
     if output:
         _write(found.frf, output)
     if picture:
@@ -50,6 +50,6 @@ def _write(frf: dp.FRF, path: str) -> None:
 
     if path.lower().endswith((".uff", ".unv")):
         write_frf_uff(frf, path)
-        said(f"wrote {path}")
+        to_stderr(f"wrote {path}")
     else:
         write(path, write_frf(frf))

@@ -37,7 +37,7 @@ def command(*, fit: str, picture: str | None, output: str | None, **choices: Any
     """Predict the frequency response of a mass on the seal of FIT (a fit's JSON file).
 
     The standard errors of the fit become limits of the prediction; with the record that was
-    fitted (--with) so does the room it leaves for arms that it cannot see.
+    fitted (--with) so does the bound over unresolved arms.
 
     \b
     dashpot predict fit.json --mass 104g --seals 2

@@ -11,7 +11,7 @@ from dashpot import workflow
 from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._options import over_profile
-from dashpot.cli._shell import Outcome, reports, said, write
+from dashpot.cli._shell import Outcome, reports, to_stderr, write
 from dashpot.io.options import ReadOptions
 from dashpot.workflow.job import Job
 
@@ -60,7 +60,7 @@ def command(
     written: list[str] = []
     if project:
         study, place = workflow.record(workflow.create(project), job, page=dp.report.html)
-        said(f"wrote {place}")
+        to_stderr(f"wrote {place}")
         written.append(str(place))
     else:
         study = workflow.run(job)

@@ -11,7 +11,7 @@ import click
 import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.cli._options import Quantity
-from dashpot.cli._shell import Outcome, read_model, reports, said, write
+from dashpot.cli._shell import Outcome, read_model, reports, to_stderr, write
 
 
 @click.command("simulate")
@@ -50,7 +50,7 @@ def command(*, what: str, output: str, **choices: Any) -> Outcome:
     if output != "-":
         beside = str(Path(output).with_suffix(".truth.json"))
         Path(beside).write_text(truth, encoding="utf-8")
-        said(f"wrote {beside}")
+        to_stderr(f"wrote {beside}")
     document = {"schema": "dashpot/simulated@1", "what": what, "file": output, "truth": beside}
     return Outcome(document, "" if output == "-" else f"{output}: a simulated {what} test")
 
@@ -109,8 +109,8 @@ def impact(
     return write_impact(made.test, comments=room.stamp(made.truth)), room.truth_json(made.truth)
 
 
-def _chosen(instrument: Any, *, noise_free: bool, **said: float | None) -> Any:
+def _chosen(instrument: Any, *, noise_free: bool, **given: float | None) -> Any:
     """Return an instrument with what the user said of it."""
-    told = {name: value for name, value in said.items() if value is not None}
-    chosen = replace(instrument, **told)
+    stated = {name: value for name, value in given.items() if value is not None}
+    chosen = replace(instrument, **stated)
     return chosen.noise_free() if noise_free else chosen

@@ -110,7 +110,7 @@ def _connector(deck: Deck, frequency_range: tuple[float, float], tolerance: floa
         "frequency-dependent connector behavior for Abaqus",
         cards,
         remarks=[
-            table.says,
+            table.sentence,
             "acts along component 1 of an AXIAL or CARTESIAN connector, in direct",
             "or subspace-based steady-state dynamics; rows after EXTRAPOLATED lie outside",
             "the identified band",

@@ -73,5 +73,5 @@ def _frequency(deck: Deck, frequency_range: tuple[float, float], tolerance: floa
         "dynamic stiffness",
         [",".join([*columns, "extrapolated"]), *rows],
         verified=_VERIFIED,
-        remarks=[table.says],
+        remarks=[table.sentence],
     )

@@ -48,7 +48,7 @@ class Table(ByValue):
             object.__setattr__(self, name, frozen(np.asarray(getattr(self, name), dtype=float)))
 
     @property
-    def says(self) -> str:
+    def sentence(self) -> str:
         """The sentence a deck prints."""
         return (
             f"table: {len(self.frequency)} points, {self.frequency[0]:.6g} to "

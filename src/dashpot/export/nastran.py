@@ -131,7 +131,7 @@ def _table(
         verified=_VERIFIED,
         remarks=[
             *row.remarks,
-            table.says,
+            table.sentence,
             *_marks(deck, table),
             f"nominal K and damping: those at {nominal:.6g} Hz; the bushing acts along its x axis",
         ],

@@ -95,7 +95,7 @@ def fit_modulus(
     block = _block(t, values, weight, window)
     found = chosen_arms(FitData([block], [block]), arms, max_arms=max_arms, thorough=thorough)
     model = found.model
-    seen = t[t > 0]
+    positive = t[t > 0]
     asked = (
         checks.arms_supported(model, found.error, unit=unit),
         checks.tau_inside_window(model, window, "the curve"),
@@ -112,7 +112,7 @@ def fit_modulus(
     )
     few = assembled(
         found,
-        band=(float(1 / (2 * np.pi * seen[-1])), float(1 / (2 * np.pi * seen[0]))),
+        band=(float(1 / (2 * np.pi * positive[-1])), float(1 / (2 * np.pi * positive[0]))),
         checks=asked,
         provenance=Provenance(
             "modulus", () if source is None else (source,), (step,), specimen or Specimen()

@@ -197,7 +197,7 @@ def chosen_arms(
     blocks, samples, peak, in_time = data.blocks, data.samples, data.peak, data.in_time
     auto, most = arms == "auto", asked_arms(arms, max_arms)
     if auto:
-        most = min(most, bearable(blocks))
+        most = min(most, determinable_arms(blocks))
     solutions = _solved(blocks, most, every=not (auto and in_time) or thorough, thorough=thorough)
     noises = residual_noises(solutions[-1], samples, peak=peak)
     scores = _scored(solutions, data, noises)
@@ -285,7 +285,7 @@ def assembled(
     )
 
 
-def bearable(blocks: Sequence[Block]) -> int:
+def determinable_arms(blocks: Sequence[Block]) -> int:
     """Return how many arms the samples could determine at all, with two to spare."""
     stack = Stack(blocks)
     return max(0, (stack.samples - len(stack.names) - 2) // (1 + len(stack.groups)))
@@ -433,7 +433,7 @@ class Alone(NamedTuple):
 
 def alone(blocks: Sequence[Block], samples: Sequence[Block], most: int) -> Alone:
     """Fit one test with as many arms as it bears, up to `most`."""
-    most = min(most, bearable(blocks))
+    most = min(most, determinable_arms(blocks))
     best = solve_orders(blocks, most)[-1] if most else solve(blocks, 0)
     peaks = [_largest(block) for block in samples]
     estimate = estimated(best, samples, peak=max(peaks))

@@ -130,13 +130,13 @@ class ReadOptions:
     def over(self, profile: ReadOptions) -> ReadOptions:
         """These options, and the profile's wherever these say nothing."""
         default = ReadOptions()
-        said = {
+        stated = {
             one.name: getattr(self, one.name)
             for one in fields(self)
             if getattr(self, one.name) != getattr(default, one.name)
         }
-        said["units"] = {**dict(profile.units), **dict(self.units)}
-        return replace(profile, **said)
+        stated["units"] = {**dict(profile.units), **dict(self.units)}
+        return replace(profile, **stated)
 
 
 def _delimiter(word: str | None) -> str | None:
@@ -161,12 +161,12 @@ def dump_profile(options: ReadOptions) -> str:
     if options.rate is not None:
         lines.append(f'rate = "{options.rate!r} Hz"')
     for section, names in _SECTIONS.items():
-        said = [
+        stated = [
             f"{name} = {_toml(getattr(options, name))}"
             for name in names
             if getattr(options, name) != getattr(default, name)
         ]
-        lines += ["", f"[{section}]", *said] if said else []
+        lines += ["", f"[{section}]", *stated] if stated else []
     if options.units:
         lines += [
             "",
@@ -200,19 +200,19 @@ def load_profile(path: str | Path) -> ReadOptions:
 
 
 def _from_toml(content: dict[str, Any]) -> ReadOptions:
-    said: dict[str, Any] = {}
+    stated: dict[str, Any] = {}
     for section, entries in content.items():
         if section == "rate":
             given = isinstance(entries, str)
-            said["rate"] = parse_quantity(entries, "frequency") if given else float(entries)
+            stated["rate"] = parse_quantity(entries, "frequency") if given else float(entries)
         elif section == "units":
-            said["units"] = {str(name): str(unit) for name, unit in entries.items()}
+            stated["units"] = {str(name): str(unit) for name, unit in entries.items()}
         elif section in _SECTIONS:
-            said |= {name: _option(section, name, value) for name, value in entries.items()}
+            stated |= {name: _option(section, name, value) for name, value in entries.items()}
         else:
             known = ", ".join(["rate", "units", *_SECTIONS])
             raise DataError(f"'{section}' is unknown in a profile; known are {known}")
-    return ReadOptions(**said)
+    return ReadOptions(**stated)
 
 
 def _option(section: str, name: str, value: Any) -> Any:

@@ -65,7 +65,7 @@ def segments(prepared: RampHold) -> Figure:
         above.tick_params(labelbottom=False)
         label_axes(below, x=FROM_CONTACT)
     _name_segments(grid[0, 0], grid[0, 1], prepared)
-    _say_force(grid[1, 1], prepared)
+    _label_force(grid[1, 1], prepared)
     return made
 
 
@@ -284,7 +284,7 @@ def _name_segments(ramp: Axes, hold: Axes, prepared: RampHold) -> None:
         ax.text(x, y, text, fontsize=NORMAL, va="center", ha="center", color="#333333")
 
 
-def _say_force(ax: Axes, prepared: RampHold) -> None:
+def _label_force(ax: Axes, prepared: RampHold) -> None:
     held = prepared.force[prepared.hold]
     word, factor = unit_of(held, "N")
     peak, last = float(np.max(held)), float(np.mean(held[-max(1, len(held) // 100) :]))

@@ -52,7 +52,7 @@ def spectrum(fit: Fit, *, joint: Fit | None = None) -> Figure:
     ax = made.subplots()
     words = _words(fit)
     low, high = (1 / (2 * np.pi * f) for f in reversed(fit.band))
-    panel.shade(ax, low, high, label=words.seen)
+    panel.shade(ax, low, high, label=words.band)
     named = f", with 95 % intervals of {words.plateau[0]} and τ"
     label = words.fit + named if fit.parameters else words.fit
     _stems(ax, fit, CHOSEN.color, label, width=3.2)
@@ -102,12 +102,12 @@ def stiffness(
     f = _frequencies(fit, measured, unseen, mark)
     words = _words(fit)
     limits = (
-        (unseen, PURPLE, "room for arms it cannot see", 0.25),
+        (unseen, PURPLE, "bound over unresolved arms", 0.25),
         (parameters, BLUE, "standard errors (95 %)", 0.35),
     )
     for ax, name, label in zip(axes, ("storage", "loss", "loss_factor"), words.axes, strict=True):
         factor = 1.0 if name == "loss_factor" else words.scale
-        panel.shade(ax, *fit.band, label=words.seen)
+        panel.shade(ax, *fit.band, label=words.band)
         for bounds, color, what, alpha in limits:
             if bounds is not None:
                 between = factor * getattr(bounds, name)
@@ -146,19 +146,19 @@ class _Words(NamedTuple):
     arm: str
     plateau: str
     axes: tuple[str, str, str]
-    seen: str
+    band: str
     fit: str
 
 
 def _words(fit: Fit) -> _Words:
     of_force = fit.method in {"full", "hold"}
-    seen = "seen by the relaxation test" if of_force else "seen by the test"
+    band = "band of the relaxation test" if of_force else "band of the test"
     name = "relaxation fit" if of_force else "fit"
     if fit.unit == "Pa":
         axes = ("storage modulus E′, MPa", "loss modulus E″, MPa", "loss factor E″/E′, –")
-        return _Words(1e-6, "modulus E, MPa", "E∞", axes, seen, name)
+        return _Words(1e-6, "modulus E, MPa", "E∞", axes, band, name)
     axes = (LABELS["storage"], "loss stiffness K″, N/mm", LABELS["loss_factor"])
-    return _Words(1e-3, "stiffness k, N/mm", "k∞", axes, seen, name)
+    return _Words(1e-3, "stiffness k, N/mm", "k∞", axes, band, name)
 
 
 def _stems(ax: Axes, one: Fit, color: str, label: str, *, width: float) -> None:

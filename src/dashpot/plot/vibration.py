@@ -165,12 +165,12 @@ def draw_magnitude(ax: Axes, curves: Sequence[Curve], *, around: float | None = 
 
 
 def draw_band(ax: Axes, band: FRFBounds, *, parameters: bool = True) -> None:
-    """What the relaxation test leaves open: by its standard errors, by arms it cannot see."""
+    """What the relaxation test leaves open: by its standard errors, by unresolved arms."""
     low, high = ax.get_ylim()
     # a resonance without damping has no highest magnitude
     shown = (0.1 * low, 10 * high)
     panel.limits(ax, band.frequency, np.clip(band.unseen, *shown), PURPLE,
-                 label="room for unseen arms", alpha=0.22)  # fmt: skip
+                 label="bound over unresolved arms", alpha=0.22)  # fmt: skip
     if parameters:
         panel.limits(ax, band.frequency, np.clip(band.parameter, *shown), BLUE,
                      label="standard errors (95 %)", alpha=0.3)  # fmt: skip

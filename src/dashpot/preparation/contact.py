@@ -136,21 +136,21 @@ def find_contact(displacement: FloatArray, force: FloatArray, *, noise: float) -
     quiet = np.flatnonzero(f <= 5 * noise)
     if not quiet.size or quiet[-1] + 1 >= len(f) or peak <= 10 * noise:
         return None
-    seen = int(quiet[-1]) + 1
+    first = int(quiet[-1]) + 1
     far = np.flatnonzero(f >= max(20 * noise, 0.1 * peak))
     stop = int(far[0]) + 1 if far.size else len(f)
-    stop = min(max(stop, seen + 4), len(f))
+    stop = min(max(stop, first + 4), len(f))
     # as much air as contact: enough to hold the tare, not so much as to feel its waves
-    span = max(x[stop - 1] - x[seen], 1e-300)
-    start = int(np.argmax(x > x[seen] - 2 * span)) if x[0] <= x[seen] - 2 * span else 0
-    start = min(start, max(seen - 3, 0))
+    span = max(x[stop - 1] - x[first], 1e-300)
+    start = int(np.argmax(x > x[first] - 2 * span)) if x[0] <= x[first] - 2 * span else 0
+    start = min(start, max(first - 3, 0))
     near_x, near_f = x[start:stop], f[start:stop]
     if len(near_x) < 6:
         return None
-    return _searched(near_x, near_f, seen)
+    return _searched(near_x, near_f, first)
 
 
-def _searched(x: FloatArray, f: FloatArray, seen: int) -> Contact:
+def _searched(x: FloatArray, f: FloatArray, first: int) -> Contact:
     # the samples of one reading are one row: while the plate rests, nearly all of them
     reading, which, count = np.unique(x, return_inverse=True, return_counts=True)
     mean = np.bincount(which, f) / count
@@ -163,7 +163,7 @@ def _searched(x: FloatArray, f: FloatArray, seen: int) -> Contact:
         i = int(np.argmin(sums))
         best = float(trials[i])
         low, high = float(trials[max(i - 2, 0)]), float(trials[min(i + 2, 40)])
-    return Contact(best, _doubt(x, f, best), seen)
+    return Contact(best, _doubt(x, f, best), first)
 
 
 def _columns(x: FloatArray, contact: float) -> FloatArray:
@@ -246,10 +246,10 @@ def touch_of(
         False if the record starts on the ramp: then at least 20 quiet samples must show the air,
         for there is no other baseline.
     """
-    seen = find_contact(displacement, force, noise=noise)
-    if seen is None or (not rested and seen.sample < 20):
+    found = find_contact(displacement, force, noise=noise)
+    if found is None or (not rested and found.sample < 20):
         return Touch(rest, 0.0)
-    gap = seen.displacement - rest
-    if not max(least_gap, 3 * seen.standard_error) < gap < 0.9 * (level - rest):
+    gap = found.displacement - rest
+    if not max(least_gap, 3 * found.standard_error) < gap < 0.9 * (level - rest):
         return Touch(rest, 0.0)
-    return Touch(seen.displacement, gap, seen.standard_error)
+    return Touch(found.displacement, gap, found.standard_error)

@@ -16,8 +16,8 @@ from dashpot.preparation.segments import (
     choose_cycle,
     cycles_of,
     find_segments,
-    grain_of,
     nothing_held,
+    resolution_of,
 )
 
 
@@ -230,17 +230,17 @@ def _of_cycle(
     time: FloatArray, x: FloatArray, turn: int, cycles: tuple[Cycle, ...], index: int
 ) -> Motion:
     cycle = cycles[index]
-    grain = grain_of(time, x)
+    resolution = resolution_of(time, x)
     ramp = cycle.ramp
     rest = _resting(x, cycle.rest, ramp)
     level = _held(time, x, cycle)
     start = cycle.rest.first if cycle.rest is not None else ramp.first
     line = ideal_ramp(time, x, ramp, origin=rest, level=level)
-    still = np.flatnonzero(np.abs(x[start : line.first] - rest) <= grain)
+    still = np.flatnonzero(np.abs(x[start : line.first] - rest) <= resolution)
     departure = start + int(still[-1]) if cycle.rest is not None and still.size else ramp.first
     return Motion(
         sign=turn, cycles=cycles, index=index, line=line, rest=rest, level=level, start=start,
-        departure=departure, stop=_last_held(x, cycle.hold, grain),
+        departure=departure, stop=_last_held(x, cycle.hold, resolution),
     )  # fmt: skip
 
 
@@ -292,12 +292,12 @@ def _held(time: FloatArray, x: FloatArray, cycle: Cycle) -> float:
     return median(values[settled] if np.count_nonzero(settled) >= 5 else values[1:7])
 
 
-def _last_held(x: FloatArray, hold: Segment, grain: float) -> int:
+def _last_held(x: FloatArray, hold: Segment, resolution: float) -> int:
     """The last sample before the plate leaves the hold."""
     if hold.last == len(x) - 1:
         return hold.last
     late = x[hold.first + 3 * (hold.last - hold.first) // 4 : hold.last + 1]
     level = median(late)
     half = (hold.first + hold.last) // 2
-    still = np.abs(x[half : hold.last + 1] - level) <= max(grain, 2e-3 * abs(np.ptp(x)))
+    still = np.abs(x[half : hold.last + 1] - level) <= max(resolution, 2e-3 * abs(np.ptp(x)))
     return half + int(np.flatnonzero(still)[-1])

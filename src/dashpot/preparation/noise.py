@@ -1,4 +1,4 @@
-"""The grain of a sampled channel: its scatter from sample to sample, and its quantum."""
+"""A sampled channel: its scatter from sample to sample, and its quantum."""
 
 from __future__ import annotations
 

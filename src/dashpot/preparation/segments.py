@@ -55,7 +55,7 @@ def find_segments(time: FloatArray, displacement: FloatArray) -> tuple[Segment, 
     """Split a record into loading, unloading and holding.
 
     A polygon is laid through the record, with a corner wherever a straight line would miss it
-    by more than the grain of the channel or 1 % of the travel. Its sides are moves where they
+    by more than the resolution of the channel or 1 % of the travel. Its sides are moves where they
     are fast or long, else holds; sides of one kind join; a move below 5 % of the travel
     (overshoot, settling) belongs to the hold beside it, and so does ringing of up to 30 % of the
     ramp right before it. Any sampling will do.
@@ -67,17 +67,17 @@ def find_segments(time: FloatArray, displacement: FloatArray) -> tuple[Segment, 
     """
     x = median_of_three(displacement)
     travel = float(np.ptp(x))
-    grain = grain_of(time, displacement)
-    if travel <= 4 * grain:
+    resolution = resolution_of(time, displacement)
+    if travel <= 4 * resolution:
         return (_segment("hold", time, x, 0, len(x) - 1),)
-    corners = _polygon(time, x, max(2 * grain, 0.01 * travel))
+    corners = _polygon(time, x, max(2 * resolution, 0.01 * travel))
     kinds = _kinds(time[corners], x[corners], travel)
     sides = _joined(zip(kinds, corners, corners[1:], strict=False))
     sides = _settled(sides, time, x, travel)
     return tuple(_segment(kind, time, x, first, last) for kind, first, last in sides)
 
 
-def grain_of(time: FloatArray, displacement: FloatArray) -> float:
+def resolution_of(time: FloatArray, displacement: FloatArray) -> float:
     """What a displacement can differ by without having moved, m: 4 sigma, and half a quantum."""
     return 4 * usual_scatter(time, displacement) + 0.5 * quantum(displacement)
 

@@ -61,7 +61,7 @@ def _of_relaxation(study: Study) -> Iterator[tuple[str, Figure, *tuple[str, ...]
     )
     further = []
     if study.unseen is not None:
-        further.append("Purple: the room it leaves for arms that it cannot see.")
+        further.append("Purple: the bound over unresolved arms.")
     if study.direct is not None:
         further.append(
             "Points: straight from the FRF, where that is good, with one standard deviation."

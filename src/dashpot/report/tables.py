@@ -61,7 +61,7 @@ def halves(table: Table) -> tuple[Table, Table]:
 
 
 def checks(groups: Sequence[tuple[str, Sequence[Check]]]) -> Table:
-    """Every check in words, failed ones first; what two stages said alike is said once."""
+    """Every check in words, failed ones first; a sentence that two stages share stands once."""
     seen: dict[tuple[str, str], tuple[str, Check]] = {}
     for stage, found in groups:
         for check in found:
@@ -360,7 +360,7 @@ def _mode_cells(measured: FRF, way: str, c: Comparison) -> tuple[str, str]:
 
 
 def arms_tested(comparison: Comparison | None) -> Table | None:
-    """Which arms carried the loss at the measured peak, and who saw them."""
+    """Which arms carried the loss at the measured peak, and which the relaxation test resolved."""
     if comparison is None or not comparison.arms:
         return None
     rows, marks = [], []
@@ -371,7 +371,7 @@ def arms_tested(comparison: Comparison | None) -> Table | None:
         rows.append((duration(arm.tau), share, *answers))
         marks.append("bad" if tested and not seen else "")
     head = ("arm's τ", "share of the loss at the peak, %", "tested by this FRF",
-            "seen by the relaxation test")  # fmt: skip
+            "resolved by the relaxation test")  # fmt: skip
     return Table(head, tuple(rows), tuple(marks))
 
 

@@ -410,7 +410,7 @@ def _record(
     full_scale: float,
 ) -> FloatArray:
     """Noise, offset and the converter."""
-    seen = signal + offset + noise * random.standard_normal(len(signal))
+    measured = signal + offset + noise * random.standard_normal(len(signal))
     if rig.bits == 0:
-        return np.asarray(seen)
-    return in_steps(np.clip(seen, -full_scale, full_scale), 2 * full_scale / 2**rig.bits)
+        return np.asarray(measured)
+    return in_steps(np.clip(measured, -full_scale, full_scale), 2 * full_scale / 2**rig.bits)

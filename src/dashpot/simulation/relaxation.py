@@ -354,10 +354,10 @@ def simulate_path(
     answer = model.force(clock, rig.compression(motion))
     time = np.arange(int(np.floor(end * rig.rate * (1 + 1e-12))) + 1) / rig.rate
     position, force = np.interp(time, clock, motion), np.interp(time, clock, answer)
-    seen = position + rig.position_noise * random.standard_normal(len(time))
+    measured = position + rig.position_noise * random.standard_normal(len(time))
     test = RelaxationTest(
         time=time,
-        displacement=in_steps(seen, rig.encoder),
+        displacement=in_steps(measured, rig.encoder),
         force=rig.read(time, force, random),
         specimen=Specimen(length=rig.length, notes="simulated"),
     )

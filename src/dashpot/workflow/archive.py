@@ -214,8 +214,8 @@ def _impact_contract(result: ImpactResult, plain: dict[str, Any]) -> dict[str, A
 
 def _inspected_contract(_file: InspectedFile, plain: dict[str, Any]) -> dict[str, Any]:
     refusal, seen = plain.pop("refusal"), plain.pop("preparation")
-    told = {"error": refusal} if refusal else seen
-    return {**plain, "preparation": told} if told else plain
+    account = {"error": refusal} if refusal else seen
+    return {**plain, "preparation": account} if account else plain
 
 
 _CONTRACTS: dict[type, Callable[[Any, dict[str, Any]], dict[str, Any]]] = {
@@ -271,7 +271,7 @@ def _restored_fit(found: dict[str, Any]) -> dict[str, Any]:
     defaults: dict[str, Any] = {
         "method": "full",
         "residual": {"n": 0, "sse": 0.0, "rms": 0.0},
-        **_told_errors(found),
+        **_diagonal_covariance(found),
     }
     found = defaults | found | {"status": names[status]}
     found["residual"] = defaults["residual"] | found["residual"]
@@ -284,17 +284,17 @@ def _restored_fit(found: dict[str, Any]) -> dict[str, Any]:
     return found
 
 
-def _told_errors(found: dict[str, Any]) -> dict[str, Any]:
+def _diagonal_covariance(found: dict[str, Any]) -> dict[str, Any]:
     """Return the covariance that bare standard errors stand for: uncorrelated, normal."""
-    told = found.get("standard_error")
-    if not told:
+    errors = found.get("standard_error")
+    if not errors:
         return {"parameters": [], "covariance": [], "dof": 0.0}
     taus = found["model"]["tau"]
     # standard errors are laid out as the model is, and so were restored like one
-    k, tau = ([*told[name], *(None for _ in taus)][: len(taus)] for name in ("k", "tau"))
+    k, tau = ([*errors[name], *(None for _ in taus)][: len(taus)] for name in ("k", "tau"))
     numbers = range(1, len(taus) + 1)
     variances = [
-        _square(told["k_inf"]),
+        _square(errors["k_inf"]),
         *(_square(error) for error in k),
         *(_square(error) / time**2 for error, time in zip(tau, taus, strict=True)),
     ]

@@ -103,7 +103,7 @@ def impact_files(
         modes = frf.modes(band=band)
     except DataError as error:
         reason = str(error)
-    told = tuple(
+    shown = tuple(
         ImpactMode(
             mode.frequency,
             mode.damping_ratio,
@@ -113,7 +113,7 @@ def impact_files(
         )
         for mode in modes
     )
-    return ImpactResult(frf, told, hammer.estimator, hammer.window, file), reason
+    return ImpactResult(frf, shown, hammer.estimator, hammer.window, file), reason
 
 
 def read_measured(

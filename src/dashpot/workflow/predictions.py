@@ -65,7 +65,7 @@ def predict_files(
     found : Fit
         Of one seal.
     records : sequence of path
-        The relaxation tests behind it: the room they leave for arms that they cannot see.
+        The relaxation tests behind it: they bound the unresolved arms.
     mass, seal_mass : float
         Of the block and of one seal, kg.
     seals : float

@@ -205,8 +205,8 @@ def _inside(project: Project, job: Job) -> Job:
 
 def _profiles(job: Job) -> dict[str, bytes]:
     """Return the reading profiles of a job, where the user said anything, by their place."""
-    said = {dump_profile(options) for options in (job.reading, job.reading_impact)}
-    texts = [text.encode() for text in said - {dump_profile(ReadOptions())}]
+    stated = {dump_profile(options) for options in (job.reading, job.reading_impact)}
+    texts = [text.encode() for text in stated - {dump_profile(ReadOptions())}]
     return {f"profiles/{_sha256(text)[:16]}.toml": text for text in texts}
 
 

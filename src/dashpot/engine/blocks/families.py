@@ -24,16 +24,18 @@ TIMES_PER_FOLD = 9.5
 RANK = 1e-14
 
 
-class Seen(NamedTuple):
+class Reduced(NamedTuple):
     """A stack of records through a family: all that a fit needs of them."""
 
     data: tuple[FloatArray, ...]  # arrays whose first axis is the record
     floor: FloatArray  # (R,)
     energy: FloatArray  # (R,) sum of squares of what the rows hold
 
-    def take(self, index: IndexArray | BoolArray) -> Seen:
+    def take(self, index: IndexArray | BoolArray) -> Reduced:
         """Some of the records."""
-        return Seen(tuple(part[index] for part in self.data), self.floor[index], self.energy[index])
+        return Reduced(
+            tuple(part[index] for part in self.data), self.floor[index], self.energy[index]
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,26 +66,28 @@ class Family(ABC):
         """Which fixed coefficients are stiffnesses, shape (q,)."""
         return stiffnesses(self.template.fixed_names)
 
-    def see(self, values: FloatArray) -> Seen:
+    def reduce(self, values: FloatArray) -> Reduced:
         """Reduce records, shape (R, M), a few at a time: they stay in the cache."""
         few = max(1, AT_ONCE // values.shape[1])
-        parts = [self._seen(values[i : i + few]) for i in range(0, len(values), few)]
+        parts = [self._reduced(values[i : i + few]) for i in range(0, len(values), few)]
         data, floor, energy = zip(*parts, strict=True)
         together = tuple(np.concatenate(part) for part in zip(*data, strict=True))
-        return Seen(together, np.concatenate(floor), np.concatenate(energy))
+        return Reduced(together, np.concatenate(floor), np.concatenate(energy))
 
     @abstractmethod
-    def _seen(self, values: FloatArray) -> Seen: ...
+    def _reduced(self, values: FloatArray) -> Reduced: ...
 
     @abstractmethod
-    def factor(self, log_tau: FloatArray, seen: Seen, *, exact: bool) -> FloatArray:
+    def factor(self, log_tau: FloatArray, reduced: Reduced, *, exact: bool) -> FloatArray:
         """Triangular factors of [fixed, arms, slopes, y] at ln tau (R, N), one per record.
 
         `exact` asks for the factor that does not go through a Gram matrix, if there is one.
         """
 
     @abstractmethod
-    def moments(self, log_tau: FloatArray, seen: Seen) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def moments(
+        self, log_tau: FloatArray, reduced: Reduced
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Gram of [fixed, arms] at shared ln tau (G,), products with y: (R, q) and (R, G)."""
 
 
@@ -204,23 +208,23 @@ def _compressed(
 class CompressedFamily(Family):
     """Records of a hold, a ramp and hold, or a plain decay on one sampling.
 
-    A record is seen as its coordinates in the space of the sampling's columns, those along the
+    A record is reduced as its coordinates in the space of the sampling's columns, those along the
     fixed columns apart: Gram matrices of the others then hold no large constant.
     """
 
     plans: tuple[Compression, ...]
     space: ColumnSpace
 
-    def _seen(self, values: FloatArray) -> Seen:
+    def _reduced(self, values: FloatArray) -> Reduced:
         z, floor = projected(self.plans, values)
         at = z @ self.space.basis
         rest = z - at @ self.space.basis.T
         along, beside = at[:, : self.fixed_count], at[:, self.fixed_count :]
-        return Seen((along, beside), floor + np.vecdot(rest, rest), np.vecdot(beside, beside))
+        return Reduced((along, beside), floor + np.vecdot(rest, rest), np.vecdot(beside, beside))
 
-    def factor(self, log_tau: FloatArray, seen: Seen, *, exact: bool) -> FloatArray:
+    def factor(self, log_tau: FloatArray, reduced: Reduced, *, exact: bool) -> FloatArray:
         """Triangular factors, by a Gram matrix or `exact` by QR."""
-        along, beside = seen.data
+        along, beside = reduced.data
         count, arms = log_tau.shape
         q, size = self.fixed_count, 2 * arms + 1
         both = np.empty((count, size, q + beside.shape[1]))
@@ -238,14 +242,16 @@ class CompressedFamily(Family):
             out[:, q:, q:] = upper_factor(swept @ swept.transpose(0, 2, 1))
         return out
 
-    def moments(self, log_tau: FloatArray, seen: Seen) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def moments(
+        self, log_tau: FloatArray, reduced: Reduced
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """In the space of the columns."""
         columns = self.space.inverse @ self.space.chosen.evaluate(log_tau, False).arms
         q = self.fixed_count
         fixed = np.zeros((len(columns), q))
         fixed[:q] = self.space.triangle
         every = np.concatenate((fixed, columns), axis=1)
-        at = np.concatenate(seen.data, axis=1) @ every
+        at = np.concatenate(reduced.data, axis=1) @ every
         return every.T @ every, at[:, :q], at[:, q:]
 
 
@@ -256,17 +262,21 @@ class RecordedFamily(Family):
     response: Response
     rounding_floor: ClassVar[float] = 100 * ROUNDING
 
-    def _seen(self, values: FloatArray) -> Seen:
+    def _reduced(self, values: FloatArray) -> Reduced:
         force = Force.of(self.response, values[:, self.response.start : self.response.count])
-        return Seen(force, np.zeros(len(values)), force.energy)
+        return Reduced(force, np.zeros(len(values)), force.energy)
 
-    def factor(self, log_tau: FloatArray, seen: Seen, *, exact: bool) -> FloatArray:  # noqa: ARG002
+    def factor(self, log_tau: FloatArray, reduced: Reduced, *, exact: bool) -> FloatArray:  # noqa: ARG002
         """Triangular factors by a Gram matrix: it is all that there is."""
-        return upper_factor(self.response.gram(np.exp(log_tau), Force(*seen.data), derivative=True))
+        return upper_factor(
+            self.response.gram(np.exp(log_tau), Force(*reduced.data), derivative=True)
+        )
 
-    def moments(self, log_tau: FloatArray, seen: Seen) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def moments(
+        self, log_tau: FloatArray, reduced: Reduced
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """By the correlations."""
-        tau, force = np.exp(log_tau), Force(*seen.data)
+        tau, force = np.exp(log_tau), Force(*reduced.data)
         first = Force(force.sequence[0], force.fixed[0], force.energy[0])
         gram = self.response.gram(tau, first, derivative=False)[:-1, :-1]
         return gram, force.fixed, self.response.products(tau, force.sequence)

@@ -220,7 +220,7 @@ def _covariance(information: FloatArray, middle: FloatArray) -> FloatArray:
     sharp = values > _SINGULAR * values[-1]
     inverse = (vectors[:, sharp] / values[sharp]) @ vectors[:, sharp].T
     covariance = inverse @ (middle / np.outer(scale, scale)) @ inverse
-    # what leans on a direction without information is not known at all
+    # what depends on a direction without information is not known at all
     lost = ~known | (np.abs(vectors[:, ~sharp]).max(axis=1, initial=0.0) > np.sqrt(_SINGULAR))
     covariance = covariance / np.outer(scale, scale)
     covariance[lost, :] = 0.0

@@ -10,7 +10,7 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 from dashpot.engine.blocks.block import Block, stiffnesses
-from dashpot.engine.blocks.families import Family, Seen
+from dashpot.engine.blocks.families import Family, Reduced
 from dashpot.engine.solver.nnls import nonnegative_columns
 
 LONGEST_STEP = 1.5
@@ -154,11 +154,11 @@ class Point(NamedTuple):
             beta, along, towards = (_spread(active, each) for each in (beta, along, inverse))
         residual, outside = factor[..., p:, -1], factor[..., p:, p:-1]
         k = beta[..., fixed:]
-        lean = (residual[..., None, :] @ outside)[..., 0, :]
-        inside = towards[..., fixed:, :] * lean[..., None]
+        outward = (residual[..., None, :] @ outside)[..., 0, :]
+        inside = towards[..., fixed:, :] * outward[..., None]
         scale = k[..., None, :]
         outside, along = outside * scale, along * scale
-        gradient = -k * lean
+        gradient = -k * outward
         if k.shape[-1] > arms:
             gradient = gradient.reshape(-1, arms).sum(axis=0)
             inside = inside.reshape(-1, arms, p).sum(axis=0)
@@ -386,11 +386,13 @@ def relative_offset(point: Point, sse: float) -> float:
 # -- many records side by side --------------------------------------------------------------------
 
 
-def points_at(family: Family, log_tau: FloatArray, seen: Seen, *, exact: bool = False) -> Point:
+def points_at(
+    family: Family, log_tau: FloatArray, reduced: Reduced, *, exact: bool = False
+) -> Point:
     """As :func:`point_at`, one trial of each record, ln tau (R, N)."""
     q = family.fixed_count
     p = q + log_tau.shape[1]
-    factor = family.factor(log_tau, seen, exact=exact)
+    factor = family.factor(log_tau, reduced, exact=exact)
     r = factor[:, :p, :p]
     pivot, length = np.diagonal(r, axis1=1, axis2=2) ** 2, (r * r).sum(axis=1)
     dependent = (pivot <= 1e-13 * length).any(axis=1)
@@ -401,12 +403,12 @@ def points_at(family: Family, log_tau: FloatArray, seen: Seen, *, exact: bool = 
 
 
 def descend_together(
-    family: Family, start: FloatArray, started: BoolArray, seen: Seen, limit: int = 40
+    family: Family, start: FloatArray, started: BoolArray, reduced: Reduced, limit: int = 40
 ) -> tuple[Point, BoolArray]:
     """As :func:`descend`, all records at once; where each ended, and whether at an optimum."""
     low, high = family.template.bounds
-    here = points_at(family, start.copy(), seen)
-    rounding = family.rounding_floor * seen.energy
+    here = points_at(family, start.copy(), reduced)
+    rounding = family.rounding_floor * reduced.energy
     done = np.zeros(len(start), dtype=bool)
     damping = np.full(len(start), 1e-6)
     last = np.full(len(start), np.inf)
@@ -418,7 +420,7 @@ def descend_together(
         trial = np.clip(now.log_tau + _steps(now, damping[active]), low, high)
         step = trial - now.log_tau
         moved, fall = np.abs(step).max(axis=1), np.abs(np.vecdot(now.gradient, step))
-        sse = seen.floor[active] + now.sse
+        sse = reduced.floor[active] + now.sse
         over = (damping[active] < LINEAR) & settled(moved, last[active], fall, sse)
         over |= moved <= FINISHED
         before = now.sse
@@ -428,7 +430,7 @@ def descend_together(
             active, trial, moved, before = (x[~over] for x in (active, trial, moved, before))
         if not len(active):
             break
-        new = points_at(family, trial, seen.take(active))
+        new = points_at(family, trial, reduced.take(active))
         tail, better = moved < TAIL, accepted(new.sse, before, moved, rounding[active])
         taken = active[better]
         last[taken] = moved[better]

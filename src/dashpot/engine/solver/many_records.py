@@ -3,7 +3,7 @@ r"""Thousands of records on one sampling, fitted side by side.
 What one record computes, a stack of them computes at once: compression is a matrix product, a start
 is the best of all sets of grid points (:class:`.GridSearch`), and every step of
 the descent is arithmetic on small matrices, one per record.
-Where a relaxation time is not known to 10 %, other peaks of the look are descended from too;
+Where a relaxation time is not known to 10 %, other peaks of the grid search are descended from too;
 whatever leaves another doubt (an arm at the edge of the window, a coefficient that is not positive)
 is solved again one by one, so that the result is that of
 :func:`dashpot.engine.solver.variable_projection.solve`.
@@ -20,14 +20,14 @@ from dashpot.base.arrays import BoolArray, ByValue, FloatArray, IndexArray
 from dashpot.base.errors import FitError
 from dashpot.engine.blocks.block import Block
 from dashpot.engine.blocks.compression import PLAIN
-from dashpot.engine.blocks.families import Family, Seen
+from dashpot.engine.blocks.families import Family, Reduced
 from dashpot.engine.solver.descent import Point, descend_together, points_at
 from dashpot.engine.solver.insertion import DOUBT
 from dashpot.engine.solver.starts import POINTS, GridSearch
 from dashpot.engine.solver.variable_projection import Solution, solve
 
 CHUNK = 128
-#: further peaks of the first look that are tried where a relaxation time is not well known
+#: further peaks of the grid search that are tried where a relaxation time is not well known
 RIVALS = 3
 
 
@@ -72,21 +72,21 @@ def solve_many(family: Family, records: FloatArray, arms: int) -> ManySolutions:
         )
     count = len(records)
     out = _empty(count, arms, family.fixed_count)
-    look = GridSearch(family, arms) if arms in POINTS else None
+    search = GridSearch(family, arms) if arms in POINTS else None
     for first in range(0, count, CHUNK):
         chunk = records[first : first + CHUNK]
         index = first + np.arange(len(chunk))
-        if look is None:
+        if search is None:
             out.finite[index] = _usable(chunk)
             index = index[out.finite[index]]
         else:
             with np.errstate(over="ignore", invalid="ignore"):
-                seen = family.see(chunk)
-                finite = np.isfinite(seen.floor + seen.energy)
+                reduced = family.reduce(chunk)
+                finite = np.isfinite(reduced.floor + reduced.energy)
             out.finite[index] = finite
             index = index[finite]
             if len(index):
-                sure = _together(family, look, seen.take(finite), index, out)
+                sure = _together(family, search, reduced.take(finite), index, out)
                 index = index[~sure]
         for i in index:
             _alone(family.block, records[i], arms, int(i), out)
@@ -146,22 +146,24 @@ def _alone(
 
 
 def _together(
-    family: Family, look: GridSearch, seen: Seen, index: IndexArray, out: ManySolutions
+    family: Family, search: GridSearch, reduced: Reduced, index: IndexArray, out: ManySolutions
 ) -> BoolArray:
     """Descend all records of a chunk; write the ones that leave no doubt, and say which."""
-    gain = look.gains(seen)
-    point, done = descend_together(family, *look.best(gain), seen)
-    sure = done & _proper(family, point, seen)
+    gain = search.gains(reduced)
+    point, done = descend_together(family, *search.best(gain), reduced)
+    sure = done & _proper(family, point, reduced)
     weak = np.flatnonzero(sure)
-    weak = weak[~_known(family, point.take(weak), seen.take(weak))]
+    weak = weak[~_known(family, point.take(weak), reduced.take(weak))]
     if len(weak):
-        best, sure[weak] = _compared(family, look, gain[:, weak], point.take(weak), seen.take(weak))
+        best, sure[weak] = _compared(
+            family, search, gain[:, weak], point.take(weak), reduced.take(weak)
+        )
         point.put(weak, best)
     q, (_, arms) = family.fixed_count, point.log_tau.shape
-    small = np.flatnonzero(sure & (point.sse < PLAIN * seen.energy))
+    small = np.flatnonzero(sure & (point.sse < PLAIN * reduced.energy))
     if len(small):
-        point.put(small, points_at(family, point.log_tau[small], seen.take(small), exact=True))
-    sse = seen.floor + point.sse
+        point.put(small, points_at(family, point.log_tau[small], reduced.take(small), exact=True))
+    sse = reduced.floor + point.sse
     rows = index[sure]
     order = np.argsort(point.log_tau[sure], axis=1)
     out.log_tau[rows] = np.take_along_axis(point.log_tau[sure], order, axis=1)
@@ -173,17 +175,17 @@ def _together(
     return sure
 
 
-def _proper(family: Family, point: Point, seen: Seen) -> BoolArray:
+def _proper(family: Family, point: Point, reduced: Reduced) -> BoolArray:
     """Which points lie inside the window, all coefficients positive."""
     low, high = family.template.bounds
     q, beta = family.fixed_count, point.beta
-    proper: BoolArray = point.sse > 100 * family.rounding_floor * seen.energy
+    proper: BoolArray = point.sse > 100 * family.rounding_floor * reduced.energy
     proper &= (beta[:, q:] > 0).all(axis=1) & (beta[:, :q] > 0)[:, family.nonnegative].all(axis=1)
     proper &= ((point.log_tau > low) & (point.log_tau < high)).all(axis=1)
     return proper
 
 
-def _known(family: Family, point: Point, seen: Seen) -> BoolArray:
+def _known(family: Family, point: Point, reduced: Reduced) -> BoolArray:
     """Which records know every relaxation time so well that no other optimum can be better."""
     count, arms = point.log_tau.shape
     spare = family.template.samples - family.fixed_count - 2 * arms
@@ -193,19 +195,19 @@ def _known(family: Family, point: Point, seen: Seen) -> BoolArray:
     scale = np.maximum(np.diagonal(curvature, axis1=1, axis2=2), 1e-300)
     unit = curvature / np.sqrt(scale[:, :, None] * scale[:, None, :]) + 1e-14 * np.eye(arms)
     variance = np.diagonal(np.linalg.inv(unit), axis1=1, axis2=2) / scale
-    noise = (seen.floor + point.sse) / spare
+    noise = (reduced.floor + point.sse) / spare
     known = (variance > 0) & (variance * noise[:, None] < DOUBT**2)
     return np.asarray(known.all(axis=1))
 
 
 def _compared(
-    family: Family, look: GridSearch, gain: FloatArray, found: Point, seen: Seen
+    family: Family, search: GridSearch, gain: FloatArray, found: Point, reduced: Reduced
 ) -> tuple[Point, BoolArray]:
     """The best of what was found and of descents from other peaks, and where it is proper."""
     proper = np.ones(len(found.sse), dtype=bool)
-    for start, started in look.peaks(gain, RIVALS):
-        other, done = descend_together(family, start, started, seen)
+    for start, started in search.peaks(gain, RIVALS):
+        other, done = descend_together(family, start, started, reduced)
         better = np.flatnonzero(other.sse < found.sse * (1 - 1e-10))
-        proper[better] = (done & _proper(family, other, seen))[better]
+        proper[better] = (done & _proper(family, other, reduced))[better]
         found.put(better, other.take(better))
     return found, proper

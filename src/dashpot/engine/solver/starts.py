@@ -1,4 +1,4 @@
-"""Where to start: peaks of the best positive spectrum, and insertions where the residual leans."""
+"""Where to start: peaks of the best positive spectrum, and of the dual gradient."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
-from dashpot.engine.blocks.families import Family, Seen
+from dashpot.engine.blocks.families import Family, Reduced
 from dashpot.engine.solver.descent import Point, Stack
 from dashpot.engine.solver.nnls import nonnegative
 
@@ -268,7 +268,7 @@ def _triples(size: int) -> IndexArray:
 
 
 def inserted(grid: Grid, point: Point, *, signed: bool, count: int = 2) -> list[FloatArray]:
-    """Starts with one arm more than the point, at the highest maxima of its lean."""
+    """Starts with one arm more than the point, at the highest maxima of its dual gradient."""
     dual_gradient = grid.dual_gradient(point, signed=signed)
     padded = np.concatenate(([-np.inf], dual_gradient, [-np.inf]))
     peaks = np.flatnonzero(
@@ -350,9 +350,9 @@ class GridSearch:
         self.sets = np.array(list(combinations(range(POINTS[arms]), arms)))
         self.inverse: FloatArray | None = None
 
-    def gains(self, seen: Seen) -> FloatArray:
+    def gains(self, reduced: Reduced) -> FloatArray:
         """What each set explains of each record, (sets, R); zero without positive coefficients."""
-        gram, with_fixed, with_grid = self.family.moments(self.log_tau, seen)
+        gram, with_fixed, with_grid = self.family.moments(self.log_tau, reduced)
         q = self.family.fixed_count
         across = np.linalg.solve(gram[:q, :q], gram[:q, q:])
         swept = gram[q:, q:] - gram[q:, :q] @ across
@@ -361,9 +361,9 @@ class GridSearch:
         if self.inverse is None:
             cosine = swept / length / length[:, None]
             parts = cosine[self.sets[:, :, None], self.sets[:, None, :]]
-            told_apart = np.linalg.eigvalsh(parts)[:, 0] > 1e-7
-            self.sets = self.sets[told_apart]
-            self.inverse = np.linalg.inv(parts[told_apart])
+            distinct = np.linalg.eigvalsh(parts)[:, 0] > 1e-7
+            self.sets = self.sets[distinct]
+            self.inverse = np.linalg.inv(parts[distinct])
         # one row per set: whole rows of records are picked, added and compared
         picked = [moment.T[column] for column in self.sets.T]
         gain, positive = np.zeros(picked[0].shape), np.ones(picked[0].shape, dtype=bool)

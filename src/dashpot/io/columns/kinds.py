@@ -18,7 +18,7 @@ _SIGNALS = {"force", "displacement", "stress", "strain"}
 
 
 @dataclass(frozen=True, eq=False)
-class _Seen:
+class _NamedColumns:
     """What the names and units of a table's columns say."""
 
     table: Table
@@ -45,7 +45,7 @@ class _Seen:
         )
 
 
-_RULES: tuple[tuple[FileKind, str, Callable[[_Seen], bool]], ...] = (
+_RULES: tuple[tuple[FileKind, str, Callable[[_NamedColumns], bool]], ...] = (
     (
         "frf",
         "it has frequency, and a complex value",
@@ -58,7 +58,7 @@ _RULES: tuple[tuple[FileKind, str, Callable[[_Seen], bool]], ...] = (
         "it has frequency, storage and loss",
         lambda s: s.has("storage", "frequency") and (s.has("loss") or s.has("loss_factor")),
     ),
-    ("not-a-test", "it is a power spectral density, which has no phase", _Seen.spectral),
+    ("not-a-test", "it is a power spectral density, which has no phase", _NamedColumns.spectral),
     (
         "impact",
         "it has time and an acceleration",
@@ -100,8 +100,8 @@ def kind_of(table: Table, options: ReadOptions) -> tuple[FileKind, str]:
     peaks = cycle_peaks(table)
     if peaks:
         return "not-a-test", peaks
-    seen = _Seen(table, options)
-    return next((kind, reason) for kind, reason, holds in _RULES if holds(seen))
+    named = _NamedColumns(table, options)
+    return next((kind, reason) for kind, reason, holds in _RULES if holds(named))
 
 
 def cycle_peaks(table: Table) -> str | None:

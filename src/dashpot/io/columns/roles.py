@@ -112,7 +112,7 @@ def score(column: Column, role: Role, options: ReadOptions) -> float:
     """How well a column's name and unit suit a role; 0 if it cannot play it."""
     if column.content not in ({"number", "clock"} if role == "time" else {"number"}):
         return 0.0
-    value = _said(column, role, options)
+    value = _named_score(column, role, options)
     if value == 0.0:
         return 0.0
     if vocabulary.has_word(column.name, vocabulary.DERIVED):
@@ -123,7 +123,7 @@ def score(column: Column, role: Role, options: ReadOptions) -> float:
     return value
 
 
-def _said(column: Column, role: Role, options: ReadOptions) -> float:
+def _named_score(column: Column, role: Role, options: ReadOptions) -> float:
     """How well the name says a role, one more where the unit fits; 0 if the unit forbids it."""
     says = vocabulary.matches(column.name)
     value = says.get(role, 0.0)
@@ -253,8 +253,8 @@ def unit_for(column: Column, number: int, role: Role, options: ReadOptions) -> U
         If no unit is given, or the one given is unknown or measures something else.
     """
     dimension = DIMENSION[role]
-    said = options.unit_of(role, column.name)
-    word = column.unit if said is None else said
+    stated = options.unit_of(role, column.name)
+    word = column.unit if stated is None else stated
     label = f"'{column.name or f'column {number}'}' ({role})"
     advice = f'add --units "{role}={_EXAMPLE.get(role, "")}"'
     if word is None:
@@ -264,10 +264,10 @@ def unit_for(column: Column, number: int, role: Role, options: ReadOptions) -> U
         )
     stiffness = units.find(word, "stiffness") if role in _MODULI else None
     try:
-        sensed = sensitivity(word, dimension, None if said is None else column.unit)
+        sensed = sensitivity(word, dimension, None if stated is None else column.unit)
         return sensed or stiffness or units.parse_unit(word, dimension)
     except DataError as error:
-        wrong = said is None and units.find(word) is not None
+        wrong = stated is None and units.find(word) is not None
         text = mislabelled(column, role) if wrong else f"{label}: {error}; {advice}"
         raise ReadError(text) from None
 

@@ -161,7 +161,7 @@ def has_word(name: str, words: tuple[str, ...]) -> bool:
     return any(w in found or (ord(w[0]) > 0x3000 and w in name) for w in words)
 
 
-def _says(spelling: str) -> Iterator[tuple[Role, float]]:
+def _roles(spelling: str) -> Iterator[tuple[Role, float]]:
     """The roles that one word may mean, and how surely."""
     first = FIRST.get(spelling, ())
     yield from ((role, 3.0) for role in first)
@@ -183,6 +183,6 @@ def matches(name: str) -> MappingProxyType[Role, float]:
     for word in {whole, *found, *stems}:
         less = 0.3 if word in stems else 0.0  # T beats T2, Force beats Force 1
         for spelling in {word, bare(word)}:
-            for role, value in _says(spelling):
+            for role, value in _roles(spelling):
                 scores[role] = max(value - less, scores.get(role, 0.0))
     return MappingProxyType(scores)

@@ -81,17 +81,17 @@ def read_calibration(path: str | Path) -> Calibration:
     except OSError as error:
         raise ReadError(f"{path}: cannot be read: {error.strerror}") from None
     with about(Path(path).name):
-        root, said = _parsed(content)
-        force = _factor(said.get("ForceUnits"), "force")
-        torque = _factor(said.get("TorqueUnits"), "torque")
+        root, sensor = _parsed(content)
+        force = _factor(sensor.get("ForceUnits"), "force")
+        torque = _factor(sensor.get("TorqueUnits"), "torque")
         si = np.repeat([force, torque], 3)
-        rows, limits, scaled = _rows(said)
+        rows, limits, scaled = _rows(sensor)
         matrix = rows * si[:, None]
         return Calibration(
             serial=root.get("Serial", ""),
-            part=said.get("PartNumber", ""),
-            date=said.get("CalDate", ""),
-            matrix=frozen(_moved(said, matrix) if scaled else matrix),
+            part=sensor.get("PartNumber", ""),
+            date=sensor.get("CalDate", ""),
+            matrix=frozen(_moved(sensor, matrix) if scaled else matrix),
             limit=frozen(limits * si),
         )
 
@@ -105,10 +105,10 @@ def _parsed(content: bytes) -> tuple[ET.Element, ET.Element]:
         root = ET.fromstring(content)  # noqa: S314 - entities are refused above
     except (ET.ParseError, ValueError, LookupError) as error:
         raise ReadError(f"{no}: {error}") from None
-    said = root.find("Calibration")
-    if root.tag != "FTSensor" or said is None:
+    sensor = root.find("Calibration")
+    if root.tag != "FTSensor" or sensor is None:
         raise ReadError(f"{no}: no FTSensor/Calibration in it")
-    return root, said
+    return root, sensor
 
 
 def _factor(word: str | None, dimension: units.Dimension) -> float:
@@ -118,10 +118,10 @@ def _factor(word: str | None, dimension: units.Dimension) -> float:
     return unit.factor
 
 
-def _rows(said: ET.Element) -> tuple[FloatArray, FloatArray, bool]:
+def _rows(sensor: ET.Element) -> tuple[FloatArray, FloatArray, bool]:
     """The matrix in the file's units, the ranges, and whether it is the scaled form."""
-    users = {entry.get("Name"): entry for entry in said.findall("UserAxis")}
-    found = users or {entry.get("Name"): entry for entry in said.findall("Axis")}
+    users = {entry.get("Name"): entry for entry in sensor.findall("UserAxis")}
+    found = users or {entry.get("Name"): entry for entry in sensor.findall("Axis")}
     matrix, limits = np.empty((6, 6)), np.empty(6)
     for i, axis in enumerate(AXES):
         entry = found.get(axis)
@@ -139,9 +139,9 @@ def _rows(said: ET.Element) -> tuple[FloatArray, FloatArray, bool]:
     return matrix, limits, not users
 
 
-def _moved(said: ET.Element, matrix: FloatArray) -> FloatArray:
+def _moved(sensor: ET.Element, matrix: FloatArray) -> FloatArray:
     """Torques about the tool face, from those about the transducer's origin."""
-    entry = said.find("BasicTransform")
+    entry = sensor.find("BasicTransform")
     if entry is None:
         return matrix
     try:
@@ -154,7 +154,7 @@ def _moved(said: ET.Element, matrix: FloatArray) -> FloatArray:
             f"BasicTransform turns the axes ({turn}), which a version 1.0 file does not "
             "define beyond doubt; ask for a calibration file of version 1.1"
         )
-    shift = shift * _factor(said.get("DistUnits"), "length")
+    shift = shift * _factor(sensor.get("DistUnits"), "length")
     moved = matrix.copy()
     moved[3:] -= np.cross(shift, matrix[:3], axisb=0, axisc=0)
     return moved

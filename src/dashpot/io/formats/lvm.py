@@ -138,14 +138,14 @@ def _mark(head: str, rows: Sequence[str], sign: str, options: ReadOptions) -> Ma
     """The decimal mark stated, or else (old writers) the one that the rows use."""
     if options.decimal is not None:
         return "," if options.decimal == "," else "."
-    said = re.search(r"^Decimal_Separator[\t,]\s*\"?([.,])", head, re.MULTILINE)
-    if said:
-        return "," if said[1] == "," else "."
+    stated = re.search(r"^Decimal_Separator[\t,]\s*\"?([.,])", head, re.MULTILINE)
+    if stated:
+        return "," if stated[1] == "," else "."
     return "," if sign != "," and any("," in row and "." not in row for row in rows) else "."
 
 
 def _segments(blocks: Iterable[str], sign: str, mark: Mark) -> list[_Segment]:
-    found = [_segment(said, mark) for said in _headers(blocks, sign) if "Channels" in said]
+    found = [_segment(header, mark) for header in _headers(blocks, sign) if "Channels" in header]
     if len({segment.channels for segment in found}) != 1:
         raise ReadError("the LVM segments differ in their channels; export them apart")
     return found
@@ -162,17 +162,17 @@ def _headers(blocks: Iterable[str], sign: str) -> list[dict[str, list[str]]]:
     return headers
 
 
-def _segment(said: dict[str, list[str]], mark: Mark) -> _Segment:
+def _segment(header: dict[str, list[str]], mark: Mark) -> _Segment:
     def numbers(key: str) -> tuple[float, ...]:
-        values = (cell.number(text, mark) for text in said.get(key, []) if text)
+        values = (cell.number(text, mark) for text in header.get(key, []) if text)
         return tuple(value for value in values if value is not None)
 
-    step = next((text for text in said.get("Delta_X", []) if text), "")
+    step = next((text for text in header.get("Delta_X", []) if text), "")
     count = numbers("Channels")
     return _Segment(
         channels=int(count[0]) if count else 0,
         samples=tuple(int(value) for value in numbers("Samples")),
-        units=tuple(said.get("Y_Unit_Label", [])),
+        units=tuple(header.get("Y_Unit_Label", [])),
         start=numbers("X0"),
         step=numbers("Delta_X"),
         half_digit=_half_digit(step.replace(",", ".")),

@@ -78,9 +78,13 @@ def _channels(group: Any) -> list[_Channel]:
     for channel in group.channels():
         values = np.asarray(channel[:])
         if values.size and values.dtype.kind in "iuf":
-            said = channel.properties
-            unit = next((str(said[key]) for key in _UNITS if str(said.get(key, "")).strip()), None)
-            step, offset = said.get("wf_increment"), float(said.get("wf_start_offset", 0.0))
+            properties = channel.properties
+            unit = next(
+                (str(properties[key]) for key in _UNITS if str(properties.get(key, "")).strip()),
+                None,
+            )
+            step = properties.get("wf_increment")
+            offset = float(properties.get("wf_start_offset", 0.0))
             found.append(
                 _Channel(
                     channel.name, unit, values.astype(float), float(step) if step else None, offset

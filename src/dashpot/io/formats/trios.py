@@ -62,8 +62,8 @@ def _data_sets(node: Any, name: str = "", depth: int = 0) -> Iterator[_Set]:
     """Every ``{"columns": [...], "values": [...]}`` in the document, with the nearest name."""
     children: Iterable[Any] = node if isinstance(node, list) else ()
     if isinstance(node, dict):
-        said = node.get("Properties", node)
-        name = str(said.get("Name", name)) if isinstance(said, dict) else name
+        properties = node.get("Properties", node)
+        name = str(properties.get("Name", name)) if isinstance(properties, dict) else name
         if _table_like(node):
             heads = tuple((str(c["name"]), str(c.get("unit") or "")) for c in node["columns"])
             yield name, heads, [_row(row, len(heads)) for row in node["values"]]

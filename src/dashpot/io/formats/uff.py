@@ -47,7 +47,7 @@ def read(raw: Raw, options: ReadOptions) -> Table:
             "no dataset 58 with an FRF or a time record; the datasets are of types "
             f"{kinds or 'none'}"
         )
-    notes = _said(sets, units)
+    notes = _notes(sets, units)
     frfs = _of_type(curves, FRF_)
     if frfs:
         return _frf(frfs, _of_type(curves, COHERENCE), units, segment=options.segment, notes=notes)
@@ -63,7 +63,7 @@ def _dataset(sets: Sequence[_Set], number: int) -> _Set | None:
     return next((entry for entry in sets if entry.get("type") == number), None)
 
 
-def _said(sets: Sequence[_Set], units: _Set | None) -> list[str]:
+def _notes(sets: Sequence[_Set], units: _Set | None) -> list[str]:
     notes = []
     model = _dataset(sets, 151)
     if model is not None and str(model.get("model_name", "")).strip():

@@ -64,9 +64,9 @@ def opened(path: str | Path, options: ReadOptions | None, *, sure: bool = True) 
 
 def refuse_summary(file: Opened) -> None:
     """Refuse a table of one row per cycle, unless the user names its columns."""
-    said = file.options
+    options = file.options
     peaks = cycle_peaks(file.table)
-    if peaks and not (said.force or said.displacement or said.acceleration):
+    if peaks and not (options.force or options.displacement or options.acceleration):
         raise ReadError(f"is not a test: {peaks}")
 
 

@@ -53,14 +53,14 @@ def read_frf(path: str | Path, *, options: ReadOptions | None = None) -> FRF:
             else _polar(file.table, index, column)
         )
         sd = next((i for i, c in enumerate(file.table.columns) if c.name.casefold() == "sd"), None)
-        said = _comments(file.table.header)
+        stated = _comments(file.table.header)
         names = [c.name for c in file.table.columns]
         return FRF(
             column["frequency"] * _hertz(file, index["frequency"]), value * factor, kind,
             coherence=column.get("coherence"),
             sd=None if sd is None else loaded.values[:, sd] * factor,
-            shift=said.get("shift", 0.0), record=said.get("record"),
-            averages=int(said.get("averages", 0)),
+            shift=stated.get("shift", 0.0), record=stated.get("record"),
+            averages=int(stated.get("averages", 0)),
             source=(channels.source(file, names, (*file.table.notes, *loaded.notes)),),
         )  # fmt: skip
 
@@ -96,8 +96,8 @@ def _comments(header: tuple[str, ...]) -> dict[str, float]:
 
 def _kind(file: Opened, role: Role, index: int) -> tuple[Kind, float]:
     """Kind of the FRF and the factor to SI, from the unit, held against a ``kind:`` comment."""
-    said = [match[1] for line in file.table.header if (match := _STATED.match(line))]
-    stated = next((Kind(word) for word in said if word in set(Kind)), None)
+    words = [match[1] for line in file.table.header if (match := _STATED.match(line))]
+    stated = next((Kind(word) for word in words if word in set(Kind)), None)
     column = file.table.columns[index]
     word = file.options.unit_of(role, column.name) or column.unit or ""
     ratio = _ratio(word)

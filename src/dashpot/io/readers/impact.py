@@ -74,8 +74,8 @@ def _one(path: str | Path, options: ReadOptions | None) -> ImpactTest:
         starts, rate = loaded.starts, file.options.rate
         if rate is None:
             time, *signals = columns
-            starts, said = _starts(time, loaded)
-            notes += said
+            starts, remarks = _starts(time, loaded)
+            notes += remarks
         else:
             time, signals = np.arange(len(loaded.values)) / rate, columns
             notes.append(f"time counted from the rows at {rate:g} Hz, as given")

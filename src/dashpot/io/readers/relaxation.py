@@ -61,12 +61,12 @@ def relaxation_in(file: Opened, specimen: Specimen) -> RelaxationTest:
         notes.append(_joined(values["time"], loaded))
     if not np.isfinite(loaded.values).all():
         window = cleaning.ramp_window(values["time"], values["displacement"])
-        keep, said = cleaning.drop_missing(loaded, [c.role for c in chosen], protect=window)
-        notes += said
+        keep, dropped = cleaning.drop_missing(loaded, [c.role for c in chosen], protect=window)
+        notes += dropped
         values = {role: column[keep] for role, column in values.items()}
         loaded = channels.rows(loaded, keep)
-    keep, said = cleaning.drop_repeats(values["time"], loaded)
-    notes += said
+    keep, dropped = cleaning.drop_repeats(values["time"], loaded)
+    notes += dropped
     time, moved, force = (
         values[role] if keep.all() else values[role][keep]
         for role in ("time", "displacement", "force")

@@ -46,11 +46,11 @@ def _code_page(head: bytes) -> str:
     # only lines with a letter beyond ASCII can tell, and the first few hundred are enough
     lines = head.splitlines()
     whole = lines[:-1] if len(lines) > 1 else lines  # the last may be cut within a character
-    telling = b"\n".join([line for line in whole if not line.isascii()][:200])
+    not_ascii = b"\n".join([line for line in whole if not line.isascii()][:200])
     scored = []
     for rank, name in enumerate(("gb18030", *_EIGHT_BIT)):
         try:
-            text = telling.decode(name)
+            text = not_ascii.decode(name)
         except UnicodeDecodeError:
             continue
         scored.append((_likely(text, name), -rank, name))

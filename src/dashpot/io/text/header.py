@@ -190,7 +190,7 @@ def _bracketed(text: str) -> tuple[str, str | None] | None:
 def _mangled(text: str) -> tuple[str, str] | None:
     match = _MANGLED.match(text)
     word = match[2].replace("_", "/") if match else ""
-    return (match[1].strip("_ "), word) if match and _says(match[1], word) else None
+    return (match[1].strip("_ "), word) if match and _is_unit_of(match[1], word) else None
 
 
 def _after_sign(text: str) -> tuple[str, str] | None:
@@ -199,7 +199,7 @@ def _after_sign(text: str) -> tuple[str, str] | None:
         return match[1].strip(), match[2]
     for sign in list(_SIGNS.finditer(text))[:-4:-1]:  # the last few places to cut, last first
         stem, word = text[: sign.start()], text[sign.end() :]
-        if stem and word and _says(stem, word):
+        if stem and word and _is_unit_of(stem, word):
             return stem.strip(" _,/:"), word
     return None
 
@@ -210,7 +210,7 @@ _SHAPES: tuple[Callable[[str], tuple[str, str | None] | None], ...] = (
 """The ways to write a unit into a name, the surest first."""
 
 
-def _says(stem: str, word: str) -> bool:
+def _is_unit_of(stem: str, word: str) -> bool:
     """Whether a trailing word is the unit of what the stem names: Kraft_N, not Channel_1."""
     for role in vocabulary.matches(stem):
         dimension = vocabulary.DIMENSION.get(role)

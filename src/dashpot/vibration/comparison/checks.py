@@ -20,8 +20,8 @@ DEPTH_LIMIT = 0.25
 def checks(
     c: Comparison,
     *,
-    seen: Peak,
-    told: Peak,
+    measured: Peak,
+    predicted: Peak,
     model: Solid | None,
     fit: Fit | None,
     mass: float | None,
@@ -31,9 +31,9 @@ def checks(
     found = [
         stiffness_agrees(c),
         peak_agrees(c),
-        damping_agrees(c, seen),
+        damping_agrees(c, measured),
         no_unit_slip(c),
-        lines_resolve_the_peak(seen, told),
+        lines_resolve_the_peak(measured, predicted),
     ]
     if fit is not None:
         found += [inside_identified_band(c, fit), damping_tested(c, fit)]
@@ -67,14 +67,15 @@ def peak_agrees(c: Comparison) -> Finding:
 
 
 @criterion("predicted / measured damping ratio", "x/", DAMPING_LIMIT)
-def damping_agrees(c: Comparison, seen: Peak) -> Finding:
+def damping_agrees(c: Comparison, measured: Peak) -> Finding:
     """The damping ratios are the same."""
     if c.measured_damping is None or c.predicted_damping is None:
         which = "measured" if c.measured_damping is None else "predicted"
         return Finding(
-            f"the {which} lines do not support a damping ratio: {seen.half_power_lines:.1f} lines "
-            f"lie in the half-power band, and at the end of the record {100 * seen.decay:.0f} % of "
-            "the response is left; record longer, or with more lines about the peak",
+            f"the {which} lines do not support a damping ratio: {measured.half_power_lines:.1f} "
+            "lines lie in the half-power band, and at the end of the record "
+            f"{100 * measured.decay:.0f} % of the response is left; record longer, or with "
+            "more lines about the peak",
             limit=None,
             faulted=True,
         )
@@ -105,10 +106,10 @@ def no_unit_slip(c: Comparison) -> Finding:
 
 
 @criterion("lines in the half-power band", ">=", 5.0, "our choice: fewer step over the peak")
-def lines_resolve_the_peak(seen: Peak, told: Peak) -> Finding:
+def lines_resolve_the_peak(measured: Peak, predicted: Peak) -> Finding:
     """The lines resolve both peaks."""
-    lines = min(seen.half_power_lines, told.half_power_lines)
-    which = "measured" if seen.half_power_lines <= told.half_power_lines else "predicted"
+    lines = min(measured.half_power_lines, predicted.half_power_lines)
+    which = "measured" if measured.half_power_lines <= predicted.half_power_lines else "predicted"
     return Finding(
         f"{lines:.1f} lines lie in the half-power band of the {which} peak",
         lines,

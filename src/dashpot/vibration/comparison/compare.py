@@ -86,31 +86,39 @@ def compare(
     given = _as_tested(given, measured, model, mass)
     keep = _compared(measured, find_peak(measured), explicit=band is not None)
     measured, given = measured.only(keep), given.only(keep)
-    seen, told = find_peak(measured), find_peak(given)
-    mode = _known(_nearest(_modes(measured), seen.frequency))
+    measured_peak, predicted_peak = find_peak(measured), find_peak(given)
+    mode = _known(_nearest(_modes(measured), measured_peak.frequency))
     comparison = Comparison(
         predicted=given,
         measured=measured,
-        predicted_hz=told.frequency,
-        measured_hz=seen.frequency,
-        predicted_peak=told.height,
-        measured_peak=seen.height,
-        predicted_damping=_predicted_damping(model, mass, given, told),
+        predicted_hz=predicted_peak.frequency,
+        measured_hz=measured_peak.frequency,
+        predicted_peak=predicted_peak.height,
+        measured_peak=measured_peak.height,
+        predicted_damping=_predicted_damping(model, mass, given, predicted_peak),
         measured_damping=None if mode is None else mode.damping_ratio,
         frac=_frac(given.value, measured.value),
         rms_db=_rms_db(given.value, measured.value),
         z_rms=None,
-        arms=_evidence(model, fit, seen.frequency),
+        arms=_evidence(model, fit, measured_peak.frequency),
         checks=(),
         verdict="",
         band=(float(measured.frequency[0]), float(measured.frequency[-1])),
-        measured_hz_se=seen.frequency_se,
+        measured_hz_se=measured_peak.frequency_se,
         measured_damping_se=None if mode is None else mode.damping_ratio_se,
     )
     z = comparison.z
     if z is not None:
         comparison = replace(comparison, z_rms=float(np.sqrt(np.mean(z**2))))
-    found = checks(comparison, seen=seen, told=told, model=model, fit=fit, mass=mass, depth=depth)
+    found = checks(
+        comparison,
+        measured=measured_peak,
+        predicted=predicted_peak,
+        model=model,
+        fit=fit,
+        mass=mass,
+        depth=depth,
+    )
     comparison = replace(comparison, checks=found)
     return replace(comparison, verdict=verdict(comparison))
 
@@ -261,12 +269,12 @@ def _evidence(model: Solid | None, fit: Fit | None, frequency: float) -> tuple[A
     loss = np.asarray(arms.k) * x / (1 + x**2)
     share = loss / (loss.sum() + omega * arms.b)
     return tuple(
-        ArmEvidence(tau, float(part), _seen(fit, j))
+        ArmEvidence(tau, float(part), _resolved(fit, j))
         for j, (tau, part) in enumerate(zip(arms.tau, share, strict=True), start=1)
     )
 
 
-def _seen(fit: Fit | None, arm: int) -> bool:
+def _resolved(fit: Fit | None, arm: int) -> bool:
     """Whether the relaxation test pins this arm: k > 3 SE and SE(ln tau) < 0.5.
 
     Where a fit has learnt from a hammer too, the arms that are new came from there; where a fit

@@ -135,7 +135,7 @@ class Comparison:
         )
         lines += [
             f"arm tau = {arm.tau:.4g} s: {100 * arm.loss_share:.1f} % of the model's loss at the "
-            f"measured peak, {'seen' if arm.seen_by_relaxation else 'not seen'} by the relaxation"
+            f"measured peak, {'' if arm.seen_by_relaxation else 'not '}resolved by the relaxation"
             for arm in self.arms
         ]
         lines += [f"[{check.name}] {check.says}" for check in self.checks if not check.passed]

@@ -141,13 +141,13 @@ def _eccentricity(lines: Lines, hits: ComplexArray, poles: ComplexArray) -> tupl
     return tuple(float(q) for q in (shape @ rocking) / channels / bounce)
 
 
-def _weights(seen: ComplexArray) -> FloatArray:
-    """Real weights of sum 1 that leave least of what is `seen`, shape (channels, lines).
+def _weights(response: ComplexArray) -> FloatArray:
+    """Real weights of sum 1 that leave least of a `response`, shape (channels, lines).
 
     Among equally good ones, those closest to the mean.
     """
-    n = len(seen)
-    rows = np.vstack((seen.real.T, seen.imag.T)) / np.linalg.norm(seen)
+    n = len(response)
+    rows = np.vstack((response.real.T, response.imag.T)) / np.linalg.norm(response)
     mean = np.full(n, 1 / n)
     # any weights of sum 1 are the mean plus differences
     differences = np.linalg.svd(np.ones((1, n)))[2][1:].T

@@ -40,11 +40,11 @@ class StateSpace:
         :math:`B_F`.
     base, base_velocity : array, shape (z, moving)
         :math:`B_u` and :math:`B_v` of the ground motions asked for.
-    arm_mount : array of int, shape (arms,)
-        The mount of each arm.
-    arm_k : array, shape (arms,)
+    arm_mount : array of int, shape (J,)
+        The mount of each of the J arms.
+    arm_k : array, shape (J,)
         Its stiffness, N/m.
-    arm_state : array, shape (arms, z - 2n)
+    arm_state : array, shape (J, z - 2n)
         Its elongation from the shared states, y = arm_state @ Y.
     """
 
