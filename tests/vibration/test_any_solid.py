@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-
 import numpy as np
-import numpy.typing as npt
 import pytest
+from kit.fractional import FractionalZener
 
-from dashpot.base.arrays import ComplexArray
 from dashpot.records.frf import FRF
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 from dashpot.vibration.comparison.compare import compare, infer_mass
@@ -26,41 +23,6 @@ MASS = 0.2
 LINES = np.linspace(2.0, 60.0, 233)
 
 
-@dataclass(frozen=True)
-class FractionalZener(Solid):
-    r"""A spring beside a spring and a springpot: :math:`k_\infty + k (s\tau)^a / (1 + (s\tau)^a)`.
-
-    Its spectrum is Cole and Cole's; the arms are its trapezoidal rule in ln tau.
-    """
-
-    k_inf: float
-    k: float
-    tau: float
-    power: float
-
-    @property
-    def k_0(self) -> float:
-        return self.k_inf + self.k
-
-    @property
-    def maxwell(self) -> GeneralizedMaxwell:
-        x = np.linspace(-18.0, 18.0, 73)
-        turn = np.pi * self.power
-        weight = np.sin(turn) / (np.cosh(self.power * x) + np.cos(turn))
-        return GeneralizedMaxwell(
-            self.k_inf, tuple(self.k * weight / weight.sum()), tuple(self.tau * np.exp(x))
-        )
-
-    def stiffness_at(self, s: npt.ArrayLike) -> ComplexArray:
-        x = (np.asarray(s, dtype=complex) * self.tau) ** self.power
-        return np.asarray(self.k_inf + self.k * x / (1 + x))
-
-    def __mul__(self, count: float) -> FractionalZener:
-        return replace(self, k_inf=self.k_inf * count, k=self.k * count)
-
-    __rmul__ = __mul__
-
-
 SEAL = FractionalZener(400.0, 500.0, 0.01, 0.6)
 
 
@@ -73,7 +35,8 @@ def closed_form(frequency: np.ndarray, *, shift: float = 0.0, seals: int = 2) ->
 def test_its_arms_stand_for_it() -> None:
     omega = np.geomspace(1e-2, 1e5, 40)
     stiffness = SEAL.complex_stiffness(omega)
-    assert SEAL.maxwell.complex_stiffness(omega) == pytest.approx(stiffness, rel=1e-4)
+    # arms a factor e apart leave exp(-pi^2) of a ripple
+    assert SEAL.maxwell.complex_stiffness(omega) == pytest.approx(stiffness, rel=3e-4)
 
 
 @pytest.mark.parametrize("solid", [SEAL, GeneralizedMaxwell(100.0, (40.0,), (0.02,), 0.3)])
