@@ -72,7 +72,7 @@ def test_the_joint_fit_mends_it(story):
     assert any(moved.name.startswith("k_") for moved in story.joint.moved)
 
 
-def test_the_measured_frf_lies_in_the_room_for_unseen_arms(story):
+def test_the_measured_frf_lies_in_the_bound_over_unseen_arms(story):
     lines = story.measured.band(8.0, 18.0)
     band = frf_band(story.fit, story.prepared, mass=BROAD_MASS, frequency=lines.frequency, seals=2)
     size, slack = np.abs(lines.value), 3 * lines.sd
@@ -81,14 +81,14 @@ def test_the_measured_frf_lies_in_the_room_for_unseen_arms(story):
 
 
 def test_standard_errors_know_nothing_of_unseen_arms():
-    """Two arms, as in Table 1: a formal loss factor to 1 %, with room for five times as much."""
+    """Two arms, as in Table 1: a formal loss factor to 1 %, with a bound five times as high."""
     prepared = dp.prepare(simulate_relaxation(PAPER, seed=2).test)
     fit = dp.fit(prepared, arms=2)
     formal = parameter_band(fit, [12.71]).loss_factor[:, 0]
-    room = unseen_arm_band(fit, prepared, [12.71]).loss_factor[:, 0]
+    bound = unseen_arm_band(fit, prepared, [12.71]).loss_factor[:, 0]
     assert formal[1] / formal[0] - 1 < 0.05
-    assert room[1] > 5 * formal[1]
-    assert room[0] <= PAPER.loss_factor(2 * np.pi * 12.71) <= room[1]
+    assert bound[1] > 5 * formal[1]
+    assert bound[0] <= PAPER.loss_factor(2 * np.pi * 12.71) <= bound[1]
 
 
 def test_the_story_without_a_hammer_ends_at_the_prediction():

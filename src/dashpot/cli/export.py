@@ -94,9 +94,9 @@ def command(
     return Outcome(document, text)
 
 
-def _described(found: dp.Fit, said_now: Specimen) -> dp.Fit:
+def _described(found: dp.Fit, given: Specimen) -> dp.Fit:
     """Return the fit with what the user adds now to what it knows of its specimen."""
-    news = {field.name: getattr(said_now, field.name) for field in fields(said_now)}
+    news = {field.name: getattr(given, field.name) for field in fields(given)}
     specimen = replace(found.specimen, **{name: value for name, value in news.items() if value})
     return replace(found, provenance=replace(found.provenance, specimen=specimen))
 

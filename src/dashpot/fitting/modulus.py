@@ -88,7 +88,7 @@ def fit_modulus(
     window = _window(t)
     weight = _weights(values, weights)
     if weights == "relative":
-        # the size of noisy data is a biased weight: low values would speak loudest
+        # the size of noisy data is a biased weight: low values would count most
         first = _block(t, values, weight, window)
         expected = alone([first], [first], most).model.relaxation(t)
         weight = 1 / np.maximum(expected, _DOUBTED * values)

@@ -7,8 +7,8 @@ compared with the square of Student's t. Unlike a standard error it sees that a 
 skewed, or open on one side. Source: D. M. Bates and D. G. Watts, *Nonlinear Regression Analysis
 and Its Applications* (1988), ch. 6.
 
-The noise of a correlated record is not equally loud to every change of the model, and a profile
-that bends walks from one kind of change to another: with :math:`d(v)` the change of the model on
+The noise of a correlated record has its own gain for each change of the model, and a profile that
+bends walks from one kind of change to another: with :math:`d(v)` the change of the model on
 the way from the optimum to v, :math:`\kappa s^2` grows as :math:`d'\Gamma d / d'd`. In a linear
 model that is constant, and the deviance is the square of (v - optimum) / SE by the sandwich.
 """

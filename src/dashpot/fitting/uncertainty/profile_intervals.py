@@ -73,7 +73,7 @@ def profiles(
 
 
 def _noise_gain(every_sample: Sequence[Block], estimate: Estimate) -> NoiseGain | None:
-    """Return how loud the noise is to each change of the model, None if about equally."""
+    """Return the noise gain of each change of the model, None if it is about the same."""
     if nearly_white(estimate.noises):
         return None
     _, jacobians = by_record(full_jacobian(every_sample, estimate.solution), every_sample)

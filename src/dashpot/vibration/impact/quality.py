@@ -60,9 +60,9 @@ def moving_before(hit: HitBlock) -> float:
     worst = 0.0
     for row, spread, noise in zip(hit.acceleration, hit.ringing, hit.noise[1:], strict=True):
         slow = float(np.sqrt(max(spread**2 - noise**2, 0.0)))
-        loud = float(row[hit.onset :][: max(len(row) // 16, 4)].std())
+        level = float(row[hit.onset :][: max(len(row) // 16, 4)].std())
         if slow > 3 * noise / np.sqrt(max(hit.onset, 1)):
-            worst = max(worst, slow / max(loud, 1e-300))
+            worst = max(worst, slow / max(level, 1e-300))
     return worst
 
 
