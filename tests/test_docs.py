@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shlex
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -45,3 +46,27 @@ def test_pictures_of_the_readme_exist():
     assert pictures
     for picture in pictures:
         assert (ROOT / picture).is_file()
+
+
+@pytest.mark.parametrize("page", ["CONTRIBUTING.md", "docs/architecture.md"])
+def test_every_path_that_a_page_names_is_there(page):
+    text = re.sub(r"^```.*?^```", "", (ROOT / page).read_text("utf-8"), flags=re.DOTALL | re.M)
+    words = [word for quoted in re.findall(r"`([^`]+)`", text) for word in quoted.split()]
+    named = [word for word in words if re.search(r"\w/|\.(py|pyi|md|rst|toml)$", word)]
+    assert named
+    for word in named:
+        path = word.partition("NAME")[0].rstrip("/")  # a place for something new
+        stands = any(
+            (ROOT / path).exists() or any((ROOT / "src").rglob(f"{path}{ending}"))
+            for ending in ("", ".py")
+        )
+        assert stands, word
+
+
+def test_the_layers_of_the_house_are_those_that_are_held():
+    held = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["importlinter"]
+    page = (ROOT / "docs" / "architecture.md").read_text("utf-8")
+    layers = [line for line in held["contracts"][0]["layers"] if line != "__main__"]
+    assert "\n".join(["```text", *layers, "```"]) in page
+    rooms = re.findall(r"^\| `(\w+)/` \|", page, flags=re.M)
+    assert sorted(rooms) == sorted(word for line in layers for word in line.split(" | "))
