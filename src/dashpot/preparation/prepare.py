@@ -75,7 +75,7 @@ def prepare(
     _refuse_choices(sign=sign, drift=drift, force_range=force_range)
     motion = _motion(test, where, sign, cycle, (onset, ramp_end, hold_end))
     clean = without_spikes(test.time, test.force)
-    turn = _answer(clean, motion) if sign is None else sign
+    turn = _force_sign(clean, motion) if sign is None else sign
     x, force = motion.sign * test.displacement, turn * test.force
     count = quantum(x)
     gap = _least_gap(count, motion)
@@ -147,7 +147,7 @@ def _motion(
     )  # fmt: skip
 
 
-def _answer(force: FloatArray, motion: Motion) -> int:
+def _force_sign(force: FloatArray, motion: Motion) -> int:
     """1 if the force rises as the plate presses, else -1."""
     before = median(force[motion.start : motion.departure + 1][-50:])
     after = force[motion.line.last : motion.stop + 1]
