@@ -70,18 +70,18 @@ def _text(found: InspectedFile) -> str:
     lines += [f"  ASK       {question.says}" for question in found.questions]
     if found.refusal:
         lines.append(f"  ! cannot be prepared: {found.refusal}")
-    if seen := found.preparation:
+    if test := found.preparation:
         lines += [
             (
-                f"  ramp      {seen.onset:.4g} to {seen.ramp_end:.4g} s ({seen.ramp_time:.4g} s), "
-                f"{seen.depth * 1e3:.4g} mm"
+                f"  ramp      {test.onset:.4g} to {test.ramp_end:.4g} s ({test.ramp_time:.4g} s), "
+                f"{test.depth * 1e3:.4g} mm"
             ),
-            f"  hold      to {seen.hold_end:.5g} s ({seen.hold_time:.4g} s)",
+            f"  hold      to {test.hold_end:.5g} s ({test.hold_time:.4g} s)",
             (
-                f"  noise     force {seen.force_noise * 1e3:.3g} mN, "
-                f"displacement {seen.displacement_noise * 1e6:.3g} um"
+                f"  noise     force {test.force_noise * 1e3:.3g} mN, "
+                f"displacement {test.displacement_noise * 1e6:.3g} um"
             ),
-            *failed(seen.checks),
+            *failed(test.checks),
         ]
     return "\n".join(lines)
 

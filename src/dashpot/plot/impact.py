@@ -88,8 +88,8 @@ def hits(impact: ImpactTest, frf: FRF) -> Figure:
         ax = made.add_subplot(grid[1, wide * i : wide * (i + 1)], sharey=first)
         first = first or ax
         for one in judged:
-            seen = one.time <= 1.25 * end
-            panel.trace(ax, one.time[seen], one.block.acceleration[i, seen], one.pen, bins=bins)
+            inside = one.time <= 1.25 * end
+            panel.trace(ax, one.time[inside], one.block.acceleration[i, inside], one.pen, bins=bins)
         dress(
             ax, x="time after the hit, s", y="acceleration, m/s²", title=plain(impact.channels[i])
         )

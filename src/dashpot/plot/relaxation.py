@@ -114,9 +114,9 @@ class Fitted(NamedTuple):
     def residual(self, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
         """Time from first contact and residual, N, over what a log axis shows."""
         start, end = _log_start(prepared), prepared.hold_end - prepared.onset
-        seen = (self.time >= start) & (self.time <= end)
-        measured = np.interp(self.time[seen], prepared.time - prepared.onset, prepared.force)
-        return self.time[seen], measured - self.force[seen]
+        inside = (self.time >= start) & (self.time <= end)
+        measured = np.interp(self.time[inside], prepared.time - prepared.onset, prepared.force)
+        return self.time[inside], measured - self.force[inside]
 
 
 def fitted(chosen: Fit, alternatives: Sequence[Fit], prepared: RampHold) -> list[Fitted]:
@@ -166,18 +166,18 @@ def draw_residual(
     """
     when, left = one.residual(prepared)
     unit, scale = unit_of(left, "N")
-    seen = [scale * left]
+    drawn = [scale * left]
     # every excursion pale, the mean of each bin in ink
-    panel.trace(ax, when, seen[0], Pen(PALE, "-", 0.5), log=True, zorder=1)
-    x, y = panel.means(when, seen[0], log=True)
+    panel.trace(ax, when, drawn[0], Pen(PALE, "-", 0.5), log=True, zorder=1)
+    x, y = panel.means(when, drawn[0], log=True)
     panel.line(ax, x, y, Pen(one.pen.color, "-", one.pen.width), zorder=3)
     ax.axhline(0.0, color=GREY, linewidth=0.5, zorder=2)
     for other in others:
         x, y = panel.means(*other.residual(prepared), log=True)
         panel.trace(ax, x, scale * y, other.pen, log=True)
-        seen.append(scale * y)
+        drawn.append(scale * y)
     panel.segments(ax, _bounds(prepared))
-    ax.set_ylim(*panel.outer_limits(*seen, margin=0.08))
+    ax.set_ylim(*panel.outer_limits(*drawn, margin=0.08))
     ax.set_xlim(_log_start(prepared), prepared.hold_end - prepared.onset)
     dress(ax, y=f"N = {one.fit.model.arms}\nresidual, {unit}", log="x")
     noise = scale * prepared.force_noise
@@ -251,9 +251,9 @@ def _log_start(prepared: RampHold) -> float:
 def _zoom(ax: Axes, t: FloatArray, values: FloatArray, prepared: RampHold) -> None:
     c = prepared.ramp_time
     low, high = max(t[0], -0.6 * c), min(t[-1], 2.0 * c)
-    seen = (t >= low) & (t <= high)
+    inside = (t >= low) & (t <= high)
     panel.segments(ax, _bounds(prepared), before=low)
-    panel.trace(ax, t[seen], values[seen], MEASURED)
+    panel.trace(ax, t[inside], values[inside], MEASURED)
     ax.set_xlim(low, high)
     ax.locator_params(axis="x", nbins=6)
 
@@ -261,8 +261,8 @@ def _zoom(ax: Axes, t: FloatArray, values: FloatArray, prepared: RampHold) -> No
 def _hold(ax: Axes, t: FloatArray, values: FloatArray, prepared: RampHold) -> None:
     panel.segments(ax, _bounds(prepared))
     start = 0.5 * prepared.ramp_time
-    seen = t >= start
-    panel.trace(ax, t[seen], values[seen], MEASURED, log=True)
+    inside = t >= start
+    panel.trace(ax, t[inside], values[inside], MEASURED, log=True)
     ax.set_xlim(start, max(t[-1], prepared.hold_end - prepared.onset))
     dress(ax, log="x")
 

@@ -62,11 +62,11 @@ def halves(table: Table) -> tuple[Table, Table]:
 
 def checks(groups: Sequence[tuple[str, Sequence[Check]]]) -> Table:
     """Every check in words, failed ones first; a sentence that two stages share stands once."""
-    seen: dict[tuple[str, str], tuple[str, Check]] = {}
+    distinct: dict[tuple[str, str], tuple[str, Check]] = {}
     for stage, found in groups:
         for check in found:
-            seen.setdefault((check.name, check.says), (stage, check))
-    ordered = sorted(seen.values(), key=lambda pair: pair[1].passed)
+            distinct.setdefault((check.name, check.says), (stage, check))
+    ordered = sorted(distinct.values(), key=lambda pair: pair[1].passed)
     rows = tuple(
         ("passed" if check.passed else "failed", stage, words(check.name), readable(check.says))
         for stage, check in ordered
@@ -365,11 +365,11 @@ def arms_tested(comparison: Comparison | None) -> Table | None:
         return None
     rows, marks = [], []
     for arm in comparison.arms:
-        tested, seen = arm.loss_share > 0.1, arm.seen_by_relaxation
+        tested, resolved = arm.loss_share > 0.1, arm.seen_by_relaxation
         share = f"{100 * arm.loss_share:.1f}"
-        answers = ("yes" if tested else "hardly", "yes" if seen else "no")
+        answers = ("yes" if tested else "hardly", "yes" if resolved else "no")
         rows.append((duration(arm.tau), share, *answers))
-        marks.append("bad" if tested and not seen else "")
+        marks.append("bad" if tested and not resolved else "")
     head = ("arm's τ", "share of the loss at the peak, %", "tested by this FRF",
             "resolved by the relaxation test")  # fmt: skip
     return Table(head, tuple(rows), tuple(marks))

@@ -213,8 +213,8 @@ def _impact_contract(result: ImpactResult, plain: dict[str, Any]) -> dict[str, A
 
 
 def _inspected_contract(_file: InspectedFile, plain: dict[str, Any]) -> dict[str, Any]:
-    refusal, seen = plain.pop("refusal"), plain.pop("preparation")
-    account = {"error": refusal} if refusal else seen
+    refusal, ready = plain.pop("refusal"), plain.pop("preparation")
+    account = {"error": refusal} if refusal else ready
     return {**plain, "preparation": account} if account else plain
 
 

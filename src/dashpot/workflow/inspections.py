@@ -78,5 +78,5 @@ def _inspected(path: str | Path, options: ReadOptions) -> InspectedFile:
         test = prepare(read_relaxation(path, options=options))
     except DashpotError as error:
         return InspectedFile(**plain, refusal=str(error))
-    seen = Preparation(**{one.name: getattr(test, one.name) for one in fields(Preparation)})
-    return InspectedFile(**plain, preparation=seen)
+    ready = Preparation(**{one.name: getattr(test, one.name) for one in fields(Preparation)})
+    return InspectedFile(**plain, preparation=ready)

@@ -162,7 +162,7 @@ class Response(ByValue):
 
 
 class Force(NamedTuple):
-    """One force, or a stack of them, seen through a response: y of the Gram matrix."""
+    """One force, or a stack of them, correlated with a response: y of the Gram matrix."""
 
     sequence: FloatArray  # (..., m) compressed correlation with the displacement
     fixed: FloatArray  # (..., q) inner products with the fixed columns
@@ -175,12 +175,12 @@ class Force(NamedTuple):
         return cls(response.correlate(values), values @ response.fixed, energy)
 
 
-def correlation_rows(seen: Response, force: Force) -> Rows:
+def correlation_rows(shared: Response, force: Force) -> Rows:
     """Rows whose inner products are closed forms in tau, in the coordinates of their factor."""
-    q = seen.fixed.shape[1]
+    q = shared.fixed.shape[1]
 
     def rows(log_tau: FloatArray, derivative: bool) -> Evaluation:
-        factor = upper_factor(seen.gram(np.exp(log_tau), force, derivative=derivative))
+        factor = upper_factor(shared.gram(np.exp(log_tau), force, derivative=derivative))
         own = slice(q, q + len(log_tau))
         slope = slice(own.stop, -1) if derivative else own
         return Evaluation(factor[:, -1], factor[:, :q], factor[:, own], factor[:, slope])
@@ -354,10 +354,10 @@ def correlation_block(
     Its Gram matrix resolves an SSE to 1e-14 of the data's own sum of squares.
     """
     target, fixed, *_ = exact.evaluate(np.zeros(0), False)
-    seen = response(time, x, fixed, start=start, stop=stop)
+    shared = response(time, x, fixed, start=start, stop=stop)
     return replace(
         exact,
-        rows=correlation_rows(seen, Force.of(seen, target)),
+        rows=correlation_rows(shared, Force.of(shared, target)),
         accuracy=float(np.sqrt(ROUNDING)),
         rotated_basis=True,
         full=lambda: exact,

@@ -1,4 +1,4 @@
-"""One file format, one file; which one reads a file is seen from its first bytes."""
+"""One file format, one file; which one reads a file shows in its first bytes."""
 
 from __future__ import annotations
 

@@ -196,19 +196,19 @@ def _content(cells: Sequence[str], mark: Mark) -> Content:
 
 def _from_the_top(lines: Sequence[str], dialect: Dialect) -> Dialect | None:
     """The same dialect with the first line of its first steady run of rows."""
-    needed, first, seen = 3, -1, 0
+    needed, first, steady = 3, -1, 0
     fallback = -1
     for i, line in enumerate(lines):
         if not line.strip():
             continue
         if dialect.row(line) is None:
-            first, seen = -1, 0
+            first, steady = -1, 0
             continue
-        if seen == 0:
+        if steady == 0:
             first = i
             fallback = i if fallback < 0 else fallback
-        seen += 1
-        if seen == needed:
+        steady += 1
+        if steady == needed:
             return replace(dialect, first=first)
     return replace(dialect, first=fallback) if fallback >= 0 else None
 

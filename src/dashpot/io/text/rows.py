@@ -37,10 +37,10 @@ class _Gathered:
         """Count a word in the place of a number; a few are enough to tell."""
         if word not in self.words and len(self.words) >= _MENTIONED:
             return
-        seen = self.words.setdefault(word, [0])
-        seen[0] += 1
-        if len(seen) <= 3:
-            seen.append(line)
+        places = self.words.setdefault(word, [0])
+        places[0] += 1
+        if len(places) <= 3:
+            places.append(line)
 
     def add(self, values: FloatArray, line: int) -> None:
         if self.rows and not _remark(self.between):
