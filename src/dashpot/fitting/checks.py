@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,9 +11,11 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Finding, criterion
 from dashpot.engine.inference.order import MAX_SE_LN_TAU, MIN_K_OVER_SE, Choice
 from dashpot.preparation.filters import Filter
-from dashpot.records.dynamic import DynamicTest
 from dashpot.records.relaxation import RampHold
 from dashpot.solids.maxwell import GeneralizedMaxwell
+
+if TYPE_CHECKING:
+    from dashpot.records.dynamic import DynamicTest
 
 MIN_HOLD_OVER_TAU = 3.0
 MIN_TAU_RATIO = 1.5

@@ -10,7 +10,6 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import ComplexArray, FloatArray, increasing, same_length, samples
 from dashpot.base.errors import DataError
-from dashpot.solids.interconversion import creep_spectrum
 
 
 class Solid(ABC):
@@ -245,6 +244,8 @@ class GeneralizedMaxwell(Solid):
         where poles and residues of :math:`1 / (s K(s))` give :math:`\lambda_i, D_i` exactly
         (:func:`dashpot.solids.interconversion.creep_spectrum`).
         """
+        from dashpot.solids.interconversion import creep_spectrum  # no fit needs it
+
         return creep_spectrum(self.k_inf, self.k, self.tau, self.b).compliance(t)
 
     def ramp_hold_force(self, t: npt.ArrayLike, *, depth: float, ramp_time: float) -> FloatArray:

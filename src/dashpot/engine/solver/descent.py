@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property, lru_cache
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 from dashpot.engine.blocks.block import Block, stiffnesses
-from dashpot.engine.blocks.families import Family, Reduced
 from dashpot.engine.solver.nnls import nonnegative_columns
+
+if TYPE_CHECKING:
+    from dashpot.engine.blocks.families import Family, Reduced
 
 LONGEST_STEP = 1.5
 TAIL = 1e-5

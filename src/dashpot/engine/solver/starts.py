@@ -6,14 +6,16 @@ from collections import OrderedDict
 from collections.abc import Hashable, Iterator
 from functools import cached_property, lru_cache
 from itertools import combinations
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
-from dashpot.engine.blocks.families import Family, Reduced
 from dashpot.engine.solver.descent import Point, Stack
 from dashpot.engine.solver.nnls import nonnegative
+
+if TYPE_CHECKING:
+    from dashpot.engine.blocks.families import Family, Reduced
 
 GRID = 72
 #: triples are first looked for among every so-many-th point
