@@ -119,3 +119,15 @@ def test_what_passes_does_not_end_the_process(seed: int) -> None:
             warnings.simplefilter("ignore")
             loadmat(BytesIO(content), simplify_cells=True)
     assert 100 < refused < 800
+
+
+@pytest.mark.parametrize(
+    ("name", "at", "put"),
+    [("indices", 1, 9), ("indices", 0, -1), ("indptr", 0, 1), ("indptr", 1, 3), ("indptr", 3, 9)],
+)
+def test_the_indices_of_a_sparse_array_lie_inside_it(name: str, at: int, put: int) -> None:
+    array = csc_matrix(np.array([[1.0, 0.0, 2.0], [0.0, 3.0, 0.0]]))
+    check_elements(saved({"numbers": array}))
+    getattr(array, name)[at] = put
+    with pytest.raises(ReadError, match="indices lie outside"):
+        check_elements(saved({"numbers": array}))

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from itertools import pairwise
 from math import prod
 from typing import Any, BinaryIO
 
@@ -160,15 +161,35 @@ def _array(take: Take, order: str, size: int, *, depth: int) -> None:
     left -= read
     if len(dimensions) not in _DIMENSIONS:
         raise _Damaged(f"an array with {len(dimensions)} bytes of dimensions")
-    cells = prod(abs(n) for n in _integers(dimensions, order))
+    shape = _integers(dimensions, order)
+    cells = prod(abs(n) for n in shape)
     if cells > size and class_ != _SPARSE:
         raise _Damaged(f"an array of {cells} values in {size} bytes")
     left -= _content(take, order, left, _NAME)[0]
     read, kinds, parts = _inside(take, order, left, class_=class_, cells=cells, parts=parts)
     left -= read
+    if class_ == _SPARSE:
+        left, parts = left - _indices(take, order, left, shape), parts - 2
     for _part in range(parts):
         left -= _element(take, order, left, kinds, depth=depth + 1)
     _passed(take, left)
+
+
+def _indices(take: Take, order: str, room: int, shape: Sequence[int]) -> int:
+    """Rows and starts of the columns of a sparse array, which SciPy follows without a look."""
+    first, rows = _content(take, order, room, _INT32)
+    second, starts = _content(take, order, room - first, _INT32)
+    at, begins = _integers(rows, order), _integers(starts, order)
+    if (
+        len(shape) != 2
+        or len(begins) != shape[1] + 1
+        or begins[0] != 0
+        or begins[-1] > len(at)
+        or any(a > b for a, b in pairwise(begins))
+        or any(not 0 <= row < shape[0] for row in at)
+    ):
+        raise _Damaged("a sparse array whose indices lie outside it")
+    return first + second
 
 
 def _inside(
