@@ -12,7 +12,16 @@ from hypothesis import settings
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(name, "1")
 
+from dashpot.fitting.relaxation import fit  # noqa: E402
+from dashpot.preparation.prepare import prepare  # noqa: E402
+from dashpot.records.fit import Fit  # noqa: E402
+from dashpot.records.frf import FRF  # noqa: E402
+from dashpot.records.relaxation import RampHold  # noqa: E402
+from dashpot.simulation.impact import simulate_impact  # noqa: E402
+from dashpot.simulation.relaxation import simulate_relaxation  # noqa: E402
 from dashpot.solids.maxwell import GeneralizedMaxwell  # noqa: E402
+from dashpot.solids.table_1 import BROAD, BROAD_MASS  # noqa: E402
+from dashpot.vibration.impact.frf_estimation import estimate_frf  # noqa: E402
 
 # how long an example takes is the machine's affair
 settings.register_profile("dashpot", deadline=None)
@@ -32,3 +41,21 @@ def shared_data() -> Path:
 def paper_seal() -> GeneralizedMaxwell:
     """Table 1 of the paper, in SI units."""
     return GeneralizedMaxwell(k_inf=196.5, k=(117.5, 17.8), tau=(59.0 / 117.5, 292.2 / 17.8))
+
+
+@pytest.fixture(scope="session")
+def broad_test() -> RampHold:
+    """The broad seal on the virtual rig."""
+    return prepare(simulate_relaxation(BROAD, seed=3).test)
+
+
+@pytest.fixture(scope="session")
+def broad_fit(broad_test: RampHold) -> Fit:
+    """What that test tells of it."""
+    return fit(broad_test)
+
+
+@pytest.fixture(scope="session")
+def broad_frf() -> FRF:
+    """The broad seal under the virtual hammer."""
+    return estimate_frf(simulate_impact(BROAD, mass=BROAD_MASS, seed=3).test)

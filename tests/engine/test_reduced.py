@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from kit import broad_seal
 
 from dashpot.engine.blocks.kernels import reduced_block
 from dashpot.engine.blocks.recorded import recursion_block
@@ -15,16 +14,6 @@ from dashpot.fitting.uncertainty.prediction_bounds import unseen_arm_band
 from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RampHold
 from dashpot.solids.table_1 import BROAD
-
-
-@pytest.fixture(scope="module")
-def broad_fit() -> Fit:
-    return broad_seal.fitted()
-
-
-@pytest.fixture(scope="module")
-def broad_test() -> RampHold:
-    return broad_seal.prepared()
 
 
 def test_it_is_the_block_in_other_coordinates() -> None:

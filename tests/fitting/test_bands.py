@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from kit import broad_seal
 from kit.fits import altered
 
 from dashpot.base.errors import DataError
@@ -22,21 +21,6 @@ from dashpot.simulation.relaxation import Rig, simulate_relaxation
 from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER
 
 AT = np.array([0.05, 0.3, 1.0, 5.0, 12.71, 30.0])
-
-
-@pytest.fixture(scope="module")
-def broad_fit() -> Fit:
-    return broad_seal.fitted()
-
-
-@pytest.fixture(scope="module")
-def broad_frf() -> FRF:
-    return broad_seal.measured()
-
-
-@pytest.fixture(scope="module")
-def broad_test() -> RampHold:
-    return broad_seal.prepared()
 
 
 def test_the_truth_lies_in_the_unseen_arm_band(broad_fit: Fit, broad_test: RampHold) -> None:

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from kit import broad_seal
 
 from dashpot.base.errors import FitError
 from dashpot.fitting.identification.frf_data import frf_data_of
@@ -31,21 +30,6 @@ from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER
 from dashpot.vibration.comparison.compare import compare
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.systems.prediction import predict_frf
-
-
-@pytest.fixture(scope="module")
-def broad_fit() -> Fit:
-    return broad_seal.fitted()
-
-
-@pytest.fixture(scope="module")
-def broad_frf() -> FRF:
-    return broad_seal.measured()
-
-
-@pytest.fixture(scope="module")
-def broad_test() -> RampHold:
-    return broad_seal.prepared()
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from kit import broad_seal
 
 from dashpot.base.errors import DataError
 from dashpot.records.frf import FRF, Kind
@@ -19,11 +18,6 @@ from dashpot.vibration.systems.prediction import predict_frf
 
 LINES = np.array([1.0, 2.0, 5.0, 8.0, 10.0, 12.0, 12.71, 13.0, 15.0, 20.0, 30.0, 50.0])
 MASS = 0.05202
-
-
-@pytest.fixture(scope="module")
-def broad_frf() -> FRF:
-    return broad_seal.measured()
 
 
 def at(values: np.ndarray, *frequencies: float) -> list[float]:
