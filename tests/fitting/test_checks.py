@@ -48,7 +48,7 @@ def named(found: Fit, name: str) -> Check:
 
 def test_a_sound_test_passes_all_but_the_length_of_the_papers_hold(test: RampHold) -> None:
     found = fit(test)
-    assert [check.name for check in found.checks if not check.passed] == ["hold_long_enough"]
+    assert [check.name for check in found.checks if check.failed] == ["hold_long_enough"]
     assert len({check.name for check in found.checks}) == len(found.checks)
     assert all(check.says for check in found.checks)
     longer = record_of(GeneralizedMaxwell(196.5, (117.5, 17.8), (0.5, 10.0)))
@@ -58,7 +58,7 @@ def test_a_sound_test_passes_all_but_the_length_of_the_papers_hold(test: RampHol
 def test_a_clipped_force(test: RampHold) -> None:
     found = fit(replace(test, force=np.minimum(test.force, 1.9)), arms=2)
     check = named(found, "force_not_clipped")
-    assert not check.passed
+    assert check.failed
     assert "stand at exactly 1.9 N" in check.says
     assert "raise the range of the sensor" in check.says
     assert not found.ok
@@ -72,7 +72,7 @@ def test_a_clipped_force(test: RampHold) -> None:
 def test_a_force_below_the_resolution(test: RampHold) -> None:
     coarse = replace(test, force=np.round(test.force / 0.2) * 0.2)
     check = named(fit(coarse, arms=1), "force_resolved")
-    assert not check.passed
+    assert check.failed
     assert check.value is not None
     assert check.value < 20
     assert "cannot show a decay: press deeper" in check.says
@@ -85,7 +85,7 @@ def test_a_coarse_encoder_widens_the_intervals(paper_seal: GeneralizedMaxwell) -
     test = record_of(paper_seal, rate=500.0)
     coarse = replace(test, displacement=np.round(test.displacement / 2e-4) * 2e-4)
     check = named(fit(coarse, arms=2), "depth_resolved")
-    assert not check.passed
+    assert check.failed
     assert "use a finer encoder" in check.says
     sharp, blunt = fit(test, arms=2).standard_error, fit(coarse, arms=2).standard_error
     assert blunt["k_inf"] > 2 * sharp["k_inf"]
@@ -106,13 +106,13 @@ def test_a_plate_that_creeps(test: RampHold) -> None:
 
 def test_a_hold_too_short_for_the_ramp(paper_seal: GeneralizedMaxwell) -> None:
     check = named(fit(record_of(paper_seal, hold=6.0), arms=1), "hold_outlasts_ramp")
-    assert not check.passed
+    assert check.failed
     assert "hold longer or ramp faster" in check.says
 
 
 def test_a_hold_too_short_for_the_slowest_arm(test: RampHold) -> None:
     check = named(fit(test), "hold_long_enough")
-    assert not check.passed
+    assert check.failed
     assert check.value == pytest.approx(40 / 16.4, rel=0.1)
     assert check.limit == 3.0
     assert "k_inf rests on extrapolation: hold for" in check.says
@@ -120,7 +120,7 @@ def test_a_hold_too_short_for_the_slowest_arm(test: RampHold) -> None:
 
 def test_a_ramp_with_too_few_samples(paper_seal: GeneralizedMaxwell) -> None:
     check = named(fit(record_of(paper_seal, rate=5.0), arms=1), "ramp_sampled")
-    assert not check.passed
+    assert check.failed
     assert "an arm as fast as the ramp cannot be told: sample faster" in check.says
 
 
@@ -142,7 +142,7 @@ def test_a_drift_of_the_rig_is_no_rise(test: RampHold) -> None:
 def test_strain_beyond_a_fifth_of_the_height(test: RampHold) -> None:
     deep = replace(test, specimen=Specimen(height=0.02))
     check = named(fit(deep, arms=2), "strain_small")
-    assert not check.passed
+    assert check.failed
     assert check.value == pytest.approx(0.4)
     assert "k_inf is a secant stiffness" in check.says
     assert record_checks.strain_small(replace(test, specimen=Specimen(height=0.05))).passed
@@ -154,7 +154,7 @@ def test_arms_that_merge() -> None:
     found = fit(record_of(close, noise=1e-6, rate=200.0), arms=2)
     assert found.model.arms == 2
     check = named(found, "arms_distinct")
-    assert not check.passed
+    assert check.failed
     assert "cannot tell two arms from one: fit 1 arm" in check.says
 
 
@@ -163,7 +163,7 @@ def test_more_arms_than_the_data_support(test: RampHold) -> None:
     assert found.status is not Status.CONVERGED
     check = named(found, "arms_supported")
     if found.model.arms > 2:
-        assert not check.passed
+        assert check.failed
         assert "cannot be told from noise" in check.says
         assert "fit fewer arms" in check.says
 
@@ -173,7 +173,7 @@ def test_an_arm_slower_than_the_hold() -> None:
     found = fit(record_of(slow, noise=1e-4), arms=1)
     assert found.status is Status.TAU_AT_BOUND
     check = named(found, "tau_inside_window")
-    assert not check.passed
+    assert check.failed
     assert "outside what the record can show" in check.says
 
 
@@ -181,14 +181,14 @@ def test_a_seal_that_flows_has_no_equilibrium() -> None:
     fluid = GeneralizedMaxwell(0.0, (200.0,), (20.0,))
     found = fit(record_of(fluid), arms=1)
     check = named(found, "k_inf_positive")
-    assert not check.passed
+    assert check.failed
     assert "not told from zero" in check.says
     assert found.status is not Status.CONVERGED
 
 
 def test_a_curve_left_in_the_residuals(test: RampHold) -> None:
     check = named(fit(test, arms=1), "residuals_random")
-    assert not check.passed
+    assert check.failed
     assert "the model misses part of the curve" in check.says
     smooth = np.convolve(np.random.default_rng(1).standard_normal(len(test.time) + 80), np.ones(81))
     filtered = replace(test, force=test.force + 1e-3 * smooth[80:-80], force_noise=1e-2)
@@ -200,7 +200,7 @@ def test_slow_wandering_cannot_be_told_from_an_arm(test: RampHold) -> None:
     walk = np.cumsum(random.standard_normal(len(test.time)))
     found = fit(replace(test, force=test.force + 1e-3 * walk), arms=2)
     check = named(found, "residuals_steady")
-    assert not check.passed
+    assert check.failed
     assert "no fit can tell that from a slow arm" in check.says
     assert named(fit(test, arms=2), "residuals_steady").passed
 
@@ -215,14 +215,14 @@ def test_what_a_step_would_have_made_of_the_ramp(paper_seal: GeneralizedMaxwell)
 def test_an_arm_lost_in_the_ramp() -> None:
     quick = GeneralizedMaxwell(196.5, (150.0, 20.0), (0.03, 5.0))
     check = named(fit(record_of(quick, rate=1000.0, noise=1e-3), arms=2), "fast_arm_visible")
-    assert not check.passed
+    assert check.failed
     assert "only its b = k tau is seen" in check.says
 
 
 def test_drift_that_hides_a_slow_arm() -> None:
     slow = GeneralizedMaxwell(180.0, (15.0,), (35.0,))
     check = named(fit(record_of(slow, noise=2e-2), arms=1), "drift_told_from_arm")
-    assert not check.passed
+    assert check.failed
     assert "record a baseline before contact" in check.says
     without = named(fit(record_of(slow), arms=1, method="hold"), "drift_told_from_arm")
     assert without.passed
@@ -240,7 +240,7 @@ def test_rules_that_disagree_say_so() -> None:
 
 def test_a_choice_at_the_end_of_what_was_tried_says_so(test: RampHold) -> None:
     check = named(fit(test, max_arms=1), "order_agreed")
-    assert not check.passed
+    assert check.failed
     assert "that is the most that was tried: raise max_arms above 1" in check.says
     assert named(fit(test), "order_agreed").passed
 
@@ -252,7 +252,7 @@ def test_eq_5_and_the_recorded_motion_disagree(test: RampHold) -> None:
     seal = GeneralizedMaxwell(196.5, (117.5, 17.8), (0.502, 16.4))
     found = fit(replace(test, displacement=eased, force=seal.force(test.time, eased)), arms=2)
     check = named(found, "hold_and_full_agree")
-    assert not check.passed
+    assert check.failed
     assert "trust the recorded motion" in check.says
     assert found.model.k[0] == pytest.approx(117.5, rel=1e-5)
     assert named(fit(test, arms=2), "hold_and_full_agree").passed
@@ -261,7 +261,7 @@ def test_eq_5_and_the_recorded_motion_disagree(test: RampHold) -> None:
 def test_the_worst_of_several_tests_speaks(test: RampHold) -> None:
     clipped = replace(test, force=np.minimum(test.force, 1.9))
     check = named(fit([test, clipped], arms=2), "force_not_clipped")
-    assert not check.passed
+    assert check.failed
     assert check.says.startswith("test 2 of 2: ")
 
 
@@ -269,7 +269,7 @@ def test_a_test_of_nothing_but_noise_informs_no_frequency(test: RampHold) -> Non
     noise = np.random.default_rng(3).standard_normal(len(test.time))
     found = fit(replace(test, force=noise, force_noise=1.0))
     check = named(found, "frequencies_informed")
-    assert not check.passed
+    assert check.failed
     assert "reduce the noise, press deeper or hold longer" in check.says
     assert found.band[0] == found.band[1]
     assert "this test informs 0.004 to 0.32 Hz" in named(fit(test), "frequencies_informed").says

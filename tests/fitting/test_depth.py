@@ -9,15 +9,15 @@ from dashpot.base.errors import DataError, FitError
 from dashpot.fitting.depth import fit_depths
 from dashpot.fitting.relaxation import fit
 from dashpot.records.relaxation import RampHold
-from dashpot.solids.elastic import ElasticLaw, compare_with_curve, elastic_law
+from dashpot.solids.elastic import PolynomialLaw, compare_with_curve, elastic_law
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-CUBIC = ElasticLaw((1, 2, 3), (150.0, 0.0, 7.2656e5), 8e-3)
+CUBIC = PolynomialLaw((1, 2, 3), (150.0, 0.0, 7.2656e5), 8e-3)
 """F_e = 0.15 x + 7.2656e-4 x^3 in N and mm."""
 
 
 def quasi_linear(
-    seal: GeneralizedMaxwell, depth: float, *, law: ElasticLaw, noise: float = 0.0, seed: int = 0
+    seal: GeneralizedMaxwell, depth: float, *, law: PolynomialLaw, noise: float = 0.0, seed: int = 0
 ) -> RampHold:
     """A test of a seal whose elastic force follows the law, its shape of relaxation the seal's."""
     t = np.arange(-50, 4101) / 100.0
@@ -90,10 +90,10 @@ def test_noise_alone_does_not_make_depths_differ(paper_seal: GeneralizedMaxwell)
 
 
 def test_depth_law_of_a_fit_keeps_each_depths_stiffness(paper_seal: GeneralizedMaxwell) -> None:
-    straight = ElasticLaw((1,), (196.5,), 8e-3)
+    straight = PolynomialLaw((1,), (196.5,), 8e-3)
     tests = [
         quasi_linear(paper_seal, 4e-3, law=straight),
-        quasi_linear(paper_seal * 2, 8e-3, law=ElasticLaw((1,), (393.0,), 8e-3)),
+        quasi_linear(paper_seal * 2, 8e-3, law=PolynomialLaw((1,), (393.0,), 8e-3)),
     ]
     found = fit(tests, arms=2, depth_law=True)
     assert [at.k_inf for at in found.by_depth] == pytest.approx([196.5, 393.0], rel=1e-6)

@@ -559,7 +559,7 @@ def test_a_filter_is_applied_told_and_checked(raw: RelaxationTest):
     assert dict(found.steps[-1].parameters) == {"filter": "lowpass:5Hz"}
     assert found.unfiltered is not None
     np.testing.assert_array_equal(found.unfiltered.force, prepare(raw).force)
-    assert "filter_bias" in {check.name for check in fit(found).checks if not check.passed}
+    assert "filter_bias" in {check.name for check in fit(found).checks if check.failed}
     assert found.force_noise == prepare(raw).force_noise
     late = found.time > 10
     assert np.std(np.diff(found.force[late])) < 0.1 * np.std(np.diff(raw.force[raw.time > 10]))

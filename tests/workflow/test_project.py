@@ -48,7 +48,7 @@ def kept(made, tmp_path):
 
 
 def failures(project):
-    return [check.name for check in folder.verify(project) if not check.passed]
+    return [check.name for check in folder.verify(project) if check.failed]
 
 
 def test_a_project_recomputes_itself(kept, raw):

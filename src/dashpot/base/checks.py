@@ -1,14 +1,19 @@
-"""Named pass/fail checks: the register of criteria, and the answer to one of them in words."""
+"""Named checks: the register of criteria, each answer in words, and the verdict of them all."""
 
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from types import EllipsisType
-from typing import Generic, NamedTuple, ParamSpec
+from typing import Generic, Literal, NamedTuple, ParamSpec
 
 P = ParamSpec("P")
+
+#: what a failed check means: no matter, a limit of the result, a result not to be used
+Grade = Literal["note", "limit", "stop"]
+#: what to make of a result
+Use = Literal["use", "use with care", "do not use"]
 
 #: how a value is held against a limit; ``"|x| <="`` asks for its size, ``"x/"`` for a factor
 RULES: dict[str, Callable[[float, float], bool]] = {
@@ -30,19 +35,67 @@ class Check:
     ----------
     name : str
         Stable identifier, ``snake_case``.
-    passed : bool
-        The answer.
+    passed : bool or None
+        The answer; None if the record gives none: not judged.
     value, limit : float or None
         What was measured and what it was held against (None where there is no number).
     says : str
         The sentence the user reads: what was found, what it means, what to do.
+    grade : str
+        What a failure means: ``"note"``, it does not matter to the result; ``"limit"``, use it
+        with care; ``"stop"``, do not use it.
     """
 
     name: str
-    passed: bool
+    passed: bool | None
     says: str
     value: float | None = None
     limit: float | None = None
+    grade: Grade = "limit"
+
+    @property
+    def failed(self) -> bool:
+        """True if it was judged and did not pass."""
+        return self.passed is False
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What to make of a result.
+
+    Attributes
+    ----------
+    use : str
+        ``"use"``, ``"use with care"`` or ``"do not use"``.
+    says : str
+        The sentence that leads every report of the result: why, and what would change it.
+    because : tuple of Check
+        The failed checks that decided, the gravest first.
+    """
+
+    use: Use
+    says: str
+    because: tuple[Check, ...] = ()
+
+
+def verdict(
+    checks: Iterable[Check], *, sound: str = "every check that was judged passed"
+) -> Verdict:
+    """Return the verdict of some checks: of the gravest that failed.
+
+    Parameters
+    ----------
+    checks : iterable of Check
+    sound : str
+        What to say where nothing of weight failed.
+    """
+    failed = [check for check in checks if check.failed]
+    stops = tuple(check for check in failed if check.grade == "stop")
+    limits = tuple(check for check in failed if check.grade == "limit")
+    use: Use = "do not use" if stops else "use with care" if limits else "use"
+    because = stops + limits
+    more = f"; {len(because) - 1} more checks failed" if len(because) > 1 else ""
+    return Verdict(use, because[0].says + more if because else sound, because)
 
 
 class Finding(NamedTuple):
@@ -53,7 +106,7 @@ class Finding(NamedTuple):
     says : str
         What was found.
     value : float or None
-        What is held against the limit; None, which passes, if nothing was measured.
+        What is held against the limit; None, which is not judged, if nothing was measured.
     but : str
         What follows `says` if the check fails.
     instead : str
@@ -64,6 +117,8 @@ class Finding(NamedTuple):
         Passes whatever the value: the question matters to this record or method no more.
     faulted : bool
         Fails whatever the value: a second condition is broken.
+    grade : str or None
+        What a failure means where the record decides it; by default that of the criterion.
     """
 
     says: str
@@ -73,6 +128,7 @@ class Finding(NamedTuple):
     limit: float | EllipsisType | None = ...
     excused: bool = False
     faulted: bool = False
+    grade: Grade | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,6 +152,8 @@ class Criterion(Generic[P]):
         None if the record sets it.
     source : str
         Where the limit comes from.
+    grade : str
+        What a failure means, as in `Check`.
     judge : callable
         Returns a `Finding`.
     """
@@ -107,20 +165,23 @@ class Criterion(Generic[P]):
     rule: str
     limit: float | None
     source: str
+    grade: Grade
     judge: Callable[P, Finding]
 
     def __call__(self, *args: P.args, **kwargs: P.kwargs) -> Check:
         """Return the answer; here alone a value meets its limit."""
         found = self.judge(*args, **kwargs)
         limit = self.limit if isinstance(found.limit, EllipsisType) else found.limit
-        passed = not found.faulted and (found.excused or self._holds(found.value, limit))
-        says = found.says if passed else (found.instead or found.says) + found.but
-        return Check(self.name, passed, says, found.value, limit)
+        passed = self._passed(found, limit)
+        says = (found.instead or found.says) + found.but if passed is False else found.says
+        return Check(self.name, passed, says, found.value, limit, found.grade or self.grade)
 
-    def _holds(self, value: float | None, limit: float | None) -> bool:
-        if value is None or limit is None:
-            return True
-        return self.rule in RULES and bool(RULES[self.rule](value, limit))
+    def _passed(self, found: Finding, limit: float | None) -> bool | None:
+        if found.faulted or found.excused or not self.rule:
+            return not found.faulted
+        if found.value is None or limit is None:
+            return None
+        return self.rule in RULES and bool(RULES[self.rule](found.value, limit))
 
 
 #: every criterion whose `checks` file has been imported, by stage and name
@@ -133,6 +194,7 @@ def criterion(
     limit: float | None = None,
     source: str = "our choice",
     *,
+    grade: Grade = "limit",
     name: str = "",
     question: str = "",
 ) -> Callable[[Callable[P, Finding]], Criterion[P]]:
@@ -140,7 +202,7 @@ def criterion(
 
     Parameters
     ----------
-    measure, rule, limit, source
+    measure, rule, limit, source, grade
         As in `Criterion`.
     name, question : str
         By default the function's name and the first line of its docstring.
@@ -149,7 +211,8 @@ def criterion(
     def enter(judge: Callable[P, Finding]) -> Criterion[P]:
         stage = judge.__module__.removeprefix("dashpot.").removesuffix(".checks").replace(".", "/")
         asks = question or (judge.__doc__ or "").strip().partition("\n")[0]
-        made = Criterion(name or judge.__name__, stage, asks, measure, rule, limit, source, judge)
+        title = name or judge.__name__
+        made = Criterion(title, stage, asks, measure, rule, limit, source, grade, judge)
         if (stage, made.name) in REGISTER:
             raise ValueError(f"{stage} has two criteria {made.name}; expected one of each name")
         REGISTER[stage, made.name] = made

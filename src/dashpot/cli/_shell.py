@@ -63,7 +63,7 @@ def reports(function: Callable[..., Outcome]) -> Callable[..., None]:
                 raise
             where = f"{error.filename}: " if error.filename else ""
             fail(f"{where}{error.strerror or error}")
-        if (strict or outcome.must_pass) and any(not check.passed for check in outcome.checks):
+        if (strict or outcome.must_pass) and any(check.failed for check in outcome.checks):
             sys.exit(1)
 
     return command
@@ -102,7 +102,7 @@ def write(path: str, text: str) -> None:
 
 def failed(checks: Iterable[Check]) -> list[str]:
     """Return one line for each failed check, for the text of a command."""
-    return [f"  ! {check.name}: {check.says}" for check in checks if not check.passed]
+    return [f"  ! {check.name}: {check.says}" for check in checks if check.failed]
 
 
 def read_fit(path: str) -> dp.Fit:

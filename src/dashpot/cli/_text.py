@@ -70,7 +70,7 @@ def fit(found: Fit) -> str:
         lines.append(f"  nuisance    {listed}")
     lines += [*_orders(found), *_moved(found)]
     bad = failed(found.checks)
-    passed = sum(check.passed for check in found.checks)
+    passed = sum(check.passed is True for check in found.checks)
     lines.append(f"  checks      {passed} of {len(found.checks)} passed")
     return "\n".join(lines + bad)
 

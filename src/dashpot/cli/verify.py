@@ -22,8 +22,8 @@ def command(*, project: str) -> Outcome:
     dashpot verify door-seal/
     """
     checks = workflow.verify(workflow.open_project(project))
-    bad = [check for check in checks if not check.passed]
-    lines = [f"  {'ok' if check.passed else '!!'}  {check.says}" for check in checks]
+    bad = [check for check in checks if check.failed]
+    lines = [f"  {'!!' if check.failed else 'ok'}  {check.says}" for check in checks]
     verdict = f"{len(checks) - len(bad)} of {len(checks)} checks passed"
     document = {
         "schema": "dashpot/verification@1",

@@ -189,7 +189,7 @@ class Deck:
             *(
                 f"CHECK FAILED: {check.says}"
                 for check in (self.fit.checks if self.fit else ())
-                if not check.passed
+                if check.failed
             ),
         ]
 

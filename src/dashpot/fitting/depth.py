@@ -27,7 +27,7 @@ from dashpot.fitting.relaxation import fit
 from dashpot.fitting.uncertainty.estimate import Estimate, estimated
 from dashpot.records.fit import AtDepth, Fit
 from dashpot.records.relaxation import RampHold
-from dashpot.solids.elastic import ElasticLaw, elastic_law
+from dashpot.solids.elastic import PolynomialLaw, elastic_law
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 _ROUNDS = 8
@@ -39,7 +39,7 @@ class DepthLaw:
 
     Attributes
     ----------
-    law : ElasticLaw
+    law : PolynomialLaw
         Equilibrium force against compression.
     by_depth : tuple of AtDepth
         Each test's secant stiffnesses, shallowest first.
@@ -51,7 +51,7 @@ class DepthLaw:
         test.
     """
 
-    law: ElasticLaw
+    law: PolynomialLaw
     by_depth: tuple[AtDepth, ...]
     separable: Check
     fit: Fit
@@ -182,7 +182,7 @@ def _secants(by_depth: Sequence[AtDepth]) -> tuple[FloatArray, FloatArray]:
     return secant, np.array([at.k_inf_se for at in by_depth])
 
 
-def _bent(test: RampHold, law: ElasticLaw) -> RampHold:
+def _bent(test: RampHold, law: PolynomialLaw) -> RampHold:
     """Return the test with F_e(x)/k_sec(deepest) for x: a linear solid then answers it."""
     unit = float(law.secant(law.deepest))
     return replace(

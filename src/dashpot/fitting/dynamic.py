@@ -310,7 +310,7 @@ def _band(
     # the blocks are in units of their own scatter
     held = informed_band(records, blocks, stiffness=max(k_0, 1e-300), noise=1.0)
     met = checks.bands_meet(sweep, held)
-    if not met.passed:
+    if met.failed:
         return sweep, (met,)
     return (min(sweep[0], held[0]), max(sweep[1], held[1])), (met,)
 

@@ -45,6 +45,7 @@ from dashpot.records.fit import (
     Provenance,
     Status,
 )
+from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # a step that would remove less of the residual than this is rounding, whatever it does to tau
@@ -240,6 +241,7 @@ def assembled(
     by_depth: tuple[AtDepth, ...] = (),
     tests: int = 0,
     unit: str = "N/m",
+    elastic_law: ElasticLaw | None = None,
 ) -> Fit:
     """Return the fit that a chosen number of arms makes.
 
@@ -255,6 +257,7 @@ def assembled(
     tests : int
         How many relaxation tests have a tare and a drift of their own.
     unit : str
+    elastic_law : ElasticLaw or None
     """
     data, estimate = found.data, found.estimate
     return Fit(
@@ -282,6 +285,7 @@ def assembled(
         ),
         provenance=provenance,
         unit=unit,
+        elastic_law=elastic_law,
     )
 
 
@@ -343,7 +347,7 @@ def _whole(number: object) -> bool:
 
 def _status(solution: Solution, asked: int | None, checks: Sequence[Check]) -> Status:
     """Return how the fit ended: the first thing that went wrong, or that nothing did."""
-    failed = {check.name for check in checks if not check.passed}
+    failed = {check.name for check in checks if check.failed}
     if "force_relaxes" in failed:
         return Status.FORCE_RISES
     at_bound = bool(solution.at_bound.any())

@@ -29,6 +29,7 @@ from dashpot.preparation.checks import of_records
 from dashpot.preparation.filters import Filter, filter_of, filtered
 from dashpot.records.fit import Fit, Provenance
 from dashpot.records.relaxation import RampHold, listed
+from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 
@@ -135,6 +136,7 @@ def fit(
         ),
         by_depth=found.estimate.by_depth([record.depth for record in records]) if depth_law else (),
         tests=len(records),
+        elastic_law=ElasticLaw.linear(found.model.k_inf, records[deepest].depth),
     )
 
 

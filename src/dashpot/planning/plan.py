@@ -271,7 +271,7 @@ def _advice(
             "lines into the half-power band; with an exponential window on both channels and the "
             "model taken at s = jw + a a shorter record does."
         )
-    failed = {check.name for check in answers if not check.passed}
+    failed = {check.name for check in answers if check.failed}
     if "record_long_enough" in failed:
         words.append(
             f"Record each hit for {max(need.for_decay, need.for_lines):.3g} s instead of "

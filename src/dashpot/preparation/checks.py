@@ -189,7 +189,7 @@ def of_records(tests: Sequence[RampHold], *, method: str) -> tuple[Check, ...]:
 def _worst(checks: Sequence[Check]) -> Check:
     """Return the first check that failed, with its test's number if there are several."""
     for number, check in enumerate(checks, start=1):
-        if not check.passed and len(checks) > 1:
+        if check.failed and len(checks) > 1:
             return replace(check, says=f"test {number} of {len(checks)}: {check.says}")
     return checks[0]
 
@@ -231,7 +231,7 @@ def force_resolved(force: FloatArray, rise: float | None = None) -> Finding:
 
 def refuse_unresolved(where: str, rise: float, force: FloatArray) -> None:
     """Raise DataError if the force, as recorded, rises by a few steps of the sensor only."""
-    if not force_resolved(force, rise).passed:
+    if force_resolved(force, rise).failed:
         step = quantum(force)
         raise DataError(
             f"{where}: the force rises by {1e3 * rise:.3g} mN, {rise / step:.0f} steps of the "
@@ -242,10 +242,10 @@ def refuse_unresolved(where: str, rise: float, force: FloatArray) -> None:
 
 def refuse_saturated(where: str, test: RampHold) -> None:
     """Raise DataError if the force has a flat top: a fit through it is wrong everywhere."""
-    if force_not_clipped(test).passed:
+    if not force_not_clipped(test).failed:
         return
     plausible = columns_plausible(test)
-    if not plausible.passed:
+    if plausible.failed:
         raise DataError(f"{where}: {plausible.says}")
     top, _, first, last = _flat_top(test.force)
     raise DataError(

@@ -15,6 +15,7 @@ from dashpot.preparation.filters import filtered, parse_filter
 from dashpot.preparation.motion import Motion, find_motion, from_contact, given_motion
 from dashpot.preparation.noise import median_of_three, scatter, without_spikes
 from dashpot.records.relaxation import RampHold, RelaxationTest, quantum
+from dashpot.records.rig import Rig
 
 
 def prepare(
@@ -29,6 +30,7 @@ def prepare(
     filter: str | None = None,
     drift: float | str | None = None,
     force_range: float | None = None,
+    rig: Rig | None = None,
 ) -> RampHold:
     r"""Find the ramp and the hold, the contact and the tare; change nothing else.
 
@@ -63,6 +65,8 @@ def prepare(
         is taken off: the full-history fit estimates it.
     force_range : float, optional
         Full scale of the load cell, N, to say how much of it the test used.
+    rig : Rig, optional
+        What is known of the machine: clocks, drift, compliance, a filter in the force channel.
 
     Raises
     ------
@@ -107,7 +111,9 @@ def prepare(
         answers.append(checks.range_used(rise, force_range))
     steps = [_turned(motion.sign, turn), _kept(motion, record), _met(touch), tared]
     steps.append(_ramped(record, motion))
-    record = replace(record, preload=preload, steps=tuple(steps), checks=tuple(answers))
+    record = replace(
+        record, preload=preload, steps=tuple(steps), checks=tuple(answers), rig=rig or Rig()
+    )
     return record if by is None else filtered(record, by)
 
 

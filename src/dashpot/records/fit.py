@@ -9,7 +9,8 @@ from enum import Enum
 import numpy as np
 
 from dashpot.base.arrays import ByValue, FloatArray
-from dashpot.base.checks import Check
+from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source, Step
 from dashpot.records.estimate import (
     Intervals,
@@ -20,6 +21,7 @@ from dashpot.records.estimate import (
     StandardErrors,
 )
 from dashpot.records.specimen import Specimen
+from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 
@@ -187,6 +189,9 @@ class Fit(ByValue):
     provenance : Provenance
     unit : str
         Of every stiffness: ``"N/m"`` for a part, ``"Pa"`` where a material's modulus was fitted.
+    elastic_law : ElasticLaw or None
+        Relaxed force against compression, where a part was pressed; `solid` is the secant one at
+        its depth.
     """
 
     solid: Solid
@@ -195,6 +200,7 @@ class Fit(ByValue):
     evidence: Evidence
     provenance: Provenance
     unit: str = "N/m"
+    elastic_law: ElasticLaw | None = None
 
     @property
     def ok(self) -> bool:
@@ -205,6 +211,35 @@ class Fit(ByValue):
     def model(self) -> GeneralizedMaxwell:
         """The arms of the solid."""
         return self.solid.maxwell
+
+    @property
+    def verdict(self) -> Verdict:
+        """What to make of the fit, by the gravest check that failed."""
+        return verdict(self.checks)
+
+    def model_at(self, compression: float, *, secant: bool = False) -> GeneralizedMaxwell:
+        """The solid that small vibration about a compression, m, feels: its tangent.
+
+        Parameters
+        ----------
+        compression : float
+            m.
+        secant : bool
+            The linear solid that gives the relaxed force there instead.
+
+        Raises
+        ------
+        DataError
+            If the compression is not a number > 0.
+        """
+        if not (np.isfinite(compression) and compression > 0):
+            raise DataError(f"compression = {compression!r} m; expected a number > 0")
+        law = self.elastic_law
+        if law is None or law.kind == "linear":
+            return self.model
+        if secant:
+            return self.model * float(law.path(compression) / compression)
+        return self.model * float(law.factor(compression))
 
     # -- how well it is known -----------------------------------------------------------------
 
@@ -338,6 +373,7 @@ class Fit(ByValue):
         return replace(
             self,
             solid=count * self.solid,
+            elastic_law=None if self.elastic_law is None else count * self.elastic_law,
             estimate=replace(
                 self.estimate,
                 covariance=self.covariance * np.outer(scale, scale),

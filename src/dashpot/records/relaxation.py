@@ -13,6 +13,7 @@ from dashpot.base.arrays import ByValue, FloatArray, increasing, same_length, sa
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Source, Step
+from dashpot.records.rig import Rig
 from dashpot.records.specimen import Specimen
 
 # motion left in a hold, as a part of the depth, that a fit of the hold alone can bear
@@ -89,6 +90,8 @@ class RampHold(ByValue):
         What preparation noticed.
     unfiltered : RampHold or None
         The same record before the filter that was asked for; None if none was.
+    rig : Rig
+        What the user knows of the machine.
     """
 
     time: FloatArray
@@ -107,6 +110,7 @@ class RampHold(ByValue):
     steps: tuple[Step, ...] = ()
     checks: tuple[Check, ...] = ()
     unfiltered: RampHold | None = None
+    rig: Rig = field(default_factory=Rig)
 
     def __post_init__(self) -> None:
         for name in ("time", "displacement", "force"):

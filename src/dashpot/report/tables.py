@@ -32,6 +32,7 @@ from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.systems.prediction import model_modes
 from dashpot.workflow.study import Study
 
+STATES = {True: "passed", False: "failed", None: "not judged"}
 VALUE = ("", "value ± standard error", "unit")
 
 # the unit that people read, and its size in the SI unit before it
@@ -66,12 +67,12 @@ def checks(groups: Sequence[tuple[str, Sequence[Check]]]) -> Table:
     for stage, found in groups:
         for check in found:
             distinct.setdefault((check.name, check.says), (stage, check))
-    ordered = sorted(distinct.values(), key=lambda pair: pair[1].passed)
+    ordered = sorted(distinct.values(), key=lambda pair: not pair[1].failed)
     rows = tuple(
-        ("passed" if check.passed else "failed", stage, words(check.name), readable(check.says))
+        (STATES[check.passed], stage, words(check.name), readable(check.says))
         for stage, check in ordered
     )
-    marks = tuple("good" if check.passed else "bad" for _, check in ordered)
+    marks = tuple("bad" if check.failed else "good" for _, check in ordered)
     return Table(("", "stage", "question", "answer"), rows, marks)
 
 

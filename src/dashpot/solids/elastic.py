@@ -21,6 +21,96 @@ from dashpot.base.errors import DataError, FitError
 
 @dataclass(frozen=True)
 class ElasticLaw:
+    r"""Relaxed force against compression, its tangent linear between knots.
+
+    .. math:: F_e(x) = k \int_0^x t(u)\,du, \qquad \frac1h \int_0^h t(u)\,du = 1
+
+    with h the deepest knot: k is the secant stiffness there. Below the first and above the last
+    knot the tangent stays what it is at that knot. A solid whose arms all answer
+    :math:`F_e(x(t))` (Fung) vibrates about a compression x with :math:`t(x)` times its
+    stiffnesses.
+
+    Attributes
+    ----------
+    knots : tuple of float
+        Compressions, m, rising from 0; the last is the depth tested. One of 0 and one at the
+        depth is the linear law.
+    shape : tuple of float
+        :math:`t` at the knots, >= 0.
+    stiffness : float
+        Relaxed secant stiffness k at the last knot, N/m.
+    """
+
+    knots: tuple[float, ...]
+    shape: tuple[float, ...]
+    stiffness: float
+
+    def __post_init__(self) -> None:
+        knots = increasing("knots", samples("knots", self.knots, minimum=2))
+        shape = samples("shape", self.shape)
+        same_length(knots=knots, shape=shape)
+        mean = float(np.trapezoid(shape, knots)) / knots[-1]
+        if knots[0] != 0 or (shape < 0).any() or abs(mean - 1) > 1e-6:
+            raise DataError(
+                f"an elastic law begins at 0 m and its shape is >= 0 with a mean of 1; found a "
+                f"first knot of {knots[0]:g} m, a least shape of {shape.min():g}, a mean of "
+                f"{mean:.7g}"
+            )
+
+    @classmethod
+    def linear(cls, stiffness: float, depth: float) -> ElasticLaw:
+        """The law of a spring, N/m, tested to a depth, m."""
+        return cls((0.0, float(depth)), (1.0, 1.0), float(stiffness))
+
+    @property
+    def kind(self) -> str:
+        """``"linear"`` or ``"piecewise"``."""
+        return "linear" if all(one == 1.0 for one in self.shape) else "piecewise"
+
+    @property
+    def depth(self) -> float:
+        """The deepest compression tested, m."""
+        return self.knots[-1]
+
+    def force(self, x: npt.ArrayLike) -> FloatArray:
+        """Relaxed force, N, at compressions x, m."""
+        return self.stiffness * self.path(x)
+
+    def path(self, x: npt.ArrayLike) -> FloatArray:
+        """The compression of a linear seal with the same force, m: the force over `stiffness`."""
+        x = np.asarray(x, dtype=float)
+        knots, shape = np.asarray(self.knots), np.asarray(self.shape)
+        slope = np.diff(shape) / np.diff(knots)
+        below = np.concatenate(([0.0], np.cumsum(np.diff(knots) * (shape[1:] + shape[:-1]) / 2)))
+        i = np.clip(np.searchsorted(knots, x, side="right") - 1, 0, len(slope) - 1)
+        step = np.clip(x, 0.0, knots[-1]) - knots[i]
+        inside = below[i] + step * (shape[i] + 0.5 * slope[i] * step)
+        beyond = np.minimum(x, 0.0) * shape[0] + np.maximum(x - knots[-1], 0.0) * shape[-1]
+        return np.asarray(inside + beyond)
+
+    def secant(self, x: npt.ArrayLike) -> FloatArray:
+        """Secant stiffness F_e/x, N/m; at x = 0 its limit."""
+        x = np.asarray(x, dtype=float)
+        safe = np.where(x == 0, 1.0, x)
+        return np.where(x == 0, self.tangent(0.0), self.force(x) / safe)
+
+    def tangent(self, x: npt.ArrayLike) -> FloatArray:
+        """Tangent stiffness dF_e/dx, N/m."""
+        return self.stiffness * self.factor(x)
+
+    def factor(self, x: npt.ArrayLike) -> FloatArray:
+        """Tangent stiffness over `stiffness`: what small vibration about x does to every arm."""
+        return np.asarray(np.interp(np.asarray(x, dtype=float), self.knots, self.shape))
+
+    def __mul__(self, count: float) -> ElasticLaw:
+        """So many in parallel."""
+        return ElasticLaw(self.knots, self.shape, count * self.stiffness)
+
+    __rmul__ = __mul__
+
+
+@dataclass(frozen=True)
+class PolynomialLaw:
     r"""A polynomial through the origin.
 
     Attributes
@@ -59,7 +149,7 @@ class ElasticLaw:
 
 def elastic_law(
     depth: npt.ArrayLike, secant: npt.ArrayLike, error: npt.ArrayLike | None = None
-) -> ElasticLaw:
+) -> PolynomialLaw:
     r"""Return the law through secant stiffnesses at several depths.
 
     One depth gives a straight line, two give :math:`a_1 x + a_3 x^3`, which hardens or softens
@@ -92,7 +182,7 @@ def elastic_law(
     columns = np.column_stack([(x / unit) ** (m - 1) for m in powers])
     scaled = np.linalg.lstsq(columns / sigma[:, None], k / sigma, rcond=None)[0]
     coefficients = tuple(float(a / unit ** (m - 1)) for a, m in zip(scaled, powers, strict=True))
-    return ElasticLaw(powers, coefficients, float(unit))
+    return PolynomialLaw(powers, coefficients, float(unit))
 
 
 @dataclass(frozen=True)
@@ -120,7 +210,7 @@ class CurveAgreement:
 
 
 def compare_with_curve(
-    law: ElasticLaw,
+    law: PolynomialLaw,
     depths: Sequence[float],
     *,
     displacement: npt.ArrayLike,
@@ -130,7 +220,7 @@ def compare_with_curve(
 
     Parameters
     ----------
-    law : ElasticLaw
+    law : PolynomialLaw
     depths : sequence of float
         m.
     displacement, force : array_like, shape (n,)

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from dashpot.base.checks import Verdict
 from dashpot.base.errors import DataError, ReadError
 from dashpot.planning.plan import Plan
 from dashpot.records.dynamic import DynamicTest
@@ -17,6 +18,7 @@ from dashpot.records.fit import Evidence, Fit, Provenance, Status
 from dashpot.records.frf import FRF
 from dashpot.records.impact import ImpactTest
 from dashpot.records.relaxation import RampHold, RelaxationTest
+from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.workflow.impacts import ImpactResult
@@ -156,14 +158,32 @@ def _fit_contract(fit: Fit, plain: dict[str, Any]) -> dict[str, Any]:
         "status": plain["status"],
         "ok": fit.ok,
         "says": fit.status.value,
+        "verdict": _verdict(fit.verdict),
         "model": _plain(fit.model),
         "standard_error": _standard_error(fit),
         "interval_95": _numbers_or_null(dict(fit.intervals(level=0.95))),
         "residual": plain["residual"],
         "band_hz": plain["band"],
+        "elastic_law": _law(fit.elastic_law),
         **({} if mass is None else {"mass": mass}),
         **{key: plain[key] for key in _FIT_ORDER},
     }
+
+
+def _verdict(found: Verdict) -> dict[str, Any]:
+    return {
+        "use": found.use,
+        "says": found.says,
+        "because": [check.name for check in found.because],
+    }
+
+
+def _law(law: ElasticLaw | None) -> dict[str, Any] | None:
+    if law is None:
+        return None
+    knots = list(law.knots)
+    return {"kind": law.kind, "knots": knots, "tangent": law.tangent(knots).tolist(),
+            "shape": list(law.shape), "stiffness": law.stiffness}  # fmt: skip
 
 
 def _standard_error(fit: Fit) -> dict[str, Any]:
@@ -279,6 +299,11 @@ def _restored_fit(found: dict[str, Any]) -> dict[str, Any]:
     # the bare contract lists neither a candidate's significance nor its solid
     found["orders"] = [order for order in found.get("orders", []) if "model" in order]
     found["solid"] = found.pop("model")
+    law = found.get("elastic_law")
+    if law and "shape" not in law:
+        tangent = np.asarray(law["tangent"], dtype=float)
+        law["stiffness"] = float(np.trapezoid(tangent, law["knots"]) / law["knots"][-1])
+        law["shape"] = (tangent / law["stiffness"]).tolist()
     for part, kind in _FIT_PARTS.items():
         found[part] = {one.name: found[one.name] for one in fields(kind) if one.name in found}
     return found

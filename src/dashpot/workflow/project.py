@@ -165,7 +165,7 @@ def verify(project: Project) -> tuple[Check, ...]:
         before = str(entry.get("hash"))
         for listed in (*entry.get("inputs", ()), *entry.get("outputs", ())):
             found.append(_file_check(project, listed, number))
-        if all(check.passed for check in found if check.name.startswith("file")):
+        if all(not check.failed for check in found if check.name.startswith("file")):
             found.append(_recomputed(project, entry, number))
     return tuple(found)
 

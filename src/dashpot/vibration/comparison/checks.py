@@ -182,16 +182,16 @@ def verdict(c: Comparison) -> str:
     """What agrees, what does not, and why, in one sentence."""
     found = {check.name: check for check in c.checks}
     slip, tested = found["no_unit_slip"], found.get("damping_tested")
-    if not slip.passed:
+    if slip.failed:
         return f"A unit slip is likely before anything else: {slip.says}."
     agrees = {True: "agrees", False: "does not agree"}
-    stiffness = agrees[found["stiffness_agrees"].passed]
+    stiffness = agrees[not found["stiffness_agrees"].failed]
     first = f"Stiffness {stiffness} (peak frequency {100 * c.frequency_error:+z.1f} %)"
-    damped = found["peak_agrees"].passed and found["damping_agrees"].passed
+    damped = not (found["peak_agrees"].failed or found["damping_agrees"].failed)
     size = f"peak {c.ratio_db:+z.1f} dB"
     if c.damping_ratio_error is not None:
         size += f", damping ratio {100 * c.damping_ratio_error:+z.0f} %"
-    if tested is None or tested.passed:
+    if tested is None or not tested.failed:
         return f"{first}; damping {agrees[damped]} ({size})."
     second = "and damping happens to agree, though it" if damped else "but damping"
     return f"{first}, {second} is not tested by the relaxation test ({size}): {tested.says}."

@@ -138,7 +138,7 @@ class Comparison:
             f"measured peak, {'' if arm.seen_by_relaxation else 'not '}resolved by the relaxation"
             for arm in self.arms
         ]
-        lines += [f"[{check.name}] {check.says}" for check in self.checks if not check.passed]
+        lines += [f"[{check.name}] {check.says}" for check in self.checks if check.failed]
         return "\n".join([*lines, self.verdict])
 
 

@@ -1,0 +1,122 @@
+r"""What is known of a load cell and of the clocks before the fit: priors of the nuisance terms.
+
+The force that the solid gives comes with an offset, a drift and a delay,
+
+.. math:: F(t) = F_\mathrm{solid}(t) + F_0 + \dot F\,t - \delta\,\dot F_\mathrm{solid}(t)
+
+An offset or a drift that is free takes what a wrong model leaves, and k_inf with it; each is
+bound by what the record, or the data sheet, says of it.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, median
+from dashpot.engine.inference.covariance import noise_of
+from dashpot.records.relaxation import RampHold
+
+# a load cell of which nothing is known drifts by this part of the final force over the record
+UNKNOWN_DRIFT = 5e-3
+# a baseline tells the drift if it leaves less than this part of the final force over the record
+TOLD_DRIFT = 1e-3
+# fewer samples have no scatter, and none a slope, to speak of
+_FEWEST = 5
+
+
+class Prior(NamedTuple):
+    """Mean and standard deviation of a nuisance term before the fit, SI units."""
+
+    mean: float
+    sd: float
+
+
+class Priors(NamedTuple):
+    """What is known of one record's nuisance terms before the fit.
+
+    Attributes
+    ----------
+    offset : Prior
+        Of the load cell at the time `at`, N.
+    at : float
+        Where the offset is known, s after the first sample.
+    drift : Prior
+        N/s.
+    drift_from : str
+        ``"baseline"``, ``"data sheet"`` or ``"unknown"``.
+    delay : Prior
+        Of the force behind the displacement, s.
+    first : int
+        The first sample that the fit may use: those before contact are spent on the priors.
+    """
+
+    offset: Prior
+    at: float
+    drift: Prior
+    drift_from: str
+    delay: Prior
+    first: int
+
+
+def priors(record: RampHold) -> Priors:
+    r"""Return what the record and its rig say of offset, drift and delay.
+
+    The offset is the mean of the samples before contact, with standard error
+    :math:`s\sqrt{\kappa/n}`; of a record that begins on the ramp it is the first reading, with
+    the force that the first compression may have given. The drift is the slope of those samples
+    where they tell it to 1e-3 of the final force over the record; else 0 with the standard
+    deviation of the data sheet (`Rig.drift`), or with 5e-3 of the final force over the record.
+    The delay is 0 with the larger of one sample, `Rig.sync` and 1/(2 pi f) of a named filter.
+    """
+    time, force = record.time - record.time[0], record.force
+    first = int(np.searchsorted(record.time, record.onset - 1e-9))
+    rest = slice(0, first)
+    duration = record.hold_end - record.onset
+    final = abs(float(np.mean(force[record.hold][-max(1, len(force[record.hold]) // 20) :])))
+    noise = record.force_noise
+    if first >= _FEWEST:
+        residual = force[rest] - force[rest].mean()
+        noises = noise_of(residual)
+        error = float(np.sqrt(np.mean(residual**2) * noises.kappa / first))
+        offset = Prior(float(force[rest].mean()), max(error, noise / np.sqrt(first)))
+        at = float(time[rest].mean())
+        slope = _slope(time[rest], residual, noises.kappa)
+    else:
+        offset, at = _first_reading(record), 0.0
+        first, slope = max(first, 1) if record.displacement[0] <= 0 else 0, None
+    allowed = final / duration
+    if slope is not None and slope.sd < TOLD_DRIFT * allowed:
+        drift, told = slope, "baseline"
+    elif record.rig.drift is not None:
+        drift, told = Prior(0.0, record.rig.drift), "data sheet"
+    else:
+        drift, told = Prior(0.0, UNKNOWN_DRIFT * allowed), "unknown"
+    return Priors(offset, at, drift, told, delay_prior(record), first)
+
+
+def delay_prior(record: RampHold) -> Prior:
+    """Return the prior of the delay of the force behind the displacement, s."""
+    rig = record.rig
+    filtered = 1 / (2 * np.pi * rig.force_filter) if rig.force_filter else 0.0
+    sample = median(np.diff(record.time))
+    return Prior(0.0, max(sample, rig.sync or 0.0, filtered))
+
+
+def _slope(time: FloatArray, residual: FloatArray, kappa: float) -> Prior:
+    t = time - time.mean()
+    power = float(t @ t)
+    slope = float(t @ residual) / power
+    left = float(np.sum((residual - slope * t) ** 2)) / max(len(t) - 2, 1)
+    return Prior(slope, float(np.sqrt(left * kappa / power)))
+
+
+def _first_reading(record: RampHold) -> Prior:
+    """The force at the first sample, and what the compression there may have given."""
+    x, force = record.displacement, record.force
+    if x[0] <= 0:
+        return Prior(float(force[0]), max(record.force_noise, 1e-12))
+    peak = int(np.argmax(x >= 0.1 * record.depth)) or len(x) - 1
+    slope = abs(float(force[peak] - force[0])) / max(float(x[peak] - x[0]), 1e-300)
+    return Prior(0.0, record.force_noise + slope * float(x[0]))
