@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import fields
-from typing import Any, TypeAlias
+from functools import wraps
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.errors import DataError
+
+T = TypeVar("T")
+R = TypeVar("R")
 
 FloatArray: TypeAlias = npt.NDArray[np.float64]
 ComplexArray: TypeAlias = npt.NDArray[np.complex128]
@@ -36,6 +41,20 @@ def _equal(a: object, b: object) -> bool:
     if isinstance(a, tuple) and isinstance(b, tuple):
         return len(a) == len(b) and all(_equal(x, y) for x, y in zip(a, b, strict=True))
     return bool(a == b)
+
+
+def kept(function: Callable[[T], R]) -> Callable[[T], R]:
+    """Keep the result of a function of one frozen record with the record, as a property would."""
+
+    @wraps(function)
+    def once(record: T) -> R:
+        known: dict[str, R] = vars(record)
+        if key not in known:
+            known[key] = function(record)
+        return known[key]
+
+    key = f"_{function.__name__}"
+    return once
 
 
 def samples(name: str, values: npt.ArrayLike, *, minimum: int = 1) -> FloatArray:

@@ -8,22 +8,30 @@ from typing import Literal, NamedTuple, TypeAlias, TypedDict
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.engine.blocks.block import Block
+from dashpot.engine.blocks.block import Block, prior_block
 from dashpot.engine.blocks.hold import hold_block
 from dashpot.engine.blocks.recorded import recorded_block
-from dashpot.engine.solver.variable_projection import Solution
+from dashpot.engine.solver.descent import Stack
+from dashpot.engine.solver.variable_projection import Solution, solve
+from dashpot.fitting.nuisance import priors
 from dashpot.preparation.denoising import true_motion
 from dashpot.records.relaxation import MAX_CREEP, RampHold
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 Method: TypeAlias = Literal["full", "hold"]
 
-NUISANCE = ("offset", "drift")
+NUISANCE = ("offset", "drift", "delay")
 
 # beyond this part of the depth, motion after the ramp is another ramp
 _SECOND_RAMP = 0.05
 _FEWEST = 8
 _ROUNDED = 0.01
+# nothing of a record is known better than this part of its largest force
+_ROUNDING = 1e-9
+# standard deviation of a prior, in those of a row, that is as good as zero
+_TIGHTEST = 1e-5
+# arms of the first solution, which tells the slope of the force
+_ROUGH = 2
 
 
 class Design(NamedTuple):
@@ -40,9 +48,74 @@ def compressed(tests: Sequence[RampHold], design: Design) -> tuple[Block, ...]:
     return tuple(make(test, i, design) for i, test in enumerate(tests))
 
 
+def nuisanced(tests: Sequence[RampHold], design: Design) -> tuple[Block, ...]:
+    r"""Return the blocks of :func:`compressed` with the column of a force that comes late.
+
+    .. math:: -\dot F = \sum_j (k_j/\tau_j)\,q_j - k_g\,\dot x, \qquad k_g = k_\infty + \sum_j k_j
+
+    The slope of the force needs no more than a first solution with two arms.
+    """
+    blocks = compressed(tests, design)
+    if design.method == "hold" or "delay" not in design.nuisance:
+        return blocks
+    stack = Stack(blocks)
+    spare = (stack.samples - len(stack.names) - len(tests) - 2) // (1 + len(stack.groups))
+    rough = solve([*blocks, *bound(tests, blocks, design)], max(min(_ROUGH, spare), 0))
+    return tuple(
+        block.with_column(f"delay@{i}", _late(test, block, rough))
+        for i, (test, block) in enumerate(zip(tests, blocks, strict=True))
+    )
+
+
+def bound(
+    tests: Sequence[RampHold],
+    blocks: Sequence[Block],
+    design: Design,
+    spreads: Sequence[float] | None = None,
+) -> tuple[Block, ...]:
+    """Return what is known of each load cell and its clock before the fit, a block per test.
+
+    `spreads` holds the standard deviation of one independent residual of each test, N; that of
+    the record's scatter by default. Eq. 5 has no such terms.
+    """
+    if design.method == "hold" or not design.nuisance:
+        return ()
+    given = spreads or [test.force_noise for test in tests]
+    return tuple(map(_bound, tests, blocks, given))
+
+
+def _bound(test: RampHold, block: Block, spread: float) -> Block:
+    known, least = priors(test), _ROUNDING * float(np.abs(test.force).max())
+    names = tuple(name for name in block.fixed_names if name.partition("@")[0] in NUISANCE)
+    kinds = [name.partition("@")[0] for name in names]
+    each = [getattr(known, kind) for kind in kinds]
+    rows = np.eye(len(names))
+    if "offset" in kinds and "drift" in kinds:
+        first = float(test.time[known.first] - test.time[0])
+        rows[kinds.index("offset"), kinds.index("drift")] = known.at - first
+    # a prior tighter than this only spoils the conditioning
+    sd = np.array([max(prior.sd, least, _TIGHTEST * spread) for prior in each])
+    mean = np.array([prior.mean for prior in each])
+    return prior_block(block, names, rows, mean, sd, unit=max(spread, least))
+
+
+def _late(test: RampHold, block: Block, rough: Solution) -> FloatArray:
+    """The column of a delay at every sample, N/s."""
+    time, x, _ = _motion(test)
+    k = rough.arms[rough.groups.index(block.arm_group)]
+    k_g = rough.coefficient(block.fixed_names[0]) + float(k.sum())
+    relaxing = block.exact.evaluate(rough.log_tau, False).arms @ (k / rough.tau)
+    return np.asarray(relaxing - k_g * np.gradient(x, time)[first_sample(test) :])
+
+
+def first_sample(test: RampHold) -> int:
+    """Return the first sample of a full fit: those before contact are spent on what they tell."""
+    return priors(test).first
+
+
 def fitted_samples(test: RampHold, design: Design) -> slice:
-    """Return the samples that the fit uses: the hold, or from the first to the hold's end."""
-    return test.hold if design.method == "hold" else slice(0, test.hold.stop)
+    """Return the samples that the fit uses: the settled hold, or from contact to its end."""
+    return test.settled if design.method == "hold" else slice(first_sample(test), test.hold.stop)
 
 
 def eq5_obstacle(test: RampHold) -> str | None:
@@ -102,7 +175,7 @@ def _motion(test: RampHold) -> tuple[FloatArray, FloatArray, FloatArray]:
 
     A seal that the record finds in contact is at rest there: the force of that rest is offset.
     """
-    used = fitted_samples(test, Design("full"))
+    used = slice(0, test.hold.stop)
     x, _ = true_motion(test)
     return _evened(test.time[used] - test.time[0]), x - x[0], test.force[used]
 
@@ -119,13 +192,14 @@ def _evened(time: FloatArray) -> FloatArray:
 
 
 def _full(test: RampHold, i: int, design: Design) -> Block:
-    return recorded_block(*_motion(test), **_names(i, design), **_sensor(i, design))
+    window = slice(first_sample(test), None)
+    return recorded_block(*_motion(test), window=window, **_names(i, design), **_sensor(i, design))
 
 
 def _hold(test: RampHold, i: int, design: Design) -> Block:
     return hold_block(
-        test.time[test.hold] - test.ramp_end,
-        test.force[test.hold],
+        np.maximum(test.time[test.settled] - test.ramp_end, 0.0),
+        test.force[test.settled] - priors(test).offset.mean,
         depth=test.depth,
         ramp_time=test.ramp_time,
         **_names(i, design),

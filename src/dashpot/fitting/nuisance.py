@@ -14,8 +14,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, median
+from dashpot.base.arrays import FloatArray, kept, median
 from dashpot.engine.inference.covariance import noise_of
+from dashpot.preparation.noise import scatter
 from dashpot.records.relaxation import RampHold
 
 # a load cell of which nothing is known drifts by this part of the final force over the record
@@ -24,6 +25,8 @@ UNKNOWN_DRIFT = 5e-3
 TOLD_DRIFT = 1e-3
 # fewer samples have no scatter, and none a slope, to speak of
 _FEWEST = 5
+# part of the ramp for which a plate may move before its encoder shows it
+_UNSEEN = 0.02
 
 
 class Prior(NamedTuple):
@@ -60,6 +63,7 @@ class Priors(NamedTuple):
     first: int
 
 
+@kept
 def priors(record: RampHold) -> Priors:
     r"""Return what the record and its rig say of offset, drift and delay.
 
@@ -71,11 +75,11 @@ def priors(record: RampHold) -> Priors:
     The delay is 0 with the larger of one sample, `Rig.sync` and 1/(2 pi f) of a named filter.
     """
     time, force = record.time - record.time[0], record.force
-    first = int(np.searchsorted(record.time, record.onset - 1e-9))
+    first = _first_motion(record)
     rest = slice(0, first)
     duration = record.hold_end - record.onset
     final = abs(float(np.mean(force[record.hold][-max(1, len(force[record.hold]) // 20) :])))
-    noise = record.force_noise
+    noise = record.force_noise or scatter(time[record.hold], force[record.hold])
     if first >= _FEWEST:
         residual = force[rest] - force[rest].mean()
         noises = noise_of(residual)
@@ -84,7 +88,7 @@ def priors(record: RampHold) -> Priors:
         at = float(time[rest].mean())
         slope = _slope(time[rest], residual, noises.kappa)
     else:
-        offset, at = _first_reading(record), 0.0
+        offset, at = _first_reading(record, noise), 0.0
         first, slope = max(first, 1) if record.displacement[0] <= 0 else 0, None
     allowed = final / duration
     if slope is not None and slope.sd < TOLD_DRIFT * allowed:
@@ -94,6 +98,13 @@ def priors(record: RampHold) -> Priors:
     else:
         drift, told = Prior(0.0, UNKNOWN_DRIFT * allowed), "unknown"
     return Priors(offset, at, drift, told, delay_prior(record), first)
+
+
+def _first_motion(record: RampHold) -> int:
+    """The sample from which the plate may move: a fiftieth of the ramp before it is seen to."""
+    moved = int(np.argmax(record.displacement > 0))
+    seen = min(float(record.time[moved]), record.onset)
+    return int(np.searchsorted(record.time, seen - _UNSEEN * record.ramp_time))
 
 
 def delay_prior(record: RampHold) -> Prior:
@@ -112,11 +123,11 @@ def _slope(time: FloatArray, residual: FloatArray, kappa: float) -> Prior:
     return Prior(slope, float(np.sqrt(left * kappa / power)))
 
 
-def _first_reading(record: RampHold) -> Prior:
+def _first_reading(record: RampHold, noise: float) -> Prior:
     """The force at the first sample, and what the compression there may have given."""
     x, force = record.displacement, record.force
     if x[0] <= 0:
-        return Prior(float(force[0]), max(record.force_noise, 1e-12))
+        return Prior(float(force[0]), noise)
     peak = int(np.argmax(x >= 0.1 * record.depth)) or len(x) - 1
     slope = abs(float(force[peak] - force[0])) / max(float(x[peak] - x[0]), 1e-300)
-    return Prior(0.0, record.force_noise + slope * float(x[0]))
+    return Prior(0.0, noise + slope * float(x[0]))

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import pairwise
 
+import numpy as np
+
 from dashpot.engine.blocks.block import Block
 from dashpot.engine.inference.order import bic_of_deviance, needed
 from dashpot.engine.inference.whitening import whitened_block
@@ -19,6 +21,7 @@ def in_noise_metric(
     *,
     peak: float,
     thorough: bool,
+    priors: Sequence[Block] = (),
 ) -> tuple[Score, ...] | None:
     """Return every number of arms judged anew, or None if a record has no noise.
 
@@ -34,14 +37,20 @@ def in_noise_metric(
         The largest force, N: it sets what rounding alone leaves.
     thorough : bool
         Add quasi-random starts.
+    priors : sequence of Block
+        What was known before the data.
     """
     solutions = [score.solution for score in scores]
-    noises = noises_of(*by_record(largest, every_sample), peak=peak)
+    residuals, jacobians = by_record(largest, [*every_sample, *priors])
+    count = len(every_sample)
+    noises = noises_of(residuals[:count], jacobians[:count], peak=peak)
     if any(noise.autocovariance[0] <= rounding(peak) ** 2 for noise in noises):
         return None
     blocks = [
         whitened_block(block, noise) for block, noise in zip(every_sample, noises, strict=True)
     ]
+    # in the metric of the noise a row is worth one
+    blocks += [block.weighted(1 / np.sqrt(block.variance)) for block in priors if block.variance]
     refitted = [solve(blocks, 0)]
     refitted += [s for s in solve_orders(blocks, len(solutions) - 1, thorough=thorough) if s.order]
     # where a further arm with k > 0 does not help, its number leaves what the last one left

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Literal, NamedTuple
 
@@ -50,7 +50,9 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # a step that would remove less of the residual than this is rounding, whatever it does to tau
 _STATIONARY = 1e-6
-_NUISANCE_UNITS = {"offset": "N", "drift": "N/s"}
+_NUISANCE_UNITS = {"offset": "N", "drift": "N/s", "delay": "s"}
+# a prior whose assumed noise is within this factor of what the fit shows weighs what it should
+_WEIGHED = (2 / 3, 3 / 2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +71,11 @@ class FitData:
         Of each record, where the recorded motion is fitted.
     suffix : str
         Which arm group is the model's: ``""``, or ``"@0"`` where each test has its own.
+    bind : callable, optional
+        Makes the priors of nuisance terms from the standard deviation of one independent residual
+        of each record, N; from None by what the records show before a fit.
+    priors : tuple of Block
+        What was known of fixed coefficients before the data.
     """
 
     blocks: Sequence[Block]
@@ -76,6 +83,27 @@ class FitData:
     in_time: bool = False
     encoders: Sequence[Encoder] | None = None
     suffix: str = ""
+    bind: Callable[[Sequence[float] | None], tuple[Block, ...]] | None = None
+    priors: tuple[Block, ...] = ()
+
+    @property
+    def rows(self) -> tuple[Block, ...]:
+        """The data to solve, and what was known before them."""
+        return (*self.blocks, *self.priors)
+
+    @property
+    def every(self) -> tuple[Block, ...]:
+        """A row per sample, and what was known before them."""
+        return (*self.samples, *self.priors)
+
+    @property
+    def units(self) -> tuple[float, ...]:
+        """The standard deviation of one independent residual that each prior assumes, N."""
+        return tuple(float(np.sqrt(block.variance or 0.0)) for block in self.priors)
+
+    def bound(self, spreads: Sequence[float] | None = None) -> FitData:
+        """The data with priors whose weight is that of residuals with these spreads, N."""
+        return self if self.bind is None else replace(self, priors=self.bind(spreads))
 
     @cached_property
     def peak(self) -> float:
@@ -195,11 +223,22 @@ def chosen_arms(
     thorough : bool
         Add quasi-random starts.
     """
-    blocks, samples, peak, in_time = data.blocks, data.samples, data.peak, data.in_time
+    data = data.bound()
+    found = _chosen(data, arms, max_arms, thorough=thorough)
+    # a prior weighs as the noise does, which the first fit shows
+    spreads = found.estimate.spreads
+    if all(_WEIGHED[0] < a / b < _WEIGHED[1] for a, b in zip(spreads, data.units, strict=False)):
+        return found
+    return _chosen(data.bound(spreads), arms, max_arms, thorough=thorough)
+
+
+def _chosen(data: FitData, arms: int | Literal["auto"], max_arms: int, *, thorough: bool) -> Chosen:
+    samples, peak, in_time = data.samples, data.peak, data.in_time
     auto, most = arms == "auto", asked_arms(arms, max_arms)
     if auto:
-        most = min(most, determinable_arms(blocks))
-    solutions = _solved(blocks, most, every=not (auto and in_time) or thorough, thorough=thorough)
+        most = min(most, determinable_arms(data.blocks))
+    every = not (auto and in_time) or thorough
+    solutions = _solved(data.rows, most, every=every, thorough=thorough)
     noises = residual_noises(solutions[-1], samples, peak=peak)
     scores = _scored(solutions, data, noises)
     exhausted = len(scores) - 1 < most or not in_time
@@ -207,7 +246,7 @@ def chosen_arms(
 
     @lru_cache(maxsize=1)  # the order that the rules support is, as a rule, the one chosen
     def whole(order: int) -> Jacobian:
-        return full_jacobian(samples, scores[order].solution)
+        return full_jacobian([*samples, *data.priors], scores[order].solution)
 
     # least squares is a fair judge where the noise is even to the arms that a rule supports
     supported = min(max(choice.by_bic, choice.by_significance, 1), len(scores) - 1)
@@ -215,18 +254,25 @@ def chosen_arms(
         auto
         and in_time
         and not nearly_white(noises)
-        and noise_gain_differs(by_record(whole(supported), samples)[1], noises)
+        and noise_gain_differs(by_record(whole(supported), data.every)[1][: len(noises)], noises)
     ):
         from dashpot.fitting.order_selection import in_noise_metric
 
         largest = whole(len(scores) - 1)
-        anew = in_noise_metric(scores, samples, largest, peak=peak, thorough=thorough)
+        anew = in_noise_metric(
+            scores, samples, largest, peak=peak, thorough=thorough, priors=data.priors
+        )
         if anew is not None:
             scores = anew
             choice = _choice(scores, exhausted=exhausted, decisive=DECISIVE, in_noise_metric=True)
     taken = choice.arms if auto else min(most, len(scores) - 1)
     estimate = estimated(
-        scores[taken].solution, samples, peak=peak, encoders=data.encoders, whole=whole(taken)
+        scores[taken].solution,
+        samples,
+        peak=peak,
+        priors=data.priors,
+        encoders=data.encoders,
+        whole=whole(taken),
     )
     return Chosen(data, estimate, scores, choice if auto else None, None if auto else most)
 
@@ -269,7 +315,7 @@ def assembled(
             dof=estimate.dof,
             residual=_residual(estimate),
             profiles=profiles(
-                data.blocks,
+                data.rows,
                 estimate,
                 suffix=data.suffix,
                 every_sample=data.samples if data.in_time else None,
@@ -279,7 +325,7 @@ def assembled(
         evidence=Evidence(
             band=band,
             orders=found.orders,
-            certificate=_certificate(data.blocks, found.solution),
+            certificate=_certificate(data.rows, found.solution),
             checks=(*noticed, *checks),
             by_depth=by_depth,
         ),
@@ -319,7 +365,14 @@ def _scored(
     """Judge each number of arms by the residuals of the largest."""
     effective = sum(noise.effective for noise in noises)
     return tuple(
-        scored(solution, data.blocks, data.samples, effective=effective, peak=data.peak)
+        scored(
+            solution,
+            data.blocks,
+            data.samples,
+            effective=effective,
+            peak=data.peak,
+            priors=data.priors,
+        )
         for solution in solutions
     )
 
@@ -384,7 +437,7 @@ def _residual(estimate: Estimate) -> Residual:
 
 
 def _nuisance(estimate: Estimate, *, tests: int) -> tuple[Nuisance, ...]:
-    """Return offset and drift of the load cell of each relaxation test."""
+    """Return offset, drift and delay of each relaxation test."""
     found = []
     for name in estimate.solution.fixed_names:
         kind, _, test = name.partition("@")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -17,8 +18,11 @@ from dashpot.fitting.design import (
     NUISANCE,
     Design,
     Method,
+    bound,
     compressed,
     eq5_obstacle,
+    fitted_samples,
+    nuisanced,
     solid_of,
 )
 from dashpot.fitting.pipeline import Chosen, FitData, asked_arms, assembled, chosen_arms
@@ -99,14 +103,7 @@ def fit(
     _checked_method(records, method)
     design = Design(method, depth_law, _checked_nuisance(nuisance))
     deepest = max(range(len(records)), key=lambda i: records[i].depth)
-    blocks = compressed(records, design)
-    data = FitData(
-        blocks,
-        [block.exact for block in blocks],
-        in_time=True,
-        encoders=_encoders(records, design),
-        suffix=f"@{deepest}" if depth_law else "",
-    )
+    data = _data(records, design, deepest)
     found = chosen_arms(data, arms, max_arms=max_arms, thorough=thorough)
     if method == "hold":
         doubts = [record.depth_doubt for record in records]
@@ -115,7 +112,7 @@ def fit(
         )
     band = informed_band(
         records,
-        blocks,
+        data.rows,
         stiffness=max(found.model.k_0, 1e-300),
         noise=max(found.estimate.spread, 1e-6 * data.peak, 1e-300),
     )
@@ -140,6 +137,19 @@ def fit(
     )
 
 
+def _data(records: Sequence[RampHold], design: Design, deepest: int = 0) -> FitData:
+    """Return the tests as data, with what is known of load cell and clocks."""
+    blocks = nuisanced(records, design)
+    return FitData(
+        blocks,
+        [block.exact for block in blocks],
+        in_time=True,
+        encoders=_encoders(records, design),
+        suffix=f"@{deepest}" if design.depth_law else "",
+        bind=partial(bound, records, blocks, design),
+    )
+
+
 def _checked_method(records: Sequence[RampHold], method: str) -> None:
     if method not in ("full", "hold"):
         raise FitError(
@@ -159,8 +169,8 @@ def _encoders(records: Sequence[RampHold], design: Design) -> tuple[Encoder, ...
         return None
     return tuple(
         Encoder(
-            record.time[: record.hold.stop],
-            record.displacement[: record.hold.stop],
+            record.time[fitted_samples(record, design)],
+            record.displacement[fitted_samples(record, design)],
             record.encoder_step,
             record.onset,
             record.contact_error,
@@ -242,10 +252,7 @@ def filter_bias(test: RampHold) -> Check:
 
 def _supported(record: RampHold) -> GeneralizedMaxwell:
     """Return the solid with as many arms as the record supports."""
-    design = Design("full")
-    blocks = compressed([record], design)
-    data = FitData(blocks, [block.exact for block in blocks], in_time=True)
-    return chosen_arms(data, "auto").model
+    return chosen_arms(_data([record], Design("full")), "auto").model
 
 
 def _changes(clean: RampHold, by: Filter, arms: int, method: Method) -> dict[str, float]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, IndexArray, median
+from dashpot.base.arrays import FloatArray, IndexArray, kept, median
 from dashpot.records.relaxation import RampHold
 
 # half widths of the windows that compete, in samples: each some 1.4 times the one before
@@ -25,6 +25,7 @@ LEAST_COUNT = 1e-6
 FLICKER = 7
 
 
+@kept
 def true_motion(test: RampHold) -> tuple[FloatArray, FloatArray]:
     """Displacement of a test up to the end of its hold, freed of counts and noise.
 

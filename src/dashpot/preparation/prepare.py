@@ -12,10 +12,14 @@ from dashpot.base.provenance import Step
 from dashpot.preparation import checks
 from dashpot.preparation.contact import Baseline, Touch, baseline_of, touch_of, zeroed
 from dashpot.preparation.filters import filtered, parse_filter
+from dashpot.preparation.hum import hum_lines, hum_step
 from dashpot.preparation.motion import Motion, find_motion, from_contact, given_motion
 from dashpot.preparation.noise import median_of_three, scatter, without_spikes
 from dashpot.records.relaxation import RampHold, RelaxationTest, quantum
 from dashpot.records.rig import Rig
+
+# steps of a clock that differ by less than this part are even but for rounding
+_EVEN = 0.2
 
 
 def prepare(
@@ -92,7 +96,7 @@ def prepare(
         before, touch = _touch(test.time, x, turn * clean, motion, given=contact, least_gap=gap)
     force, tared = zeroed(test.time, force, before, drift=drift, where=where)
     times = _times(motion, touch, test.time, (onset, ramp_end, hold_end))
-    record = _record(test, x, force, motion, touch, times=times, count=count)
+    record = _without_hum(_record(test, x, force, motion, touch, times=times, count=count))
     rise = _risen(record, before, where)
     preload = _preload(record, before, touch, rise)
     checks.refuse_unresolved(where, rise, test.force)
@@ -110,7 +114,7 @@ def prepare(
     if force_range is not None:
         answers.append(checks.range_used(rise, force_range))
     steps = [_turned(motion.sign, turn), _kept(motion, record), _met(touch), tared]
-    steps.append(_ramped(record, motion))
+    steps += [_ramped(record, motion), *hum_step(record.hum)]
     record = replace(
         record, preload=preload, steps=tuple(steps), checks=tuple(answers), rig=rig or Rig()
     )
@@ -276,6 +280,22 @@ def _record(
         specimen=test.specimen,
         source=test.source,
     )
+
+
+def _without_hum(record: RampHold) -> RampHold:
+    """Take the lines of the hold off the whole force, on a uniform clock."""
+    held = record.hold
+    time, force = record.time[held], record.force[held]
+    steps = np.diff(time)
+    if len(steps) < 2 or np.ptp(steps) > _EVEN * steps.mean():
+        return record
+    lines = hum_lines(time, force, noise=record.force_noise)
+    if not lines:
+        return record
+    force = record.force - np.sum([line.force(record.time) for line in lines], axis=0)
+    late = slice(held.start + (held.stop - held.start) // 10, held.stop)
+    noise = scatter(record.time[late], force[late])
+    return replace(record, force=force, force_noise=noise, hum=lines)
 
 
 def _mean(time: FloatArray, values: FloatArray) -> float:

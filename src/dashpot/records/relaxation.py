@@ -16,6 +16,9 @@ from dashpot.base.provenance import Source, Step
 from dashpot.records.rig import Rig
 from dashpot.records.specimen import Specimen
 
+# a plate so near the depth, as a part of it, has settled; it is given a fifth of the ramp for it
+SETTLED = 0.002
+SETTLING = 0.2
 # motion left in a hold, as a part of the depth, that a fit of the hold alone can bear
 MAX_CREEP = 0.01
 
@@ -55,6 +58,36 @@ class RelaxationTest(ByValue):
         increasing("time", self.time)
 
 
+@dataclass(frozen=True)
+class Hum:
+    """A line of one frequency that was taken off the force.
+
+    Attributes
+    ----------
+    frequency : float
+        Hz.
+    cosine, sine : float
+        N, with the phase counted from `origin`.
+    origin : float
+        s, on the clock of the record.
+    """
+
+    frequency: float
+    cosine: float
+    sine: float
+    origin: float
+
+    @property
+    def amplitude(self) -> float:
+        """N."""
+        return float(np.hypot(self.cosine, self.sine))
+
+    def force(self, time: FloatArray) -> FloatArray:
+        """The line at times, s."""
+        phase = 2 * np.pi * self.frequency * (time - self.origin)
+        return np.asarray(self.cosine * np.cos(phase) + self.sine * np.sin(phase))
+
+
 @dataclass(frozen=True, eq=False)
 class RampHold(ByValue):
     """A prepared relaxation test: the ramp and the hold known, compression positive, tared.
@@ -69,7 +102,8 @@ class RampHold(ByValue):
         Compression of the seal from first contact, m: what the fit takes as its input.
         Zero before contact; positive is compression.
     force : array, shape (n,)
-        Compressive force less the tare, N; positive is compression. Not filtered by default.
+        Compressive force less the tare and the lines of `hum`, N; positive is compression. Not
+        filtered by default.
     onset, ramp_end, hold_end : float
         First contact, end of the ramp and end of the hold, s on the same clock. With several
         ramps, the first ramp and the last hold.
@@ -92,6 +126,8 @@ class RampHold(ByValue):
         The same record before the filter that was asked for; None if none was.
     rig : Rig
         What the user knows of the machine.
+    hum : tuple of Hum
+        Lines found in the force and taken off it.
     """
 
     time: FloatArray
@@ -111,6 +147,7 @@ class RampHold(ByValue):
     checks: tuple[Check, ...] = ()
     unfiltered: RampHold | None = None
     rig: Rig = field(default_factory=Rig)
+    hum: tuple[Hum, ...] = ()
 
     def __post_init__(self) -> None:
         for name in ("time", "displacement", "force"):
@@ -165,7 +202,7 @@ class RampHold(ByValue):
         time is left to the plate for settling.
         """
         x, t = self.displacement[self.hold], self.time[self.hold] - self.ramp_end
-        edges = np.searchsorted(t, np.geomspace(0.2 * self.ramp_time, t[-1], 13))
+        edges = np.searchsorted(t, np.geomspace(SETTLING * self.ramp_time, t[-1], 13))
         last = float(x[-max(1, len(x) // 10) :].mean())
         means = [x[a:b].mean() for a, b in pairwise(edges) if b > a]
         moved = [last - float(mean) for mean in means]
@@ -176,6 +213,22 @@ class RampHold(ByValue):
         """The samples of the hold, ramp end included."""
         start, stop = np.searchsorted(self.time, [self.ramp_end, self.hold_end])
         return slice(int(start), min(int(stop) + 1, len(self.time)))
+
+    @cached_property
+    def settled(self) -> slice:
+        """The samples of the hold after the plate has settled, within a fifth of the ramp time."""
+        hold = self.hold
+        early = slice(
+            hold.start,
+            int(np.searchsorted(self.time, self.ramp_end + SETTLING * self.ramp_time)),
+        )
+        near = max(
+            SETTLED * self.depth, 0.5 * self.displacement_quantum, 5 * self.displacement_noise
+        )
+        off = np.flatnonzero(np.abs(self.displacement[early] - self.depth) > near)
+        # what is left of the swing dies away in as long again
+        late = 2 * (int(off[-1]) + 1) if off.size else 0
+        return slice(min(hold.start + late, early.stop), hold.stop)
 
 
 def listed(tests: RampHold | Sequence[RampHold]) -> tuple[RampHold, ...]:

@@ -84,6 +84,10 @@ class Block:
     full : callable, optional
         Makes the same data with every weighted sample as a row, in order; left out if the rows
         are those already.
+    widen : callable, optional
+        Adds a fixed column: takes its name and its value at every sample, weighted.
+    variance : float or None
+        Of every row, where it is known: the rows are what was known before the data.
     """
 
     rows: Rows
@@ -96,6 +100,8 @@ class Block:
     rotated_basis: bool = False
     sampling: Hashable = None
     full: Callable[[], Block] | None = None
+    widen: Callable[[str, FloatArray], Block] | None = None
+    variance: float | None = None
 
     def evaluate(self, log_tau: FloatArray, derivative: bool = True) -> Evaluation:
         """Return target and design matrix at these relaxation times."""
@@ -105,6 +111,23 @@ class Block:
     def exact(self) -> Block:
         """The same data with every sample as a row; itself if nothing was compressed."""
         return self if self.full is None else self.full()
+
+    def with_column(self, name: str, column: FloatArray) -> Block:
+        """The block with one more fixed column, given at every sample."""
+        return self.widen(name, column) if self.widen else self.beside(name, column)
+
+    def beside(
+        self, name: str, column: FloatArray, *, full: Callable[[], Block] | None = None
+    ) -> Block:
+        """The block with one more fixed column in its own coordinates, which are steady."""
+        one = column[:, None]
+
+        def rows(log_tau: FloatArray, derivative: bool) -> Evaluation:
+            found = self.rows(log_tau, derivative)
+            return found._replace(fixed=np.concatenate((found.fixed, one), axis=1))
+
+        names = (*self.fixed_names, name)
+        return replace(self, rows=rows, fixed_names=names, sampling=None, full=full)
 
     @property
     def target(self) -> FloatArray:
@@ -134,7 +157,7 @@ class Block:
         def rows(log_tau: FloatArray, derivative: bool) -> Evaluation:
             return self.rows(log_tau, derivative).each(change)
 
-        return replace(self, rows=rows, **{"sampling": None, "full": None, **facts})
+        return replace(self, rows=rows, **{"sampling": None, "full": None, "widen": None, **facts})
 
     def weighted(self, factor: float, fixed_names: tuple[str, ...] | None = None) -> Block:
         """Every row times one factor, 1/sd; with other names, if they are given."""
@@ -143,6 +166,7 @@ class Block:
             lambda part: factor * part,
             fixed_names=names,
             floor=factor**2 * self.floor,
+            variance=None if self.variance is None else factor**2 * self.variance,
             full=None if full is None else lambda: full().weighted(factor, names),
         )
 
@@ -181,6 +205,41 @@ def design_block(
         )
     made = design_rows(target, fixed, columns)
     return Block(made, fixed_names, window, rows, arm_group)
+
+
+def prior_block(
+    like: Block,
+    names: tuple[str, ...],
+    rows: FloatArray,
+    mean: FloatArray,
+    sd: FloatArray,
+    *,
+    unit: float,
+) -> Block:
+    r"""What is known of fixed coefficients before the data, as rows beside those of a block.
+
+    .. math:: \frac{s}{\sigma_i} \sum_n C_{in} c_n = \frac{s}{\sigma_i} m_i
+
+    Parameters
+    ----------
+    like : Block
+        Whose coefficients they are.
+    names : tuple of str
+    rows : array, shape (p, q)
+        C, one column per name.
+    mean, sd : array, shape (p,)
+    unit : float
+        s, the standard deviation of one independent row of `like`.
+    """
+    scale = unit / sd
+    fixed, target = rows * scale[:, None], mean * scale
+    none = np.zeros((len(mean), 0))
+
+    def at(log_tau: FloatArray, _derivative: bool) -> Evaluation:
+        arms = np.zeros((len(mean), len(log_tau))) if len(log_tau) else none
+        return Evaluation(target, fixed, arms, arms)
+
+    return Block(at, names, like.window, len(mean), like.arm_group, variance=unit**2)
 
 
 def stiffnesses(names: Sequence[str]) -> BoolArray:

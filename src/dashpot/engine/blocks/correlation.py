@@ -85,6 +85,17 @@ class Response(ByValue):
     count: int
     step: float
 
+    def with_fixed(self, column: FloatArray) -> Response:
+        """The response with one more fixed column, shape (n,)."""
+        fixed = np.concatenate((self.fixed, column[:, None]), axis=1)
+        crossed = column @ fixed
+        size = len(crossed)
+        gram = np.empty((size, size))
+        gram[:-1, :-1], gram[-1], gram[:, -1] = self.fixed_gram, crossed, crossed
+        own = self.correlate(column)
+        sequences = np.concatenate((self.sequences[:-3], own[None], self.sequences[-3:]))
+        return replace(self, fixed=fixed, fixed_gram=gram, sequences=sequences)
+
     def correlate(self, values: FloatArray) -> FloatArray:
         """Compressed correlation of window values, shape (..., n), with the displacement."""
         return self.lags.nodes_of(self.lag(values))
@@ -355,10 +366,20 @@ def correlation_block(
     """
     target, fixed, *_ = exact.evaluate(np.zeros(0), False)
     shared = response(time, x, fixed, start=start, stop=stop)
+    return _of_force(exact, shared, Force.of(shared, target), target)
+
+
+def _of_force(exact: Block, shared: Response, force: Force, target: FloatArray) -> Block:
+    def widen(name: str, column: FloatArray) -> Block:
+        wider = shared.with_fixed(column)
+        more = force._replace(fixed=np.append(force.fixed, target @ column))
+        return _of_force(exact.with_column(name, column), wider, more, target)
+
     return replace(
         exact,
-        rows=correlation_rows(shared, Force.of(shared, target)),
+        rows=correlation_rows(shared, force),
         accuracy=float(np.sqrt(ROUNDING)),
         rotated_basis=True,
         full=lambda: exact,
+        widen=widen,
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
@@ -162,7 +163,7 @@ def _block(
         return Block(rows, names, window, len(time), arm_group)
     # the columns follow from the clock and all but the data
     known = weights is None and step is not None
-    return Block(
+    block = Block(
         rows,
         names,
         window,
@@ -173,6 +174,18 @@ def _block(
         sampling=(len(time), float(time[0]), step, ideal) if known else None,
         full=partial(_block, time, values, weights, ideal, arm_group=arm_group, compress=False),
     )
+    return _widening(block, plans)
+
+
+def _widening(block: Block, plans: tuple[Compression, ...]) -> Block:
+    """The block, able to take a fixed column that is smooth as its arms are."""
+
+    def widen(name: str, column: FloatArray) -> Block:
+        at_nodes, _ = projected(plans, column)
+        whole = partial(block.exact.with_column, name, column)
+        return _widening(block.beside(name, at_nodes, full=whole), plans)
+
+    return replace(block, widen=widen)
 
 
 def _plans(

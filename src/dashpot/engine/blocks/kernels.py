@@ -126,4 +126,5 @@ def reduced_block(exact: Block, *, reach: tuple[float, float] | None = None) -> 
         floor=float(factor[-1, -1] ** 2),
         accuracy=ACCURACY,
         full=lambda: exact,
+        widen=lambda name, column: reduced_block(exact.with_column(name, column), reach=reach),
     )

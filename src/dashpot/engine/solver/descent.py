@@ -53,7 +53,8 @@ class Stack:
         self.names = tuple(dict.fromkeys(n for block in blocks for n in block.fixed_names))
         self.groups = tuple(dict.fromkeys(block.arm_group for block in blocks))
         self.floor = sum(block.floor for block in blocks)
-        self.samples = sum(block.samples for block in blocks)
+        #: of the data: what was known before is not a sample
+        self.samples = sum(block.samples for block in blocks if block.variance is None)
         shortest, longest = zip(*(block.window for block in blocks), strict=True)
         self.bounds = (float(np.log(min(shortest))), float(np.log(max(longest))))
         #: how often :func:`point_at` was asked

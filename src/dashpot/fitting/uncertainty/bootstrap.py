@@ -16,9 +16,10 @@ import numpy as np
 
 from dashpot.base.arrays import ByValue, FloatArray, frozen
 from dashpot.base.errors import DataError, FitError
+from dashpot.engine.blocks.block import Block, Evaluation
 from dashpot.engine.inference.covariance import noise_of
 from dashpot.engine.solver.variable_projection import Solution, solve
-from dashpot.fitting.design import Design, compressed, fitted_samples
+from dashpot.fitting.design import Design, bound, fitted_samples, nuisanced
 from dashpot.fitting.uncertainty.estimate import estimated
 from dashpot.records.estimate import parameter_names
 from dashpot.records.fit import Fit
@@ -94,10 +95,12 @@ def bootstrap(
         )
     design = Design(cast('Literal["full", "hold"]', fit.method))
     arms, start = fit.model.arms, np.log(np.array(fit.model.tau))
-    blocks = compressed(records, design)
+    blocks = nuisanced(records, design)
     samples = [block.exact for block in blocks]
+    known = bound(records, blocks, design)
     peak = max(float(np.abs(record.force).max()) for record in records)
-    residuals = estimated(solve(blocks, arms, log_tau_start=start), samples, peak=peak).residuals
+    first = solve([*blocks, *known], arms, log_tau_start=start)
+    residuals = estimated(first, samples, priors=known, peak=peak).residuals
     used = [fitted_samples(record, design) for record in records]
     times = [record.time[here] for record, here in zip(records, used, strict=True)]
     lengths = list(map(_block_length, residuals, times, repeat(block)))
@@ -105,7 +108,9 @@ def bootstrap(
     rows = []
     for _ in range(repeats):
         drawn = list(map(_redrawn, records, used, residuals, lengths, repeat(random)))
-        rows.append(_row(solve(compressed(drawn, design), arms, log_tau_start=start), arms))
+        again = nuisanced(drawn, design)
+        known = [_redrawn_prior(block, random) for block in bound(drawn, again, design)]
+        rows.append(_row(solve([*again, *known], arms, log_tau_start=start), arms))
     names = tuple(name.removeprefix("ln_") for name in parameter_names(arms))
     return Bootstrap(names, np.array(rows))
 
@@ -123,6 +128,17 @@ def _block_length(residual: FloatArray, time: FloatArray, block: float | None) -
         step = float(time[-1] - time[0]) / max(len(time) - 1, 1)
         return int(np.clip(round(block / step), 1, len(residual)))
     return int(np.clip(np.ceil(_LENGTHS * noise_of(residual).kappa), 1, len(residual) // 4 + 1))
+
+
+def _redrawn_prior(block: Block, random: np.random.Generator) -> Block:
+    """What might have been known before: its rows have a known variance."""
+    error = np.sqrt(block.variance or 0.0) * random.standard_normal(block.samples)
+
+    def rows(log_tau: FloatArray, derivative: bool) -> Evaluation:
+        found = block.evaluate(log_tau, derivative)
+        return found._replace(target=found.target + error)
+
+    return replace(block, rows=rows)
 
 
 def _redrawn(

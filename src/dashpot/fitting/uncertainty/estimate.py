@@ -74,6 +74,11 @@ class Estimate(NamedTuple):
         return self.samples / self.effective
 
     @property
+    def spreads(self) -> tuple[float, ...]:
+        """Standard deviation of one independent residual of each record, N."""
+        return tuple(float(np.sqrt(noise.autocovariance[0] * noise.kappa)) for noise in self.noises)
+
+    @property
     def spread(self) -> float:
         """Standard deviation of one independent residual, N: the rms times root kappa."""
         return float(np.sqrt(self.sse / self.effective))
@@ -141,6 +146,7 @@ def estimated(
     every_sample: Sequence[Block],
     *,
     peak: float,
+    priors: Sequence[Block] = (),
     encoders: Sequence[Encoder] | None = None,
     whole: Jacobian | None = None,
 ) -> Estimate:
@@ -154,11 +160,15 @@ def estimated(
         The largest force, N: it sets what rounding alone leaves.
     encoders : sequence of Encoder, optional
         Of each record, where the recorded motion is fitted.
+    priors : sequence of Block
+        What was known before the data.
     whole : Jacobian, optional
-        Of every sample, where it is known already.
+        Of every sample and then of the priors, where it is known already.
     """
-    whole = whole or full_jacobian(every_sample, solution)
-    residuals, jacobians = by_record(whole, every_sample)
+    whole = whole or full_jacobian([*every_sample, *priors], solution)
+    every_residual, every_jacobian = by_record(whole, [*every_sample, *priors])
+    count = len(every_sample)
+    residuals, jacobians = every_residual[:count], every_jacobian[:count]
     noises = noises_of(residuals, jacobians, peak=peak)
     further = None
     if encoders is not None:
@@ -169,7 +179,8 @@ def estimated(
             ],
             axis=0,
         )
-    covariance = sandwich(jacobians, noises, further=further)
+    known = [Noise(block.samples, np.array([block.variance]), 1.0, 2.0) for block in priors]
+    covariance = sandwich(every_jacobian, [*noises, *known], further=further)
     return Estimate(
         solution, whole.names, covariance, whole.matrix.T @ whole.matrix, residuals, noises
     )
@@ -230,6 +241,7 @@ def scored(
     *,
     effective: float,
     peak: float,
+    priors: Sequence[Block] = (),
 ) -> Score:
     """Judge one number of arms by BIC and by the significance of its arms.
 
@@ -242,9 +254,11 @@ def scored(
         Effective number of residuals, from the largest model tried.
     peak : float
         Largest force, N; sets what rounding alone leaves.
+    priors : sequence of Block
+        What was known before the data.
     """
     floor = max(solution.samples * rounding(peak) ** 2, Stack(blocks).rounding_floor)
-    jacobian = full_jacobian(blocks, solution)
+    jacobian = full_jacobian([*blocks, *priors], solution)
     parameters = len(jacobian.names)
 
     def clear(independent: float) -> bool:
@@ -255,7 +269,9 @@ def scored(
     # correlation counted and it is, the sandwich between the two need not be built
     is_clear = clear(solution.samples) and (
         clear(effective)
-        or _significant(solution, estimated(solution, every_sample, peak=peak).covariance)
+        or _significant(
+            solution, estimated(solution, every_sample, peak=peak, priors=priors).covariance
+        )
     )
     return Score(
         solution,

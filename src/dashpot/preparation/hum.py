@@ -1,0 +1,113 @@
+r"""Hum: lines of one frequency in the force, from the mains or the machine, and their aliases.
+
+A line is no noise: it repeats, so it can be known. Over the hold, where the force is smooth, the
+spectrum of the windowed force shows each as a peak far above its neighbourhood, and
+
+.. math:: F_h(t) = a\cos 2\pi f t + b\sin 2\pi f t
+
+follows from the windowed transform at its frequency; the frequency from the turn of its phase
+between the two halves.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.provenance import Step
+from dashpot.records.relaxation import Hum
+
+# a line stands out of its neighbourhood by this factor in power: white noise does so once in 1e8
+_STANDS_OUT = 40.0
+# bins of the neighbourhood on either side
+_NEIGHBOURS = 40
+# cycles per hold below which a line cannot be told from relaxation
+_FEWEST_CYCLES = 20.0
+_MOST_LINES = 8
+_FEWEST_SAMPLES = 400
+# a line below this part of the scatter does nothing
+_TOO_SMALL = 0.02
+
+
+def hum_lines(time: FloatArray, force: FloatArray, *, noise: float) -> tuple[Hum, ...]:
+    """Return the lines of a force on a uniform clock, the strongest first.
+
+    Parameters
+    ----------
+    time, force : array, shape (n,)
+        s and N, over the hold.
+    noise : float
+        Scatter of the force from sample to sample, N.
+    """
+    n = len(time)
+    if n < _FEWEST_SAMPLES or noise == 0:
+        return ()
+    step = (time[-1] - time[0]) / (n - 1)
+    window = np.hanning(n)
+    # the straight line between the ends leaks most
+    rest = force - np.interp(time, time[[0, -1]], [force[:20].mean(), force[-20:].mean()])
+    found: list[Hum] = []
+    for _ in range(_MOST_LINES):
+        power = np.abs(np.fft.rfft(window * rest)) ** 2
+        at = _strongest(power, int(np.ceil(_FEWEST_CYCLES)))
+        if at is None:
+            break
+        frequency = _refined(rest, step, at / (n * step))
+        c = _transform(rest * window, step, frequency) * 2 / window.sum()
+        line = Hum(frequency, float(c.real), float(-c.imag), float(time[0]))
+        if line.amplitude < _TOO_SMALL * noise:
+            break
+        found.append(line)
+        rest = rest - line.force(time)
+    return tuple(found)
+
+
+def hum_step(lines: tuple[Hum, ...]) -> tuple[Step, ...]:
+    """Return what was taken off, as a step of the preparation; nothing if nothing was."""
+    if not lines:
+        return ()
+    listed = ", ".join(
+        f"{1e3 * line.amplitude:.3g} mN at {line.frequency:.5g} Hz" for line in lines
+    )
+    parameters = tuple((f"{line.frequency:.6g} Hz", f"{line.amplitude:.6g} N") for line in lines)
+    return (Step("hum", parameters, f"hum taken off the force: {listed}"),)
+
+
+def _strongest(power: FloatArray, first: int) -> int | None:
+    """The bin that stands out of its neighbourhood most, if any does."""
+    if len(power) <= first + 2 * _NEIGHBOURS:
+        return None
+    blocks = len(power) // _NEIGHBOURS
+    level = np.median(power[: blocks * _NEIGHBOURS].reshape(blocks, _NEIGHBOURS), axis=1)
+    # the median of the power of white noise is ln 2 of its mean
+    about = np.interp(
+        np.arange(len(power)), _NEIGHBOURS * (np.arange(blocks) + 0.5), level / np.log(2)
+    )
+    above = power / np.maximum(about, 1e-300)
+    above[:first] = 0.0
+    above[-2:] = 0.0
+    at = int(np.argmax(above))
+    return at if above[at] > _STANDS_OUT else None
+
+
+def _refined(rest: FloatArray, step: float, frequency: float) -> float:
+    """The frequency at which both halves have the same phase."""
+    half = len(rest) // 2
+    taper = np.hanning(half)
+    for _ in range(3):
+        first = _transform(taper * rest[:half], step, frequency)
+        second = _transform(taper * rest[half : 2 * half], step, frequency)
+        turn = np.angle(second * np.conj(first) * np.exp(-2j * np.pi * frequency * half * step))
+        frequency += float(turn) / (2 * np.pi * half * step)
+    return float(frequency)
+
+
+def _transform(values: FloatArray, step: float, frequency: float) -> complex:
+    return complex(values @ _phasor(len(values), -2 * np.pi * frequency * step))
+
+
+def _phasor(count: int, turn: float) -> ComplexArray:
+    """exp(j turn i) for i = 0 .. count - 1, from two short tables."""
+    short = int(np.ceil(np.sqrt(count)))
+    fine, coarse = (np.exp(1j * turn * np.arange(short) * each) for each in (1, short))
+    return np.asarray((coarse[:, None] * fine).ravel()[:count])
