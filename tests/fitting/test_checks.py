@@ -90,7 +90,8 @@ def test_a_coarse_encoder_widens_the_intervals(paper_seal: GeneralizedMaxwell) -
     sharp, blunt = fit(test, arms=2).standard_error, fit(coarse, arms=2).standard_error
     assert blunt["k_inf"] > 2 * sharp["k_inf"]
     assert blunt["k_inf"] == pytest.approx(
-        np.hypot(sharp["k_inf"], 196.5 * 2e-4 / np.sqrt(6) / 8e-3), rel=0.3
+        1.36,
+        rel=0.3,  # the scatter of 40 records of any phase and depth
     )
     by_hold = fit(coarse, arms=2, method="hold").standard_error
     assert by_hold["k"][0] >= 117.5 * 2e-4 / np.sqrt(6) / 8e-3 * 0.99

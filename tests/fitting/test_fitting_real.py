@@ -94,7 +94,8 @@ def test_the_afm_record_is_fitted_with_its_own_motion(afm_test: RampHold) -> Non
         displacement=np.minimum(afm_test.displacement, afm_test.displacement[afm_test.hold.start]),
     )
     stopped = fit(still, arms=2)
-    assert found.residual.n == len(afm_test.time) == 75_800
+    # but for the samples before the tip may have moved
+    assert 0.99 * len(afm_test.time) < found.residual.n < len(afm_test.time) == 75_800
     assert found.residual.rms < 0.02 * afm_test.force.max()
     # a plate taken to stand still turns its creep into relaxation that was not there
     assert stopped.model.k_inf != pytest.approx(found.model.k_inf, rel=0.02)

@@ -59,7 +59,7 @@ def nuisanced(tests: Sequence[RampHold], design: Design) -> tuple[Block, ...]:
     if design.method == "hold" or "delay" not in design.nuisance:
         return blocks
     stack = Stack(blocks)
-    spare = (stack.samples - len(stack.names) - len(tests) - 2) // (1 + len(stack.groups))
+    spare = (stack.samples - len(stack.names) - 2) // (1 + len(stack.groups))
     rough = solve([*blocks, *bound(tests, blocks, design)], max(min(_ROUGH, spare), 0))
     return tuple(
         block.with_column(f"delay@{i}", _late(test, block, rough))
@@ -91,8 +91,7 @@ def _bound(test: RampHold, block: Block, spread: float) -> Block:
     each = [getattr(known, kind) for kind in kinds]
     rows = np.eye(len(names))
     if "offset" in kinds and "drift" in kinds:
-        first = float(test.time[known.first] - test.time[0])
-        rows[kinds.index("offset"), kinds.index("drift")] = known.at - first
+        rows[kinds.index("offset"), kinds.index("drift")] = known.at
     # a prior tighter than this only spoils the conditioning
     sd = np.array([max(prior.sd, least, _TIGHTEST * spread) for prior in each])
     mean = np.array([prior.mean for prior in each])
@@ -199,7 +198,7 @@ def _full(test: RampHold, i: int, design: Design) -> Block:
 def _hold(test: RampHold, i: int, design: Design) -> Block:
     return hold_block(
         np.maximum(test.time[test.settled] - test.ramp_end, 0.0),
-        test.force[test.settled] - priors(test).offset.mean,
+        test.force[test.settled],
         depth=test.depth,
         ramp_time=test.ramp_time,
         **_names(i, design),

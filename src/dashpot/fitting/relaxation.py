@@ -21,7 +21,6 @@ from dashpot.fitting.design import (
     bound,
     compressed,
     eq5_obstacle,
-    fitted_samples,
     nuisanced,
     solid_of,
 )
@@ -169,8 +168,8 @@ def _encoders(records: Sequence[RampHold], design: Design) -> tuple[Encoder, ...
         return None
     return tuple(
         Encoder(
-            record.time[fitted_samples(record, design)],
-            record.displacement[fitted_samples(record, design)],
+            record.time[: record.hold.stop],
+            record.displacement[: record.hold.stop],
             record.encoder_step,
             record.onset,
             record.contact_error,

@@ -41,7 +41,7 @@ def recorded_block(
 ) -> Block:
     r"""Force under a recorded displacement that is straight between its samples.
 
-    .. math:: F_i = k_\infty x_i + \sum_j k_j q_j(t_i) + F_0 + \dot F (t_i - t_w)
+    .. math:: F_i = k_\infty x_i + \sum_j k_j q_j(t_i) + F_0 + \dot F (t_i - t_0)
 
     The form is chosen by the record: correlation on a uniform grid, recursion otherwise, reduced
     (:mod:`dashpot.engine.blocks.kernels`) if it is long.
@@ -52,7 +52,7 @@ def recorded_block(
         Strictly increasing times, any spacing; at rest at displacement zero before the first.
     window : slice
         The contiguous samples whose force is fitted; the displacement before it still acts.
-        t_w is its first time.
+        t_0 is the first time of all.
     k_inf, offset, drift : str
         Names of the fixed columns; offset and drift are left out unless named.
     weights : array, shape (M,), optional
@@ -73,7 +73,7 @@ def recorded_block(
     if offset is not None:
         fixed[offset] = np.ones(stop - start)
     if drift is not None:
-        fixed[drift] = time[start:stop] - time[start]
+        fixed[drift] = time[start:stop] - time[0]
     step = uniform_step(time)
     exact = recursion_block(
         time,

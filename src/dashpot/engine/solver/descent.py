@@ -55,6 +55,8 @@ class Stack:
         self.floor = sum(block.floor for block in blocks)
         #: of the data: what was known before is not a sample
         self.samples = sum(block.samples for block in blocks if block.variance is None)
+        #: what was known before, in rows
+        self.known = sum(block.samples for block in blocks) - self.samples
         shortest, longest = zip(*(block.window for block in blocks), strict=True)
         self.bounds = (float(np.log(min(shortest))), float(np.log(max(longest))))
         #: how often :func:`point_at` was asked

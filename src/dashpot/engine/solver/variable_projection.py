@@ -199,7 +199,7 @@ def _checked(blocks: Sequence[Block], arms: int) -> Stack:
         raise FitError("nothing to fit: expected at least one block of data")
     stack = Stack(blocks)
     unknown = len(stack.names) + arms * (1 + len(stack.groups))
-    if stack.samples < unknown:
+    if stack.samples + stack.known < unknown:
         raise FitError(
             f"{stack.samples} samples cannot determine {unknown} parameters; "
             "use fewer arms or a longer record"

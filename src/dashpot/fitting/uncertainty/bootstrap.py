@@ -109,7 +109,7 @@ def bootstrap(
     for _ in range(repeats):
         drawn = list(map(_redrawn, records, used, residuals, lengths, repeat(random)))
         again = nuisanced(drawn, design)
-        known = [_redrawn_prior(block, random) for block in bound(drawn, again, design)]
+        known = tuple(_redrawn_prior(one, random) for one in bound(drawn, again, design))
         rows.append(_row(solve([*again, *known], arms, log_tau_start=start), arms))
     names = tuple(name.removeprefix("ln_") for name in parameter_names(arms))
     return Bootstrap(names, np.array(rows))

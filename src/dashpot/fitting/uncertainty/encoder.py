@@ -61,7 +61,12 @@ class Kernel(NamedTuple):
 
 
 def encoder_term(jacobian: FloatArray, encoder: Encoder, kernel: Kernel) -> FloatArray:
-    """Return what one record's encoder adds to the middle of the sandwich, shape (p, p)."""
+    """Return what one record's encoder adds to the middle of the sandwich, shape (p, p).
+
+    `jacobian` has a row per sample, or only from some sample on.
+    """
+    before = len(encoder.time) - len(jacobian)
+    jacobian = np.concatenate((np.zeros((before, jacobian.shape[1])), jacobian))
     contact = _contact_term(jacobian, encoder, kernel)
     return contact if encoder.step == 0.0 else contact + _steps_term(jacobian, encoder, kernel)
 
@@ -81,6 +86,7 @@ def _steps_term(jacobian: FloatArray, encoder: Encoder, kernel: Kernel) -> Float
     starts = np.concatenate(([0], np.flatnonzero(np.diff(readings)) + 1))
     ends = np.concatenate((starts[1:], [len(readings)]))
     rests = ends - starts > _REST * len(readings)
+    rests[0] = True  # all motion is measured from the first reading
     sensitivities = [
         _pulse(jacobian, time, kernel, (int(a), int(b)))
         for a, b in zip(starts[rests], ends[rests], strict=True)
