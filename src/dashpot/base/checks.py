@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import EllipsisType
-from typing import Generic, Literal, NamedTuple, ParamSpec
+from typing import Generic, Literal, NamedTuple, ParamSpec, get_args
 
 P = ParamSpec("P")
 
 #: what a failed check means: no matter, a limit of the result, a result not to be used
 Grade = Literal["note", "limit", "stop"]
+GRADES: tuple[Grade, ...] = get_args(Grade)
 #: what to make of a result
 Use = Literal["use", "use with care", "do not use"]
 
@@ -98,6 +99,20 @@ def verdict(
     return Verdict(use, because[0].says + more if because else sound, because)
 
 
+def worst(checks: Iterable[Check]) -> Check:
+    """Return one check of one question to several tests: the gravest, with its test's number."""
+    asked = tuple(checks)
+    failed = [
+        (GRADES.index(check.grade), -number, check)
+        for number, check in enumerate(asked, start=1)
+        if check.failed
+    ]
+    if not failed or len(asked) == 1:
+        return next((check for check in asked if check.passed is not None), asked[0])
+    _, number, check = max(failed, key=lambda one: one[:2])
+    return replace(check, says=f"test {-number} of {len(asked)}: {check.says}")
+
+
 class Finding(NamedTuple):
     """What a criterion found, before its limit decides.
 
@@ -106,7 +121,8 @@ class Finding(NamedTuple):
     says : str
         What was found.
     value : float or None
-        What is held against the limit; None, which is not judged, if nothing was measured.
+        What is held against the limit; None if nothing was measured: a criterion that has a
+        measure then judges nothing.
     but : str
         What follows `says` if the check fails.
     instead : str
@@ -114,7 +130,7 @@ class Finding(NamedTuple):
     limit : float or None
         The limit where the record sets it; by default that of the criterion.
     excused : bool
-        Passes whatever the value: the question matters to this record or method no more.
+        Passes whatever the value: another condition answers the question.
     faulted : bool
         Fails whatever the value: a second condition is broken.
     grade : str or None
@@ -147,7 +163,7 @@ class Criterion(Generic[P]):
         What the value is.
     rule : str
         A key of `RULES`: how the value is held against the limit; none for a question of more
-        than one number, whose finding is excused or fails.
+        than one number, whose finding passes unless it is faulted.
     limit : float or None
         None if the record sets it.
     source : str
@@ -177,11 +193,13 @@ class Criterion(Generic[P]):
         return Check(self.name, passed, says, found.value, limit, found.grade or self.grade)
 
     def _passed(self, found: Finding, limit: float | None) -> bool | None:
-        if found.faulted or found.excused or not self.rule:
+        if found.faulted or found.excused:
             return not found.faulted
-        if found.value is None or limit is None:
+        if self.measure and found.value is None:
             return None
-        return self.rule in RULES and bool(RULES[self.rule](found.value, limit))
+        if not self.rule:
+            return True
+        return None if limit is None else bool(RULES[self.rule](found.value, limit))
 
 
 #: every criterion whose `checks` file has been imported, by stage and name

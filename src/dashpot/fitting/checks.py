@@ -24,8 +24,15 @@ MAX_METHOD_DIFFERENCE = 0.10
 MAX_INCONSISTENT = 0.05
 # curves missed by more than this are not followed
 FOLLOWED = 0.05
+# a force followed to so many times its noise is; beyond the second the solid is another
+FOLLOWED_TO_NOISE = 3.0
+NOT_FOLLOWED = 10.0
+# a misfit below this part of the peak force matters to no use of the solid
+FINE_ENOUGH = 1e-3
 # shapes that differ by less are the same for every use of them
 ALIKE = 1e-3
+# an interval of k_inf wider than this part of the stiffness left says little of it
+UNSURE = 0.2
 # what is left of zero in a sum of stiffnesses, relative to it
 _ROUNDING = 1e-12
 
@@ -86,6 +93,7 @@ def arms_supported(
     return Finding(
         "every arm stands out of the noise",
         value if np.isfinite(value) else None,
+        excused=n > 0 and not weak,
         instead=f"the record rejects fewer arms, yet hardly tells {weak}: {doubt}; "
         "hold longer, or quieten the slow noise"
         if needed
@@ -117,6 +125,7 @@ def tau_inside_window(
     return Finding(
         f"every relaxation time lies in what {of} can show, {span}",
         min(outside, default=None),
+        excused=bool(model.arms) and not outside,
         instead=f"tau = {listed} lies outside what {of} can show, {span}{advice}",
         limit=high,
         faulted=bool(outside),
@@ -143,6 +152,42 @@ def k_inf_positive(model: GeneralizedMaxwell, se: float) -> Finding:
     )
 
 
+@criterion(
+    "width of its 95 % interval / stiffness at the end of the hold", "<=", UNSURE
+)
+def k_inf_known(model: GeneralizedMaxwell, se: float, tests: Sequence[RampHold]) -> Finding:
+    """The equilibrium stiffness is known to a part of what is left at the end of the hold."""
+    end = float(model.relaxation(max(test.hold_time for test in tests)))
+    low, high = max(model.k_inf - 2 * se, 0.0), model.k_inf + 2 * se
+    if not (np.isfinite(high) and end > 0):
+        says = "the record does not bound k_inf"
+        return Finding(says + ": hold longer", np.inf, faulted=True, grade="stop")
+    return Finding(
+        f"k_inf lies between {1e-3 * low:.3g} and {1e-3 * high:.3g} N/mm, {1e-3 * end:.3g} N/mm "
+        "are left at the end of the hold",
+        (high - low) / end,
+        "; the record does not tell it: hold longer, and record a baseline before contact",
+        grade="stop" if high - low > end else "limit",
+    )
+
+
+@criterion("fall in the hold / peak", "<=", 0.02, "our choice; or 7 standard errors", grade="stop")
+def arms_where_force_relaxes(model: GeneralizedMaxwell, test: RampHold) -> Finding:
+    """A force that relaxes is given an arm to relax by."""
+    force = test.force[test.hold]
+    if len(force) < 20:
+        return Finding("the hold is too short to judge what the force relaxes")
+    tenth = max(len(force) // 10, 1)
+    peak = max(float(np.abs(test.force).max()), 1e-300)
+    fall = float(force[:tenth].mean() - force[-tenth:].mean())
+    return Finding(
+        f"the force falls by {100 * fall / peak:.2g} % of its peak in the hold",
+        fall / peak,
+        ", and the solid has no arm to follow it: do not use it",
+        excused=bool(model.arms) or fall <= 7 * test.force_noise * np.sqrt(2 / tenth),
+    )
+
+
 @criterion("plateau, N/m or Pa", ">", source="3 standard errors")
 def plateau_seen(model: GeneralizedMaxwell, se: float, *, unit: str, further: str) -> Finding:
     """There is a stiffness that does not relax."""
@@ -156,7 +201,9 @@ def plateau_seen(model: GeneralizedMaxwell, se: float, *, unit: str, further: st
     )
 
 
-@criterion("residuals that say the same", "<=", 20.0, "our choice: white residuals give 1")
+@criterion(
+    "residuals that say the same", "<=", 20.0, "our choice: white residuals give 1", grade="note"
+)
 def residuals_random(kappa: float, rms: float, noise: float | None = None) -> Finding:
     """The residuals are noise: no curve is left in them.
 
@@ -177,7 +224,28 @@ def residuals_random(kappa: float, rms: float, noise: float | None = None) -> Fi
     )
 
 
-@criterion("change of k", source="no limit")
+@criterion(
+    "misfit / noise", "<=", FOLLOWED_TO_NOISE, "our choice; noise of at least 0.1 % of the peak"
+)
+def force_followed(test: RampHold, residual: FloatArray) -> Finding:
+    """The solid follows the force to its noise.
+
+    `residual` is of the last samples up to the end of the hold, N.
+    """
+    misfit, where = worst_misfit(test, residual)
+    noise = max(noise_of_force(test), FINE_ENOUGH * float(np.abs(test.force).max()))
+    ratio = misfit / noise if noise > 0 else 1.0
+    return Finding(
+        f"the solid follows the force to {1e3 * misfit:.3g} mN rms {where}, where it follows worst; "
+        f"{1e3 * noise:.3g} mN are noise or too little to matter",
+        ratio,
+        ": the seal is not such a solid, or not this motion pressed it (stiffening, friction, slip, "
+        "a late force); do not read arms off it",
+        grade="stop" if ratio > NOT_FOLLOWED else "limit",
+    )
+
+
+@criterion("change of k", source="no limit", grade="note")
 def step_bias(model: GeneralizedMaxwell, tests: Sequence[RampHold]) -> Finding:
     r"""The ramp is accounted for, and what a step would have made of it is told.
 
@@ -195,7 +263,7 @@ def step_bias(model: GeneralizedMaxwell, tests: Sequence[RampHold]) -> Finding:
     )
 
 
-@criterion("fastest tau / ramp", ">=", 0.1)
+@criterion("fastest tau / ramp", ">=", 0.1, grade="note")
 def fast_arm_visible(model: GeneralizedMaxwell, tests: Sequence[RampHold]) -> Finding:
     """The fastest arm is slow enough to be seen after the ramp."""
     if not model.arms:
@@ -232,11 +300,15 @@ def drift_told_from_arm(
 
 
 @criterion("slow / medium power", "<=", 4.0, "our choice: white residuals give 1")
-def residuals_steady(residuals: Sequence[FloatArray]) -> Finding:
-    """The residuals do not wander slowly, as 1/f drift and a missed slow arm do."""
-    ratios = [wander(residual) for residual in residuals if len(residual) >= 800]
+def residuals_steady(residuals: Sequence[FloatArray], *, rounding: float = 0.0) -> Finding:
+    """The residuals do not wander slowly, as 1/f drift and a missed slow arm do.
+
+    Those of an rms below `rounding`, N, are no measurement.
+    """
+    measured = [one for one in residuals if float(np.sqrt(np.mean(one * one))) > rounding]
+    ratios = [wander(residual) for residual in measured if len(residual) >= 800]
     if not ratios:
-        return Finding("the record is too short to judge slow wandering")
+        return Finding("the residuals are too few, or rounding alone, to judge slow wandering")
     return Finding(
         f"slow and medium residuals differ by a factor {max(ratios):.2g} in power",
         max(ratios),
@@ -246,7 +318,12 @@ def residuals_steady(residuals: Sequence[FloatArray]) -> Finding:
     )
 
 
-@criterion("arms by BIC", "==", source="arms by significance, below the most that was tried")
+@criterion(
+    "arms by BIC",
+    "==",
+    source="arms by significance, below the most that was tried",
+    grade="note",
+)
 def order_agreed(choice: Choice) -> Finding:
     """The two rules for the number of arms agree, on less than the most that was tried."""
     chosen = _arms(choice.arms)
@@ -304,7 +381,7 @@ def hold_and_full_agree(
     )
 
 
-@criterion("upper end, Hz", ">", source="the lower end of the band")
+@criterion("upper end, Hz", ">", source="the lower end of the band", grade="stop")
 def frequencies_informed(band: tuple[float, float]) -> Finding:
     """The test informs a band of frequencies at all."""
     low, high = band
@@ -365,7 +442,7 @@ def separable(chance: float | None, spread: float | None) -> Finding:
         return Finding("a spring does not relax at any depth")
     if chance is None:
         return Finding(
-            "an arm of one depth is not identified, so the shapes cannot be compared", faulted=True
+            "an arm of one depth is not identified, so the shapes cannot be compared"
         )
     says = f"the shape of relaxation differs between depths by up to {100 * spread:.2g} %, "
     enough = "too little to matter" if spread < ALIKE else "no more than chance"
@@ -498,6 +575,28 @@ def wander(residual: FloatArray) -> float:
     power = np.abs(np.fft.rfft(residual - residual.mean())) ** 2
     medium = float(power[60:241].mean())
     return float(power[6:25].mean()) / medium if medium > 0 else 1.0
+
+
+def worst_misfit(test: RampHold, residual: FloatArray) -> tuple[float, str]:
+    """Return the largest rms of ramp, a ramp after it, and the rest; and where, in words."""
+    time = test.time[: test.hold.stop][-len(residual) :]
+    parts = (
+        ("in the ramp", (time > test.onset) & (time <= test.ramp_end)),
+        ("after the ramp", (time > test.ramp_end) & (time <= test.ramp_end + test.ramp_time)),
+        ("in the hold", time > test.ramp_end + test.ramp_time),
+    )
+    found = [
+        (float(np.sqrt(np.mean(residual[part] ** 2))), where)
+        for where, part in parts
+        if np.count_nonzero(part) >= 5
+    ]
+    return max(found, default=(0.0, "in the record"))
+
+
+def noise_of_force(test: RampHold) -> float:
+    """Return the noise of the force, N: the scatter between samples, and about the baseline."""
+    rest = test.force[test.time < test.onset]
+    return max(test.force_noise, float(rest.std()) if len(rest) >= 20 else 0.0)
 
 
 def amount(value: float, unit: str) -> str:

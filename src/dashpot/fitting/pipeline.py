@@ -409,10 +409,13 @@ def _status(solution: Solution, asked: int | None, checks: Sequence[Check]) -> S
         fewer=asked is not None and solution.order < asked,
         at_bound=at_bound or "tau_inside_window" in failed,
         identified=not failed & {"arms_supported", "k_inf_positive"},
+        agreed="data_agree" not in failed,
     )
 
 
-def ended(*, stationary: bool, fewer: bool, at_bound: bool, identified: bool) -> Status:
+def ended(
+    *, stationary: bool, fewer: bool, at_bound: bool, identified: bool, agreed: bool
+) -> Status:
     """Return how a fit ended: the first of these that went wrong, or that nothing did."""
     if not stationary:
         return Status.NOT_CONVERGED
@@ -420,6 +423,8 @@ def ended(*, stationary: bool, fewer: bool, at_bound: bool, identified: bool) ->
         return Status.FEWER_ARMS
     if at_bound:
         return Status.TAU_AT_BOUND
+    if not agreed:
+        return Status.TESTS_DISAGREE
     return Status.CONVERGED if identified else Status.NOT_IDENTIFIED
 
 

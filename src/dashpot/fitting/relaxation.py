@@ -9,7 +9,7 @@ from typing import Literal
 
 import numpy as np
 
-from dashpot.base.checks import Check
+from dashpot.base.checks import Check, worst
 from dashpot.base.errors import DashpotError, FitError
 from dashpot.base.provenance import Step
 from dashpot.engine.solver.variable_projection import solve
@@ -206,6 +206,12 @@ def _checks(records: Sequence[RampHold], found: Chosen, design: Design) -> tuple
             advice="; do not use this arm: fit fewer arms, hold longer or sample faster",
         ),
         checks.k_inf_positive(model, float(error[0])),
+        checks.k_inf_known(model, float(error[0]), records),
+        worst(checks.arms_where_force_relaxes(model, record) for record in records),
+        worst(
+            checks.force_followed(record, residual)
+            for record, residual in zip(records, estimate.residuals, strict=True)
+        ),
         checks.residuals_random(
             estimate.kappa,
             estimate.rms,
@@ -214,7 +220,7 @@ def _checks(records: Sequence[RampHold], found: Chosen, design: Design) -> tuple
         checks.step_bias(model, records),
         checks.fast_arm_visible(model, records),
         checks.drift_told_from_arm(model, _drift_correlation(estimate), float(error[-1])),
-        checks.residuals_steady(estimate.residuals),
+        checks.residuals_steady(estimate.residuals, rounding=1e-9 * found.data.peak),
     ]
     if choice is not None:
         answers.append(checks.order_agreed(choice))

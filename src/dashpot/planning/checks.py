@@ -26,7 +26,7 @@ def inside_identified_band(at: float, band: tuple[float, float]) -> Finding:
         f"{'inside' if inside else 'outside'}",
         at,
         limit=band[1] if at > band[1] else band[0],
-        excused=inside,
+        faulted=not inside,
     )
 
 

@@ -26,15 +26,19 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 
 class Status(Enum):
-    """How a fit ended; the name is for programs, the value for people."""
+    """How the optimiser ended; the name is for programs, the value for people.
 
-    CONVERGED = "the optimum was found and every parameter is inside the measured window"
-    FEWER_ARMS = "fewer arms than asked for: the data reject a further arm with k > 0"
-    TAU_AT_BOUND = "a relaxation time sits at the edge of the measured window"
-    NOT_IDENTIFIED = "the data do not determine every parameter"
+    It does not say whether the result is good: `Fit.verdict` does.
+    """
+
+    CONVERGED = "the optimum was found"
+    FEWER_ARMS = "the optimum has fewer arms than asked for: a further arm would have k <= 0"
+    TAU_AT_BOUND = "the optimum lies where a relaxation time leaves the measured window"
+    NOT_IDENTIFIED = "the optimum was found, but the data do not determine every parameter"
+    TESTS_DISAGREE = "the optimum was found, but no one solid explains every test"
     NOT_CONVERGED = "the iteration limit was reached before the gradient vanished"
-    FORCE_RISES = "the force rises during the hold: no relaxing solid does that"
-    NO_DATA = "the record holds values that are not finite: nothing was fitted"
+    FORCE_RISES = "no optimum means anything: the force rises during the hold"
+    NO_DATA = "nothing was fitted: the record holds values that are not finite"
 
 
 @dataclass(frozen=True)
@@ -204,8 +208,8 @@ class Fit(ByValue):
 
     @property
     def ok(self) -> bool:
-        """True if the fit converged; what it must not be asked stands in `checks`."""
-        return self.status is Status.CONVERGED
+        """True if the optimum was found and the verdict is not "do not use"."""
+        return self.status is Status.CONVERGED and self.verdict.use != "do not use"
 
     @property
     def model(self) -> GeneralizedMaxwell:
@@ -357,6 +361,16 @@ class Fit(ByValue):
             tuple(source.sha256 for source in self.source),
         )
         return hashlib.sha256(repr(stands_for).encode()).hexdigest()[:16]
+
+    def __str__(self) -> str:
+        """The verdict, the solid, and how the optimiser ended."""
+        return "\n".join(
+            (
+                f"{self.verdict.use}: {self.verdict.says}",
+                f"{self.model} ({self.unit}, s), method {self.method}",
+                f"optimiser: {self.status.value}",
+            )
+        )
 
     def in_parallel(self, count: float) -> Fit:
         """The fit of `count` such parts side by side: stiffnesses, errors and length scale alike.

@@ -30,5 +30,5 @@ def causal(implied: float, measured: float, *, error: float, peak: float) -> Fin
         implied,
         ": mass, gain or phase of the channels is off, or another mode is near",
         limit=measured,
-        excused=near,
+        faulted=not near,
     )

@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from dashpot.base.checks import Criterion, Finding, criterion
 from dashpot.engine.inference.order import MAX_SE_LN_TAU
 
 STRAINED = 2.5
+EXPLAINED = 2.0
 UNEXPLAINED = 0.1
+# a squared residual so many times as large is another seal
+CONTRADICTED = 4.0
+# a force missed by less than this part of its peak changes no use of the solid
+IMMATERIAL = 1e-4
 
 
-@criterion("misfit / scatter", "<=", 2.0, "our choice; 0.1 of the FRF without scatter")
+@criterion("misfit / scatter", "<=", EXPLAINED, "our choice; 0.1 of the FRF without scatter")
 def lines_explained(scale: float, *, known_sd: bool) -> Finding:
     """The solid explains the lines of the FRF."""
     if known_sd:
@@ -17,24 +24,31 @@ def lines_explained(scale: float, *, known_sd: bool) -> Finding:
             f"the solid leaves {scale:.2g} times the random scatter of the lines",
             scale,
             ": another mode, leakage or nonlinearity is in the FRF; narrow band=, or add arms",
+            grade="stop" if scale > 10 * EXPLAINED else "limit",
         )
     return Finding(
         f"the solid leaves {100 * scale:.2g} % of the FRF unexplained; the FRF came "
         "without coherence or scatter, so every line counted alike",
         scale,
         limit=UNEXPLAINED,
+        grade="stop" if scale > 5 * UNEXPLAINED else "limit",
     )
 
 
-@criterion("squared residual jointly / alone", "<=", 1.3)
-def relaxation_still_explained(number: int, ratio: float) -> Finding:
-    """The hammer does not contradict a relaxation test."""
+@criterion("squared residual jointly / alone", "<=", 1.3, "our choice; or too little to matter")
+def relaxation_still_explained(number: int, ratio: float, *, missed: float = np.inf) -> Finding:
+    """The hammer does not contradict a relaxation test.
+
+    `missed` is the rms force that the joint fit adds to the residual, over the peak force.
+    """
     return Finding(
         f"in the joint fit relaxation test {number} has {ratio:.3g} times the squared residual "
         "of its own fit",
         ratio,
         ": hammer and relaxation contradict each other; check mass, number and length of seals, "
         "and whether both tests are at the same compression",
+        excused=missed < IMMATERIAL,
+        grade="stop" if ratio > CONTRADICTED else "limit",
     )
 
 
@@ -53,6 +67,7 @@ def _believable(quantity: str) -> Criterion[[str, float, float]]:
             "what was known",
             abs(off) / sd,
             f": check the {quantity} itself",
+            grade="stop" if abs(off) > 4 * STRAINED * sd else "limit",
         )
 
     return judge

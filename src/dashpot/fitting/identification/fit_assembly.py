@@ -12,12 +12,15 @@ from dashpot.base.provenance import Source, Step
 from dashpot.fitting.identification import checks
 from dashpot.fitting.identification.likelihood import DELAY_UNIT, Candidate
 from dashpot.fitting.pipeline import ended
+from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.records.estimate import Nuisance, ParameterEstimate, Residual, parameter_names
 from dashpot.records.fit import Evidence, Fit, Moved, OrderScore, Provenance, Status
 from dashpot.records.frf import FRF
 from dashpot.records.relaxation import RampHold
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
+# what fails where hammer and relaxation, or hammer and balance, do not describe one seal
+AGREEMENT = {"lines_explained", "relaxation_still_explained", "mass_believable"}
 # arms nearer than this in ln tau are the same arm
 SAME = 1.0
 
@@ -38,9 +41,10 @@ def assembled(
     order = np.argsort(best.theta[1 + problem.arms : 1 + 2 * problem.arms], kind="stable")
     names, physical = _physical(covariance, point.model, order, dashpot=problem.dashpot)
     residual, samples = _residual(best)
+    answers = _checks(best, covariance, before)
     return Fit(
         solid=point.model,
-        status=_status(best, asked, most),
+        status=_status(best, asked, most, answers),
         estimate=ParameterEstimate(
             names,
             physical,
@@ -51,7 +55,7 @@ def assembled(
         evidence=Evidence(
             band=_band(best, before),
             orders=tuple(_score(candidate) for candidate in orders),
-            checks=_checks(best, covariance, before),
+            checks=answers,
             moved=() if before is None else _moved(before, point.model, names, physical),
         ),
         provenance=Provenance(
@@ -91,7 +95,8 @@ def _score(candidate: Candidate) -> OrderScore:
     )
 
 
-def _status(best: Candidate, asked: int | str, most: int) -> Status:
+def _status(best: Candidate, asked: int | str, most: int, answers: Sequence[Check]) -> Status:
+    failed = {check.name for check in answers if check.failed}
     low, high = best.problem.log_tau_range
     N = best.problem.arms
     log_tau = best.theta[1 + N : 1 + 2 * N]
@@ -100,6 +105,7 @@ def _status(best: Candidate, asked: int | str, most: int) -> Status:
         fewer=asked != "auto" and most > N,
         at_bound=bool(np.any((log_tau < low + 1e-3) | (log_tau > high - 1e-3))),
         identified=best.significant,
+        agreed=not failed & AGREEMENT,
     )
 
 
@@ -185,13 +191,22 @@ def _partners(old: tuple[float, ...], new: tuple[float, ...]) -> dict[int, int]:
     return found
 
 
+def _missed(relaxation: RelaxationData, chi2: float) -> float:
+    """Return the rms force that a joint fit adds to a test's residual, over the largest force."""
+    added = max(chi2 - relaxation.samples, 0.0) / relaxation.block.samples
+    peak = float(np.abs(relaxation.block.exact.target).max())
+    return float(np.sqrt(added)) / (relaxation.weight * peak) if peak > 0 else np.inf
+
+
 def _checks(best: Candidate, covariance: FloatArray, before: Fit | None) -> tuple[Check, ...]:
     problem, point, priors = best.problem, best.point, best.problem.priors
     chi2s = problem.relaxation_chi2(best.theta)
     arms = problem.arms
     answers = [checks.lines_explained(problem.scale, known_sd=problem.frf_data.known_sd)]
     answers += [
-        checks.relaxation_still_explained(i, chi2 / relaxation.samples)
+        checks.relaxation_still_explained(
+            i, chi2 / relaxation.samples, missed=_missed(relaxation, chi2)
+        )
         for i, (relaxation, chi2) in enumerate(zip(problem.relaxations, chi2s, strict=True), 1)
     ]
     # how far each nuisance had to go from what was known of it

@@ -12,7 +12,7 @@ from dashpot.engine.inference.order import significant
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF, Kind, Mode
 from dashpot.solids.maxwell import Solid
-from dashpot.vibration.comparison.checks import checks, verdict
+from dashpot.vibration.comparison.checks import checks, conclusion
 from dashpot.vibration.comparison.comparison import ArmEvidence, Comparison
 from dashpot.vibration.modal.peaks import Peak, find_peak
 from dashpot.vibration.systems.prediction import accelerance, mass_for_peak, model_modes
@@ -102,7 +102,7 @@ def compare(
         z_rms=None,
         arms=_evidence(model, fit, measured_peak.frequency),
         checks=(),
-        verdict="",
+        says="",
         band=(float(measured.frequency[0]), float(measured.frequency[-1])),
         measured_hz_se=measured_peak.frequency_se,
         measured_damping_se=None if mode is None else mode.damping_ratio_se,
@@ -120,7 +120,7 @@ def compare(
         depth=depth,
     )
     comparison = replace(comparison, checks=found)
-    return replace(comparison, verdict=verdict(comparison))
+    return replace(comparison, says=conclusion(comparison))
 
 
 def infer_mass(model: Solid, frf: FRF) -> tuple[float, float]:

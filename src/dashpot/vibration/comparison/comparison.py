@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.checks import Check
+from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.records.frf import FRF
 
 
@@ -52,7 +52,7 @@ class Comparison:
         Root mean square of the difference in units of the measured standard deviation.
     arms : tuple of ArmEvidence
     checks : tuple of Check
-    verdict : str
+    says : str
         The sentence that matters: what agrees, what does not, and why.
     band : (float, float)
         First and last of the lines that `frac`, `rms_db` and `z_rms` were taken over, Hz.
@@ -73,10 +73,16 @@ class Comparison:
     z_rms: float | None
     arms: tuple[ArmEvidence, ...]
     checks: tuple[Check, ...]
-    verdict: str
+    says: str
     band: tuple[float, float] = (0.0, float("inf"))
     measured_hz_se: float | None = None
     measured_damping_se: float | None = None
+
+    @property
+    def verdict(self) -> Verdict:
+        """What to make of the prediction, by the gravest check that failed; it says `says`."""
+        found = verdict(self.checks)
+        return Verdict(found.use, self.says, found.because)
 
     @property
     def frequency_error(self) -> float:
@@ -127,7 +133,8 @@ class Comparison:
             ),
             ("damping ratio", *damping, "" if error is None else f"{100 * error:+z.1f} %"),
         ]
-        lines = [f"{a:<20}{b:>12}{c:>12}{d:>13}" for a, b, c, d in rows]
+        lines = [f"{self.verdict.use}: {self.says}"]
+        lines += [f"{a:<20}{b:>12}{c:>12}{d:>13}" for a, b, c, d in rows]
         lines.append(
             f"{self.band[0]:.4g} to {self.band[1]:.4g} Hz, {len(self.measured.frequency)} lines: "
             f"FRAC {self.frac:.4f}, rms {self.rms_db:.2f} dB"
@@ -139,7 +146,7 @@ class Comparison:
             for arm in self.arms
         ]
         lines += [f"[{check.name}] {check.says}" for check in self.checks if check.failed]
-        return "\n".join([*lines, self.verdict])
+        return "\n".join(lines)
 
 
 def _ratio(value: float | None) -> str:
