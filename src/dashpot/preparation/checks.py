@@ -25,7 +25,9 @@ FLAT_SAMPLES = 5.0
 # -- what preparation found -----------------------------------------------------------------------
 
 
-@criterion("samples", ">=", MIN_BASELINE, "our choice: the fewest that have a scatter")
+@criterion(
+    "samples", ">=", MIN_BASELINE, "our choice: the fewest that have a scatter", grade="note"
+)
 def baseline_recorded(before: Baseline) -> Finding:
     """There is a baseline before contact to take the tare from."""
     count = f"{before.samples} sample{'s' * (before.samples != 1)}"

@@ -67,8 +67,8 @@ class Choice(NamedTuple):
 
     @property
     def fewer_rejected(self) -> bool:
-        """True if the arms are needed though they are not all significant."""
-        return self.in_noise_metric or self.arms > self.by_significance
+        """True if fewer arms are rejected, by BIC or in the metric of the noise."""
+        return self.in_noise_metric or self.arms <= self.by_bic
 
     @property
     def agreed(self) -> bool:
