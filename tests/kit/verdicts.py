@@ -3,9 +3,9 @@
 >>> found = judged(trial(KINDS[3], seed=7))      # a Judged: verdict, failed checks, errors
 >>> print(table({"sound": [found]}))             # shares of use, use with care, do not use
 
-A result is wrong if the stiffness at the end of the hold, K* somewhere in the band that the fit says
-it informs, or the tangent at the depth misses the truth by more than `WRONG`, and by more than three
-of the standard errors that the fit gives.
+A result is wrong if the stiffness at the end of the hold, K* somewhere in the band that the fit
+says it informs, or the tangent at the depth misses the truth by more than `WRONG`, and by more than
+three of the standard errors that the fit gives.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from kit.trials import Trial, relaxation_test
 
 import dashpot as dp
 from dashpot.base.errors import DashpotError
+from kit.trials import Trial, relaxation_test
 
 #: relative errors that make a result wrong: of k(T), of K* in the informed band, of the tangent
 WRONG = {"k_end": 0.02, "band": 0.05, "tangent": 0.05}
@@ -76,9 +76,7 @@ def _errors(one: Trial, fit: dp.Fit) -> dict[str, float]:
         "k_end": 0.0 if known else off / one.k_end(),
         "band": float(np.max(np.where(honest, 0.0, missed / np.abs(true)))),
         # of one law, k_inf apart: the secant is judged by the two others
-        "tangent": abs(
-            float(by_law) / max(fit.model.k_inf, 1e-9) * one.seal.k_inf / tangent - 1
-        ),
+        "tangent": abs(float(by_law) / max(fit.model.k_inf, 1e-9) * one.seal.k_inf / tangent - 1),
     }
 
 
@@ -103,7 +101,8 @@ def _inside(one: Trial, fit: dp.Fit, record: dp.RampHold) -> bool:
 
 def table(groups: Mapping[str, Iterable[Judged]]) -> str:
     """The shares of each verdict, and of the wrong results that are said to be of use."""
-    rows = [f"{'records':<22}{'n':>4}{'use':>7}{'care':>7}{'not':>7}{'wrong':>7}{'of them use':>13}"]
+    head = ("records", "n", "use", "care", "not", "wrong", "of them use")
+    rows = ["{:<22}{:>4}{:>7}{:>7}{:>7}{:>7}{:>13}".format(*head)]
     for name, each in groups.items():
         found = tuple(each)
         share = Counter(one.use for one in found)

@@ -80,7 +80,7 @@ class Verdict:
 
 
 def verdict(
-    checks: Iterable[Check], *, sound: str = "every check that was judged passed"
+    checks: Iterable[Check], *, sound: str = "nothing that was judged limits the use"
 ) -> Verdict:
     """Return the verdict of some checks: of the gravest that failed.
 
@@ -195,11 +195,11 @@ class Criterion(Generic[P]):
     def _passed(self, found: Finding, limit: float | None) -> bool | None:
         if found.faulted or found.excused:
             return not found.faulted
-        if self.measure and found.value is None:
-            return None
         if not self.rule:
-            return True
-        return None if limit is None else bool(RULES[self.rule](found.value, limit))
+            return None if self.measure and found.value is None else True
+        if found.value is None or limit is None:
+            return None
+        return bool(RULES[self.rule](found.value, limit))
 
 
 #: every criterion whose `checks` file has been imported, by stage and name

@@ -16,6 +16,9 @@ from dashpot.base.errors import DashpotError, ReadError
 if TYPE_CHECKING:
     from dashpot.base.checks import Check
 
+MARKS = {"stop": "!!", "limit": "!", "note": "-"}
+"""How the text of a command marks a failed check, by its grade."""
+
 A_FIT = "a fit, as 'dashpot fit FILE -o fit.json' writes it"
 
 
@@ -48,7 +51,9 @@ def reports(function: Callable[..., Outcome]) -> Callable[..., None]:
     """
 
     @click.option("--json", "as_json", is_flag=True, help="Print one JSON document, SI units.")
-    @click.option("--strict", is_flag=True, help="Exit with 1 if a check failed.")
+    @click.option(
+        "--strict", is_flag=True, help="Exit with 1 if a check failed that limits the use."
+    )
     @functools.wraps(function)
     def command(*, as_json: bool, strict: bool, **arguments: Any) -> None:
         try:
@@ -63,7 +68,8 @@ def reports(function: Callable[..., Outcome]) -> Callable[..., None]:
                 raise
             where = f"{error.filename}: " if error.filename else ""
             fail(f"{where}{error.strerror or error}")
-        if (strict or outcome.must_pass) and any(check.failed for check in outcome.checks):
+        weighty = [check for check in outcome.checks if check.failed and check.grade != "note"]
+        if (strict or outcome.must_pass) and weighty:
             sys.exit(1)
 
     return command
@@ -101,8 +107,14 @@ def write(path: str, text: str) -> None:
 
 
 def failed(checks: Iterable[Check]) -> list[str]:
-    """Return one line for each failed check, for the text of a command."""
-    return [f"  ! {check.name}: {check.says}" for check in checks if check.failed]
+    """Return one line for each failed check, the gravest first, for the text of a command."""
+    bad = [
+        (grade, check)
+        for grade in MARKS
+        for check in checks
+        if check.failed and check.grade == grade
+    ]
+    return [f"  {MARKS[grade]} {check.name}: {check.says}" for grade, check in bad]
 
 
 def read_fit(path: str) -> dp.Fit:

@@ -11,6 +11,7 @@ from dashpot.base.numbers import ascii_only
 from dashpot.cli._shell import failed
 
 if TYPE_CHECKING:
+    from dashpot.base.checks import Check, Verdict
     from dashpot.records.fit import Fit
     from dashpot.records.frf import FRF, Mode
     from dashpot.workflow.impacts import ImpactResult
@@ -50,9 +51,9 @@ def fit(found: Fit) -> str:
     """Return a fit as the paper's Table 1 with intervals, and what it must not be asked."""
     files = ", ".join(source.file for source in found.source) or "arrays in memory"
     head = f"{files}: {found.model.arms} Maxwell arm{'s' * (found.model.arms != 1)}, "
-    lines = [head + f"method {found.method}", *_parameters(found), ""]
+    lines = [verdict(found.verdict), head + f"method {found.method}", *_parameters(found), ""]
     residual = found.residual
-    lines.append(f"  status      {found.status.value}")
+    lines.append(f"  optimiser   {found.status.value}")
     in_force, relative = found.method in {"full", "hold"}, found.method in {"dynamic", "modulus"}
     size = f"{residual.rms * 1e3:.3g} mN rms" if in_force else f"{residual.rms:.3g} of the noise"
     size = f"{100 * residual.rms:.3g} % rms" if relative else size
@@ -70,9 +71,20 @@ def fit(found: Fit) -> str:
         lines.append(f"  nuisance    {listed}")
     lines += [*_orders(found), *_moved(found)]
     bad = failed(found.checks)
-    passed = sum(check.passed is True for check in found.checks)
-    lines.append(f"  checks      {passed} of {len(found.checks)} passed")
+    lines.append(f"  checks      {counted(found.checks)}")
     return "\n".join(lines + bad)
+
+
+def verdict(found: Verdict) -> str:
+    """Return a verdict and why, as the first line of a result."""
+    return ascii_only(f"{found.use}: {found.says}")
+
+
+def counted(checks: Sequence[Check]) -> str:
+    """Return how many checks passed, failed and were not judged."""
+    states = [check.passed for check in checks]
+    shown = ((True, "passed"), (False, "failed"), (None, "not judged"))
+    return ", ".join(f"{states.count(state)} {word}" for state, word in shown if state in states)
 
 
 _SHOWN = {"N/m": ("N/mm", "N s/mm", 1e-3), "Pa": ("MPa", "MPa s", 1e-6)}
@@ -183,7 +195,7 @@ def impact(found: ImpactResult) -> str:
 
 def study(found: Study) -> str:
     """Return the whole story in a screenful."""
-    lines = [fit(found.fit)]
+    lines = [verdict(found.verdict), "", fit(found.fit)]
     if found.mass is not None and found.comparison is not None:
         inferred = " (inferred from the FRF)" if found.mass_inferred else ""
         lines += ["", f"{found.mass * 1e3:.6g} g{inferred} on {found.seals:g} seals"]

@@ -29,12 +29,28 @@ FOLLOWED_TO_NOISE = 3.0
 NOT_FOLLOWED = 10.0
 # a misfit below this part of the peak force matters to no use of the solid
 FINE_ENOUGH = 1e-3
+# scatter so many times as large is another solid
+CONTRADICTED = 3.0
 # shapes that differ by less are the same for every use of them
 ALIKE = 1e-3
 # an interval of k_inf wider than this part of the stiffness left says little of it
 UNSURE = 0.5
 # what is left of zero in a sum of stiffnesses, relative to it
 _ROUNDING = 1e-12
+
+
+# -- the optimum ----------------------------------------------------------------------------------
+
+
+@criterion(source="the gradient vanishes, or a bound holds the point", grade="stop")
+def optimum_found(*, stationary: bool) -> Finding:
+    """The optimiser ended at an optimum."""
+    return Finding(
+        "the optimiser ended at an optimum",
+        instead="the optimiser reached its limit of iterations before the gradient vanished: fit "
+        "fewer arms, or ask for thorough starts",
+        faulted=not stationary,
+    )
 
 
 # -- the solid ------------------------------------------------------------------------------------
@@ -159,9 +175,7 @@ def k_inf_positive(model: GeneralizedMaxwell, se: float) -> Finding:
     )
 
 
-@criterion(
-    "width of its 95 % interval / stiffness at the end of the hold", "<=", UNSURE
-)
+@criterion("width of its 95 % interval / stiffness at the end of the hold", "<=", UNSURE)
 def k_inf_known(model: GeneralizedMaxwell, se: float, tests: Sequence[RampHold]) -> Finding:
     """The equilibrium stiffness is known to a part of what is left at the end of the hold."""
     end = float(model.relaxation(max(test.hold_time for test in tests)))
@@ -243,10 +257,10 @@ def force_followed(test: RampHold, residual: FloatArray) -> Finding:
     noise = max(noise_of_force(test), FINE_ENOUGH * float(np.abs(test.force).max()))
     ratio = misfit / noise if noise > 0 else 1.0
     return Finding(
-        f"the solid follows the force to {1e3 * misfit:.3g} mN rms {where}, where it follows worst; "
+        f"the solid misses the force by {1e3 * misfit:.3g} mN rms {where}, where it follows worst; "
         f"{1e3 * noise:.3g} mN are noise or too little to matter",
         ratio,
-        ": the seal is not such a solid, or not this motion pressed it (stiffening, friction, slip, "
+        ": the seal is not such a solid, or another motion pressed it (stiffening, friction, slip, "
         "a late force); do not read arms off it",
         grade="stop" if ratio > NOT_FOLLOWED else "limit",
     )
@@ -456,9 +470,7 @@ def separable(chance: float | None, spread: float | None) -> Finding:
     if spread is None:
         return Finding("a spring does not relax at any depth")
     if chance is None:
-        return Finding(
-            "an arm of one depth is not identified, so the shapes cannot be compared"
-        )
+        return Finding("an arm of one depth is not identified, so the shapes cannot be compared")
     says = f"the shape of relaxation differs between depths by up to {100 * spread:.2g} %, "
     enough = "too little to matter" if spread < ALIKE else "no more than chance"
     return Finding(
@@ -567,6 +579,7 @@ def data_agree(spread: Sequence[float], names: Sequence[str]) -> Finding:
         ": the tests contradict each other, or one solid needs more arms for both; is it the "
         "same piece, length, temperature and depth? a small vibration at depth feels the "
         "tangent stiffness, a press from zero the secant",
+        grade="stop" if spread[worst] > CONTRADICTED else "limit",
     )
 
 

@@ -24,6 +24,7 @@ from dashpot.engine.solver.variable_projection import (
     solve,
     solve_orders,
 )
+from dashpot.fitting.checks import optimum_found
 from dashpot.fitting.design import solid_of
 from dashpot.fitting.uncertainty.encoder import Encoder
 from dashpot.fitting.uncertainty.estimate import (
@@ -306,6 +307,7 @@ def assembled(
     elastic_law : ElasticLaw or None
     """
     data, estimate = found.data, found.estimate
+    checks = (optimum_found(stationary=_stationary(found.solution)), *checks)
     return Fit(
         solid=found.model,
         status=_status(found.solution, found.asked, checks),
@@ -398,16 +400,21 @@ def _whole(number: object) -> bool:
 # -- parts of a fit -------------------------------------------------------------------------------
 
 
+def _stationary(solution: Solution) -> bool:
+    """True if no step from here would change more than rounding, or a bound holds the point."""
+    near = solution.converged or solution.relative_offset < _STATIONARY
+    return bool(near or solution.at_bound.any())
+
+
 def _status(solution: Solution, asked: int | None, checks: Sequence[Check]) -> Status:
     """Return how the fit ended: the first thing that went wrong, or that nothing did."""
     failed = {check.name for check in checks if check.failed}
     if "force_relaxes" in failed:
         return Status.FORCE_RISES
-    at_bound = bool(solution.at_bound.any())
     return ended(
-        stationary=solution.converged or solution.relative_offset < _STATIONARY or at_bound,
+        stationary="optimum_found" not in failed,
         fewer=asked is not None and solution.order < asked,
-        at_bound=at_bound or "tau_inside_window" in failed,
+        at_bound=bool(solution.at_bound.any()) or "tau_inside_window" in failed,
         identified=not failed & {"arms_supported", "k_inf_positive"},
         agreed="data_agree" not in failed,
     )

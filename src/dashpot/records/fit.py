@@ -219,7 +219,12 @@ class Fit(ByValue):
     @property
     def verdict(self) -> Verdict:
         """What to make of the fit, by the gravest check that failed."""
-        return verdict(self.checks)
+        low, high = self.band
+        return verdict(
+            self.checks,
+            sound=f"nothing that was judged limits the use from {low:.2g} to {high:.2g} Hz; beyond, "
+            "the solid is an extrapolation",
+        )
 
     def model_at(self, compression: float, *, secant: bool = False) -> GeneralizedMaxwell:
         """The solid that small vibration about a compression, m, feels: its tangent.

@@ -8,6 +8,7 @@ from importlib import metadata
 from typing import Any, NamedTuple
 
 from dashpot.base import numbers
+from dashpot.base.checks import Use
 from dashpot.base.provenance import Step
 from dashpot.report import summary, tables
 from dashpot.report.pictures import pictures
@@ -16,6 +17,9 @@ from dashpot.workflow.archive import to_json
 from dashpot.workflow.study import Study
 
 __all__ = ["html"]
+
+COLOURS: dict[Use, str] = {"use": "good", "use with care": "care", "do not use": "bad"}
+"""The style of each verdict; its words stand beside the colour."""
 
 
 def html(study: Study) -> str:
@@ -45,6 +49,7 @@ def html(study: Study) -> str:
     )
     environment.filters.update(
         words=numbers.words,
+        sentence=lambda text: text[:1].upper() + text[1:] + ("" if text.endswith(".") else "."),
         readable=numbers.readable,
         shorter=numbers.shorter,
         rounded=numbers.rounded,
@@ -58,7 +63,9 @@ def _contents(study: Study) -> dict[str, Any]:
     return {
         "study": study,
         "title": summary.title(study),
-        "verdict": summary.sentences(study),
+        "verdict": study.verdict,
+        "colour": COLOURS[study.verdict.use],
+        "sentences": summary.sentences(study),
         "simulated": summary.simulated(study),
         "straight": summary.straight(study),
         "inferred": summary.inferred_mass(study),

@@ -8,7 +8,7 @@ from dashpot.base.checks import Check
 from dashpot.base.numbers import hertz, readable, rounded
 from dashpot.base.provenance import Source
 from dashpot.plot.relaxation import counted
-from dashpot.records.fit import Fit, Status
+from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness
@@ -22,10 +22,10 @@ def title(study: Study) -> str:
 
 
 def sentences(study: Study) -> tuple[str, ...]:
-    """The verdict, one thought a sentence."""
+    """What the tests say, one thought a sentence, below the verdict."""
     return tuple(
         readable(sentence)
-        for sentence in (_solid(study), _outcome(study), _hammer(study), _joint(study))
+        for sentence in (_solid(study), _hammer(study), _joint(study))
         if sentence
     )
 
@@ -39,15 +39,9 @@ def _solid(study: Study) -> str:
     )
 
 
-def _outcome(study: Study) -> str:
-    if study.fit.status is Status.CONVERGED:
-        return ""
-    return f"The fit needs care: {study.fit.status.value}."
-
-
 def _hammer(study: Study) -> str:
     if study.comparison is not None:
-        return study.comparison.verdict
+        return study.comparison.says
     if study.mass is None:
         return (
             "No mass was given, so no vibration was predicted; outside that band the solid is an "
@@ -65,9 +59,15 @@ def _joint(study: Study) -> str:
         return ""
     return (
         f"Fitted to both tests at once, a solid of {counted(joint.model.arms, 'arm')} "
-        f"meets the hammer within {max(100 * abs(after.frequency_error), 0.01):.2f} % in frequency "
-        f"and {max(abs(after.ratio_db), 0.1):.1f} dB at the peak."
+        f"{_meets(after)} in frequency and {max(abs(after.ratio_db), 0.1):.1f} dB at the peak."
     )
+
+
+def _meets(c: Comparison) -> str:
+    """How far a prediction is from the hammer; a failure does not read as a success."""
+    missed = any(check.name in {"stiffness_agrees", "peak_agrees"} for check in c.verdict.because)
+    error = f"{max(100 * abs(c.frequency_error), 0.01):.2f} %"
+    return f"misses the hammer by {error}" if missed else f"meets the hammer within {error}"
 
 
 def straight(study: Study) -> str:

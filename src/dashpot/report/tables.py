@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.checks import Check
+from dashpot.base.checks import GRADES, Check
 from dashpot.base.errors import DashpotError
 from dashpot.base.numbers import (
     decibels,
@@ -32,7 +32,8 @@ from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.systems.prediction import model_modes
 from dashpot.workflow.study import Study
 
-STATES = {True: "passed", False: "failed", None: "not judged"}
+STATES = {True: "passed", None: "not judged"}
+MEANS = {"stop": "failed: do not use", "limit": "failed: use with care", "note": "failed: a note"}
 VALUE = ("", "value ± standard error", "unit")
 
 # the unit that people read, and its size in the SI unit before it
@@ -67,13 +68,26 @@ def checks(groups: Sequence[tuple[str, Sequence[Check]]]) -> Table:
     for stage, found in groups:
         for check in found:
             distinct.setdefault((check.name, check.says), (stage, check))
-    ordered = sorted(distinct.values(), key=lambda pair: not pair[1].failed)
-    rows = tuple(
-        (STATES[check.passed], stage, words(check.name), readable(check.says))
-        for stage, check in ordered
-    )
-    marks = tuple("bad" if check.failed else "good" for _, check in ordered)
+    ordered = sorted(distinct.values(), key=lambda pair: _gravity(pair[1]))
+    rows = tuple((_state(check), stage, words(check.name), readable(check.says))
+                 for stage, check in ordered)  # fmt: skip
+    marks = tuple(_mark(check) for _, check in ordered)
     return Table(("", "stage", "question", "answer"), rows, marks)
+
+
+def _gravity(check: Check) -> int:
+    """Order of a check: failed by grade, then not judged, then passed."""
+    if check.failed:
+        return -GRADES.index(check.grade)
+    return 2 if check.passed else 1
+
+
+def _state(check: Check) -> str:
+    return MEANS[check.grade] if check.failed else STATES[check.passed]
+
+
+def _mark(check: Check) -> str:
+    return "bad" if check.failed else "good" if check.passed else "doubt"
 
 
 # -- the relaxation test and its fits -------------------------------------------------------------

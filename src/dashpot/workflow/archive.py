@@ -214,8 +214,13 @@ def _comparison_contract(comparison: Comparison, plain: dict[str, Any]) -> dict[
             "measured": measured,
             "ratio": predicted / measured if predicted and measured else None,
         },
+        "verdict": _verdict(comparison.verdict),
         **plain,
     }
+
+
+def _study_contract(study: Study, plain: dict[str, Any]) -> dict[str, Any]:
+    return {"verdict": _verdict(study.verdict), **plain}
 
 
 def _impact_contract(result: ImpactResult, plain: dict[str, Any]) -> dict[str, Any]:
@@ -242,6 +247,7 @@ _CONTRACTS: dict[type, Callable[[Any, dict[str, Any]], dict[str, Any]]] = {
     GeneralizedMaxwell: _model_contract,
     Fit: _fit_contract,
     Comparison: _comparison_contract,
+    Study: _study_contract,
     ImpactResult: _impact_contract,
     InspectedFile: _inspected_contract,
 }

@@ -8,8 +8,9 @@ from typing import Literal
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.checks import Check
+from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import DataError, FitError
+from dashpot.base.numbers import hertz
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.uncertainty.prediction_bounds import frf_band, parameter_band, unseen_arm_band
@@ -22,8 +23,9 @@ from dashpot.records.impact import ImpactTest
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness, dynamic_stiffness
+from dashpot.vibration.modal.peaks import find_peak
 from dashpot.vibration.systems.prediction import predict_frf
-from dashpot.workflow.checks import hold_fit_possible
+from dashpot.workflow.checks import hold_fit_possible, prediction_informed
 from dashpot.workflow.impacts import held_against, read_measured, total_mass, weighed
 from dashpot.workflow.job import Job
 
@@ -108,6 +110,32 @@ class Study:
         held = () if self.comparison is None else self.comparison.checks
         return (*self.fit.checks, *hammer, *held, *self.checks)
 
+    @property
+    def verdict(self) -> Verdict:
+        """What to make of the study's solid: the joint fit's where there is one, else the fit's.
+
+        A prediction from the relaxation test alone that misses the hammer is no fault of the
+        joint fit, which is made to mend it.
+        """
+        hammer = () if self.measured is None else self.measured.checks
+        solid, held = self.fit, self.comparison
+        if self.joint is not None:
+            solid, held = self.joint, self.joint_comparison
+        agreed = () if held is None else held.checks
+        return verdict(
+            dict.fromkeys((*self.fit.checks, *hammer, *solid.checks, *agreed, *self.checks)),
+            sound=self._sound,
+        )
+
+    @property
+    def _sound(self) -> str:
+        """What to say of the study where no check of weight failed."""
+        if self.joint is not None:
+            return "one solid, the joint fit's, explains the relaxation test and the hammer"
+        if self.comparison is not None:
+            return "the hammer bears out what the relaxation test predicts"
+        return f"the relaxation test tells the solid from {hertz(self.fit.band)}"
+
 
 def characterise(
     test: RelaxationTest,
@@ -191,7 +219,7 @@ def characterise(
         frf_band=None
         if mass is None
         else _prediction_bounds(chosen, prepared, measured, mass, seals),
-        checks=checks,
+        checks=(*checks, *_untested(prediction, chosen, measured)),
     )
 
 
@@ -232,6 +260,13 @@ def _predicted(
         solid = seals * found.model
         return predict_frf(solid, mass=mass, frequency=_lines(solid.k_0, mass)), None
     return held_against(found, measured, mass=mass, seals=seals, band=band, depth=depth)
+
+
+def _untested(prediction: FRF | None, chosen: Fit, measured: FRF | None) -> tuple[Check, ...]:
+    """Ask of a prediction that no hammer has tested whether its peak is informed."""
+    if prediction is None or measured is not None:
+        return ()
+    return (prediction_informed(find_peak(prediction).frequency, chosen.band),)
 
 
 def _prediction_bounds(

@@ -9,6 +9,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.base.checks import Check
 from dashpot.base.provenance import Source, Step
+from dashpot.fitting.checks import optimum_found
 from dashpot.fitting.identification import checks
 from dashpot.fitting.identification.likelihood import DELAY_UNIT, Candidate
 from dashpot.fitting.pipeline import ended
@@ -101,7 +102,7 @@ def _status(best: Candidate, asked: int | str, most: int, answers: Sequence[Chec
     N = best.problem.arms
     log_tau = best.theta[1 + N : 1 + 2 * N]
     return ended(
-        stationary=best.converged,
+        stationary="optimum_found" not in failed,
         fewer=asked != "auto" and most > N,
         at_bound=bool(np.any((log_tau < low + 1e-3) | (log_tau > high - 1e-3))),
         identified=best.significant,
@@ -202,7 +203,10 @@ def _checks(best: Candidate, covariance: FloatArray, before: Fit | None) -> tupl
     problem, point, priors = best.problem, best.point, best.problem.priors
     chi2s = problem.relaxation_chi2(best.theta)
     arms = problem.arms
-    answers = [checks.lines_explained(problem.scale, known_sd=problem.frf_data.known_sd)]
+    answers = [
+        optimum_found(stationary=best.converged),
+        checks.lines_explained(problem.scale, known_sd=problem.frf_data.known_sd),
+    ]
     answers += [
         checks.relaxation_still_explained(
             i, chi2 / relaxation.samples, missed=_missed(relaxation, chi2)
