@@ -15,8 +15,23 @@ HEAD = """\
 
 Every way in which a record, a fit or a comparison can deceive is a named check: a value, a limit, a
 sentence. This page is written from their register by `python docs/checks.py`. Some records set a
-limit of their own, as the last column says; *our choice* is a limit that no standard sets. What
-a record does not show is not judged: the check passes, without a value, and says so.
+limit of their own, as the last column says; *our choice* is a limit that no standard sets.
+
+A check has three states: it *passed*, it *failed*, or it was *not judged*, because the record does
+not answer its question; what was not judged has not passed (`"passed": true`, `false`, `null` in
+JSON). A failure has one of three grades:
+
+| grade | what a failure means |
+|---|---|
+| `note` | it does not matter to the result; what it costs is in the intervals already |
+| `limit` | use the result with care: it is right within what the sentence says |
+| `stop` | do not use the result |
+
+The verdict of a fit, a comparison or a study is that of the gravest failure: *do not use* after any
+stop, else *use with care* after any limit, else *use*. It leads every report, with the sentence of
+the check that decided: what was found, and what would change it. How the optimiser ended is another
+matter, and stands below. `--strict` leaves with exit code 1 after a failure graded limit or stop; a
+note is no reason to stop a batch. Some checks grade a failure by its size, as the column says.
 """
 WORDS = {
     "<=": "at most", "<": "below", ">=": "at least", ">": "above", "==": "equal to",
@@ -32,9 +47,10 @@ def page() -> str:
     parts = [HEAD]
     for stage, ours in groupby(sorted(REGISTER.values(), key=_stage), key=_stage):
         parts.append(
-            f"\n## {stage}\n\n| check | what holds | value | passes if | source of the limit |\n"
+            f"\n## {stage}\n\n| check | what holds | value | passes if | a failure is a | "
+            "source of the limit |\n"
         )
-        parts.append("|---|---|---|---|---|\n")
+        parts.append("|---|---|---|---|---|---|\n")
         parts += [_row(asked) for asked in ours]
     return "".join(parts)
 
@@ -43,10 +59,14 @@ def _stage(asked: Criterion[...]) -> str:
     return asked.stage
 
 
+def _grade(asked: Criterion[...]) -> str:
+    return ", or ".join(filter(None, (asked.grade, asked.otherwise)))
+
+
 def _row(asked: Criterion[...]) -> str:
     limit = "that of the record" if asked.limit is None else f"{asked.limit:g}"
     passes = f"{WORDS[asked.rule]} {limit}" if asked.rule else ""
-    cells = (f"`{asked.name}`", asked.question, asked.measure, passes, asked.source)
+    cells = (f"`{asked.name}`", asked.question, asked.measure, passes, _grade(asked), asked.source)
     return "| " + " | ".join(cell.replace("|", r"\|") for cell in cells) + " |\n"
 
 

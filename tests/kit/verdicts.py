@@ -1,7 +1,7 @@
 """What dashpot makes of records whose truth is known: its verdict, and whether the result is wrong.
 
->>> found = judged(trial(KINDS[3], seed=7))      # a Judged: verdict, failed checks, errors
->>> print(table({"sound": [found]}))             # shares of use, use with care, do not use
+    found = judged(trial(KINDS[3], seed=7))      # a Judged: verdict, failed checks, errors
+    print(table({"sound": [found]}))             # shares of use, use with care, do not use
 
 A result is wrong if the stiffness at the end of the hold, K* somewhere in the band that the fit
 says it informs, or the tangent at the depth misses the truth by more than `WRONG`, and by more than

@@ -170,6 +170,8 @@ class Criterion(Generic[P]):
         Where the limit comes from.
     grade : str
         What a failure means, as in `Check`.
+    otherwise : str
+        Where a failure means another, in words: ``"stop beyond 10"``.
     judge : callable
         Returns a `Finding`.
     """
@@ -182,6 +184,7 @@ class Criterion(Generic[P]):
     limit: float | None
     source: str
     grade: Grade
+    otherwise: str
     judge: Callable[P, Finding]
 
     def __call__(self, *args: P.args, **kwargs: P.kwargs) -> Check:
@@ -213,6 +216,7 @@ def criterion(
     source: str = "our choice",
     *,
     grade: Grade = "limit",
+    otherwise: str = "",
     name: str = "",
     question: str = "",
 ) -> Callable[[Callable[P, Finding]], Criterion[P]]:
@@ -220,7 +224,7 @@ def criterion(
 
     Parameters
     ----------
-    measure, rule, limit, source, grade
+    measure, rule, limit, source, grade, otherwise
         As in `Criterion`.
     name, question : str
         By default the function's name and the first line of its docstring.
@@ -230,7 +234,7 @@ def criterion(
         stage = judge.__module__.removeprefix("dashpot.").removesuffix(".checks").replace(".", "/")
         asks = question or (judge.__doc__ or "").strip().partition("\n")[0]
         title = name or judge.__name__
-        made = Criterion(title, stage, asks, measure, rule, limit, source, grade, judge)
+        made = Criterion(title, stage, asks, measure, rule, limit, source, grade, otherwise, judge)
         if (stage, made.name) in REGISTER:
             raise ValueError(f"{stage} has two criteria {made.name}; expected one of each name")
         REGISTER[stage, made.name] = made

@@ -91,7 +91,13 @@ def arms_distinct(model: GeneralizedMaxwell) -> Finding:
     )
 
 
-@criterion("k / SE(k)", ">", MIN_K_OVER_SE, "3 SE; and SE(ln tau) < 0.5, a factor 1.6")
+@criterion(
+    "k / SE(k)",
+    ">",
+    MIN_K_OVER_SE,
+    "3 SE; and SE(ln tau) < 0.5, a factor 1.6",
+    otherwise="note where fewer arms are rejected",
+)
 def arms_supported(
     model: GeneralizedMaxwell, error: FloatArray, *, unit: str = "N/m", needed: bool = False
 ) -> Finding:
@@ -121,7 +127,7 @@ def arms_supported(
         if needed
         else f"{weak} cannot be told from noise: {doubt}; fit fewer arms",
         faulted=bool(weak),
-        grade="note" if needed else "limit",
+        grade="note" if needed else None,
     )
 
 
@@ -175,7 +181,12 @@ def k_inf_positive(model: GeneralizedMaxwell, se: float) -> Finding:
     )
 
 
-@criterion("width of its 95 % interval / stiffness at the end of the hold", "<=", UNSURE)
+@criterion(
+    "width of its 95 % interval / stiffness at the end of the hold",
+    "<=",
+    UNSURE,
+    otherwise="stop beyond 1",
+)
 def k_inf_known(model: GeneralizedMaxwell, se: float, tests: Sequence[RampHold]) -> Finding:
     """The equilibrium stiffness is known to a part of what is left at the end of the hold."""
     end = float(model.relaxation(max(test.hold_time for test in tests)))
@@ -188,7 +199,7 @@ def k_inf_known(model: GeneralizedMaxwell, se: float, tests: Sequence[RampHold])
         "are left at the end of the hold",
         (high - low) / end,
         "; the record does not tell it: hold longer, and record a baseline before contact",
-        grade="stop" if high - low > end else "limit",
+        grade="stop" if high - low > end else None,
     )
 
 
@@ -246,7 +257,11 @@ def residuals_random(kappa: float, rms: float, noise: float | None = None) -> Fi
 
 
 @criterion(
-    "misfit / noise", "<=", FOLLOWED_TO_NOISE, "our choice; noise of at least 0.1 % of the peak"
+    "misfit / noise",
+    "<=",
+    FOLLOWED_TO_NOISE,
+    "our choice; noise of at least 0.1 % of the peak",
+    otherwise=f"stop beyond {NOT_FOLLOWED:g}",
 )
 def force_followed(test: RampHold, residual: FloatArray) -> Finding:
     """The solid follows the force to its noise.
@@ -262,7 +277,7 @@ def force_followed(test: RampHold, residual: FloatArray) -> Finding:
         ratio,
         ": the seal is not such a solid, or another motion pressed it (stiffening, friction, slip, "
         "a late force); do not read arms off it",
-        grade="stop" if ratio > NOT_FOLLOWED else "limit",
+        grade="stop" if ratio > NOT_FOLLOWED else None,
     )
 
 
@@ -372,7 +387,14 @@ def order_agreed(choice: Choice) -> Finding:
     )
 
 
-@criterion("change of a parameter", "<=", MAX_METHOD_DIFFERENCE, "our choice; or 3 SE")
+@criterion(
+    "change of a parameter",
+    "<=",
+    MAX_METHOD_DIFFERENCE,
+    "our choice; or 3 SE",
+    grade="note",
+    otherwise="limit if it is k_inf",
+)
 def hold_and_full_agree(
     full: GeneralizedMaxwell, hold: GeneralizedMaxwell | None, error: FloatArray
 ) -> Finding:
@@ -406,7 +428,7 @@ def hold_and_full_agree(
         "trust the recorded motion",
         excused=not failed.any(),
         # eq. 5 knows an ideal ramp alone: that its arms differ is no fault of the recorded motion
-        grade="limit" if failed[0] else "note",
+        grade="limit" if failed[0] else None,
     )
 
 
@@ -561,7 +583,7 @@ def storage_rises(data: DynamicTest) -> Finding:
     )
 
 
-@criterion("scatter jointly / alone", "<=", 1.3)
+@criterion("scatter jointly / alone", "<=", 1.3, otherwise=f"stop beyond {CONTRADICTED:g}")
 def data_agree(spread: Sequence[float], names: Sequence[str]) -> Finding:
     """One solid explains every data set about as well as a solid of its own does.
 
@@ -579,7 +601,7 @@ def data_agree(spread: Sequence[float], names: Sequence[str]) -> Finding:
         ": the tests contradict each other, or one solid needs more arms for both; is it the "
         "same piece, length, temperature and depth? a small vibration at depth feels the "
         "tangent stiffness, a press from zero the secant",
-        grade="stop" if spread[worst] > CONTRADICTED else "limit",
+        grade="stop" if spread[worst] > CONTRADICTED else None,
     )
 
 

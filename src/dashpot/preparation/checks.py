@@ -295,7 +295,7 @@ def hold_is_still(test: RampHold, *, method: str) -> Finding:
     )
 
 
-@criterion("hold / ramp", ">=", MIN_HOLD_OVER_RAMP)
+@criterion("hold / ramp", ">=", MIN_HOLD_OVER_RAMP, grade="note", otherwise="limit below 3.3")
 def hold_outlasts_ramp(test: RampHold) -> Finding:
     """The hold is many times the ramp."""
     ratio = test.hold_time / test.ramp_time
@@ -305,7 +305,7 @@ def hold_outlasts_ramp(test: RampHold) -> Finding:
         f"; below {MIN_HOLD_OVER_RAMP:.0f} much of the decay is hidden in the ramp: "
         "hold longer or ramp faster",
         # the recorded ramp is followed, so that hiding some of the decay costs precision alone
-        grade="note" if ratio >= MIN_HOLD_OVER_RAMP / 3 else "limit",
+        grade="limit" if ratio < MIN_HOLD_OVER_RAMP / 3 else None,
     )
 
 

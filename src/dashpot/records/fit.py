@@ -222,8 +222,8 @@ class Fit(ByValue):
         low, high = self.band
         return verdict(
             self.checks,
-            sound=f"nothing that was judged limits the use from {low:.2g} to {high:.2g} Hz; beyond, "
-            "the solid is an extrapolation",
+            sound=f"nothing that was judged limits the use from {low:.2g} to {high:.2g} Hz; "
+            "beyond, the solid is an extrapolation",
         )
 
     def model_at(self, compression: float, *, secant: bool = False) -> GeneralizedMaxwell:

@@ -16,7 +16,13 @@ CONTRADICTED = 4.0
 IMMATERIAL = 1e-4
 
 
-@criterion("misfit / scatter", "<=", EXPLAINED, "our choice; 0.1 of the FRF without scatter")
+@criterion(
+    "misfit / scatter",
+    "<=",
+    EXPLAINED,
+    "our choice; 0.1 of the FRF without scatter",
+    otherwise="stop beyond 20, and 0.5",
+)
 def lines_explained(scale: float, *, known_sd: bool) -> Finding:
     """The solid explains the lines of the FRF."""
     if known_sd:
@@ -24,18 +30,24 @@ def lines_explained(scale: float, *, known_sd: bool) -> Finding:
             f"the solid leaves {scale:.2g} times the random scatter of the lines",
             scale,
             ": another mode, leakage or nonlinearity is in the FRF; narrow band=, or add arms",
-            grade="stop" if scale > 10 * EXPLAINED else "limit",
+            grade="stop" if scale > 10 * EXPLAINED else None,
         )
     return Finding(
         f"the solid leaves {100 * scale:.2g} % of the FRF unexplained; the FRF came "
         "without coherence or scatter, so every line counted alike",
         scale,
         limit=UNEXPLAINED,
-        grade="stop" if scale > 5 * UNEXPLAINED else "limit",
+        grade="stop" if scale > 5 * UNEXPLAINED else None,
     )
 
 
-@criterion("squared residual jointly / alone", "<=", 1.3, "our choice; or too little to matter")
+@criterion(
+    "squared residual jointly / alone",
+    "<=",
+    1.3,
+    "our choice; or too little to matter",
+    otherwise=f"stop beyond {CONTRADICTED:g}",
+)
 def relaxation_still_explained(number: int, ratio: float, *, missed: float = np.inf) -> Finding:
     """The hammer does not contradict a relaxation test.
 
@@ -48,7 +60,7 @@ def relaxation_still_explained(number: int, ratio: float, *, missed: float = np.
         ": hammer and relaxation contradict each other; check mass, number and length of seals, "
         "and whether both tests are at the same compression",
         excused=missed < IMMATERIAL,
-        grade="stop" if ratio > CONTRADICTED else "limit",
+        grade="stop" if ratio > CONTRADICTED else None,
     )
 
 
@@ -58,6 +70,7 @@ def _believable(quantity: str) -> Criterion[[str, float, float]]:
         "<=",
         STRAINED,
         source="1.2 % of normal errors are beyond",
+        otherwise=f"stop beyond {4 * STRAINED:g}",
         name=f"{quantity}_believable",
         question=f"The {quantity} stays near what was known of it.",
     )
@@ -67,7 +80,7 @@ def _believable(quantity: str) -> Criterion[[str, float, float]]:
             "what was known",
             abs(off) / sd,
             f": check the {quantity} itself",
-            grade="stop" if abs(off) > 4 * STRAINED * sd else "limit",
+            grade="stop" if abs(off) > 4 * STRAINED * sd else None,
         )
 
     return judge

@@ -49,12 +49,18 @@ def checks(
     return tuple(found)
 
 
-def _grade(limits: float) -> Grade:
+def _grade(limits: float) -> Grade | None:
     """What missing the measurement by so many limits means for the prediction."""
-    return "stop" if limits > USELESS else "limit"
+    return "stop" if limits > USELESS else None
 
 
-@criterion("frequency ratio - 1", "<=", FREQUENCY_LIMIT, "our choice: stiffness within 10 %")
+@criterion(
+    "frequency ratio - 1",
+    "<=",
+    FREQUENCY_LIMIT,
+    "our choice: stiffness within 10 %",
+    otherwise="stop beyond 0.2",
+)
 def stiffness_agrees(c: Comparison) -> Finding:
     """The peaks are at one frequency."""
     error = c.frequency_error
@@ -68,7 +74,13 @@ def stiffness_agrees(c: Comparison) -> Finding:
     )
 
 
-@criterion("predicted / measured height, dB", "|x| <=", HEIGHT_LIMIT, "our choice: a factor 1.4")
+@criterion(
+    "predicted / measured height, dB",
+    "|x| <=",
+    HEIGHT_LIMIT,
+    "our choice: a factor 1.4",
+    otherwise="stop beyond 12 dB",
+)
 def peak_agrees(c: Comparison) -> Finding:
     """The peaks are as high as one another."""
     return Finding(
@@ -80,7 +92,12 @@ def peak_agrees(c: Comparison) -> Finding:
     )
 
 
-@criterion("predicted / measured damping ratio", "x/", DAMPING_LIMIT)
+@criterion(
+    "predicted / measured damping ratio",
+    "x/",
+    DAMPING_LIMIT,
+    otherwise="stop beyond a factor 2.4",
+)
 def damping_agrees(c: Comparison, measured: Peak) -> Finding:
     """The damping ratios are the same."""
     if c.measured_damping is None or c.predicted_damping is None:

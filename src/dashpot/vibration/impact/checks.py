@@ -288,7 +288,13 @@ def apparent_mass(
     return float(c[0]), float(np.sqrt(np.linalg.inv(rows.T @ rows)[0, 0] * scale))
 
 
-@criterion("apparent / weighed mass - 1", "|x| <=", TOLERANCE, "ISO 7626-2, 7.5.2")
+@criterion(
+    "apparent / weighed mass - 1",
+    "|x| <=",
+    TOLERANCE,
+    "ISO 7626-2, 7.5.2",
+    otherwise=f"stop beyond a factor {GROSS:g}",
+)
 def mass_line(apparent: tuple[float, float] | None, mass: float) -> Finding:
     """Above resonance the block shows the mass that was weighed."""
     if apparent is None:
@@ -306,7 +312,7 @@ def mass_line(apparent: tuple[float, float] | None, mass: float) -> Finding:
         f"{says}: calibrated within {100 * (factor - 1):+.1f} %",
         factor - 1,
         instead=f"{says}; {_why(factor)}",
-        grade="stop" if factor < 0 or abs(np.log(factor)) > np.log(GROSS) else "limit",
+        grade="stop" if factor < 0 or abs(np.log(factor)) > np.log(GROSS) else None,
     )
 
 
