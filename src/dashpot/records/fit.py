@@ -112,6 +112,34 @@ class Moved:
 
 
 @dataclass(frozen=True)
+class Explanation:
+    """What would explain two tests that one seal does not.
+
+    Attributes
+    ----------
+    name : str
+        ``"stiffness"``, a factor of the seals under the hammer; ``"k_inf"``, such a factor of
+        their stiffness at rest alone; ``"mass"``; ``"gain"`` of acceleration over force.
+    value, standard_error : float
+        What it would have to be.
+    unit : str
+    fall : float
+        How much lower chi-square then is.
+    explains : bool
+        Nothing else is then beyond what is known.
+    says : str
+    """
+
+    name: str
+    value: float
+    standard_error: float
+    unit: str
+    fall: float
+    explains: bool
+    says: str
+
+
+@dataclass(frozen=True)
 class AtDepth:
     """The stiffnesses of one test of several that share their relaxation times.
 
@@ -149,6 +177,8 @@ class Evidence:
         first; the fit's solid is then the deepest test's.
     moved : tuple of Moved
         What a further test changed, where there was an earlier fit.
+    explanations : tuple of Explanation
+        Of two tests that disagree, the best first.
     """
 
     band: tuple[float, float]
@@ -157,6 +187,7 @@ class Evidence:
     checks: tuple[Check, ...] = ()
     by_depth: tuple[AtDepth, ...] = ()
     moved: tuple[Moved, ...] = ()
+    explanations: tuple[Explanation, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -330,6 +361,11 @@ class Fit(ByValue):
     def moved(self) -> tuple[Moved, ...]:
         """What a further test changed."""
         return self.evidence.moved
+
+    @property
+    def explanations(self) -> tuple[Explanation, ...]:
+        """What would explain two tests that disagree, the best first."""
+        return self.evidence.explanations
 
     # -- where it comes from ------------------------------------------------------------------
 

@@ -145,7 +145,7 @@ _FIT_PARTS: dict[str, type] = {
 }
 _FIT_ORDER = (
     "method", "parameters", "covariance", "dof", "orders", "certificate", "profiles", "nuisance",
-    "checks", "source", "steps", "by_depth", "specimen", "moved", "unit",
+    "checks", "source", "steps", "by_depth", "specimen", "moved", "explanations", "unit",
 )  # fmt: skip
 
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Protocol
+
 import numpy as np
 
-from dashpot.base.checks import Criterion, Finding, criterion
-from dashpot.engine.inference.order import MAX_SE_LN_TAU
+from dashpot.base.checks import Check, Finding, criterion
+from dashpot.engine.inference.order import DECISIVE, MAX_SE_LN_TAU
 
 STRAINED = 2.5
 EXPLAINED = 2.0
@@ -23,19 +25,31 @@ IMMATERIAL = 1e-4
     "our choice; 0.1 of the FRF without scatter",
     otherwise="stop beyond 20, and 0.5",
 )
-def lines_explained(scale: float, *, known_sd: bool) -> Finding:
-    """The solid explains the lines of the FRF."""
+def lines_explained(
+    scale: float, *, known_sd: bool, coherent: bool = False, why: str = ""
+) -> Finding:
+    """The solid explains the lines of the FRF.
+
+    `why` is what explains a contradiction of two tests, where that is known.
+    """
+    advice = "another mode, leakage or nonlinearity is in the FRF; narrow band=, or add arms"
     if known_sd:
         return Finding(
             f"the solid leaves {scale:.2g} times the random scatter of the lines",
             scale,
-            ": another mode, leakage or nonlinearity is in the FRF; narrow band=, or add arms",
+            f": {why or advice}",
             grade="stop" if scale > 10 * EXPLAINED else None,
         )
+    weighed = (
+        "the FRF came with coherence but without its number of hits, so the lines counted by "
+        "their coherence and the misfit told the scatter"
+        if coherent
+        else "the FRF came without coherence or scatter, so every line counted alike"
+    )
     return Finding(
-        f"the solid leaves {100 * scale:.2g} % of the FRF unexplained; the FRF came "
-        "without coherence or scatter, so every line counted alike",
+        f"the solid leaves {100 * scale:.2g} % of the FRF unexplained; {weighed}",
         scale,
+        f": {why or advice}",
         limit=UNEXPLAINED,
         grade="stop" if scale > 5 * UNEXPLAINED else None,
     )
@@ -48,7 +62,9 @@ def lines_explained(scale: float, *, known_sd: bool) -> Finding:
     "our choice; or too little to matter",
     otherwise=f"stop beyond {CONTRADICTED:g}",
 )
-def relaxation_still_explained(number: int, ratio: float, *, missed: float = np.inf) -> Finding:
+def relaxation_still_explained(
+    number: int, ratio: float, *, missed: float = np.inf, why: str = ""
+) -> Finding:
     """The hammer does not contradict a relaxation test.
 
     `missed` is the rms force that the joint fit adds to the residual, over the peak force.
@@ -57,14 +73,56 @@ def relaxation_still_explained(number: int, ratio: float, *, missed: float = np.
         f"in the joint fit relaxation test {number} has {ratio:.3g} times the squared residual "
         "of its own fit",
         ratio,
-        ": hammer and relaxation contradict each other; check mass, number and length of seals, "
-        "and whether both tests are at the same compression",
+        ": hammer and relaxation contradict each other; "
+        + (
+            why
+            or "check mass, number and length of seals, and whether both tests are at the same "
+            "compression"
+        ),
         excused=missed < IMMATERIAL,
         grade="stop" if ratio > CONTRADICTED else None,
     )
 
 
-def _believable(quantity: str) -> Criterion[[str, float, float]]:
+@criterion("distance in standard deviations", "<=", STRAINED, "root mean square of all parameters")
+def earlier_fit_kept(off: float, *, why: str = "") -> Finding:
+    """The hammer does not contradict the earlier fit."""
+    return Finding(
+        f"the joint fit moves the parameters of the earlier fit by {off:.2g} of their standard "
+        "deviations",
+        off,
+        ": hammer and relaxation contradict each other"
+        + (f"; {why}" if why else "; check mass, number and length of seals, and compression"),
+    )
+
+
+@criterion("fall of chi-square", source="a note: what explains both tests", grade="stop")
+def tests_agree(fall: float, explanation: str, *, explained: bool) -> Finding:
+    """One seal explains the relaxation test and the hammer, with what is known of the rig.
+
+    `explanation` is what explains them best if not, and `fall` what that takes off chi-square.
+    """
+    if not explanation:
+        return Finding("relaxation test and hammer are explained by one seal")
+    lead = "relaxation test and hammer do not belong to one seal and rig as described: "
+    if explained:
+        says = f"{lead}{explanation}; that explains both, and chi-square falls by {fall:.4g}"
+    else:
+        says = (
+            f"{lead}nothing tried explains both; most does that {explanation} (chi-square falls "
+            f"by {fall:.4g})"
+        )
+    return Finding(says, fall, faulted=True)
+
+
+class Believable(Protocol):
+    """A criterion that asks how far a quantity went from what was known of it."""
+
+    def __call__(self, found: str, off: float, sd: float, *, why: str = "") -> Check:
+        """Return the answer."""
+
+
+def _believable(quantity: str) -> Believable:
     @criterion(
         "distance in standard deviations",
         "<=",
@@ -74,19 +132,36 @@ def _believable(quantity: str) -> Criterion[[str, float, float]]:
         name=f"{quantity}_believable",
         question=f"The {quantity} stays near what was known of it.",
     )
-    def judge(found: str, off: float, sd: float) -> Finding:
+    def judge(found: str, off: float, sd: float, *, why: str = "") -> Finding:
         return Finding(
             f"the fit puts the {quantity} at {found}, {abs(off) / sd:.2g} standard deviations from "
             "what was known",
             abs(off) / sd,
-            f": check the {quantity} itself",
+            f": {why or f'check the {quantity} itself'}",
             grade="stop" if abs(off) > 4 * STRAINED * sd else None,
         )
 
     return judge
 
 
-mass_believable, gain_believable, delay_believable = map(_believable, ("mass", "gain", "delay"))
+mass_believable, gain_believable, delay_believable, stiffness_believable = map(
+    _believable, ("mass", "gain", "delay", "stiffness")
+)
+
+
+@criterion("fall of BIC", "<", DECISIVE, "what outweighs doubt about an arm", grade="note")
+def dashpot_not_missed(fall: float | None, arms: int, b: float) -> Finding:
+    """No parallel dashpot explains the lines much better."""
+    if fall is None:
+        return Finding(f"there is a parallel dashpot, of {b:.3g} N s/m")
+    what = (
+        f"{arms} arm{'s' * (arms != 1)} and a parallel dashpot of {b:.3g} N s/m lower BIC by "
+        f"{fall:.3g}"
+    )
+    return Finding(
+        "a parallel dashpot explains the lines no better", fall,
+        instead=f"{what}: ask for one (--parallel-dashpot, parallel_dashpot=True)",
+    )  # fmt: skip
 
 
 @criterion("relative standard error", "<", MAX_SE_LN_TAU, "a factor 1.6 in tau; and k > 3 SE")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,7 +12,8 @@ from dashpot.base.checks import Check
 from dashpot.base.provenance import Source, Step
 from dashpot.fitting.checks import optimum_found
 from dashpot.fitting.identification import checks
-from dashpot.fitting.identification.likelihood import DELAY_UNIT, Candidate
+from dashpot.fitting.identification.explanations import Disagreement, agreement
+from dashpot.fitting.identification.likelihood import DELAY_UNIT, UNCHANGED, Candidate
 from dashpot.fitting.pipeline import ended
 from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.records.estimate import Nuisance, ParameterEstimate, Residual, parameter_names
@@ -21,7 +23,13 @@ from dashpot.records.relaxation import RampHold
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # what fails where hammer and relaxation, or hammer and balance, do not describe one seal
-AGREEMENT = {"lines_explained", "relaxation_still_explained", "mass_believable"}
+AGREEMENT = {"lines_explained", "relaxation_still_explained", "mass_believable", "tests_agree"}
+NOUNS = {
+    "stiffness": "another stiffness of the seals",
+    "k_inf": "another stiffness of the seals at rest",
+    "mass": "another mass",
+    "gain": "another gain of the channels",
+}
 # arms nearer than this in ln tau are the same arm
 SAME = 1.0
 
@@ -35,14 +43,21 @@ def assembled(
     before: Fit | None,
     asked: int | str,
     most: int,
+    apart: Disagreement | None,
+    dashpot: Check,
 ) -> Fit:
     """The fit of one seal, with everything needed to judge it."""
     problem, point = best.problem, best.point
     covariance = best.covariance
     order = np.argsort(best.theta[1 + problem.arms : 1 + 2 * problem.arms], kind="stable")
     names, physical = _physical(covariance, point.model, order, dashpot=problem.dashpot)
+    if apart is not None:
+        # which of the two solids is right is a doubt of its own
+        values = (_values(model, dashpot=problem.dashpot) for model in (point.model, apart.model))
+        physical = physical + np.outer(*[np.subtract(*values)] * 2)
     residual, samples = _residual(best)
-    answers = _checks(best, covariance, before)
+    answers = (*_checks(best, covariance, before, apart), dashpot)
+    law = None if before is None else before.elastic_law
     return Fit(
         solid=point.model,
         status=_status(best, asked, most, answers),
@@ -58,12 +73,14 @@ def assembled(
             orders=tuple(_score(candidate) for candidate in orders),
             checks=answers,
             moved=() if before is None else _moved(before, point.model, names, physical),
+            explanations=() if apart is None else apart.explanations,
         ),
         provenance=Provenance(
             "joint" if tests or before is not None else "frf",
             _sources(frf, tests),
             (*frf.steps, *(step for test in tests for step in test.steps), _step(best)),
         ),
+        elastic_law=None if law is None else replace(law, stiffness=point.model.k_inf),
     )
 
 
@@ -76,6 +93,11 @@ def _physical(
     scale = [model.k_inf, *model.k, *np.ones(N), *([model.b] if dashpot else [])]
     picked = covariance[np.ix_(rows, rows)] * np.outer(scale, scale)
     return parameter_names(N, dashpot=dashpot), np.asarray(picked)
+
+
+def _values(model: GeneralizedMaxwell, *, dashpot: bool) -> FloatArray:
+    """Values of the parameters, named and ordered as the rows of their covariance."""
+    return np.array([model.k_inf, *model.k, *np.log(model.tau), *([model.b] if dashpot else [])])
 
 
 def _residual(best: Candidate) -> tuple[Residual, float]:
@@ -131,6 +153,11 @@ def _nuisance(best: Candidate, covariance: FloatArray) -> tuple[Nuisance, ...]:
         Nuisance("mass", point.mass, se("ln_mass", point.mass), "kg"),
         Nuisance("gain", point.gain, se("ln_gain", point.gain), "1"),
         Nuisance("delay", point.delay, se("delay", DELAY_UNIT), "s"),
+        *(
+            [Nuisance("stiffness_factor", point.factor, se("ln_factor", point.factor), "1")]
+            if problem.priors.factor != UNCHANGED
+            else []
+        ),
     )
 
 
@@ -192,37 +219,17 @@ def _partners(old: tuple[float, ...], new: tuple[float, ...]) -> dict[int, int]:
     return found
 
 
-def _missed(relaxation: RelaxationData, chi2: float) -> float:
-    """Return the rms force that a joint fit adds to a test's residual, over the largest force."""
-    added = max(chi2 - relaxation.samples, 0.0) / relaxation.block.samples
-    peak = float(np.abs(relaxation.block.exact.target).max())
-    return float(np.sqrt(added)) / (relaxation.weight * peak) if peak > 0 else np.inf
-
-
-def _checks(best: Candidate, covariance: FloatArray, before: Fit | None) -> tuple[Check, ...]:
-    problem, point, priors = best.problem, best.point, best.problem.priors
-    chi2s = problem.relaxation_chi2(best.theta)
-    arms = problem.arms
-    answers = [
-        optimum_found(stationary=best.converged),
-        checks.lines_explained(problem.scale, known_sd=problem.frf_data.known_sd),
-    ]
-    answers += [
-        checks.relaxation_still_explained(
-            i, chi2 / relaxation.samples, missed=_missed(relaxation, chi2)
-        )
-        for i, (relaxation, chi2) in enumerate(zip(problem.relaxations, chi2s, strict=True), 1)
-    ]
-    # how far each nuisance had to go from what was known of it
-    if priors.mass is not None and priors.mass.sd > 0:
-        off = point.mass - priors.mass.value
-        answers.append(checks.mass_believable(f"{1e3 * point.mass:.4g} g", off, priors.mass.sd))
-    if priors.gain_sd > 0:
-        off = float(np.log(point.gain))
-        answers.append(checks.gain_believable(f"{point.gain:.4g}", off, priors.gain_sd))
-    if priors.delay_sd > 0:
-        found = f"{1e3 * point.delay:.3g} ms"
-        answers.append(checks.delay_believable(found, point.delay, priors.delay_sd))
+def _checks(
+    best: Candidate, covariance: FloatArray, before: Fit | None, apart: Disagreement | None
+) -> tuple[Check, ...]:
+    lead = None if apart is None else apart.explanations[0]
+    why = f"{NOUNS[lead.name]} explains that, see tests_agree" if lead and lead.explains else ""
+    answers = [optimum_found(stationary=best.converged), *agreement(best, why)]
+    if before is not None and lead is None:
+        answers.append(checks.tests_agree(0.0, "", explained=True))
+    elif lead is not None:
+        answers.append(checks.tests_agree(lead.fall, lead.says, explained=lead.explains))
+    arms = best.problem.arms
     worst = float(max(np.sqrt(np.diag(covariance))[1 : 1 + 2 * arms], default=0.0))
     new = 0 if before is None else arms - before.model.arms
     answers.append(checks.arms_identified(arms, worst, significant=best.significant, new=new))

@@ -8,8 +8,12 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
+from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError
+from dashpot.engine.inference.order import DECISIVE, choose
 from dashpot.engine.solver.variable_projection import solve_orders
+from dashpot.fitting.identification.checks import dashpot_not_missed
+from dashpot.fitting.identification.explanations import disagreement
 from dashpot.fitting.identification.fit_assembly import assembled
 from dashpot.fitting.identification.frf_data import frf_data_of
 from dashpot.fitting.identification.likelihood import (
@@ -59,6 +63,7 @@ def identify(
     gain_sd: float = USUAL_GAIN_SD,
     delay_sd: float = USUAL_DELAY_SD,
     band: tuple[float, float] | None = None,
+    compression: float | None = None,
 ) -> Fit:
     r"""Find the solid of one seal from the FRF of a mass on `seals` of them.
 
@@ -128,9 +133,23 @@ def identify(
     best = _chosen(found)
     scale = best.line_scale
     final = descend(replace(best.problem, scale=scale), best.theta, tolerance=TIGHT)
-    orders = [candidate.scaled(scale) for candidate in found]
+    fewer = [number for number in numbers if number <= best.problem.arms]
+    apart = disagreement(
+        final,
+        lambda problem: _chosen(_candidates(problem, fewer, before, linear=False)),
+        law=None if before is None else before.elastic_law,
+        compression=compression,
+    )
     return assembled(
-        final, orders, frf=frf, tests=records, before=before, asked=arms, most=max(numbers)
+        final,
+        [candidate.scaled(scale) for candidate in found],
+        frf=frf,
+        tests=records,
+        before=before,
+        asked=arms,
+        most=max(numbers),
+        apart=apart,
+        dashpot=_dashpot_missed(best, before),
     )
 
 
@@ -151,13 +170,19 @@ def _every(
     return found
 
 
-def _candidates(whole: Problem, numbers: Sequence[int], before: Fit | None) -> list[Candidate]:
-    """The optimum for each number of arms that keeps all its arms."""
-    linear = _linear(whole, max(numbers))
+def _candidates(
+    whole: Problem, numbers: Sequence[int], before: Fit | None, *, linear: bool = True
+) -> list[Candidate]:
+    """The optimum for each number of arms that keeps all its arms.
+
+    Without the `linear` starts, which know of no difference between the tests, from the earlier
+    fit alone.
+    """
+    starts_of = _linear(whole, max(numbers)) if linear else []
     found: list[Candidate] = []
     for number in numbers:
         problem = replace(whole, arms=number)
-        starts = [start for start in linear if start.model.arms == number]
+        starts = [start for start in starts_of if start.model.arms == number]
         starts += _spread(problem, before)
         tries = [descend(problem, problem.pack(start), tolerance=LOOSE) for start in starts]
         best = min(tries, key=lambda candidate: candidate.cost)
@@ -170,10 +195,32 @@ def _candidates(whole: Problem, numbers: Sequence[int], before: Fit | None) -> l
 
 
 def _chosen(found: Sequence[Candidate]) -> Candidate:
-    """Choose by the criterion among those with every arm significant, else among all."""
+    """Choose the arms by both rules, with and without a dashpot; then the better of the two."""
     scale = min(found, key=lambda candidate: candidate.bic).line_scale
-    sure = [candidate for candidate in found if candidate.scaled(scale).significant]
-    return min(sure or found, key=lambda candidate: candidate.bic)
+    best = []
+    for dashpot in (False, True):
+        family = {one.problem.arms: one for one in found if one.problem.dashpot == dashpot}
+        if family:
+            sure = [one.scaled(scale).significant for one in family.values()]
+            bics = [one.bic for one in family.values()]
+            best.append(family[choose([*family], bics, sure, decisive=DECISIVE).arms])
+    return min(best, key=lambda candidate: candidate.bic)
+
+
+def _dashpot_missed(best: Candidate, before: Fit | None) -> Check:
+    """Whether a parallel dashpot, beside the arms or in place of one, lowers the criterion."""
+    if best.problem.dashpot:
+        return dashpot_not_missed(None, best.problem.arms, best.point.model.b)
+    least = 0 if before is None else before.model.arms
+    tries = []
+    for arms in range(max(best.problem.arms - 1, least), best.problem.arms + 1):
+        problem = replace(best.problem, dashpot=True, arms=arms)
+        tries += [
+            descend(problem, problem.pack(start), tolerance=LOOSE)
+            for start in _spread(problem, before)
+        ]
+    other = min(tries, key=lambda candidate: candidate.bic)
+    return dashpot_not_missed(best.bic - other.bic, other.problem.arms, other.point.model.b)
 
 
 def _linear(problem: Problem, most: int) -> list[Parameters]:

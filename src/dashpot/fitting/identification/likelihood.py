@@ -9,7 +9,9 @@ With r the weighted residuals of each test and a prior on each nuisance, the fit
            + \frac{\ln^2(m/m_0)}{\sigma_m^2} + \frac{\ln^2 g}{\sigma_g^2} + \frac{d^2}{\sigma_d^2}
            + \dots
 
-over :math:`\theta = (\ln k_\infty, \ln k_j, \ln\tau_j[, \ln b])`. Equalities, such as a measured
+over :math:`\theta = (\ln k_\infty, \ln k_j, \ln\tau_j[, \ln b])`. Under the hammer a seal may be
+:math:`\lambda` times as stiff, as at another compression, or rest on a :math:`k_\infty` of its own.
+Equalities, such as a measured
 static stiffness, enter as priors too narrow to bend. Source: J. Zhang and C. M. Richards, MSSP 21
 (2007), for the constraints; the joint likelihood is standard.
 """
@@ -52,10 +54,19 @@ class Prior:
         """How far `found` is from it, in standard deviations; an equality has a narrow one."""
         return (found - self.value) / max(self.sd, EXACT * abs(self.value))
 
+    def log_off(self, found: float) -> float:
+        """So too, on a logarithmic scale: 0 where nothing is known."""
+        return float(np.log(found / self.value)) * self.value / self.sd
+
+
+UNCHANGED = Prior(1.0)
+
 
 @dataclass(frozen=True)
 class NuisancePriors:
-    """What is known of the rig: mass, gain of acceleration over force, and its delay.
+    """What is known of the rig: mass, gain of acceleration over force, its delay, and its seals.
+
+    An infinite standard deviation leaves a quantity free.
 
     Attributes
     ----------
@@ -65,11 +76,17 @@ class NuisancePriors:
         Relative; 0 if the gain is exactly one.
     delay_sd : float
         s; 0 if there is no delay.
+    factor : Prior
+        Stiffness of a seal under the hammer over that of the solid, every arm alike.
+    spring : Prior
+        k_inf of a seal under the hammer over that of the solid.
     """
 
     mass: Prior | None
     gain_sd: float
     delay_sd: float
+    factor: Prior = UNCHANGED
+    spring: Prior = UNCHANGED
 
 
 @dataclass(frozen=True)
@@ -102,6 +119,13 @@ class Parameters:
     mass: float
     gain: float
     delay: float
+    factor: float = 1.0
+    spring: float = 1.0
+
+    @property
+    def felt(self) -> GeneralizedMaxwell:
+        """The seal under the hammer."""
+        return self.factor * replace(self.model, k_inf=self.spring * self.model.k_inf)
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +133,7 @@ class Problem:
     """The residuals of one number of arms, as a function of a flat parameter vector.
 
     The vector holds ln k_inf, ln k_j, ln tau_j, ln b if there is a dashpot, then those of ln m,
-    ln g and d / 0.1 ms that are not known exactly.
+    ln g, d / 0.1 ms, and of the logarithms of factor and spring, that are not known exactly.
 
     Attributes
     ----------
@@ -140,6 +164,8 @@ class Problem:
             "ln_mass": mass is None or mass.sd > 0,
             "ln_gain": self.priors.gain_sd > 0,
             "delay": self.priors.delay_sd > 0,
+            "ln_factor": self.priors.factor.sd > 0,
+            "ln_spring": self.priors.spring.sd > 0,
         }
         names = [name for name, present in there.items() if present]
         return {name: place for place, name in enumerate(names, start=1 + 2 * self.arms)}
@@ -165,6 +191,8 @@ class Problem:
             "ln_mass": np.log(point.mass),
             "ln_gain": np.log(point.gain),
             "delay": point.delay / DELAY_UNIT,
+            "ln_factor": np.log(point.factor),
+            "ln_spring": np.log(point.spring),
         }
         k_inf = max(model.k_inf, FADED * max(model.k_0, 1e-300))
         solid = np.log([k_inf, *model.k, *model.tau])
@@ -175,17 +203,24 @@ class Problem:
         N = self.arms
         solid = np.exp(theta[: 1 + 2 * N])
         rest = {name: float(theta[place]) for name, place in self.at.items()}
-        known = 1.0 if self.priors.mass is None else self.priors.mass.value
+        priors = self.priors
+        known = 1.0 if priors.mass is None else priors.mass.value
+
+        def exp(name: str, otherwise: float) -> float:
+            return float(np.exp(rest[name])) if name in rest else otherwise
+
         return Parameters(
             model=GeneralizedMaxwell(
                 float(solid[0]),
                 tuple(solid[1 : 1 + N]),
                 tuple(solid[1 + N :]),
-                float(np.exp(rest.get("ln_b", -np.inf))),
+                exp("ln_b", 0.0),
             ),
-            mass=float(np.exp(rest["ln_mass"])) if "ln_mass" in rest else known,
-            gain=float(np.exp(rest.get("ln_gain", 0.0))),
+            mass=exp("ln_mass", known),
+            gain=exp("ln_gain", 1.0),
             delay=rest.get("delay", 0.0) * DELAY_UNIT,
+            factor=exp("ln_factor", priors.factor.value),
+            spring=exp("ln_spring", priors.spring.value),
         )
 
     # -- residuals ----------------------------------------------------------------------------
@@ -232,21 +267,30 @@ class Problem:
         """Those of the lines, real then imaginary."""
         p = self.unpack(theta)
         return (
-            self.frf_data.misfit(self.frf_data.predict(p.model, p.mass, p.gain, p.delay))
+            self.frf_data.misfit(self.frf_data.predict(p.felt, p.mass, p.gain, p.delay))
             / self.scale
         )
 
     def prior_residual(self, theta: FloatArray) -> FloatArray:
         """Those of everything known beforehand."""
-        point, before = self.unpack(theta), self.constraints.before
+        point = self.unpack(theta)
         rows = np.array([*self._of_rig(point), *self._of_solid(point)], dtype=float)
-        return rows if before is None else np.append(rows, _before(before, point.model))
+        return np.append(rows, self.earlier_residual(point.model))
+
+    def earlier_residual(self, model: GeneralizedMaxwell) -> FloatArray:
+        """How far a solid is from the earlier fit, in its standard deviations; empty without."""
+        before = self.constraints.before
+        return np.empty(0) if before is None else _before(before, model)
 
     def _of_rig(self, point: Parameters) -> Iterator[float]:
         priors = self.priors
-        if priors.mass is not None and priors.mass.sd > 0:
-            known = priors.mass
-            yield np.log(point.mass / known.value) * known.value / known.sd
+        for prior, found in (
+            (priors.mass, point.mass),
+            (priors.factor, point.factor),
+            (priors.spring, point.spring),
+        ):
+            if prior is not None and prior.sd > 0:
+                yield prior.log_off(found)
         if priors.gain_sd > 0:
             yield np.log(point.gain) / priors.gain_sd
         if priors.delay_sd > 0:
@@ -257,7 +301,7 @@ class Problem:
         if known.static_stiffness is not None:
             yield known.static_stiffness.off(point.model.k_inf)
         if known.natural_frequency is not None or known.damping_ratio is not None:
-            pole = ringing_pole(self.frf_data.seals * point.model, point.mass)
+            pole = ringing_pole(self.frf_data.seals * point.felt, point.mass)
             if known.natural_frequency is not None:
                 yield known.natural_frequency.off(abs(pole) / (2 * np.pi))
             if known.damping_ratio is not None:

@@ -1,0 +1,291 @@
+r"""Why a hammer test and a relaxation test disagree: each cause set free, and what it explains.
+
+Where the joint fit has to push the mass, the gain or the lines beyond what is known of them, it is
+made again with one quantity free at a time:
+
+* the stiffness of the seals under the hammer, :math:`\lambda K(s)`: another compression,
+  temperature or length;
+* their :math:`k_\infty` alone: another preload of a seal whose arms stay as they are;
+* the mass;
+* the gain of acceleration over force.
+
+The lines count alike in all of them, by the scatter that the best one leaves. A cause is ranked by
+:math:`\chi^2 + p \ln n`; it explains both tests if nothing else is then beyond what is known.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from dashpot.base.checks import Check
+from dashpot.base.numbers import with_error
+from dashpot.fitting.identification import checks
+from dashpot.fitting.identification.likelihood import (
+    Candidate,
+    NuisancePriors,
+    Parameters,
+    Problem,
+    descend,
+)
+from dashpot.records.fit import Explanation
+from dashpot.solids.elastic import ElasticLaw
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+#: causes whose criteria are no farther apart than this explain alike
+ALIKE = 10.0
+TOLERANCE = 1e-11
+
+
+@dataclass(frozen=True)
+class Cause:
+    """A quantity that may differ between two tests.
+
+    Attributes
+    ----------
+    name : str
+    parameter : str
+        Its place in the vector, a logarithm.
+    free : callable
+        The priors with this quantity free.
+    value : callable
+        Its value at a point.
+    unit : str
+    """
+
+    name: str
+    parameter: str
+    free: Callable[[NuisancePriors], NuisancePriors]
+    value: Callable[[Parameters], float]
+    unit: str
+
+
+def _mass_free(priors: NuisancePriors) -> NuisancePriors:
+    return priors if priors.mass is None else replace(priors, mass=replace(priors.mass, sd=np.inf))
+
+
+CAUSES = (
+    Cause(
+        "stiffness",
+        "ln_factor",
+        lambda known: replace(known, factor=replace(known.factor, sd=np.inf)),
+        lambda point: point.factor,
+        "1",
+    ),
+    Cause(
+        "k_inf",
+        "ln_spring",
+        lambda known: replace(known, spring=replace(known.spring, sd=np.inf)),
+        lambda point: point.spring,
+        "1",
+    ),
+    Cause("mass", "ln_mass", _mass_free, lambda point: point.mass, "kg"),
+    Cause(
+        "gain",
+        "ln_gain",
+        lambda known: replace(known, gain_sd=np.inf),
+        lambda point: point.gain,
+        "1",
+    ),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Disagreement:
+    """Two tests that no seal explains under what is known of the rig.
+
+    Attributes
+    ----------
+    explanations : tuple of Explanation
+        The best first.
+    model : GeneralizedMaxwell
+        What the best makes of the same arms.
+    """
+
+    explanations: tuple[Explanation, ...]
+    model: GeneralizedMaxwell
+
+
+def disagreement(
+    plain: Candidate,
+    refit: Callable[[Problem], Candidate],
+    *,
+    law: ElasticLaw | None = None,
+    compression: float | None = None,
+) -> Disagreement | None:
+    """Look for what explains both tests; None if they agree.
+
+    Parameters
+    ----------
+    plain : Candidate
+        The joint optimum under what is known of the rig.
+    refit : callable
+        The best candidate, over numbers of arms, of a problem.
+    law : ElasticLaw, optional
+        Of the relaxation test: a stiffness it has somewhere is that of another compression.
+    compression : float, optional
+        Where the seals under the hammer were supposed to be, m.
+    """
+    problem = plain.problem
+    alone = not problem.relaxations and problem.constraints.before is None
+    if alone or not in_conflict(plain):
+        return None
+    free = [cause for cause in CAUSES if _applies(cause, problem.priors)]
+    found = [refit(_freed(problem, cause)) for cause in free]
+    scale = min(candidate.line_scale for candidate in found)
+    found = [_again(candidate, scale) for candidate in found]
+    before = _again(plain, scale)
+    least = min(map(_criterion, found))
+    # causes that explain alike keep their order, the simpler first
+    ranked = sorted(
+        zip(free, found, strict=True), key=lambda pair: max(_criterion(pair[1]) - least, ALIKE)
+    )
+    told = [_told(cause, one, before, law, compression) for cause, one in ranked]
+    rivals = [
+        one.says
+        for one, (_, candidate) in zip(told[1:], ranked[1:], strict=True)
+        if one.explains and _criterion(candidate) <= least + ALIKE
+    ]
+    if told[0].explains and rivals:
+        says = f"{told[0].says} (as well explained if {', or if '.join(rivals)})"
+        told[0] = replace(told[0], says=says)
+    same_arms = _freed(before.problem, ranked[0][0])
+    other = descend(same_arms, same_arms.pack(before.point), tolerance=TOLERANCE)
+    return Disagreement(tuple(told), other.point.model)
+
+
+def in_conflict(candidate: Candidate) -> bool:
+    """Return True if lines, a relaxation test, mass, gain or stiffness are beyond belief."""
+    return any(check.failed for check in agreement(candidate))
+
+
+def agreement(candidate: Candidate, why: str = "") -> list[Check]:
+    """Every check of whether one seal explains all tests under what is known of the rig.
+
+    `why` is what explains a contradiction, where that is known.
+    """
+    problem, frf_data = candidate.problem, candidate.problem.frf_data
+    chi2s = problem.relaxation_chi2(candidate.theta)
+    answers = [
+        checks.lines_explained(
+            candidate.line_scale,
+            known_sd=frf_data.known_sd,
+            coherent=frf_data.lines.coherence is not None,
+            why=why,
+        )
+    ]
+    answers += [
+        checks.relaxation_still_explained(
+            i, chi2 / relaxation.samples, missed=_missed(relaxation, chi2), why=why
+        )
+        for i, (relaxation, chi2) in enumerate(zip(problem.relaxations, chi2s, strict=True), 1)
+    ]
+    earlier = problem.earlier_residual(candidate.point.model)
+    if len(earlier):
+        off = float(np.sqrt(np.mean(earlier**2)))
+        answers.append(checks.earlier_fit_kept(off, why=why))
+    return answers + _of_rig(candidate, why)
+
+
+def _missed(relaxation: RelaxationData, chi2: float) -> float:
+    """Return the rms force that a joint fit adds to a test's residual, over the largest force."""
+    added = max(chi2 - relaxation.samples, 0.0) / relaxation.block.samples
+    peak = float(np.abs(relaxation.block.exact.target).max())
+    return float(np.sqrt(added)) / (relaxation.weight * peak) if peak > 0 else np.inf
+
+
+def _of_rig(candidate: Candidate, why: str) -> list[Check]:
+    """How far each nuisance had to go from what was known of it."""
+    point, priors = candidate.point, candidate.problem.priors
+    mass = priors.mass
+    known = [
+        (checks.gain_believable, f"{point.gain:.4g}", float(np.log(point.gain)), priors.gain_sd),
+        (checks.delay_believable, f"{1e3 * point.delay:.3g} ms", point.delay, priors.delay_sd),
+        (
+            checks.stiffness_believable,
+            f"{point.factor:.4g} times that of the relaxation test",
+            point.factor - priors.factor.value,
+            priors.factor.sd,
+        ),
+    ]
+    if mass is not None:
+        off = point.mass - mass.value
+        known.insert(0, (checks.mass_believable, f"{1e3 * point.mass:.4g} g", off, mass.sd))
+    return [judge(found, off, sd, why=why) for judge, found, off, sd in known if 0 < sd < np.inf]
+
+
+def _applies(cause: Cause, priors: NuisancePriors) -> bool:
+    return cause.name != "mass" or priors.mass is not None
+
+
+def _freed(problem: Problem, cause: Cause) -> Problem:
+    return replace(problem, priors=cause.free(problem.priors))
+
+
+def _again(candidate: Candidate, scale: float) -> Candidate:
+    """The same optimum, its lines weighted alike."""
+    return descend(replace(candidate.problem, scale=scale), candidate.theta, tolerance=TOLERANCE)
+
+
+def _criterion(candidate: Candidate) -> float:
+    problem = candidate.problem
+    samples = 2 * len(problem.frf_data.lines.s) + sum(one.samples for one in problem.relaxations)
+    return candidate.cost + len(candidate.theta) * float(np.log(samples))
+
+
+def _told(
+    cause: Cause,
+    found: Candidate,
+    before: Candidate,
+    law: ElasticLaw | None,
+    compression: float | None,
+) -> Explanation:
+    place = found.problem.at[cause.parameter]
+    value = cause.value(found.point)
+    error = value * float(np.sqrt(found.covariance[place, place]))
+    return Explanation(
+        name=cause.name,
+        value=value,
+        standard_error=error,
+        unit=cause.unit,
+        fall=before.cost - found.cost,
+        explains=not in_conflict(found),
+        says=_SENTENCES[cause.name](value, error) + _elsewhere(cause, value, law, compression),
+    )
+
+
+def _percent(value: float, error: float) -> str:
+    more = "stiffer" if value > 1 else "softer"
+    return f"{with_error(100 * abs(value - 1), 100 * error)} % {more}"
+
+
+_SENTENCES: dict[str, Callable[[float, float], str]] = {
+    "stiffness": lambda value, error: (
+        f"the seals under the hammer are {_percent(value, error)} than in the relaxation test"
+    ),
+    "k_inf": lambda value, error: (
+        f"at rest alone (k_inf) the seals under the hammer are {_percent(value, error)} than in "
+        "the relaxation test"
+    ),
+    "mass": lambda value, error: f"the mass is {with_error(1e3 * value, 1e3 * error)} g",
+    "gain": lambda value, error: (
+        f"acceleration over force reads {with_error(value, error)} times what it is"
+    ),
+}
+
+
+def _elsewhere(
+    cause: Cause, value: float, law: ElasticLaw | None, compression: float | None
+) -> str:
+    """At which other compression the law has this stiffness, in words."""
+    if cause.name != "stiffness" or law is None or law.kind == "linear":
+        return ""
+    shape = np.asarray(law.shape)
+    if not shape.min() <= value <= shape.max():
+        return ", which its elastic law has at no compression tested"
+    x = np.linspace(0.0, law.depth, 2001)
+    at = float(x[np.argmin(np.abs(law.factor(x) - value))])
+    supposed = "" if compression is None else f", not {1e3 * compression:.3g} mm"
+    return f", as its elastic law is at a compression of {1e3 * at:.3g} mm{supposed}"
