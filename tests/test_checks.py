@@ -563,7 +563,7 @@ IMPACT = [
     Case("hits_enough", whole(lambda n: impact.hits_enough(measured(averages=n))), 3, 2),
     Case(
         "coherence",
-        lambda x: impact.coherence(measured(coherence=np.full(150, x)), MODE),
+        lambda x: impact.coherence(measured(coherence=np.full(150, x)), 75),
         0.9001,
         0.8999,
     ),

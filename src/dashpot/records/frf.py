@@ -192,20 +192,28 @@ class FRF(ByValue):
         The FRF's own `sd` where it has one, else from coherence and n averages,
         :math:`|H| \sqrt{(1-\gamma^2) / (2 n \gamma^2)}` (ISO 7626-2, annex A).
         """
-        if self.sd is not None:
+        if self.sd is not None or self.averages < 2:
             return self.sd
-        if self.coherence is None or self.averages < 2:
+        scatter = self.scatter_of_one
+        return None if scatter is None else np.asarray(scatter / np.sqrt(self.averages))
+
+    @property
+    def scatter_of_one(self) -> FloatArray | None:
+        r"""What the coherence says of a single average, :math:`|H|\sqrt{(1-\gamma^2)/2\gamma^2}`.
+
+        Shape (n,); None without coherence. Of an FRF whose number of averages is not known it
+        tells which lines are better than others.
+        """
+        if self.coherence is None:
             return None
         squared = np.clip(self.coherence, 1e-6, 1.0)
-        return np.asarray(
-            np.abs(self.value) * np.sqrt((1 - squared) / (2 * self.averages * squared))
-        )
+        return np.asarray(np.abs(self.value) * np.sqrt((1 - squared) / (2 * squared)))
 
     @property
     def usable(self) -> BoolArray:
         """Lines to hold against a model: not 0 Hz, not zero, not mere noise, shape (n,)."""
         keep = (self.frequency > ZERO) & (np.abs(self.value) > 0)
-        sd = self.random_sd
+        sd = self.scatter_of_one if self.random_sd is None else self.random_sd
         if sd is not None:
             quiet = keep & (sd < NOISY_LINE * np.abs(self.value))
             keep = quiet if np.count_nonzero(quiet) >= FEWEST else keep

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -20,8 +20,10 @@ from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF, Mode
 from dashpot.records.impact import ImpactTest
 from dashpot.vibration.comparison.comparison import Comparison
+from dashpot.vibration.impact.checks import coherence
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness
+from dashpot.vibration.modal.peaks import find_peak
 from dashpot.vibration.systems.prediction import moving_mass, predict_frf
 from dashpot.workflow.job import HammerChoices
 
@@ -96,7 +98,7 @@ def impact_files(
         Why no mode was found, else empty.
     """
     hammer = hammer or HammerChoices()
-    frf = average(read_impact(list(files), options=options), choices=hammer, mass=mass)
+    frf = average(read_impact(list(files), options=options), choices=hammer, mass=mass, band=band)
     modes: tuple[Mode, ...] = ()
     reason = ""
     try:
@@ -122,17 +124,37 @@ def read_measured(
     choices: HammerChoices,
     options: ReadOptions,
     mass: float | None = None,
+    band: tuple[float, float] | None = None,
 ) -> tuple[ImpactTest | None, FRF]:
-    """Return the hits that files hold and their FRF, or the FRF that a file holds."""
+    """Return the hits that files hold and their FRF, or the FRF that a file holds.
+
+    Its checks are about the resonance in `band`, Hz.
+    """
     if len(paths) == 1 and inspect_file(paths[0], options=options).kind == "frf":
-        return None, read_frf(paths[0])
+        return None, _judged(read_frf(paths[0], options=options), band)
     impact = read_impact(list(paths), options=options)
-    return impact, average(impact, choices=choices, mass=mass)
+    return impact, average(impact, choices=choices, mass=mass, band=band)
 
 
-def average(impact: ImpactTest, *, choices: HammerChoices, mass: float | None = None) -> FRF:
+def _judged(frf: FRF, band: tuple[float, float] | None) -> FRF:
+    """Return an FRF that was averaged elsewhere with what its coherence says of the peak."""
+    if frf.coherence is None:
+        return frf
+    near = frf.to("accelerance")
+    near = near if band is None else near.band(*band)
+    at = int(np.argmin(np.abs(near.frequency - find_peak(near).frequency)))
+    return replace(frf, checks=(*frf.checks, coherence(near, at)))
+
+
+def average(
+    impact: ImpactTest,
+    *,
+    choices: HammerChoices,
+    mass: float | None = None,
+    band: tuple[float, float] | None = None,
+) -> FRF:
     """Return the FRF of an impact test under these choices."""
-    return estimate_frf(impact, **asdict(choices), mass=mass)
+    return estimate_frf(impact, **asdict(choices), mass=mass, resonance_band=band)
 
 
 def total_mass(
@@ -220,7 +242,7 @@ def compare_files(
     band : (float, float), optional
         Lines compared, Hz.
     """
-    _, frf = read_measured(measured, choices=hammer, options=options, mass=mass)
+    _, frf = read_measured(measured, choices=hammer, options=options, mass=mass, band=band)
     total, noted = total_mass(mass, seal=seal_mass, seals=seals)
     known = weighed(found, frf, mass=total, seals=seals)
     _, comparison = held_against(found, frf, mass=known, seals=seals, band=band)
@@ -265,7 +287,7 @@ def identify_files(
     """
     if len(fits) > 1 or (fits and tests):
         raise ReadError("--with takes relaxation tests or one fit, not both: leave the fit out")
-    _, frf = read_measured(measured, choices=hammer, options=options, mass=mass)
+    _, frf = read_measured(measured, choices=hammer, options=options, mass=mass, band=band)
     total, noted = total_mass(mass, seal=seal_mass, seals=seals)
     # columns named for the hammer's file need not exist in the bench's; units do no harm
     plain = ReadOptions(units=options.units)

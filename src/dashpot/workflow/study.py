@@ -230,7 +230,7 @@ def run(job: Job) -> Study:
     mass, noted = total_mass(job.mass, seal=job.seal_mass, seals=job.seals)
     if job.impact:
         impact, measured = read_measured(
-            job.impact, choices=job.hammer, options=job.reading_impact, mass=mass
+            job.impact, choices=job.hammer, options=job.reading_impact, mass=mass, band=job.band
         )
     study = characterise(
         test,

@@ -30,6 +30,7 @@ from dashpot.fitting.identification.likelihood import (
     Problem,
     descend,
 )
+from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.records.fit import Explanation
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell

@@ -32,7 +32,8 @@ class FRFData:
     sd : array, shape (n,)
         Standard deviation of real and imaginary part, what leakage leaves included.
     known_sd : bool
-        False if nothing told the scatter, so that lines count by their relative misfit.
+        False if nothing told the scatter, so that lines count by their relative misfit, or by
+        their shares of it where there is a coherence.
     seals : float
     peak_hz : float
     """
@@ -122,5 +123,10 @@ def frf_data_of(frf: FRF, *, seals: float, band: tuple[float, float] | None) -> 
         )
     lines = measured.only(keep)
     scatter, size = lines.random_sd, np.abs(lines.value)
+    known = scatter is not None
+    if scatter is None and lines.scatter_of_one is not None:
+        # of an unknown number of hits: the lines' shares of the misfit, which tells its size
+        share = np.hypot(lines.scatter_of_one / size, FLOOR)
+        scatter = size * share / np.sqrt(np.mean(share**2))
     sd = size if scatter is None else np.hypot(scatter, FLOOR * size)
-    return FRFData(lines, sd, scatter is not None, float(seals), peak)
+    return FRFData(lines, sd, known, float(seals), peak)

@@ -246,5 +246,6 @@ def _combine(stack: Stack, choices: Choices) -> tuple[FloatArray, Combination | 
 
 def _mounts(stack: Stack) -> tuple[float, float]:
     """The band in which the block moves on its mounts, from the accelerometer that moves most."""
-    values = [estimate(spectra) for spectra in stack.each()]
-    return mount_band(stack.frequency, max(values, key=lambda h: float((np.abs(h) ** 2).sum())))
+    found = [(estimate(spectra), spectra) for spectra in stack.each()]
+    value, spectra = max(found, key=lambda pair: float((np.abs(pair[0]) ** 2).sum()))
+    return mount_band(stack.frequency, value, random_error(spectra, value))

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.base.checks import Check, Finding, criterion
+from dashpot.base.student_t import t_quantile
 from dashpot.records.frf import FRF, Mode
 from dashpot.vibration.checks import GRAVITY
 from dashpot.vibration.impact.estimators import Estimator, Spectra, estimate, leave_one_out
@@ -24,6 +25,10 @@ DISAGREES = 0.1
 TOLERANCE = 0.05
 GROSS = 1.5  # so far off it is a unit, a sign or another body
 ABOVE = 2.5  # times the natural frequency the mass line begins
+WIDE = 4.0  # bandwidths to either side of a resonance tell it
+SURE = 0.99  # of records without a trend show less than is called one
+EQUAL = 0.2  # of a doubling: hits so alike show no trend
+SOFTENING, NARROW = 0.01, 0.2  # of the stiffness; of the half-power band
 
 
 def agreement(
@@ -77,13 +82,17 @@ def checks_of(
     frf: FRF,
     spectra: Spectra,
     estimator: Estimator,
-    combination: Combination | None,
-    mass: float | None,
+    *,
+    combination: Combination | None = None,
+    mass: float | None = None,
+    band: tuple[float, float] | None = None,
 ) -> tuple[Check, ...]:
-    """Every named question to a measured FRF."""
-    modes = frf.modes()
+    """Every named question to a measured FRF, about its resonance in `band`, Hz."""
+    modes = frf.modes(band=band)
     main = modes[0] if modes else None
-    checks = [hits_enough(frf), coherence(frf, main), resonance(frf, main)]
+    near = frf if band is None else frf.band(*band)
+    at = resonant_line(near, main)
+    checks = [hits_enough(frf), coherence(near, at), resonance(near, main)]
     if main is not None:
         checks += [
             record_long_enough(frf, main),
@@ -91,7 +100,10 @@ def checks_of(
             hammer_excites(frf, spectra, main),
         ]
     if spectra.averages >= ENOUGH and main is not None:
-        checks.append(hits_agree(frf, spectra, estimator, main))
+        checks += [
+            hits_agree(frf, spectra, estimator, main),
+            amplitude_linear(amplitude_trend(frf, spectra, main), main),
+        ]
     if combination is not None:
         checks += [rocking_cancelled(frf, combination), hits_centred(frf, combination)]
     if mass is not None:
@@ -119,16 +131,20 @@ def hits_enough(frf: FRF) -> Finding:
     )
 
 
+def resonant_line(frf: FRF, main: Mode | None) -> int:
+    """Index of the line nearest to a mode, or of the highest if there is none."""
+    if main is None:
+        return int(np.argmax(np.abs(frf.value)))
+    return int(np.argmin(np.abs(frf.frequency - main.frequency)))
+
+
 @criterion("least coherence about the peak", ">=", COHERENT, "common practice")
-def coherence(frf: FRF, main: Mode | None) -> Finding:
-    """The hits agree at the resonance."""
+def coherence(frf: FRF, at: int) -> Finding:
+    """The hits agree at the resonance, the line `at`."""
     if frf.coherence is None:
         return Finding(
             "there is no coherence of a single hit: it would be 1 whatever was measured; hit again"
         )
-    at = int(np.argmax(np.abs(frf.value)))
-    if main is not None:
-        at = int(np.argmin(np.abs(frf.frequency - main.frequency)))
     value = float(frf.coherence[max(at - 1, 0) : at + 2].min())
     return Finding(
         f"coherence at the resonance ({frf.frequency[at]:.4g} Hz) is {value:.4f}",
@@ -214,6 +230,92 @@ def hits_agree(frf: FRF, spectra: Spectra, estimator: Estimator, main: Mode) -> 
         f"without any one hit the FRF about the resonance changes by {100 * value:.2g} %",
         value,
         f" (hit {name}): the result hangs on single hits; hit more often and more alike",
+    )
+
+
+@dataclass(frozen=True)
+class Trend:
+    """How the resonance of single hits changes as the hits grow.
+
+    Attributes
+    ----------
+    stiffness, stiffness_sure : float
+        Relative change of the stiffness for twice the peak force, and what chance exceeds in one
+        of a hundred records without any.
+    damping, damping_sure : float
+        So too of the damping ratio.
+    range : float
+        Highest over lowest peak force.
+    """
+
+    stiffness: float
+    stiffness_sure: float
+    damping: float
+    damping_sure: float
+    range: float
+
+
+def amplitude_trend(frf: FRF, spectra: Spectra, main: Mode) -> Trend | None:
+    r"""Regress the resonance of every single hit on the hit's height; None of too few hits.
+
+    .. math:: 2 \ln f_i = a + s \log_2 P_i, \qquad \ln\zeta_i = b + d \log_2 P_i
+
+    over the peak forces :math:`P_i`; s and d are known by the scatter about the lines (Student).
+    """
+    hits = [hit for hit in frf.hits if hit.accepted]
+    step = float(np.median(np.diff(frf.frequency)))
+    reach = max(WIDE * (main.bandwidth + frf.shift / np.pi), LINES * step)
+    near = np.abs(frf.frequency - main.frequency) <= reach
+    ends = float(frf.frequency[near][0]), float(frf.frequency[near][-1])
+    rows = []
+    for hit, value in zip(hits, (spectra.response / spectra.force)[:, near], strict=True):
+        own = FRF(frf.frequency[near], value, shift=frf.shift, record=frf.record, pulse=frf.pulse)
+        for mode in own.modes(band=ends, count=1):
+            if mode.damping_ratio > 0:
+                rows.append(np.log([hit.peak, mode.frequency**2, mode.damping_ratio]))
+    if len(rows) <= ENOUGH:
+        return None
+    size, stiffness, damping = np.transpose(rows)
+    size = size / np.log(2)
+    if np.ptp(size) < EQUAL:
+        return None
+    return Trend(*_slope(size, stiffness), *_slope(size, damping), float(2 ** np.ptp(size)))
+
+
+def _slope(x: FloatArray, y: FloatArray) -> tuple[float, float]:
+    """Slope of y over x, and what chance exceeds in one of a hundred."""
+    x, y = x - x.mean(), y - y.mean()
+    slope = float(x @ y / (x @ x))
+    rest, dof = y - slope * x, len(x) - 2
+    return slope, t_quantile(SURE, dof) * float(np.sqrt(rest @ rest / dof / (x @ x)))
+
+
+@criterion(
+    "change over the hits made, times what is sure and matters",
+    "<=",
+    1.0,
+    "1 % of stiffness or a fifth of the half-power band; 10 % of damping",
+)
+def amplitude_linear(trend: Trend | None, main: Mode) -> Finding:
+    """Frequency and damping are the same for weak and for strong hits."""
+    if trend is None:
+        return Finding(
+            f"whether the seals answer weak and strong hits alike takes more than {ENOUGH} hits "
+            "of different height"
+        )
+    made = float(np.log2(trend.range))
+    matters = min(SOFTENING, 4 * NARROW * main.damping_ratio) / made
+    stiffness = abs(trend.stiffness) / max(trend.stiffness_sure, matters)
+    damping = abs(trend.damping) / max(trend.damping_sure, DISAGREES / made)
+    way = "falls" if trend.stiffness < 0 else "rises"
+    return Finding(
+        f"over hits of 1 to {trend.range:.3g} in height the stiffness {way} by "
+        f"{100 * abs(trend.stiffness):.2g} % per doubling (chance: "
+        f"{100 * trend.stiffness_sure:.2g} %) and the damping changes by "
+        f"{100 * trend.damping:+.2g} % (chance: {100 * trend.damping_sure:.2g} %)",
+        max(stiffness, damping),
+        ": the seals are not linear at these amplitudes, and an average over such hits is broader "
+        "than any of them; hit alike, as hard as the part will move in use",
     )
 
 

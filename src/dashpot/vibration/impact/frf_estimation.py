@@ -34,6 +34,7 @@ def estimate_frf(
     mass: float | None = None,
     polarity: Sequence[int] | None = None,
     band: tuple[float, float] | None = None,
+    resonance_band: tuple[float, float] | None = None,
 ) -> FRF:
     r"""Estimate the accelerance a/F from hammer hits.
 
@@ -69,6 +70,9 @@ def estimate_frf(
         moving.
     band : (float, float), optional
         Lines to keep, Hz; by default up to where the force spectrum has fallen by 20 dB.
+    resonance_band : (float, float), optional
+        Where the resonance lies that the checks are about, Hz; by default where the block moves
+        most.
 
     Returns
     -------
@@ -108,7 +112,14 @@ def estimate_frf(
         source=tuple(dict.fromkeys(source for test in tests for source in test.source)),
         steps=_steps(average, choices),
     )
-    checks = checks_of(frf, average.spectra, choices.estimator, average.rocking, mass)
+    checks = checks_of(
+        frf,
+        average.spectra,
+        choices.estimator,
+        combination=average.rocking,
+        mass=mass,
+        band=resonance_band,
+    )
     return replace(frf, checks=checks)
 
 
