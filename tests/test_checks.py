@@ -41,6 +41,7 @@ from dashpot.vibration.impact import checks as impact
 from dashpot.vibration.impact.estimators import Estimator, Spectra
 from dashpot.vibration.impact.rocking import Combination
 from dashpot.vibration.modal.peaks import Peak
+from dashpot.vibration.systems.operating_point import OperatingPoint
 from dashpot.vibration.systems.prediction import moving_mass, predict_frf
 from dashpot.workflow import checks as workflow
 
@@ -549,9 +550,7 @@ COMPARISON = [
     *(
         Case(
             "operating_point",
-            lambda x: comparison.operating_point(
-                GeneralizedMaxwell(GRAVITY / DEPTH, (), ()), x, DEPTH
-            ),
+            lambda x: comparison.operating_point(OperatingPoint(x * DEPTH, DEPTH)),
             passes,
             fails,
         )
@@ -887,8 +886,8 @@ def test_what_cannot_be_judged_neither_passes_nor_fails() -> None:
         fitting.filter_bias(None),
         comparison.damping_agrees(unknown, peak(1)),
         comparison.damping_agrees(held(predicted_damping=None), peak(1)),
-        comparison.operating_point(PAPER, 0.1, None),
-        impact.coherence(measured(coherence=None), MODE),
+        comparison.operating_point(OperatingPoint(1e-3, None)),
+        impact.coherence(measured(coherence=None), 75),
         impact.mass_line(None, 1.0),
     ):
         assert found.passed is None, found
@@ -910,7 +909,7 @@ def test_where_the_peaks_agree_the_hammer_has_tested_the_extrapolation() -> None
     for found in (
         comparison.inside_identified_band(lone, SEEN, borne_out=True),
         comparison.damping_tested(lone, SEEN, borne_out=True),
-        comparison.operating_point(PAPER, 1.0, 1e-3, borne_out=True),
+        comparison.operating_point(OperatingPoint(2e-3, 1e-3), borne_out=True),
     ):
         assert found.passed, found
         assert "bears" in found.says or "agrees" in found.says

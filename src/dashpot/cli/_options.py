@@ -41,6 +41,17 @@ class Range(Quantity):
     _parsed = staticmethod(parse_range)
 
 
+class Compression(Quantity):
+    """A length, or ``weight`` for the compression of the mass's own weight; passed on as None."""
+
+    def __init__(self) -> None:
+        super().__init__("length")
+        self.name = "weight|length"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        return None if value == "weight" else super().convert(value, param, ctx)
+
+
 class Arms(click.ParamType[Any]):
     """A number of Maxwell arms, or ``auto``."""
 
@@ -145,6 +156,13 @@ seal_mass = click.option(
 )
 seals = click.option(
     "--seals", type=float, default=1.0, show_default=True, help="Seals in parallel."
+)
+compression = click.option(
+    "--compression",
+    type=Compression(),
+    default="weight",
+    show_default=True,
+    help="Of the seals under the mass, e.g. 2.6mm.",
 )
 compared = click.option("--band", type=Range("frequency"), help="Lines compared, e.g. 5:40Hz.")
 filtered = click.option("--filter", metavar="SPEC", help="E.g. lowpass:10Hz; off by default.")

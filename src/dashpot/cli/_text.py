@@ -200,6 +200,8 @@ def study(found: Study) -> str:
         inferred = " (inferred from the FRF)" if found.mass_inferred else ""
         lines += ["", f"{found.mass * 1e3:.6g} g{inferred} on {found.seals:g} seals"]
         lines.append(str(found.comparison))
+    if found.at_rest is not None and str(found.at_rest):
+        lines.append(str(found.at_rest))
     if found.joint is not None and found.joint_comparison is not None:
         lines += ["", "relaxation and hammer fitted together", fit(found.joint)]
         lines.append(str(found.joint_comparison))

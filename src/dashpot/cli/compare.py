@@ -18,6 +18,7 @@ from dashpot.cli._shell import Outcome, failed, read_fit, reports
 @options.mass_if_known
 @options.seal_mass
 @options.seals
+@options.compression
 @options.compared
 @options.picture
 @reports
@@ -35,7 +36,7 @@ def command(
     found = workflow.compare_files(read_fit(fit), measured, seals=seals, **choices)
     if picture:
         dp.plot.save(dp.plot.comparison(found.comparison), picture)
-    lines = [str(found.comparison)]
+    lines = [str(found.comparison), *([str(found.at_rest)] if str(found.at_rest) else [])]
     if found.mass_inferred:
         lines.append(
             f"  mass        {found.mass * 1e3:.5g} g, inferred from the measured FRF: the "
@@ -45,5 +46,10 @@ def command(
         found.comparison,
         "\n".join(lines + failed(found.noted)),
         (*found.comparison.checks, *found.noted),
-        {"mass": found.mass, "mass_inferred": found.mass_inferred, "seals": seals},
+        {
+            "mass": found.mass,
+            "mass_inferred": found.mass_inferred,
+            "seals": seals,
+            **found.at_rest.document,
+        },
     )

@@ -28,6 +28,7 @@ from dashpot.cli._shell import (
 @click.option("--mass-sd", type=Quantity("mass"), help="How well the mass is known.")
 @options.seal_mass
 @options.seals
+@options.compression
 @options.arms
 @click.option("--parallel-dashpot", is_flag=True, help="A dashpot b beside the arms.")
 @click.option("--static-stiffness", type=Quantity("stiffness"), help="One seal, known.")

@@ -19,6 +19,7 @@ from dashpot.cli._shell import Outcome, failed, read_fit, reports, write
 @options.mass
 @options.seal_mass
 @options.seals
+@options.compression
 @click.option(
     "--band", type=Range("frequency"), default="1:50Hz", show_default=True, help="Frequencies."
 )
@@ -61,5 +62,6 @@ def command(*, fit: str, picture: str | None, output: str | None, **choices: Any
         mass=choices["mass"],
         seals=choices["seals"],
     )
-    text = "\n".join([text, *failed([found.noted])])
+    rests = [str(found.at_rest)] if str(found.at_rest) else []
+    text = "\n".join([text, *rests, *failed([found.noted])])
     return Outcome(found.document, "" if output == "-" else text, (found.noted,))

@@ -23,6 +23,7 @@ from dashpot.workflow.job import Job
 @click.option("--impact-profile", metavar="FILE", help="Saved answers for the impact files.")
 @options.seal_mass
 @options.seals
+@options.compression
 @options.arms
 @options.compared
 @options.filtered

@@ -10,7 +10,7 @@ tangent.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -39,16 +39,21 @@ class ElasticLaw:
         :math:`t` at the knots, >= 0.
     stiffness : float
         Relaxed secant stiffness k at the last knot, N/m.
+    shape_se : tuple of float
+        Standard error of :math:`t` at the knots; empty where nothing is known of it.
     """
 
     knots: tuple[float, ...]
     shape: tuple[float, ...]
     stiffness: float
+    shape_se: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         knots = increasing("knots", samples("knots", self.knots, minimum=2))
         shape = samples("shape", self.shape)
         same_length(knots=knots, shape=shape)
+        if self.shape_se:
+            same_length(knots=knots, shape_se=samples("shape_se", self.shape_se))
         mean = float(np.trapezoid(shape, knots)) / knots[-1]
         if knots[0] != 0 or (shape < 0).any() or abs(mean - 1) > 1e-6:
             raise DataError(
@@ -102,9 +107,40 @@ class ElasticLaw:
         """Tangent stiffness over `stiffness`: what small vibration about x does to every arm."""
         return np.asarray(np.interp(np.asarray(x, dtype=float), self.knots, self.shape))
 
+    def factor_se(self, x: npt.ArrayLike) -> FloatArray:
+        """Standard error of `factor`, at most: errors of neighbouring knots taken as one; or 0."""
+        x = np.asarray(x, dtype=float)
+        return np.asarray(np.interp(x, self.knots, self.shape_se or np.zeros(len(self.knots))))
+
+    def compression(self, force: float) -> float:
+        r"""Compression under a relaxed force, N: the x of :math:`F_e(x) = F`.
+
+        Raises
+        ------
+        DataError
+            If no compression carries the force.
+        """
+        target = force / self.stiffness if self.stiffness > 0 else np.inf
+        deepest, last = float(self.path(self.depth)), self.shape[-1]
+        if not 0 <= target < np.inf or (target > deepest and last <= 0):
+            raise DataError(
+                f"no compression carries {force:.4g} N: at {1e3 * self.depth:.4g} mm the relaxed "
+                f"force is {self.stiffness * deepest:.4g} N, its tangent "
+                f"{self.stiffness * last:.4g} N/m"
+            )
+        if target > deepest:
+            return self.depth + (target - deepest) / last
+        below = self.path(self.knots)
+        i = max(int(np.searchsorted(below, target)) - 1, 0)
+        rest, first = target - float(below[i]), self.shape[i]
+        bend = 2 * (self.shape[i + 1] - first) / (self.knots[i + 1] - self.knots[i])
+        # the smaller root of first * step + bend / 4 * step**2 = rest, without cancellation
+        root = first + float(np.sqrt(max(first**2 + bend * rest, 0.0)))
+        return self.knots[i] + (2 * rest / root if root > 0 else 0.0)
+
     def __mul__(self, count: float) -> ElasticLaw:
         """So many in parallel."""
-        return ElasticLaw(self.knots, self.shape, count * self.stiffness)
+        return replace(self, stiffness=count * self.stiffness)
 
     __rmul__ = __mul__
 

@@ -183,7 +183,8 @@ def _law(law: ElasticLaw | None) -> dict[str, Any] | None:
         return None
     knots = list(law.knots)
     return {"kind": law.kind, "knots": knots, "tangent": law.tangent(knots).tolist(),
-            "shape": list(law.shape), "stiffness": law.stiffness}  # fmt: skip
+            "shape": list(law.shape), "shape_se": list(law.shape_se),
+            "stiffness": law.stiffness}  # fmt: skip
 
 
 def _standard_error(fit: Fit) -> dict[str, Any]:

@@ -24,8 +24,13 @@ from dashpot.vibration.impact.checks import coherence
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness
 from dashpot.vibration.modal.peaks import find_peak
+from dashpot.vibration.systems.operating_point import operating_point
 from dashpot.vibration.systems.prediction import moving_mass, predict_frf
 from dashpot.workflow.job import HammerChoices
+from dashpot.workflow.resting import AtRest, at_rest
+
+# rounds in which a mass and the stiffness under it find each other
+WEIGHINGS = 100
 
 
 @dataclass(frozen=True)
@@ -167,9 +172,32 @@ def total_mass(
     return mass, (check,)
 
 
-def weighed(found: Fit, frf: FRF, *, mass: float | None, seals: float) -> float:
-    """Return the mass given, else the one that the FRF implies."""
-    return dp.infer_mass(seals * found.model, frf)[0] if mass is None else mass
+def weighed(
+    found: Fit,
+    frf: FRF,
+    *,
+    mass: float | None,
+    seals: float,
+    band: tuple[float, float] | None = None,
+    compression: float | None = None,
+) -> float:
+    """Return the mass given, else the one that the peak of the FRF in `band`, Hz, implies.
+
+    The seals are as stiff as under that mass, or at the compression given, m.
+    """
+    if mass is not None:
+        return mass
+    near = frf if band is None else frf.band(*band)
+    mass = dp.infer_mass(seals * found.model, near)[0]
+    for _ in range(WEIGHINGS):
+        point = operating_point(found, mass=mass, seals=seals, compression=compression)
+        last, mass = mass, dp.infer_mass(seals * point.solid(found), near)[0]
+        if abs(mass - last) <= 1e-9 * mass:
+            return mass
+    raise DataError(
+        "no mass rests where its peak is: the stiffness of the seals changes too fast with the "
+        "compression; give --mass"
+    )
 
 
 def held_against(
@@ -179,18 +207,20 @@ def held_against(
     mass: float,
     seals: float,
     band: tuple[float, float] | None = None,
-    depth: float | None = None,
+    compression: float | None = None,
 ) -> tuple[FRF, Comparison]:
     """Return what a fit predicts on the measured lines, and how well that agrees."""
     predicted = predict_frf(
-        seals * found.model,
+        found,
         mass=mass,
         frequency=measured.frequency,
         kind=measured.kind,
         shift=measured.shift,
+        seals=seals,
+        compression=compression,
     )
     return predicted, dp.compare(
-        predicted, measured, fit=found, mass=mass, seals=seals, band=band, depth=depth
+        predicted, measured, fit=found, mass=mass, seals=seals, band=band, compression=compression
     )
 
 
@@ -207,12 +237,15 @@ class Agreement:
         True if the mass was taken from the measured FRF, so that the frequency proves nothing.
     noted : tuple of Check
         What the FRF and the mass of the seals say beside the comparison's own checks.
+    at_rest : AtRest
+        Where the mass rests, and what secant and tangent make of it.
     """
 
     comparison: Comparison
     mass: float
     mass_inferred: bool
     noted: tuple[Check, ...]
+    at_rest: AtRest
 
 
 def compare_files(
@@ -225,6 +258,7 @@ def compare_files(
     seal_mass: float | None = None,
     seals: float = 1.0,
     band: tuple[float, float] | None = None,
+    compression: float | None = None,
 ) -> Agreement:
     """Hold the prediction of a fit against the hits or the FRF in files.
 
@@ -241,12 +275,17 @@ def compare_files(
         How many carry the block.
     band : (float, float), optional
         Lines compared, Hz.
+    compression : float, optional
+        Of the seals, m; by default that of the mass's weight.
     """
     _, frf = read_measured(measured, choices=hammer, options=options, mass=mass, band=band)
     total, noted = total_mass(mass, seal=seal_mass, seals=seals)
-    known = weighed(found, frf, mass=total, seals=seals)
-    _, comparison = held_against(found, frf, mass=known, seals=seals, band=band)
-    return Agreement(comparison, known, mass is None, (*frf.checks, *noted))
+    known = weighed(found, frf, mass=total, seals=seals, band=band, compression=compression)
+    _, comparison = held_against(
+        found, frf, mass=known, seals=seals, band=band, compression=compression
+    )
+    rests = at_rest(found, mass=known, seals=seals, compression=compression)
+    return Agreement(comparison, known, mass is None, (*frf.checks, *noted), rests)
 
 
 def identify_files(
@@ -260,6 +299,7 @@ def identify_files(
     band: tuple[float, float] | None = None,
     fits: Sequence[Fit] = (),
     tests: Sequence[str | Path] = (),
+    compression: float | None = None,
     **choices: Any,
 ) -> tuple[Fit, DynamicStiffness, tuple[Check, ...]]:
     """Identify the solid under a mass from hits or an FRF, alone or with the relaxation test.
@@ -274,6 +314,8 @@ def identify_files(
         Lines fitted, Hz.
     fits : sequence of Fit
         At most one, in place of the tests.
+    compression : float, optional
+        Of the seals, m; by default that of the mass's weight.
     choices
         As in :func:`~dashpot.fitting.identification.identify.identify`.
 
@@ -283,7 +325,7 @@ def identify_files(
     direct : DynamicStiffness
         Stiffness of one seal straight from the FRF.
     checks : tuple of Check
-        What the mass of the seals does.
+        What the FRF and the mass of the seals say.
     """
     if len(fits) > 1 or (fits and tests):
         raise ReadError("--with takes relaxation tests or one fit, not both: leave the fit out")
@@ -292,16 +334,18 @@ def identify_files(
     # columns named for the hammer's file need not exist in the bench's; units do no harm
     plain = ReadOptions(units=options.units)
     prepared = [dp.prepare(dp.read_relaxation(path, options=plain)) for path in tests]
-    straight = dp.dynamic_stiffness(frf, total or mass, seals=seals)
+    straight = dp.dynamic_stiffness(frf, total or mass, seals=seals, band=band)
     found = dp.identify(
-        frf.band(*band) if band else frf,
+        frf,
+        band=band,
         tests=prepared,
         fit=fits[0] if fits else None,
         mass=total or mass,
         seals=seals,
+        compression=compression,
         **choices,
     )
-    return found, straight, noted
+    return found, straight, (*frf.checks, *noted)
 
 
 def direct_document(straight: DynamicStiffness) -> dict[str, Any]:

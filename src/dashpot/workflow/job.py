@@ -59,6 +59,8 @@ class Job:
         Lines compared, Hz.
     filter : str or None
     joint : bool
+    compression : float or None
+        Of the seals under the mass, m; None for that of its weight.
     specimen : Specimen
     reading, reading_impact : ReadOptions
         What the user said of the relaxation file and of the impact files.
@@ -74,6 +76,7 @@ class Job:
     band: tuple[float, float] | None = None
     filter: str | None = None
     joint: bool = True
+    compression: float | None = None
     specimen: Specimen = field(default_factory=Specimen)
     reading: ReadOptions = field(default_factory=ReadOptions)
     reading_impact: ReadOptions = field(default_factory=ReadOptions)

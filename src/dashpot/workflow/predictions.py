@@ -11,11 +11,12 @@ import numpy as np
 
 import dashpot as dp
 from dashpot.base.checks import Check
-from dashpot.fitting.uncertainty.prediction_bounds import formal_frf_band
 from dashpot.records.bounds import FRFBounds
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF, Mode
+from dashpot.vibration.systems.operating_point import OperatingPoint
 from dashpot.vibration.systems.prediction import model_modes, moving_mass, predict_frf
+from dashpot.workflow.resting import AtRest, at_rest, formal_limits, frf_limits
 
 # lines of the limits over the predicted band
 LIMIT_LINES = 401
@@ -35,6 +36,8 @@ class Prediction:
         By both kinds of ignorance, if the relaxation record is at hand.
     noted : Check
         What the mass of the seals does.
+    at_rest : AtRest
+        Where the mass rests, and what secant and tangent make of it.
     document : dict
         ``dashpot/prediction@1``.
     """
@@ -44,6 +47,7 @@ class Prediction:
     peak: tuple[float, float]
     limits: FRFBounds | None
     noted: Check
+    at_rest: AtRest
     document: dict[str, Any]
 
 
@@ -57,6 +61,7 @@ def predict_files(
     band: tuple[float, float],
     lines: int = 2001,
     kind: str = "accelerance",
+    compression: float | None = None,
 ) -> Prediction:
     """Predict the FRF of a mass on a fitted seal.
 
@@ -73,16 +78,19 @@ def predict_files(
         Hz; `lines` lines are laid over it.
     kind : str
         What the FRF relates, as in :func:`~dashpot.vibration.systems.prediction.predict_frf`.
+    compression : float, optional
+        Of the seals, m; by default that of the mass's weight.
     """
     moving, noted = moving_mass(mass, seal=seal_mass or 0.0, seals=seals)
-    solid = seals * found.model
+    rests = at_rest(found, mass=moving, seals=seals, compression=compression)
+    solid = seals * rests.point.solid(found)
     frf = predict_frf(solid, mass=moving, frequency=np.linspace(*band, lines), kind=kind)
     modes = model_modes(solid, moving)
     limits = None
     if records:
         tests = [dp.prepare(dp.read_relaxation(path)) for path in records]
         about = np.linspace(max(frf.frequency[0], 1e-3), frf.frequency[-1], LIMIT_LINES)
-        limits = dp.frf_band(found, tests, mass=moving, frequency=about, seals=seals)
+        limits = frf_limits(found, tests, rests.point, mass=moving, frequency=about, seals=seals)
     top = int(np.abs(frf.value).argmax())
     low, high = frf.frequency[max(top - 1, 0)], frf.frequency[min(top + 1, len(frf.value) - 1)]
     fine = predict_frf(solid, mass=moving, frequency=np.linspace(low, high, 2001), kind=frf.kind)
@@ -95,6 +103,7 @@ def predict_files(
         "seals": seals,
         "kind": str(frf.kind),
         "unit": frf.unit,
+        **rests.document,
         "peak": {"frequency_hz": peak[0], "value": peak[1]},
         "modes": [
             {"frequency_hz": mode.frequency, "damping_ratio": mode.damping_ratio} for mode in modes
@@ -104,18 +113,24 @@ def predict_files(
         "frequency_hz": frf.frequency.tolist(),
         "real": frf.value.real.tolist(),
         "imag": frf.value.imag.tolist(),
-        "limits": _plain(found, limits, mass=moving, seals=seals, frf=frf),
+        "limits": _plain(found, limits, rests.point, mass=moving, seals=seals, frf=frf),
     }
-    return Prediction(frf, modes, peak, limits, noted, document)
+    return Prediction(frf, modes, peak, limits, noted, rests, document)
 
 
 def _plain(
-    found: Fit, limits: FRFBounds | None, *, mass: float, seals: float, frf: FRF
+    found: Fit,
+    limits: FRFBounds | None,
+    point: OperatingPoint,
+    *,
+    mass: float,
+    seals: float,
+    frf: FRF,
 ) -> dict[str, Any]:
     """Return the limits of the accelerance, 1/kg; null where nothing limits it."""
     lines = frf.frequency[frf.frequency > 0]
     f = np.linspace(lines[0], lines[-1], LIMIT_LINES) if limits is None else limits.frequency
-    formal = formal_frf_band(found, mass=mass, frequency=f, seals=seals)
+    formal = formal_limits(found, point, mass=mass, frequency=f, seals=seals)
     plain: dict[str, Any] = {"frequency_hz": f.tolist(), "parameter": formal.tolist()}
     if limits is not None:
         plain["unseen"] = [

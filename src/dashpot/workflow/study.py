@@ -7,13 +7,12 @@ from typing import Literal
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.numbers import hertz
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.relaxation import fit
-from dashpot.fitting.uncertainty.prediction_bounds import frf_band, parameter_band, unseen_arm_band
+from dashpot.fitting.uncertainty.prediction_bounds import parameter_band, unseen_arm_band
 from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.preparation.prepare import prepare
 from dashpot.records.bounds import FRFBounds, StiffnessBounds
@@ -24,10 +23,12 @@ from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness, dynamic_stiffness
 from dashpot.vibration.modal.peaks import find_peak
-from dashpot.vibration.systems.prediction import predict_frf
+from dashpot.vibration.systems.operating_point import OperatingPoint
+from dashpot.vibration.systems.prediction import REACH, predict_frf
 from dashpot.workflow.checks import hold_fit_possible, prediction_informed
 from dashpot.workflow.impacts import held_against, read_measured, total_mass, weighed
 from dashpot.workflow.job import Job
+from dashpot.workflow.resting import AtRest, at_rest, frf_limits
 
 COMPARED_ORDERS = (1, 2)
 """The numbers of arms that the paper's Fig. 4 compares."""
@@ -76,6 +77,8 @@ class Study:
         What the standard errors of `fit` alone allow: the formal band.
     direct : DynamicStiffness or None
         Stiffness of one seal straight from the measured FRF, without a model of it.
+    at_rest : AtRest or None
+        Where the mass rests on the seals, and what secant and tangent make of it.
     frf_band : FRFBand or None
         Both kinds of ignorance as limits of the predicted accelerance.
     checks : tuple of Check
@@ -101,6 +104,7 @@ class Study:
     parameters: StiffnessBounds | None = None
     direct: DynamicStiffness | None = None
     frf_band: FRFBounds | None = None
+    at_rest: AtRest | None = None
     checks: tuple[Check, ...] = ()
 
     @property
@@ -148,6 +152,7 @@ def characterise(
     band: tuple[float, float] | None = None,
     filter: str | None = None,
     joint: bool = True,
+    compression: float | None = None,
 ) -> Study:
     """The main job: prepare, fit, predict, compare, and mend with a joint fit.
 
@@ -170,6 +175,8 @@ def characterise(
         Lines to compare, Hz.
     joint : bool
         Whether to fit relaxation and FRF together, too.
+    compression : float, optional
+        Of the seals under the mass, m; by default that of its weight.
 
     Raises
     ------
@@ -180,17 +187,32 @@ def characterise(
     chosen = fit(prepared, arms=arms)
     given = mass
     if measured is not None:
-        mass = weighed(chosen, measured, mass=mass, seals=seals)
-    prediction = comparison = None
+        mass = weighed(chosen, measured, mass=mass, seals=seals, band=band, compression=compression)
+    prediction = comparison = rests = bounds = None
     if mass is not None:
         prediction, comparison = _predicted(
-            chosen, measured, mass=mass, seals=seals, band=band, depth=prepared.depth
+            chosen, measured, mass=mass, seals=seals, band=band, compression=compression
         )
+        rests = at_rest(chosen, mass=mass, seals=seals, compression=compression)
+        bounds = _prediction_bounds(chosen, prepared, measured, rests.point, mass=mass, seals=seals)
     both = mended = agreement = None
     if joint and measured is not None and mass is not None:
-        both = identify(measured, tests=[prepared], fit=chosen, mass=given, seals=seals, band=band)
+        both = identify(
+            measured,
+            tests=[prepared],
+            fit=chosen,
+            mass=given,
+            seals=seals,
+            band=band,
+            compression=compression if rests is None else rests.point.compression,
+        )
         mended, agreement = _predicted(
-            both, measured, mass=_mass_of(both, mass), seals=seals, band=band, depth=prepared.depth
+            both,
+            measured,
+            mass=_mass_of(both, mass),
+            seals=seals,
+            band=band,
+            compression=compression,
         )
     hold_fit, checks = _by_the_paper(prepared, chosen)
     return Study(
@@ -216,9 +238,8 @@ def characterise(
         direct=None
         if measured is None or mass is None
         else dynamic_stiffness(measured, mass, seals=seals, band=band),
-        frf_band=None
-        if mass is None
-        else _prediction_bounds(chosen, prepared, measured, mass, seals),
+        frf_band=bounds,
+        at_rest=rests,
         checks=(*checks, *_untested(prediction, chosen, measured)),
     )
 
@@ -242,6 +263,7 @@ def run(job: Job) -> Study:
         band=job.band,
         filter=job.filter,
         joint=job.joint,
+        compression=job.compression,
     )
     return replace(study, checks=(*study.checks, *noted))
 
@@ -253,13 +275,12 @@ def _predicted(
     mass: float,
     seals: float,
     band: tuple[float, float] | None,
-    depth: float,
+    compression: float | None,
 ) -> tuple[FRF, Comparison | None]:
     """Return the FRF that a fit predicts, on the measured lines if there are any."""
     if measured is None:
-        solid = seals * found.model
-        return predict_frf(solid, mass=mass, frequency=_lines(solid.k_0, mass)), None
-    return held_against(found, measured, mass=mass, seals=seals, band=band, depth=depth)
+        return predict_frf(found, mass=mass, seals=seals, compression=compression), None
+    return held_against(found, measured, mass=mass, seals=seals, band=band, compression=compression)
 
 
 def _untested(prediction: FRF | None, chosen: Fit, measured: FRF | None) -> tuple[Check, ...]:
@@ -270,22 +291,22 @@ def _untested(prediction: FRF | None, chosen: Fit, measured: FRF | None) -> tupl
 
 
 def _prediction_bounds(
-    chosen: Fit, prepared: RampHold, measured: FRF | None, mass: float, seals: float
+    chosen: Fit,
+    prepared: RampHold,
+    measured: FRF | None,
+    point: OperatingPoint,
+    *,
+    mass: float,
+    seals: float,
 ) -> FRFBounds:
     """Return the limits of the predicted FRF around its peak, by both kinds of ignorance."""
-    low, high = _lines(seals * chosen.model.k_0, mass)[[0, -1]]
+    top = np.sqrt(seals * point.solid(chosen).k_0 / mass) / (2 * np.pi)
+    low, high = top / REACH, top * REACH
     if measured is not None:
         low, high = max(low, measured.frequency[0]), min(high, measured.frequency[-1])
-    top = np.sqrt(seals * chosen.model.k_0 / mass) / (2 * np.pi)
     near = np.geomspace(max(low, 0.75 * top), min(high, 1.3 * top), PEAK_LINES)
     lines = np.union1d(np.geomspace(low, high, BAND_LINES), near if near[0] < near[-1] else ())
-    return frf_band(chosen, prepared, mass=mass, frequency=lines, seals=seals)
-
-
-def _lines(stiffness: float, mass: float) -> FloatArray:
-    """Return lines from a tenth to ten times the highest frequency the peak can have."""
-    top = np.sqrt(stiffness / mass) / (2 * np.pi)
-    return np.geomspace(top / 10, top * 10, 4001)
+    return frf_limits(chosen, prepared, point, mass=mass, frequency=lines, seals=seals)
 
 
 def _mass_of(joint: Fit, mass: float) -> float:

@@ -22,6 +22,7 @@ import numpy as np
 
 from dashpot.base.checks import Check
 from dashpot.base.numbers import with_error
+from dashpot.engine.inference.order import DECISIVE
 from dashpot.fitting.identification import checks
 from dashpot.fitting.identification.likelihood import (
     Candidate,
@@ -35,8 +36,6 @@ from dashpot.records.fit import Explanation
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-#: causes whose criteria are no farther apart than this explain alike
-ALIKE = 10.0
 TOLERANCE = 1e-11
 
 
@@ -139,15 +138,15 @@ def disagreement(
     found = [_again(candidate, scale) for candidate in found]
     before = _again(plain, scale)
     least = min(map(_criterion, found))
-    # causes that explain alike keep their order, the simpler first
+    # an arm that the model lacks also tells causes apart: only a decisive lead counts
     ranked = sorted(
-        zip(free, found, strict=True), key=lambda pair: max(_criterion(pair[1]) - least, ALIKE)
+        zip(free, found, strict=True), key=lambda pair: max(_criterion(pair[1]) - least, DECISIVE)
     )
     told = [_told(cause, one, before, law, compression) for cause, one in ranked]
     rivals = [
         one.says
         for one, (_, candidate) in zip(told[1:], ranked[1:], strict=True)
-        if one.explains and _criterion(candidate) <= least + ALIKE
+        if one.explains and _criterion(candidate) <= least + DECISIVE
     ]
     if told[0].explains and rivals:
         says = f"{told[0].says} (as well explained if {', or if '.join(rivals)})"

@@ -15,7 +15,6 @@ from dashpot.fitting.identification import checks
 from dashpot.fitting.identification.explanations import Disagreement, agreement
 from dashpot.fitting.identification.likelihood import DELAY_UNIT, UNCHANGED, Candidate
 from dashpot.fitting.pipeline import ended
-from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.records.estimate import Nuisance, ParameterEstimate, Residual, parameter_names
 from dashpot.records.fit import Evidence, Fit, Moved, OrderScore, Provenance, Status
 from dashpot.records.frf import FRF

@@ -17,6 +17,7 @@ from dashpot.fitting.identification.explanations import disagreement
 from dashpot.fitting.identification.fit_assembly import assembled
 from dashpot.fitting.identification.frf_data import frf_data_of
 from dashpot.fitting.identification.likelihood import (
+    UNCHANGED,
     Candidate,
     Constraints,
     NuisancePriors,
@@ -31,6 +32,7 @@ from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
 from dashpot.records.relaxation import RampHold, listed
 from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.vibration.systems.operating_point import OperatingPoint, operating_point
 
 Given: TypeAlias = float | tuple[float, float] | None
 
@@ -100,6 +102,10 @@ def identify(
         What acceleration over force may be off by, relative, and late by, s; 0 if exact.
     band : (float, float), optional
         Lines to explain, Hz; by default those within a factor of 3 of the peak.
+    compression : float, optional
+        Of the seals under the hammer, m; by default that of the mass's weight. Where the relaxation
+        test's elastic law is not straight, they are there as stiff as its tangent, within its
+        error.
 
     Returns
     -------
@@ -116,10 +122,14 @@ def identify(
     """
     records = listed(tests)
     frf_data = frf_data_of(frf, seals=_seals(seals), band=band)
-    priors = NuisancePriors(
-        _mass(mass, mass_sd), _sd("gain_sd", gain_sd), _sd("delay_sd", delay_sd)
-    )
     before, relaxations = _relaxations(records, fit)
+    point = _point(before, mass, seals, compression)
+    priors = NuisancePriors(
+        _mass(mass, mass_sd),
+        _sd("gain_sd", gain_sd),
+        _sd("delay_sd", delay_sd),
+        factor=UNCHANGED if point is None else Prior(point.factor, point.factor_se),
+    )
     constraints = Constraints(
         _known("static_stiffness", static_stiffness),
         _known("natural_frequency", natural_frequency),
@@ -138,7 +148,7 @@ def identify(
         final,
         lambda problem: _chosen(_candidates(problem, fewer, before, linear=False)),
         law=None if before is None else before.elastic_law,
-        compression=compression,
+        compression=None if point is None else point.compression,
     )
     return assembled(
         final,
@@ -227,7 +237,8 @@ def _linear(problem: Problem, most: int) -> list[Parameters]:
     """Starts from the engine: dynamic stiffness is linear in the stiffnesses of the solid."""
     known = None if problem.priors.mass is None else problem.priors.mass.value
     blocks = [relaxation.weighted(i) for i, relaxation in enumerate(problem.relaxations)]
-    blocks.append(problem.frf_data.stiffness_block(known, dashpot=problem.dashpot))
+    felt = replace(problem.frf_data, seals=problem.frf_data.seals * problem.priors.factor.value)
+    blocks.append(felt.stiffness_block(known, dashpot=problem.dashpot))
     starts = []
     for solution in solve_orders(blocks, most):
         k = solution.arms[0]
@@ -249,7 +260,7 @@ def _spread(problem: Problem, before: Fit | None) -> list[Parameters]:
     prior = problem.priors.mass
     mass = 1.0 if prior is None else prior.value
     # at the peak the mass holds the storage stiffness in balance
-    level = mass * omega**2 / problem.frf_data.seals
+    level = mass * omega**2 / (problem.frf_data.seals * problem.priors.factor.value)
     base, part = GeneralizedMaxwell(level * 0.8), 0.2
     if before is not None:
         level = level if prior is None else before.model.k_0
@@ -272,7 +283,7 @@ def _start(problem: Problem, model: GeneralizedMaxwell, mass: float) -> Paramete
     if problem.dashpot and model.b <= 0:
         # two percent of the stiffness at the peak
         model = replace(model, b=0.02 * model.k_0 / (2 * np.pi * problem.frf_data.peak_hz))
-    return Parameters(model, mass, 1.0, 0.0)
+    return Parameters(model, mass, 1.0, 0.0, problem.priors.factor.value)
 
 
 # -- what was given ---------------------------------------------------------------------------
@@ -290,6 +301,20 @@ def _relaxations(
         relaxation_data(record, before, noise=own.residual)
         for record, own in zip(records, alone, strict=True)
     )
+
+
+def _point(
+    before: Fit | None, mass: float | None, seals: float, compression: float | None
+) -> OperatingPoint | None:
+    """Where the seals are under the hammer; None if that makes no difference, or nothing tells."""
+    law = None if before is None else before.elastic_law
+    if before is None or law is None or law.kind == "linear":
+        return None
+    if mass is None and compression is None:
+        raise DataError(
+            "the stiffness of the seals depends on their compression: give mass=, or compression="
+        )
+    return operating_point(before, mass=mass or 1.0, seals=seals, compression=compression)
 
 
 def _numbers(arms: int | str, before: Fit | None) -> list[int]:

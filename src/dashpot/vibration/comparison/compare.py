@@ -12,9 +12,11 @@ from dashpot.engine.inference.order import significant
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF, Kind, Mode
 from dashpot.solids.maxwell import Solid
+from dashpot.vibration.checks import GRAVITY
 from dashpot.vibration.comparison.checks import checks, conclusion
 from dashpot.vibration.comparison.comparison import ArmEvidence, Comparison
 from dashpot.vibration.modal.peaks import Peak, find_peak
+from dashpot.vibration.systems.operating_point import OperatingPoint, operating_point
 from dashpot.vibration.systems.prediction import accelerance, mass_for_peak, model_modes
 
 # lines outside this factor of the measured peak are mass line, tip roll-off and drift
@@ -34,7 +36,7 @@ def compare(
     mass: float | None = None,
     seals: float = 1.0,
     band: tuple[float, float] | None = None,
-    depth: float | None = None,
+    compression: float | None = None,
 ) -> Comparison:
     r"""Hold a predicted FRF against a measured one, on the measured lines.
 
@@ -59,30 +61,30 @@ def compare(
     model : Solid, optional
         The solid behind the prediction; `seals` times it carries the mass.
     fit : Fit, optional
-        Where the solid came from: gives `model`, and tells which arms the relaxation test saw.
+        Where the solid came from: gives `model`, the tangent where the mass rests
+        (:mod:`~dashpot.vibration.systems.operating_point`), and tells which arms the relaxation
+        test saw.
     mass : float, optional
         kg; with a solid known but no mass given, the mass inside `predicted` is used.
     seals : float
         How many such solids carry the mass.
     band : (float, float), optional
         Lines to compare, Hz. By default those within a factor of 4 of the measured peak.
-    depth : float, optional
-        Compression of the relaxation test, m, for the check of the operating point.
+    compression : float, optional
+        Of the seals of a `fit`, m; by default that of the mass's weight.
 
     Raises
     ------
     DataError
         If the prediction is on other lines, or was made for another window and no solid is
-        given to make it anew.
+        given to make it anew; or the fit's elastic law is not straight and no mass is given.
     """
-    if model is None and fit is not None:
-        model = fit.solid
-    model = None if model is None else seals * model
     measured = measured.to(Kind.ACCELERANCE)
     measured = measured if band is None else measured.band(*band)
     given = _on_lines(predicted.to(Kind.ACCELERANCE), measured)
-    if model is not None and mass is None:
-        mass = _mass_within(given, model)
+    model, mass, point = _assembled(
+        given, model, fit, mass=mass, seals=seals, compression=compression
+    )
     given = _as_tested(given, measured, model, mass)
     keep = _compared(measured, find_peak(measured), explicit=band is not None)
     measured, given = measured.only(keep), given.only(keep)
@@ -114,10 +116,8 @@ def compare(
         comparison,
         measured=measured_peak,
         predicted=predicted_peak,
-        model=model,
         fit=fit,
-        mass=mass,
-        depth=depth,
+        point=point,
     )
     comparison = replace(comparison, checks=found)
     return replace(comparison, says=conclusion(comparison))
@@ -177,6 +177,37 @@ def _on_lines(predicted: FRF, measured: FRF) -> FRF:
         coherence=None,
         sd=None,
     )
+
+
+def _assembled(
+    predicted: FRF,
+    model: Solid | None,
+    fit: Fit | None,
+    *,
+    mass: float | None,
+    seals: float,
+    compression: float | None,
+) -> tuple[Solid | None, float | None, OperatingPoint | None]:
+    """All the seals together, the mass on them, and where it rests, as far as they are known."""
+    if model is not None:
+        whole = seals * model
+        mass = _mass_within(predicted, whole) if mass is None else mass
+        sag = mass * GRAVITY / whole.k_inf if whole.k_inf > 0 else np.inf
+        law = None if fit is None else fit.elastic_law
+        return whole, mass, OperatingPoint(sag, None if law is None else law.depth)
+    if fit is None:
+        return None, mass, None
+    if mass is None:
+        law = fit.elastic_law
+        if compression is None and law is not None and law.kind != "linear":
+            raise DataError(
+                "the stiffness of this fit depends on the compression: give mass=, or compression="
+            )
+        # with a straight law, or at a compression that is given, the stiffness needs no mass
+        known = operating_point(fit, mass=1.0, seals=seals, compression=compression)
+        mass = _mass_within(predicted, seals * known.solid(fit))
+    point = operating_point(fit, mass=mass, seals=seals, compression=compression)
+    return seals * point.solid(fit), mass, point
 
 
 def _mass_within(predicted: FRF, model: Solid) -> float:

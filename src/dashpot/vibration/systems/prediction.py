@@ -5,21 +5,28 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import ComplexArray, samples
+from dashpot.base.arrays import ComplexArray, FloatArray, samples
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
+from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF, Kind, Mode
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.checks import seal_mass_negligible
+from dashpot.vibration.systems.operating_point import operating_point
+
+LINES, REACH = 4001, 10.0
+"""Lines of a prediction, and how far from its peak they go, as a factor, if none are given."""
 
 
 def predict_frf(
-    model: Solid,
+    model: Solid | Fit,
     *,
     mass: float,
-    frequency: npt.ArrayLike,
+    frequency: npt.ArrayLike | None = None,
     kind: Kind | str = Kind.ACCELERANCE,
     shift: float = 0.0,
+    seals: float | None = None,
+    compression: float | None = None,
 ) -> FRF:
     r"""FRF of a rigid mass on a solid that is fixed to ground (paper eqs. 6 and 7).
 
@@ -30,23 +37,30 @@ def predict_frf(
 
     Parameters
     ----------
-    model : Solid
-        All the seals together: two equal seals are ``2 * model``.
+    model : Solid or Fit
+        All the seals together: two equal seals are ``2 * model``. Of a fit, which is of one seal,
+        the tangent solid where the mass rests (:mod:`.operating_point`).
     mass : float
         kg.
-    frequency : array_like, shape (n,)
-        Hz.
+    frequency : array_like, shape (n,), optional
+        Hz; by default a factor of 10 to either side of the highest frequency of the peak.
     kind : Kind or str
     shift : float
         Decay of an exponential window, 1/s: evaluates at :math:`s = j\omega + a`.
+    seals : float, optional
+        How many seals of a fit carry the mass; 1 by default.
+    compression : float, optional
+        Of the seals of a fit, m; by default that of the mass's weight.
 
     Raises
     ------
     DataError
-        If the mass or a frequency cannot be, or the response is infinite at a line.
+        If the mass or a frequency cannot be, the response is infinite at a line, or seals or a
+        compression were given with a solid.
     """
     _checked(mass)
-    f = samples("frequency", frequency)
+    model = _assembled(model, mass, seals, compression)
+    f = _lines(model.k_0, mass) if frequency is None else samples("frequency", frequency)
     s = 2j * np.pi * f + shift
     with np.errstate(divide="ignore", invalid="ignore"):
         receptance = 1 / (mass * s**2 + model.stiffness_at(s))
@@ -56,6 +70,30 @@ def predict_frf(
             f"the response at {f[i]:g} Hz is infinite: the solid has no stiffness there"
         )
     return FRF.of_receptance(f, receptance, kind=kind, shift=shift)
+
+
+def _assembled(
+    model: Solid | Fit, mass: float, seals: float | None, compression: float | None
+) -> Solid:
+    """All the seals together, as small vibration feels them."""
+    if isinstance(model, Fit):
+        count = 1.0 if seals is None else seals
+        point = operating_point(model, mass=mass, seals=count, compression=compression)
+        return count * point.solid(model)
+    if seals is not None or compression is not None:
+        raise DataError(
+            "seals= and compression= belong to a fit of one seal; a solid is all the seals "
+            "together, as they vibrate: give seals * solid, or the fit"
+        )
+    return model
+
+
+def _lines(stiffness: float, mass: float) -> FloatArray:
+    """Lines about the highest frequency that the peak can have."""
+    if not (np.isfinite(stiffness) and stiffness > 0):
+        raise DataError("the solid has no stiffness of its own at high frequency: give frequency=")
+    top = np.sqrt(stiffness / mass) / (2 * np.pi)
+    return np.geomspace(top / REACH, top * REACH, LINES)
 
 
 def model_modes(model: Solid, mass: float) -> tuple[Mode, ...]:

@@ -1,0 +1,99 @@
+r"""Where a mass rests on seals, and what small vibration feels there.
+
+At rest n seals carry the weight, :math:`n F_e(x) = m g`; vibration about that compression feels the
+tangent of the elastic law, :math:`F_e'(x)/k` times every stiffness of the solid that a test found,
+k its secant stiffness at the depth tested (Fung: all arms answer :math:`F_e(x(t))`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dashpot.base.errors import DataError
+from dashpot.records.fit import Fit
+from dashpot.solids.maxwell import Solid
+from dashpot.vibration.checks import GRAVITY
+
+
+@dataclass(frozen=True)
+class OperatingPoint:
+    """A compression, and what the seal is there.
+
+    Attributes
+    ----------
+    compression : float
+        m; infinite where nothing carries the weight at rest.
+    depth : float or None
+        The deepest compression tested, m; None if the fit has no elastic law.
+    factor, factor_se : float
+        Tangent stiffness over the fit's, and its standard error.
+    linear : bool
+        The fit's elastic law is a straight line, or it has none: the factor is 1.
+    given : bool
+        The compression was given; else it is that of the weight.
+    """
+
+    compression: float
+    depth: float | None
+    factor: float = 1.0
+    factor_se: float = 0.0
+    linear: bool = True
+    given: bool = False
+
+    @property
+    def beyond(self) -> bool:
+        """Deeper than tested: there the last tangent goes on."""
+        return self.depth is not None and self.compression > self.depth
+
+    def solid(self, fit: Fit) -> Solid:
+        """One seal as small vibration feels it."""
+        return fit.solid if self.linear else self.factor * fit.solid
+
+
+def operating_point(
+    fit: Fit, *, mass: float, seals: float = 1.0, compression: float | None = None
+) -> OperatingPoint:
+    r"""The compression of a mass's weight, or one given, and the tangent there.
+
+    Parameters
+    ----------
+    fit : Fit
+        Of one seal.
+    mass : float
+        kg.
+    seals : float
+        How many carry it.
+    compression : float, optional
+        m; by default where :math:`n F_e(x) = m g`.
+
+    Raises
+    ------
+    DataError
+        If a number cannot be, the fit is of a material, or no compression carries the weight.
+    """
+    for name, value in (("mass", mass), ("seals", seals), ("compression", compression)):
+        if value is not None and not (np.isfinite(value) and value > 0):
+            raise DataError(f"{name} = {value!r}; expected a number > 0")
+    if fit.unit != "N/m":
+        raise DataError(
+            f"the fit is of a material's modulus, in {fit.unit}: a mass rests on a part, in N/m"
+        )
+    law, given = fit.elastic_law, compression is not None
+    depth = None if law is None else law.depth
+    if law is None or law.kind == "linear":
+        if compression is None:
+            k_inf = fit.model.k_inf
+            compression = mass * GRAVITY / (seals * k_inf) if k_inf > 0 else np.inf
+        return OperatingPoint(float(compression), depth, given=given)
+    if compression is None:
+        compression = law.compression(mass * GRAVITY / seals)
+    return OperatingPoint(
+        float(compression),
+        depth,
+        float(law.factor(compression)),
+        float(law.factor_se(compression)),
+        linear=False,
+        given=given,
+    )

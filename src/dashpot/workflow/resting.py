@@ -1,0 +1,176 @@
+"""Where a mass rests on the fitted seals: what secant and tangent make of its peak, and limits."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+import dashpot as dp
+from dashpot.base.arrays import FloatArray
+from dashpot.fitting.uncertainty.prediction_bounds import formal_frf_band
+from dashpot.records.bounds import FRFBounds
+from dashpot.records.fit import Fit
+from dashpot.records.relaxation import RampHold
+from dashpot.solids.maxwell import Solid
+from dashpot.vibration.systems.operating_point import OperatingPoint, operating_point
+from dashpot.vibration.systems.prediction import model_modes
+
+# the doubt of a tangent is laid over its interval in so many steps
+STEPS = 21
+# standard errors to either side
+REACH = 1.96
+
+
+@dataclass(frozen=True)
+class StiffnessAt:
+    """One stiffness of a seal, and the frequency of the mass on it.
+
+    Attributes
+    ----------
+    stiffness, stiffness_se : float
+        Relaxed, of one seal, N/m. The error is that of the elastic law's shape.
+    frequency, damping_ratio : float or None
+        Of the first mode, Hz; None if nothing oscillates.
+    """
+
+    stiffness: float
+    stiffness_se: float
+    frequency: float | None
+    damping_ratio: float | None
+
+
+@dataclass(frozen=True)
+class AtRest:
+    """Where a mass rests, and both linear solids that could be meant.
+
+    Attributes
+    ----------
+    point : OperatingPoint
+    secant : StiffnessAt
+        The fit's own, at the depth of the relaxation test.
+    tangent : StiffnessAt
+        At the compression of the mass: what a prediction takes.
+    """
+
+    point: OperatingPoint
+    secant: StiffnessAt
+    tangent: StiffnessAt
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """Compression, m, and both; without what is not known."""
+        at, depth = self.point.compression, self.point.depth
+        return {
+            "compression": at if np.isfinite(at) else None,
+            "depth": depth,
+            "extrapolated_law": self.point.beyond and not self.point.linear,
+            "secant": asdict(self.secant),
+            "tangent": asdict(self.tangent),
+        }
+
+    def __str__(self) -> str:
+        point, secant, tangent = self.point, self.secant, self.tangent
+        if point.linear:
+            return ""
+        where = "as given" if point.given else "under its weight"
+        lines = [
+            f"{1e3 * point.compression:.3g} mm {where}, tested to {1e3 * (point.depth or 0):.3g} mm"
+        ]
+        for name, one in (("secant there", secant), ("tangent here", tangent)):
+            peak = "no resonance" if one.frequency is None else f"{one.frequency:.5g} Hz"
+            error = f" +- {1e-3 * one.stiffness_se:.2g}" if one.stiffness_se > 0 else ""
+            lines.append(f"  {name}  {1e-3 * one.stiffness:.4g}{error} N/mm, {peak}")
+        if point.beyond:
+            lines.append("  ! deeper than tested: the last tangent was taken on")
+        return "\n".join(lines)
+
+
+def at_rest(
+    found: Fit, *, mass: float, seals: float = 1.0, compression: float | None = None
+) -> AtRest:
+    """Return where a mass, kg, rests on seals, with the secant and the tangent solid."""
+    point = operating_point(found, mass=mass, seals=seals, compression=compression)
+    k = found.solid.k_inf
+
+    def of(solid: Solid, error: float) -> StiffnessAt:
+        mode = next(iter(model_modes(seals * solid, mass)), None)
+        known = (None, None) if mode is None else (mode.frequency, mode.damping_ratio)
+        return StiffnessAt(solid.k_inf, error, *known)
+
+    return AtRest(point, of(found.solid, 0.0), of(point.solid(found), k * point.factor_se))
+
+
+def frf_limits(
+    found: Fit,
+    tests: RampHold | Sequence[RampHold],
+    point: OperatingPoint,
+    *,
+    mass: float,
+    frequency: npt.ArrayLike,
+    seals: float = 1.0,
+) -> FRFBounds:
+    r"""Limits of the accelerance by both kinds of ignorance, where the mass rests.
+
+    A solid that is s times as stiff answers as the fit under a mass m/s, times 1/s. The doubt of
+    the tangent is the widest of these limits over its interval.
+
+    Parameters
+    ----------
+    found : Fit
+        Of one seal.
+    tests : RampHold or sequence of RampHold
+        What it was fitted to.
+    point : OperatingPoint
+    mass : float
+        kg.
+    frequency : array_like, shape (n,)
+        Hz, > 0.
+    seals : float
+    """
+
+    def scaled(s: float) -> FRFBounds:
+        of = dp.frf_band(found, tests, mass=mass / s, frequency=frequency, seals=seals)
+        return replace(
+            of, magnitude=of.magnitude / s, parameter=of.parameter / s, unseen=of.unseen / s
+        )
+
+    middle = scaled(point.factor)
+    every = [scaled(s) for s in _factors(point)]
+    if not every:
+        return middle
+    return replace(
+        middle,
+        parameter=_widest([one.parameter for one in every]),
+        unseen=_widest([one.unseen for one in every]),
+        says=f"{middle.says}; with the doubt of the tangent at the mass's own compression",
+    )
+
+
+def formal_limits(
+    found: Fit, point: OperatingPoint, *, mass: float, frequency: npt.ArrayLike, seals: float = 1.0
+) -> FloatArray:
+    """Return the limits by the standard errors alone, 1/kg, shape (2, n), so too."""
+    return _widest(
+        [
+            formal_frf_band(found, mass=mass / s, frequency=frequency, seals=seals) / s
+            for s in (*_factors(point), point.factor)
+        ]
+    )
+
+
+def _factors(point: OperatingPoint) -> FloatArray:
+    """Return tangents over the interval of the doubtful one; none where it is not doubted."""
+    if point.factor_se <= 0:
+        return np.empty(0)
+    reach = REACH * point.factor_se
+    low = max(point.factor - reach, 0.05 * point.factor)
+    return np.linspace(low, point.factor + reach, STEPS)
+
+
+def _widest(limits: Sequence[FloatArray]) -> FloatArray:
+    low, high = np.transpose(limits, (1, 0, 2))
+    return np.array([low.min(axis=0), high.max(axis=0)])
