@@ -69,7 +69,7 @@ def fit(found: Fit) -> str:
             for item in found.nuisance
         )
         lines.append(f"  nuisance    {listed}")
-    lines += [*_orders(found), *_moved(found)]
+    lines += [*_orders(found), *_moved(found), *_explained(found)]
     bad = failed(found.checks)
     lines.append(f"  checks      {counted(found.checks)}")
     return "\n".join(lines + bad)
@@ -147,6 +147,18 @@ def _moved(found: Fit) -> list[str]:
             [f"  {item.name}", before, after, f"{(item.after - item.before) / item.before_se:+.2g}"]
         )
     return table(rows)
+
+
+def _explained(found: Fit) -> list[str]:
+    """Return what would explain two tests that disagree, the best first."""
+    if not found.explanations:
+        return []
+    rows = [["  tests disagree", "chi2 falls by", "explains both"]]
+    rows += [
+        [f"  {one.says}", f"{one.fall:.4g}", "yes" if one.explains else "no"]
+        for one in found.explanations
+    ]
+    return [ascii_only(line) for line in table(rows)]
 
 
 def _orders(found: Fit) -> list[str]:

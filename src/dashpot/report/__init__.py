@@ -82,6 +82,7 @@ def _contents(study: Study) -> dict[str, Any]:
         "arms": tables.arms_tested(study.comparison),
         "resonance": tables.resonance(study),
         "hits": tables.hits(study.measured),
+        "explanations": tables.explanations(study.joint),
         "moved": tables.moved(study.joint),
         "joint_coefficients": tables.coefficients(study.joint, length),
         "joint_arms": tables.arms_tested(study.joint_comparison),

@@ -25,7 +25,7 @@ def sentences(study: Study) -> tuple[str, ...]:
     """What the tests say, one thought a sentence, below the verdict."""
     return tuple(
         readable(sentence)
-        for sentence in (_solid(study), _hammer(study), _joint(study))
+        for sentence in (_solid(study), _resting(study), _hammer(study), _joint(study))
         if sentence
     )
 
@@ -36,6 +36,25 @@ def _solid(study: Study) -> str:
         f"One seal behaves as a spring of {rounded(1e-3 * fit.model.k_inf)} N/mm with "
         f"{counted(fit.model.arms, 'Maxwell arm')}, {rounded(1e-3 * fit.model.k_0)} N/mm at once; "
         f"the relaxation test tells its stiffness and damping from {hertz(fit.band)}."
+    )
+
+
+def _resting(study: Study) -> str:
+    """Where the mass rests, if that makes a difference."""
+    rests = study.at_rest
+    if rests is None or rests.point.linear:
+        return ""
+    tangent, secant, depth = rests.tangent, rests.secant, rests.point.depth or 0.0
+    here, there = (
+        "" if one.frequency is None else f" ({rounded(one.frequency, digits=4)} Hz)"
+        for one in (tangent, secant)
+    )
+    beyond = ", beyond what was tested" if rests.point.beyond else ""
+    return (
+        f"The mass rests at {rounded(1e3 * rests.point.compression)} mm{beyond}; what vibrates "
+        f"there is the tangent, {rounded(1e-3 * tangent.stiffness, 1e-3 * tangent.stiffness_se)} "
+        f"N/mm{here}, not the secant of {rounded(1e-3 * secant.stiffness)} N/mm at "
+        f"{rounded(1e3 * depth)} mm{there}."
     )
 
 
@@ -57,6 +76,13 @@ def _joint(study: Study) -> str:
     joint, after = study.joint, study.joint_comparison
     if joint is None or after is None:
         return ""
+    if joint.explanations:
+        lead = joint.explanations[0]
+        how = "that would explain both" if lead.explains else "nothing tried explains both; nearest"
+        return (
+            f"Relaxation test and hammer do not belong to one seal and rig as described: "
+            f"{how}: {lead.says}."
+        )
     return (
         f"Fitted to both tests at once, a solid of {counted(joint.model.arms, 'arm')} "
         f"{_meets(after)} in frequency and {max(abs(after.ratio_db), 0.1):.1f} dB at the peak."

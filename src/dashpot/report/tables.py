@@ -410,6 +410,17 @@ def hits(frf: FRF | None) -> Table | None:
     return Table(head[:columns], rows, tuple("" if hit.accepted else "bad" for hit in frf.hits))
 
 
+def explanations(joint: Fit | None) -> Table | None:
+    """What would explain two tests that disagree, or None if they agree."""
+    if joint is None or not joint.explanations:
+        return None
+    rows = tuple(
+        (one.says, rounded(one.fall, digits=4), "yes" if one.explains else "no")
+        for one in joint.explanations
+    )
+    return Table(("if", "chi-square falls by", "explains both tests"), rows)
+
+
 def moved(joint: Fit | None) -> Table | None:
     """What the hammer changed in the solid."""
     if joint is None or not joint.moved:
