@@ -6,10 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import quad
-from scipy.special import erfcx
-
-from dashpot.solids.maxwell import GeneralizedMaxwell
 from kit.trials import (
     DISTURBANCES,
     KINDS,
@@ -21,6 +17,10 @@ from kit.trials import (
     strike,
     trial,
 )
+from scipy.integrate import quad
+from scipy.special import erfcx
+
+from dashpot.solids.maxwell import GeneralizedMaxwell
 
 PAPER = Seal.of_arms(196.5, (117.5, 17.8), (0.5021, 16.416))
 T = np.geomspace(1e-4, 1e3, 60)
@@ -38,7 +38,7 @@ def test_the_power_law_is_one():
     seal = Seal.power_law(100.0, 50.0, 0.02, 0.2)
     np.testing.assert_allclose(seal.relaxation(T), 100 + 50 * (1 + T / 0.02) ** -0.2, rtol=5e-7)
     for s in (0.01, 1.0, 80.0):
-        laplace = quad(lambda v: np.exp(-v) * (1 + v / (s * 0.02)) ** -0.2, 0, np.inf)[0]
+        laplace = quad(lambda v, s=s: np.exp(-v) * (1 + v / (s * 0.02)) ** -0.2, 0, np.inf)[0]
         assert seal.at(s) == pytest.approx(100 + 50 * laplace, rel=1e-6)
 
 

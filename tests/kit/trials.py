@@ -59,11 +59,8 @@ class Seal:
     def of_arms(cls, k_inf, k, tau) -> Seal:
         """Some arms."""
         order = np.argsort(tau)
-        return cls(
-            float(k_inf),
-            tuple(np.asarray(k)[order].tolist()),
-            tuple(np.asarray(tau)[order].tolist()),
-        )
+        k, tau = np.asarray(k)[order], np.asarray(tau)[order]
+        return cls(float(k_inf), tuple(k.tolist()), tuple(tau.tolist()))
 
     @classmethod
     def fractional(cls, k_inf, k, tau, alpha) -> Seal:
@@ -383,7 +380,7 @@ MOTIONS = MappingProxyType(
         "0.5 s rounded": {"ramp": 0.5, "axis": 3.0, "damping": 1.0},
         "1 s": {"ramp": 1.0},
         "1 s overshooting": {"ramp": 1.0, "axis": 2.5, "damping": 0.45},
-        "2 s jerky": {"ramp": 2.0, "axis": 12.0, "damping": 0.4, "interval": 60e-3},
+        "2 s jerky": {"ramp": 2.0, "axis": 14.0, "damping": 0.4, "interval": 40e-3},
         "5 s": {"ramp": 5.0},
     }
 )
