@@ -39,6 +39,7 @@ from .records.impact import ImpactTest as ImpactTest
 from .records.modulus import RelaxationModulus as RelaxationModulus
 from .records.relaxation import RampHold as RampHold
 from .records.relaxation import RelaxationTest as RelaxationTest
+from .records.rig import Rig as Rig
 from .records.specimen import Specimen as Specimen
 from .solids import networks as networks
 from .solids.elastic import compare_with_curve as compare_with_curve

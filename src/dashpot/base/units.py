@@ -14,6 +14,7 @@ from dashpot.base.errors import DataError
 Dimension: TypeAlias = Literal[
     "time", "length", "force", "mass", "acceleration", "velocity", "frequency",
     "stiffness", "damping", "temperature", "strain", "stress", "voltage", "torque", "angle",
+    "compliance", "force rate",
 ]  # fmt: skip
 
 
@@ -47,6 +48,13 @@ def _table() -> dict[str, Unit]:
         "frequency": {"Hz": 1.0, "kHz": 1e3, "mHz": 1e-3, "rad/s": 0.5 / math.pi},
         "stiffness": {"N/m": 1.0, "N/mm": 1e3, "kN/m": 1e3, "kN/mm": 1e6},
         "damping": {"N*s/m": 1.0, "N*s/mm": 1e3},
+        "compliance": {
+            "um/N": 1e-6, "m/N": 1.0, "mm/N": 1e-3, "nm/N": 1e-9, "mm/kN": 1e-6, "um/kN": 1e-9,
+        },
+        "force rate": {
+            "mN/s": 1e-3, "N/s": 1.0, "uN/s": 1e-6, "N/min": 1 / 60, "mN/min": 1e-3 / 60,
+            "N/h": 1 / 3600, "mN/h": 1e-3 / 3600,
+        },
         "strain": {"1": 1.0, "%": 1e-2, "mm/mm": 1.0, "m/m": 1.0},
         "stress": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "psi": 6894.757293168361},
         "voltage": {"V": 1.0, "mV": 1e-3, "uV": 1e-6},
@@ -104,6 +112,9 @@ _SPELLINGS = {
     "N/m": "n/meter",
     "N*s/m": "n.s/m ns/m n·s/m n-s/m n*s*m^-1",
     "N*s/mm": "n.s/mm ns/mm n·s/mm n-s/mm",
+    "um/N": "µm/n",
+    "um/kN": "µm/kn",
+    "uN/s": "µn/s",
     "1": "- [-] none dimensionless unitless abs.",
     "%": "percent prozent pct",
     "mm/mm": "in/in",

@@ -12,6 +12,7 @@ import click
 from dashpot.base.errors import DashpotError
 from dashpot.base.units import Dimension, parse_quantity, parse_range
 from dashpot.io.options import ReadOptions
+from dashpot.records.rig import Rig
 from dashpot.records.specimen import Specimen
 
 T = TypeVar("T")
@@ -117,6 +118,11 @@ def _value(one: Field[Any], given: Any) -> Any:
 def specimen(function: Callable[..., T]) -> Callable[..., T]:
     """Give a command the options that describe the specimen; it receives one ``specimen``."""
     return filled(Specimen, "specimen")(function)
+
+
+def rig(function: Callable[..., T]) -> Callable[..., T]:
+    """Give a command the options that describe the relaxation rig; it receives one ``rig``."""
+    return filled(Rig, "rig")(function)
 
 
 def hammer(function: Callable[..., T]) -> Callable[..., T]:

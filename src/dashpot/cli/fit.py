@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 @options.picture
 @options.fit_output
 @reports
+@options.rig
 @options.specimen
 @options.reading
 def command(

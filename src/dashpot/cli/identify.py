@@ -38,6 +38,7 @@ from dashpot.cli._shell import (
 @click.option("--direct", metavar="FILE", help="Write k(f), c(f) and loss factor as CSV.")
 @options.fit_output
 @reports
+@options.rig
 @options.hammer
 @options.reading
 def command(

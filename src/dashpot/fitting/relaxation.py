@@ -32,6 +32,7 @@ from dashpot.preparation.checks import of_records
 from dashpot.preparation.filters import Filter, filter_of, filtered
 from dashpot.records.fit import Fit, Provenance
 from dashpot.records.relaxation import RampHold, listed
+from dashpot.records.rig import Rig
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -169,7 +170,7 @@ def _encoders(records: Sequence[RampHold], design: Design) -> tuple[Encoder, ...
     return tuple(
         Encoder(
             record.time[: record.hold.stop],
-            record.displacement[: record.hold.stop],
+            record.travel[: record.hold.stop],
             record.encoder_step,
             record.onset,
             record.contact_error,
@@ -245,7 +246,7 @@ def filter_bias(test: RampHold) -> Check:
         return checks.filter_bias(None)
     try:
         model = _supported(raw)
-        clean = replace(raw, force=model.force(raw.time, raw.displacement), checks=())
+        clean = replace(raw, force=model.force(raw.time, raw.displacement), rig=Rig(), checks=())
         changes = {
             "hold": _changes(clean, by, model.arms, "hold"),
             "full": _changes(clean, by, model.arms, "full"),

@@ -12,6 +12,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray, IndexArray, kept, median
 from dashpot.records.relaxation import RampHold
+from dashpot.solids.maxwell import arm_response
 
 # half widths of the windows that compete, in samples: each some 1.4 times the one before
 HALF_WIDTHS = (0, 1, 2, 3, 4, 6, 8, 11, 16, 23, 32, 45, 64, 91, 128, 181, 256, 362, 512, 724, 1024)
@@ -27,7 +28,13 @@ FLICKER = 7
 
 @kept
 def true_motion(test: RampHold) -> tuple[FloatArray, FloatArray]:
-    """Displacement of a test up to the end of its hold, freed of counts and noise.
+    r"""Displacement of a test up to the end of its hold, freed of counts and noise.
+
+    What the machine gives, C F, is taken off with the force as it is read: its noise comes back
+    as C k of itself. A first-order low-pass in the force channel, which a linear solid cannot
+    tell from one in its motion, is passed by the motion too,
+
+    .. math:: x_f(t) = x(t) - \int_0^t e^{-2\pi f (t-u)} \dot x(u)\,\mathrm du
 
     Returns
     -------
@@ -35,12 +42,20 @@ def true_motion(test: RampHold) -> tuple[FloatArray, FloatArray]:
         m, and the standard deviation that is left of the noise, m.
     """
     used = slice(0, test.hold.stop)
-    time, x = test.time[used], test.displacement[used]
+    time, travel = test.time[used], test.travel[used]
     step = test.encoder_step
     noise = test.displacement_noise
+    x = travel
     if step > LEAST_COUNT * test.depth:
-        x, noise = between_counts(time, x), LEFT_OF_A_COUNT * step
-    return denoised(x, noise) if noise > 0 else (x, np.zeros(len(x)))
+        x, noise = between_counts(time, travel), LEFT_OF_A_COUNT * step
+    x, left = denoised(x, noise) if noise > 0 else (x, np.zeros(len(x)))
+    if test.rig.compliance:
+        x = x - (travel - test.displacement[used])
+    if test.rig.force_filter:
+        # at rest before the record, as the force is
+        moved = x - x[0]
+        x = x - arm_response(time, moved, 1 / (2 * np.pi * test.rig.force_filter))
+    return x, left
 
 
 def between_counts(time: FloatArray, displacement: FloatArray) -> FloatArray:

@@ -99,6 +99,7 @@ def prepare(
     record = _without_hum(_record(test, x, force, motion, touch, times=times, count=count))
     rise = _risen(record, before, where)
     preload = _preload(record, before, touch, rise)
+    record = _on_the_rig(record, preload, rig or Rig())
     checks.refuse_unresolved(where, rise, test.force)
     checks.refuse_saturated(where, record)
     answers = [
@@ -114,10 +115,8 @@ def prepare(
     if force_range is not None:
         answers.append(checks.range_used(rise, force_range))
     steps = [_turned(motion.sign, turn), _kept(motion, record), _met(touch), tared]
-    steps += [_ramped(record, motion), *hum_step(record.hum)]
-    record = replace(
-        record, preload=preload, steps=tuple(steps), checks=tuple(answers), rig=rig or Rig()
-    )
+    steps += [*_known(record.rig), _ramped(record, motion), *hum_step(record.hum)]
+    record = replace(record, steps=tuple(steps), checks=tuple(answers))
     return record if by is None else filtered(record, by)
 
 
@@ -334,6 +333,37 @@ def _preload(record: RampHold, before: Baseline, touch: Touch, rise: float) -> f
         return before.level if abs(before.level) > checks.MAX_PRELOAD * rise else 0.0
     first = float(record.force[0])
     return first if abs(first) > max(5 * record.force_noise, 0.01 * rise) else 0.0
+
+
+def _on_the_rig(record: RampHold, preload: float, rig: Rig) -> RampHold:
+    """The record of that machine: its give, C F, is off displacement and depth."""
+    given = rig.compliance * (record.force - preload)
+    x = np.where(record.displacement > 0, record.displacement - given, 0.0)
+    sank = _mean(record.time[record.hold], given[record.hold]) if rig.compliance else 0.0
+    if not sank < record.depth:
+        raise DataError(
+            f"a machine of {1e6 * rig.compliance:.4g} um/N gives {1e3 * sank:.4g} mm under the "
+            f"force of the hold, and the plate moved {1e3 * record.depth:.4g} mm; check the unit "
+            "of the compliance"
+        )
+    return replace(record, displacement=x, depth=record.depth - sank, preload=preload, rig=rig)
+
+
+def _known(rig: Rig) -> tuple[Step, ...]:
+    """What was said of the machine, and what is done with it."""
+    done = (
+        ("sync_s", rig.sync, "clocks known to {:.4g} s"),
+        ("drift_n_per_s", rig.drift, "load cell that drifts by {:.4g} N/s (one SD)"),
+        ("compliance_m_per_n", rig.compliance or None,
+         "machine that gives {:.4g} m/N, taken off the displacement with the force as read"),
+        ("force_filter_hz", rig.force_filter,
+         "force behind a first-order low-pass of {:.4g} Hz, which the fit's motion passes too"),
+    )  # fmt: skip
+    said = [(name, value, words) for name, value, words in done if value is not None]
+    if not said:
+        return ()
+    says = "; ".join(words.format(value) for _, value, words in said)
+    return (Step("rig", tuple((name, repr(value)) for name, value, _ in said), says),)
 
 
 def _turned(displacement: int, force: int) -> Step:

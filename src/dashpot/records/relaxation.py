@@ -99,8 +99,8 @@ class RampHold(ByValue):
     time : array, shape (n,)
         s, on the clock of the raw record.
     displacement : array, shape (n,)
-        Compression of the seal from first contact, m: what the fit takes as its input.
-        Zero before contact; positive is compression.
+        Compression of the seal from first contact, m: what the fit takes as its input. The
+        machine's own give is off it. Zero before contact; positive is compression.
     force : array, shape (n,)
         Compressive force less the tare and the lines of `hum`, N; positive is compression. Not
         filtered by default.
@@ -172,10 +172,21 @@ class RampHold(ByValue):
         """Duration of the hold, s."""
         return self.hold_end - self.ramp_end
 
+    @property
+    def travel(self) -> FloatArray:
+        r"""Travel of the plate from first contact, m: the encoder's readings.
+
+        Compression and the machine's give, :math:`x + C (F - F_\text{preload})`.
+        """
+        if not self.rig.compliance:
+            return self.displacement
+        given = self.rig.compliance * (self.force - self.preload)
+        return np.where(self.displacement == 0, 0.0, self.displacement + given)
+
     @cached_property
     def displacement_quantum(self) -> float:
         """The step of the displacement's readings, m; 0 if none shows."""
-        return quantum(self.displacement)
+        return quantum(self.travel)
 
     @property
     def encoder_step(self) -> float:

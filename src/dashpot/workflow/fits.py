@@ -12,7 +12,9 @@ from dashpot.base.errors import FitError
 from dashpot.io.options import ReadOptions
 from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RampHold, RelaxationTest
+from dashpot.records.rig import Rig
 from dashpot.records.specimen import Specimen
+from dashpot.workflow.job import known_of_a_test
 
 
 def fit_files(
@@ -25,6 +27,7 @@ def fit_files(
     filter: str | None = None,
     modulus: str | None = None,
     specimen: Specimen | None = None,
+    rig: Rig | None = None,
     options: ReadOptions | None = None,
 ) -> tuple[Fit, tuple[RampHold, ...]]:
     """Fit one solid to the records in files, each in the way that suits it.
@@ -37,7 +40,7 @@ def fit_files(
     files : sequence of path
     arms, method, depth_law, thorough
         As in :func:`~dashpot.fitting.relaxation.fit`.
-    filter : str, optional
+    filter, rig : optional
         As in :func:`~dashpot.preparation.prepare.prepare`.
     modulus : str, optional
         The file is a relaxation modulus over time: its column.
@@ -58,6 +61,7 @@ def fit_files(
     options = options or ReadOptions()
     column = modulus or options.modulus
     if column is not None:
+        known_of_a_test(rig, tests=0, add="a ramp and hold")
         if len(files) > 1 or depth_law or method == "hold" or filter:
             raise FitError(
                 "a relaxation modulus is fitted one at a time, without --depth-law, --method hold "
@@ -78,8 +82,11 @@ def fit_files(
     tests = [dp.read_bench(path, options=options, specimen=specimen) for path in files]
     sweeps = [test for test in tests if not isinstance(test, RelaxationTest)]
     prepared = tuple(
-        dp.prepare(test, filter=filter) for test in tests if isinstance(test, RelaxationTest)
+        dp.prepare(test, filter=filter, rig=rig)
+        for test in tests
+        if isinstance(test, RelaxationTest)
     )
+    known_of_a_test(rig, tests=len(prepared), add="a ramp and hold")
     if not sweeps:
         found = dp.fit(prepared, arms=arms, method=method, depth_law=depth_law, thorough=thorough)
         return found, prepared
