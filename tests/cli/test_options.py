@@ -12,6 +12,7 @@ from dashpot.base.options import option
 from dashpot.cli import COMMANDS, main
 from dashpot.cli._options import filled
 from dashpot.io.options import ReadOptions
+from dashpot.records.rig import Rig
 from dashpot.records.specimen import Specimen
 from dashpot.workflow.job import HammerChoices
 
@@ -72,12 +73,13 @@ def test_what_cannot_be_is_refused(words, says):
 @pytest.mark.parametrize(
     ("command", "nouns"),
     [
-        ("fit", (ReadOptions, Specimen)),
+        ("fit", (ReadOptions, Specimen, Rig)),
+        ("predict", (Rig,)),
         ("inspect", (ReadOptions,)),
         ("impact", (ReadOptions, HammerChoices)),
         ("compare", (ReadOptions, HammerChoices)),
-        ("identify", (ReadOptions, HammerChoices)),
-        ("report", (ReadOptions, Specimen, HammerChoices)),
+        ("identify", (ReadOptions, HammerChoices, Rig)),
+        ("report", (ReadOptions, Specimen, HammerChoices, Rig)),
         ("export", (Specimen,)),
     ],
 )
@@ -87,6 +89,15 @@ def test_commands_offer_every_field_of_their_nouns(command, nouns):
         for one in fields(noun):
             if one.metadata:
                 assert f"--{one.name.replace('_', '-')} " in text
+
+
+def test_a_rig_without_a_test_is_refused(tmp_path):
+    fit = tmp_path / "fit.json"
+    fit.write_text('{"schema": "dashpot/fit@1", "model": {"k_inf": 200.0, "arms": []}}')
+    words = ["predict", str(fit), "--mass", "104g", "--compliance", "50um/N"]
+    result = CliRunner().invoke(main, words)
+    assert result.exit_code == 2
+    assert "add the record (--with)" in result.output
 
 
 def test_the_list_of_commands_needs_none_of_them():

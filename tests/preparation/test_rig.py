@@ -1,0 +1,93 @@
+"""What is known of the machine goes into the motion that the fit answers to."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from kit.trials import Bench, Seal, record, relaxation_test
+
+import dashpot as dp
+from dashpot.preparation.denoising import true_motion
+from dashpot.workflow.job import Job
+
+PAPER = Seal.of_arms(196.5, (117.5, 17.8), (0.5021, 16.416))
+OMEGA = 2 * np.pi * 12.7
+RATE = 250.0
+
+
+def fitted(bench: Bench, rig: dp.Rig | None = None, seed: int = 0) -> dp.Fit:
+    test = relaxation_test(record(PAPER, bench, seed=seed))
+    return dp.fit(dp.prepare(test, rig=rig), arms=2)
+
+
+def test_the_give_of_the_machine_is_off_the_motion():
+    one = record(PAPER, Bench(compliance=50e-6, rate=RATE).perfect())
+    test = dp.prepare(relaxation_test(one), rig=dp.Rig(compliance=50e-6))
+    np.testing.assert_allclose(test.displacement, one.compression[-len(test.time) :], atol=2e-9)
+    held = one.compression[-len(test.time) :][test.hold]
+    assert test.depth == pytest.approx(held.mean(), rel=1e-4)
+    travel = one.displacement[-len(test.time) :]
+    np.testing.assert_allclose(test.travel[test.displacement > 0], travel[test.displacement > 0])
+    said = next(step for step in test.steps if step.name == "rig")
+    assert "5e-05 m/N" in said.says
+
+
+def test_counts_are_still_found_behind_the_give():
+    test = relaxation_test(record(PAPER, Bench(compliance=50e-6, hold=10.0)))
+    known = dp.prepare(test, rig=dp.Rig(compliance=50e-6))
+    assert known.encoder_step == pytest.approx(20e-6)
+    x, _ = true_motion(known)
+    one = record(PAPER, Bench(compliance=50e-6, hold=10.0).perfect())
+    assert np.abs(x - one.compression[-len(x) :]).max() < 10e-6
+
+
+def test_a_rig_that_is_not_described_changes_nothing():
+    test = relaxation_test(record(PAPER, Bench(hold=5.0, rate=RATE)))
+    plain, told = dp.prepare(test), dp.prepare(test, rig=dp.Rig())
+    assert np.array_equal(plain.displacement, told.displacement)
+    assert plain.travel is plain.displacement
+    assert plain.steps == told.steps
+
+
+def test_compliance_costs_a_per_cent_and_is_given_back():
+    sound = fitted(Bench(rate=RATE))
+    bench = Bench(compliance=50e-6, rate=RATE)
+    silent, known = fitted(bench), fitted(bench, dp.Rig(compliance=50e-6))
+    assert silent.model.k_inf / sound.model.k_inf - 1 == pytest.approx(-0.0098, abs=0.001)
+    assert known.model.k_inf / sound.model.k_inf == pytest.approx(1, abs=1e-3)
+    np.testing.assert_allclose(known.model.k, sound.model.k, rtol=2e-3)
+
+
+def test_a_force_filter_costs_a_quarter_of_the_loss_and_is_given_back():
+    def loss(fit: dp.Fit) -> float:
+        return float(fit.model.loss(OMEGA))
+
+    # K'' is a hundredth of K' here: 1 % of it is a delay of 1.3 us
+    sound = loss(fitted(Bench()))
+    bench = Bench(force_filter=10.0)
+    assert loss(fitted(bench)) / sound < 0.8
+    assert loss(fitted(bench, dp.Rig(force_filter=10.0))) / sound == pytest.approx(1, abs=0.01)
+
+
+def test_a_machine_that_gives_more_than_it_moves_is_a_wrong_unit():
+    test = relaxation_test(record(PAPER, Bench(hold=5.0, rate=RATE)))
+    with pytest.raises(dp.DataError, match="check the unit of the compliance"):
+        dp.prepare(test, rig=dp.Rig(compliance=50e-3))
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"sync": -1.0}, {"drift": np.nan}, {"compliance": np.inf}, {"force_filter": 0.0}]
+)
+def test_a_rig_of_nonsense_is_refused(wrong):
+    with pytest.raises(dp.DataError, match="expected a number"):
+        dp.Rig(**wrong)
+
+
+def test_a_described_rig_survives_the_archive():
+    test = relaxation_test(record(PAPER, Bench(hold=5.0, rate=RATE)))
+    known = dp.prepare(test, rig=dp.Rig(sync=5e-4, compliance=50e-6))
+    again = dp.from_json(dp.to_json(known))
+    assert again.rig == known.rig
+    job = Job("seal.csv", rig=known.rig)
+    assert dp.from_json(dp.to_json(job)) == job
+    assert np.array_equal(again.displacement, known.displacement)
