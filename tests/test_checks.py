@@ -21,6 +21,7 @@ from dashpot.engine.inference.covariance import Noise, nearly_white, noise_of
 from dashpot.engine.inference.order import DECISIVE, Choice, choose
 from dashpot.fitting import checks as fitting
 from dashpot.fitting.identification import checks as identification
+from dashpot.fitting.repeats import EndStiffness
 from dashpot.planning import checks as planning
 from dashpot.planning.expected import Pulse, RecordNeed
 from dashpot.preparation import checks as preparation
@@ -84,6 +85,26 @@ def sinking(share: float) -> RampHold:
     """The plate gives way after the first tenth of the hold; the force rests."""
     shape = np.where(TIME > 6, 1 - share, 1.0)
     return replace(plate(shape), force=np.clip(TIME, 0, 1))
+
+
+def bending(share: float) -> RampHold:
+    """A ramp of alternate speeds, missed between samples by this share of the noise."""
+    wave = np.where(np.arange(len(TIME)) % 2, 1.0, -1.0) * (TIME > 0.5) * (TIME < 0.9)
+    force = RECORD.force
+    pressed = PLATE > 0.2 * DEPTH
+    stiffness = (force[pressed] / PLATE[pressed]).max()
+    noise = 0.1
+    size = 2 * share * noise / stiffness  # a second difference of 4 sizes, over 8
+    x = PLATE + size * wave
+    worst = (force[pressed] / x[pressed]).max() / stiffness
+    return replace(RECORD, displacement=PLATE + size / worst * wave, force_noise=noise)
+
+
+def creeping(readings: int) -> RampHold:
+    x = PLATE.copy()
+    x[len(x) - 1 - readings : -1] += 1e-6 * np.arange(1, readings + 1)
+    x[-1] = x[-2]
+    return replace(RECORD, displacement=x)
 
 
 def flat_top(samples: int) -> RampHold:
@@ -249,6 +270,8 @@ PREPARATION = [
     Case("samples_unbroken", lambda x: preparation.samples_unbroken(pause(x)), 0.1999, 0.2001),
     Case("spikes_absent", whole(lambda n: preparation.spikes_absent(spiked(n))), 0, 1),
     Case("columns_plausible", lambda x: preparation.columns_plausible(sinking(x)), 0.0299, 0.0301),
+    Case("motion_resolved", lambda x: preparation.motion_resolved(bending(x)), 0.0799, 0.0801),
+    Case("motion_measured", whole(lambda n: preparation.motion_measured(creeping(n))), 1, None),
     Case("range_used", lambda x: preparation.range_used(70 * x, 70.0), 0.0501, 0.0499),
     Case("force_not_clipped", whole(lambda n: preparation.force_not_clipped(flat_top(n))), 4, 5),
     Case("force_resolved", lambda x: preparation.force_resolved(quantised(), x), 20.0, 19.99),
@@ -292,6 +315,14 @@ FITTING = [
         0.0201,
     ),
     Case("force_followed", lambda x: fitting.force_followed(NOISY, missed(x)), 2.999, 3.001),
+    Case(
+        "same_specimen",
+        lambda x: fitting.same_specimen(
+            [EndStiffness(200.0, 4.0, DEPTH, None), EndStiffness(200 + 5 * x, 3.0, DEPTH, None)]
+        ),
+        2.99,
+        3.01,
+    ),
     Case(
         "hold_long_enough", lambda x: fitting.hold_long_enough(arm(1, 40 / x), [RECORD]), 3.01, 2.99
     ),
@@ -647,11 +678,13 @@ LIMITS = {
     "preparation": {
         "baseline_recorded": 5, "contact_found": 0.01, "preload_absent": 0.05, "single_loading": 1,
         "overshoot_small": 0.05, "samples_unbroken": 0.2, "spikes_absent": 0,
-        "columns_plausible": 0.03, "range_used": 0.05, "force_not_clipped": 5, "force_resolved": 20,
+        "columns_plausible": 0.03, "motion_resolved": 0.08, "motion_measured": 0,
+        "range_used": 0.05, "force_not_clipped": 5, "force_resolved": 20,
         "depth_resolved": 0.005, "hold_is_still": 0.01, "hold_outlasts_ramp": 10,
         "ramp_sampled": 10, "strain_small": 0.2,
     },
     "fitting": {
+        "same_specimen": 3,
         "hold_long_enough": 3, "arms_distinct": 1.5, "arms_supported": 3, "residuals_random": 20,
         "fast_arm_visible": 0.1, "drift_told_from_arm": 0.1, "residuals_steady": 4,
         "hold_and_full_agree": 0.1, "filter_bias": 0.01, "separable": 0.01,

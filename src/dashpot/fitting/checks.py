@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Finding, criterion
 from dashpot.engine.inference.order import MAX_SE_LN_TAU, MIN_K_OVER_SE, Choice
+from dashpot.fitting.repeats import SAME_DEPTH, EndStiffness
 from dashpot.preparation.filters import Filter
 from dashpot.records.relaxation import RampHold
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -22,6 +24,11 @@ MIN_TAU_RATIO = 1.5
 MAX_DRIFT_CORRELATION = 0.9
 MAX_METHOD_DIFFERENCE = 0.10
 MAX_INCONSISTENT = 0.05
+MAX_APART = 3.0
+# tests within so many kelvin are of one temperature
+SAME_TEMPERATURE = 2.0
+# repeats on one seal differ by as much
+SAME_STIFFNESS = 0.02
 # curves missed by more than this are not followed
 FOLLOWED = 0.05
 # a force followed to so many times its noise is; beyond the second the solid is another
@@ -51,6 +58,42 @@ def optimum_found(*, stationary: bool) -> Finding:
         "fewer arms, or ask for thorough starts",
         faulted=not stationary,
     )
+
+
+# -- several tests ---------------------------------------------------------------------------------
+
+
+@criterion(
+    "difference / its error", "<=", MAX_APART, "3 standard errors, and 2 % of it", grade="stop"
+)
+def same_specimen(stiffnesses: Sequence[EndStiffness]) -> Finding:
+    """Tests of one depth and temperature find one stiffness."""
+    pairs = [
+        (abs(a.value - b.value) / float(np.hypot(a.sd, b.sd)), i, j)
+        for (i, a), (j, b) in combinations(enumerate(stiffnesses), 2)
+        if _alike(a, b)
+    ]
+    if not pairs:
+        return Finding("no two tests are of one depth and temperature, so lots are not compared")
+    apart, i, j = max(pairs)
+    first, second = stiffnesses[i], stiffnesses[j]
+    each = ", ".join(f"{1e-3 * one.value:.4g} +- {1e-3 * one.sd:.1g}" for one in stiffnesses)
+    return Finding(
+        f"at the end of the hold the tests find {each} N/mm",
+        apart,
+        f": tests {i + 1} and {j + 1} are {100 * (second.value / first.value - 1):+.2g} % apart at "
+        f"one depth, {apart:.3g} standard errors; they are not one seal: fit each alone",
+        excused=abs(second.value / first.value - 1) <= SAME_STIFFNESS,
+    )
+
+
+def _alike(one: EndStiffness, other: EndStiffness) -> bool:
+    """True of two tests of one depth at one temperature, as far as it is known."""
+    if abs(one.depth / other.depth - 1) > SAME_DEPTH:
+        return False
+    if one.temperature is None or other.temperature is None:
+        return True
+    return abs(one.temperature - other.temperature) <= SAME_TEMPERATURE
 
 
 # -- the solid ------------------------------------------------------------------------------------

@@ -25,6 +25,7 @@ from dashpot.fitting.design import (
     solid_of,
 )
 from dashpot.fitting.pipeline import Chosen, FitData, asked_arms, assembled, chosen_arms
+from dashpot.fitting.repeats import end_stiffnesses, refuse_copies
 from dashpot.fitting.uncertainty.encoder import Encoder
 from dashpot.fitting.uncertainty.estimate import Estimate
 from dashpot.fitting.uncertainty.informed_band import informed_band
@@ -99,6 +100,7 @@ def fit(
     records = listed(tests)
     if not records:
         raise FitError("there is no test to fit; expected at least one prepared test")
+    refuse_copies(records)
     asked_arms(arms, max_arms)
     _checked_method(records, method)
     design = Design(method, depth_law, _checked_nuisance(nuisance))
@@ -223,6 +225,8 @@ def _checks(records: Sequence[RampHold], found: Chosen, design: Design) -> tuple
         checks.drift_told_from_arm(model, _drift_correlation(estimate), float(error[-1])),
         checks.residuals_steady(estimate.residuals, rounding=1e-9 * found.data.peak),
     ]
+    if len(records) > 1:
+        answers.append(checks.same_specimen(end_stiffnesses(records)))
     if choice is not None:
         answers.append(checks.order_agreed(choice))
     if design.method == "full" and not design.depth_law:

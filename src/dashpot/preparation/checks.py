@@ -9,7 +9,9 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, median, runs
 from dashpot.base.checks import Check, Finding, criterion, worst
 from dashpot.base.errors import DataError
+from dashpot.base.numbers import rounded
 from dashpot.preparation.contact import MIN_BASELINE, Baseline, Touch
+from dashpot.preparation.denoising import true_motion
 from dashpot.preparation.noise import median_of_three, spikes, usual_scatter
 from dashpot.preparation.segments import Cycle, listed
 from dashpot.records.relaxation import MAX_CREEP, RampHold, quantum
@@ -20,6 +22,9 @@ MAX_OVERSHOOT = 0.05
 MIN_HOLD_OVER_RAMP = 10.0
 MIN_RAMP_SAMPLES = 10.0
 FLAT_SAMPLES = 5.0
+MAX_UNRESOLVED = 0.08
+# so many samples may lie beside the sharp corners of a ramp
+CORNERS = 6
 
 
 # -- what preparation found -----------------------------------------------------------------------
@@ -139,6 +144,56 @@ def spikes_absent(test: RampHold) -> Finding:
         f"from both neighbours, the first at t = {first:.6g} s; mend them in the file, or use "
         "filter='median:3'",
         float(count),
+    )
+
+
+@criterion(
+    "force lost / noise", "<=", MAX_UNRESOLVED, "our choice: 1 noise SD over the samples of a step"
+)
+def motion_resolved(test: RampHold) -> Finding:
+    r"""The samples follow the motion between them.
+
+    Taken as straight, a motion is missed by :math:`h^2 \ddot x/8`, and the force by the largest
+    secant stiffness of the ramp times that. A few sharp corners may lie between samples.
+    """
+    ramp = replace(test, hold_end=min(test.ramp_end + test.ramp_time, test.hold_end))
+    x, _ = true_motion(ramp)
+    time, force = test.time[: len(x)], test.force[: len(x)]
+    if len(x) < 4 * CORNERS:
+        return Finding("the ramp has too few samples to tell how its motion bends between them")
+    steps = np.diff(time)
+    missed = np.abs(np.diff(np.diff(x) / steps)) * np.maximum(steps[1:], steps[:-1]) / 8
+    pressed = x > 0.2 * test.depth
+    stiffness = float(((force[pressed] - test.preload) / x[pressed]).max(initial=0.0))
+    worst = float(np.partition(missed, -CORNERS)[-CORNERS]) * stiffness
+    value = worst / max(test.force_noise, 1e-3 * float(force.max()))
+    needed = np.sqrt(value / MAX_UNRESOLVED) / median(steps)
+    return Finding(
+        f"between two samples the motion bends by what would be {1e3 * worst:.2g} mN",
+        value,
+        f", {value:.2g} of the noise at each of many samples: it is finer than the sampling, and "
+        f"fast arms follow what is missed; sample at {rounded(needed, digits=2)} Hz or faster",
+    )
+
+
+@criterion("readings that moved in the hold", ">", 0.0, "by definition")
+def motion_measured(test: RampHold) -> Finding:
+    """The displacement of the hold is a reading that would show a creeping crosshead."""
+    x, force = test.travel[test.hold], test.force[test.hold]
+    moved = int(np.count_nonzero(np.diff(x)))
+    if moved:
+        return Finding("the displacement of the hold is read, not commanded", float(moved))
+    part = max(len(force) // 20, 1)
+    middle = len(force) // 2
+    fall = float(force[middle : middle + part].mean() - force[-part:].mean())
+    creep = 1e-3 * float(force[-part:].mean())
+    share = f", {100 * creep / fall:.2g} % of its fall" if fall > creep else ""
+    step = f", or hides less than a count of {1e6 * test.encoder_step:.3g} um"
+    return Finding(
+        "the displacement stands perfectly still in the hold: it is the commanded one"
+        f"{step if test.encoder_step else ''}. A crosshead that crept on by 0.1 % of the depth, "
+        f"unseen, would move the force by {1e3 * creep:.2g} mN{share} over the last half of the "
+        "hold, and the slowest arm with it: a gauge at the seal would show it"
     )
 
 

@@ -111,6 +111,8 @@ def prepare(
         checks.samples_unbroken(record),
         checks.spikes_absent(record),
         checks.columns_plausible(record),
+        checks.motion_resolved(record),
+        checks.motion_measured(record),
     ]
     if force_range is not None:
         answers.append(checks.range_used(rise, force_range))
