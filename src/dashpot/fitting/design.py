@@ -176,10 +176,10 @@ def _motion(test: RampHold) -> tuple[FloatArray, FloatArray, FloatArray]:
     """
     used = slice(0, test.hold.stop)
     x, _ = true_motion(test)
-    return _evened(test.time[used] - test.time[0]), x - x[0], test.force[used]
+    return evened(test.time[used] - test.time[0]), x - x[0], test.force[used]
 
 
-def _evened(time: FloatArray) -> FloatArray:
+def evened(time: FloatArray) -> FloatArray:
     """Return an even clock whose stamps were rounded as the even clock it is, else `time`.
 
     A text file rounds its times. Where every stamp is within a hundredth of a sample of a uniform

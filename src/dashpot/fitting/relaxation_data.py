@@ -1,23 +1,39 @@
-"""The relaxation test as data to be explained, freed of its tare and drift."""
+r"""The relaxation test as data to be explained, freed of what its rig adds.
+
+What a rig adds to the force of the solid is linear: an offset, a drift, the change that a late
+clock makes, what the readings of the encoder leave unknown. Each is known beforehand to within a
+standard deviation (:mod:`dashpot.fitting.nuisance`), so that all of them together add
+:math:`C C'` to the covariance of the noise, C their columns times their standard deviations. The
+rows are whitened for it.
+
+A force that is late by :math:`\delta` is :math:`F - \delta \dot F`. Its column needs no new
+column of the record: with the elongations q_j of unit arms,
+
+.. math:: \dot F = k_g \dot x - \sum_j (k_j/\tau_j)\, q_j, \qquad k_g = k_\infty + \sum_j k_j
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import NamedTuple
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, FloatArray
+from dashpot.base.arrays import BoolArray, FloatArray, median
 from dashpot.engine.blocks.block import Block, Evaluation
-from dashpot.engine.blocks.correlation import correlation_block
+from dashpot.engine.blocks.compression import SMALL, uniform_step
+from dashpot.engine.blocks.correlation import correlation_block, fast_length
+from dashpot.engine.blocks.hold import hold_block
 from dashpot.engine.blocks.kernels import reduced_block
-from dashpot.engine.blocks.recorded import recorded_block
-from dashpot.fitting.design import Design, compressed
+from dashpot.engine.blocks.recorded import recursion_block
+from dashpot.fitting.design import evened
+from dashpot.fitting.nuisance import Prior, priors
 from dashpot.preparation.denoising import APART, true_motion
-from dashpot.records.estimate import Residual
 from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RampHold
+from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # a dashpot is an arm far faster than anything in the window
 DASHPOT = 1e-3
@@ -25,6 +41,17 @@ DASHPOT = 1e-3
 SHORTEST, LONGEST = 1e-6, 10.0
 SOLID = ("k_inf", "b")
 STRETCHES = 50
+# the rate of a force is that of the arms slower than so many samples
+SLOW_ARM = 5.0
+# cycles per record between which noise is what an arm is told from
+SLOWEST_NOISE, FASTEST_NOISE = 8, 160
+# a line of the periodogram so far above its middle is a hum, and no noise
+LINE = 20.0
+# slower noise counts where its power is so much larger: by chance it never is
+WANDERS = 2.0
+
+
+White: TypeAlias = Callable[[FloatArray], FloatArray]
 
 
 class Rows(NamedTuple):
@@ -50,18 +77,31 @@ class RelaxationData:
     block : Block
         Fixed columns other than those of the solid are private to the test.
     weight : float
-        :math:`1/(\sigma\sqrt\kappa)`, 1/N: kappa correlated samples say the same thing.
+        :math:`1/\sqrt S`, 1/N, with S the power of the residuals where arms are told apart.
     kappa : float
-    doubt : dict of str to float
-        Standard deviation of the coefficient of those private columns that are not free.
+        :math:`S/s^2`: so many samples say the same thing.
+    known : mapping of str to Prior
+        Mean and standard deviation of the coefficients of private columns, by the kind of their
+        name; the others are free.
+    since : float
+        From the moment at which the offset is known to that from which the drift's column
+        counts, s.
+    answer : GeneralizedMaxwell
+        The solid whose force is late, and whose size the depth decides.
+    delay, size : float
+        Standard deviations of the delay, s, and of the relative size of the force.
     certain : Block
-        The test without the columns in doubt.
+        The test without the columns that only doubt the motion.
     """
 
     block: Block
     weight: float
     kappa: float
-    doubt: Mapping[str, float]
+    known: Mapping[str, Prior]
+    since: float
+    answer: GeneralizedMaxwell
+    delay: float
+    size: float
     certain: Block
 
     @property
@@ -80,92 +120,237 @@ class RelaxationData:
         return self.certain.weighted(self.weight, tuple(names))
 
     def rows(self, log_tau: FloatArray, *, slopes: bool = True) -> Rows:
-        r"""Everything that depends on the solid.
-
-        Tare and drift of the force are linear and private to the test: they are projected out.
-        Private columns C that are known to within a standard deviation add :math:`C C'` to the
-        covariance of the noise, which is whitened.
-        """
-        block = self.block
-        kinds = [name.partition("@")[0] for name in block.fixed_names]
-        shortest = np.log(DASHPOT * block.window[0])
-        found = block.evaluate(np.append(log_tau, shortest), slopes)
-        free = [kind not in SOLID and kind not in self.doubt for kind in kinds]
-        private = np.linalg.qr(found.fixed[:, free])[0]
-        doubtful = [kind in self.doubt for kind in kinds]
-        sizes = [self.doubt[kind] for kind in kinds if kind in self.doubt]
-        noise = self.weight * _freed(found.fixed[:, doubtful], private) * sizes
-        axes, stretch, _ = np.linalg.svd(noise, full_matrices=False)
-        shrink = 1 - 1 / np.sqrt(1 + stretch**2)
-
-        def white(columns: FloatArray) -> FloatArray:
-            columns = self.weight * _freed(columns, private)
-            along = axes.T @ columns
-            return np.asarray(
-                columns - axes @ (shrink.reshape(-1, *[1] * (along.ndim - 1)) * along)
-            )
-
+        """Everything that depends on the solid, whitened for all that the rig adds."""
+        count, kinds = len(log_tau), [name.partition("@")[0] for name in self.block.fixed_names]
+        shortest = np.log(DASHPOT * self.block.window[0])
+        found = self.block.evaluate(
+            np.concatenate((log_tau, np.log(self.answer.tau), [shortest])), slopes
+        )
+        spring = found.fixed[:, kinds.index("k_inf")]
         fast = found.arms[:, -1] / np.exp(shortest)
+        of_answer = _of_answer(self.answer, spring, fast, found.arms[:, count:-1])
+        columns, mean = self._known(found, kinds)
+        free = [kind not in SOLID and kind not in self.known for kind in kinds]
+        doubts = np.column_stack((*columns, *(of_answer * (self.delay, self.size)).T))
+        white = _whitening(found.fixed[:, free], self.weight * doubts)
         return Rows(
-            target=white(found.target),
-            spring=white(found.fixed[:, kinds.index("k_inf")]),
-            dashpot=white(found.fixed[:, kinds.index("b")] if "b" in kinds else fast),
-            arms=white(found.arms[:, :-1]),
-            slopes=white(found.d_arms[:, :-1]),
+            target=white(self.weight * (found.target - mean)),
+            spring=white(self.weight * spring),
+            dashpot=white(
+                self.weight * (found.fixed[:, kinds.index("b")] if "b" in kinds else fast)
+            ),
+            arms=white(self.weight * found.arms[:, :count]),
+            slopes=white(self.weight * found.d_arms[:, :count]),
         )
 
+    def _known(
+        self, found: Evaluation, kinds: Sequence[str]
+    ) -> tuple[list[FloatArray], FloatArray]:
+        """Private columns that are known, times their sd, and the sum of their means."""
+        columns, mean = [], np.zeros(len(found.target))
+        for i, kind in enumerate(kinds):
+            if kind in self.known:
+                column, prior = found.fixed[:, i], self.known[kind]
+                if kind == "drift" and self.since:
+                    column = column + self.since * found.fixed[:, kinds.index("offset")]
+                columns.append(prior.sd * column)
+                mean = mean + prior.mean * column
+        return columns, mean
 
-def _freed(columns: FloatArray, private: FloatArray) -> FloatArray:
-    return np.asarray(columns - private @ (private.T @ columns))
+
+def _of_answer(
+    answer: GeneralizedMaxwell, spring: FloatArray, dashpot: FloatArray, arms: FloatArray
+) -> FloatArray:
+    """Columns of a late force, -dF/dt, and of the force itself, shape (n, 2)."""
+    k, tau = np.asarray(answer.k), np.asarray(answer.tau)
+    late = arms @ (k / tau) - (answer.k_inf + k.sum()) * dashpot
+    return np.column_stack((late, answer.k_inf * spring + arms @ k))
 
 
-def relaxation_data(test: RampHold, fit: Fit, *, noise: Residual | None = None) -> RelaxationData:
-    r"""Weigh a test by the residual of its fit, and doubt its motion by what the encoder leaves.
+def _whitening(free: FloatArray, doubts: FloatArray) -> White:
+    """Return what makes noise of covariance 1 + C C' white, free columns projected out."""
+    private = np.linalg.qr(free)[0]
+    axes, stretch, _ = np.linalg.svd(doubts - private @ (private.T @ doubts), full_matrices=False)
+    shrink = 1 - 1 / np.sqrt(1 + stretch**2)
 
-    Both the zero at contact and the reading of the hold are uniform within a count q, a standard
-    deviation of :math:`q/\sqrt{12}`; where the motion bends, what is left of the encoder's noise
-    moves the force for some hundredths of the ramp. Either looks like an arm faster than the ramp.
+    def white(columns: FloatArray) -> FloatArray:
+        left = columns - private @ (private.T @ columns)
+        along = axes.T @ left
+        return np.asarray(left - axes @ (shrink.reshape(-1, *[1] * (along.ndim - 1)) * along))
+
+    return white
+
+
+# -- from a test ----------------------------------------------------------------------------------
+
+
+def relaxation_data(test: RampHold, fit: Fit, *, alone: Fit | None = None) -> RelaxationData:
+    r"""Weigh a test by its own residual, and doubt all that its rig adds to the force.
+
+    What is before first contact only tells offset and drift, and is spent on their priors. Both the
+    zero at contact and the reading of the hold are uniform within a count q of the encoder, a
+    standard deviation of :math:`q/\sqrt{12}`; where the motion bends, what is left of the encoder's
+    noise moves the force for some hundredths of the ramp. Either looks like an arm faster than the
+    ramp.
 
     Parameters
     ----------
     test : RampHold
     fit : Fit
         The solid whose response to a small motion stands for the doubt; its method is kept.
-    noise : Residual, optional
-        Of this test alone, where the fit is of several.
+    alone : Fit, optional
+        Of this test alone, where `fit` is of more than this test: its solid leaves the noise.
     """
-    noise = fit.residual if noise is None else noise
-    weight = 1 / (noise.rms * np.sqrt(noise.kappa))
     if fit.method == "hold":
-        held = compressed((test,), Design("hold"))[0]
-        return RelaxationData(held, weight, noise.kappa, {}, held)
+        return held_data(test, fit.model, _left_by((alone or fit).model, held(test)))
     x, left = true_motion(test)
-    clock = test.time[: len(x)]
-    if compressed((test,), Design("full"))[0].rotated_basis:
-        clock = np.linspace(clock[0], clock[-1], len(clock))  # even, but for its last digits
-    time = clock - clock[0]
-    block = recorded_block(time, x - x[0], test.force[: len(x)], offset="offset", drift="drift")
-    motions: dict[str, BoolArray] = {}
-    doubt: dict[str, float] = {}
-    step = test.encoder_step
-    if step > 0:
-        motions |= {name: clock >= at for name, at in _readings(test)}
-        doubt |= dict.fromkeys(motions, float(step / np.sqrt(12)))
+    time = evened(test.time[: len(x)] - test.time[0])
+    doubts = _doubts(test, time, left)
+    columns = {name: fit.model.force(time, 1.0 * motion) for name, (motion, _) in doubts.items()}
+    certain = _recorded(test, time, x - x[0], {})
+    return _weighed(
+        test,
+        _recorded(test, time, x - x[0], columns) if columns else certain,
+        certain,
+        fit.model,
+        _left_by((alone or fit).model, certain),
+        doubts={name.partition("@")[0]: sd for name, (_, sd) in doubts.items()},
+    )
+
+
+def held_data(test: RampHold, answer: GeneralizedMaxwell, residual: FloatArray) -> RelaxationData:
+    """The hold after an ideal ramp, whose depth scales the force."""
+    block = held(test)
+    return _weighed(test, block, block, answer, residual, size=test.depth_doubt)
+
+
+def fitted_data(
+    test: RampHold, block: Block, answer: GeneralizedMaxwell, residual: FloatArray
+) -> RelaxationData:
+    """As :func:`relaxation_data`, from the block of a recorded motion that a fit has at hand.
+
+    What the encoder leaves unknown of the depth scales the force; what it leaves unknown of the
+    ramp's corners is not in it, so it serves no question about fast arms.
+    """
+    size = float(np.hypot(test.depth_doubt, test.contact_error / test.depth))
+    return _weighed(test, block, block, answer, residual, size=size)
+
+
+def held(test: RampHold) -> Block:
+    """The block of the hold, with an offset and a drift of its load cell."""
+    return hold_block(
+        test.time[test.hold] - test.ramp_end,
+        test.force[test.hold],
+        depth=test.depth,
+        ramp_time=test.ramp_time,
+        offset="offset",
+        drift="drift",
+    )
+
+
+def noise_power(residual: FloatArray) -> float:
+    r"""Return the power S of noise where arms are told from it: its variance, if it is white.
+
+    The mean periodogram between 8 and 160 cycles per record, lines of hum left out; below, where
+    the noise wanders. A standard deviation counts a hum as noise, and so does a sum of
+    autocovariances; an arm does not see it.
+    """
+    n = len(residual)
+    size = fast_length(n)
+    power = np.abs(np.fft.rfft(residual - residual.mean(), size)) ** 2 / n
+    cycles = np.arange(len(power)) * n / size
+    medium = _without_lines(power[(cycles >= SLOWEST_NOISE) & (cycles <= FASTEST_NOISE)])
+    if not len(medium):
+        return float(np.mean(residual**2))
+    slow = power[(cycles >= SLOWEST_NOISE / 3) & (cycles <= 2 * SLOWEST_NOISE)]
+    level = float(medium.mean())
+    return max(level, float(slow.mean())) if slow.mean() > WANDERS * level else level
+
+
+def _without_lines(power: FloatArray) -> FloatArray:
+    return power[power <= LINE * median(power)] if len(power) else power
+
+
+def _weighed(
+    test: RampHold,
+    block: Block,
+    certain: Block,
+    answer: GeneralizedMaxwell,
+    residual: FloatArray,
+    *,
+    doubts: Mapping[str, float] = MappingProxyType({}),
+    size: float = 0.0,
+) -> RelaxationData:
+    before, step = priors(test), median(np.diff(test.time))
+    power = max(noise_power(residual), certain.rounding_floor)
+    slow = [j for j, tau in enumerate(answer.tau) if tau >= SLOW_ARM * step]
+    first = test.time[test.hold.stop - certain.samples]
+    return RelaxationData(
+        block=block,
+        weight=1 / float(np.sqrt(power)),
+        kappa=power / max(float(np.mean(residual**2)), certain.rounding_floor / len(residual)),
+        known={
+            "offset": before.offset,
+            "drift": before.drift,
+            **{name: Prior(0.0, sd) for name, sd in doubts.items()},
+        },
+        since=float(first - test.time[0]) - before.at,
+        answer=GeneralizedMaxwell(
+            answer.k_inf, tuple(answer.k[j] for j in slow), tuple(answer.tau[j] for j in slow)
+        ),
+        delay=before.delay.sd,
+        size=size,
+        certain=certain,
+    )
+
+
+def _left_by(model: GeneralizedMaxwell, block: Block) -> FloatArray:
+    """What the arms of a solid leave of a record, their stiffnesses free."""
+    rows = block.exact.evaluate(np.log(model.tau), derivative=False)
+    columns = np.concatenate((rows.fixed, rows.arms), axis=1)
+    return np.asarray(rows.target - columns @ np.linalg.lstsq(columns, rows.target, rcond=None)[0])
+
+
+def _recorded(
+    test: RampHold, time: FloatArray, x: FloatArray, columns: Mapping[str, FloatArray]
+) -> Block:
+    """The block of a recorded motion from first contact on, with further private columns."""
+    first, step = priors(test).first, uniform_step(time)
+    used = slice(first, len(time))
+    exact = recursion_block(
+        time,
+        x,
+        test.force[: len(time)],
+        window=used,
+        fixed={
+            "k_inf": x[used],
+            "offset": np.ones(len(time) - first),
+            "drift": time[used] - time[first],
+            **{name: column[used] for name, column in columns.items()},
+        },
+        step=step,
+    )
+    if step is not None and len(time) > SMALL:
+        return correlation_block(exact, time, x, start=first, stop=len(time))
+    low, high = exact.window
+    return reduced_block(exact, reach=(min(DASHPOT * low, SHORTEST), LONGEST * high))
+
+
+def _doubts(
+    test: RampHold, time: FloatArray, left: FloatArray
+) -> dict[str, tuple[BoolArray, float]]:
+    """Motions that may have been, and the standard deviation of their size, m."""
+    found: dict[str, tuple[BoolArray, float]] = {}
+    clock, count = time + test.time[0], test.encoder_step / np.sqrt(12)
+    if count > 0 or test.contact_error > 0:
+        found["contact"] = clock >= test.onset, float(np.hypot(count, test.contact_error))
+    if count > 0:
+        found["depth"] = clock >= test.ramp_end, float(count)
     if left.any():
-        bends = {f"bend@{i}": inside for i, inside in enumerate(_bends(test, clock))}
-        motions |= bends
-        doubt["bend"] = APART * float(
-            np.sqrt(np.mean(left[np.any([*bends.values()], axis=0)] ** 2))
-        )
-    if not motions:
-        return RelaxationData(block, weight, noise.kappa, {}, block)
-    columns = {name: fit.model.force(time, 1.0 * motion) for name, motion in motions.items()}
-    wide = _widened(block, time, x - x[0], columns)
-    return RelaxationData(wide, weight, noise.kappa, doubt, block)
-
-
-def _readings(test: RampHold) -> tuple[tuple[str, float], ...]:
-    return ("contact", test.onset), ("depth", test.ramp_end)
+        bends = _bends(test, clock)
+        sd = APART * float(np.sqrt(np.mean(left[np.any(bends, axis=0)] ** 2)))
+        found |= {f"bend@{i}": (inside, sd) for i, inside in enumerate(bends)}
+    return found
 
 
 def _bends(test: RampHold, time: FloatArray) -> list[BoolArray]:
@@ -175,20 +360,3 @@ def _bends(test: RampHold, time: FloatArray) -> list[BoolArray]:
     starts += [test.ramp_end + i * width for i in range(-4, 8)]
     found = [(time >= start) & (time < start + width) for start in starts]
     return [inside for inside in found if inside.any()]
-
-
-def _widened(
-    block: Block, time: FloatArray, x: FloatArray, columns: Mapping[str, FloatArray]
-) -> Block:
-    """The block of a recorded motion with more fixed columns."""
-    exact, more = block.exact, np.column_stack(list(columns.values()))
-
-    def rows(log_tau: FloatArray, derivative: bool) -> Evaluation:
-        found = exact.evaluate(log_tau, derivative)
-        return found._replace(fixed=np.concatenate((found.fixed, more), axis=1))
-
-    wide = replace(exact, rows=rows, fixed_names=(*exact.fixed_names, *columns))
-    if block.rotated_basis:
-        return correlation_block(wide, time, x, start=0, stop=len(time))
-    low, high = exact.window
-    return reduced_block(wide, reach=(min(DASHPOT * low, SHORTEST), LONGEST * high))

@@ -61,8 +61,13 @@ class FRFBounds(ByValue):
         Lowest and highest magnitude that the standard errors of the fit allow.
     unseen : array, shape (2, n)
         Lowest and highest magnitude over all non-negative spectra that the relaxation tests
-        cannot reject.
+        do not reject; infinite, unlimited, where one of them resonates there without loss.
     says : str
+    peak_frequency : (float, float) or None
+        Where one of them may resonate, Hz; an upper end of infinity if nothing limits it. None if
+        it was not sought or not found.
+    peak_height : (float, float) or None
+        Between which limits the largest magnitude lies, 1/kg; the upper one may be infinite.
     """
 
     frequency: FloatArray
@@ -70,6 +75,8 @@ class FRFBounds(ByValue):
     parameter: FloatArray
     unseen: FloatArray
     says: str = ""
+    peak_frequency: tuple[float, float] | None = None
+    peak_height: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         for name in ("frequency", "magnitude", "parameter", "unseen"):

@@ -66,6 +66,7 @@ def hold_block(
     depth: float,
     ramp_time: float,
     k_inf: str = "k_inf",
+    offset: str | None = None,
     drift: str | None = None,
     weights: FloatArray | None = None,
     arm_group: str = "k",
@@ -83,15 +84,16 @@ def hold_block(
     force : array, shape (M,)
     depth, ramp_time : float
         x_h and c > 0; c = 0 is a step.
-    k_inf, drift : str
-        Names of the fixed columns; a drift is a straight line of force in time, N/s, and is
-        left out unless named. (On a hold alone a constant offset is k_inf.)
+    k_inf, offset, drift : str
+        Names of the fixed columns; an offset is a constant force, N, which on a hold alone only a
+        prior tells from k_inf, a drift a straight line of force in time, N/s. Both are left out
+        unless named.
     weights : array, shape (M,), optional
         1/sd of each sample.
     compress : bool
         False keeps every sample as a row.
     """
-    ideal = _Ideal(depth, ramp_time, False, k_inf, None, drift)
+    ideal = _Ideal(depth, ramp_time, False, k_inf, offset, drift)
     return _block(time, force, weights, ideal, arm_group=arm_group, compress=compress)
 
 

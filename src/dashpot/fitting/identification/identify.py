@@ -298,7 +298,7 @@ def _relaxations(
     same = len(records) == 1 and before.method in {"full", "hold"}
     alone = [before] if same else [fit_tests(record) for record in records]
     return before, tuple(
-        relaxation_data(record, before, noise=own.residual)
+        relaxation_data(record, before, alone=own)
         for record, own in zip(records, alone, strict=True)
     )
 

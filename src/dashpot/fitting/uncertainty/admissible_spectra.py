@@ -1,137 +1,209 @@
-r"""All the spectra that a relaxation test cannot reject.
+r"""All the spectra that relaxation tests cannot reject.
 
-On a grid of relaxation times, a spectrum is :math:`k_\infty, b, k_i \ge 0`. The test rejects it if
-its chi-square lies more than a quantile above that of the best of them. The reach of a stiffness
-:math:`v \cdot k` over all that are left is where
+A spectrum is :math:`s = (k_\infty, b, k_1, \ldots) \ge 0` on a grid of relaxation times. With A
+and y the whitened columns and data, all that leave
 
-.. math:: h(t) = \min_{k \ge 0,\; v \cdot k = t} |y - R k|^2
+.. math:: |A s - y|^2 \le \min_{s \ge 0} |A s - y|^2 + c
 
-rises to that limit: non-negative least squares with one heavy row, and a root in t.
+stand. A quantity linear in s, such as K'(omega), K''(omega) or k(t), reaches over them from its
+smallest to its largest value: the strict bounds of Rust and Burrus (*Mathematical Programming and
+the Numerical Solution of Linear Equations*, 1972) and of Stark (*J. Geophys. Res.* 97, 1992). At
+the quantile of chi-square with one degree of freedom their coverage was long conjectured to be
+that of one quantity without the bounds at zero; it is not (P. Batlle et al., arXiv:2310.02461,
+2023). On simulated seals that cut is up to six points short of 95 %, and 5.0 for 3.84 mends it.
+
+The grid is refined where the best spectrum has weight, since what an active arm cannot reach
+between two grid points is paid in chi-square: an error of a limit, in standard errors, that grows
+with the square of the gap over the noise.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections import deque
+from collections.abc import Sequence
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
+from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
+from dashpot.base.student_t import t_quantile
+from dashpot.engine.solver.nonnegative_ball import farthest, nonnegative_least_squares
 from dashpot.fitting.relaxation_data import RelaxationData
 
+#: of the grid before it is refined
 PER_DECADE = 16
 # the grid ends this far, as a factor, beyond what frequencies and tests could tell apart
 BEYOND = 10.0
-HEAVY = 1e4
-STEPS = 40
+# a gap of ln tau is refined by so many points, until it is as small as this
+POINTS, FINEST = 3, float(np.log(10)) / 400
+ROUNDS = 5
+# refinement ends when it gains no more of the sum of squares
+GAIN = 0.05
+#: what the quantile of chi-square must be multiplied by to cover what it says: 5.0 for 3.84
+CALIBRATION = 5.0 / 3.841
+# rows with no more of any unit column are rounding
+ROUNDING = 1e-9
+# a ratio is found when one more step would move its numerator by this part of a standard error
 CLOSE = 1e-3
+STEPS = 40
+REMEMBERED = 16
+
+
+def deviance_limit(level: float, dof: float) -> float:
+    """Return how far above the best the sum of squares of a spectrum may lie.
+
+    Parameters
+    ----------
+    level : float
+        Coverage of each limit.
+    dof : float
+        Degrees of freedom of the noise.
+    """
+    return CALIBRATION * t_quantile(level, dof) ** 2
 
 
 class Spectra:
     """The non-negative spectra of some relaxation tests, at a deviance limit.
 
-    Columns are k_inf, b, then arms on a grid of relaxation times.
+    Columns are k_inf, b, then arms at `tau`.
+
+    Parameters
+    ----------
+    relaxations : sequence of RelaxationData
+    fastest : float
+        The highest frequency to be asked about, rad/s.
+    limit : float
+        Of the deviance, :func:`deviance_limit`.
+    further : array, shape (n,), optional
+        Relaxation times that the grid holds besides, s: those of the fit.
     """
 
     def __init__(
-        self, relaxations: Sequence[RelaxationData], *, fastest: float, limit: float
+        self,
+        relaxations: Sequence[RelaxationData],
+        *,
+        fastest: float,
+        limit: float,
+        further: Sequence[float] = (),
     ) -> None:
+        self.limit = limit
         shortest = min(relaxation.block.window[0] for relaxation in relaxations)
         longest = max(relaxation.block.window[1] for relaxation in relaxations)
         low = np.log(min(shortest, 1 / (BEYOND * fastest)))
         high = np.log(longest)
         count = int(np.ceil((high - low) / np.log(10) * PER_DECADE)) + 1
-        log_tau = np.linspace(low, high, count)
-        self.tau = np.exp(log_tau)
-        self.limit = limit
-        parts = [relaxation.rows(log_tau, slopes=False) for relaxation in relaxations]
-        rows = np.vstack([np.column_stack([p.spring, p.dashpot, p.arms]) for p in parts])
-        target = np.concatenate([part.target for part in parts])
-        self.scale = np.linalg.norm(rows, axis=0)
-        # what is orthogonal to every column is the same for all spectra
-        basis = np.linalg.qr(rows / self.scale)[0]
-        self.rows, self.target = basis.T @ (rows / self.scale), basis.T @ target
-        self.best, self.least = self._nnls(self.rows, self.target)
+        own = np.log(np.asarray(further, dtype=float))
+        log_tau = np.union1d(np.linspace(low, high, count), own)
+        left, weight = np.inf, np.zeros(len(log_tau) + 2)
+        for _ in range(ROUNDS):
+            before, left = left, self._on(relaxations, log_tau, weight)
+            finer = _refined(log_tau, self.best[2:] > 0)
+            if before - left < GAIN or len(finer) == len(log_tau):
+                break
+            weight = np.zeros(len(finer) + 2)
+            weight[:2], weight[2 + np.searchsorted(finer, log_tau)] = np.split(
+                self.best / self.scale, [2]
+            )
+            log_tau = finer
+        # all of one convex set: whatever is asked next, the best of them for it is a start
+        self.met = deque([self.best], maxlen=REMEMBERED)
 
-    def columns_at(self, omega: float) -> tuple[FloatArray, FloatArray]:
+    def _on(
+        self, relaxations: Sequence[RelaxationData], log_tau: FloatArray, start: FloatArray
+    ) -> float:
+        """Take a grid, find the best spectrum on it from a start, N/m; return what it leaves."""
+        order = _spread(len(log_tau))
+        parts = []
+        for relaxation in relaxations:
+            part = relaxation.rows(log_tau[order], slopes=False)
+            arms = np.empty_like(part.arms)
+            arms[:, order] = part.arms
+            parts.append(np.column_stack((part.target, part.spring, part.dashpot, arms)))
+        rows = np.vstack(parts)
+        self.tau = np.exp(log_tau)
+        self.scale = np.maximum(np.linalg.norm(rows[:, 1:], axis=0), np.finfo(float).tiny)
+        rows[:, 1:] /= self.scale
+        told = np.linalg.norm(rows[:, 1:], axis=1) > ROUNDING
+        aside, rows = float(rows[~told, 0] @ rows[~told, 0]), rows[told]
+        self.columns, self.target = np.ascontiguousarray(rows[:, 1:]), rows[:, 0].copy()
+        self.best = nonnegative_least_squares(self.columns, self.target, start * self.scale)
+        self.least = self.left(self.best)
+        return self.least + aside
+
+    def left(self, s: FloatArray) -> float:
+        """Sum of squares that a spectrum, in unit columns, leaves."""
+        misfit = self.columns @ s - self.target
+        return float(misfit @ misfit)
+
+    # -- quantities -------------------------------------------------------------------------------
+
+    def stiffness_at(self, omega: float) -> tuple[FloatArray, FloatArray]:
         """Storage and loss of unit columns at omega, rad/s: shapes (m,)."""
         x = omega * self.tau
         storage = np.concatenate(([1.0, 0.0], x * x / (1 + x * x)))
         loss = np.concatenate(([0.0, omega], x / (1 + x * x)))
         return storage, loss
 
+    def relaxed_to(self, time: float) -> FloatArray:
+        r"""Relaxation :math:`k_\infty + \sum_j k_j e^{-t/\tau_j}` of unit columns, shape (m,)."""
+        return np.concatenate(([1.0, 0.0], np.exp(-time / self.tau)))
+
+    def falling_at(self, time: float) -> FloatArray:
+        r"""Its slope :math:`-dk/d\ln t` of unit columns, shape (m,)."""
+        x = time / self.tau
+        return np.concatenate(([0.0, 0.0], x * np.exp(-x)))
+
     def value(self, v: FloatArray) -> float:
         """V . k of the best spectrum."""
         return float(v @ (self.best / self.scale))
 
+    # -- reaches ----------------------------------------------------------------------------------
+
+    def farthest(self, v: FloatArray) -> FloatArray:
+        """The spectrum of the largest v . k, N/m, shape (m,)."""
+        aim = v / self.scale
+        start = max(self.met, key=lambda s: float(aim @ s))
+        found = farthest(self.columns, self.target, aim, self.least + self.limit, start)
+        self.met.append(found)
+        return np.asarray(found / self.scale)
+
     def reach(self, v: FloatArray) -> tuple[float, float]:
-        """Smallest and largest v . k that the tests cannot reject; v >= 0 or of any sign."""
-        start = self.value(v)
-        step = max(abs(start), 1e-12) * 0.01
-        # a quantity that cannot be negative has its lowest value at zero
-        bottom = 0.0 if (v >= 0).all() else -np.inf
-        return (
-            self._edge(lambda t: self._deviance(v, t), start, -step, bottom),
-            self._edge(lambda t: self._deviance(v, t), start, step, -np.inf),
-        )
+        """Smallest and largest v . k that the tests do not reject."""
+        return float(v @ self.farthest(-v)), float(v @ self.farthest(v))
 
     def ratio_reach(self, above: FloatArray, below: FloatArray) -> tuple[float, float]:
-        """Smallest and largest (above . k) / (below . k)."""
-        start = self.value(above) / self.value(below)
-        step = max(start * 0.02, 1e-6)
+        """Smallest and largest (above . k) / (below . k), below . k > 0 (Dinkelbach 1967)."""
+        return -self._largest_ratio(-above, below), self._largest_ratio(above, below)
 
-        def deviance(ratio: float) -> float:
-            return self._deviance(above - ratio * below, 0.0)
-
-        return (
-            self._edge(deviance, start, -step, 0.0),
-            self._edge(deviance, start, step, -np.inf),
-        )
-
-    def _deviance(self, v: FloatArray, t: float) -> float:
-        """How much the best chi-square rises if v . k must be t."""
-        row = v / self.scale
-        # heavy against what the best spectrum puts into the row, so that t is met to 1e-6
-        size = max(abs(t), float(np.abs(row) @ self.best))
-        weight = HEAVY * np.sqrt(self.limit) / size
-        k, _ = self._nnls(np.vstack((self.rows, weight * row)), np.append(self.target, weight * t))
-        misfit = self.rows @ k - self.target
-        return float(misfit @ misfit) - self.least
-
-    def _edge(
-        self, deviance: Callable[[float], float], start: float, step: float, bottom: float
-    ) -> float:
-        """Walk from the best spectrum until the deviance is at its limit, then close in."""
-        goal = float(np.sqrt(self.limit))
-        inside, root_inside = start, 0.0
-        outside, root_outside = np.nan, np.inf
+    def _largest_ratio(self, above: FloatArray, below: FloatArray) -> float:
+        a, b = above / self.scale, below / self.scale
+        ratio = max(float(a @ s) / float(b @ s) for s in self.met)
         for _ in range(STEPS):
-            at = (
-                inside + step
-                if np.isnan(outside)
-                else _between(inside, root_inside, outside, root_outside, goal)
-            )
-            at = max(at, bottom)
-            root = float(np.sqrt(max(deviance(at), 0.0)))
-            if root <= goal:
-                inside, root_inside = at, root
-                if at == bottom:
-                    return bottom
-                step *= 4 if root < goal / 4 else 2
-            else:
-                outside, root_outside = at, root
-            width = abs(outside - inside)
-            if goal - root_inside < CLOSE * goal or width < CLOSE * abs(inside - start):
+            found = self.farthest(above - ratio * below)
+            gain = float(above @ found) - ratio * float(below @ found)
+            larger = float(above @ found) / float(below @ found)
+            if gain <= CLOSE * abs(larger - ratio) or larger <= ratio:
                 break
-        return inside
-
-    def _nnls(self, rows: FloatArray, target: FloatArray) -> tuple[FloatArray, float]:
-        from scipy.optimize import nnls
-
-        k, norm = nnls(rows, target, maxiter=30 * rows.shape[1])
-        return k, float(norm) ** 2
+            ratio = larger
+        return ratio
 
 
-def _between(inside: float, low: float, outside: float, high: float, goal: float) -> float:
-    """Where a straight line between both would meet the goal, kept away from the ends."""
-    part = (goal - low) / (high - low) if np.isfinite(high) else 0.5
-    return inside + float(np.clip(part, 0.05, 0.95)) * (outside - inside)
+def _spread(count: int) -> IndexArray:
+    """Indices in an order that halves the largest gap again and again.
+
+    Columns of a triangular factor in this order leave all that they have in common in its first
+    rows, and rounding in the others.
+    """
+    bits = max(count - 1, 1).bit_length()
+    reversed_ = np.zeros(2**bits, dtype=np.intp)
+    for bit in range(bits):
+        reversed_ = 2 * reversed_ + (np.arange(2**bits) >> bit & 1)
+    return reversed_[reversed_ < count]
+
+
+def _refined(log_tau: FloatArray, active: BoolArray) -> FloatArray:
+    """The grid with points put into the gaps on both sides of every active arm."""
+    gaps = np.diff(log_tau)
+    beside = (active[1:] | active[:-1]) & (gaps > FINEST)
+    steps = np.arange(1, POINTS + 1) / (POINTS + 1)
+    new = log_tau[:-1][beside, None] + gaps[beside, None] * steps
+    return np.union1d(log_tau, new)

@@ -1,0 +1,137 @@
+r"""The farthest non-negative coefficients that data do not reject.
+
+All :math:`s \ge 0` with :math:`|As - y|^2 \le \rho^2` are a convex set; a linear :math:`c's` is
+largest at its edge. With P the columns that carry weight, :math:`A_P = QR`,
+:math:`a = R^{-1}Q'y` and :math:`h = R^{-T}c_P`, the farthest point of that face is
+
+.. math:: s_P = a + \lambda R^{-1} h, \qquad \lambda^2 = (\rho^2 - |y - A_P a|^2) / h'h
+
+A primal active set walks towards it: a coefficient that would become negative leaves P, and the
+column of the largest :math:`w = A'(y - As) + \lambda c` enters, until no w is positive, which are
+the conditions of the optimum. Every point on the way is feasible and none is worse than the one
+before, so any earlier answer of the same set is a start. With c = 0 and no ball it is the method of
+Lawson and Hanson (*Solving Least Squares Problems*, ch. 23).
+
+The factor is that of the columns, never of their Gram matrix: neighbours on a fine grid of
+relaxation times are parallel to six digits.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, FloatArray
+
+#: a gain below this part of the data is rounding
+NOTHING = 1e-13
+#: walks per column, at most
+PATIENCE = 3
+
+
+def nonnegative_least_squares(
+    columns: FloatArray, target: FloatArray, start: FloatArray | None = None
+) -> FloatArray:
+    """Return the s >= 0 that minimises |A s - y|, shape (m,).
+
+    Parameters
+    ----------
+    columns : array, shape (n, m)
+        A, of unit columns.
+    target : array, shape (n,)
+        y.
+    start : array, shape (m,), optional
+        Non-negative; the columns where it is not zero are tried first.
+    """
+    begin = np.zeros(columns.shape[1]) if start is None else start
+    return _walked(columns, target, None, 0.0, begin)
+
+
+def farthest(
+    columns: FloatArray, target: FloatArray, aim: FloatArray, squared: float, start: FloatArray
+) -> FloatArray:
+    """Return the s >= 0 with |A s - y|^2 <= `squared` that maximises c's, shape (m,).
+
+    Parameters
+    ----------
+    columns : array, shape (n, m)
+        A, of unit columns.
+    target : array, shape (n,)
+        y.
+    aim : array, shape (m,)
+        c; only its direction counts.
+    squared : float
+        The square of the ball's radius.
+    start : array, shape (m,)
+        Any point of the set.
+    """
+    length = float(np.linalg.norm(aim))
+    if length == 0.0:
+        return start
+    return _walked(columns, target, aim / length, squared, start)
+
+
+def _walked(
+    columns: FloatArray, target: FloatArray, aim: FloatArray | None, squared: float, s: FloatArray
+) -> FloatArray:
+    s = s.copy()
+    active = np.flatnonzero(s > 0)
+    nothing = NOTHING * float(np.linalg.norm(target))
+    barred: list[int] = []
+    for _ in range(PATIENCE * columns.shape[1]):
+        goal, multiplier = _face(
+            columns[:, active], target, None if aim is None else aim[active], squared
+        )
+        if (goal <= 0).any():
+            s[active], kept = _as_far_as_allowed(s[active], goal)
+            # rounding let it enter: it would leave at once for ever
+            if s[active[-1]] == 0.0:
+                barred.append(int(active[-1]))
+            active = active[kept]
+            continue
+        s[active] = goal
+        gain = _gain(columns, target - columns[:, active] @ goal, aim, multiplier)
+        gain[active] = gain[barred] = -np.inf
+        enters = int(np.argmax(gain))
+        if not gain[enters] > nothing:
+            break
+        active = np.append(active, enters)
+    return s
+
+
+def _gain(
+    columns: FloatArray, residual: FloatArray, aim: FloatArray | None, multiplier: float
+) -> FloatArray:
+    """Return what each column would add; any of the aim is a gain to a face that has none."""
+    if np.isinf(multiplier) and aim is not None:
+        return aim.copy()
+    gain = columns.T @ residual
+    return gain if aim is None else gain + multiplier * aim
+
+
+def _face(
+    columns: FloatArray, target: FloatArray, aim: FloatArray | None, squared: float
+) -> tuple[FloatArray, float]:
+    """Return the farthest point of a face, and its multiplier; inf if the face has no aim."""
+    if not columns.shape[1]:
+        return np.zeros(0), 0.0 if aim is None else np.inf
+    q, r = np.linalg.qr(columns)
+    along = q.T @ target
+    if aim is None:
+        return np.linalg.solve(r, along), 0.0
+    h = np.linalg.solve(r.T, aim)
+    power = float(h @ h)
+    if power == 0.0:
+        return np.linalg.solve(r, along), np.inf
+    rest = target - q @ along
+    multiplier = float(np.sqrt(max(squared - float(rest @ rest), 0.0) / power))
+    return np.linalg.solve(r, along + multiplier * h), multiplier
+
+
+def _as_far_as_allowed(s: FloatArray, goal: FloatArray) -> tuple[FloatArray, BoolArray]:
+    """Return the point on the way to `goal` where a first coefficient vanishes, and the others."""
+    falls = goal <= 0
+    share = np.ones(len(s))
+    np.divide(s, s - goal, out=share, where=falls & (s > 0))
+    share[falls & (s == 0)] = 0.0
+    kept = ~falls | (share > share.min())
+    return np.where(kept, s + share.min() * (goal - s), 0.0), kept
