@@ -36,6 +36,7 @@ from dashpot.fitting.uncertainty.estimate import (
     scored,
 )
 from dashpot.fitting.uncertainty.profile_intervals import profiles
+from dashpot.records.bounds import EndOfHold
 from dashpot.records.estimate import Nuisance, ParameterEstimate, Residual
 from dashpot.records.fit import (
     AtDepth,
@@ -289,6 +290,7 @@ def assembled(
     tests: int = 0,
     unit: str = "N/m",
     elastic_law: ElasticLaw | None = None,
+    end_of_hold: EndOfHold | None = None,
 ) -> Fit:
     """Return the fit that a chosen number of arms makes.
 
@@ -305,6 +307,7 @@ def assembled(
         How many relaxation tests have a tare and a drift of their own.
     unit : str
     elastic_law : ElasticLaw or None
+    end_of_hold : EndOfHold or None
     """
     data, estimate = found.data, found.estimate
     checks = (optimum_found(stationary=_stationary(found.solution)), *checks)
@@ -330,6 +333,7 @@ def assembled(
             certificate=_certificate(data.rows, found.solution),
             checks=(*noticed, *checks),
             by_depth=by_depth,
+            end_of_hold=end_of_hold,
         ),
         provenance=provenance,
         unit=unit,

@@ -25,12 +25,15 @@ from dashpot.fitting.design import (
     solid_of,
 )
 from dashpot.fitting.pipeline import Chosen, FitData, asked_arms, assembled, chosen_arms
+from dashpot.fitting.relaxation_data import fitted_data, held_data
 from dashpot.fitting.repeats import end_stiffnesses, refuse_copies
 from dashpot.fitting.uncertainty.encoder import Encoder
 from dashpot.fitting.uncertainty.estimate import Estimate
 from dashpot.fitting.uncertainty.informed_band import informed_band
+from dashpot.fitting.uncertainty.left_open import end_of_hold
 from dashpot.preparation.checks import of_records
 from dashpot.preparation.filters import Filter, filter_of, filtered
+from dashpot.records.bounds import EndOfHold
 from dashpot.records.fit import Fit, Provenance
 from dashpot.records.relaxation import RampHold, listed
 from dashpot.records.rig import Rig
@@ -118,10 +121,11 @@ def fit(
         stiffness=max(found.model.k_0, 1e-300),
         noise=max(found.estimate.spread, 1e-6 * data.peak, 1e-300),
     )
+    end = None if depth_law else _end_of_hold(records, found, design)
     return assembled(
         found,
         band=band,
-        checks=(*_checks(records, found, design), checks.frequencies_informed(band)),
+        checks=(*_checks(records, found, design, end), checks.frequencies_informed(band)),
         noticed=[check for record in records for check in record.checks],
         provenance=Provenance(
             method,
@@ -136,6 +140,24 @@ def fit(
         by_depth=found.estimate.by_depth([record.depth for record in records]) if depth_law else (),
         tests=len(records),
         elastic_law=ElasticLaw.linear(found.model.k_inf, records[deepest].depth),
+        end_of_hold=end,
+    )
+
+
+def _end_of_hold(records: Sequence[RampHold], found: Chosen, design: Design) -> EndOfHold:
+    """What the records leave open of the stiffness at the end of the hold and beyond."""
+    model, residuals = found.model, found.estimate.residuals
+    if design.method == "hold":
+        tests = zip(records, residuals, strict=True)
+        data = [held_data(record, model, residual) for record, residual in tests]
+    else:
+        blocks = zip(records, found.data.blocks, residuals, strict=True)
+        data = [fitted_data(record, block, model, left) for record, block, left in blocks]
+    return end_of_hold(
+        data,
+        time=max(record.hold_time for record in records),
+        tau=model.tau,
+        dof=max(found.estimate.dof, 1.0),
     )
 
 
@@ -190,14 +212,16 @@ def _checked_nuisance(nuisance: Sequence[str]) -> tuple[str, ...]:
     return tuple(name for name in NUISANCE if name in nuisance)
 
 
-def _checks(records: Sequence[RampHold], found: Chosen, design: Design) -> tuple[Check, ...]:
+def _checks(
+    records: Sequence[RampHold], found: Chosen, design: Design, end: EndOfHold | None
+) -> tuple[Check, ...]:
     """Return every check of the records and of the fit."""
     model, estimate, choice, error = found.model, found.estimate, found.choice, found.error
     arms = model.arms
     answers = [
         *(filter_bias(record) for record in records if record.unfiltered is not None),
         *of_records(records, method=design.method),
-        checks.hold_long_enough(model, records),
+        checks.hold_long_enough(end),
         checks.arms_distinct(model),
         checks.arms_supported(model, error, needed=choice is not None and choice.fewer_rejected),
         checks.tau_inside_window(

@@ -3,11 +3,60 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypedDict
 
 import numpy as np
 
 from dashpot.base.arrays import ByValue, FloatArray, frozen, increasing, samples
 from dashpot.base.errors import DataError
+
+
+@dataclass(frozen=True)
+class EndOfHold:
+    r"""What a relaxation test knows of the stiffness when it ends, and what it leaves open.
+
+    Limits over every non-negative spectrum that the test does not reject, of the relaxation
+    function :math:`k(t) = k_\infty + \sum_j k_j e^{-t/\tau_j}`, N/m.
+
+    Attributes
+    ----------
+    time : float
+        T, the time that the seal was held, s; the longest of several tests.
+    k_end, k_3end : (float, float)
+        k(T) and k(3 T).
+    k_inf : (float, float)
+        Where it ends. An arm slower than the hold is a spring to the test, so the lower limit is 0.
+    falling : float
+        The steepest :math:`-dk/d\ln t` at T, N/m.
+    """
+
+    time: float
+    k_end: tuple[float, float]
+    k_3end: tuple[float, float]
+    k_inf: tuple[float, float]
+    falling: float
+
+    def __mul__(self, count: float) -> EndOfHold:
+        """So many parts side by side."""
+
+        def scaled(ends: tuple[float, float]) -> tuple[float, float]:
+            return count * ends[0], count * ends[1]
+
+        return EndOfHold(
+            self.time,
+            scaled(self.k_end),
+            scaled(self.k_3end),
+            scaled(self.k_inf),
+            count * self.falling,
+        )
+
+
+class LeftOpen(TypedDict):
+    """Limits of stiffnesses, N/m, over every spectrum that the tests do not reject."""
+
+    k_inf: tuple[float, float]
+    k_end: tuple[float, float]
+    k_3end: tuple[float, float]
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,6 +12,7 @@ from dashpot.base.arrays import ByValue, FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source, Step
+from dashpot.records.bounds import EndOfHold, LeftOpen
 from dashpot.records.estimate import (
     Intervals,
     Nuisance,
@@ -179,6 +180,8 @@ class Evidence:
         What a further test changed, where there was an earlier fit.
     explanations : tuple of Explanation
         Of two tests that disagree, the best first.
+    end_of_hold : EndOfHold or None
+        What relaxation tests know of the stiffness when they end, and of where it ends.
     """
 
     band: tuple[float, float]
@@ -188,6 +191,7 @@ class Evidence:
     by_depth: tuple[AtDepth, ...] = ()
     moved: tuple[Moved, ...] = ()
     explanations: tuple[Explanation, ...] = ()
+    end_of_hold: EndOfHold | None = None
 
 
 @dataclass(frozen=True)
@@ -367,6 +371,25 @@ class Fit(ByValue):
         """What would explain two tests that disagree, the best first."""
         return self.evidence.explanations
 
+    @property
+    def end_of_hold(self) -> EndOfHold | None:
+        """What relaxation tests know of the stiffness when they end; None without one."""
+        return self.evidence.end_of_hold
+
+    @property
+    def left_open(self) -> LeftOpen | None:
+        r"""Between which limits the relaxation tests leave k_inf, k(T) and k(3 T), N/m.
+
+        T is the time that the seal was held, from the end of the ramp,
+        :math:`k(t) = k_\infty + \sum_j k_j e^{-t/\tau_j}`, and the limits are those over every
+        positive spectrum that the tests do not reject. No record bounds k_inf from below. None
+        where the fit is not of relaxation tests that share their stiffnesses.
+        """
+        end = self.evidence.end_of_hold
+        return (
+            None if end is None else LeftOpen(k_inf=end.k_inf, k_end=end.k_end, k_3end=end.k_3end)
+        )
+
     # -- where it comes from ------------------------------------------------------------------
 
     @property
@@ -435,7 +458,11 @@ class Fit(ByValue):
                 profiles=tuple(one for one in self.profiles if one.parameter.startswith("ln_tau")),
                 nuisance=(),
             ),
-            evidence=Evidence(self.band, checks=self.checks),
+            evidence=Evidence(
+                self.band,
+                checks=self.checks,
+                end_of_hold=None if self.end_of_hold is None else self.end_of_hold * count,
+            ),
             provenance=replace(
                 self.provenance,
                 steps=(*self.steps, step),

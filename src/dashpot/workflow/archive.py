@@ -143,6 +143,7 @@ _FIT_PARTS: dict[str, type] = {
     "evidence": Evidence,
     "provenance": Provenance,
 }
+_END_OF_HOLD = ("k_inf", "k_end", "k_3end", "time", "falling")
 _FIT_ORDER = (
     "method", "parameters", "covariance", "dof", "orders", "certificate", "profiles", "nuisance",
     "checks", "source", "steps", "by_depth", "specimen", "moved", "explanations", "unit",
@@ -165,6 +166,7 @@ def _fit_contract(fit: Fit, plain: dict[str, Any]) -> dict[str, Any]:
         "residual": plain["residual"],
         "band_hz": plain["band"],
         "elastic_law": _law(fit.elastic_law),
+        "left_open": _left_open(plain.pop("end_of_hold")),
         **({} if mass is None else {"mass": mass}),
         **{key: plain[key] for key in _FIT_ORDER},
     }
@@ -185,6 +187,11 @@ def _law(law: ElasticLaw | None) -> dict[str, Any] | None:
     return {"kind": law.kind, "knots": knots, "tangent": law.tangent(knots).tolist(),
             "shape": list(law.shape), "shape_se": list(law.shape_se),
             "stiffness": law.stiffness}  # fmt: skip
+
+
+def _left_open(end: dict[str, Any] | None) -> dict[str, Any] | None:
+    """What a record leaves open of one stiffness, N/m, and the time T of k(T), s."""
+    return None if end is None else {key: end[key] for key in _END_OF_HOLD}
 
 
 def _standard_error(fit: Fit) -> dict[str, Any]:
@@ -311,6 +318,7 @@ def _restored_fit(found: dict[str, Any]) -> dict[str, Any]:
         tangent = np.asarray(law["tangent"], dtype=float)
         law["stiffness"] = float(np.trapezoid(tangent, law["knots"]) / law["knots"][-1])
         law["shape"] = (tangent / law["stiffness"]).tolist()
+    found["end_of_hold"] = found.pop("left_open", None)
     for part, kind in _FIT_PARTS.items():
         found[part] = {one.name: found[one.name] for one in fields(kind) if one.name in found}
     return found

@@ -1,0 +1,61 @@
+r"""What relaxation tests say of the stiffness at the end of their hold, and of where it ends.
+
+An arm slower than every hold is a spring there: no record bounds k_inf from below. What it knows is
+
+.. math:: k(t) = k_\infty + \sum_j k_j e^{-t/\tau_j}
+
+at the time T that it was held, and less and less of it at 3 T, and how steeply it still falls,
+:math:`-dk/d\ln t`: all over every spectrum that the tests do not reject
+(:mod:`dashpot.fitting.uncertainty.admissible_spectra`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from dashpot.fitting.relaxation_data import RelaxationData
+from dashpot.fitting.uncertainty.admissible_spectra import Spectra, deviance_limit
+from dashpot.records.bounds import EndOfHold
+from dashpot.records.estimate import Interval
+
+
+def end_of_hold(
+    relaxations: Sequence[RelaxationData],
+    *,
+    time: float,
+    tau: Sequence[float],
+    dof: float,
+    level: float = 0.95,
+) -> EndOfHold:
+    """Return the limits of k(T), k(3 T), k_inf, and of the slope at T.
+
+    Parameters
+    ----------
+    relaxations : sequence of RelaxationData
+    time : float
+        T, how long the longest of them was held, s.
+    tau : sequence of float
+        Relaxation times of the fit, s.
+    dof : float
+        Degrees of freedom of the noise.
+    level : float
+        Coverage of each limit, nearly.
+    """
+    spectra = Spectra(relaxations, fastest=1 / time, limit=deviance_limit(level, dof), further=tau)
+    at_once = spectra.relaxed_to(np.inf)
+    k_end, k_3end = (_above_zero(spectra.reach(spectra.relaxed_to(n * time))) for n in (1, 3))
+    falling = spectra.falling_at(time)
+    return EndOfHold(
+        time=time,
+        k_end=k_end,
+        k_3end=k_3end,
+        k_inf=(0.0, float(at_once @ spectra.farthest(at_once))),
+        falling=float(falling @ spectra.farthest(falling)),
+    )
+
+
+def _above_zero(reach: Interval) -> Interval:
+    """Limits of a sum that cannot be negative, freed of rounding."""
+    return max(reach[0], 0.0), max(reach[1], 0.0)
