@@ -61,6 +61,8 @@ def fit(found: Fit) -> str:
         f"  residual    {size} over {residual.n} samples (each worth 1/{residual.kappa:.3g})"
     )
     lines.append(f"  informed    {hertz(found.band)}; outside it the model is an extrapolation")
+    if found.end_of_hold:
+        lines.append(f"  left open   {ascii_only(found.end_of_hold.says)}")
     if found.certificate:
         lines.append(f"  certificate {found.certificate.says}")
     if found.nuisance:
@@ -114,6 +116,11 @@ def _parameters(found: Fit) -> list[str]:
         shown = (rounded(number * scale, se * scale) for number in (value, se))
         rows.append([name, *shown, between, unit])
 
+    end = found.end_of_hold
+    if end is not None:
+        value = rounded(size * float(model.relaxation(end.time)))
+        ends = ascii_only(numbers.interval(*(size * limit for limit in end.k_end)))
+        rows.append([f"k({rounded(end.time)} s)", value, "", ends, stiffness])
     row("k_inf", model.k_inf, error["k_inf"], ends=interval["k_inf"], unit=stiffness)
     for j in range(model.arms):
         row(f"k_{j + 1}", model.k[j], error["k"][j], ends=interval["k"][j], unit=stiffness)

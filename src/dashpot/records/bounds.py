@@ -9,6 +9,7 @@ import numpy as np
 
 from dashpot.base.arrays import ByValue, FloatArray, frozen, increasing, samples
 from dashpot.base.errors import DataError
+from dashpot.base.numbers import interval, rounded
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,17 @@ class EndOfHold:
     k_3end: tuple[float, float]
     k_inf: tuple[float, float]
     falling: float
+
+    @property
+    def says(self) -> str:
+        """What is known at the end of the hold, what is not, and what would tell more."""
+        low, high = (1e-3 * end for end in self.k_end)
+        most = rounded(1e-3 * self.k_inf[1], (high - low) / 4)
+        return (
+            f"after {rounded(self.time)} s of hold the stiffness is {interval(low, high)} N/mm; "
+            f"what it relaxes to is at most {most} N/mm, and no record sets a lower limit; a longer "
+            "hold would tell more, and so would a known drift of the load cell"
+        )
 
     def __mul__(self, count: float) -> EndOfHold:
         """So many parts side by side."""

@@ -125,6 +125,7 @@ def key_numbers(study: Study) -> Table:
     fit, comparison, unseen = study.fit, study.comparison, study.unseen
     k_inf, *others = _parameters(fit)
     rows = [
+        *_end_of_hold(fit),
         ("stiffness at rest, k∞, one seal", with_error(k_inf.value, k_inf.error), "N/mm"),
         ("stiffness at once, k₀, one seal", rounded(1e-3 * fit.model.k_0), "N/mm"),
         *(
@@ -146,6 +147,19 @@ def key_numbers(study: Study) -> Table:
         peak = int(np.argmax(np.abs(study.prediction.value)))
         rows.append(("predicted peak", rounded(study.prediction.frequency[peak], digits=4), "Hz"))
     return Table(VALUE, tuple(rows))
+
+
+def _end_of_hold(fit: Fit) -> list[tuple[str, str, str]]:
+    """What the test knows of the stiffness when it ends, and what it leaves open of k∞."""
+    end = fit.end_of_hold
+    if end is None:
+        return []
+    (low, high), most = (1e-3 * limit for limit in end.k_end), 1e-3 * end.k_inf[1]
+    known, left = interval(low, high), f"0 to {rounded(most, (high - low) / 4)}"
+    return [
+        (f"stiffness at the end of the hold, {duration(end.time)}", known, "N/mm"),
+        ("k∞ by every positive spectrum; a longer hold or a known drift narrows it", left, "N/mm"),
+    ]
 
 
 def test_facts(prepared: RampHold) -> Table:
@@ -181,6 +195,12 @@ def coefficients(fit: Fit | None, length: float | None) -> Table | None:
     if fit is None:
         return None
     rows = []
+    if fit.end_of_hold is not None:
+        end = fit.end_of_hold
+        value = rounded(1e-3 * float(fit.model.relaxation(end.time)), digits=4)
+        ends = interval(*(1e-3 * limit for limit in end.k_end))
+        scaled = [] if length is None else [f"{rounded(0.1 / length * float(value))} N/mm"]
+        rows.append((f"k({duration(end.time)})", value, ends, "N/mm", *scaled))
     for one in _parameters(fit):
         value = with_error(one.value, one.error)
         cells = [one.name, value, interval(*one.ends), one.unit]
