@@ -30,7 +30,7 @@ from dashpot.engine.blocks.kernels import reduced_block
 from dashpot.engine.blocks.recorded import recursion_block
 from dashpot.fitting.design import evened
 from dashpot.fitting.nuisance import Prior, priors
-from dashpot.preparation.denoising import APART, true_motion
+from dashpot.preparation.denoising import rests, true_motion
 from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RampHold
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -41,6 +41,8 @@ DASHPOT = 1e-3
 SHORTEST, LONGEST = 1e-6, 10.0
 SOLID = ("k_inf", "b")
 STRETCHES = 50
+# readings that stand for a while on the way, at most
+RESTS = 8
 # the rate of a force is that of the arms slower than so many samples
 SLOW_ARM = 5.0
 # cycles per record between which noise is what an arm is told from
@@ -187,11 +189,11 @@ def _whitening(free: FloatArray, doubts: FloatArray) -> White:
 def relaxation_data(test: RampHold, fit: Fit, *, alone: Fit | None = None) -> RelaxationData:
     r"""Weigh a test by its own residual, and doubt all that its rig adds to the force.
 
-    What is before first contact only tells offset and drift, and is spent on their priors. Both the
-    zero at contact and the reading of the hold are uniform within a count q of the encoder, a
-    standard deviation of :math:`q/\sqrt{12}`; where the motion bends, what is left of the encoder's
-    noise moves the force for some hundredths of the ramp. Either looks like an arm faster than the
-    ramp.
+    What is before first contact only tells offset and drift, and is spent on their priors. A
+    reading that stands, such as the first and that of the hold, is uniform within a count q of the
+    encoder, a standard deviation of :math:`q/\sqrt{12}`; where the motion bends, what is left of
+    counts and noise moves the force for some hundredths of the ramp. Either looks like an arm
+    faster than the ramp.
 
     Parameters
     ----------
@@ -342,15 +344,30 @@ def _doubts(
     """Motions that may have been, and the standard deviation of their size, m."""
     found: dict[str, tuple[BoolArray, float]] = {}
     clock, count = time + test.time[0], test.encoder_step / np.sqrt(12)
-    if count > 0 or test.contact_error > 0:
-        found["contact"] = clock >= test.onset, float(np.hypot(count, test.contact_error))
+    if test.contact_error > 0:
+        found["contact"] = clock >= test.onset, test.contact_error
     if count > 0:
-        found["depth"] = clock >= test.ramp_end, float(count)
+        (_, leaves), *between, (reaches, _) = _few_rests(test, clock)
+        # motion counts from the first reading: an error of it begins where it is left
+        found["rest@first"] = clock >= leaves, float(count)
+        found["rest@last"] = clock >= reaches, float(count)
+        for i, (start, stop) in enumerate(between):
+            found[f"rest@{i}"] = (clock >= start) & (clock < stop), float(count)
     if left.any():
         bends = _bends(test, clock)
-        sd = APART * float(np.sqrt(np.mean(left[np.any(bends, axis=0)] ** 2)))
+        sd = float(np.sqrt(np.mean(left[np.any(bends, axis=0)] ** 2)))
         found |= {f"bend@{i}": (inside, sd) for i, inside in enumerate(bends)}
     return found
+
+
+def _few_rests(test: RampHold, clock: FloatArray) -> list[tuple[float, float]]:
+    """The first and the last reading that stand, and the longest of those between them."""
+    found = rests(clock, test.displacement[: len(clock)])
+    first, last = (-np.inf, test.onset), (test.ramp_end, np.inf)
+    if len(found) > 1:
+        first, last = found[0], found[-1]
+    longest = sorted(found[1:-1], key=lambda rest: rest[0] - rest[1])[:RESTS]
+    return [first, *longest, last]
 
 
 def _bends(test: RampHold, time: FloatArray) -> list[BoolArray]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, IndexArray, kept, median
+from dashpot.base.arrays import BoolArray, FloatArray, IndexArray, kept
 from dashpot.records.relaxation import RampHold
 from dashpot.solids.maxwell import arm_response
 
@@ -18,8 +18,10 @@ from dashpot.solids.maxwell import arm_response
 HALF_WIDTHS = (0, 1, 2, 3, 4, 6, 8, 11, 16, 23, 32, 45, 64, 91, 128, 181, 256, 362, 512, 724, 1024)
 # means of windows disagree if they are farther apart than this many standard deviations
 APART = 2.5
-# what is left of a count after reading between counts, as a part of it: half a sample in time
-LEFT_OF_A_COUNT = 0.15
+# what scatters after reading between counts, as a part of a count, and what is off while it moves
+SCATTER_OF_A_COUNT, LEFT_OF_A_COUNT = 0.025, 0.1
+# a reading that stays so many times as long as its neighbours is a rest
+REST = 4.0
 # equal neighbours so much closer than the depth are arithmetic, not counts
 LEAST_COUNT = 1e-6
 # a reading that returns within half as many samples has flickered
@@ -39,16 +41,11 @@ def true_motion(test: RampHold) -> tuple[FloatArray, FloatArray]:
     Returns
     -------
     displacement, sd : array, shape (n,)
-        m, and the standard deviation that is left of the noise, m.
+        m, and the standard deviation of what may be left of counts and noise, m.
     """
     used = slice(0, test.hold.stop)
     time, travel = test.time[used], test.travel[used]
-    step = test.encoder_step
-    noise = test.displacement_noise
-    x = travel
-    if step > LEAST_COUNT * test.depth:
-        x, noise = between_counts(time, travel), LEFT_OF_A_COUNT * step
-    x, left = denoised(x, noise) if noise > 0 else (x, np.zeros(len(x)))
+    x, left = _freed(test, time, travel)
     if test.rig.compliance:
         x = x - (travel - test.displacement[used])
     if test.rig.force_filter:
@@ -58,13 +55,26 @@ def true_motion(test: RampHold) -> tuple[FloatArray, FloatArray]:
     return x, left
 
 
+def _freed(test: RampHold, time: FloatArray, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """A reading freed of counts and noise, and the sd of what may be left of them."""
+    step, noise = test.encoder_step, test.displacement_noise
+    if step > LEAST_COUNT * test.depth:
+        read, _ = denoised(between_counts(time, x), SCATTER_OF_A_COUNT * step)
+        return read, LEFT_OF_A_COUNT * step * _moving(time, x)
+    if noise == 0:
+        return x, np.zeros(len(x))
+    # the mean of a window may be off by as much as its interval is wide
+    x, sd = denoised(x, noise)
+    return x, APART * sd
+
+
 def between_counts(time: FloatArray, displacement: FloatArray) -> FloatArray:
     """Return a quantised displacement as the motion that it samples, shape (n,).
 
     Where a reading changes, the true position is half way between both counts, so a straight
     line from change to change is much nearer to the truth than the staircase. On a reading that
-    stays for longer than the motion takes to cross a count, the reading itself is the better
-    guess. A reading that changes and returns at once has flickered.
+    stays far longer than its neighbours, the reading itself is the better guess
+    (:func:`rests`). A reading that changes and returns at once has flickered.
     """
     displacement = _without_flicker(displacement)
     change = np.flatnonzero(np.diff(displacement))
@@ -72,23 +82,48 @@ def between_counts(time: FloatArray, displacement: FloatArray) -> FloatArray:
         return displacement
     at = 0.5 * (time[change] + time[change + 1])
     half_way = 0.5 * (displacement[change] + displacement[change + 1])
-    stay = np.diff(at)
-    crossing = median(stay)
     # readings before the first change, between changes, and after the last one
     level = displacement[np.append(change, change[-1] + 1)]
-    start, stop = np.append(-np.inf, at), np.append(at, np.inf)
-    long = stop - start > 4 * crossing
+    start, stop, before, after = _stays(at)
+    long = stop - start > REST * np.maximum(before, after)
     # the motion leaves and reaches a rest as slowly as it crossed the neighbouring count
-    before = np.minimum(np.concatenate(([crossing], stay, stay[-1:])), 2 * crossing) / 2
-    after = np.minimum(np.concatenate((stay[:1], stay, [crossing])), 2 * crossing) / 2
-    leaves, reaches = (start + before)[long], (stop - after)[long]
-    ends = np.concatenate((leaves, reaches))
+    ends = np.concatenate(((start + before / 2)[long], (stop - after / 2)[long]))
     inner = np.isfinite(ends)
     knots = np.concatenate((at, ends[inner]))
     values = np.concatenate((half_way, np.tile(level[long], 2)[inner]))
     order = np.argsort(knots, kind="stable")
     knots, values = knots[order], values[order]
     return np.asarray(np.interp(time, knots, values, left=displacement[0], right=displacement[-1]))
+
+
+def rests(time: FloatArray, displacement: FloatArray) -> tuple[tuple[float, float], ...]:
+    """Begin and end, s, of every reading that stays far longer than its neighbours.
+
+    The first begins at minus infinity and the last ends at infinity.
+    """
+    change = np.flatnonzero(np.diff(_without_flicker(displacement)))
+    if len(change) < 2:
+        return ((-np.inf, np.inf),)
+    start, stop, before, after = _stays(0.5 * (time[change] + time[change + 1]))
+    long = stop - start > REST * np.maximum(before, after)
+    return tuple(zip(start[long].tolist(), stop[long].tolist(), strict=True))
+
+
+def _moving(time: FloatArray, displacement: FloatArray) -> BoolArray:
+    """Which samples are on no rest."""
+    moving = np.ones(len(time), dtype=bool)
+    for start, stop in rests(time, displacement):
+        moving &= (time < start) | (time > stop)
+    return moving
+
+
+def _stays(at: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Begin and end of every reading, and how long the ones before and after it stay."""
+    stay = np.diff(at)
+    start, stop = np.append(-np.inf, at), np.append(at, np.inf)
+    before = np.concatenate((stay[:1], stay[:1], stay))
+    after = np.concatenate((stay, stay[-1:], stay[-1:]))
+    return start, stop, before, after
 
 
 def _without_flicker(values: FloatArray) -> FloatArray:

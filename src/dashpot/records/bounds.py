@@ -44,8 +44,8 @@ class EndOfHold:
         most = rounded(1e-3 * self.k_inf[1], (high - low) / 4)
         return (
             f"after {rounded(self.time)} s of hold the stiffness is {interval(low, high)} N/mm; "
-            f"what it relaxes to is at most {most} N/mm, and no record sets a lower limit; a longer "
-            "hold would tell more, and so would a known drift of the load cell"
+            f"what it relaxes to is at most {most} N/mm, and no record sets a lower limit; a "
+            "longer hold would tell more, and so would a known drift of the load cell"
         )
 
     def __mul__(self, count: float) -> EndOfHold:

@@ -77,6 +77,7 @@ def _walked(
     active = np.flatnonzero(s > 0)
     nothing = NOTHING * float(np.linalg.norm(target))
     barred: list[int] = []
+    entered = -1
     for _ in range(PATIENCE * columns.shape[1]):
         goal, multiplier = _face(
             columns[:, active], target, None if aim is None else aim[active], squared
@@ -84,17 +85,17 @@ def _walked(
         if (goal <= 0).any():
             s[active], kept = _as_far_as_allowed(s[active], goal)
             # rounding let it enter: it would leave at once for ever
-            if s[active[-1]] == 0.0:
-                barred.append(int(active[-1]))
+            if entered >= 0 and s[entered] == 0.0:
+                barred.append(entered)
             active = active[kept]
             continue
         s[active] = goal
         gain = _gain(columns, target - columns[:, active] @ goal, aim, multiplier)
         gain[active] = gain[barred] = -np.inf
-        enters = int(np.argmax(gain))
-        if not gain[enters] > nothing:
+        entered = int(np.argmax(gain))
+        if not gain[entered] > nothing:
             break
-        active = np.append(active, enters)
+        active = np.append(active, entered)
     return s
 
 
