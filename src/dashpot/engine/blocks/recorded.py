@@ -136,13 +136,13 @@ def arm_columns(
     z = (np.diff(time)[:, None] if step is None else np.array([[step]])) / tau
     lost = np.expm1(-z)
     decay, mean = 1 + lost, -lost / z
-    q = _recursion(decay, mean * moved, np.full(len(tau), x[0]))
+    q = recursion(decay, mean * moved, np.full(len(tau), x[0]))
     if not derivative:
         return q, q
-    return q, _recursion(decay, decay * z * q[:-1] + (mean - decay) * moved, np.zeros(len(tau)))
+    return q, recursion(decay, decay * z * q[:-1] + (mean - decay) * moved, np.zeros(len(tau)))
 
 
-def _recursion(decay: FloatArray, increments: FloatArray, first: FloatArray) -> FloatArray:
+def recursion(decay: FloatArray, increments: FloatArray, first: FloatArray) -> FloatArray:
     r"""u_0 = first, u_i = decay_{i-1} u_{i-1} + increments_{i-1}, shape (M, N).
 
     Many stretches run side by side, one step of all at a time; then each one's end is passed on,

@@ -1,0 +1,275 @@
+r"""Hold first: the hold fixes number of arms, relaxation times and noise; the ramp only adds.
+
+A hold needs no elastic law: whatever the ramp was, :math:`F = F_\infty + \sum_j A_j e^{-t/\tau_j}`
+after it. Rows of the ramp enter with a variance of their own, what the law misses there included,
+
+.. math:: s_r^2 = \max\Bigl(\kappa_r \frac{\sum c\,r^2}{n_r - \sum h},\; s_h^2 \kappa_h\Bigr)
+
+(h leverages, :math:`\kappa` correlated rows count as one): never less than that of the hold,
+so that no law, however wrong, can bend what the hold says.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.engine.blocks.block import Block
+from dashpot.engine.blocks.hold import decay_block
+from dashpot.engine.inference.covariance import noise_of, white
+from dashpot.engine.inference.order import bic
+from dashpot.engine.solver.variable_projection import (
+    Solution,
+    full_jacobian,
+    solve,
+    solve_orders,
+)
+from dashpot.fitting.nonlinear_ramp.projection import Nuisances, Point, Weighted
+from dashpot.fitting.nonlinear_ramp.quasi_linear import QuasiLinear
+from dashpot.fitting.nonlinear_ramp.thinning import Rows
+from dashpot.fitting.nuisance import Prior
+
+MOST_ARMS = 5
+_ROUNDS = 10
+_SETTLED = 0.005
+# leverages leave at least this part of the rows of a ramp
+_LEAST_DOF = 0.2
+# a residual smaller than this part of the largest force is rounding, or the width of a block
+ROUNDING = 3e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Hold:
+    """The holds of the records by themselves, their relaxation times shared.
+
+    Attributes
+    ----------
+    log_tau : array, shape (N,)
+    plateau, plateau_error : tuple of float
+        Relaxed secant stiffness of each record at its own depth, N/m, and its standard error.
+    scatter : tuple of float
+        Standard deviation of one independent sample of each record, N.
+    correlation : tuple of float
+        How many rows say the same.
+    rms : tuple of float
+        Of each hold's residual, a sample, N.
+    """
+
+    log_tau: FloatArray
+    plateau: tuple[float, ...]
+    plateau_error: tuple[float, ...]
+    scatter: tuple[float, ...]
+    correlation: tuple[float, ...]
+    rms: tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Followed:
+    """The optimum of one law.
+
+    Attributes
+    ----------
+    weighted : Weighted
+    point : Point
+    ramp, hold : tuple of float
+        Root mean square of each record's residual on its ramp and in its hold, a sample, N.
+    ramp_scatter : tuple of float
+        s_r of each record, N.
+    ramp_correlation : tuple of float
+    """
+
+    weighted: Weighted
+    point: Point
+    ramp: tuple[float, ...]
+    hold: tuple[float, ...]
+    ramp_scatter: tuple[float, ...]
+    ramp_correlation: tuple[float, ...]
+
+
+class Bounds(NamedTuple):
+    """The window of ln tau: a sample of the ramp to the longest hold."""
+
+    low: float
+    high: float
+
+
+def tau_bounds(rows: Rows) -> Bounds:
+    """Return the relaxation times that ramp and hold could show, ln s."""
+    shortest = min(float(rows.step[rows.record == i].min()) for i in range(len(rows.depths)))
+    holds = [rows.time[rows.record == i][-1] - end for i, end in enumerate(rows.ends)]
+    return Bounds(float(np.log(shortest)), float(np.log(max(holds))))
+
+
+# -- the hold alone -------------------------------------------------------------------------------
+
+
+def hold_alone(rows: Rows, arms: int | None = None) -> Hold:
+    """Fit the holds without their ramps: as many arms as BIC supports, or `arms`."""
+    bounds = tau_bounds(rows)
+    blocks = [_hold_block(rows, i, bounds) for i in range(len(rows.depths))]
+    fewest = min(block.samples for block in blocks)
+    most = max(min(MOST_ARMS if arms is None else arms, (fewest - 3) // 2), 0)
+    solutions = [solve(blocks, 0)]
+    if most:
+        one_more = (1 + len(blocks)) * float(np.log(fewest)) if arms is None else 0.0
+        solutions += [s for s in solve_orders(blocks, most, negligible=one_more) if s.order]
+    chosen = _supported(rows, blocks, solutions) if arms is None else solutions[-1]
+    return _described(rows, blocks, chosen)
+
+
+def _hold_block(rows: Rows, i: int, bounds: Bounds) -> Block:
+    here = rows.held(i)
+    block = decay_block(
+        rows.time[here] - rows.time[here][0],
+        rows.force[here] - rows.known[i].offset.mean,
+        constant=f"k_inf@{i}",
+        weights=np.sqrt(rows.count[here]),
+        arm_group=f"k@{i}",
+        compress=False,
+    )
+    return replace(block, window=(float(np.exp(bounds.low)), float(np.exp(bounds.high))))
+
+
+def _supported(rows: Rows, blocks: Sequence[Block], solutions: Sequence[Solution]) -> Solution:
+    """Return the number of arms with the least BIC, by rows that say something new."""
+    sizes = [block.samples for block in blocks]
+    largest = np.split(full_jacobian(blocks, solutions[-1]).residual, np.cumsum(sizes)[:-1])
+    effective = sum(noise_of(residual).effective for residual in largest)
+    floor = sum(
+        size * rounding(rows, i) ** 2 for i, size in enumerate(sizes)
+    )
+    return min(
+        solutions,
+        key=lambda s: bic(
+            s.sse,
+            effective=effective,
+            parameters=s.order + len(blocks) * (1 + s.order),
+            floor=floor,
+        ),
+    )
+
+
+def _described(rows: Rows, blocks: Sequence[Block], solution: Solution) -> Hold:
+    found = full_jacobian(blocks, solution)
+    cuts = np.cumsum([block.samples for block in blocks])[:-1]
+    scatter, correlation, rms, plateau, error = [], [], [], [], []
+    for i, residual in enumerate(np.split(found.residual, cuts)):
+        own = [n.endswith(f"@{i}") or n.startswith("ln_tau") for n in found.names]
+        left = max(len(residual) - sum(own), 1)
+        rms.append(max(float(np.sqrt(np.mean(residual**2))), rounding(rows, i)))
+        scatter.append(max(float(np.sqrt(residual @ residual / left)), rounding(rows, i)))
+        correlation.append(noise_of(residual).kappa)
+    sd = np.repeat(
+        np.array(scatter) * np.sqrt(correlation), [block.samples for block in blocks]
+    )
+    covariance = white(found.matrix / sd[:, None], 1.0)
+    for i, depth in enumerate(rows.depths):
+        row = found.names.index(f"k_inf@{i}")
+        doubt = float(covariance[row, row]) + rows.known[i].offset.sd ** 2
+        plateau.append(solution.coefficient(f"k_inf@{i}") / depth)
+        error.append(float(np.sqrt(doubt)) / depth)
+    return Hold(
+        solution.log_tau,
+        tuple(plateau),
+        tuple(error),
+        tuple(scatter),
+        tuple(correlation),
+        tuple(rms),
+    )
+
+
+def rounding(rows: Rows, i: int) -> float:
+    """Return the residual that block means and rounding leave of record i, N."""
+    return ROUNDING * float(np.abs(rows.force[rows.record == i]).max())
+
+
+# -- and its ramp ---------------------------------------------------------------------------------
+
+
+def nuisances(rows: Rows, delay: FloatArray | None = None) -> Nuisances:
+    r"""Return offset and drift of each record; with :math:`-dF/dt` given, its delay too."""
+    names, columns, known = [], [], []
+    for i, prior in enumerate(rows.known):
+        here = rows.record == i
+        names += [f"offset@{i}", f"drift@{i}"]
+        columns += [1.0 * here, here * (rows.time - prior.at)]
+        known += [prior.offset, prior.drift]
+        if delay is not None:
+            names.append(f"delay@{i}")
+            columns.append(here * delay)
+            known.append(prior.delay)
+    peak = float(np.abs(rows.force).max())
+    least = 1e-12 * peak
+    return Nuisances(
+        tuple(names),
+        np.column_stack(columns),
+        tuple(Prior(one.mean, max(one.sd, least)) for one in known),
+    )
+
+
+def spread(rows: Rows, ramp: Sequence[float], hold: Sequence[float]) -> FloatArray:
+    """Return the standard deviation of each row's samples, N, from those of ramps and holds."""
+    return np.where(rows.ramp, np.array(ramp)[rows.record], np.array(hold)[rows.record])
+
+
+def independent(hold: Hold) -> FloatArray:
+    """Return the standard deviation of one independent sample of each hold, N."""
+    return np.array(hold.scatter) * np.sqrt(hold.correlation)
+
+
+def follow(
+    solid: QuasiLinear, hold: Hold, log_tau: FloatArray, *, shape: FloatArray | None = None
+) -> Followed:
+    """Fit one law: the recorded history on the hold rows first, then the ramp as it deserves."""
+    rows, bounds, known = solid.rows, tau_bounds(solid.rows), nuisances(solid.rows)
+    shape = np.ones(len(solid.knots)) if shape is None else shape
+    by_hold = independent(hold)
+    straight = QuasiLinear(rows, solid.knots[[0, -1]])
+    unseen = spread(rows, np.full(len(rows.depths), np.inf), by_hold)
+    first = Weighted(straight, unseen, known)
+    begun = first.descend(log_tau, np.ones(2), bounds)
+    found = measured(first, begun, by_hold)
+    log_tau = begun.log_tau
+    for _ in range(_ROUNDS):
+        weighted = Weighted(solid, spread(rows, found.ramp_scatter, by_hold), known)
+        point = weighted.descend(log_tau, shape, bounds)
+        before, found = found, measured(weighted, point, by_hold)
+        log_tau, shape = point.log_tau, point.shape
+        change = np.array(found.ramp_scatter) / np.array(before.ramp_scatter) - 1
+        if float(np.abs(change).max()) < _SETTLED:
+            break
+    return found
+
+
+def measured(weighted: Weighted, point: Point, by_hold: FloatArray) -> Followed:
+    """Return an optimum with what its residuals say of each ramp."""
+    rows = weighted.solid.rows
+    leverage = _leverages(weighted, point)
+    scaled = np.sqrt(rows.count) * point.residual
+    ramps, holds, scatters, correlations = [], [], [], []
+    for i in range(len(rows.depths)):
+        ramp, held = rows.ramp & (rows.record == i), rows.held(i)
+        size = int(ramp.sum())
+        left = max(size - float(leverage[ramp].sum()), _LEAST_DOF * size)
+        kappa = noise_of(scaled[ramp]).kappa
+        ramps.append(max(float(np.sqrt(np.mean(scaled[ramp] ** 2))), rounding(rows, i)))
+        holds.append(max(float(np.sqrt(np.mean(scaled[held] ** 2))), rounding(rows, i)))
+        correlations.append(kappa)
+        scatters.append(
+            max(float(np.sqrt(kappa * (scaled[ramp] @ scaled[ramp]) / left)), float(by_hold[i]))
+        )
+    return Followed(
+        weighted, point, tuple(ramps), tuple(holds), tuple(scatters), tuple(correlations)
+    )
+
+
+def _leverages(weighted: Weighted, point: Point) -> FloatArray:
+    whole = weighted.jacobian(point)
+    size = np.linalg.norm(whole, axis=0)
+    basis, sizes, _ = np.linalg.svd(whole[:, size > 0] / size[size > 0], full_matrices=False)
+    basis = basis[:, sizes > 1e-10 * sizes[0]]
+    return np.asarray(np.sum(basis**2, axis=1)[: len(weighted.root)])

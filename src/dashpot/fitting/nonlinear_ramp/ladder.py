@@ -1,0 +1,469 @@
+r"""Which elastic law the ramps of prepared tests support, and how well it is known.
+
+A record that a linear solid explains to its noise, ramp and hold alike, is *sound*: it keeps the
+linear law and the full information of its ramp. Any other is fitted hold first
+(:mod:`~dashpot.fitting.nonlinear_ramp.hold_first`) with every law of a short ladder, and takes
+the one that BIC prefers if it also matters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, NamedTuple, TypeAlias
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import FitError
+from dashpot.engine.blocks.recorded import arm_columns
+from dashpot.engine.inference.covariance import noise_of, white
+from dashpot.fitting.nonlinear_ramp.hold_first import (
+    Followed,
+    Hold,
+    follow,
+    hold_alone,
+    independent,
+    measured,
+    nuisances,
+    rounding,
+    spread,
+    tau_bounds,
+)
+from dashpot.fitting.nonlinear_ramp.projection import Weighted
+from dashpot.fitting.nonlinear_ramp.quasi_linear import QuasiLinear, hat_integrals
+from dashpot.fitting.nonlinear_ramp.thinning import Rows, thinned
+from dashpot.preparation.denoising import true_motion
+from dashpot.records.estimate import Nuisance, ParameterEstimate, Residual, parameter_names
+from dashpot.records.relaxation import RampHold
+from dashpot.solids.elastic import ElasticLaw
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+LawName: TypeAlias = Literal["auto", "linear", "nonlinear"]
+
+# a linear law whose residual is this much above the noise, on the ramp and in the hold, is wrong
+SOUND_RAMP, SOUND_HOLD = 1.2, 1.1
+# a law that moves the path by less than this part of the depth, or BIC by less, is not worth it
+LEAST_GAP, LEAST_GAIN = 0.01, 10.0
+# what a residual of this part of the peak stands for moves no stiffness that anyone would notice
+NEGLIGIBLE = 1e-4
+
+_UNITS = {"offset": "N", "drift": "N/s", "delay": "s"}
+
+
+class Law(NamedTuple):
+    """A step of the ladder: how many knots, and the power of their spacing."""
+
+    knots: int
+    power: int = 1
+
+    def at(self, depth: float) -> FloatArray:
+        """The knots down to a depth, m."""
+        return depth * np.linspace(0.0, 1.0, self.knots) ** self.power
+
+
+LINEAR = Law(2)
+LADDER = (Law(3), Law(5), Law(9), Law(7, 2), Law(9, 2))
+
+
+class Soundness(NamedTuple):
+    """What a linear fit leaves of a record, against its noise.
+
+    Attributes
+    ----------
+    ramp : float
+        Residual on the ramp over the noise of one sample.
+    hold : float
+        Residual in the hold over what the hold alone leaves.
+    sound : bool
+    """
+
+    ramp: float
+    hold: float
+    sound: bool
+
+
+@dataclass(frozen=True)
+class LawScore:
+    """One law of the ladder.
+
+    Attributes
+    ----------
+    law : Law
+    bic : float
+        Differences count.
+    ramp, hold : tuple of float
+        Root mean square residual of each record, N.
+    gap : float
+        Largest distance between the law's path and the linear one, as a part of the depth.
+    """
+
+    law: Law
+    bic: float
+    ramp: tuple[float, ...]
+    hold: tuple[float, ...]
+    gap: float
+
+
+@dataclass(frozen=True, eq=False)
+class RampLaw:
+    r"""The elastic law that ramps support, the solid that answers it, and how well both are known.
+
+    Attributes
+    ----------
+    law : ElasticLaw
+    model : GeneralizedMaxwell
+        Secant at the depth of the law.
+    estimate : ParameterEstimate
+        Of the parameters of `model`.
+    law_covariance : array, shape (p + P, p + P)
+        Of the parameters of `model` and then of the law's shape at its knots.
+    hold : Hold
+        What the holds say without their ramps.
+    soundness : tuple of Soundness
+        Of each record under the linear law with the full weight of its ramp.
+    discrepancy : tuple of float
+        :math:`s_r/(s_h \sqrt{\kappa_h})` of each record: 1 where the law follows the ramp as
+        well as the solid follows the hold.
+    ramp, noise : tuple of float
+        Residual on each ramp and noise of one sample, N.
+    peak : tuple of float
+        Largest force of each record, N.
+    rho : tuple of float
+        Residual of each hold over what the hold alone leaves.
+    scores : tuple of LawScore
+        The laws tried, the linear one first.
+    residuals : tuple of array
+        Of every sample from contact to the end of the hold, N.
+    """
+
+    law: ElasticLaw
+    model: GeneralizedMaxwell
+    estimate: ParameterEstimate
+    law_covariance: FloatArray
+    hold: Hold
+    soundness: tuple[Soundness, ...]
+    discrepancy: tuple[float, ...]
+    ramp: tuple[float, ...]
+    noise: tuple[float, ...]
+    peak: tuple[float, ...]
+    rho: tuple[float, ...]
+    scores: tuple[LawScore, ...]
+    residuals: tuple[FloatArray, ...]
+
+    @property
+    def sound(self) -> bool:
+        """True if the linear law explains every record to its noise."""
+        return all(one.sound for one in self.soundness)
+
+    def tangent_error(self, x: float) -> float:
+        """Standard error of the tangent stiffness at a compression x, m, N/m."""
+        shape, knots = np.asarray(self.law.shape), np.asarray(self.law.knots)
+        parts = np.array([np.interp(x, knots, unit) for unit in np.eye(len(knots))])
+        gradient = np.zeros(len(self.law_covariance))
+        gradient[0] = parts @ shape
+        gradient[-len(knots) :] = self.model.k_inf * parts
+        return float(np.sqrt(max(gradient @ self.law_covariance @ gradient, 0.0)))
+
+
+def ramp_law(
+    tests: Sequence[RampHold], *, law: LawName = "auto", arms: int | None = None
+) -> RampLaw:
+    r"""Return the elastic law that the ramps of tests of one part support.
+
+    Parameters
+    ----------
+    tests : sequence of RampHold
+        Of any depths and ramp rates; they share the law, the stiffnesses and the relaxation
+        times, and each has its own offset and drift, bound by
+        :func:`~dashpot.fitting.nuisance.priors`. The force is free of hum.
+    law : "auto", "linear" or "nonlinear"
+        ``"auto"`` keeps the linear law where it is sound, where no other lowers BIC by 10, or
+        where none moves the path by 1 % of the depth.
+    arms : int, optional
+        By default as many as the holds support by BIC, and one faster one if the ramps do.
+
+    Raises
+    ------
+    FitError
+        If a record has no samples on its ramp or in its hold to speak of.
+    """
+    if law not in ("auto", "linear", "nonlinear"):
+        raise FitError(f'law = {law!r}; expected "auto", "linear" or "nonlinear"')
+    rows = thinned(tests)
+    hold = hold_alone(rows, arms)
+    noise = _noise(tests, rows, hold)
+    soundness, sound = _gate(rows, hold, noise, arms)
+    if law != "nonlinear" and all(one.sound for one in soundness):
+        score = LawScore(LINEAR, 0.0, sound.ramp, sound.hold, 0.0)
+        return _described(tests, hold, soundness, noise, sound, (score,))
+    laws = {"linear": (LINEAR,), "nonlinear": LADDER, "auto": (LINEAR, *LADDER)}[law]
+    tried = {one: _followed(rows, one, hold) for one in laws}
+    scores = _scores(tried, hold)
+    taken = _taken(scores) if law == "auto" else min(scores, key=lambda score: score.bic)
+    found = tried[taken.law]
+    if arms is None:
+        found = _with_faster_arm(found, taken, hold)
+    return _described(tests, hold, soundness, noise, found, scores)
+
+
+# -- the gate -------------------------------------------------------------------------------------
+
+
+def soundness(
+    ramp: float, hold: float, alone: float, *, noise: float, samples: float, peak: float
+) -> Soundness:
+    """Judge a linear fit by its residuals.
+
+    Parameters
+    ----------
+    ramp, hold : float
+        Root mean square residual of the fit to the whole record, on the ramp and in the hold, N.
+    alone : float
+        That of a fit to the hold alone, N.
+    noise : float
+        Standard deviation of the noise of one sample, N.
+    samples : float
+        Effective number of residuals on the ramp: of few, more is chance.
+    peak : float
+        Largest force, N.
+    """
+    floor = NEGLIGIBLE * peak
+    by_chance = 1.0 + 3.0 / np.sqrt(2.0 * max(samples, 1.0))
+    allowed = max(SOUND_RAMP, by_chance) * max(noise, floor / SOUND_RAMP)
+    held = hold <= SOUND_HOLD * alone or hold <= floor
+    return Soundness(ramp / max(noise, 1e-300), hold / max(alone, 1e-300), ramp <= allowed and held)
+
+
+def _noise(tests: Sequence[RampHold], rows: Rows, hold: Hold) -> tuple[float, ...]:
+    """Standard deviation of one sample of each record: its scatter, or what its hold leaves."""
+    return tuple(
+        max(test.force_noise, rms, rounding(rows, i))
+        for i, (test, rms) in enumerate(zip(tests, hold.rms, strict=True))
+    )
+
+
+def _gate(
+    rows: Rows, hold: Hold, noise: Sequence[float], arms: int | None
+) -> tuple[tuple[Soundness, ...], Followed]:
+    """Return how sound the linear law is, the best of the numbers of arms tried."""
+    count = len(hold.log_tau)
+    tried = []
+    for one in (count, count - 1) if arms is None and count > 1 else (count,):
+        start = hold if one == count else hold_alone(rows, one)
+        found = _joint(rows, hold, start.log_tau, noise)
+        judged = tuple(
+            soundness(
+                found.ramp[i],
+                found.hold[i],
+                hold.rms[i],
+                noise=noise[i],
+                samples=float(np.sum(rows.ramp & (rows.record == i))) / hold.correlation[i],
+                peak=_peak(rows, i),
+            )
+            for i in range(len(noise))
+        )
+        tried.append((judged, found))
+        if all(at.sound for at in judged):
+            break
+    sound = [pair for pair in tried if all(at.sound for at in pair[0])]
+    return (sound or tried)[0]
+
+
+def _joint(rows: Rows, hold: Hold, log_tau: FloatArray, noise: Sequence[float]) -> Followed:
+    """Fit the linear law to ramp and hold at equal weight, first without, then with a delay."""
+    even = np.array(noise) * np.sqrt(hold.correlation)
+    solid, sd, bounds = QuasiLinear(rows, LINEAR.at(rows.depth)), spread(rows, even, even), tau_bounds(rows)
+    first = Weighted(solid, sd, nuisances(rows))
+    point = first.descend(log_tau, np.ones(2), bounds)
+    force = solid.responses(point.log_tau, point.shape, full=False).columns @ point.k
+    late = Weighted(solid, sd, nuisances(rows, -_slope(rows, force)))
+    return measured(late, late.descend(point.log_tau, point.shape, bounds), independent(hold))
+
+
+def _slope(rows: Rows, force: FloatArray) -> FloatArray:
+    """Rate of a force, N/s, record by record."""
+    found = np.empty(len(force))
+    for i in range(len(rows.depths)):
+        here = np.flatnonzero(rows.record == i)
+        found[here] = np.gradient(force[here], rows.time[here])
+    return found
+
+
+# -- the ladder -----------------------------------------------------------------------------------
+
+
+def _followed(rows: Rows, law: Law, hold: Hold) -> Followed:
+    return follow(QuasiLinear(rows, law.at(rows.depth)), hold, hold.log_tau)
+
+
+def _scores(tried: dict[Law, Followed], hold: Hold) -> tuple[LawScore, ...]:
+    """Return BIC of each law, ramp rows counted as the best of them leaves them correlated."""
+    best = min(tried.values(), key=lambda found: sum(np.log(found.ramp)))
+    return tuple(
+        LawScore(law, _bic(found, hold, best.ramp_correlation), found.ramp, found.hold, _gap(found))
+        for law, found in tried.items()
+    )
+
+
+def _bic(found: Followed, hold: Hold, correlation: Sequence[float]) -> float:
+    r"""Return :math:`\sum (n_r/\kappa_r) \ln r_r^2 + (n_h/\kappa_h) \ln r_h^2 + p \ln\sum n_r/\kappa_r`."""
+    rows = found.weighted.solid.rows
+    total, effective = 0.0, 0.0
+    for i, kappa in enumerate(correlation):
+        on = float(np.sum(rows.ramp & (rows.record == i))) / kappa
+        total += 2.0 * on * float(np.log(found.ramp[i]))
+        total += 2.0 * rows.held(i).sum() / hold.correlation[i] * float(np.log(found.hold[i]))
+        effective += on
+    knots, arms = len(found.weighted.solid.knots), len(found.point.log_tau)
+    free = 2 * arms + (knots - 1 if knots > 2 else 0)
+    return total + free * float(np.log(max(effective, 2.0)))
+
+
+def _gap(found: Followed) -> float:
+    solid = found.weighted.solid
+    u = np.linspace(0.0, 1.0, 101)
+    path = hat_integrals(u * solid.knots[-1], solid.knots) @ found.point.shape
+    return float(np.abs(path / solid.knots[-1] - u).max())
+
+
+def _taken(scores: Sequence[LawScore]) -> LawScore:
+    """Return the law of the least BIC if it gains and matters, else the linear one."""
+    best = min(scores, key=lambda score: score.bic)
+    linear = scores[0]
+    worth = linear.bic - best.bic > LEAST_GAIN and best.gap > LEAST_GAP
+    return best if worth else linear
+
+
+def _with_faster_arm(found: Followed, score: LawScore, hold: Hold) -> Followed:
+    """Return the fit with one more arm if the ramps show one that the holds hardly do."""
+    solid, n = found.weighted.solid, len(hold.log_tau)
+    rows = solid.rows
+    first = rows.ramp & (rows.record == 0)
+    ramp = np.log(rows.ends[0] - rows.time[first][0])
+    fastest = float(hold.log_tau[0]) if n else float(ramp)
+    if fastest - np.log(4.0) <= tau_bounds(rows).low:
+        return found
+    start = np.concatenate(([fastest - np.log(4.0)], found.point.log_tau))
+    more = follow(solid, hold, start, shape=found.point.shape)
+    faster = float(more.point.log_tau.min()) < fastest - np.log(2.0)
+    gain = score.bic - _bic(more, hold, found.ramp_correlation)
+    return more if faster and bool((more.point.k[1:] > 0).all()) and gain > LEAST_GAIN else found
+
+
+# -- the result -----------------------------------------------------------------------------------
+
+
+def _described(
+    tests: Sequence[RampHold],
+    hold: Hold,
+    soundness: tuple[Soundness, ...],
+    noise: tuple[float, ...],
+    found: Followed,
+    scores: tuple[LawScore, ...],
+) -> RampLaw:
+    point, solid = found.point, found.weighted.solid
+    rows = solid.rows
+    order = np.argsort(point.log_tau)
+    there = order[point.k[1:][order] > 0]
+    model = GeneralizedMaxwell(
+        float(point.k[0]), tuple(point.k[1:][there]), tuple(np.exp(point.log_tau[there]))
+    )
+    shape = (1.0,) * len(solid.knots) if len(solid.knots) == 2 else tuple(point.shape)
+    law = ElasticLaw(tuple(solid.knots), shape, model.k_inf)
+    rho = tuple(one / alone for one, alone in zip(found.hold, hold.rms, strict=True))
+    covariance = _covariance(found) * max(1.0, *rho) ** 2
+    n, parameters = len(point.log_tau), 1 + 2 * len(there)
+    solid_rows = [0, *(1 + there), *(1 + n + there)]
+    own = [*solid_rows, *range(1 + 2 * n, 1 + 2 * n + len(solid.knots))]
+    residuals = tuple(_residual(test, i, model, law, found) for i, test in enumerate(tests))
+    noises = [noise_of(one) for one in residuals]
+    effective = sum(one.effective for one in noises)
+    sse, count = sum(float(one @ one) for one in residuals), sum(len(one) for one in residuals)
+    return RampLaw(
+        law=law,
+        model=model,
+        estimate=ParameterEstimate(
+            parameter_names(len(there)),
+            covariance[np.ix_(solid_rows, solid_rows)],
+            dof=max(effective - len(covariance), 1.0),
+            residual=Residual(
+                count,
+                sse,
+                float(np.sqrt(sse / count)),
+                count / effective,
+                float(np.mean([one.durbin_watson for one in noises])),
+            ),
+            nuisance=_nuisances(found, covariance, len(tests)),
+        ),
+        law_covariance=covariance[np.ix_(own, own)],
+        hold=hold,
+        soundness=soundness,
+        discrepancy=tuple(
+            float(s / h) for s, h in zip(found.ramp_scatter, independent(hold), strict=True)
+        ),
+        ramp=found.ramp,
+        noise=noise,
+        peak=tuple(_peak(rows, i) for i in range(len(tests))),
+        rho=rho,
+        scores=scores,
+        residuals=residuals,
+    )
+
+
+def _covariance(found: Followed) -> FloatArray:
+    """Of k_inf, k, ln tau, shape and nuisances; zero for what sits at a bound, but see below.
+
+    A parameter that the rows do not determine has an infinite variance.
+    """
+    solid, point = found.weighted.solid, found.point
+    n, knots = len(point.log_tau), len(solid.knots)
+    jacobian = found.weighted.jacobian(point)
+    if knots == 2:
+        jacobian = np.insert(jacobian, [1 + 2 * n] * 2, 0.0, axis=1)
+    first = 1 + 2 * n
+    bound = np.concatenate((point.k <= 0, point.k[1:] <= 0, point.shape <= 0))
+    if knots == 2:
+        bound[first:] = True
+    else:
+        gauge = np.zeros((1, jacobian.shape[1]))
+        gauge[0, first : first + knots] = solid.weights * np.linalg.norm(jacobian)
+        jacobian = np.concatenate((jacobian, gauge))
+    free = np.flatnonzero(~np.append(bound, np.zeros(jacobian.shape[1] - len(bound), dtype=bool)))
+    covariance = np.zeros((jacobian.shape[1],) * 2)
+    covariance[np.ix_(free, free)] = white(jacobian[:, free], 1.0)
+    if point.k[0] <= 0:
+        # the side of the bound that the rows do not see
+        covariance[0, 0] = white(jacobian[:, np.append(free, 0)], 1.0)[-1, -1]
+    return covariance
+
+
+def _residual(
+    test: RampHold, i: int, model: GeneralizedMaxwell, law: ElasticLaw, found: Followed
+) -> FloatArray:
+    """Every sample less the model and the load cell."""
+    known = found.weighted.solid.rows.known[i]
+    path = law.path(true_motion(test)[0])
+    time = test.time[: len(path)] - test.time[0]
+    arms = arm_columns(time, path, np.asarray(model.tau), derivative=False)[0]
+    values = dict(zip(found.weighted.nuisances.names, found.point.nuisance, strict=True))
+    force = model.k_inf * path + arms @ np.asarray(model.k)
+    force += values[f"offset@{i}"] + values[f"drift@{i}"] * (time - known.at)
+    if f"delay@{i}" in values:
+        force -= values[f"delay@{i}"] * np.gradient(force, time)
+    return np.asarray((test.force[: len(path)] - force)[known.first :])
+
+
+def _nuisances(found: Followed, covariance: FloatArray, tests: int) -> tuple[Nuisance, ...]:
+    names = found.weighted.nuisances.names
+    error = np.sqrt(np.diag(covariance))[-len(names) :]
+    listed = []
+    for name, value, se in zip(names, found.point.nuisance, error, strict=True):
+        kind, _, test = name.partition("@")
+        of = f"{kind} of test {int(test) + 1}" if tests > 1 else kind
+        listed.append(Nuisance(of, float(value), float(se), _UNITS[kind]))
+    return tuple(listed)
+
+
+def _peak(rows: Rows, i: int) -> float:
+    return float(np.abs(rows.force[rows.record == i]).max())

@@ -1,0 +1,107 @@
+r"""The force of a quasi-linear solid, linear in its stiffnesses and in the shape of its law.
+
+All arms answer the same elastic path p(x) (Y. C. Fung, *Biomechanics*, 1993, ch. 7):
+
+.. math:: F = k_\infty\,p(x) + \sum_j k_j \int_0^t e^{-(t-u)/\tau_j}\,\frac{d\,p(x(u))}{du}\,du,
+    \qquad p(x) = \sum_m s_m B_m(x), \quad B_m(x) = \int_0^x h_m(v)\,dv
+
+with hats :math:`h_m` on the knots, so that the tangent :math:`p'` is linear between them and
+:math:`p' \ge 0` if and only if every :math:`s_m \ge 0`. The shape has the mean 1: p of the depth
+is the depth and the stiffnesses are secants there.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.engine.blocks.recorded import recursion
+from dashpot.fitting.nonlinear_ramp.thinning import Rows
+
+
+class Responses(NamedTuple):
+    """The columns of a solid at some relaxation times and some shape, a row per row of data.
+
+    Attributes
+    ----------
+    columns : array, shape (M, 1 + N)
+        Of k_inf and every k: path, and elongation of each arm.
+    slopes : array, shape (M, N)
+        Derivative of each arm's column by its ln tau.
+    by_shape : array, shape (M, 1 + N, P)
+        The columns of each hat alone; empty unless asked for.
+    """
+
+    columns: FloatArray
+    slopes: FloatArray
+    by_shape: FloatArray
+
+
+class QuasiLinear:
+    """Rows of records under an elastic law on some knots.
+
+    Attributes
+    ----------
+    rows : Rows
+    knots : array, shape (P,)
+        m, from 0 to the deepest compression.
+    weights : array, shape (P,)
+        Of each hat in the mean of the tangent: :math:`w \\cdot s = 1`.
+    """
+
+    def __init__(self, rows: Rows, knots: FloatArray) -> None:
+        self.rows, self.knots = rows, knots
+        self.hats = hat_integrals(rows.displacement, knots)
+        width = np.diff(knots)
+        self.weights = 0.5 * (np.append(width, 0.0) + np.append(0.0, width)) / knots[-1]
+        moved = np.diff(self.hats, axis=0, prepend=0.0)
+        moved[rows.first] = self.hats[rows.first]
+        self._moved = moved
+
+    def responses(self, log_tau: FloatArray, shape: FloatArray, *, full: bool) -> Responses:
+        """Return the columns; with their derivatives if `full`."""
+        rows, n = self.rows, len(log_tau)
+        z = rows.step[:, None] / np.exp(log_tau)
+        lost = np.expm1(-z)
+        mean, decay = -lost / z, 1 + lost
+        passed = decay.copy()
+        passed[rows.first] = 0.0
+        path, moved = self.hats @ shape, self._moved @ shape
+        arms = _run(passed, mean * moved[:, None])
+        columns = np.concatenate((path[:, None], arms), axis=1)
+        if not full:
+            return Responses(columns, np.empty((len(z), 0)), np.empty((len(z), 0, 0)))
+        before = np.concatenate((np.zeros((1, n)), arms[:-1]))
+        slopes = _run(passed, passed * z * before + (mean - decay) * moved[:, None])
+        if len(self.knots) == 2:
+            return Responses(columns, slopes, np.empty((len(z), 0, 0)))
+        hats = self._moved.shape[1]
+        each = (mean[:, :, None] * self._moved[:, None, :]).reshape(len(z), n * hats)
+        answers = _run(np.repeat(passed, hats, axis=1), each).reshape(len(z), n, hats)
+        return Responses(columns, slopes, np.concatenate((self.hats[:, None, :], answers), axis=1))
+
+
+def hat_integrals(x: FloatArray, knots: FloatArray) -> FloatArray:
+    """Integral of each hat from 0 to x, shape (M, P); beyond the ends the last tangent stays."""
+    width = np.diff(knots)
+    i = np.clip(np.searchsorted(knots, x, side="right") - 1, 0, len(width) - 1)
+    part = np.clip(x, 0.0, knots[-1]) - knots[i]
+    half = 0.5 * width
+    below = np.zeros((len(knots), len(knots)))
+    for m in range(1, len(knots)):
+        below[m] = below[m - 1]
+        below[m, m - 1 : m + 1] += half[m - 1]
+    found = below[i]
+    right = 0.5 * part**2 / width[i]
+    every = np.arange(len(x))
+    found[every, i] += part - right
+    found[every, i + 1] += right
+    found[:, 0] += np.minimum(x, 0.0)
+    found[:, -1] += np.maximum(x - knots[-1], 0.0)
+    return found
+
+
+def _run(decay: FloatArray, increments: FloatArray) -> FloatArray:
+    return recursion(decay[1:], increments[1:], increments[0])

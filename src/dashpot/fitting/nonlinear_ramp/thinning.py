@@ -1,0 +1,143 @@
+r"""Prepared tests as few rows: every sample near a corner, means of blocks away from it.
+
+A mean of c neighbours of a smooth curve is its value at their mean time, to a relative
+:math:`w^2/(24\,\tau^2)` for a block of width w, and it is worth c samples. Blocks widen in
+proportion to the time since the corner, as what relaxes after it slows down.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, FloatArray, IndexArray, median
+from dashpot.base.errors import FitError
+from dashpot.fitting.nuisance import Priors, priors
+from dashpot.preparation.denoising import true_motion
+from dashpot.records.relaxation import RampHold
+
+# blocks per e-fold of the time since a corner
+_IN_RAMP, _IN_HOLD = 64, 26
+# the fewest rows that can show a ramp and a hold
+_FEWEST = 8
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """Several records as rows on top of each other.
+
+    Attributes
+    ----------
+    time : array, shape (M,)
+        Mean time of the samples of a row since the first sample of its record, s.
+    step : array, shape (M,)
+        Time since the row before, s; at the first row of a record the sampling interval.
+    displacement, force : array, shape (M,)
+        Means, m and N.
+    count : array, shape (M,)
+        Samples in a row.
+    record : array of int, shape (M,)
+        Which record a row is of.
+    ramp : array of bool, shape (M,)
+        Rows before the end of the ramp.
+    ends : tuple of float
+        End of each record's ramp on the clock of `time`, s.
+    depths : tuple of float
+        Compression held in each record, m.
+    known : tuple of Priors
+        Of each record's nuisance terms.
+    """
+
+    time: FloatArray
+    step: FloatArray
+    displacement: FloatArray
+    force: FloatArray
+    count: FloatArray
+    record: IndexArray
+    ramp: BoolArray
+    ends: tuple[float, ...]
+    depths: tuple[float, ...]
+    known: tuple[Priors, ...]
+
+    @property
+    def depth(self) -> float:
+        """The deepest compression held, m."""
+        return max(self.depths)
+
+    @property
+    def first(self) -> IndexArray:
+        """The first row of each record."""
+        return np.flatnonzero(np.diff(self.record, prepend=-1))
+
+    def held(self, record: int) -> BoolArray:
+        """The rows of one record's hold."""
+        return (self.record == record) & ~self.ramp
+
+
+def thinned(tests: Sequence[RampHold]) -> Rows:
+    """Return the rows of prepared tests, from contact to the end of the hold.
+
+    Raises
+    ------
+    FitError
+        If a test has no ramp or no hold to speak of.
+    """
+    parts, known = [], []
+    for number, test in enumerate(tests):
+        known.append(priors(test))
+        parts.append(_rows(test, number, known[-1].first))
+    columns = [np.concatenate(column) for column in zip(*parts, strict=True)]
+    time, step, x, force, count, record, ramp = columns
+    return Rows(
+        time,
+        step,
+        x,
+        force,
+        count,
+        record.astype(np.intp),
+        ramp > 0,
+        tuple(test.ramp_end - float(test.time[0]) for test in tests),
+        tuple(test.depth for test in tests),
+        tuple(known),
+    )
+
+
+def _rows(test: RampHold, number: int, first: int) -> tuple[FloatArray, ...]:
+    x = true_motion(test)[0]
+    time, force = test.time[: len(x)] - test.time[0], test.force[: len(x)]
+    corner = test.hold.start
+    if corner - first < 3 or len(x) - corner < _FEWEST:
+        raise FitError(
+            f"the record has {corner - first} samples on the ramp and {len(x) - corner} in the "
+            f"hold; an elastic law from the ramp needs at least 3 and {_FEWEST}: sample faster"
+        )
+    interval = median(np.diff(time))
+    cuts = np.unique(np.concatenate((
+        _ramp_cuts(time[first:corner], interval) + first,
+        _cuts(time[corner:], interval, _IN_HOLD) + corner,
+    )))  # fmt: skip
+    count = np.diff(np.append(cuts, len(x))).astype(float)
+    mean_time, mean_x, mean_force = (
+        np.add.reduceat(values, cuts) / count for values in (time, x, force)
+    )
+    step = np.diff(mean_time, prepend=mean_time[0] - interval)
+    return mean_time, step, mean_x, mean_force, count, np.full(len(cuts), number), cuts < corner
+
+
+def _ramp_cuts(time: FloatArray, interval: float) -> IndexArray:
+    """Where blocks start that widen from both corners of a ramp."""
+    half = int(np.searchsorted(time, 0.5 * (time[0] + time[-1])))
+    rising = _cuts(time[:half], interval, _IN_RAMP)
+    falling = len(time) - _cuts(-time[half:][::-1], interval, _IN_RAMP)[1:]
+    return np.concatenate((rising, [half], falling))
+
+
+def _cuts(time: FloatArray, interval: float, blocks: int) -> IndexArray:
+    """Where blocks start that widen with the time since the first sample."""
+    span = float(time[-1] - time[0]) if len(time) else 0.0
+    last = np.ceil(blocks * np.log1p(span / (blocks * interval)))
+    edges = blocks * interval * np.expm1(np.arange(last + 1) / blocks)
+    cuts = np.unique(np.searchsorted(time - time[0] if len(time) else time, edges))
+    return np.asarray(cuts[cuts < len(time)])
