@@ -21,7 +21,6 @@ from dashpot.base.arrays import FloatArray
 from dashpot.engine.blocks.block import Block
 from dashpot.engine.blocks.hold import decay_block
 from dashpot.engine.inference.covariance import noise_of, white
-from dashpot.engine.inference.order import bic
 from dashpot.engine.solver.variable_projection import (
     Solution,
     full_jacobian,
@@ -135,21 +134,16 @@ def _hold_block(rows: Rows, i: int, bounds: Bounds) -> Block:
 
 
 def _supported(rows: Rows, blocks: Sequence[Block], solutions: Sequence[Solution]) -> Solution:
-    """Return the number of arms with the least BIC, by rows that say something new."""
+    """Return the number of arms with the least BIC: rows that say something new, all samples."""
     sizes = [block.samples for block in blocks]
     largest = np.split(full_jacobian(blocks, solutions[-1]).residual, np.cumsum(sizes)[:-1])
     effective = sum(noise_of(residual).effective for residual in largest)
-    floor = sum(
-        size * rounding(rows, i) ** 2 for i, size in enumerate(sizes)
-    )
+    floor = sum(size * rounding(rows, i) ** 2 for i, size in enumerate(sizes))
+    price = float(np.log(effective / sum(sizes) * rows.count[~rows.ramp].sum()))
+    per_arm = 1 + len(blocks)
     return min(
         solutions,
-        key=lambda s: bic(
-            s.sse,
-            effective=effective,
-            parameters=s.order + len(blocks) * (1 + s.order),
-            floor=floor,
-        ),
+        key=lambda s: effective * np.log(s.sse + floor) + per_arm * s.order * price,
     )
 
 
@@ -221,19 +215,20 @@ def independent(hold: Hold) -> FloatArray:
     return np.array(hold.scatter) * np.sqrt(hold.correlation)
 
 
+def recorded_hold(rows: Rows, hold: Hold) -> Followed:
+    """Fit the hold rows alone as what follows the recorded history of a linear seal."""
+    unseen = spread(rows, np.full(len(rows.depths), np.inf), independent(hold))
+    weighted = Weighted(QuasiLinear(rows, np.array([0.0, rows.depth])), unseen, nuisances(rows))
+    point = weighted.descend(hold.log_tau, np.ones(2), tau_bounds(rows))
+    return measured(weighted, point, independent(hold))
+
+
 def follow(
-    solid: QuasiLinear, hold: Hold, log_tau: FloatArray, *, shape: FloatArray | None = None
+    solid: QuasiLinear, hold: Hold, found: Followed, log_tau: FloatArray, shape: FloatArray
 ) -> Followed:
-    """Fit one law: the recorded history on the hold rows first, then the ramp as it deserves."""
+    """Fit one law to every row, the ramps weighted by what they miss, first that of `found`."""
     rows, bounds, known = solid.rows, tau_bounds(solid.rows), nuisances(solid.rows)
-    shape = np.ones(len(solid.knots)) if shape is None else shape
     by_hold = independent(hold)
-    straight = QuasiLinear(rows, solid.knots[[0, -1]])
-    unseen = spread(rows, np.full(len(rows.depths), np.inf), by_hold)
-    first = Weighted(straight, unseen, known)
-    begun = first.descend(log_tau, np.ones(2), bounds)
-    found = measured(first, begun, by_hold)
-    log_tau = begun.log_tau
     for _ in range(_ROUNDS):
         weighted = Weighted(solid, spread(rows, found.ramp_scatter, by_hold), known)
         point = weighted.descend(log_tau, shape, bounds)

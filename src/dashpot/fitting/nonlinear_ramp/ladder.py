@@ -26,6 +26,7 @@ from dashpot.fitting.nonlinear_ramp.hold_first import (
     independent,
     measured,
     nuisances,
+    recorded_hold,
     rounding,
     spread,
     tau_bounds,
@@ -198,7 +199,8 @@ def ramp_law(
         score = LawScore(LINEAR, 0.0, sound.ramp, sound.hold, 0.0)
         return _described(tests, hold, soundness, noise, sound, (score,))
     laws = {"linear": (LINEAR,), "nonlinear": LADDER, "auto": (LINEAR, *LADDER)}[law]
-    tried = {one: _followed(rows, one, hold) for one in laws}
+    start = recorded_hold(rows, hold)
+    tried = {one: _followed(rows, one, hold, start) for one in laws}
     scores = _scores(tried, hold)
     taken = _taken(scores) if law == "auto" else min(scores, key=lambda score: score.bic)
     found = tried[taken.law]
@@ -293,8 +295,9 @@ def _slope(rows: Rows, force: FloatArray) -> FloatArray:
 # -- the ladder -----------------------------------------------------------------------------------
 
 
-def _followed(rows: Rows, law: Law, hold: Hold) -> Followed:
-    return follow(QuasiLinear(rows, law.at(rows.depth)), hold, hold.log_tau)
+def _followed(rows: Rows, law: Law, hold: Hold, start: Followed) -> Followed:
+    solid = QuasiLinear(rows, law.at(rows.depth))
+    return follow(solid, hold, start, start.point.log_tau, np.ones(law.knots))
 
 
 def _scores(tried: dict[Law, Followed], hold: Hold) -> tuple[LawScore, ...]:
@@ -345,7 +348,11 @@ def _with_faster_arm(found: Followed, score: LawScore, hold: Hold) -> Followed:
     if fastest - np.log(4.0) <= tau_bounds(rows).low:
         return found
     start = np.concatenate(([fastest - np.log(4.0)], found.point.log_tau))
-    more = follow(solid, hold, start, shape=found.point.shape)
+    tried = found.weighted.descend(start, found.point.shape, tau_bounds(rows))
+    fall = found.point.cost - tried.cost
+    if tried.log_tau.min() > fastest - np.log(2.0) or fall < LEAST_GAIN:
+        return found
+    more = follow(solid, hold, found, tried.log_tau, tried.shape)
     faster = float(more.point.log_tau.min()) < fastest - np.log(2.0)
     gain = score.bic - _bic(more, hold, found.ramp_correlation)
     return more if faster and bool((more.point.k[1:] > 0).all()) and gain > LEAST_GAIN else found

@@ -20,7 +20,8 @@ from dashpot.fitting.nuisance import Prior
 
 LONGEST_STEP = 1.5
 _TRIALS = 40
-_FINISHED = 1e-7
+# a fall of the cost, in units of noise variance, that is not worth a further step
+_FINISHED = 1e-3
 _LEAST_DAMPING, _MOST_DAMPING = 1e-9, 1e9
 
 
@@ -114,7 +115,7 @@ class Weighted:
             fall = here.cost - trial.cost
             if fall >= 0:
                 here, damping = trial, max(0.1 * damping, _LEAST_DAMPING)
-                if fall <= _FINISHED * here.cost:
+                if fall <= _FINISHED:
                     break
                 gradient, curvature = self._local(here)
             else:

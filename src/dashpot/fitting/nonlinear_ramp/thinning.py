@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -66,7 +67,7 @@ class Rows:
         """The deepest compression held, m."""
         return max(self.depths)
 
-    @property
+    @cached_property
     def first(self) -> IndexArray:
         """The first row of each record."""
         return np.flatnonzero(np.diff(self.record, prepend=-1))
