@@ -49,6 +49,9 @@ LEAST_GAP, LEAST_GAIN = 0.01, 10.0
 # what a residual of this part of the peak stands for moves no stiffness that anyone would notice
 NEGLIGIBLE = 1e-4
 
+# a knot of the law needs so many rows of the ramp
+_ROWS_PER_KNOT = 2
+
 _UNITS = {"offset": "N", "drift": "N/s", "delay": "s"}
 
 
@@ -198,7 +201,9 @@ def ramp_law(
     if law != "nonlinear" and all(one.sound for one in soundness):
         score = LawScore(LINEAR, 0.0, sound.ramp, sound.hold, 0.0)
         return _described(tests, hold, soundness, noise, sound, (score,))
-    laws = {"linear": (LINEAR,), "nonlinear": LADDER, "auto": (LINEAR, *LADDER)}[law]
+    shown = int(rows.ramp.sum()) // _ROWS_PER_KNOT
+    bent = [one for one in LADDER if one.knots <= max(shown, LADDER[0].knots)]
+    laws = {"linear": [LINEAR], "nonlinear": bent, "auto": [LINEAR, *bent]}[law]
     start = recorded_hold(rows, hold)
     tried = {one: _followed(rows, one, hold, start) for one in laws}
     scores = _scores(tried, hold)
@@ -315,7 +320,8 @@ def _bic(found: Followed, hold: Hold, correlation: Sequence[float]) -> float:
     total, effective = 0.0, 0.0
     for i, kappa in enumerate(correlation):
         on = float(np.sum(rows.ramp & (rows.record == i))) / kappa
-        total += 2.0 * on * float(np.log(found.ramp[i]))
+        # a ramp followed closer than the hold is luck
+        total += 2.0 * on * float(np.log(max(found.ramp[i], found.hold[i])))
         total += 2.0 * rows.held(i).sum() / hold.correlation[i] * float(np.log(found.hold[i]))
         effective += on
     knots, arms = len(found.weighted.solid.knots), len(found.point.log_tau)

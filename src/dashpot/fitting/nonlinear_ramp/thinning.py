@@ -114,16 +114,17 @@ def _rows(test: RampHold, number: int, first: int) -> tuple[FloatArray, ...]:
             f"the record has {corner - first} samples on the ramp and {len(x) - corner} in the "
             f"hold; an elastic law from the ramp needs at least 3 and {_FEWEST}: sample faster"
         )
-    interval = median(np.diff(time))
+    on = median(np.diff(time[first:corner]))
+    after = median(np.diff(time[corner : corner + _FEWEST]))
     cuts = np.unique(np.concatenate((
-        _ramp_cuts(time[first:corner], interval) + first,
-        _cuts(time[corner:], interval, _IN_HOLD) + corner,
+        _ramp_cuts(time[first:corner], on) + first,
+        _cuts(time[corner:], after, _IN_HOLD) + corner,
     )))  # fmt: skip
     count = np.diff(np.append(cuts, len(x))).astype(float)
     mean_time, mean_x, mean_force = (
         np.add.reduceat(values, cuts) / count for values in (time, x, force)
     )
-    step = np.diff(mean_time, prepend=mean_time[0] - interval)
+    step = np.diff(mean_time, prepend=mean_time[0] - on)
     return mean_time, step, mean_x, mean_force, count, np.full(len(cuts), number), cuts < corner
 
 
