@@ -44,6 +44,8 @@ CONTRADICTED = 3.0
 ALIKE = 1e-3
 # an interval of k_inf wider than this part of the stiffness left says little of it
 UNSURE = 0.5
+# an equilibrium stiffness this far from the end force is not one
+_BEYOND_BELIEF = 0.25
 # what is left of zero in a sum of stiffnesses, relative to it
 _ROUNDING = 1e-12
 
@@ -443,36 +445,49 @@ def order_agreed(choice: Choice) -> Finding:
     otherwise="limit if it is k_inf",
 )
 def hold_and_full_agree(
-    full: GeneralizedMaxwell, hold: GeneralizedMaxwell | None, error: FloatArray
+    full: GeneralizedMaxwell,
+    hold: GeneralizedMaxwell | None,
+    error: FloatArray,
+    *,
+    followed: bool = True,
 ) -> Finding:
-    """The paper's eq. 5 on the hold says the same as the recorded motion.
+    """The hold alone says the same as the recorded motion.
 
     `error` holds the standard errors of the full fit: k_inf, every k, every ln tau. A
-    difference within three of them is noise.
+    difference within three of them is noise. Where the numbers of arms differ k_inf alone is
+    compared. `followed` tells whether the fit follows the ramp: which of the two to trust.
     """
     if hold is None:
         return Finding("eq. 5 does not apply to this history, so the two methods are not compared")
-    n = full.arms
-    if hold.arms != n:
-        return Finding(
-            "eq. 5 on the hold supports another number of arms, so the two are not compared"
-        )
-    ours = np.maximum((full.k_inf, *full.k, *full.tau), 1e-300)
-    theirs = np.array((hold.k_inf, *hold.k, *hold.tau))
-    labels = ["k_inf", *(f"{kind}_{j}" for kind in ("k", "tau") for j in range(1, n + 1))]
-    # an error of ln tau is relative as it stands
-    relative = np.concatenate((error[: 1 + n] / ours[: 1 + n], error[1 + n :]))
-    difference = theirs / ours - 1.0
+    n, alike = full.arms, hold.arms == full.arms
+    ours, theirs = np.array([full.k_inf]), np.array([hold.k_inf])
+    labels, relative = ["k_inf"], error[:1] / max(full.k_inf, 1e-300)
+    if alike:
+        ours = np.array((full.k_inf, *full.k, *full.tau))
+        theirs = np.array((hold.k_inf, *hold.k, *hold.tau))
+        labels += [f"{kind}_{j}" for kind in ("k", "tau") for j in range(1, n + 1)]
+        # an error of ln tau is relative as it stands
+        stiff = error[: 1 + n] / np.maximum(ours[: 1 + n], 1e-300)
+        relative = np.concatenate((stiff, error[1 + n :]))
+    # a plateau of nothing has no relative change: it is measured by the whole stiffness
+    whole = np.where(ours > _ROUNDING * full.k_0, ours, max(full.k_0, 1e-300))
+    difference = (theirs - ours) / whole
     size = np.abs(difference)
-    beyond = size > 3.0 * relative
+    beyond = size > 3.0 * relative * ours / whole
     failed = beyond & (size > MAX_METHOD_DIFFERENCE)
     worst = int(np.argmax(np.where(failed, 1e9, 0.0) + size))
+    orders = "" if alike else f" with {_arms(hold.arms)} for {n}"
+    trust = (
+        "the ramp is followed, so trust the recorded motion, whose tare and drift are bound"
+        if followed
+        else "the ramp is not followed, so trust the hold"
+    )
     return Finding(
-        f"eq. 5 on the hold alone changes {labels[worst]} by {100 * difference[worst]:+.2g} %, "
+        f"eq. 5 on the hold alone{orders} changes {labels[worst]} by "
+        f"{100 * difference[worst]:+.2g} %, "
         f"{'more' if beyond[worst] else 'not more'} than noise explains",
         float(size[worst]),
-        "; the ramp, drift or tare is not what eq. 5 assumes: compare both residuals, and "
-        "trust the recorded motion",
+        f"; {trust}",
         excused=not failed.any(),
         # eq. 5 knows an ideal ramp alone: that its arms differ is no fault of the recorded motion
         grade="limit" if failed[0] else None,
@@ -661,6 +676,105 @@ def bands_meet(dynamic: tuple[float, float], relaxation: tuple[float, float]) ->
         float(max(dynamic[0] / relaxation[1], relaxation[0] / dynamic[1])),
         "; between them more than a decade was not measured, and arms there are a guess: "
         "start the sweep lower or ramp faster",
+    )
+
+
+# -- ramp and load cell ---------------------------------------------------------------------------
+
+
+@criterion("ramp residual / peak", "<=", 0.01, "our choice; or 1.5 times the noise")
+def ramp_followed(missed: float, noise: float, discrepancy: float, kind: str) -> Finding:
+    """The solid follows the ramp.
+
+    `missed` and `noise` are parts of the largest force, `discrepancy` what one independent
+    residual of the ramp is worth over one of the hold, `kind` that of the elastic law.
+    """
+    return Finding(
+        f"with a {kind} elastic law the ramp is followed within {100 * missed:.2g} % of the peak; "
+        f"its rows count with {discrepancy:.3g} times the noise of the hold",
+        missed,
+        ": no law tried follows the ramp, so k_inf and the slow arms come from the hold, and "
+        "fast arms and the tangent are in doubt; is the motion recorded on the seal itself, "
+        "without slip, and does the force not lag?",
+        excused=missed <= 1.5 * noise,
+    )
+
+
+@criterion("ramps of different rate or depth", ">=", 2.0, "simulation: see the question")
+def tangent_told(kind: str, ramps: int) -> Finding:
+    """The tangent inside the ramp rests on more than one ramp.
+
+    One ramp tells the tangent within 5 % if all arms share one elastic law. A law of its own for
+    each arm, friction or a motion commanded and not measured puts it 11 to 46 % off though the
+    ramp is followed to the noise.
+    """
+    if kind == "linear":
+        return Finding("the elastic law is linear: its tangent is its secant")
+    many = f"{ramps} ramps of different rate or depth" if ramps > 1 else "one ramp"
+    return Finding(
+        f"the tangent stiffness rests on {many}",
+        float(ramps),
+        ": it is right to 5 % only if all arms share one elastic law and the motion is that of "
+        "the seal; a law per arm, friction or a commanded motion can put it 11 to 46 % off "
+        "unseen. Test a second ramp rate or depth; the secant at the depth is not concerned",
+    )
+
+
+@criterion("k_inf off, of F_end/x", "<=", 0.05, "our choice; or 3 SE")
+def k_inf_believable(model: GeneralizedMaxwell, se: float, end: float, hold: float) -> Finding:
+    r"""The equilibrium stiffness fits the force that was left at the end.
+
+    Of the force at the end over the depth, `end` in N/m, the arms still carry
+    :math:`\sum_j k_j e^{-T/\tau_j}` after a `hold` T, s; the rest is k_inf.
+    """
+    left = sum(k * np.exp(-hold / tau) for k, tau in zip(model.k, model.tau, strict=True))
+    off = abs(model.k_inf - (end - float(left)))
+    share = off / max(abs(end), 1e-300)
+    return Finding(
+        f"k_inf = {1e-3 * model.k_inf:.4g} N/mm and the arms' rest of {1e-3 * left:.2g} meet the "
+        f"{1e-3 * end:.4g} N/mm at the end of the hold within {100 * share:.2g} %",
+        share,
+        ": offset or drift of the load cell took what is stiffness, or the other way round; "
+        "record a baseline before contact, or name the drift of the cell",
+        excused=off <= 3.0 * se,
+        grade="stop" if share > _BEYOND_BELIEF else "limit",
+    )
+
+
+@criterion("offset less baseline, SE", "<=", 3.0)
+def offset_believable(found: Sequence[tuple[float, float, float]]) -> Finding:
+    """The offset of the load cell is what the record shows before contact.
+
+    `found` holds the fitted offset, its mean and its standard deviation before the fit of each
+    test, N.
+    """
+    return _believable(found, "offset", 1e3, "mN", "the force at rest")
+
+
+@criterion("drift less baseline, SE", "<=", 3.0)
+def drift_believable(found: Sequence[tuple[float, float, float]]) -> Finding:
+    """The drift of the load cell is what its baseline or data sheet allows.
+
+    `found` as for the offset, N/s.
+    """
+    return _believable(found, "drift", 1e3, "mN/s", "what is known of the cell")
+
+
+def _believable(
+    found: Sequence[tuple[float, float, float]], what: str, scale: float, unit: str, known: str
+) -> Finding:
+    if not found:
+        return Finding(f"no {what} is fitted")
+    away = [abs(value - mean) / sd if sd > 0 else 0.0 for value, mean, sd in found]
+    worst = int(np.argmax(away))
+    value, mean, sd = found[worst]
+    of = f" of test {worst + 1}" if len(found) > 1 else ""
+    return Finding(
+        f"the {what}{of} of {scale * value:.3g} {unit} lies {away[worst]:.2g} standard deviations "
+        f"({scale * sd:.2g} {unit}) from {known}, {scale * mean:.3g}",
+        away[worst],
+        ": it takes what the model misses; look at the ramp's residual, record a longer baseline "
+        "or let the cell warm up",
     )
 
 

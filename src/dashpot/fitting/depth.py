@@ -4,33 +4,38 @@ If only the elastic force depends on depth, the seal is quasi-linear (Fung):
 
 .. math:: F(t) = \int_0^t G(t-u)\, \frac{d F_e(x(u))}{du}\, du, \qquad G(\infty) = 1
 
-and every linear tool serves it with :math:`F_e(x)` in place of x. Whether it is so is a question
-to the tests: each gets its own stiffnesses, and the shapes k_j/k_inf are compared.
+and every linear tool serves it with :math:`F_e(x)` in place of x. All tests share one
+:math:`F_e`, which their ramps and their depths show together
+(:mod:`~dashpot.fitting.nonlinear_ramp.ladder`). Whether one memory serves every depth is a
+question to the tests: each gets its own stiffnesses, and the shapes k_j/k_inf are compared.
 Source: Y. C. Fung, *Biomechanics* (1993), ch. 7.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Literal
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
-from dashpot.base.errors import DataError, FitError
-from dashpot.engine.solver.variable_projection import solve
+from dashpot.base.errors import FitError
+from dashpot.engine.inference.covariance import white
 from dashpot.fitting.checks import separable
-from dashpot.fitting.design import Design, compressed
-from dashpot.fitting.relaxation import fit
-from dashpot.fitting.uncertainty.estimate import Estimate, estimated
+from dashpot.fitting.nonlinear_ramp.assembly import ramp_fit
+from dashpot.fitting.nonlinear_ramp.ladder import RampLaw, ramp_law
+from dashpot.fitting.pipeline import asked_arms
 from dashpot.records.fit import AtDepth, Fit
-from dashpot.records.relaxation import RampHold
-from dashpot.solids.elastic import PolynomialLaw, elastic_law
+from dashpot.records.relaxation import RampHold, listed
+from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-_ROUNDS = 8
+# steps from the common solid to each test's own; their relaxation times stay shared
+_STEPS = 3
+# of a relaxation time, in ln tau
+_LONGEST = 0.5
 
 
 @dataclass(frozen=True)
@@ -39,8 +44,8 @@ class DepthLaw:
 
     Attributes
     ----------
-    law : PolynomialLaw
-        Equilibrium force against compression.
+    law : ElasticLaw
+        Relaxed force against compression.
     by_depth : tuple of AtDepth
         Each test's secant stiffnesses, shallowest first.
     separable : Check
@@ -51,44 +56,31 @@ class DepthLaw:
         test.
     """
 
-    law: PolynomialLaw
+    law: ElasticLaw
     by_depth: tuple[AtDepth, ...]
     separable: Check
     fit: Fit
 
     def secant_model(self, depth: float) -> GeneralizedMaxwell:
-        """The linear solid that gives the force at this depth, m."""
-        return self._scaled(float(self.law.secant(depth)), depth)
+        """The linear solid that gives the relaxed force at this depth, m."""
+        return self.fit.model_at(depth, secant=True)
 
     def tangent_model(self, depth: float) -> GeneralizedMaxwell:
         """The linear solid that small vibration about this compression, m, feels."""
-        return self._scaled(float(self.law.tangent(depth)), depth)
-
-    def _scaled(self, stiffness: float, depth: float) -> GeneralizedMaxwell:
-        if not (np.isfinite(depth) and depth > 0):
-            raise DataError(f"depth = {depth!r} m; expected a compression > 0")
-        if not stiffness > 0:
-            raise DataError(
-                f"the elastic law gives {stiffness:.4g} N/m at {1e3 * depth:.4g} mm, outside what "
-                f"its tests support (up to {1e3 * self.law.deepest:.4g} mm); test that depth"
-            )
-        return self.fit.model * (stiffness / self.fit.model.k_inf)
+        return self.fit.model_at(depth)
 
 
 def fit_depths(
-    tests: Sequence[RampHold], *, arms: int | Literal["auto"] = "auto", thorough: bool = False
+    tests: Sequence[RampHold], *, arms: int | Literal["auto"] = "auto", max_arms: int = 5
 ) -> DepthLaw:
     """Fit tests at two or more depths: elastic law, separability, one quasi-linear solid.
-
-    The motion of each test is bent by the elastic law until every test's equilibrium force lies
-    on it, so the ramps are fitted as what they are.
 
     Parameters
     ----------
     tests : sequence of RampHold
         At different depths.
-    arms, thorough
-        As in :func:`~dashpot.fitting.relaxation.fit`.
+    arms : int or "auto"
+        ``"auto"`` takes as many as the holds support by BIC, up to `max_arms`.
 
     Raises
     ------
@@ -96,97 +88,102 @@ def fit_depths(
         If there are fewer than two tests, two share a depth, or a test has no equilibrium
         stiffness.
     """
-    if len(tests) < 2:
-        raise FitError(f"found {len(tests)} test; a depth law needs at least two depths")
-    ordered = sorted(tests, key=lambda test: test.depth)
-    depth = np.array([test.depth for test in ordered])
-    first = fit(ordered, arms=arms, thorough=thorough, depth_law=True)
-    count = first.model.arms if arms == "auto" else arms
-    secant, error = _secants(first.by_depth)
-    law = elastic_law(depth, secant, error)
-    log_tau = np.log(first.model.tau)
-    for _ in range(_ROUNDS):
-        bent = [_bent(test, law) for test in ordered]
-        each = _each(bent, ordered, count, log_tau if len(log_tau) == count else None)
-        log_tau = each.solution.log_tau
-        # what a bent fit calls stiffness is a factor on the law's own force
-        stretch = np.array([test.depth for test in bent]) / depth
-        new = elastic_law(depth, _springs(each) * stretch, error)
-        change = float(np.abs(new.secant(depth) / law.secant(depth) - 1.0).max())
-        law = new
-        if change < 1e-7:
-            break
-    together = fit([_bent(test, law) for test in ordered], arms=count, thorough=thorough)
-    return DepthLaw(
-        law, each.by_depth(depth.tolist(), stretch.tolist()), _separable(each), together
-    )
+    records = listed(tests)
+    if len(records) < 2:
+        raise FitError(f"found {len(records)} test; a depth law needs at least two depths")
+    ordered = sorted(records, key=lambda test: test.depth)
+    depths = [test.depth for test in ordered]
+    if len(set(depths)) < len(depths):
+        raise FitError(
+            f"depths {', '.join(f'{1e3 * value:.4g} mm' for value in depths)}; expected different "
+            "compressions > 0: fit equal depths together without depth_law"
+        )
+    most = asked_arms(arms, max_arms)
+    found = ramp_law(ordered, arms=None if arms == "auto" else most)
+    each = _each(found)
+    by_depth = tuple(each.at(i, depth, found.law) for i, depth in enumerate(depths))
+    for at in by_depth:
+        if at.k_inf <= 0:
+            raise FitError(
+                f"the test at {1e3 * at.depth:.4g} mm has no equilibrium stiffness; hold it "
+                "longer, or leave it out"
+            )
+    check = _separable(each)
+    asked = None if arms == "auto" else most
+    together = ramp_fit(ordered, found, asked=asked, by_depth=by_depth, further=(check,))
+    return DepthLaw(found.law, by_depth, check, together)
 
 
-def _each(
-    tests: Sequence[RampHold],
-    recorded: Sequence[RampHold],
-    arms: int,
-    start: FloatArray | None,
-) -> Estimate:
-    """Return every test's own stiffnesses with their common covariance."""
-    design = Design("full", depth_law=True)
-    blocks = compressed(tests, design)
-    peak = max(float(np.abs(test.force).max()) for test in tests)
-    solution = solve(blocks, arms, log_tau_start=start)
-    found = estimated(solution, [block.exact for block in blocks], peak=peak)
-    return found.with_depth_doubt([test.depth_doubt for test in recorded], shared=False)
+class _Each(NamedTuple):
+    """The stiffnesses of each test on the common path, shape (R, 1 + N), and their covariance.
+
+    Rows of the covariance are the stiffnesses test by test.
+    """
+
+    k: FloatArray
+    covariance: FloatArray
+    dof: float
+
+    def at(self, test: int, depth: float, law: ElasticLaw) -> AtDepth:
+        """Secant stiffnesses of one test at its depth."""
+        scale = float(law.path(depth)) / depth
+        size = self.k.shape[1]
+        error = np.sqrt(np.diag(self.covariance)).reshape(self.k.shape)[test]
+        k, se = scale * self.k[test], scale * error
+        return AtDepth(
+            depth,
+            float(k[0]),
+            float(se[0]),
+            tuple(float(one) for one in k[1:size]),
+            tuple(float(one) for one in se[1:size]),
+        )
 
 
-def _springs(each: Estimate) -> FloatArray:
-    names = [name for name in each.solution.fixed_names if name.startswith("k_inf@")]
-    return np.array([each.solution.coefficient(name) for name in names])
+def _each(found: RampLaw) -> _Each:
+    """Solve each test for its own stiffnesses under the common law and relaxation times."""
+    weighted, point = found.followed.weighted, found.followed.point
+    solid, tests = weighted.solid, len(found.followed.ramp)
+    log_tau = np.log(np.asarray(found.model.tau))
+    n, size = len(log_tau), 1 + len(log_tau)
+    own = (solid.rows.record[:, None] == np.arange(tests)).astype(float)
+    k = np.tile([found.model.k_inf, *found.model.k], (tests, 1))
+    for _ in range(_STEPS):
+        answer = solid.responses(log_tau, point.shape, full=True)
+        columns = (own[:, :, None] * answer.columns[:, None, :]).reshape(len(own), tests * size)
+        slopes = answer.slopes * k[solid.rows.record, 1:]
+        jacobian = np.concatenate(
+            (weighted.whitened(np.concatenate((columns, slopes), axis=1)), weighted.columns), axis=1
+        )
+        norm = np.linalg.norm(jacobian, axis=0)
+        norm[norm == 0] = 1.0
+        beta = np.linalg.lstsq(jacobian / norm, weighted.target, rcond=None)[0] / norm
+        k = beta[: tests * size].reshape(tests, size)
+        log_tau = log_tau + np.clip(beta[tests * size : tests * size + n], -_LONGEST, _LONGEST)
+    covariance = white(jacobian, 1.0)[: tests * size, : tests * size]
+    return _Each(k, covariance * max(1.0, *found.rho) ** 2, found.estimate.dof)
 
 
-def _separable(each: Estimate) -> Check:
+def _separable(each: _Each) -> Check:
     r"""Test :math:`k_j/k_\infty` equal at every depth: Wald's statistic, as an F."""
-    springs, arms = _springs(each), each.solution.arms
-    tests, count = arms.shape
+    tests, size = each.k.shape
+    count = size - 1
     if count == 0:
         return separable(None, None)
-    ratio = arms / springs[:, None]
+    ratio = each.k[:, 1:] / each.k[:, :1]
     spread = float(np.abs(ratio / ratio.mean(axis=0) - 1.0).max())
     if not np.all(np.isfinite(each.covariance)):
         return separable(None, spread)
-    slope = np.zeros((tests * count, len(each.names)))
+    slope = np.zeros((tests, count, tests, size))
     for i in range(tests):
-        for j in range(count):
-            row = slope[i * count + j]
-            row[each.names.index(f"k_{j + 1}@{i}")] = 1.0 / springs[i]
-            row[each.names.index(f"k_inf@{i}")] = -arms[i, j] / springs[i] ** 2
+        slope[i, :, i, 0] = -ratio[i] / each.k[i, 0]
+        slope[i, np.arange(count), i, 1 + np.arange(count)] = 1.0 / each.k[i, 0]
     contrast = np.kron(np.eye(tests)[1:] - np.eye(tests)[:1], np.eye(count))
     difference = contrast @ ratio.ravel()
-    gradient = contrast @ slope
+    gradient = contrast @ slope.reshape(tests * count, tests * size)
     free = len(difference)
-    statistic = (
-        difference @ np.linalg.solve(gradient @ each.covariance @ gradient.T, difference) / free
-    )
+    spread_of = gradient @ each.covariance @ gradient.T
+    statistic = difference @ np.linalg.lstsq(spread_of, difference, rcond=1e-12)[0] / free
     # a rare path: scipy's F distribution costs an import that a plain fit does not pay
     from scipy.special import fdtrc
 
     return separable(float(fdtrc(free, max(each.dof, 1.0), statistic)), spread)
-
-
-def _secants(by_depth: Sequence[AtDepth]) -> tuple[FloatArray, FloatArray]:
-    secant = np.array([at.k_inf for at in by_depth])
-    if (secant <= 0).any():
-        at = by_depth[int(np.argmin(secant))]
-        raise FitError(
-            f"the test at {1e3 * at.depth:.4g} mm has no equilibrium stiffness; hold it longer, "
-            "or leave it out"
-        )
-    return secant, np.array([at.k_inf_se for at in by_depth])
-
-
-def _bent(test: RampHold, law: PolynomialLaw) -> RampHold:
-    """Return the test with F_e(x)/k_sec(deepest) for x: a linear solid then answers it."""
-    unit = float(law.secant(law.deepest))
-    return replace(
-        test,
-        displacement=law.force(test.displacement) / unit,
-        depth=float(law.force(test.depth)) / unit,
-    )

@@ -60,7 +60,7 @@ def _freed(test: RampHold, time: FloatArray, x: FloatArray) -> tuple[FloatArray,
     step, noise = test.encoder_step, test.displacement_noise
     if step > LEAST_COUNT * test.depth:
         read, _ = denoised(between_counts(time, x), SCATTER_OF_A_COUNT * step)
-        return read, LEFT_OF_A_COUNT * step * _moving(time, x)
+        return read, np.asarray(LEFT_OF_A_COUNT * step * _moving(time, x), dtype=float)
     if noise == 0:
         return x, np.zeros(len(x))
     # the mean of a window may be off by as much as its interval is wide

@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray
 from dashpot.engine.blocks.block import Block
@@ -157,9 +158,7 @@ def _described(rows: Rows, blocks: Sequence[Block], solution: Solution) -> Hold:
         rms.append(max(float(np.sqrt(np.mean(residual**2))), rounding(rows, i)))
         scatter.append(max(float(np.sqrt(residual @ residual / left)), rounding(rows, i)))
         correlation.append(noise_of(residual).kappa)
-    sd = np.repeat(
-        np.array(scatter) * np.sqrt(correlation), [block.samples for block in blocks]
-    )
+    sd = np.repeat(np.array(scatter) * np.sqrt(correlation), [block.samples for block in blocks])
     covariance = white(found.matrix / sd[:, None], 1.0)
     for i, depth in enumerate(rows.depths):
         row = found.names.index(f"k_inf@{i}")
@@ -178,7 +177,7 @@ def _described(rows: Rows, blocks: Sequence[Block], solution: Solution) -> Hold:
 
 def rounding(rows: Rows, i: int) -> float:
     """Return the residual that block means and rounding leave of record i, N."""
-    return ROUNDING * float(np.abs(rows.force[rows.record == i]).max())
+    return ROUNDING * rows.peak(i)
 
 
 # -- and its ramp ---------------------------------------------------------------------------------
@@ -205,14 +204,14 @@ def nuisances(rows: Rows, delay: FloatArray | None = None) -> Nuisances:
     )
 
 
-def spread(rows: Rows, ramp: Sequence[float], hold: Sequence[float]) -> FloatArray:
+def spread(rows: Rows, ramp: npt.ArrayLike, hold: npt.ArrayLike) -> FloatArray:
     """Return the standard deviation of each row's samples, N, from those of ramps and holds."""
-    return np.where(rows.ramp, np.array(ramp)[rows.record], np.array(hold)[rows.record])
+    return np.where(rows.ramp, np.asarray(ramp)[rows.record], np.asarray(hold)[rows.record])
 
 
 def independent(hold: Hold) -> FloatArray:
     """Return the standard deviation of one independent sample of each hold, N."""
-    return np.array(hold.scatter) * np.sqrt(hold.correlation)
+    return np.asarray(hold.scatter * np.sqrt(hold.correlation))
 
 
 def recorded_hold(rows: Rows, hold: Hold) -> Followed:

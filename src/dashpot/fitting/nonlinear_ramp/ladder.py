@@ -27,7 +27,6 @@ from dashpot.fitting.nonlinear_ramp.hold_first import (
     measured,
     nuisances,
     recorded_hold,
-    rounding,
     spread,
     tau_bounds,
 )
@@ -63,7 +62,7 @@ class Law(NamedTuple):
 
     def at(self, depth: float) -> FloatArray:
         """The knots down to a depth, m."""
-        return depth * np.linspace(0.0, 1.0, self.knots) ** self.power
+        return np.asarray(depth * np.linspace(0.0, 1.0, self.knots) ** float(self.power))
 
 
 LINEAR = Law(2)
@@ -126,15 +125,8 @@ class RampLaw:
         What the holds say without their ramps.
     soundness : tuple of Soundness
         Of each record under the linear law with the full weight of its ramp.
-    discrepancy : tuple of float
-        :math:`s_r/(s_h \sqrt{\kappa_h})` of each record: 1 where the law follows the ramp as
-        well as the solid follows the hold.
-    ramp, noise : tuple of float
-        Residual on each ramp and noise of one sample, N.
-    peak : tuple of float
-        Largest force of each record, N.
-    rho : tuple of float
-        Residual of each hold over what the hold alone leaves.
+    followed : Followed
+        The optimum of the law, and what it leaves.
     scores : tuple of LawScore
         The laws tried, the linear one first.
     residuals : tuple of array
@@ -147,11 +139,7 @@ class RampLaw:
     law_covariance: FloatArray
     hold: Hold
     soundness: tuple[Soundness, ...]
-    discrepancy: tuple[float, ...]
-    ramp: tuple[float, ...]
-    noise: tuple[float, ...]
-    peak: tuple[float, ...]
-    rho: tuple[float, ...]
+    followed: Followed
     scores: tuple[LawScore, ...]
     residuals: tuple[FloatArray, ...]
 
@@ -159,6 +147,25 @@ class RampLaw:
     def sound(self) -> bool:
         """True if the linear law explains every record to its noise."""
         return all(one.sound for one in self.soundness)
+
+    @property
+    def discrepancy(self) -> tuple[float, ...]:
+        r"""Scatter of each ramp over that of its hold, :math:`s_r/(s_h \sqrt{\kappa_h})`: >= 1."""
+        return tuple(
+            float(ramp / held)
+            for ramp, held in zip(self.followed.ramp_scatter, independent(self.hold), strict=True)
+        )
+
+    @property
+    def missed(self) -> tuple[float, ...]:
+        """Residual on each ramp as a part of the largest force."""
+        rows = self.followed.weighted.solid.rows
+        return tuple(one / rows.peak(i) for i, one in enumerate(self.followed.ramp))
+
+    @property
+    def rho(self) -> tuple[float, ...]:
+        """Residual of each hold over what the hold alone leaves."""
+        return tuple(a / b for a, b in zip(self.followed.hold, self.hold.rms, strict=True))
 
     def tangent_error(self, x: float) -> float:
         """Standard error of the tangent stiffness at a compression x, m, N/m."""
@@ -196,11 +203,11 @@ def ramp_law(
         raise FitError(f'law = {law!r}; expected "auto", "linear" or "nonlinear"')
     rows = thinned(tests)
     hold = hold_alone(rows, arms)
-    noise = _noise(tests, rows, hold)
+    noise = _noise(rows, hold)
     soundness, sound = _gate(rows, hold, noise, arms)
     if law != "nonlinear" and all(one.sound for one in soundness):
         score = LawScore(LINEAR, 0.0, sound.ramp, sound.hold, 0.0)
-        return _described(tests, hold, soundness, noise, sound, (score,))
+        return _described(tests, hold, soundness, sound, (score,))
     shown = int(rows.ramp.sum()) // _ROWS_PER_KNOT
     bent = [one for one in LADDER if one.knots <= max(shown, LADDER[0].knots)]
     laws = {"linear": [LINEAR], "nonlinear": bent, "auto": [LINEAR, *bent]}[law]
@@ -211,7 +218,7 @@ def ramp_law(
     found = tried[taken.law]
     if arms is None:
         found = _with_faster_arm(found, taken, hold)
-    return _described(tests, hold, soundness, noise, found, scores)
+    return _described(tests, hold, soundness, found, scores)
 
 
 # -- the gate -------------------------------------------------------------------------------------
@@ -242,12 +249,9 @@ def soundness(
     return Soundness(ramp / max(noise, 1e-300), hold / max(alone, 1e-300), ramp <= allowed and held)
 
 
-def _noise(tests: Sequence[RampHold], rows: Rows, hold: Hold) -> tuple[float, ...]:
+def _noise(rows: Rows, hold: Hold) -> tuple[float, ...]:
     """Standard deviation of one sample of each record: its scatter, or what its hold leaves."""
-    return tuple(
-        max(test.force_noise, rms, rounding(rows, i))
-        for i, (test, rms) in enumerate(zip(tests, hold.rms, strict=True))
-    )
+    return tuple(max(pair) for pair in zip(rows.noise, hold.rms, strict=True))
 
 
 def _gate(
@@ -266,7 +270,7 @@ def _gate(
                 hold.rms[i],
                 noise=noise[i],
                 samples=float(np.sum(rows.ramp & (rows.record == i))) / hold.correlation[i],
-                peak=_peak(rows, i),
+                peak=rows.peak(i),
             )
             for i in range(len(noise))
         )
@@ -280,7 +284,8 @@ def _gate(
 def _joint(rows: Rows, hold: Hold, log_tau: FloatArray, noise: Sequence[float]) -> Followed:
     """Fit the linear law to ramp and hold at equal weight, first without, then with a delay."""
     even = np.array(noise) * np.sqrt(hold.correlation)
-    solid, sd, bounds = QuasiLinear(rows, LINEAR.at(rows.depth)), spread(rows, even, even), tau_bounds(rows)
+    solid, bounds = QuasiLinear(rows, LINEAR.at(rows.depth)), tau_bounds(rows)
+    sd = spread(rows, even, even)
     first = Weighted(solid, sd, nuisances(rows))
     point = first.descend(log_tau, np.ones(2), bounds)
     force = solid.responses(point.log_tau, point.shape, full=False).columns @ point.k
@@ -306,8 +311,8 @@ def _followed(rows: Rows, law: Law, hold: Hold, start: Followed) -> Followed:
 
 
 def _scores(tried: dict[Law, Followed], hold: Hold) -> tuple[LawScore, ...]:
-    """Return BIC of each law, ramp rows counted as the best of them leaves them correlated."""
-    best = min(tried.values(), key=lambda found: sum(np.log(found.ramp)))
+    """Return BIC of each law; ramp rows count as the closest of them leaves them correlated."""
+    best = min(tried.values(), key=lambda found: float(np.sum(np.log(found.ramp))))
     return tuple(
         LawScore(law, _bic(found, hold, best.ramp_correlation), found.ramp, found.hold, _gap(found))
         for law, found in tried.items()
@@ -315,13 +320,14 @@ def _scores(tried: dict[Law, Followed], hold: Hold) -> tuple[LawScore, ...]:
 
 
 def _bic(found: Followed, hold: Hold, correlation: Sequence[float]) -> float:
-    r"""Return :math:`\sum (n_r/\kappa_r) \ln r_r^2 + (n_h/\kappa_h) \ln r_h^2 + p \ln\sum n_r/\kappa_r`."""
+    r"""Return :math:`\sum m_r \ln r_r^2 + m_h \ln r_h^2 + p \ln \sum m_r`, m = rows / kappa."""
     rows = found.weighted.solid.rows
     total, effective = 0.0, 0.0
     for i, kappa in enumerate(correlation):
         on = float(np.sum(rows.ramp & (rows.record == i))) / kappa
-        # a ramp followed closer than the hold is luck
-        total += 2.0 * on * float(np.log(max(found.ramp[i], found.hold[i])))
+        # a ramp followed closer than its noise is luck
+        least = min(rows.noise[i], found.hold[i])
+        total += 2.0 * on * float(np.log(max(found.ramp[i], least)))
         total += 2.0 * rows.held(i).sum() / hold.correlation[i] * float(np.log(found.hold[i]))
         effective += on
     knots, arms = len(found.weighted.solid.knots), len(found.point.log_tau)
@@ -371,22 +377,25 @@ def _described(
     tests: Sequence[RampHold],
     hold: Hold,
     soundness: tuple[Soundness, ...],
-    noise: tuple[float, ...],
     found: Followed,
     scores: tuple[LawScore, ...],
 ) -> RampLaw:
     point, solid = found.point, found.weighted.solid
-    rows = solid.rows
     order = np.argsort(point.log_tau)
     there = order[point.k[1:][order] > 0]
     model = GeneralizedMaxwell(
-        float(point.k[0]), tuple(point.k[1:][there]), tuple(np.exp(point.log_tau[there]))
+        float(point.k[0]),
+        tuple(point.k[1:][there].tolist()),
+        tuple(np.exp(point.log_tau[there]).tolist()),
     )
-    shape = (1.0,) * len(solid.knots) if len(solid.knots) == 2 else tuple(point.shape)
-    law = ElasticLaw(tuple(solid.knots), shape, model.k_inf)
-    rho = tuple(one / alone for one, alone in zip(found.hold, hold.rms, strict=True))
-    covariance = _covariance(found) * max(1.0, *rho) ** 2
-    n, parameters = len(point.log_tau), 1 + 2 * len(there)
+    shape = (1.0, 1.0) if len(solid.knots) == 2 else tuple(point.shape.tolist())
+    law = ElasticLaw(tuple(solid.knots.tolist()), shape, model.k_inf)
+    worse = max(1.0, *(a / b for a, b in zip(found.hold, hold.rms, strict=True)))
+    covariance = _covariance(found) * worse**2
+    n = len(point.log_tau)
+    # each encoder's step scales every stiffness of its test
+    doubt = float(np.sqrt(np.mean([test.depth_doubt**2 for test in tests]) / len(tests)))
+    covariance[: 1 + n, : 1 + n] += doubt**2 * np.outer(point.k, point.k)
     solid_rows = [0, *(1 + there), *(1 + n + there)]
     own = [*solid_rows, *range(1 + 2 * n, 1 + 2 * n + len(solid.knots))]
     residuals = tuple(_residual(test, i, model, law, found) for i, test in enumerate(tests))
@@ -412,23 +421,14 @@ def _described(
         law_covariance=covariance[np.ix_(own, own)],
         hold=hold,
         soundness=soundness,
-        discrepancy=tuple(
-            float(s / h) for s, h in zip(found.ramp_scatter, independent(hold), strict=True)
-        ),
-        ramp=found.ramp,
-        noise=noise,
-        peak=tuple(_peak(rows, i) for i in range(len(tests))),
-        rho=rho,
+        followed=found,
         scores=scores,
         residuals=residuals,
     )
 
 
 def _covariance(found: Followed) -> FloatArray:
-    """Of k_inf, k, ln tau, shape and nuisances; zero for what sits at a bound, but see below.
-
-    A parameter that the rows do not determine has an infinite variance.
-    """
+    """Of k_inf, k, ln tau, shape and nuisances; zero for what rests at a bound, k_inf excepted."""
     solid, point = found.weighted.solid, found.point
     n, knots = len(point.log_tau), len(solid.knots)
     jacobian = found.weighted.jacobian(point)
@@ -476,7 +476,3 @@ def _nuisances(found: Followed, covariance: FloatArray, tests: int) -> tuple[Nui
         of = f"{kind} of test {int(test) + 1}" if tests > 1 else kind
         listed.append(Nuisance(of, float(value), float(se), _UNITS[kind]))
     return tuple(listed)
-
-
-def _peak(rows: Rows, i: int) -> float:
-    return float(np.abs(rows.force[rows.record == i]).max())

@@ -40,7 +40,7 @@ class Responses(NamedTuple):
 
 
 class QuasiLinear:
-    """Rows of records under an elastic law on some knots.
+    r"""Rows of records under an elastic law on some knots.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class QuasiLinear:
     knots : array, shape (P,)
         m, from 0 to the deepest compression.
     weights : array, shape (P,)
-        Of each hat in the mean of the tangent: :math:`w \\cdot s = 1`.
+        Of each hat in the mean of the tangent: :math:`w \cdot s = 1`.
     """
 
     def __init__(self, rows: Rows, knots: FloatArray) -> None:

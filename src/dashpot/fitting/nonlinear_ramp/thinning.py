@@ -47,6 +47,8 @@ class Rows:
         End of each record's ramp on the clock of `time`, s.
     depths : tuple of float
         Compression held in each record, m.
+    noise : tuple of float
+        Scatter of each record's force from sample to sample, N.
     known : tuple of Priors
         Of each record's nuisance terms.
     """
@@ -60,6 +62,7 @@ class Rows:
     ramp: BoolArray
     ends: tuple[float, ...]
     depths: tuple[float, ...]
+    noise: tuple[float, ...]
     known: tuple[Priors, ...]
 
     @property
@@ -71,6 +74,10 @@ class Rows:
     def first(self) -> IndexArray:
         """The first row of each record."""
         return np.flatnonzero(np.diff(self.record, prepend=-1))
+
+    def peak(self, record: int) -> float:
+        """The largest force of one record, N."""
+        return float(np.abs(self.force[self.record == record]).max())
 
     def held(self, record: int) -> BoolArray:
         """The rows of one record's hold."""
@@ -101,6 +108,7 @@ def thinned(tests: Sequence[RampHold]) -> Rows:
         ramp > 0,
         tuple(test.ramp_end - float(test.time[0]) for test in tests),
         tuple(test.depth for test in tests),
+        tuple(test.force_noise for test in tests),
         tuple(known),
     )
 

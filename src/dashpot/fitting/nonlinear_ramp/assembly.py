@@ -1,0 +1,167 @@
+"""From an elastic law and its solid to a fit."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from dashpot.base.checks import Check
+from dashpot.base.provenance import Step
+from dashpot.fitting import checks
+from dashpot.fitting.design import Design, compressed
+from dashpot.fitting.nonlinear_ramp.ladder import RampLaw
+from dashpot.fitting.pipeline import ended
+from dashpot.fitting.uncertainty.informed_band import informed_band
+from dashpot.preparation.checks import of_records
+from dashpot.records.fit import AtDepth, Evidence, Fit, Provenance
+from dashpot.records.relaxation import RampHold
+
+
+def ramp_fit(
+    tests: Sequence[RampHold],
+    found: RampLaw,
+    *,
+    asked: int | None = None,
+    by_depth: tuple[AtDepth, ...] = (),
+    further: Sequence[Check] = (),
+) -> Fit:
+    """Return the fit of tests that share an elastic law.
+
+    Parameters
+    ----------
+    tests : sequence of RampHold
+    found : RampLaw
+    asked : int or None
+        Number of arms asked for; None if the holds chose.
+    by_depth, further
+        The stiffnesses of each test, and checks besides those of the law.
+    """
+    model, estimate = found.model, found.estimate
+    deepest = max(tests, key=lambda test: test.depth)
+    residual = estimate.residual
+    band = informed_band(
+        tests,
+        compressed(tests, Design("full")),
+        stiffness=max(model.k_0, 1e-300),
+        noise=max(residual.rms * np.sqrt(residual.kappa), 1e-300),
+    )
+    answers = (*law_checks(tests, found), *further, checks.frequencies_informed(band))
+    failed = {check.name for check in answers if check.failed}
+    return Fit(
+        solid=model,
+        status=ended(
+            stationary=True,
+            fewer=asked is not None and model.arms < asked,
+            at_bound="tau_inside_window" in failed,
+            identified=not failed & {"arms_supported", "k_inf_positive"},
+        ),
+        estimate=estimate,
+        evidence=Evidence(
+            band=band,
+            checks=(*(check for test in tests for check in test.checks), *answers),
+            by_depth=by_depth,
+        ),
+        provenance=Provenance(
+            "full",
+            tuple(test.source for test in tests if test.source is not None),
+            (*(step for test in tests for step in test.steps), _step(tests, found)),
+            deepest.specimen,
+        ),
+        elastic_law=found.law,
+    )
+
+
+def law_checks(tests: Sequence[RampHold], found: RampLaw) -> tuple[Check, ...]:
+    """Return every check of the records, of the solid and of its elastic law."""
+    model, estimate = found.model, found.estimate
+    error = np.sqrt(np.diag(estimate.covariance))
+    return (
+        *of_records(tests, method="full"),
+        checks.hold_long_enough(model, tests),
+        checks.arms_distinct(model),
+        checks.arms_supported(model, error),
+        checks.tau_inside_window(
+            model,
+            checks.record_window(tests),
+            "the record",
+            ends=(" (two samples)", " (the hold)"),
+            within=True,
+            advice="; do not use this arm: fit fewer arms, hold longer or sample faster",
+        ),
+        checks.k_inf_positive(model, float(error[0])),
+        checks.residuals_random(
+            estimate.residual.kappa,
+            estimate.residual.rms,
+            max(test.force_noise for test in tests),
+        ),
+        checks.step_bias(model, tests),
+        checks.fast_arm_visible(model, tests),
+        checks.residuals_steady(found.residuals),
+        *ramp_checks(tests, found),
+    )
+
+
+def ramp_checks(tests: Sequence[RampHold], found: RampLaw) -> tuple[Check, ...]:
+    """Return the checks of elastic law and load cell, each at its worst over the records."""
+    rows = found.followed.weighted.solid.rows
+    worst = int(np.argmax(found.missed))
+    values = dict(
+        zip(found.followed.weighted.nuisances.names, found.followed.point.nuisance, strict=True)
+    )
+    error = np.sqrt(np.diag(found.estimate.covariance))
+    deepest = int(np.argmax(rows.depths))
+    followed = checks.ramp_followed(
+        found.missed[worst],
+        max(rows.noise[worst], found.hold.rms[worst]) / rows.peak(worst),
+        found.discrepancy[worst],
+        found.law.kind,
+    )
+    return (
+        followed,
+        checks.tangent_told(found.law.kind, different_ramps(tests)),
+        checks.k_inf_believable(
+            found.model,
+            float(np.hypot(error[0], found.hold.plateau_error[deepest])),
+            end_stiffness(tests[deepest], rows.known[deepest].offset.mean),
+            tests[deepest].hold_time,
+        ),
+        checks.offset_believable(
+            [(values[f"offset@{i}"], *known.offset) for i, known in enumerate(rows.known)]
+        ),
+        checks.drift_believable(
+            [(values[f"drift@{i}"], *known.drift) for i, known in enumerate(rows.known)]
+        ),
+    )
+
+
+def end_stiffness(test: RampHold, rest: float) -> float:
+    """Return the force over the last twentieth of the hold, less that at rest, over x, N/m."""
+    last = max(1, (test.hold.stop - test.hold.start) // 20)
+    held = slice(test.hold.stop - last, test.hold.stop)
+    return float(np.mean(test.force[held]) - rest) / float(np.mean(test.displacement[held]))
+
+
+def different_ramps(tests: Sequence[RampHold]) -> int:
+    """Return how many ramps differ in rate or depth by a tenth or more."""
+    told: list[tuple[float, float]] = []
+    for test in tests:
+        here = (test.depth / test.ramp_time, test.depth)
+        if all(max(abs(np.log(a / b)) for a, b in zip(here, one, strict=True)) >= 0.1
+               for one in told):  # fmt: skip
+            told.append(here)
+    return len(told)
+
+
+def _step(tests: Sequence[RampHold], found: RampLaw) -> Step:
+    law, arms = found.law, found.model.arms
+    plural = f"{len(tests)} tests" if len(tests) > 1 else "one test"
+    shape = "a linear elastic law" if law.kind == "linear" else (
+        f"an elastic law whose tangent is linear between {len(law.knots)} knots"
+    )  # fmt: skip
+    says = (
+        f"fitted a generalized Maxwell solid with {arms} arm{'s' * (arms != 1)} and {shape} to "
+        f"{plural}, holds first"
+    )
+    parameters = (("law", law.kind), ("knots", str(len(law.knots))), ("arms", str(arms)))
+    return Step("fit", parameters, says)
