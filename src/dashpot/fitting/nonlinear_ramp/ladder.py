@@ -174,7 +174,7 @@ class RampLaw:
         gradient = np.zeros(len(self.law_covariance))
         gradient[0] = parts @ shape
         gradient[-len(knots) :] = self.model.k_inf * parts
-        return float(np.sqrt(max(gradient @ self.law_covariance @ gradient, 0.0)))
+        return float(np.sqrt(max(float(gradient @ self.law_covariance @ gradient), 0.0)))
 
 
 def ramp_law(
@@ -250,8 +250,14 @@ def soundness(
 
 
 def _noise(rows: Rows, hold: Hold) -> tuple[float, ...]:
-    """Standard deviation of one sample of each record: its scatter, or what its hold leaves."""
-    return tuple(max(pair) for pair in zip(rows.noise, hold.rms, strict=True))
+    """Standard deviation of one sample of each record: its scatter, or what its hold leaves.
+
+    What a hold leaves may be a solid that does not fit: it is noise up to twice the scatter.
+    """
+    return tuple(
+        max(scatter, min(rms, 2.0 * scatter)) if scatter > 0 else rms
+        for scatter, rms in zip(rows.noise, hold.rms, strict=True)
+    )
 
 
 def _gate(

@@ -83,7 +83,7 @@ class Weighted:
         white = self.whitened(columns)
         k = _nonnegative(self._freed(white), self._freed(self.target))
         left = self.target - white @ k
-        nuisance = np.linalg.lstsq(self.columns, left, rcond=None)[0]
+        nuisance = np.asarray(np.linalg.lstsq(self.columns, left, rcond=None)[0])
         residual = self.solid.rows.force - columns @ k - self.nuisances.columns @ nuisance
         return Point(log_tau, shape, k, nuisance, residual,
                      float(np.sum((left - self.columns @ nuisance) ** 2)))  # fmt: skip
@@ -180,7 +180,7 @@ class Weighted:
 
 def _nonnegative(phi: FloatArray, target: FloatArray) -> FloatArray:
     """Return the least-squares coefficients >= 0, from the triangular factor."""
-    factor = np.linalg.qr(np.concatenate((phi, target[:, None]), axis=1), mode="r")
+    factor = np.asarray(np.linalg.qr(np.concatenate((phi, target[:, None]), axis=1), mode="r"))
     columns, y = factor[:, :-1], factor[:, -1]
     active = nonnegative_columns(columns, y, np.ones(columns.shape[1], dtype=bool))
     found = np.zeros(columns.shape[1])

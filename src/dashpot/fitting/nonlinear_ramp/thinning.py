@@ -23,6 +23,9 @@ from dashpot.records.relaxation import RampHold
 _IN_RAMP, _IN_HOLD = 64, 26
 # the fewest rows that can show a ramp and a hold
 _FEWEST = 8
+# a force that peaks this part of the hold late, by so many times its scatter and this part of
+# itself, had not seen the end of the ramp
+_SOON, _CLEAR, _RISEN = 0.1, 6.0, 0.005
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +84,7 @@ class Rows:
 
     def held(self, record: int) -> BoolArray:
         """The rows of one record's hold."""
-        return (self.record == record) & ~self.ramp
+        return np.asarray((self.record == record) & ~self.ramp)
 
 
 def thinned(tests: Sequence[RampHold]) -> Rows:
@@ -116,7 +119,7 @@ def thinned(tests: Sequence[RampHold]) -> Rows:
 def _rows(test: RampHold, number: int, first: int) -> tuple[FloatArray, ...]:
     x = true_motion(test)[0]
     time, force = test.time[: len(x)] - test.time[0], test.force[: len(x)]
-    corner = test.hold.start
+    corner = _relaxes_from(test)
     if corner - first < 3 or len(x) - corner < _FEWEST:
         raise FitError(
             f"the record has {corner - first} samples on the ramp and {len(x) - corner} in the "
@@ -134,6 +137,21 @@ def _rows(test: RampHold, number: int, first: int) -> tuple[FloatArray, ...]:
     )
     step = np.diff(mean_time, prepend=mean_time[0] - on)
     return mean_time, step, mean_x, mean_force, count, np.full(len(cuts), number), cuts < corner
+
+
+def _relaxes_from(test: RampHold) -> int:
+    """The sample from which the force falls: the first of the hold, or the peak behind it.
+
+    A force that rises on after the plate is said to stand belongs to the ramp.
+    """
+    start = test.hold.start
+    window = min(test.ramp_time, _SOON * test.hold_time)
+    stop = int(np.searchsorted(test.time, test.ramp_end + window))
+    soon = test.force[start : max(stop, start + 1)]
+    peak = int(np.argmax(soon))
+    rise = float(soon[peak] - soon[0])
+    late = rise > _CLEAR * test.force_noise + _RISEN * float(soon[peak])
+    return start + peak if late else start
 
 
 def _ramp_cuts(time: FloatArray, interval: float) -> IndexArray:
