@@ -12,15 +12,14 @@ so that no law, however wrong, can bend what the hold says.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray
-from dashpot.engine.blocks.block import Block
-from dashpot.engine.blocks.hold import decay_block
+from dashpot.engine.blocks.block import Block, design_block
 from dashpot.engine.inference.covariance import noise_of, white
 from dashpot.engine.solver.variable_projection import (
     Solution,
@@ -36,6 +35,8 @@ from dashpot.fitting.nuisance import Prior
 MOST_ARMS = 5
 _ROUNDS = 10
 _SETTLED = 0.005
+# a plate that moves by less than this part of the depth stands
+STILL = 1e-3
 # leverages leave at least this part of the rows of a ramp
 _LEAST_DOF = 0.2
 # a residual smaller than this part of the largest force is rounding, or the width of a block
@@ -122,16 +123,31 @@ def hold_alone(rows: Rows, arms: int | None = None) -> Hold:
 
 
 def _hold_block(rows: Rows, i: int, bounds: Bounds) -> Block:
+    r"""What relaxes, and what answers at once to a plate that has not settled.
+
+    .. math:: F - F_0 = k_\infty + \sum_j A_j e^{-t/\tau_j} + k_g\,(x - x_h)
+    """
     here = rows.held(i)
-    block = decay_block(
-        rows.time[here] - rows.time[here][0],
-        rows.force[here] - rows.known[i].offset.mean,
-        constant=f"k_inf@{i}",
-        weights=np.sqrt(rows.count[here]),
+    time = rows.time[here] - rows.time[here][0]
+    root = np.sqrt(rows.count[here])
+    fixed = {f"k_inf@{i}": np.ones(len(time))}
+    moved = rows.displacement[here] - rows.depths[i]
+    if float(np.ptp(moved)) > STILL * rows.depths[i]:
+        fixed[f"settling@{i}"] = moved
+
+    def columns(tau: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
+        age = time[:, None] / tau
+        decay = root[:, None] * np.exp(-age)
+        return (decay, age * decay) if derivative else (decay, decay)
+
+    return design_block(
+        target=root * (rows.force[here] - rows.known[i].offset.mean),
+        fixed=root[:, None] * np.column_stack(list(fixed.values())),
+        fixed_names=tuple(fixed),
+        columns=columns,
+        window=(float(np.exp(bounds.low)), float(np.exp(bounds.high))),
         arm_group=f"k@{i}",
-        compress=False,
     )
-    return replace(block, window=(float(np.exp(bounds.low)), float(np.exp(bounds.high))))
 
 
 def _supported(rows: Rows, blocks: Sequence[Block], solutions: Sequence[Solution]) -> Solution:
