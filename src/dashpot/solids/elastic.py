@@ -1,10 +1,8 @@
 r"""The elastic law of a seal: equilibrium force against compression.
 
-.. math:: F_e(x) = \sum_m a_m x^m, \qquad
-          k_\mathrm{sec}(x) = F_e(x)/x, \qquad k_\mathrm{tan}(x) = F_e'(x)
+.. math:: k_\mathrm{sec}(x) = F_e(x)/x, \qquad k_\mathrm{tan}(x) = F_e'(x)
 
-A relaxation test at one depth gives one secant stiffness; vibration about a preload feels the
-tangent.
+A hold at one depth gives one secant stiffness; vibration about a preload feels the tangent.
 """
 
 from __future__ import annotations
@@ -16,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray, increasing, same_length, samples
-from dashpot.base.errors import DataError, FitError
+from dashpot.base.errors import DataError
 
 
 @dataclass(frozen=True)
@@ -146,82 +144,6 @@ class ElasticLaw:
 
 
 @dataclass(frozen=True)
-class PolynomialLaw:
-    r"""A polynomial through the origin.
-
-    Attributes
-    ----------
-    powers : tuple of int
-        The powers of x it holds.
-    coefficients : tuple of float
-        :math:`a_m`, N/m^m.
-    deepest : float
-        The deepest test it rests on, m: beyond it the law extrapolates.
-    """
-
-    powers: tuple[int, ...]
-    coefficients: tuple[float, ...]
-    deepest: float
-
-    def force(self, x: npt.ArrayLike) -> FloatArray:
-        """Equilibrium force, N, at compressions x, m."""
-        return self._sum(x, 0)
-
-    def secant(self, x: npt.ArrayLike) -> FloatArray:
-        """Secant stiffness F_e/x, N/m; at x = 0 its limit."""
-        return self._sum(x, 1)
-
-    def tangent(self, x: npt.ArrayLike) -> FloatArray:
-        """Tangent stiffness dF_e/dx, N/m."""
-        x = np.asarray(x, dtype=float)
-        terms = zip(self.powers, self.coefficients, strict=True)
-        return np.asarray(sum(m * a * x ** (m - 1) for m, a in terms))
-
-    def _sum(self, x: npt.ArrayLike, less: int) -> FloatArray:
-        x = np.asarray(x, dtype=float)
-        terms = zip(self.powers, self.coefficients, strict=True)
-        return np.asarray(sum(a * x ** (m - less) for m, a in terms))
-
-
-def elastic_law(
-    depth: npt.ArrayLike, secant: npt.ArrayLike, error: npt.ArrayLike | None = None
-) -> PolynomialLaw:
-    r"""Return the law through secant stiffnesses at several depths.
-
-    One depth gives a straight line, two give :math:`a_1 x + a_3 x^3`, which hardens or softens
-    alike in both directions, three or more :math:`a_1 x + a_2 x^2 + a_3 x^3` by weighted least
-    squares.
-
-    Parameters
-    ----------
-    depth, secant : array_like, shape (n,)
-        m and N/m.
-    error : array_like, shape (n,), optional
-        Standard errors of the secants, N/m.
-
-    Raises
-    ------
-    FitError
-        If two depths are equal or one is not positive.
-    """
-    x, k = samples("depth", depth), samples("secant", secant)
-    same_length(depth=x, secant=k)
-    if (x <= 0).any() or len(np.unique(x)) < len(x):
-        raise FitError(
-            f"depths {', '.join(f'{1e3 * value:.4g} mm' for value in x)}; expected different "
-            "compressions > 0: fit equal depths together without depth_law"
-        )
-    powers = {1: (1,), 2: (1, 3)}.get(len(x), (1, 2, 3))
-    sigma = np.ones(len(x)) if error is None else np.asarray(error, dtype=float)
-    sigma = np.where((sigma > 0) & np.isfinite(sigma), sigma, 1e-6 * np.abs(k).max())
-    unit = x.max()
-    columns = np.column_stack([(x / unit) ** (m - 1) for m in powers])
-    scaled = np.linalg.lstsq(columns / sigma[:, None], k / sigma, rcond=None)[0]
-    coefficients = tuple(float(a / unit ** (m - 1)) for a, m in zip(scaled, powers, strict=True))
-    return PolynomialLaw(powers, coefficients, float(unit))
-
-
-@dataclass(frozen=True)
 class CurveAgreement:
     """A relaxed force beside the force of a compression (load-deflection) curve.
 
@@ -246,7 +168,7 @@ class CurveAgreement:
 
 
 def compare_with_curve(
-    law: PolynomialLaw,
+    law: ElasticLaw,
     depths: Sequence[float],
     *,
     displacement: npt.ArrayLike,
@@ -256,7 +178,7 @@ def compare_with_curve(
 
     Parameters
     ----------
-    law : PolynomialLaw
+    law : ElasticLaw
     depths : sequence of float
         m.
     displacement, force : array_like, shape (n,)
