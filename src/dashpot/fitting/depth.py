@@ -22,20 +22,15 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
-from dashpot.engine.inference.covariance import white
 from dashpot.fitting.checks import separable
 from dashpot.fitting.nonlinear_ramp.assembly import ramp_fit
-from dashpot.fitting.nonlinear_ramp.ladder import RampLaw, ramp_law
+from dashpot.fitting.nonlinear_ramp.hold_first import follow
+from dashpot.fitting.nonlinear_ramp.ladder import RampLaw, covariance_of, ramp_law
 from dashpot.fitting.pipeline import asked_arms
 from dashpot.records.fit import AtDepth, Fit
 from dashpot.records.relaxation import RampHold, listed
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
-
-# steps from the common solid to each test's own; their relaxation times stay shared
-_STEPS = 3
-# of a relaxation time, in ln tau
-_LONGEST = 0.5
 
 
 @dataclass(frozen=True)
@@ -101,7 +96,7 @@ def fit_depths(
     most = asked_arms(arms, max_arms)
     found = ramp_law(ordered, arms=None if arms == "auto" else most)
     each = _each(found)
-    by_depth = tuple(each.at(i, depth, found.law) for i, depth in enumerate(depths))
+    by_depth = tuple(each.at(i, depth) for i, depth in enumerate(depths))
     for at in by_depth:
         if at.k_inf <= 0:
             raise FitError(
@@ -115,18 +110,19 @@ def fit_depths(
 
 
 class _Each(NamedTuple):
-    """The stiffnesses of each test on the common path, shape (R, 1 + N), and their covariance.
+    """The stiffnesses of each test on a common path, shape (R, 1 + N), and their covariance.
 
-    Rows of the covariance are the stiffnesses test by test.
+    Rows of the covariance are the stiffnesses test by test; the law gives the path.
     """
 
     k: FloatArray
     covariance: FloatArray
     dof: float
+    law: ElasticLaw
 
-    def at(self, test: int, depth: float, law: ElasticLaw) -> AtDepth:
+    def at(self, test: int, depth: float) -> AtDepth:
         """Secant stiffnesses of one test at its depth."""
-        scale = float(law.path(depth)) / depth
+        scale = float(self.law.path(depth)) / depth
         size = self.k.shape[1]
         error = np.sqrt(np.diag(self.covariance)).reshape(self.k.shape)[test]
         k, se = scale * self.k[test], scale * error
@@ -140,27 +136,21 @@ class _Each(NamedTuple):
 
 
 def _each(found: RampLaw) -> _Each:
-    """Solve each test for its own stiffnesses under the common law and relaxation times."""
-    weighted, point = found.followed.weighted, found.followed.point
-    solid, tests = weighted.solid, len(found.followed.ramp)
-    log_tau = np.log(np.asarray(found.model.tau))
-    n, size = len(log_tau), 1 + len(log_tau)
-    own = (solid.rows.record[:, None] == np.arange(tests)).astype(float)
-    k = np.tile([found.model.k_inf, *found.model.k], (tests, 1))
-    for _ in range(_STEPS):
-        answer = solid.responses(log_tau, point.shape, full=True)
-        columns = (own[:, :, None] * answer.columns[:, None, :]).reshape(len(own), tests * size)
-        slopes = answer.slopes * k[solid.rows.record, 1:]
-        jacobian = np.concatenate(
-            (weighted.whitened(np.concatenate((columns, slopes), axis=1)), weighted.columns), axis=1
-        )
-        norm = np.linalg.norm(jacobian, axis=0)
-        norm[norm == 0] = 1.0
-        beta = np.linalg.lstsq(jacobian / norm, weighted.target, rcond=None)[0] / norm
-        k = beta[: tests * size].reshape(tests, size)
-        log_tau = log_tau + np.clip(beta[tests * size : tests * size + n], -_LONGEST, _LONGEST)
-    covariance = white(jacobian, 1.0)[: tests * size, : tests * size]
-    return _Each(k, covariance * max(1.0, *found.rho) ** 2, found.estimate.dof)
+    """Fit each test with stiffnesses of its own, relaxation times and law shared."""
+    tests, n, followed = len(found.hold.rms), found.model.arms, found.followed
+    own = follow(
+        followed.weighted.solid,
+        found.hold,
+        followed,
+        np.log(np.asarray(found.model.tau)),
+        followed.point.shape,
+        apart=True,
+    )
+    size = tests * (1 + n)
+    covariance = covariance_of(own)[:size, :size]
+    worse = max(1.0, *(a / b for a, b in zip(own.hold, found.hold.rms, strict=True)))
+    law = ElasticLaw(found.law.knots, tuple(own.point.shape.tolist()), 1.0)
+    return _Each(own.point.k.reshape(tests, 1 + n), covariance * worse**2, found.estimate.dof, law)
 
 
 def _separable(each: _Each) -> Check:

@@ -239,13 +239,22 @@ def recorded_hold(rows: Rows, hold: Hold) -> Followed:
 
 
 def follow(
-    solid: QuasiLinear, hold: Hold, found: Followed, log_tau: FloatArray, shape: FloatArray
+    solid: QuasiLinear,
+    hold: Hold,
+    found: Followed,
+    log_tau: FloatArray,
+    shape: FloatArray,
+    *,
+    apart: bool = False,
 ) -> Followed:
-    """Fit one law to every row, the ramps weighted by what they miss, first that of `found`."""
+    """Fit one law to every row, the ramps weighted by what they miss, first that of `found`.
+
+    `apart` gives each record its own stiffnesses.
+    """
     rows, bounds, known = solid.rows, tau_bounds(solid.rows), nuisances(solid.rows)
     by_hold = independent(hold)
     for _ in range(_ROUNDS):
-        weighted = Weighted(solid, spread(rows, found.ramp_scatter, by_hold), known)
+        weighted = Weighted(solid, spread(rows, found.ramp_scatter, by_hold), known, apart=apart)
         point = weighted.descend(log_tau, shape, bounds)
         before, found = found, measured(weighted, point, by_hold)
         log_tau, shape = point.log_tau, point.shape

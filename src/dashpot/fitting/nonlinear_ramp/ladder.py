@@ -397,7 +397,7 @@ def _described(
     shape = (1.0, 1.0) if len(solid.knots) == 2 else tuple(point.shape.tolist())
     law = ElasticLaw(tuple(solid.knots.tolist()), shape, model.k_inf)
     worse = max(1.0, *(a / b for a, b in zip(found.hold, hold.rms, strict=True)))
-    covariance = _covariance(found) * worse**2
+    covariance = covariance_of(found) * worse**2
     n = len(point.log_tau)
     # each encoder's step scales every stiffness of its test
     doubt = float(np.sqrt(np.mean([test.depth_doubt**2 for test in tests]) / len(tests)))
@@ -433,27 +433,26 @@ def _described(
     )
 
 
-def _covariance(found: Followed) -> FloatArray:
-    """Of k_inf, k, ln tau, shape and nuisances; zero for what rests at a bound, k_inf excepted."""
+def covariance_of(found: Followed) -> FloatArray:
+    """Of every stiffness, ln tau, shape and nuisance; zero for what rests at 0, k_inf excepted."""
     solid, point = found.weighted.solid, found.point
-    n, knots = len(point.log_tau), len(solid.knots)
+    stiff, n, knots = len(point.k), len(point.log_tau), len(solid.knots)
     jacobian = found.weighted.jacobian(point)
-    if knots == 2:
-        jacobian = np.insert(jacobian, [1 + 2 * n] * 2, 0.0, axis=1)
-    first = 1 + 2 * n
-    bound = np.concatenate((point.k <= 0, point.k[1:] <= 0, point.shape <= 0))
-    if knots == 2:
-        bound[first:] = True
-    else:
-        gauge = np.zeros((1, jacobian.shape[1]))
-        gauge[0, first : first + knots] = solid.weights * np.linalg.norm(jacobian)
-        jacobian = np.concatenate((jacobian, gauge))
-    free = np.flatnonzero(~np.append(bound, np.zeros(jacobian.shape[1] - len(bound), dtype=bool)))
+    first, bent = stiff + n, knots > 2
+    if not bent:
+        jacobian = np.insert(jacobian, [first] * 2, 0.0, axis=1)
+    free = np.ones(jacobian.shape[1], dtype=bool)
+    free[:stiff] = point.k > 0
+    free[stiff:first] = (point.k.reshape(-1, 1 + n)[:, 1:] > 0).any(axis=0)
+    free[first : first + knots] = bent & (point.shape > 0)
+    free[np.arange(0, stiff, 1 + n)] = True
+    # the mean of the shape is 1
+    gauge = np.zeros((1, jacobian.shape[1]))
+    bends = slice(first, first + knots)
+    gauge[0, bends] = solid.weights * np.linalg.norm(jacobian[:, bends])
+    rows = np.concatenate((jacobian, gauge))[:, free]
     covariance = np.zeros((jacobian.shape[1],) * 2)
-    covariance[np.ix_(free, free)] = white(jacobian[:, free], 1.0)
-    if point.k[0] <= 0:
-        # the side of the bound that the rows do not see
-        covariance[0, 0] = white(jacobian[:, np.append(free, 0)], 1.0)[-1, -1]
+    covariance[np.ix_(free, free)] = white(rows, 1.0)
     return covariance
 
 

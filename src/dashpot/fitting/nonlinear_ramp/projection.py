@@ -39,8 +39,8 @@ class Point(NamedTuple):
     Attributes
     ----------
     log_tau, shape : arrays, shapes (N,) and (P,)
-    k : array, shape (1 + N,)
-        k_inf and every k, N/m.
+    k : array, shape (S (1 + N),)
+        k_inf and every k, N/m, of each set of stiffnesses.
     nuisance : array, shape (Q,)
     residual : array, shape (M,)
         Data less model, N.
@@ -57,10 +57,17 @@ class Point(NamedTuple):
 
 
 class Weighted:
-    """A quasi-linear solid, the standard deviation of one sample of each row, and nuisances."""
+    """A quasi-linear solid, the standard deviation of one sample of each row, and nuisances.
 
-    def __init__(self, solid: QuasiLinear, sd: FloatArray, nuisances: Nuisances) -> None:
+    With `apart` each record has stiffnesses of its own; relaxation times and shape stay shared.
+    """
+
+    def __init__(
+        self, solid: QuasiLinear, sd: FloatArray, nuisances: Nuisances, *, apart: bool = False
+    ) -> None:
         self.solid, self.nuisances = solid, nuisances
+        self._set = solid.rows.record if apart else np.zeros(len(sd), dtype=np.intp)
+        self._member = (self._set[:, None] == np.arange(self._set[-1] + 1)) * 1.0
         self.root = np.sqrt(solid.rows.count) / sd
         mean, spread = np.array(nuisances.priors).T.reshape(2, -1)
         self.columns = np.concatenate(
@@ -74,12 +81,22 @@ class Weighted:
         white = self.root.reshape(-1, *[1] * (columns.ndim - 1)) * columns
         return np.concatenate((white, np.zeros((len(self.nuisances.names), *columns.shape[1:]))))
 
+    def linear(self, columns: FloatArray) -> FloatArray:
+        """Columns (M, 1 + N) of a solid as those of every set of stiffnesses, (M, S (1 + N))."""
+        return np.asarray(
+            (self._member[:, :, None] * columns[:, None, :]).reshape(len(columns), -1)
+        )
+
+    def _by_row(self, k: FloatArray) -> FloatArray:
+        """Stiffnesses of each row's own set, shape (M, 1 + N)."""
+        return np.asarray(k.reshape(self._member.shape[1], -1)[self._set])
+
     def _freed(self, columns: FloatArray) -> FloatArray:
         return np.asarray(columns - self._basis @ (self._basis.T @ columns))
 
     def point(self, log_tau: FloatArray, shape: FloatArray) -> Point:
         """Return the best stiffnesses >= 0 and nuisances at these relaxation times and shape."""
-        columns = self.solid.responses(log_tau, shape, full=False).columns
+        columns = self.linear(self.solid.responses(log_tau, shape, full=False).columns)
         white = self.whitened(columns)
         k = _nonnegative(self._freed(white), self._freed(self.target))
         left = self.target - white @ k
@@ -89,17 +106,19 @@ class Weighted:
                      float(np.sum((left - self.columns @ nuisance) ** 2)))  # fmt: skip
 
     def jacobian(self, at: Point) -> FloatArray:
-        """Derivative of the whitened model by k_inf, every k, ln tau, shape and nuisance.
+        """Derivative of the whitened model by every stiffness, ln tau, shape and nuisance.
 
-        Shape (M + Q, 1 + 2 N + P + Q); the columns of the shape keep its mean, and there are none
-        for the linear law.
+        Shape (M + Q, S (1 + N) + N + P + Q); the columns of the shape keep its mean, and
+        the linear law has none.
         """
         found = self.solid.responses(at.log_tau, at.shape, full=True)
-        by_tau = found.slopes * at.k[1:]
-        by_shape = np.einsum("mnp,n->mp", found.by_shape, at.k[: found.by_shape.shape[1]])
+        k = self._by_row(at.k)
+        by_tau = found.slopes * k[:, 1:]
+        by_shape = np.einsum("mnp,mn->mp", found.by_shape, k[:, : found.by_shape.shape[1]])
         if by_shape.shape[1]:
-            by_shape = by_shape - np.outer(found.columns @ at.k, self.solid.weights)
-        solid = np.concatenate((found.columns, by_tau, by_shape), axis=1)
+            force = np.sum(found.columns * k, axis=1)
+            by_shape = by_shape - np.outer(force, self.solid.weights)
+        solid = np.concatenate((self.linear(found.columns), by_tau, by_shape), axis=1)
         return np.concatenate((self.whitened(solid), self.columns), axis=1)
 
     def descend(self, log_tau: FloatArray, shape: FloatArray, bounds: tuple[float, float]) -> Point:
@@ -127,8 +146,7 @@ class Weighted:
     def _local(self, at: Point) -> tuple[FloatArray, FloatArray]:
         """Gradient and curvature of the cost by ln tau and shape, linear parameters projected."""
         whole = self.jacobian(at)
-        n = len(at.log_tau)
-        tangent = whole[:, 1 + n : whole.shape[1] - len(self.nuisances.names)]
+        tangent = whole[:, len(at.k) : whole.shape[1] - len(self.nuisances.names)]
         used = np.flatnonzero(at.k > 0)
         linear = np.concatenate((whole[:, used], self.columns), axis=1)
         basis = np.linalg.qr(linear / np.linalg.norm(linear, axis=0))[0]

@@ -10,8 +10,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray, median
 from dashpot.base.errors import FitError
@@ -116,7 +118,7 @@ def thinned(tests: Sequence[RampHold]) -> Rows:
     )
 
 
-def _rows(test: RampHold, number: int, first: int) -> tuple[FloatArray, ...]:
+def _rows(test: RampHold, number: int, first: int) -> tuple[npt.NDArray[Any], ...]:
     x = true_motion(test)[0]
     time, force = test.time[: len(x)] - test.time[0], test.force[: len(x)]
     corner = _relaxes_from(test)
@@ -151,7 +153,7 @@ def _relaxes_from(test: RampHold) -> int:
     peak = int(np.argmax(soon))
     rise = float(soon[peak] - soon[0])
     late = rise > _CLEAR * test.force_noise + _RISEN * float(soon[peak])
-    return start + peak if late else start
+    return int(start) + peak if late else int(start)
 
 
 def _ramp_cuts(time: FloatArray, interval: float) -> IndexArray:
