@@ -112,3 +112,30 @@ def recorded(
     late = late + bench.noise * random.standard_normal(len(time))
     scatter = float(np.diff(late[-2000:]).std() / np.sqrt(2))
     return RampHold(time, x, late, 0.0, bench.ramp, float(time[-1]), depth, force_noise=scatter)
+
+
+def tape(stretch: float = 0.16, *, seed: int = 0) -> RampHold:
+    """A polymer tape, 160 mm long ramp and 1800 s: bends early, overshoots, a broad spectrum.
+
+    One sample before the pull, 2 N at the peak, a third of it left.
+    """
+    bench = Bench(ramp=16.0, hold=1800.0, rate=10.0, noise=0.7e-3, baseline=0.1)
+    time, x = motion(bench, stretch)
+    x = x * (1 + 0.018 * np.where(time > bench.ramp, np.exp(-(time - bench.ramp) / 0.4), 0.0))
+
+    def law(v: np.ndarray) -> np.ndarray:
+        return 4.2 * (0.4 * v + 0.6 * 0.16 * -np.expm1(-v / 0.012))
+
+    tau = np.geomspace(1.0, 600.0, 5)
+    force = law(x)
+    for one, k in zip(tau, 0.8 * tau**-0.12, strict=True):
+        force = force + k * memory(time, law(x), float(one))
+    return recorded(time, x, force, bench, depth=float(x[time > 20].mean()), seed=seed)
+
+
+def foam_block(*, seed: int = 0) -> RampHold:
+    """An open-cell foam pressed to its densification: 30 N at the peak, 124 mN of noise."""
+    bench = Bench(ramp=2.0, hold=120.0, rate=200.0, noise=0.124, baseline=0.25)
+    return qlv(
+        lambda v: 11.0 * foam(v), bench, seed=seed, k=(0.35, 0.25, 0.2), tau=(0.3, 3.0, 30.0)
+    )

@@ -246,7 +246,8 @@ def soundness(
     by_chance = 1.0 + 3.0 / np.sqrt(2.0 * max(samples, 1.0))
     allowed = max(SOUND_RAMP, by_chance) * max(noise, floor / SOUND_RAMP)
     held = hold <= SOUND_HOLD * alone or hold <= floor
-    return Soundness(ramp / max(noise, 1e-300), hold / max(alone, 1e-300), ramp <= allowed and held)
+    sound = bool(ramp <= allowed and held)
+    return Soundness(ramp / max(noise, 1e-300), hold / max(alone, 1e-300), sound)
 
 
 def _noise(rows: Rows, hold: Hold) -> tuple[float, ...]:
@@ -338,7 +339,7 @@ def _bic(found: Followed, hold: Hold, correlation: Sequence[float]) -> float:
         effective += on
     knots, arms = len(found.weighted.solid.knots), len(found.point.log_tau)
     free = 2 * arms + (knots - 1 if knots > 2 else 0)
-    return total + free * float(np.log(max(effective, 2.0)))
+    return float(total + free * np.log(max(effective, 2.0)))
 
 
 def _gap(found: Followed) -> float:

@@ -1,0 +1,365 @@
+"""The elastic law from the ramp of one test, on seals made apart from the library and real ones."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+import pytest
+from kit import ramps
+from kit.ramps import DEPTH, LAWS, Bench, cubic, foam_block, linear, motion, qlv, recorded, tape
+
+from dashpot.base.errors import FitError
+from dashpot.fitting.nonlinear_ramp.assembly import ramp_fit
+from dashpot.fitting.nonlinear_ramp.hold_first import nuisances
+from dashpot.fitting.nonlinear_ramp.ladder import LADDER, RampLaw, ramp_law, soundness
+from dashpot.fitting.nonlinear_ramp.projection import Weighted
+from dashpot.fitting.nonlinear_ramp.quasi_linear import QuasiLinear, hat_integrals
+from dashpot.fitting.nonlinear_ramp.thinning import thinned
+from dashpot.preparation.prepare import prepare
+from dashpot.records.relaxation import RampHold, RelaxationTest
+from dashpot.simulation.relaxation import Rig, simulate_relaxation
+from dashpot.solids.elastic import ElasticLaw
+from dashpot.solids.table_1 import PAPER
+
+QUICK = Bench(rate=200.0)
+
+
+def tangent(law: ramps.Law, x: float) -> float:
+    step = 1e-8
+    return float(law(np.array(x + step)) - law(np.array(x - step))) / (2 * step)
+
+
+def off(found: RampLaw, truth: float = 196.5) -> float:
+    """Error of k_inf, %."""
+    return 100 * (found.model.k_inf / truth - 1)
+
+
+# -- laws -----------------------------------------------------------------------------------------
+
+
+def test_hats_are_integrated_exactly() -> None:
+    knots = DEPTH * np.linspace(0, 1, 5) ** 2
+    shape = np.array([0.3, 1.7, 0.4, 1.1, 1.0])
+    shape = shape / (np.trapezoid(shape, knots) / knots[-1])
+    x = np.linspace(-0.1, 1.2, 200) * DEPTH
+    law = ElasticLaw(tuple(knots), tuple(shape), 1.0)
+    np.testing.assert_allclose(hat_integrals(x, knots) @ shape, law.path(x), atol=1e-15)
+
+
+def test_rows_hold_every_sample_once_and_are_fine_at_corners() -> None:
+    test = qlv(cubic, Bench())
+    rows = thinned([test])
+    assert rows.count.sum() == len(test.time) - rows.known[0].first
+    assert len(rows.time) < 600
+    ramp = rows.count[rows.ramp]
+    assert max(ramp[:20].max(), ramp[-20:].max(), rows.count[~rows.ramp][:10].max()) <= 2
+    # a mean of neighbours is the curve at their mean time
+    free = replace(test, force=cubic(test.displacement))
+    error = thinned([free]).force - cubic(rows.displacement)
+    assert np.abs(error).max() < 1e-5 * 1.572
+
+
+def test_columns_are_the_force_of_the_linear_solid() -> None:
+    rows = thinned([qlv(linear, QUICK, seed=1)])
+    solid = QuasiLinear(rows, DEPTH * np.linspace(0, 1, 5))
+    columns = solid.responses(np.log(PAPER.tau), np.ones(5), full=False).columns
+    start = np.concatenate(([rows.time[0] - rows.step[0]], rows.time))
+    force = PAPER.force(start, np.concatenate(([0.0], rows.displacement)))[1:]
+    np.testing.assert_allclose(columns @ (PAPER.k_inf, *PAPER.k), force, rtol=1e-10, atol=1e-12)
+
+
+@pytest.mark.parametrize("apart", [False, True])
+def test_the_jacobian_is_the_derivative(apart: bool) -> None:
+    rows = thinned([qlv(cubic, QUICK, seed=1), qlv(cubic, QUICK, depth=5e-3, seed=2)])
+    solid = QuasiLinear(rows, DEPTH * np.linspace(0, 1, 4))
+    weighted = Weighted(solid, np.full(len(rows.time), 4e-3), nuisances(rows), apart=apart)
+    shape = np.array([0.8, 0.9, 1.0, 1.2])
+    at = weighted.point(np.log(PAPER.tau), shape / (solid.weights @ shape))
+    k = at.k.reshape(-1, 3)[rows.record if apart else 0 * rows.record]
+
+    def model(free: np.ndarray) -> np.ndarray:
+        scaled = free[2:] / (solid.weights @ free[2:])
+        columns = solid.responses(free[:2], scaled, full=False).columns
+        return np.asarray(weighted.root * np.sum(columns * k, axis=1))
+
+    here, step = np.concatenate((at.log_tau, at.shape)), 1e-6
+    jacobian = weighted.jacobian(at)[: len(rows.time), len(at.k) :]
+    for j, unit in enumerate(np.eye(len(here))):
+        slope = (model(here + step * unit) - model(here - step * unit)) / (2 * step)
+        np.testing.assert_allclose(jacobian[:, j], slope, atol=1e-6 * np.abs(slope).max())
+
+
+def test_units_do_not_matter() -> None:
+    test = qlv(cubic, QUICK, seed=3)
+    kilo = replace(
+        test, force=1e3 * test.force, force_noise=1e3 * test.force_noise,
+        displacement=1e-3 * test.displacement, depth=1e-3 * test.depth,
+    )  # fmt: skip
+    found, same = ramp_law([test]), ramp_law([kilo])
+    assert len(same.law.knots) == len(found.law.knots)
+    np.testing.assert_allclose(same.law.shape, found.law.shape, rtol=1e-5)
+    assert same.model.k_inf == pytest.approx(1e6 * found.model.k_inf, rel=1e-6)
+
+
+# -- numbers --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("baseline", [0.5, 0.0])
+def test_the_cubic_seal_gives_its_secant_and_its_tangents(baseline: float) -> None:
+    found = ramp_law([qlv(cubic, Bench(baseline=baseline), seed=4)])
+    assert not found.sound
+    assert found.law.kind == "piecewise"
+    assert abs(off(found)) < 0.5
+    for x in (8e-3, 2.6e-3):
+        assert float(found.law.tangent(x)) == pytest.approx(tangent(cubic, x), rel=0.02)
+        assert found.tangent_error(x) < 0.01 * float(found.law.tangent(x))
+    assert found.discrepancy[0] < 2
+    assert found.rho[0] < 1.1
+    np.testing.assert_allclose(found.model.tau, PAPER.tau, rtol=0.02)
+    expected = np.array(ramps.PAPER_K) * 196.5
+    np.testing.assert_allclose(found.model.k, expected, rtol=0.02)
+
+
+def test_the_default_rig_gives_the_issue_s_seal() -> None:
+    rig = Rig(stiffening=7.2656e-4 / 0.15 * 1e6)
+    found = ramp_law([prepare(simulate_relaxation(PAPER * (150 / 196.5), seed=0, rig=rig).test)])
+    assert abs(off(found)) < 0.5
+    assert float(found.law.tangent(8e-3)) == pytest.approx(289.5, rel=0.05)
+    assert float(found.law.tangent(2.6e-3)) == pytest.approx(164.7, rel=0.05)
+
+
+def test_a_linear_seal_passes_the_gate_and_keeps_its_errors() -> None:
+    found = ramp_law([qlv(linear, Bench(), seed=5)])
+    assert found.sound
+    assert found.law == ElasticLaw.linear(found.model.k_inf, found.law.depth)
+    error = float(np.sqrt(found.estimate.covariance[0, 0]))
+    assert abs(found.model.k_inf - 196.5) < 3 * error
+    assert {n.name for n in found.estimate.nuisance} == {"offset", "drift", "delay"}
+    assert [score.law.knots for score in found.scores] == [2]
+
+
+def test_a_late_force_is_found_behind_the_gate() -> None:
+    found = ramp_law([qlv(linear, Bench(delay=3e-3), seed=6)])
+    assert found.sound
+    delay = next(n for n in found.estimate.nuisance if n.name == "delay")
+    assert delay.value == pytest.approx(3e-3, abs=4 * delay.standard_error)
+    assert delay.standard_error < 0.3e-3
+    assert abs(off(found)) < 0.4
+
+
+def test_a_law_that_is_asked_for_is_taken() -> None:
+    bent, straight = qlv(cubic, QUICK, seed=7), qlv(linear, QUICK, seed=7)
+    found = ramp_law([bent], law="linear")
+    assert found.law.kind == "linear"
+    # hold first: even the wrong law leaves k_inf where the hold has it
+    assert found.model.k_inf == pytest.approx(found.hold.plateau[0], rel=0.01)
+    assert found.discrepancy[0] > 20
+    found = ramp_law([straight], law="nonlinear")
+    assert len(found.law.knots) in {law.knots for law in LADDER}
+    assert float(found.law.tangent(4e-3)) == pytest.approx(196.5, rel=0.05)
+    with pytest.raises(FitError, match='expected "auto", "linear" or "nonlinear"'):
+        ramp_law([bent], law="cubic")  # type: ignore[arg-type]
+
+
+def test_two_ramp_rates_share_the_law() -> None:
+    tests = [
+        qlv(cubic, replace(QUICK, ramp=ramp), seed=i, depth=depth)
+        for i, (ramp, depth) in enumerate(((0.5, 8e-3), (4.0, 8e-3), (1.0, 5e-3)))
+    ]
+    found = ramp_law(tests)
+    assert found.law.depth == pytest.approx(8e-3)
+    assert abs(off(found)) < 0.5
+    assert float(found.law.tangent(2.6e-3)) == pytest.approx(164.7, rel=0.02)
+    fitted = ramp_fit(tests, found)
+    assert fitted.elastic_law == found.law
+    assert fitted.model_at(2.6e-3).k_inf == pytest.approx(164.7, rel=0.02)
+    told = next(check for check in fitted.checks if check.name == "tangent_told")
+    assert told.passed
+    assert told.value == 3
+    lone = next(
+        check for check in ramp_fit(tests[:1], ramp_law(tests[:1])).checks
+        if check.name == "tangent_told"
+    )  # fmt: skip
+    assert lone.failed
+    assert "second ramp rate or depth" in lone.says
+
+
+# -- what is not so -------------------------------------------------------------------------------
+
+
+def broken(kind: str, seed: int) -> RampHold:
+    """A linear seal's record whose ramp went wrong."""
+    bench = Bench(rate=500.0)
+    t, x = motion(bench)
+    moved = DEPTH * np.clip(t / 1.1, 0, 1) if kind == "stops late" else x
+    force = linear(moved)
+    for k, tau in zip(ramps.PAPER_K, ramps.PAPER_TAU, strict=True):
+        force = force + k * ramps.memory(t, linear(moved), tau)
+    if kind == "drops":
+        force = force * np.where((t > 0.5) & (t < 1.0), 0.85, 1.0)
+    elif kind == "spike":
+        force = force + 1.0 * ((t > 0.4) & (t < 0.41))
+    elif kind == "late":
+        force = np.interp(t - 0.15, t, force)
+    elif kind == "clipped":
+        force = np.minimum(force, 0.93 * force.max())
+    return recorded(t, x, force, bench, depth=DEPTH, seed=seed)
+
+
+@pytest.mark.parametrize("kind", ["drops", "spike", "late", "stops late", "clipped"])
+def test_a_broken_ramp_leaves_what_the_hold_says(kind: str) -> None:
+    test = broken(kind, 8)
+    found = ramp_law([test])
+    assert not found.sound
+    assert abs(off(found)) < 0.5
+    followed = next(c for c in ramp_fit([test], found).checks if c.name == "ramp_followed")
+    assert followed.failed or kind == "clipped"
+
+
+def test_an_offset_that_takes_stiffness_is_not_believed() -> None:
+    test = qlv(linear, QUICK, seed=9)
+    checks = {check.name: check for check in ramp_fit([test], ramp_law([test])).checks}
+    for name in ("k_inf_believable", "offset_believable", "drift_believable"):
+        assert checks[name].passed, checks[name].says
+
+
+def test_what_is_sound() -> None:
+    usual = {"noise": 4e-3, "samples": 1000.0, "peak": 2.0}
+    assert soundness(4.7e-3, 4.3e-3, 4e-3, **usual).sound
+    assert not soundness(4.9e-3, 4.3e-3, 4e-3, **usual).sound
+    assert not soundness(4.7e-3, 4.5e-3, 4e-3, **usual).sound
+    # of few samples chance leaves more, and of none of the peak nobody cares
+    assert soundness(6e-3, 4e-3, 4e-3, noise=4e-3, samples=10.0, peak=2.0).sound
+    assert soundness(1e-4, 1e-4, 1e-6, noise=1e-9, samples=1000.0, peak=2.0).sound
+
+
+def test_a_record_without_a_ramp_is_refused() -> None:
+    test = qlv(linear, QUICK, seed=1)
+    short = replace(test, onset=0.99, ramp_end=1.0)
+    with pytest.raises(FitError, match="samples on the ramp"):
+        ramp_law([short])
+
+
+# -- look-alikes and real records -----------------------------------------------------------------
+
+
+@pytest.mark.parametrize("stretch", [0.04, 0.16, 0.4])
+def test_a_tape_follows_its_hold(stretch: float) -> None:
+    found = ramp_law([tape(stretch)])
+    assert not found.sound
+    assert found.law.kind == "piecewise"
+    assert found.model.k_inf == pytest.approx(found.hold.plateau[0], rel=0.01)
+    assert max(found.rho) < 1.1
+    offset, known = found.estimate.nuisance[0], found.followed.weighted.solid.rows.known[0].offset
+    assert abs(offset.value - known.mean) < 3 * known.sd
+    assert found.missed[0] < 0.01
+
+
+def test_a_foam_follows_its_hold() -> None:
+    found = ramp_law([foam_block(seed=1)])
+    assert found.law.kind == "piecewise"
+    assert abs(off(found, 11 * 196.5)) < 1
+    assert found.discrepancy[0] < 2
+
+
+@pytest.mark.parametrize("family", ["AvgRelaxed", "AvgRelaxedMavaSet", "AvgpCa4.4"])
+@pytest.mark.parametrize("ramp", ["0.1", "1", "10", "100"])
+def test_muscle_gives_the_k_inf_of_its_hold(shared_data: Path, family: str, ramp: str) -> None:
+    path = shared_data / "titin-ramp-hold" / f"{family}_{ramp}s.csv"
+    t, length, force = np.loadtxt(path, delimiter=",", skiprows=1, usecols=(0, 1, 2)).T
+    found = ramp_law([prepare(RelaxationTest(t, length - length[0], force))])
+    assert not found.sound
+    assert found.law.kind == "piecewise"
+    assert found.model.k_inf == pytest.approx(found.hold.plateau[0], rel=0.05)
+    assert max(found.rho) < 1.25
+
+
+def test_the_afm_gives_the_k_inf_of_its_hold(shared_data: Path) -> None:
+    path = shared_data / "rheosafm-jpk-relaxation" / "AFM_relaxation.txt"
+    with path.open() as lines:
+        data = (line for line in lines if line.strip() and not line.startswith("#"))
+        rows = np.array([line.split() for line in islice(data, 75_800)], dtype=float)
+    found = ramp_law([prepare(RelaxationTest(rows[:, 2], -rows[:, 0], rows[:, 1]))])
+    assert found.model.k_inf == pytest.approx(found.hold.plateau[0], rel=0.05)
+    assert found.missed[0] < 0.01
+    assert max(found.rho) < 1.1
+
+
+def test_the_rheometer_set_passes_the_gate(shared_data: Path) -> None:
+    t, x, force = np.loadtxt(shared_data / "rheos-data-time" / "data_time.csv", delimiter=",").T
+    found = ramp_law([prepare(RelaxationTest(t, x, force))])
+    assert found.sound
+    assert found.law.kind == "linear"
+
+
+# -- many seeds -----------------------------------------------------------------------------------
+
+CONDITIONS = {
+    "clean": Bench(),
+    "1 ms late": Bench(delay=1e-3),
+    "3 ms late": Bench(delay=3e-3),
+    "0.2 s ramp": Bench(ramp=0.2),
+    "5 s ramp": Bench(ramp=5.0),
+    "16 mN": Bench(noise=16e-3),
+    "no baseline": Bench(baseline=0.0),
+    "drift": Bench(drift=0.2e-3, offset=0.05),
+}
+
+
+@pytest.fixture(autouse=True)
+def remembered(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The force without noise is the same for every seed."""
+    forces: dict[tuple[float, ...], np.ndarray] = {}
+    slow = ramps.memory
+
+    def quick(t: np.ndarray, path: np.ndarray, tau: float) -> np.ndarray:
+        key = (len(t), float(t[0]), tau, float(path.sum()), float(path @ path))
+        if key not in forces:
+            forces[key] = slow(t, path, tau)
+        return forces[key]
+
+    monkeypatch.setattr(ramps, "memory", quick)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("condition", list(CONDITIONS))
+def test_a_linear_seal_keeps_linear(condition: str) -> None:
+    bench, found = CONDITIONS[condition], []
+    for seed in range(40):
+        test = qlv(linear, bench, seed=seed)
+        if bench.offset:
+            test = replace(test, force=test.force - test.force[:400].mean())
+        found.append(ramp_law([test]))
+    assert sum(one.sound for one in found) >= 38
+    assert all(one.law.kind == "linear" for one in found)
+    error = [float(np.sqrt(one.estimate.covariance[0, 0])) for one in found]
+    inside = [abs(one.model.k_inf - 196.5) < 2 * e for one, e in zip(found, error, strict=True)]
+    assert sum(inside) >= 36
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", list(LAWS))
+@pytest.mark.parametrize("baseline", [0.5, 0.0])
+def test_every_separable_law_is_followed(name: str, baseline: float) -> None:
+    law = LAWS[name]
+    for seed in range(6):
+        found = ramp_law([qlv(law, Bench(baseline=baseline), seed=seed)])
+        error = float(np.sqrt(found.estimate.covariance[0, 0]))
+        assert found.law.kind == "piecewise"
+        assert abs(found.model.k_inf - 196.5) < max(4 * error, 0.002 * 196.5)
+        for x in (DEPTH, DEPTH / 3):
+            assert float(found.law.tangent(x)) == pytest.approx(tangent(law, x), rel=0.05)
+
+
+@pytest.mark.slow
+def test_the_ladder_takes_a_third_of_a_second() -> None:
+    test = qlv(cubic, Bench(), seed=1)
+    ramp_law([test])
+    begun = time.process_time()
+    for _ in range(5):
+        ramp_law([test])
+    assert (time.process_time() - begun) / 5 < 1.0
