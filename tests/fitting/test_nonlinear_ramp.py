@@ -228,13 +228,28 @@ def test_an_offset_that_takes_stiffness_is_not_believed() -> None:
 
 
 def test_what_is_sound() -> None:
-    usual = {"noise": 4e-3, "samples": 1000.0, "peak": 2.0}
+    usual = {"noise": 4e-3, "discrepancy": 1.4, "samples": 1000.0, "peak": 2.0}
     assert soundness(4.7e-3, 4.3e-3, 4e-3, **usual).sound
     assert not soundness(4.9e-3, 4.3e-3, 4e-3, **usual).sound
     assert not soundness(4.7e-3, 4.5e-3, 4e-3, **usual).sound
+    assert not soundness(4.7e-3, 4.3e-3, 4e-3, **(usual | {"discrepancy": 1.7})).sound
     # of few samples chance leaves more, and of none of the peak nobody cares
-    assert soundness(6e-3, 4e-3, 4e-3, noise=4e-3, samples=10.0, peak=2.0).sound
-    assert soundness(1e-4, 1e-4, 1e-6, noise=1e-9, samples=1000.0, peak=2.0).sound
+    assert soundness(6e-3, 4e-3, 4e-3, **(usual | {"samples": 10.0, "discrepancy": 2.0})).sound
+    assert soundness(1e-4, 1e-4, 1e-6, **(usual | {"noise": 1e-9, "discrepancy": 9.0})).sound
+
+
+def test_a_bend_below_the_noise_is_seen() -> None:
+    """5 % of curvature, half the noise of a sample: the residual's colour shows it."""
+    laws = {}
+    for bend in (0.0, 0.05):
+        records = [
+            qlv(lambda x, e=bend: linear(x) * (1 + e * ((x / DEPTH) ** 2 - 1)),
+                replace(QUICK, rate=500.0, noise=30e-3), seed=seed)
+            for seed in range(4)
+        ]  # fmt: skip
+        laws[bend] = [ramp_law([record]).law.kind for record in records]
+    assert set(laws[0.0]) == {"linear"}
+    assert set(laws[0.05]) == {"piecewise"}
 
 
 def test_a_record_without_a_ramp_is_refused() -> None:

@@ -41,8 +41,9 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 
 LawName: TypeAlias = Literal["auto", "linear", "nonlinear"]
 
-# a linear law whose residual is this much above the noise, on the ramp and in the hold, is wrong
-SOUND_RAMP, SOUND_HOLD = 1.2, 1.1
+# a linear law is wrong if it leaves so much more than the noise on the ramp, in one sample or in
+# one independent residual, and than the hold alone in the hold
+SOUND_RAMP, SOUND_SHAPE, SOUND_HOLD = 1.2, 1.5, 1.1
 # a law that moves the path by less than this part of the depth, or BIC by less, is not worth it
 LEAST_GAP, LEAST_GAIN = 0.01, 10.0
 # what a residual of this part of the peak stands for moves no stiffness that anyone would notice
@@ -225,9 +226,16 @@ def ramp_law(
 
 
 def soundness(
-    ramp: float, hold: float, alone: float, *, noise: float, samples: float, peak: float
+    ramp: float,
+    hold: float,
+    alone: float,
+    *,
+    noise: float,
+    discrepancy: float,
+    samples: float,
+    peak: float,
 ) -> Soundness:
-    """Judge a linear fit by its residuals.
+    r"""Judge a linear fit by its residuals.
 
     Parameters
     ----------
@@ -237,6 +245,9 @@ def soundness(
         That of a fit to the hold alone, N.
     noise : float
         Standard deviation of the noise of one sample, N.
+    discrepancy : float
+        :math:`r_r \sqrt{\kappa_r}/(r_h \sqrt{\kappa_h})`, scatter of one independent residual
+        of the ramp over one of the hold: a curve below the noise shows in :math:`\kappa_r`.
     samples : float
         Effective number of residuals on the ramp: of few, more is chance.
     peak : float
@@ -244,9 +255,10 @@ def soundness(
     """
     floor = NEGLIGIBLE * peak
     by_chance = 1.0 + 3.0 / np.sqrt(2.0 * max(samples, 1.0))
-    allowed = max(SOUND_RAMP, by_chance) * max(noise, floor / SOUND_RAMP)
-    held = hold <= SOUND_HOLD * alone or hold <= floor
-    sound = bool(ramp <= allowed and held)
+    quiet = ramp <= max(SOUND_RAMP, by_chance) * noise
+    straight = discrepancy <= SOUND_SHAPE * by_chance
+    followed = (quiet and straight) or ramp <= floor
+    sound = bool(followed and (hold <= SOUND_HOLD * alone or hold <= floor))
     return Soundness(ramp / max(noise, 1e-300), hold / max(alone, 1e-300), sound)
 
 
@@ -276,6 +288,7 @@ def _gate(
                 found.hold[i],
                 hold.rms[i],
                 noise=noise[i],
+                discrepancy=found.ramp_scatter[i] / float(independent(hold)[i]),
                 samples=float(np.sum(rows.ramp & (rows.record == i))) / hold.correlation[i],
                 peak=rows.peak(i),
             )
