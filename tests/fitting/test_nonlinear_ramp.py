@@ -15,7 +15,13 @@ from kit.ramps import DEPTH, LAWS, Bench, cubic, foam_block, linear, motion, qlv
 from dashpot.base.errors import FitError
 from dashpot.fitting.nonlinear_ramp.assembly import ramp_fit
 from dashpot.fitting.nonlinear_ramp.hold_first import nuisances
-from dashpot.fitting.nonlinear_ramp.ladder import LADDER, RampLaw, ramp_law, soundness
+from dashpot.fitting.nonlinear_ramp.ladder import (
+    LADDER,
+    RampLaw,
+    linear_soundness,
+    ramp_law,
+    soundness,
+)
 from dashpot.fitting.nonlinear_ramp.projection import Weighted
 from dashpot.fitting.nonlinear_ramp.quasi_linear import QuasiLinear, hat_integrals
 from dashpot.fitting.nonlinear_ramp.thinning import thinned
@@ -236,6 +242,18 @@ def test_what_is_sound() -> None:
     # of few samples chance leaves more, and of none of the peak nobody cares
     assert soundness(6e-3, 4e-3, 4e-3, **(usual | {"samples": 10.0, "discrepancy": 2.0})).sound
     assert soundness(1e-4, 1e-4, 1e-6, **(usual | {"noise": 1e-9, "discrepancy": 9.0})).sound
+
+
+def test_a_linear_fit_made_elsewhere_is_judged_alike() -> None:
+    for law, seed in ((linear, 1), (linear, 2), (cubic, 3)):
+        test = qlv(law, Bench(), seed=seed)
+        found = ramp_law([test], law="linear")
+        whole, truth = found.residuals[0], PAPER.force(test.time + 1.0, test.displacement)
+        alone = (test.force - truth)[test.hold] if law is linear else whole[-40_000:]
+        judged = linear_soundness(test, whole, alone)
+        assert judged.sound == found.sound == (law is linear)
+        if law is linear:
+            assert judged.ramp == pytest.approx(found.soundness[0].ramp, rel=0.1)
 
 
 def test_a_bend_below_the_noise_is_seen() -> None:

@@ -32,7 +32,7 @@ from dashpot.fitting.nonlinear_ramp.hold_first import (
 )
 from dashpot.fitting.nonlinear_ramp.projection import Weighted
 from dashpot.fitting.nonlinear_ramp.quasi_linear import QuasiLinear, hat_integrals
-from dashpot.fitting.nonlinear_ramp.thinning import Rows, thinned
+from dashpot.fitting.nonlinear_ramp.thinning import Rows, relaxes_from, thinned
 from dashpot.preparation.denoising import true_motion
 from dashpot.records.estimate import Nuisance, ParameterEstimate, Residual, parameter_names
 from dashpot.records.relaxation import RampHold
@@ -204,7 +204,7 @@ def ramp_law(
         raise FitError(f'law = {law!r}; expected "auto", "linear" or "nonlinear"')
     rows = thinned(tests)
     hold = hold_alone(rows, arms)
-    noise = _noise(rows, hold)
+    noise = [_noise_of(*pair) for pair in zip(rows.noise, hold.rms, strict=True)]
     soundness, sound = _gate(rows, hold, noise, arms)
     if law != "nonlinear" and all(one.sound for one in soundness):
         score = LawScore(LINEAR, 0.0, sound.ramp, sound.hold, 0.0)
@@ -262,15 +262,40 @@ def soundness(
     return Soundness(ramp / max(noise, 1e-300), hold / max(alone, 1e-300), sound)
 
 
-def _noise(rows: Rows, hold: Hold) -> tuple[float, ...]:
-    """Standard deviation of one sample of each record: its scatter, or what its hold leaves.
+def linear_soundness(test: RampHold, whole: FloatArray, alone: FloatArray) -> Soundness:
+    """Judge a linear fit that was made elsewhere, by the residuals of every sample.
+
+    Parameters
+    ----------
+    test : RampHold
+    whole : array, shape (n,)
+        Residual of the fit to ramp and hold, up to the last sample of the hold, N.
+    alone : array, shape (m,)
+        Residual of a fit to the hold alone, N.
+    """
+    corner, onset = relaxes_from(test), int(np.searchsorted(test.time, test.onset))
+    held = whole[corner - test.hold.stop :]
+    ramp = whole[: -len(held)][onset - corner :]
+    noises = noise_of(ramp), noise_of(alone)
+    rms, least = (float(np.sqrt(np.mean(part**2))) for part in (ramp, alone))
+    peak = float(np.abs(test.force[: test.hold.stop]).max())
+    return soundness(
+        rms,
+        float(np.sqrt(np.mean(held**2))),
+        least,
+        noise=_noise_of(test.force_noise, least),
+        discrepancy=rms / max(least, 1e-300) * float(np.sqrt(noises[0].kappa / noises[1].kappa)),
+        samples=len(ramp) / noises[1].kappa,
+        peak=peak,
+    )
+
+
+def _noise_of(scatter: float, rms: float) -> float:
+    """Standard deviation of the noise of one sample, N: its scatter, or what its hold leaves.
 
     What a hold leaves may be a solid that does not fit: it is noise up to twice the scatter.
     """
-    return tuple(
-        max(scatter, min(rms, 2.0 * scatter)) if scatter > 0 else rms
-        for scatter, rms in zip(rows.noise, hold.rms, strict=True)
-    )
+    return max(scatter, min(rms, 2.0 * scatter)) if scatter > 0 else rms
 
 
 def _gate(

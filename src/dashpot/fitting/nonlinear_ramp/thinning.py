@@ -121,7 +121,7 @@ def thinned(tests: Sequence[RampHold]) -> Rows:
 def _rows(test: RampHold, number: int, first: int) -> tuple[npt.NDArray[Any], ...]:
     x = true_motion(test)[0]
     time, force = test.time[: len(x)] - test.time[0], test.force[: len(x)]
-    corner = _relaxes_from(test)
+    corner = relaxes_from(test)
     if corner - first < 3 or len(x) - corner < _FEWEST:
         raise FitError(
             f"the record has {corner - first} samples on the ramp and {len(x) - corner} in the "
@@ -141,7 +141,7 @@ def _rows(test: RampHold, number: int, first: int) -> tuple[npt.NDArray[Any], ..
     return mean_time, step, mean_x, mean_force, count, np.full(len(cuts), number), cuts < corner
 
 
-def _relaxes_from(test: RampHold) -> int:
+def relaxes_from(test: RampHold) -> int:
     """The sample from which the force falls: the first of the hold, or the peak behind it.
 
     A force that rises on after the plate is said to stand belongs to the ramp.
