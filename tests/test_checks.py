@@ -720,8 +720,7 @@ LIMITS = {
         "hold_and_full_agree": 0.1, "filter_bias": 0.01, "separable": 0.01,
         "few_arms_suffice": 0.05, "kramers_kronig": 0.05, "loss_positive": 0, "storage_rises": 0.05,
         "data_agree": 1.3, "bands_meet": 10, "k_inf_known": 0.5, "force_followed": 3,
-        "arms_where_force_relaxes": 0.02,
-        "data_agree": 1.3, "bands_meet": 10, "ramp_followed": 0.01, "tangent_told": 2,
+        "arms_where_force_relaxes": 0.02, "ramp_followed": 0.01, "tangent_told": 2,
         "k_inf_believable": 0.05, "offset_believable": 3, "drift_believable": 3,
     },
     "fitting/identification": {

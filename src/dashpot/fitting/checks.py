@@ -46,6 +46,8 @@ ALIKE = 1e-3
 UNSURE = 0.5
 # an equilibrium stiffness this far from the end force is not one
 _BEYOND_BELIEF = 0.25
+# a delay so many times what was thought possible is another fault
+_TOO_LATE = 4.0
 # what is left of zero in a sum of stiffnesses, relative to it
 _ROUNDING = 1e-12
 
@@ -758,6 +760,35 @@ def drift_believable(found: Sequence[tuple[float, float, float]]) -> Finding:
     `found` as for the offset, N/s.
     """
     return _believable(found, "drift", 1e3, "mN/s", "what is known of the cell")
+
+
+@criterion(
+    "delay / its error",
+    "<=",
+    3.0,
+    "3 standard errors",
+    grade="note",
+    otherwise="limit where the delay is far beyond what was thought possible",
+)
+def clocks_agree(found: Sequence[tuple[float, float, float]]) -> Finding:
+    """The force is read at the time of the displacement.
+
+    `found` holds the fitted delay of the force, its standard error and its standard deviation
+    before the fit of each test, s. The fit takes the delay into account.
+    """
+    if not found:
+        return Finding("no delay between force and displacement is fitted")
+    late = [abs(value) / error if error > 0 else 0.0 for value, error, _ in found]
+    worst = int(np.argmax(late))
+    value, error, prior = found[worst]
+    of = f" of test {worst + 1}" if len(found) > 1 else ""
+    return Finding(
+        f"the force{of} lags the displacement by {1e3 * value:.3g} +- {1e3 * error:.2g} ms",
+        late[worst],
+        "; the fit takes that into account, but a late force looks like less damping: read both "
+        "channels at one time, name a filter with --force-filter, or widen --sync",
+        grade="limit" if abs(value) > _TOO_LATE * prior else None,
+    )
 
 
 def _believable(

@@ -9,7 +9,7 @@ from typing import Literal
 
 import numpy as np
 
-from dashpot.base.checks import Check, worst
+from dashpot.base.checks import Check
 from dashpot.base.errors import DashpotError, FitError
 from dashpot.base.provenance import Step
 from dashpot.engine.solver.variable_projection import solve
@@ -24,14 +24,17 @@ from dashpot.fitting.design import (
     nuisanced,
     solid_of,
 )
+from dashpot.fitting.nonlinear_ramp.assembly import ramp_fit
+from dashpot.fitting.nonlinear_ramp.ladder import LawName, linear_soundness, ramp_law
+from dashpot.fitting.nuisance import priors
 from dashpot.fitting.pipeline import Chosen, FitData, asked_arms, assembled, chosen_arms
+from dashpot.fitting.questions import Residuals, solid_checks
 from dashpot.fitting.relaxation_data import fitted_data, held_data
-from dashpot.fitting.repeats import end_stiffnesses, refuse_copies
+from dashpot.fitting.repeats import refuse_copies
 from dashpot.fitting.uncertainty.encoder import Encoder
 from dashpot.fitting.uncertainty.estimate import Estimate
 from dashpot.fitting.uncertainty.informed_band import informed_band
 from dashpot.fitting.uncertainty.left_open import end_of_hold
-from dashpot.preparation.checks import of_records
 from dashpot.preparation.filters import Filter, filter_of, filtered
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.fit import Fit, Provenance
@@ -50,6 +53,7 @@ def fit(
     depth_law: bool = False,
     nuisance: Sequence[str] = NUISANCE,
     max_arms: int = 6,
+    law: LawName = "auto",
 ) -> Fit:
     r"""Fit a generalized Maxwell solid to one prepared test, or to several at once.
 
@@ -89,6 +93,11 @@ def fit(
         and ``"drift"``. Eq. (5) has none.
     max_arms : int
         The most that ``"auto"`` tries.
+    law : "auto", "linear" or "nonlinear"
+        Elastic law of the seal, F_e(x) in place of x. A linear solid that explains ramp and hold
+        to their noise is kept. Any other record is fitted hold first
+        (:mod:`dashpot.fitting.nonlinear_ramp.ladder`): the hold decides over the arms, the ramp
+        over the law, which ``"auto"`` bends only if that matters.
 
     Returns
     -------
@@ -104,22 +113,48 @@ def fit(
     if not records:
         raise FitError("there is no test to fit; expected at least one prepared test")
     refuse_copies(records)
-    asked_arms(arms, max_arms)
+    most = asked_arms(arms, max_arms)
     _checked_method(records, method)
+    _checked_law(law, method, depth_law=depth_law)
     design = Design(method, depth_law, _checked_nuisance(nuisance))
+    if law == "nonlinear":
+        return _by_ramp(records, law, None if arms == "auto" else most)
+    found = _linear(records, design, arms, max_arms=max_arms, thorough=thorough)
+    bindable = method == "full" and not depth_law and design.nuisance == NUISANCE
+    if bindable and not _sound(records, found):
+        return _by_ramp(records, law, None if arms == "auto" else most)
+    return _assembled(records, found, design, thorough=thorough)
+
+
+def _linear(
+    records: Sequence[RampHold],
+    design: Design,
+    arms: int | Literal["auto"],
+    *,
+    max_arms: int,
+    thorough: bool,
+) -> Chosen:
+    """Return the linear solid of the whole records."""
     deepest = max(range(len(records)), key=lambda i: records[i].depth)
     data = _data(records, design, deepest)
     found = chosen_arms(data, arms, max_arms=max_arms, thorough=thorough)
-    if method == "hold":
-        doubts = [record.depth_doubt for record in records]
-        found = replace(
-            found, estimate=found.estimate.with_depth_doubt(doubts, shared=not depth_law)
-        )
+    if design.method == "full":
+        return found
+    doubts = [record.depth_doubt for record in records]
+    shared = not design.depth_law
+    return replace(found, estimate=found.estimate.with_depth_doubt(doubts, shared=shared))
+
+
+def _assembled(
+    records: Sequence[RampHold], found: Chosen, design: Design, *, thorough: bool
+) -> Fit:
+    """Return the fit of a linear solid, with everything needed to judge it."""
+    depth_law, deepest = design.depth_law, max(records, key=lambda record: record.depth)
     band = informed_band(
         records,
-        data.rows,
+        found.data.rows,
         stiffness=max(found.model.k_0, 1e-300),
-        noise=max(found.estimate.spread, 1e-6 * data.peak, 1e-300),
+        noise=max(found.estimate.spread, 1e-6 * found.data.peak, 1e-300),
     )
     end = None if depth_law else _end_of_hold(records, found, design)
     return assembled(
@@ -128,20 +163,58 @@ def fit(
         checks=(*_checks(records, found, design, end), checks.frequencies_informed(band)),
         noticed=[check for record in records for check in record.checks],
         provenance=Provenance(
-            method,
+            design.method,
             tuple(record.source for record in records if record.source is not None),
             (
                 *(step for record in records for step in record.steps),
                 *_motion_steps(records, design),
                 _step(records, found, design, thorough=thorough),
             ),
-            records[deepest].specimen,
+            deepest.specimen,
         ),
         by_depth=found.estimate.by_depth([record.depth for record in records]) if depth_law else (),
         tests=len(records),
-        elastic_law=ElasticLaw.linear(found.model.k_inf, records[deepest].depth),
+        elastic_law=ElasticLaw.linear(found.model.k_inf, deepest.depth),
         end_of_hold=end,
     )
+
+
+def _sound(records: Sequence[RampHold], found: Chosen) -> bool:
+    """True if a linear solid explains every record to its noise, ramp and hold alike.
+
+    A record that does not rest after its ramp has no hold to be held against.
+    """
+    for record, residual in zip(records, found.estimate.residuals, strict=True):
+        if eq5_obstacle(record) is not None:
+            continue
+        block = compressed([record], Design("hold"))[0]
+        if block.samples <= 2 + 2 * found.model.arms:
+            continue
+        alone = solve([block], found.model.arms)
+        exact = block.exact.evaluate(alone.log_tau, derivative=False)
+        columns = np.concatenate((exact.fixed, exact.arms), axis=1)
+        rest = exact.target - columns @ np.concatenate((alone.fixed, alone.arms[0]))
+        if not linear_soundness(record, residual, rest).sound:
+            return False
+    return True
+
+
+def _by_ramp(records: Sequence[RampHold], law: LawName, arms: int | None) -> Fit:
+    """Return the fit hold first, with the elastic law that the ramps support."""
+    found = ramp_law(records, law=law, arms=arms)
+    residuals = found.residuals
+    tests = zip(records, residuals, strict=True)
+    data = [
+        held_data(record, found.model, residual[record.settled.start - record.hold.stop :])
+        for record, residual in tests
+    ]
+    end = end_of_hold(
+        data,
+        time=max(record.hold_time for record in records),
+        tau=found.model.tau,
+        dof=max(found.estimate.dof, 1.0),
+    )
+    return ramp_fit(records, found, asked=arms, end=end)
 
 
 def _end_of_hold(records: Sequence[RampHold], found: Chosen, design: Design) -> EndOfHold:
@@ -203,6 +276,16 @@ def _encoders(records: Sequence[RampHold], design: Design) -> tuple[Encoder, ...
     )
 
 
+def _checked_law(law: str, method: str, *, depth_law: bool) -> None:
+    if law not in ("auto", "linear", "nonlinear"):
+        raise FitError(f'law = {law!r}; expected "auto", "linear" or "nonlinear"')
+    if law == "nonlinear" and (method == "hold" or depth_law):
+        raise FitError(
+            "law = 'nonlinear' bends the ramp of the recorded motion; it goes with method='full' "
+            "and shared stiffnesses: leave method='hold' and depth_law out"
+        )
+
+
 def _checked_nuisance(nuisance: Sequence[str]) -> tuple[str, ...]:
     unknown = [name for name in nuisance if name not in NUISANCE]
     if isinstance(nuisance, str) or unknown:
@@ -217,45 +300,53 @@ def _checks(
 ) -> tuple[Check, ...]:
     """Return every check of the records and of the fit."""
     model, estimate, choice, error = found.model, found.estimate, found.choice, found.error
-    arms = model.arms
     answers = [
         *(filter_bias(record) for record in records if record.unfiltered is not None),
-        *of_records(records, method=design.method),
-        checks.hold_long_enough(end),
-        checks.arms_distinct(model),
-        checks.arms_supported(model, error, needed=choice is not None and choice.fewer_rejected),
-        checks.tau_inside_window(
+        *solid_checks(
+            records,
             model,
-            checks.record_window(records),
-            "the record",
-            ends=(" (two samples)", " (the hold)"),
-            within=True,
-            advice="; do not use this arm: fit fewer arms, hold longer or sample faster",
+            error,
+            Residuals(estimate.residuals, estimate.rms, estimate.kappa),
+            end,
+            method=design.method,
+            needed=choice is not None and choice.fewer_rejected,
         ),
-        checks.k_inf_positive(model, float(error[0])),
-        checks.k_inf_known(model, float(error[0]), records),
-        worst(checks.arms_where_force_relaxes(model, record) for record in records),
-        worst(
-            checks.force_followed(record, residual)
-            for record, residual in zip(records, estimate.residuals, strict=True)
-        ),
-        checks.residuals_random(
-            estimate.kappa,
-            estimate.rms,
-            max(record.force_noise for record in records),
-        ),
-        checks.step_bias(model, records),
-        checks.fast_arm_visible(model, records),
         checks.drift_told_from_arm(model, _drift_correlation(estimate), float(error[-1])),
-        checks.residuals_steady(estimate.residuals, rounding=1e-9 * found.data.peak),
+        *_load_cells(records, found),
     ]
-    if len(records) > 1:
-        answers.append(checks.same_specimen(end_stiffnesses(records)))
     if choice is not None:
         answers.append(checks.order_agreed(choice))
     if design.method == "full" and not design.depth_law:
-        answers.append(checks.hold_and_full_agree(model, _by_eq5(records, arms), error))
+        answers.append(checks.hold_and_full_agree(model, _by_eq5(records, model.arms), error))
     return tuple(answers)
+
+
+def _load_cells(records: Sequence[RampHold], found: Chosen) -> list[Check]:
+    """Return how far offset, drift and clocks had to go from what was known of them."""
+    estimate = found.estimate
+    believable = {
+        "offset": checks.offset_believable,
+        "drift": checks.drift_believable,
+    }
+    answers = []
+    for kind, judge in believable.items():
+        names = [(f"{kind}@{i}", getattr(priors(record), kind)) for i, record in enumerate(records)]
+        answers.append(
+            judge(
+                [
+                    (estimate.solution.coefficient(name), *prior)
+                    for name, prior in names
+                    if name in estimate.solution.fixed_names
+                ]
+            )
+        )
+    solution = estimate.solution
+    late = [
+        (solution.coefficient(name), estimate.standard_error(name), priors(record).delay.sd)
+        for name, record in ((f"delay@{i}", record) for i, record in enumerate(records))
+        if name in solution.fixed_names
+    ]
+    return [*answers, checks.clocks_agree(late)]
 
 
 def filter_bias(test: RampHold) -> Check:

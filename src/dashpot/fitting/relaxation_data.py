@@ -15,7 +15,7 @@ column of the record: with the elongations q_j of unit arms,
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import NamedTuple, TypeAlias
 
@@ -222,8 +222,8 @@ def relaxation_data(test: RampHold, fit: Fit, *, alone: Fit | None = None) -> Re
 
 def held_data(test: RampHold, answer: GeneralizedMaxwell, residual: FloatArray) -> RelaxationData:
     """The hold after an ideal ramp, whose depth scales the force."""
-    block = held(test)
-    return _weighed(test, block, block, answer, residual, size=test.depth_doubt)
+    block, since = held(test), float(test.ramp_end - test.time[0])
+    return _weighed(test, block, block, answer, residual, size=test.depth_doubt, since=since)
 
 
 def fitted_data(
@@ -235,14 +235,18 @@ def fitted_data(
     ramp's corners is not in it, so it serves no question about fast arms.
     """
     size = float(np.hypot(test.depth_doubt, test.contact_error / test.depth))
-    return _weighed(test, block, block, answer, residual, size=size)
+    found = _weighed(test, block, block, answer, residual, size=size)
+    if not any(name.startswith("delay") for name in block.fixed_names):
+        return found
+    known = {**found.known, "delay": Prior(0.0, found.delay)}
+    return replace(found, known=known, delay=0.0)
 
 
 def held(test: RampHold) -> Block:
     """The block of the hold, with an offset and a drift of its load cell."""
     return hold_block(
-        test.time[test.hold] - test.ramp_end,
-        test.force[test.hold],
+        np.maximum(test.time[test.settled] - test.ramp_end, 0.0),
+        test.force[test.settled],
         depth=test.depth,
         ramp_time=test.ramp_time,
         offset="offset",
@@ -282,11 +286,11 @@ def _weighed(
     *,
     doubts: Mapping[str, float] = MappingProxyType({}),
     size: float = 0.0,
+    since: float = 0.0,
 ) -> RelaxationData:
     before, step = priors(test), median(np.diff(test.time))
     power = max(noise_power(residual), certain.rounding_floor)
     slow = [j for j, tau in enumerate(answer.tau) if tau >= SLOW_ARM * step]
-    first = test.time[test.hold.stop - certain.samples]
     return RelaxationData(
         block=block,
         weight=1 / float(np.sqrt(power)),
@@ -296,7 +300,7 @@ def _weighed(
             "drift": before.drift,
             **{name: Prior(0.0, sd) for name, sd in doubts.items()},
         },
-        since=float(first - test.time[0]) - before.at,
+        since=since - before.at,
         answer=GeneralizedMaxwell(
             answer.k_inf, tuple(answer.k[j] for j in slow), tuple(answer.tau[j] for j in slow)
         ),
@@ -327,7 +331,7 @@ def _recorded(
         fixed={
             "k_inf": x[used],
             "offset": np.ones(len(time) - first),
-            "drift": time[used] - time[first],
+            "drift": time[used],
             **{name: column[used] for name, column in columns.items()},
         },
         step=step,

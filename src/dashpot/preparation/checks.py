@@ -234,7 +234,7 @@ def of_records(tests: Sequence[RampHold], *, method: str) -> tuple[Check, ...]:
     """Return the checks that need no fit, each at its worst over `tests`."""
     questions: tuple[Callable[[RampHold], Check], ...] = (
         force_not_clipped,
-        lambda test: force_resolved(test.force),
+        lambda test: force_resolved(test.reading),
         depth_resolved,
         lambda test: hold_is_still(test, method=method),
         hold_outlasts_ramp,
@@ -256,7 +256,7 @@ def force_not_clipped(test: RampHold) -> Finding:
     """The peak is no ceiling at which the force stayed while the seal still moved."""
     top, count, first, last = _flat_top(test.force)
     moved = float(np.ptp(test.displacement[first : last + 1]))
-    step = quantum(test.force)
+    step = quantum(test.reading)
     # over so far the force climbs by three quanta even at half its mean rate
     climb = 6 * step * test.depth / max(float(np.ptp(test.force)), 1e-300)
     far = max(0.02 * test.depth, climb, 4 * test.displacement_noise)

@@ -219,6 +219,12 @@ class RampHold(ByValue):
         moved = [last - float(mean) for mean in means]
         return max(moved, key=abs, default=0.0) / self.depth
 
+    @cached_property
+    def reading(self) -> FloatArray:
+        """The force with its hum, in the counts of its converter, N."""
+        lines = [line.force(self.time) for line in self.hum]
+        return np.asarray(self.force + np.sum(lines, axis=0)) if lines else self.force
+
     @property
     def hold(self) -> slice:
         """The samples of the hold, ramp end included."""

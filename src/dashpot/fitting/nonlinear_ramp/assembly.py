@@ -12,8 +12,9 @@ from dashpot.fitting import checks
 from dashpot.fitting.design import Design, compressed
 from dashpot.fitting.nonlinear_ramp.ladder import RampLaw
 from dashpot.fitting.pipeline import ended
+from dashpot.fitting.questions import Residuals, solid_checks
 from dashpot.fitting.uncertainty.informed_band import informed_band
-from dashpot.preparation.checks import of_records
+from dashpot.records.bounds import EndOfHold
 from dashpot.records.fit import AtDepth, Evidence, Fit, Provenance
 from dashpot.records.relaxation import RampHold
 
@@ -25,6 +26,7 @@ def ramp_fit(
     asked: int | None = None,
     by_depth: tuple[AtDepth, ...] = (),
     further: Sequence[Check] = (),
+    end: EndOfHold | None = None,
 ) -> Fit:
     """Return the fit of tests that share an elastic law.
 
@@ -36,6 +38,8 @@ def ramp_fit(
         Number of arms asked for; None if the holds chose.
     by_depth, further
         The stiffnesses of each test, and checks besides those of the law.
+    end : EndOfHold or None
+        What the holds know of their end.
     """
     model, estimate = found.model, found.estimate
     deepest = max(tests, key=lambda test: test.depth)
@@ -46,7 +50,7 @@ def ramp_fit(
         stiffness=max(model.k_0, 1e-300),
         noise=max(residual.rms * np.sqrt(residual.kappa), 1e-300),
     )
-    answers = (*law_checks(tests, found), *further, checks.frequencies_informed(band))
+    answers = (*law_checks(tests, found, end), *further, checks.frequencies_informed(band))
     failed = {check.name for check in answers if check.failed}
     return Fit(
         solid=model,
@@ -55,12 +59,14 @@ def ramp_fit(
             fewer=asked is not None and model.arms < asked,
             at_bound="tau_inside_window" in failed,
             identified=not failed & {"arms_supported", "k_inf_positive"},
+            agreed=True,
         ),
         estimate=estimate,
         evidence=Evidence(
             band=band,
             checks=(*(check for test in tests for check in test.checks), *answers),
             by_depth=by_depth,
+            end_of_hold=end,
         ),
         provenance=Provenance(
             "full",
@@ -72,34 +78,14 @@ def ramp_fit(
     )
 
 
-def law_checks(tests: Sequence[RampHold], found: RampLaw) -> tuple[Check, ...]:
+def law_checks(
+    tests: Sequence[RampHold], found: RampLaw, end: EndOfHold | None
+) -> tuple[Check, ...]:
     """Return every check of the records, of the solid and of its elastic law."""
-    model, estimate = found.model, found.estimate
-    error = np.sqrt(np.diag(estimate.covariance))
-    return (
-        *of_records(tests, method="full"),
-        checks.hold_long_enough(model, tests),
-        checks.arms_distinct(model),
-        checks.arms_supported(model, error),
-        checks.tau_inside_window(
-            model,
-            checks.record_window(tests),
-            "the record",
-            ends=(" (two samples)", " (the hold)"),
-            within=True,
-            advice="; do not use this arm: fit fewer arms, hold longer or sample faster",
-        ),
-        checks.k_inf_positive(model, float(error[0])),
-        checks.residuals_random(
-            estimate.residual.kappa,
-            estimate.residual.rms,
-            max(test.force_noise for test in tests),
-        ),
-        checks.step_bias(model, tests),
-        checks.fast_arm_visible(model, tests),
-        checks.residuals_steady(found.residuals),
-        *ramp_checks(tests, found),
-    )
+    residual = found.estimate.residual
+    error = np.sqrt(np.diag(found.estimate.covariance))
+    left = Residuals(found.residuals, residual.rms, residual.kappa)
+    return (*solid_checks(tests, found.model, error, left, end), *ramp_checks(tests, found))
 
 
 def ramp_checks(tests: Sequence[RampHold], found: RampLaw) -> tuple[Check, ...]:

@@ -1,0 +1,94 @@
+"""The questions that every fit of relaxation tests is asked, whatever its elastic law."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check, worst
+from dashpot.fitting import checks
+from dashpot.fitting.design import Method
+from dashpot.fitting.repeats import end_stiffnesses
+from dashpot.preparation.checks import of_records
+from dashpot.records.bounds import EndOfHold
+from dashpot.records.relaxation import RampHold
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+# what rounding leaves of the largest force
+_ROUNDING = 1e-9
+
+
+class Residuals(NamedTuple):
+    """What a fit leaves of each record.
+
+    Attributes
+    ----------
+    every : sequence of array
+        One per record, N.
+    rms : float
+        Over all records, N.
+    kappa : float
+        Samples per independent residual.
+    """
+
+    every: Sequence[FloatArray]
+    rms: float
+    kappa: float
+
+
+def solid_checks(
+    records: Sequence[RampHold],
+    model: GeneralizedMaxwell,
+    error: FloatArray,
+    left: Residuals,
+    end: EndOfHold | None,
+    *,
+    method: Method = "full",
+    needed: bool = False,
+) -> list[Check]:
+    """Return the checks of the records and of the solid fitted to them.
+
+    Parameters
+    ----------
+    records : sequence of RampHold
+    model : GeneralizedMaxwell
+    error : array, shape (p,)
+        Standard errors of k_inf, every k, every ln tau.
+    left : Residuals
+    end : EndOfHold or None
+    method : "full" or "hold"
+    needed : bool
+        Fewer arms are rejected.
+    """
+    peak = max(float(abs(record.force).max()) for record in records)
+    answers = [
+        *of_records(records, method=method),
+        checks.hold_long_enough(end),
+        checks.arms_distinct(model),
+        checks.arms_supported(model, error, needed=needed),
+        checks.tau_inside_window(
+            model,
+            checks.record_window(records),
+            "the record",
+            ends=(" (two samples)", " (the hold)"),
+            within=True,
+            advice="; do not use this arm: fit fewer arms, hold longer or sample faster",
+        ),
+        checks.k_inf_positive(model, float(error[0])),
+        checks.k_inf_known(model, float(error[0]), records),
+        worst(checks.arms_where_force_relaxes(model, record) for record in records),
+        worst(
+            checks.force_followed(record, residual)
+            for record, residual in zip(records, left.every, strict=True)
+        ),
+        checks.residuals_random(
+            left.kappa, left.rms, max(record.force_noise for record in records)
+        ),
+        checks.step_bias(model, records),
+        checks.fast_arm_visible(model, records),
+        checks.residuals_steady(left.every, rounding=_ROUNDING * peak),
+    ]
+    if len(records) > 1:
+        answers.append(checks.same_specimen(end_stiffnesses(records)))
+    return answers
