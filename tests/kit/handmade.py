@@ -218,7 +218,7 @@ def study() -> Study:
             BROAD, mass=BROAD_MASS, hits=5, seed=2, rig=Hammer(double_hits=(2,))
         ).test,
         measured=target,
-        comparison=compare(predicted, target, fit=fit, mass=BROAD_MASS, seals=2.0, depth=8e-3),
+        comparison=compare(predicted, target, fit=fit, mass=BROAD_MASS, seals=2.0),
         joint=joint(),
         joint_prediction=after,
         joint_comparison=compare(after, target, fit=joint(), mass=BROAD_MASS, seals=2.0),

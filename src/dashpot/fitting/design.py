@@ -24,6 +24,8 @@ NUISANCE = ("offset", "drift", "delay")
 
 # beyond this part of the depth, motion after the ramp is another ramp
 _SECOND_RAMP = 0.05
+# and beyond this it leads to another hold
+_ANOTHER_DEPTH = 0.25
 _FEWEST = 8
 _ROUNDED = 0.01
 # nothing of a record is known better than this part of its largest force
@@ -117,6 +119,21 @@ def fitted_samples(test: RampHold, design: Design) -> slice:
     return test.settled if design.method == "hold" else slice(first_sample(test), test.hold.stop)
 
 
+def moves_on(test: RampHold) -> bool:
+    """True if the plate moves on to another depth after the first ramp: there is no one hold."""
+    return _moved(test) > _ANOTHER_DEPTH
+
+
+def _moved(test: RampHold) -> float:
+    return float(np.ptp(test.displacement[test.hold])) / test.depth
+
+
+def after_ramp(test: RampHold) -> Block:
+    """The block of the recorded motion whose force is fitted from its settled hold on."""
+    window = slice(test.settled.start, None)
+    return recorded_block(*_motion(test), window=window, offset="offset", k_inf="k_inf")
+
+
 def eq5_obstacle(test: RampHold) -> str | None:
     """Return why eq. 5 does not apply to this history, in a sentence; None if it does."""
     held = test.displacement[test.hold]
@@ -125,7 +142,7 @@ def eq5_obstacle(test: RampHold) -> str | None:
             f"the hold has {len(held)} samples, and eq. 5 needs at least {_FEWEST}: use "
             "method='full', or sample faster"
         )
-    moved = float(np.ptp(held)) / test.depth
+    moved = _moved(test)
     if moved > _SECOND_RAMP:
         return (
             f"the displacement moves by {100 * moved:.0f} % of the depth after the first ramp, so "

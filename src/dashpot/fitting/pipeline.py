@@ -240,7 +240,7 @@ def _chosen(data: FitData, arms: int | Literal["auto"], max_arms: int, *, thorou
     if auto:
         most = min(most, determinable_arms(data.blocks))
     every = not (auto and in_time) or thorough
-    solutions = _solved(data.rows, most, every=every, thorough=thorough)
+    solutions = solved(data.rows, most, every=every, thorough=thorough)
     noises = residual_noises(solutions[-1], samples, peak=peak)
     scores = _scored(solutions, data, noises)
     exhausted = len(scores) - 1 < most or not in_time
@@ -350,7 +350,9 @@ def determinable_arms(blocks: Sequence[Block]) -> int:
 # -- orders ---------------------------------------------------------------------------------------
 
 
-def _solved(blocks: Sequence[Block], most: int, *, every: bool, thorough: bool) -> list[Solution]:
+def solved(
+    blocks: Sequence[Block], most: int, *, every: bool = False, thorough: bool = False
+) -> list[Solution]:
     """Return the optimum of each number of arms from none up.
 
     Unless `every` number is asked for, only one more is tried where all further arms together

@@ -9,6 +9,7 @@ from typing import Literal
 
 import numpy as np
 
+from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import DashpotError, FitError
 from dashpot.base.provenance import Step
@@ -18,21 +19,31 @@ from dashpot.fitting.design import (
     NUISANCE,
     Design,
     Method,
+    after_ramp,
     bound,
     compressed,
     eq5_obstacle,
+    moves_on,
     nuisanced,
     solid_of,
 )
 from dashpot.fitting.nonlinear_ramp.assembly import ramp_fit
 from dashpot.fitting.nonlinear_ramp.ladder import LawName, linear_soundness, ramp_law
 from dashpot.fitting.nuisance import priors
-from dashpot.fitting.pipeline import Chosen, FitData, asked_arms, assembled, chosen_arms
+from dashpot.fitting.pipeline import (
+    Chosen,
+    FitData,
+    asked_arms,
+    assembled,
+    chosen_arms,
+    determinable_arms,
+    solved,
+)
 from dashpot.fitting.questions import Residuals, solid_checks
 from dashpot.fitting.relaxation_data import fitted_data, held_data
 from dashpot.fitting.repeats import refuse_copies
 from dashpot.fitting.uncertainty.encoder import Encoder
-from dashpot.fitting.uncertainty.estimate import Estimate
+from dashpot.fitting.uncertainty.estimate import Estimate, residual_of
 from dashpot.fitting.uncertainty.informed_band import informed_band
 from dashpot.fitting.uncertainty.left_open import end_of_hold
 from dashpot.preparation.filters import Filter, filter_of, filtered
@@ -117,32 +128,20 @@ def fit(
     _checked_method(records, method)
     _checked_law(law, method, depth_law=depth_law)
     design = Design(method, depth_law, _checked_nuisance(nuisance))
+    count = None if arms == "auto" else most
     if law == "nonlinear":
-        return _by_ramp(records, law, None if arms == "auto" else most)
-    found = _linear(records, design, arms, max_arms=max_arms, thorough=thorough)
+        return _by_ramp(records, law, count)
+    data = _data(records, design)
     bindable = method == "full" and not depth_law and design.nuisance == NUISANCE
-    if bindable and not _sound(records, found):
-        return _by_ramp(records, law, None if arms == "auto" else most)
-    return _assembled(records, found, design, thorough=thorough)
-
-
-def _linear(
-    records: Sequence[RampHold],
-    design: Design,
-    arms: int | Literal["auto"],
-    *,
-    max_arms: int,
-    thorough: bool,
-) -> Chosen:
-    """Return the linear solid of the whole records."""
-    deepest = max(range(len(records)), key=lambda i: records[i].depth)
-    data = _data(records, design, deepest)
+    if bindable and not _sound(records, data, max_arms):
+        return _by_ramp(records, law, count)
     found = chosen_arms(data, arms, max_arms=max_arms, thorough=thorough)
-    if design.method == "full":
-        return found
-    doubts = [record.depth_doubt for record in records]
-    shared = not design.depth_law
-    return replace(found, estimate=found.estimate.with_depth_doubt(doubts, shared=shared))
+    if method == "hold":
+        doubts = [record.depth_doubt for record in records]
+        found = replace(
+            found, estimate=found.estimate.with_depth_doubt(doubts, shared=not depth_law)
+        )
+    return _assembled(records, found, design, thorough=thorough)
 
 
 def _assembled(
@@ -179,24 +178,31 @@ def _assembled(
     )
 
 
-def _sound(records: Sequence[RampHold], found: Chosen) -> bool:
+def _sound(records: Sequence[RampHold], data: FitData, max_arms: int) -> bool:
     """True if a linear solid explains every record to its noise, ramp and hold alike.
 
-    A record that does not rest after its ramp has no hold to be held against.
+    A record that moves on after its ramp has no hold to be held against.
     """
-    for record, residual in zip(records, found.estimate.residuals, strict=True):
-        if eq5_obstacle(record) is not None:
+    data = data.bound()
+    whole = solved(data.rows, min(max_arms, determinable_arms(data.blocks)))[-1]
+    for record, block in zip(records, data.blocks, strict=True):
+        alone = _hold_alone(record, whole.order)
+        if alone is None:
             continue
-        block = compressed([record], Design("hold"))[0]
-        if block.samples <= 2 + 2 * found.model.arms:
-            continue
-        alone = solve([block], found.model.arms)
-        exact = block.exact.evaluate(alone.log_tau, derivative=False)
-        columns = np.concatenate((exact.fixed, exact.arms), axis=1)
-        rest = exact.target - columns @ np.concatenate((alone.fixed, alone.arms[0]))
-        if not linear_soundness(record, residual, rest).sound:
+        if not linear_soundness(record, residual_of(whole, block.exact), alone).sound:
             return False
     return True
+
+
+def _hold_alone(record: RampHold, arms: int) -> FloatArray | None:
+    """Return what as many arms leave of the hold alone; None without a hold to speak of."""
+    if moves_on(record) or record.hold.stop - record.settled.start <= 4 + 2 * arms:
+        return None
+    if eq5_obstacle(record) is None:
+        block = compressed([record], Design("hold"))[0]
+    else:  # it creeps: the recorded motion is answered
+        block = after_ramp(record)
+    return residual_of(solve([block], arms), block.exact)
 
 
 def _by_ramp(records: Sequence[RampHold], law: LawName, arms: int | None) -> Fit:
@@ -234,8 +240,9 @@ def _end_of_hold(records: Sequence[RampHold], found: Chosen, design: Design) -> 
     )
 
 
-def _data(records: Sequence[RampHold], design: Design, deepest: int = 0) -> FitData:
+def _data(records: Sequence[RampHold], design: Design) -> FitData:
     """Return the tests as data, with what is known of load cell and clocks."""
+    deepest = max(range(len(records)), key=lambda i: records[i].depth)
     blocks = nuisanced(records, design)
     return FitData(
         blocks,

@@ -254,7 +254,7 @@ def of_records(tests: Sequence[RampHold], *, method: str) -> tuple[Check, ...]:
 )
 def force_not_clipped(test: RampHold) -> Finding:
     """The peak is no ceiling at which the force stayed while the seal still moved."""
-    top, count, first, last = _flat_top(test.force)
+    top, count, first, last = _flat_top(test.reading)
     moved = float(np.ptp(test.displacement[first : last + 1]))
     step = quantum(test.reading)
     # over so far the force climbs by three quanta even at half its mean rate

@@ -84,7 +84,12 @@ def law_checks(
     """Return every check of the records, of the solid and of its elastic law."""
     residual = found.estimate.residual
     error = np.sqrt(np.diag(found.estimate.covariance))
-    left = Residuals(found.residuals, residual.rms, residual.kappa)
+    # the ramp's own misfit is priced, and judged by ramp_followed
+    held = [
+        one[test.settled.start - test.hold.stop :]
+        for one, test in zip(found.residuals, tests, strict=True)
+    ]
+    left = Residuals(held, residual.rms, residual.kappa)
     return (*solid_checks(tests, found.model, error, left, end), *ramp_checks(tests, found))
 
 

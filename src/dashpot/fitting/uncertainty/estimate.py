@@ -223,15 +223,18 @@ def residual_noises(
     solution: Solution, every_sample: Sequence[Block], *, peak: float
 ) -> tuple[Noise, ...]:
     """Return each record's noise as its residuals show it, less the part that the fit took."""
-    found = []
-    for block in every_sample:
-        stack = Stack([block])
-        rows = stack.evaluate(solution.log_tau, derivative=False)
-        fixed = [solution.coefficient(name) for name in stack.names]
-        arms = solution.arms[solution.groups.index(block.arm_group)]
-        residual = rows.target - rows.phi @ np.concatenate((fixed, arms))
-        found.append(noise_of(residual, rounding=rounding(peak)))
-    return tuple(found)
+    return tuple(
+        noise_of(residual_of(solution, block), rounding=rounding(peak)) for block in every_sample
+    )
+
+
+def residual_of(solution: Solution, block: Block) -> FloatArray:
+    """Return what a solution leaves of one record, a row per sample."""
+    stack = Stack([block])
+    rows = stack.evaluate(solution.log_tau, derivative=False)
+    fixed = [solution.coefficient(name) for name in stack.names]
+    arms = solution.arms[solution.groups.index(block.arm_group)]
+    return np.asarray(rows.target - rows.phi @ np.concatenate((fixed, arms)))
 
 
 def scored(
