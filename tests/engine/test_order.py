@@ -71,13 +71,12 @@ def test_what_bic_rejects_decisively_is_not_chosen() -> None:
     assert choose(*scores).arms == 1
     decided = choose(*scores, decisive=50.0)
     assert (decided.arms, decided.by_bic, decided.by_significance) == (3, 3, 1)
-    assert decided.fewer_rejected
     assert not decided.agreed
     # fewest of what is left, and never fewer than both rules support
     near = choose([0, 1, 2, 3], [900.0, 300.0, 40.0, 10.0], scores[2], decisive=50.0)
-    assert (near.arms, near.fewer_rejected) == (2, True)
+    assert near.arms == 2
     frugal = choose([0, 1, 2], [30.0, 1.0, 2.0], [True, True, True], decisive=50.0)
-    assert (frugal.arms, frugal.fewer_rejected) == (1, False)
+    assert frugal.arms == 1
 
 
 def test_a_choice_at_the_end_of_what_was_tried_is_capped() -> None:

@@ -44,7 +44,7 @@ def check(prepared: RampHold, name: str) -> Check:
 
 
 def failed(prepared: RampHold) -> list[str]:
-    return [found.name for found in prepared.checks if not found.passed]
+    return [found.name for found in prepared.checks if found.failed]
 
 
 def step(prepared: RampHold, name: str) -> str:
@@ -243,7 +243,7 @@ def test_an_uncertain_contact_fails_its_check():
     rig = Rig(gap=1e-3, noise=0.2)
     found = prepare(simulate_relaxation(PAPER, rig=rig, seed=1).test)
     assert found.depth == pytest.approx(8e-3, abs=0.3e-3)
-    assert not check(found, "contact_found").passed
+    assert check(found, "contact_found").failed
     assert "leaves the depth uncertain by" in check(found, "contact_found").says
 
 

@@ -177,9 +177,9 @@ def test_per_100_mm_scales_with_the_length(sketch):
 
 def test_failed_checks_come_first(whole):
     body = whole[whole.index('<section id="checks">') : whole.index('<section id="provenance">')]
-    marks = re.findall(r'<tr class="(good|bad)">', body)
-    assert marks == sorted(marks)  # bad before good
-    assert {"good", "bad"} == set(marks)
+    marks = re.findall(r'<tr class="(good|doubt|bad)">', body)
+    assert marks == sorted(marks)  # bad, then what was not judged, then good
+    assert {"good", "bad"} <= set(marks)
     assert f"<strong>{marks.count('bad')} of {len(marks)} checks failed</strong>" in whole
 
 
@@ -305,9 +305,13 @@ def test_an_inferred_mass_is_called_inferred(sketch):
 
 
 def test_a_fit_in_trouble_says_so_at_the_top(sketch):
-    lame = replace(handmade.bench_only(), fit=altered(S.fit, status=Status.TAU_AT_BOUND))
-    text = sketch(lame)
-    assert f"The fit needs care: {Status.TAU_AT_BOUND.value}." in text[:1500]
+    bad = Check("force_followed", False, "the solid misses the force", grade="stop")
+    lame = altered(S.fit, status=Status.TAU_AT_BOUND, checks=(bad,))
+    text = sketch(replace(handmade.bench_only(), fit=lame))
+    verdict = text[text.index('<section id="verdict">') :][:300]
+    assert 'class="verdict bad"' in verdict
+    assert "<strong>Do not use.</strong> The solid misses the force." in verdict
+    assert f"Optimiser: {Status.TAU_AT_BOUND.value}." in text
 
 
 def test_a_spring_without_arms_and_a_seal_without_source_are_reported():
@@ -350,7 +354,7 @@ def test_whatever_came_from_a_file_is_escaped(sketch):
         fit=altered(S.fit, steps=(step,), certificate=replace(S.fit.certificate, says=EVIL)),
         measured=replace(S.measured, hits=(hit,), source=(source,), steps=(step,)),
         impact=replace(S.impact, channels=(EVIL, EVIL)),
-        comparison=replace(S.comparison, verdict=EVIL),
+        comparison=replace(S.comparison, says=EVIL),
         unseen=replace(S.unseen, says=EVIL),
         checks=(check,),
     )

@@ -154,8 +154,8 @@ def arms_supported(
 ) -> Finding:
     """Every arm stands out of the noise.
 
-    `error` as `Fit.parameters`: k_inf, k, ln tau; `needed` if fewer arms were rejected all the
-    same.
+    `error` as `Fit.parameters`: k_inf, k, ln tau; `needed` if the rules chose their number, for
+    then BIC rejects fewer.
     """
     n = model.arms
     each = list(zip(model.k, model.tau, error[1 : 1 + n], error[1 + n : 1 + 2 * n], strict=True))

@@ -316,7 +316,7 @@ def _checks(
             Residuals(estimate.residuals, estimate.rms, estimate.kappa),
             end,
             method=design.method,
-            needed=choice is not None and choice.fewer_rejected,
+            needed=choice is not None,
         ),
         checks.drift_told_from_arm(model, _drift_correlation(estimate), float(error[-1])),
         *_load_cells(records, found),

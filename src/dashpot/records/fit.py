@@ -34,11 +34,11 @@ class Status(Enum):
 
     CONVERGED = "the optimum was found"
     FEWER_ARMS = "the optimum has fewer arms than asked for: a further arm would have k <= 0"
-    TAU_AT_BOUND = "the optimum lies where a relaxation time leaves the measured window"
+    TAU_AT_BOUND = "a relaxation time of the optimum sits at the edge of the measured window"
     NOT_IDENTIFIED = "the optimum was found, but the data do not determine every parameter"
     TESTS_DISAGREE = "the optimum was found, but no one solid explains every test"
     NOT_CONVERGED = "the iteration limit was reached before the gradient vanished"
-    FORCE_RISES = "no optimum means anything: the force rises during the hold"
+    FORCE_RISES = "the force rises during the hold: no relaxing solid does that"
     NO_DATA = "nothing was fitted: the record holds values that are not finite"
 
 

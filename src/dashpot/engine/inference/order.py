@@ -66,11 +66,6 @@ class Choice(NamedTuple):
     in_noise_metric: bool = False
 
     @property
-    def fewer_rejected(self) -> bool:
-        """True if fewer arms are rejected, by BIC or in the metric of the noise."""
-        return self.in_noise_metric or self.arms <= self.by_bic
-
-    @property
     def agreed(self) -> bool:
         """True if both rules chose the same number."""
         return self.by_bic == self.by_significance
