@@ -308,10 +308,21 @@ def test_a_fit_in_trouble_says_so_at_the_top(sketch):
     bad = Check("force_followed", False, "the solid misses the force", grade="stop")
     lame = altered(S.fit, status=Status.TAU_AT_BOUND, checks=(bad,))
     text = sketch(replace(handmade.bench_only(), fit=lame))
-    verdict = text[text.index('<section id="verdict">') :][:300]
-    assert 'class="verdict bad"' in verdict
-    assert "<strong>Do not use.</strong> The solid misses the force." in verdict
+    told = text.index("Do not use. The solid misses the force.")
+    assert told < text.index("One seal behaves as a spring")
     assert f"Optimiser: {Status.TAU_AT_BOUND.value}." in text
+
+
+@pytest.mark.parametrize(
+    ("grade", "colour", "words"),
+    [("note", "good", "Use."), ("limit", "care", "Use with care."), ("stop", "bad", "Do not use.")],
+)
+def test_the_verdict_leads_in_words_and_in_colour(grade, colour, words):
+    failed = Check("strain_small", False, "the strain is large", grade=grade)
+    study = replace(handmade.bench_only(), fit=altered(S.fit, checks=(failed,)), checks=())
+    page = html(study)
+    assert page.index(f'class="verdict {colour}"') < page.index('class="story"')
+    assert f"<strong>{words}</strong>" in page
 
 
 def test_a_spring_without_arms_and_a_seal_without_source_are_reported():
