@@ -75,8 +75,11 @@ def nonnegative(gram: FloatArray, moment: FloatArray) -> FloatArray:
 def nonnegative_columns(phi: FloatArray, y: FloatArray, restricted: BoolArray) -> BoolArray:
     """Return which columns carry weight in the least squares of y with `restricted` >= 0.
 
-    Active set on the columns themselves: few columns, full accuracy, shape (p,).
+    Active set on the triangular factor of the columns: full accuracy however many rows, shape (p,).
     """
+    if len(phi) > phi.shape[1] + 1:
+        factor = np.asarray(np.linalg.qr(np.column_stack((phi, y)), mode="r"))
+        phi, y = factor[:, :-1], factor[:, -1]
     scale = np.linalg.norm(phi, axis=0)
     active: BoolArray = np.asarray(scale > 0)
     for _ in range(4 * len(active)):

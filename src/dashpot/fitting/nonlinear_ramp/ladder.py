@@ -276,7 +276,8 @@ def linear_soundness(test: RampHold, whole: FloatArray, alone: FloatArray) -> So
     corner, onset = relaxes_from(test), int(np.searchsorted(test.time, test.onset))
     held = whole[corner - test.hold.stop :]
     ramp = whole[: -len(held)][onset - corner :]
-    noises = noise_of(ramp), noise_of(alone)
+    # the colour of the noise shows in a stretch of it
+    noises = noise_of(ramp), noise_of(alone[: 4 * len(ramp)])
     rms, least = (float(np.sqrt(np.mean(part**2))) for part in (ramp, alone))
     peak = float(np.abs(test.force[: test.hold.stop]).max())
     return soundness(
