@@ -24,7 +24,7 @@ from dashpot.fitting.nonlinear_ramp.ladder import (
 )
 from dashpot.fitting.nonlinear_ramp.projection import Weighted
 from dashpot.fitting.nonlinear_ramp.quasi_linear import QuasiLinear, hat_integrals
-from dashpot.fitting.nonlinear_ramp.thinning import thinned
+from dashpot.fitting.nonlinear_ramp.thinning import ramp_obstacle, thinned
 from dashpot.preparation.prepare import prepare
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.simulation.relaxation import Rig, simulate_relaxation
@@ -270,11 +270,15 @@ def test_a_bend_below_the_noise_is_seen() -> None:
     assert set(laws[0.05]) == {"piecewise"}
 
 
-def test_a_record_without_a_ramp_is_refused() -> None:
+def test_a_record_without_one_ramp_is_refused() -> None:
     test = qlv(linear, QUICK, seed=1)
     short = replace(test, onset=0.99, ramp_end=1.0)
     with pytest.raises(FitError, match="samples on the ramp"):
         ramp_law([short])
+    back = replace(test, displacement=np.where(test.time > 20, 0.5, 1.0) * test.displacement)
+    with pytest.raises(FitError, match="moves by 50 % of the depth after the first ramp"):
+        ramp_law([back])
+    assert ramp_obstacle(test) is None
 
 
 # -- look-alikes and real records -----------------------------------------------------------------

@@ -23,8 +23,10 @@ from dashpot.records.relaxation import RampHold
 
 # blocks per e-fold of the time since a corner
 _IN_RAMP, _IN_HOLD = 64, 26
-# the fewest rows that can show a ramp and a hold
-_FEWEST = 8
+# the fewest samples that can show a ramp and a hold
+_FEWEST_ON_RAMP, _FEWEST = 3, 8
+# beyond this part of the depth, motion after the ramp is another ramp
+_SECOND_RAMP = 0.05
 # a force that peaks this part of the hold late, by so many times its scatter and this part of
 # itself, had not seen the end of the ramp
 _SOON, _CLEAR, _RISEN = 0.1, 6.0, 0.005
@@ -118,15 +120,32 @@ def thinned(tests: Sequence[RampHold]) -> Rows:
     )
 
 
+def ramp_obstacle(test: RampHold) -> str | None:
+    """Return why a record shows no elastic law by its ramp, in a sentence; None if it may."""
+    corner, end = relaxes_from(test), test.hold.stop
+    climbing = corner - int(np.searchsorted(test.time, test.onset))
+    if climbing < _FEWEST_ON_RAMP or end - corner < _FEWEST:
+        return (
+            f"the record has {climbing} samples on the ramp and {end - corner} in the hold; an "
+            f"elastic law from the ramp needs at least {_FEWEST_ON_RAMP} and {_FEWEST}: sample "
+            "faster"
+        )
+    moved = float(np.ptp(test.displacement[corner:end])) / test.depth
+    if moved > _SECOND_RAMP:
+        return (
+            f"the displacement moves by {100 * moved:.0f} % of the depth after the first ramp; an "
+            "elastic law from the ramp needs one ramp and its hold: cut the record to them"
+        )
+    return None
+
+
 def _rows(test: RampHold, number: int, first: int) -> tuple[npt.NDArray[Any], ...]:
+    obstacle = ramp_obstacle(test)
+    if obstacle is not None:
+        raise FitError(obstacle)
     x = true_motion(test)[0]
     time, force = test.time[: len(x)] - test.time[0], test.force[: len(x)]
     corner = relaxes_from(test)
-    if corner - first < 3 or len(x) - corner < _FEWEST:
-        raise FitError(
-            f"the record has {corner - first} samples on the ramp and {len(x) - corner} in the "
-            f"hold; an elastic law from the ramp needs at least 3 and {_FEWEST}: sample faster"
-        )
     on = median(np.diff(time[first:corner]))
     after = median(np.diff(time[corner : corner + _FEWEST]))
     cuts = np.unique(np.concatenate((
