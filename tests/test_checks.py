@@ -428,6 +428,7 @@ FITTING = [
         0.0101,
     ),
     Case("ramp_followed", lambda x: fitting.ramp_followed(0.03, x, 3.0, "linear"), 0.0201, 0.0199),
+    Case("hold_followed", lambda x: fitting.hold_followed([1.0, x]), 1.249, 1.251),
     Case("tangent_told", lambda x: fitting.tangent_told("piecewise", int(x)), 2, 1),
     Case(
         "k_inf_believable",
@@ -721,6 +722,7 @@ LIMITS = {
         "few_arms_suffice": 0.05, "kramers_kronig": 0.05, "loss_positive": 0, "storage_rises": 0.05,
         "data_agree": 1.3, "bands_meet": 10, "k_inf_known": 0.5, "force_followed": 3,
         "arms_where_force_relaxes": 0.02, "ramp_followed": 0.01, "tangent_told": 2,
+        "hold_followed": 1.25,
         "k_inf_believable": 0.05, "offset_believable": 3, "drift_believable": 3,
     },
     "fitting/identification": {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
@@ -13,7 +14,7 @@ from kit import ramps
 from kit.ramps import DEPTH, LAWS, Bench, cubic, foam_block, linear, motion, qlv, recorded, tape
 
 from dashpot.base.errors import FitError
-from dashpot.fitting.nonlinear_ramp.assembly import ramp_fit
+from dashpot.fitting.nonlinear_ramp.assembly import ramp_checks, ramp_fit
 from dashpot.fitting.nonlinear_ramp.hold_first import nuisances
 from dashpot.fitting.nonlinear_ramp.ladder import (
     LADDER,
@@ -42,6 +43,10 @@ def tangent(law: ramps.Law, x: float) -> float:
 def off(found: RampLaw, truth: float = 196.5) -> float:
     """Error of k_inf, %."""
     return 100 * (found.model.k_inf / truth - 1)
+
+
+def failed(tests: Sequence[RampHold], found: RampLaw) -> set[str]:
+    return {check.name for check in ramp_checks(tests, found) if check.failed}
 
 
 # -- laws -----------------------------------------------------------------------------------------
@@ -192,6 +197,27 @@ def test_two_ramp_rates_share_the_law() -> None:
     )  # fmt: skip
     assert lone.failed
     assert "second ramp rate or depth" in lone.says
+
+
+def test_a_second_rate_tells_that_each_arm_has_a_law_of_its_own() -> None:
+    arms = [ramps.stiffening, ramps.softening]
+    tests = [
+        qlv(cubic, replace(QUICK, ramp=ramp), seed=i, arm_laws=arms)
+        for i, ramp in enumerate((0.5, 5.0))
+    ]
+    alone = ramp_law(tests[:1])
+    # one ramp is followed to the noise by a tangent that is wrong
+    assert alone.discrepancy[0] < 2
+    assert failed(tests[:1], alone) == {"tangent_told"}
+    assert "ramp_followed" in failed(tests, ramp_law(tests))
+
+
+def test_two_lots_do_not_share_a_seal() -> None:
+    tests = [qlv(linear, QUICK, seed=0), qlv(lambda x: 1.15 * linear(x), QUICK, seed=1)]
+    found = ramp_law(tests)
+    checks = {check.name: check for check in ramp_checks(tests, found)}
+    assert checks["hold_followed"].failed
+    assert checks["hold_followed"].grade == "stop"
 
 
 # -- what is not so -------------------------------------------------------------------------------

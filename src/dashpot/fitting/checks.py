@@ -44,6 +44,8 @@ CONTRADICTED = 3.0
 ALIKE = 1e-3
 # an interval of k_inf wider than this part of the stiffness left says little of it
 UNSURE = 0.5
+# a hold that leaves so many times more beside others than alone is not of the same seal
+_CONTRADICTED = 2.0
 # an equilibrium stiffness this far from the end force is not one
 _BEYOND_BELIEF = 0.25
 # a delay so many times what was thought possible is another fault
@@ -699,6 +701,22 @@ def ramp_followed(missed: float, noise: float, discrepancy: float, kind: str) ->
         "fast arms and the tangent are in doubt; is the motion recorded on the seal itself, "
         "without slip, and does the force not lag?",
         excused=missed <= 1.5 * noise,
+    )
+
+
+@criterion("hold residual / hold alone", "<=", 1.25)
+def hold_followed(rho: Sequence[float]) -> Finding:
+    """The solid follows each hold as well as the hold alone can be followed."""
+    worst = int(np.argmax(rho))
+    of = f" of test {worst + 1}" if len(rho) > 1 else ""
+    return Finding(
+        f"the hold{of} is followed within {rho[worst]:.3g} times what it leaves alone",
+        float(rho[worst]),
+        ": the tests contradict each other; are they one piece, at one temperature, and does its "
+        "shape of relaxation not change with depth? fit each alone"
+        if len(rho) > 1
+        else ": the ramp bends what the hold says; trust the hold",
+        grade="stop" if rho[worst] > _CONTRADICTED else "limit",
     )
 
 

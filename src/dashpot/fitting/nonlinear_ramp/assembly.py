@@ -110,6 +110,7 @@ def ramp_checks(tests: Sequence[RampHold], found: RampLaw) -> tuple[Check, ...]:
     )
     return (
         followed,
+        checks.hold_followed(found.rho),
         checks.tangent_told(found.law.kind, different_ramps(tests)),
         checks.k_inf_believable(
             found.model,
