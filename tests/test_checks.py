@@ -428,7 +428,8 @@ FITTING = [
         0.0101,
     ),
     Case("ramp_followed", lambda x: fitting.ramp_followed(0.03, x, 3.0, "linear"), 0.0201, 0.0199),
-    Case("hold_followed", lambda x: fitting.hold_followed([1.0, x]), 1.249, 1.251),
+    Case("hold_followed", lambda x: fitting.hold_followed([1.0, x], [1.0, 1.0]), 1.249, 1.251),
+    Case("hold_followed", lambda x: fitting.hold_followed([9.0], [x]), 0.005, 0.0051),
     Case("tangent_told", lambda x: fitting.tangent_told("piecewise", int(x)), 2, 1),
     Case(
         "k_inf_believable",

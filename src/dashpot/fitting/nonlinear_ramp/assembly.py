@@ -110,7 +110,9 @@ def ramp_checks(tests: Sequence[RampHold], found: RampLaw) -> tuple[Check, ...]:
     )
     return (
         followed,
-        checks.hold_followed(found.rho),
+        checks.hold_followed(
+            found.rho, [one / rows.peak(i) for i, one in enumerate(found.followed.hold)]
+        ),
         checks.tangent_told(found.law.kind, different_ramps(tests)),
         checks.k_inf_believable(
             found.model,

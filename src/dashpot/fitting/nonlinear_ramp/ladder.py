@@ -51,6 +51,8 @@ NEGLIGIBLE = 1e-4
 
 # a knot of the law needs so many rows of the ramp
 _ROWS_PER_KNOT = 2
+# so many depths bear finer laws
+_SEVERAL = 3
 
 _UNITS = {"offset": "N", "drift": "N/s", "delay": "s"}
 
@@ -68,6 +70,8 @@ class Law(NamedTuple):
 
 LINEAR = Law(2)
 LADDER = (Law(3), Law(5), Law(9), Law(7, 2), Law(9, 2))
+# several depths show the law's integral at each, to the noise of a hold
+DEPTHS_LADDER = (Law(17), Law(17, 2))
 
 
 class Soundness(NamedTuple):
@@ -210,7 +214,8 @@ def ramp_law(
         score = LawScore(LINEAR, 0.0, sound.ramp, sound.hold, 0.0)
         return _described(tests, hold, soundness, sound, (score,))
     shown = int(rows.ramp.sum()) // _ROWS_PER_KNOT
-    bent = [one for one in LADDER if one.knots <= max(shown, LADDER[0].knots)]
+    finer = DEPTHS_LADDER if len(set(rows.depths)) >= _SEVERAL else ()
+    bent = [one for one in (*LADDER, *finer) if one.knots <= max(shown, LADDER[0].knots)]
     laws = {"linear": [LINEAR], "nonlinear": bent, "auto": [LINEAR, *bent]}[law]
     start = recorded_hold(rows, hold)
     tried = {one: _followed(rows, one, hold, start) for one in laws}
