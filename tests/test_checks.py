@@ -207,6 +207,13 @@ class Case(NamedTuple):
     fails: float | None
 
 
+def trend(**changes: float) -> impact.Trend:
+    """Hits of 1 to 4 in height, whose resonance changes by so much a doubling."""
+    stiffness = 0.02 if "stiffness_sure" in changes else 0.0
+    values = {"stiffness": stiffness, "stiffness_sure": 0.0, "damping": 0.0, "damping_sure": 0.0}
+    return impact.Trend(**(values | changes), range=4.0)
+
+
 def whole(judge: Callable[[int], Check]) -> Callable[[float], Check]:
     return lambda x: judge(int(x))
 
@@ -491,6 +498,31 @@ IDENTIFICATION = [
         "delay_believable", lambda x: identification.delay_believable("", 2 * x, 2.0), 2.499, 2.501
     ),
     Case(
+        "stiffness_believable",
+        lambda x: identification.stiffness_believable("", 2 * x, 2.0),
+        2.499,
+        2.501,
+    ),
+    Case("earlier_fit_kept", identification.earlier_fit_kept, 2.499, 2.501),
+    Case(
+        "tests_agree",
+        lambda x: identification.tests_agree(x, "stiffer" if x else "", explained=True),
+        0,
+        1,
+    ),
+    Case(
+        "dashpot_not_missed",
+        lambda x: identification.dashpot_not_missed(x, 1, 0.1),
+        49.9,
+        50.1,
+    ),
+    Case(
+        "dashpot_not_missed",
+        lambda x: identification.dashpot_not_missed(x, 1, 0.1, sure=False),
+        -0.1,
+        0.1,
+    ),
+    Case(
         "arms_identified",
         lambda x: identification.arms_identified(2, x, significant=True),
         0.499,
@@ -619,6 +651,14 @@ COMPARISON = [
         )
         for passes, fails in ((1.249, 1.251), (0.751, 0.749))
     ),
+    Case(
+        "operating_point",
+        lambda x: comparison.operating_point(
+            OperatingPoint(x * DEPTH, DEPTH, 0.8, 0.01, linear=False)
+        ),
+        0.999,
+        1.001,
+    ),
 ]
 
 IMPACT = [
@@ -628,6 +668,20 @@ IMPACT = [
         lambda x: impact.coherence(measured(coherence=np.full(150, x)), 75),
         0.9001,
         0.8999,
+    ),
+    *(
+        Case(
+            "amplitude_linear",
+            lambda x, part=part: impact.amplitude_linear(trend(**{part: x}), MODE),
+            passes,
+            fails,
+        )
+        # hits of 1 to 4 are two doublings: 1 % of stiffness, 10 % of damping over them
+        for part, passes, fails in (
+            ("stiffness", 0.00499, 0.00501),
+            ("damping", -0.0499, -0.0501),
+            ("stiffness_sure", 0.021, 0.019),
+        )
     ),
     Case("resonance", lambda x: impact.resonance(measured(), MODE if x else None), 10.0, 0),
     Case(
@@ -728,7 +782,8 @@ LIMITS = {
     },
     "fitting/identification": {
         "lines_explained": 2, "relaxation_still_explained": 1.3, "mass_believable": 2.5,
-        "gain_believable": 2.5, "delay_believable": 2.5, "arms_identified": 0.5,
+        "gain_believable": 2.5, "delay_believable": 2.5, "stiffness_believable": 2.5,
+        "earlier_fit_kept": 2.5, "dashpot_not_missed": 50, "arms_identified": 0.5,
     },
     "planning": {"tip_excites": -10},
     "vibration": {"seal_mass_negligible": 0.02},
@@ -738,7 +793,8 @@ LIMITS = {
     },
     "vibration/impact": {
         "hits_enough": 3, "coherence": 0.9, "lines_in_half_power_band": 1.5, "hammer_excites": -10,
-        "hits_agree": 0.1, "rocking_cancelled": 0.05, "hits_centred": 0.25, "mass_line": 0.05,
+        "hits_agree": 0.1, "amplitude_linear": 1, "rocking_cancelled": 0.05, "hits_centred": 0.25,
+        "mass_line": 0.05,
     },
     "workflow": {"result_recomputed": 1e-7, "prediction_informed": 1},
 }  # fmt: skip

@@ -149,19 +149,21 @@ mass_believable, gain_believable, delay_believable, stiffness_believable = map(
 )
 
 
-@criterion("fall of BIC", "<", DECISIVE, "what outweighs doubt about an arm", grade="note")
-def dashpot_not_missed(fall: float | None, arms: int, b: float) -> Finding:
-    """No parallel dashpot explains the lines much better."""
+@criterion("fall of BIC", "<=", DECISIVE, "0 beside arms that are not known", grade="note")
+def dashpot_not_missed(fall: float | None, arms: int, b: float, *, sure: bool = True) -> Finding:
+    """No parallel dashpot explains the lines much better.
+
+    `sure` are the arms that were found: each is known.
+    """
     if fall is None:
         return Finding(f"there is a parallel dashpot, of {b:.3g} N s/m")
-    what = (
-        f"{arms} arm{'s' * (arms != 1)} and a parallel dashpot of {b:.3g} N s/m lower BIC by "
-        f"{fall:.3g}"
-    )
     return Finding(
-        "a parallel dashpot explains the lines no better", fall,
-        instead=f"{what}: ask for one (--parallel-dashpot, parallel_dashpot=True)",
-    )  # fmt: skip
+        "a parallel dashpot explains the lines no better",
+        fall,
+        instead=f"{arms} arm{'s' * (arms != 1)} and a parallel dashpot of {b:.3g} N s/m lower BIC "
+        f"by {fall:.3g}: ask for one (--parallel-dashpot, parallel_dashpot=True)",
+        limit=DECISIVE if sure else 0.0,
+    )
 
 
 @criterion("relative standard error", "<", MAX_SE_LN_TAU, "a factor 1.6 in tau; and k > 3 SE")

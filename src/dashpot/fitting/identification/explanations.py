@@ -140,7 +140,8 @@ def disagreement(
     least = min(map(_criterion, found))
     # an arm that the model lacks also tells causes apart: only a decisive lead counts
     ranked = sorted(
-        zip(free, found, strict=True), key=lambda pair: max(_criterion(pair[1]) - least, DECISIVE)
+        zip(free, found, strict=True),
+        key=lambda pair: (in_conflict(pair[1]), max(_criterion(pair[1]) - least, DECISIVE)),
     )
     told = [_told(cause, one, before, law, compression) for cause, one in ranked]
     rivals = [

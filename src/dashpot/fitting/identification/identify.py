@@ -11,7 +11,7 @@ import numpy as np
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError
 from dashpot.engine.inference.order import DECISIVE, choose
-from dashpot.engine.solver.variable_projection import solve_orders
+from dashpot.engine.solver.variable_projection import solve, solve_orders
 from dashpot.fitting.identification.checks import dashpot_not_missed
 from dashpot.fitting.identification.explanations import disagreement
 from dashpot.fitting.identification.fit_assembly import assembled
@@ -146,7 +146,7 @@ def identify(
     fewer = [number for number in numbers if number <= best.problem.arms]
     apart = disagreement(
         final,
-        lambda problem: _chosen(_candidates(problem, fewer, before, linear=False)),
+        lambda problem: _chosen(_candidates(problem, fewer, before, start=final.point)),
         law=None if before is None else before.elastic_law,
         compression=None if point is None else point.compression,
     )
@@ -181,20 +181,23 @@ def _every(
 
 
 def _candidates(
-    whole: Problem, numbers: Sequence[int], before: Fit | None, *, linear: bool = True
+    whole: Problem,
+    numbers: Sequence[int],
+    before: Fit | None,
+    *,
+    start: Parameters | None = None,
 ) -> list[Candidate]:
     """The optimum for each number of arms that keeps all its arms.
 
-    Without the `linear` starts, which know of no difference between the tests, from the earlier
-    fit alone.
+    From a `start` in place of the linear ones, which know of no difference between the tests.
     """
-    starts_of = _linear(whole, max(numbers)) if linear else []
+    given = _linear(whole, max(numbers)) if start is None else [start]
     found: list[Candidate] = []
     for number in numbers:
         problem = replace(whole, arms=number)
-        starts = [start for start in starts_of if start.model.arms == number]
+        starts = [one for one in given if one.model.arms == number]
         starts += _spread(problem, before)
-        tries = [descend(problem, problem.pack(start), tolerance=LOOSE) for start in starts]
+        tries = [descend(problem, problem.pack(one), tolerance=LOOSE) for one in starts]
         best = min(tries, key=lambda candidate: candidate.cost)
         model = best.point.model
         if all(k > GONE * model.k_0 for k in model.k):
@@ -230,7 +233,9 @@ def _dashpot_missed(best: Candidate, before: Fit | None) -> Check:
             for start in _spread(problem, before)
         ]
     other = min(tries, key=lambda candidate: candidate.bic)
-    return dashpot_not_missed(best.bic - other.bic, other.problem.arms, other.point.model.b)
+    sure = best.scaled(best.line_scale).significant
+    fall = best.bic - other.bic
+    return dashpot_not_missed(fall, other.problem.arms, other.point.model.b, sure=sure)
 
 
 def _linear(problem: Problem, most: int) -> list[Parameters]:
@@ -240,7 +245,7 @@ def _linear(problem: Problem, most: int) -> list[Parameters]:
     felt = replace(problem.frf_data, seals=problem.frf_data.seals * problem.priors.factor.value)
     blocks.append(felt.stiffness_block(known, dashpot=problem.dashpot))
     starts = []
-    for solution in solve_orders(blocks, most):
+    for solution in (solve(blocks, 0), *solve_orders(blocks, most)):
         k = solution.arms[0]
         model = GeneralizedMaxwell(
             max(solution.coefficient("k_inf"), 0.0),

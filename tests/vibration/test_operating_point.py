@@ -1,0 +1,148 @@
+"""A mass on seals that harden: where it rests, and which stiffness vibrates there."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from kit import hardening
+from kit.fits import a_fit
+
+from dashpot.base.errors import DataError
+from dashpot.records.fit import Fit
+from dashpot.records.frf import FRF
+from dashpot.solids.elastic import ElasticLaw
+from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.vibration.comparison.compare import compare
+from dashpot.vibration.systems.operating_point import operating_point
+from dashpot.vibration.systems.prediction import predict_frf
+
+TABLE_1 = GeneralizedMaxwell(196.5, (117.5, 17.8), (59.0 / 117.5, 292.2 / 17.8))
+MASS, SEALS = 0.104, 2.0
+LINES = np.arange(4.0, 40.0, 0.05)
+
+
+def law(se: float = 0.0) -> ElasticLaw:
+    knots, shape = hardening.law()
+    return ElasticLaw(tuple(knots), tuple(shape), 196.5, (se,) * len(knots) if se else ())
+
+
+def hard(se: float = 0.0) -> Fit:
+    return replace(a_fit(TABLE_1, relative=1e-3), elastic_law=law(se))
+
+
+def straight() -> Fit:
+    return replace(a_fit(TABLE_1), elastic_law=ElasticLaw.linear(196.5, 8e-3))
+
+
+# -- laws -------------------------------------------------------------------------------------
+
+
+def test_a_straight_law_changes_nothing() -> None:
+    solid = predict_frf(SEALS * TABLE_1, mass=MASS, frequency=LINES)
+    for fit in (a_fit(TABLE_1), straight()):
+        for compression in (None, 1e-3):
+            found = predict_frf(
+                fit, mass=MASS, seals=SEALS, frequency=LINES, compression=compression
+            )
+            np.testing.assert_array_equal(found.value, solid.value)
+
+
+def test_at_the_tested_depth_of_a_straight_piece_the_factor_is_its_tangent() -> None:
+    point = operating_point(hard(), mass=MASS, seals=SEALS, compression=8e-3)
+    assert point.factor == law().shape[-1]
+    assert point.given
+    found = point.solid(hard())
+    assert found == hard().model_at(8e-3)
+
+
+@settings(max_examples=100, deadline=None)
+@given(
+    st.lists(st.floats(0.0, 5.0), min_size=2, max_size=9).filter(lambda t: max(t) > 0.1),
+    st.floats(0.0, 1.4),
+)
+def test_compression_inverts_force(shape: list[float], part: float) -> None:
+    knots = np.linspace(0.0, 8e-3, len(shape))
+    mean = float(np.trapezoid(shape, knots)) / 8e-3
+    if mean < 0.05 or (shape[-1] < 1e-3 and part > 1):
+        return
+    found = ElasticLaw(tuple(knots), tuple(np.array(shape) / mean), 196.5)
+    wanted = part * float(found.force(8e-3))
+    assert float(found.force(found.compression(wanted))) == pytest.approx(
+        wanted, rel=1e-9, abs=1e-12
+    )
+
+
+def test_no_compression_carries_what_a_law_cannot() -> None:
+    soft = ElasticLaw((0.0, 8e-3), (2.0, 0.0), 100.0)
+    with pytest.raises(DataError, match="no compression carries"):
+        soft.compression(1.0)
+
+
+def test_seals_and_compression_belong_to_a_fit() -> None:
+    for given_too in ({"seals": 2.0}, {"compression": 1e-3}):
+        with pytest.raises(DataError, match="belong to a fit"):
+            predict_frf(TABLE_1, mass=MASS, frequency=LINES, **given_too)
+    with pytest.raises(DataError, match="modulus"):
+        predict_frf(replace(straight(), unit="Pa"), mass=MASS, frequency=LINES)
+
+
+# -- numbers ----------------------------------------------------------------------------------
+
+
+def test_the_block_of_the_paper_sags_where_the_cubic_carries_it() -> None:
+    at = hardening.resting(MASS, SEALS)
+    assert at == pytest.approx(3.25e-3, rel=0.02)
+    point = operating_point(hard(), mass=MASS, seals=SEALS)
+    assert point.compression == pytest.approx(at, rel=2e-3)
+    assert point.factor == pytest.approx(hardening.tangent(at) / 196.5, rel=5e-3)
+    assert not point.beyond
+
+
+def test_deeper_than_tested_the_last_tangent_goes_on_and_it_is_said() -> None:
+    point = operating_point(hard(), mass=1.0, seals=SEALS)
+    assert point.beyond
+    assert point.factor == law().shape[-1]
+    carried = law().force(8e-3) + law().tangent(8e-3) * (point.compression - 8e-3)
+    assert SEALS * float(carried) == pytest.approx(9.80665)
+    frf = predict_frf(hard(), mass=1.0, seals=SEALS, frequency=LINES)
+    told = {c.name: c for c in compare(frf, frf, fit=hard(), mass=1.0, seals=SEALS).checks}
+    assert told["operating_point"].failed
+    assert "last tangent" in told["operating_point"].says
+
+
+def test_without_frequencies_a_prediction_lays_its_own_about_the_peak() -> None:
+    frf = predict_frf(hard(), mass=MASS, seals=SEALS)
+    top = float(frf.frequency[np.argmax(np.abs(frf.value))])
+    scale = hardening.tangent(hardening.resting(MASS, SEALS)) / 196.5
+    assert top == pytest.approx(hardening.peak(MASS, SEALS, scale), rel=3e-3)
+
+
+# -- an independent hammer --------------------------------------------------------------------
+
+
+def test_a_hammer_at_the_masss_own_compression_agrees_with_the_tangent_and_not_the_secant() -> None:
+    scale = hardening.tangent(hardening.resting(MASS, SEALS)) / 196.5
+    value, sd = hardening.hammered(LINES, mass=MASS, seals=SEALS, scale=scale, noise=0.005, seed=3)
+    frf = FRF(LINES, value, sd=sd, averages=4)
+
+    def held(fit: Fit) -> float:
+        predicted = predict_frf(fit, mass=MASS, seals=SEALS, frequency=LINES)
+        return compare(predicted, frf, fit=fit, mass=MASS, seals=SEALS).frequency_error
+
+    assert abs(held(hard())) < 0.003
+    # 9.8 % of stiffness is 4.8 % of frequency
+    assert held(straight()) == pytest.approx(scale**-0.5 - 1, abs=2e-3)
+    assert abs(held(straight())) > 0.03
+
+
+def test_a_comparison_needs_the_mass_where_the_stiffness_depends_on_it() -> None:
+    frf = predict_frf(hard(), mass=MASS, seals=SEALS, frequency=LINES)
+    with pytest.raises(DataError, match="give mass="):
+        compare(frf, frf, fit=hard(), seals=SEALS)
+    given_point = predict_frf(hard(), mass=MASS, seals=SEALS, frequency=LINES, compression=2.6e-3)
+    told = compare(given_point, frf, fit=hard(), seals=SEALS, compression=2.6e-3)
+    assert told.predicted_hz < told.measured_hz
