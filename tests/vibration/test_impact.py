@@ -150,7 +150,85 @@ def test_accelerometers_of_opposite_polarity_are_refused_until_told(strike):
     np.testing.assert_allclose(told.value, estimate_frf(test).value, rtol=1e-9)
 
 
+def wandering(test: ImpactTest, size: float, seed: int) -> ImpactTest:
+    """The test with a random walk of its own on every accelerometer in every record."""
+    random, drift = np.random.default_rng(seed), np.zeros_like(test.acceleration)
+    for record in test.records():
+        steps = random.standard_normal((len(drift), len(test.time[record])))
+        drift[:, record] = size * np.cumsum(steps, axis=1) / np.sqrt(steps.shape[1])
+    return replace(test, acceleration=test.acceleration + drift)
+
+
+def test_drifting_accelerometers_are_not_of_opposite_polarity(strike):
+    test = strike(hits=4, noise=NOISE)
+    pair = replace(test, acceleration=np.vstack([test.acceleration] * 2), channels=())
+    for seed in range(6):
+        frf = estimate_frf(wandering(pair, 1.0, seed))
+        assert "polarity" not in [step.name for step in frf.steps]
+        assert frf.modes()[0].frequency == pytest.approx(12.71, abs=0.01)
+
+
 # -- what can be trusted ------------------------------------------------------------------------
+
+
+def swaying(strike, hits=4):
+    """Hits on a block that sways at 2 Hz by itself, out of step with the hits."""
+    test, random = strike(record=16.0, hits=hits, noise=NOISE), np.random.default_rng(5)
+    sway = np.concatenate(
+        [
+            40 * np.sin(4 * np.pi * test.time[record] + random.uniform(0, 6.28))
+            for record in test.records()
+        ]
+    )
+    return replace(test, acceleration=test.acceleration + sway)
+
+
+def test_the_checks_are_about_the_resonance_in_the_band_asked(strike):
+    frf = estimate_frf(swaying(strike), resonance_band=(5, 50), mass=MASS)
+    assert "(12.69 Hz)" in check(frf, "coherence").says
+    assert check(frf, "coherence").passed
+    assert check(frf, "resonance").value == pytest.approx(12.71, abs=0.02)
+    assert frf.frequency[0] < 1  # the lines stay
+    low = estimate_frf(swaying(strike), resonance_band=(1.0, 4.0))
+    assert check(low, "coherence").failed
+
+
+def struck_alike(strike, paper_seal, *, softens, damps=0.0, hits=6):
+    """Single hits of 1 to 8 in height on seals that soften, or damp more, per doubling."""
+    made = []
+    for i, height in enumerate(np.geomspace(0.5, 4.0, hits)):
+        doublings = np.log2(height)
+        seal = (1 - softens * doublings) * paper_seal
+        seal = replace(seal, b=0.1 * (1 + damps * doublings))
+        hit = strike(2 * seal)
+        noise = 0.02 * np.random.default_rng(i).standard_normal(hit.acceleration.shape)
+        made.append(
+            replace(hit, force=height * hit.force, acceleration=height * hit.acceleration + noise)
+        )
+    return estimate_frf(made)
+
+
+def test_hits_of_all_heights_agree_on_a_linear_seal(strike, paper_seal):
+    assert check(struck_alike(strike, paper_seal, softens=0.0), "amplitude_linear").passed
+    few = estimate_frf(strike(hits=3, noise=NOISE))
+    assert check(few, "amplitude_linear").passed is None
+
+
+def test_a_seal_that_softens_with_the_hit_is_told_by_how_much(strike, paper_seal):
+    told = check(struck_alike(strike, paper_seal, softens=0.01), "amplitude_linear")
+    assert told.failed
+    assert "the stiffness falls by 1 % per doubling" in told.says
+    damped = check(struck_alike(strike, paper_seal, softens=0.0, damps=0.2), "amplitude_linear")
+    assert damped.failed
+
+
+@pytest.mark.slow
+def test_a_trend_is_not_seen_where_there_is_none(strike, paper_seal):
+    found = [
+        check(estimate_frf(strike(record=8.0, hits=5, noise=NOISE, seed=s)), "amplitude_linear")
+        for s in range(60)
+    ]
+    assert sum(one.failed for one in found) <= 2
 
 
 def test_one_hit_has_no_coherence(strike):

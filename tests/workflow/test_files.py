@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
+from kit import hardening
 from kit.fits import a_fit
 
 from dashpot.base.errors import FitError, ReadError
 from dashpot.io.options import ReadOptions
 from dashpot.io.write import write_relaxation
+from dashpot.records.frf import FRF
 from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.table_1 import PAPER
+from dashpot.vibration.systems.prediction import predict_frf
 from dashpot.workflow.fits import fit_files
-from dashpot.workflow.impacts import identify_files, total_mass
+from dashpot.workflow.impacts import compare_files, identify_files, total_mass, weighed
 from dashpot.workflow.inspections import inspect_files
 from dashpot.workflow.job import HammerChoices
+from dashpot.workflow.predictions import predict_files
 
 
 @pytest.fixture(scope="module")
@@ -77,3 +85,112 @@ def test_an_inspection_says_what_preparation_sees(seal, sweep):
     assert found.files[0].preparation.ramp_time == pytest.approx(1.0, abs=0.02)
     assert found.files[1].preparation is None
     assert found.checks == found.files[0].preparation.checks
+
+
+# -- an FRF from elsewhere ------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def foreign(tmp_path_factory):
+    """An FRF with coherence and noise, without its number of hits and without units."""
+    f = np.arange(1.0, 40.0, 0.1)
+    value = predict_frf(2 * PAPER, mass=0.104, frequency=f).value
+    coherence = np.where(f < 6, 0.05, 0.999)
+    scatter = np.sqrt((1 - coherence) / (2 * coherence)) * np.abs(value)
+    random = np.random.default_rng(3)
+    # far below the resonance there is noise alone, and more of it than the peak is high
+    value = value + scatter * (random.standard_normal(len(f)) + 1j * random.standard_normal(len(f)))
+    value[f < 6] *= 3e3
+    rows = zip(f, value.real, value.imag, coherence, strict=True)
+    path = tmp_path_factory.mktemp("frf") / "frf.csv"
+    head = "frequency [Hz],real,imaginary,coherence"
+    path.write_text("\n".join([head, *(",".join(map(repr, map(float, row))) for row in rows)]))
+    return path
+
+
+SAID = ReadOptions(units={"real": "(m/s^2)/N", "imaginary": "(m/s^2)/N"})
+
+
+def test_what_the_user_says_of_an_frf_is_heeded(foreign):
+    with pytest.raises(ReadError, match="tells no FRF"):
+        compare_files(a_fit(PAPER), [foreign], hammer=HammerChoices(), options=ReadOptions())
+    found = compare_files(
+        a_fit(PAPER), [foreign], hammer=HammerChoices(), options=SAID, mass=0.104, seals=2
+    )
+    assert found.comparison.measured_hz == pytest.approx(12.71, abs=0.02)
+
+
+def test_the_coherence_of_a_file_is_used_and_checked_in_the_band(foreign):
+    found = compare_files(
+        a_fit(PAPER), [foreign], hammer=HammerChoices(), options=SAID, seals=2, band=(8, 40)
+    )
+    assert found.mass == pytest.approx(0.104, rel=1e-2)
+    (coherence,) = [check for check in found.noted if check.name == "coherence"]
+    assert coherence.passed
+    assert "(12.7 Hz)" in coherence.says
+    fit, straight, noted = identify_files(
+        [foreign], hammer=HammerChoices(), options=SAID, mass=0.104, seals=2, band=(8, 40)
+    )
+    (lines,) = [check for check in fit.checks if check.name == "lines_explained"]
+    assert "came with coherence" in lines.says
+    assert lines.value < 0.1
+    assert fit.model.storage(80.0) == pytest.approx(PAPER.storage(80.0), rel=0.01)
+    assert "coherence" in [check.name for check in noted]
+    assert straight.frequency[0] >= 8
+
+
+# -- at the compression of the mass ---------------------------------------------------------------
+
+
+def hard(se=0.0):
+    knots, shape = hardening.law()
+    law = ElasticLaw(tuple(knots), tuple(shape), PAPER.k_inf, (se,) * len(knots) if se else ())
+    return replace(a_fit(PAPER, relative=1e-4), elastic_law=law)
+
+
+def test_a_prediction_tells_both_solids_and_where_the_mass_rests():
+    found = predict_files(hard(), mass=0.104, seals=2, band=(5.0, 40.0))
+    at = hardening.resting(0.104, 2)
+    scale = hardening.tangent(at) / hardening.K_INF
+    told = found.document
+    assert told["compression"] == pytest.approx(at, rel=5e-3)
+    assert told["depth"] == 8e-3
+    assert not told["extrapolated_law"]
+    assert told["secant"]["frequency"] == pytest.approx(hardening.peak(0.104, 2, 1.0), rel=1e-3)
+    assert told["tangent"]["frequency"] == pytest.approx(hardening.peak(0.104, 2, scale), rel=3e-3)
+    assert found.peak[0] == pytest.approx(hardening.peak(0.104, 2, scale), rel=3e-3)
+    assert "tangent here" in str(found.at_rest)
+    given = predict_files(hard(), mass=0.104, seals=2, band=(5.0, 40.0), compression=8e-3)
+    assert given.document["compression"] == 8e-3
+    assert given.peak[0] > found.peak[0]
+    assert str(predict_files(a_fit(PAPER), mass=0.104, band=(5.0, 40.0)).at_rest) == ""
+
+
+def test_limits_carry_the_doubt_of_the_tangent():
+    """A seal whose tangent is 1.5 standard errors off has its peak inside, and only then."""
+    f = np.linspace(8.0, 18.0, 801)
+
+    def inside(se):
+        found = predict_files(hard(se), mass=0.104, seals=2, band=(8.0, 18.0), lines=801)
+        scale = found.at_rest.point.factor * (1 + 1.5 * 0.02)
+        omega = 2 * np.pi * f
+        truth = np.abs(omega**2 / (2 * hardening.stiffness(omega, scale) - 0.104 * omega**2))
+        limits = found.document["limits"]
+        low, high = np.array(limits["parameter"])
+        lines = limits["frequency_hz"]
+        return (
+            (np.interp(f, lines, low) <= 1.02 * truth) & (truth <= 1.02 * np.interp(f, lines, high))
+        ).mean()
+
+    assert inside(0.02) > 0.97
+    assert inside(0.0) < 0.6
+
+
+def test_a_mass_and_the_stiffness_under_it_find_each_other():
+    at = hardening.resting(0.104, 2)
+    f = np.arange(4.0, 40.0, 0.05)
+    value, sd = hardening.hammered(
+        f, mass=0.104, seals=2, scale=hardening.tangent(at) / hardening.K_INF, noise=1e-3, seed=1
+    )
+    frf = FRF(f, value, sd=sd, averages=4)
+    assert weighed(hard(), frf, mass=None, seals=2) == pytest.approx(0.104, rel=5e-3)
