@@ -159,7 +159,7 @@ def test_a_prediction_tells_both_solids_and_where_the_mass_rests():
     assert told["secant"]["frequency"] == pytest.approx(hardening.peak(0.104, 2, 1.0), rel=1e-3)
     assert told["tangent"]["frequency"] == pytest.approx(hardening.peak(0.104, 2, scale), rel=3e-3)
     assert found.peak[0] == pytest.approx(hardening.peak(0.104, 2, scale), rel=3e-3)
-    assert "tangent here" in str(found.at_rest)
+    assert "tangent at 3.24 mm" in str(found.at_rest)
     given = predict_files(hard(), mass=0.104, seals=2, band=(5.0, 40.0), compression=8e-3)
     assert given.document["compression"] == 8e-3
     assert given.peak[0] > found.peak[0]

@@ -77,10 +77,9 @@ class AtRest:
         if point.linear:
             return ""
         where = "as given" if point.given else "under its weight"
-        lines = [
-            f"{1e3 * point.compression:.3g} mm {where}, tested to {1e3 * (point.depth or 0):.3g} mm"
-        ]
-        for name, one in (("secant there", secant), ("tangent here", tangent)):
+        here, depth = f"{1e3 * point.compression:.3g} mm", f"{1e3 * (point.depth or 0.0):.3g} mm"
+        lines = [f"the seals are compressed by {here} {where}, and were tested to {depth}"]
+        for name, one in ((f"secant at {depth}", secant), (f"tangent at {here}", tangent)):
             peak = "no resonance" if one.frequency is None else f"{one.frequency:.5g} Hz"
             error = f" +- {1e-3 * one.stiffness_se:.2g}" if one.stiffness_se > 0 else ""
             lines.append(f"  {name}  {1e-3 * one.stiffness:.4g}{error} N/mm, {peak}")

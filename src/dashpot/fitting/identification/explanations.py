@@ -253,7 +253,9 @@ def _told(
         unit=cause.unit,
         fall=before.cost - found.cost,
         explains=not in_conflict(found),
-        says=_SENTENCES[cause.name](value, error) + _elsewhere(cause, value, law, compression),
+        says=_SENTENCES[cause.name](value, error)
+        + _supposed(cause, before.problem.priors)
+        + _elsewhere(cause, value, law, compression),
     )
 
 
@@ -275,6 +277,13 @@ _SENTENCES: dict[str, Callable[[float, float], str]] = {
         f"acceleration over force reads {with_error(value, error)} times what it is"
     ),
 }
+
+
+def _supposed(cause: Cause, priors: NuisancePriors) -> str:
+    """What the mass was said to be, in words."""
+    if cause.name != "mass" or priors.mass is None:
+        return ""
+    return f", not {1e3 * priors.mass.value:.5g} g"
 
 
 def _elsewhere(

@@ -43,7 +43,7 @@ def assembled(
     asked: int | str,
     most: int,
     apart: Disagreement | None,
-    dashpot: Check,
+    dashpot: tuple[Check, ...],
 ) -> Fit:
     """The fit of one seal, with everything needed to judge it."""
     problem, point = best.problem, best.point
@@ -55,7 +55,7 @@ def assembled(
         values = (_values(model, dashpot=problem.dashpot) for model in (point.model, apart.model))
         physical = physical + np.outer(*[np.subtract(*values)] * 2)
     residual, samples = _residual(best)
-    answers = (*_checks(best, covariance, before, apart), dashpot)
+    answers = (*_checks(best, covariance, before, apart), *dashpot)
     law = None if before is None else before.elastic_law
     return Fit(
         solid=point.model,
