@@ -143,10 +143,9 @@ def identify(
     best = _chosen(found)
     scale = best.line_scale
     final = descend(replace(best.problem, scale=scale), best.theta, tolerance=TIGHT)
-    fewer = [number for number in numbers if number <= best.problem.arms]
     apart = disagreement(
         final,
-        lambda problem: _chosen(_candidates(problem, fewer, before, start=final.point)),
+        lambda problem: _again(problem, final.point, numbers, before),
         law=None if before is None else before.elastic_law,
         compression=None if point is None else point.compression,
     )
@@ -206,6 +205,16 @@ def _candidates(
         if found and best.bic > min(candidate.bic for candidate in found) + WORSE:
             break
     return found
+
+
+def _again(
+    problem: Problem, start: Parameters, numbers: Sequence[int], before: Fit | None
+) -> Candidate:
+    """The best of a problem with no more arms than a start has, from there."""
+    fewer = [number for number in numbers if number < problem.arms]
+    found = _candidates(problem, [*fewer, problem.arms], before, start=start)
+    # where an arm has left every candidate, as it is
+    return _chosen(found) if found else descend(problem, problem.pack(start), tolerance=LOOSE)
 
 
 def _chosen(found: Sequence[Candidate]) -> Candidate:
