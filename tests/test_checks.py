@@ -29,6 +29,7 @@ from dashpot.preparation.contact import Baseline, Touch
 from dashpot.preparation.filters import parse_filter
 from dashpot.preparation.segments import Cycle, Segment
 from dashpot.records.dynamic import DynamicTest
+from dashpot.records.fit import Explanation
 from dashpot.records.frf import FRF, Hit, Mode
 from dashpot.records.relaxation import RampHold
 from dashpot.records.specimen import Specimen
@@ -205,6 +206,12 @@ class Case(NamedTuple):
     judge: Callable[[float], Check]
     passes: float | None
     fails: float | None
+
+
+def stiffer(departure: float, *, explains: bool = True) -> Explanation:
+    return Explanation(
+        "stiffness", 1 + departure, 0.01, "1", departure, 50.0, explains, "the seals are stiffer"
+    )
 
 
 def trend(**changes: float) -> impact.Trend:
@@ -506,7 +513,7 @@ IDENTIFICATION = [
     Case("earlier_fit_kept", identification.earlier_fit_kept, 2.499, 2.501),
     Case(
         "tests_agree",
-        lambda x: identification.tests_agree(x, "stiffer" if x else "", explained=True),
+        lambda x: identification.tests_agree(stiffer(x) if x else None),
         0,
         1,
     ),
@@ -672,15 +679,17 @@ IMPACT = [
     *(
         Case(
             "amplitude_linear",
-            lambda x, part=part: impact.amplitude_linear(trend(**{part: x}), MODE),
-            passes,
-            fails,
+            lambda x, part=part, unit=unit, way=way: impact.amplitude_linear(
+                trend(**{part: unit * x**way}), MODE
+            ),
+            0.999,
+            1.001,
         )
         # hits of 1 to 4 are two doublings: 1 % of stiffness, 10 % of damping over them
-        for part, passes, fails in (
-            ("stiffness", 0.00499, 0.00501),
-            ("damping", -0.0499, -0.0501),
-            ("stiffness_sure", 0.021, 0.019),
+        for part, unit, way in (
+            ("stiffness", 0.005, 1),
+            ("damping", -0.05, 1),
+            ("stiffness_sure", 0.02, -1),
         )
     ),
     Case("resonance", lambda x: impact.resonance(measured(), MODE if x else None), 10.0, 0),
@@ -967,6 +976,12 @@ def test_the_page_of_every_check_is_the_register() -> None:
     spec.loader.exec_module(written)
     kept = written.PAGE.read_text(encoding="utf-8")
     assert written.page() == kept, "run `python docs/checks.py`"
+
+
+def test_a_slight_disagreement_that_is_explained_is_a_limit_and_any_other_a_stop() -> None:
+    assert identification.tests_agree(stiffer(-0.049)).grade == "limit"
+    assert identification.tests_agree(stiffer(0.051)).grade == "stop"
+    assert identification.tests_agree(stiffer(0.01, explains=False)).grade == "stop"
 
 
 def test_two_criteria_of_one_name_are_refused() -> None:

@@ -124,6 +124,8 @@ class Explanation:
     value, standard_error : float
         What it would have to be.
     unit : str
+    departure : float
+        That over what it was supposed to be, less one.
     fall : float
         How much lower chi-square then is.
     explains : bool
@@ -135,6 +137,7 @@ class Explanation:
     value: float
     standard_error: float
     unit: str
+    departure: float
     fall: float
     explains: bool
     says: str

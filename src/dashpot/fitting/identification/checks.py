@@ -8,6 +8,7 @@ import numpy as np
 
 from dashpot.base.checks import Check, Finding, criterion
 from dashpot.engine.inference.order import DECISIVE, MAX_SE_LN_TAU
+from dashpot.records.fit import Explanation
 
 STRAINED = 2.5
 EXPLAINED = 2.0
@@ -16,6 +17,8 @@ UNEXPLAINED = 0.1
 CONTRADICTED = 4.0
 # a force missed by less than this part of its peak changes no use of the solid
 IMMATERIAL = 1e-4
+# a stiffness, mass or gain this far off moves a peak by half of it
+SLIGHT = 0.05
 
 
 @criterion(
@@ -97,22 +100,23 @@ def earlier_fit_kept(off: float, *, why: str = "") -> Finding:
 
 
 @criterion("fall of chi-square", source="a note: what explains both tests", grade="stop")
-def tests_agree(fall: float, explanation: str, *, explained: bool) -> Finding:
+def tests_agree(lead: Explanation | None) -> Finding:
     """One seal explains the relaxation test and the hammer, with what is known of the rig.
 
-    `explanation` is what explains them best if not, and `fall` what that takes off chi-square.
+    `lead` is what explains them best if not. A departure of 5 % that explains both is a limit.
     """
-    if not explanation:
+    if lead is None:
         return Finding("relaxation test and hammer are explained by one seal")
-    lead = "relaxation test and hammer do not belong to one seal and rig as described: "
-    if explained:
-        says = f"{lead}{explanation}; that explains both, and chi-square falls by {fall:.4g}"
+    because = "relaxation test and hammer do not belong to one seal and rig as described: "
+    if lead.explains:
+        says = f"{because}{lead.says}; that explains both, and chi-square falls by {lead.fall:.4g}"
     else:
         says = (
-            f"{lead}nothing tried explains both; most does that {explanation} (chi-square falls "
-            f"by {fall:.4g})"
+            f"{because}nothing tried explains both; most does that {lead.says} (chi-square falls "
+            f"by {lead.fall:.4g})"
         )
-    return Finding(says, fall, faulted=True)
+    slight = lead.explains and abs(lead.departure) <= SLIGHT
+    return Finding(says, lead.fall, faulted=True, grade="limit" if slight else "stop")
 
 
 class Believable(Protocol):

@@ -52,6 +52,8 @@ class Cause:
         The priors with this quantity free.
     value : callable
         Its value at a point.
+    supposed : callable
+        What it was supposed to be.
     unit : str
     """
 
@@ -59,11 +61,16 @@ class Cause:
     parameter: str
     free: Callable[[NuisancePriors], NuisancePriors]
     value: Callable[[Parameters], float]
+    supposed: Callable[[NuisancePriors], float]
     unit: str
 
 
 def _mass_free(priors: NuisancePriors) -> NuisancePriors:
     return priors if priors.mass is None else replace(priors, mass=replace(priors.mass, sd=np.inf))
+
+
+def _mass_supposed(priors: NuisancePriors) -> float:
+    return float("nan") if priors.mass is None else priors.mass.value
 
 
 CAUSES = (
@@ -72,6 +79,7 @@ CAUSES = (
         "ln_factor",
         lambda known: replace(known, factor=replace(known.factor, sd=np.inf)),
         lambda point: point.factor,
+        lambda known: known.factor.value,
         "1",
     ),
     Cause(
@@ -79,14 +87,16 @@ CAUSES = (
         "ln_spring",
         lambda known: replace(known, spring=replace(known.spring, sd=np.inf)),
         lambda point: point.spring,
+        lambda known: known.spring.value,
         "1",
     ),
-    Cause("mass", "ln_mass", _mass_free, lambda point: point.mass, "kg"),
+    Cause("mass", "ln_mass", _mass_free, lambda point: point.mass, _mass_supposed, "kg"),
     Cause(
         "gain",
         "ln_gain",
         lambda known: replace(known, gain_sd=np.inf),
         lambda point: point.gain,
+        lambda _: 1.0,
         "1",
     ),
 )
@@ -246,15 +256,17 @@ def _told(
     place = found.problem.at[cause.parameter]
     value = cause.value(found.point)
     error = value * float(np.sqrt(found.covariance[place, place]))
+    supposed = cause.supposed(before.problem.priors)
     return Explanation(
         name=cause.name,
         value=value,
         standard_error=error,
         unit=cause.unit,
+        departure=value / supposed - 1,
         fall=before.cost - found.cost,
         explains=not in_conflict(found),
         says=_SENTENCES[cause.name](value, error)
-        + _supposed(cause, before.problem.priors)
+        + (f", not {1e3 * supposed:.5g} g" if cause.name == "mass" else "")
         + _elsewhere(cause, value, law, compression),
     )
 
@@ -277,13 +289,6 @@ _SENTENCES: dict[str, Callable[[float, float], str]] = {
         f"acceleration over force reads {with_error(value, error)} times what it is"
     ),
 }
-
-
-def _supposed(cause: Cause, priors: NuisancePriors) -> str:
-    """What the mass was said to be, in words."""
-    if cause.name != "mass" or priors.mass is None:
-        return ""
-    return f", not {1e3 * priors.mass.value:.5g} g"
 
 
 def _elsewhere(

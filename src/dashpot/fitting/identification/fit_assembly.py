@@ -224,10 +224,8 @@ def _checks(
     lead = None if apart is None else apart.explanations[0]
     why = f"{NOUNS[lead.name]} explains that, see tests_agree" if lead and lead.explains else ""
     answers = [optimum_found(stationary=best.converged), *agreement(best, why)]
-    if before is not None and lead is None:
-        answers.append(checks.tests_agree(0.0, "", explained=True))
-    elif lead is not None:
-        answers.append(checks.tests_agree(lead.fall, lead.says, explained=lead.explains))
+    if before is not None:
+        answers.append(checks.tests_agree(lead))
     arms = best.problem.arms
     worst = float(max(np.sqrt(np.diag(covariance))[1 : 1 + 2 * arms], default=0.0))
     new = 0 if before is None else arms - before.model.arms
