@@ -91,14 +91,14 @@ def sinking(share: float) -> RampHold:
 def bending(share: float) -> RampHold:
     """A ramp of alternate speeds, missed between samples by this share of the noise."""
     wave = np.where(np.arange(len(TIME)) % 2, 1.0, -1.0) * (TIME > 0.5) * (TIME < 0.9)
-    force = RECORD.force
     pressed = PLATE > 0.2 * DEPTH
-    stiffness = (force[pressed] / PLATE[pressed]).max()
-    noise = 0.1
-    size = 2 * share * noise / stiffness  # a second difference of 4 sizes, over 8
-    x = PLATE + size * wave
-    worst = (force[pressed] / x[pressed]).max() / stiffness
-    return replace(RECORD, displacement=PLATE + size / worst * wave, force_noise=noise)
+    scatter = 5e-6  # of the encoder; three of its standard deviations explain as much of a bend
+    size, noise = 0.0, 0.1
+    for _ in range(20):
+        x = PLATE + size * wave
+        stiffness = (RECORD.force[pressed] / x[pressed]).max()
+        size = 2 * (share * noise / stiffness + 3 * 6**0.5 / 8 * scatter)
+    return replace(RECORD, displacement=x, force_noise=noise, displacement_noise=scatter)
 
 
 def creeping(readings: int) -> RampHold:
@@ -284,7 +284,7 @@ PREPARATION = [
     Case("samples_unbroken", lambda x: preparation.samples_unbroken(pause(x)), 0.1999, 0.2001),
     Case("spikes_absent", whole(lambda n: preparation.spikes_absent(spiked(n))), 0, 1),
     Case("columns_plausible", lambda x: preparation.columns_plausible(sinking(x)), 0.0299, 0.0301),
-    Case("motion_resolved", lambda x: preparation.motion_resolved(bending(x)), 0.0799, 0.0801),
+    Case("motion_resolved", lambda x: preparation.motion_resolved(bending(x)), 0.1249, 0.1251),
     Case("motion_measured", whole(lambda n: preparation.motion_measured(creeping(n))), 1, None),
     Case("range_used", lambda x: preparation.range_used(70 * x, 70.0), 0.0501, 0.0499),
     Case("force_not_clipped", whole(lambda n: preparation.force_not_clipped(flat_top(n))), 4, 5),
@@ -773,7 +773,7 @@ LIMITS = {
     "preparation": {
         "baseline_recorded": 5, "contact_found": 0.01, "preload_absent": 0.05, "single_loading": 1,
         "overshoot_small": 0.05, "samples_unbroken": 0.2, "spikes_absent": 0,
-        "columns_plausible": 0.03, "motion_resolved": 0.08, "motion_measured": 0,
+        "columns_plausible": 0.03, "motion_resolved": 0.125, "motion_measured": 0,
         "range_used": 0.05, "force_not_clipped": 5, "force_resolved": 20,
         "depth_resolved": 0.005, "hold_is_still": 0.01, "hold_outlasts_ramp": 10,
         "ramp_sampled": 10, "strain_small": 0.2,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -139,7 +140,7 @@ def test_what_cannot_be_asked_is_refused(paper_seal: GeneralizedMaxwell) -> None
     with pytest.raises(FitError, match="found 1 test; a depth law needs at least two depths"):
         fit_depths([one])
     with pytest.raises(FitError, match="fit equal depths together without depth_law"):
-        fit_depths([one, one], arms=1)
+        fit_depths([one, replace(one, force=1.01 * one.force)], arms=1)
     with pytest.raises(DataError, match="does not reach the depth of 8 mm; measure it deeper"):
         compare_with_curve(
             ElasticLaw.linear(196.5, 8e-3), [8e-3], displacement=[0.0, 5e-3], force=[0.0, 1.0]

@@ -78,7 +78,7 @@ def optimum_found(*, stationary: bool) -> Finding:
 def same_specimen(stiffnesses: Sequence[EndStiffness]) -> Finding:
     """Tests of one depth and temperature find one stiffness."""
     pairs = [
-        (abs(a.value - b.value) / float(np.hypot(a.sd, b.sd)), i, j)
+        (abs(a.value - b.value) / max(float(np.hypot(a.sd, b.sd)), 1e-300), i, j)
         for (i, a), (j, b) in combinations(enumerate(stiffnesses), 2)
         if _alike(a, b)
     ]

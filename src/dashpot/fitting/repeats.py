@@ -28,6 +28,8 @@ _SMOOTH = 9
 # a line of hum counts for no more than this many times the usual amplitude
 _CLIPPED = 3.0
 _LAGS = 3
+# what is left of a record without noise is its course, which two tests of one seal share
+_COURSE = 3.0
 
 
 class EndStiffness(NamedTuple):
@@ -75,7 +77,8 @@ def noise_correlation(one: RampHold, other: RampHold) -> float:
 
     Means over a few samples at equal times after the onset, less their running mean; lines of hum,
     which correlate by their phases alone, are clipped to the usual amplitude. The largest within
-    three means of each other's clock; 0 where fewer than 400 means are common.
+    three means of each other's clock; 0 where fewer than 400 means are common, or what is left is
+    no noise.
     """
     step = _TO_A_MEAN * max(median(np.diff(record.time)) for record in (one, other))
     start = max(record.ramp_time for record in (one, other)) + _SMOOTH * step
@@ -83,7 +86,13 @@ def noise_correlation(one: RampHold, other: RampHold) -> float:
     if (stop - start) / step < _FEWEST:
         return 0.0
     edges = np.arange(start, stop, step)
-    first, second = (_clipped_spectrum(_scatter(record, edges)) for record in (one, other))
+    left = [_scatter(record, edges) for record in (one, other)]
+    if any(
+        part.std() > _COURSE * record.force_noise
+        for part, record in zip(left, (one, other), strict=True)
+    ):
+        return 0.0
+    first, second = (_clipped_spectrum(part) for part in left)
     products = np.array([first * second.conj(), np.abs(first) ** 2, np.abs(second) ** 2])
     cross, own, others = np.fft.irfft(products)
     power = float(np.sqrt(own[0] * others[0]))
@@ -124,6 +133,7 @@ def end_stiffnesses(records: Sequence[RampHold]) -> tuple[EndStiffness, ...]:
 def _end_stiffness(record: RampHold, at: float) -> EndStiffness:
     since = record.time - record.ramp_end
     last = (since >= 0.95 * at) & (since <= at)
+    last[int(np.searchsorted(since, at)) - 1] = True
     known = priors(record)
     later = record.ramp_end + 0.975 * at - record.time[0] - known.at
     force = float(record.force[last].mean()) - known.offset.mean - known.drift.mean * later
