@@ -28,7 +28,11 @@ from dashpot.cli.simulate import seal
 @click.option("--model", metavar="paper|broad|FIT", help="A guess at the seal; else Table 1.")
 @click.option("--arm-stiffness", type=Quantity("stiffness"), help="Of the arm that may hide.")
 @click.option("--arm-time", type=Quantity("time"), help="Its relaxation time; else 1/omega.")
-@click.option("--drift", is_flag=True, help="Offset and drift of the force are fitted too.")
+@click.option(
+    "--baseline", type=Quantity("time"), default="1s", show_default=True, help="Before the ramp."
+)
+@click.option("--sync", type=Quantity("time"), help="Doubt of the clocks, e.g. 0.5ms.")
+@click.option("--drift", type=Quantity("force rate"), help="Of the load cell, e.g. 0.2mN/s.")
 @click.option("--mass", type=Quantity("mass"), help="Block; else what peaks at the frequency.")
 @options.seals
 @click.option("--record", type=Quantity("time"), help="Planned record after a hit.")
@@ -53,6 +57,7 @@ def command(
     \b
     dashpot plan --ramp 1s --hold 40s --at 12.71Hz
     dashpot plan --ramp 0.1s --at 12.71Hz --noise 1mN --record 8s --pulse 15ms
+    dashpot plan --ramp 1s --at 12.71Hz --sync 0.5ms --drift 0.2mN/s
     """
     if arm_time is not None and arm_stiffness is None:
         raise DataError("--arm-time needs --arm-stiffness, e.g. --arm-stiffness 0.05N/mm")

@@ -22,6 +22,7 @@ from dashpot.fitting.pipeline import (
     assembled,
     chosen_arms,
 )
+from dashpot.fitting.repeats import refuse_copies
 from dashpot.fitting.spectrum import (
     dense_where_few_fail,
     dynamic_master_curve,
@@ -188,6 +189,7 @@ def _records(
     tests: RampHold | Sequence[RampHold], data: DynamicTest, *, dashpot: bool
 ) -> tuple[RampHold, ...]:
     records = listed(tests)
+    refuse_copies(records)
     if records and data.unit != "N/m":
         raise FitError(
             f"the sweep is in {data.unit}, the relaxation tests in N and m; multiply storage and "

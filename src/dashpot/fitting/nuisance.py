@@ -18,11 +18,8 @@ from dashpot.base.arrays import FloatArray, kept, median
 from dashpot.engine.inference.covariance import noise_of
 from dashpot.preparation.noise import scatter
 from dashpot.records.relaxation import RampHold
+from dashpot.records.rig import TOLD_DRIFT
 
-# a load cell of which nothing is known drifts by this part of the final force over the record
-UNKNOWN_DRIFT = 5e-3
-# a baseline tells the drift if it leaves less than this part of the final force over the record
-TOLD_DRIFT = 1e-3
 # fewer samples have no scatter, and none a slope, to speak of
 _FEWEST = 5
 # part of the ramp for which a plate may move before its encoder shows it
@@ -90,13 +87,11 @@ def priors(record: RampHold) -> Priors:
     else:
         offset, at = _first_reading(record, noise), 0.0
         first, slope = max(first, 1) if record.displacement[0] <= 0 else 0, None
-    allowed = final / duration
-    if slope is not None and slope.sd < TOLD_DRIFT * allowed:
+    if slope is not None and slope.sd < TOLD_DRIFT * final / duration:
         drift, told = slope, "baseline"
-    elif record.rig.drift is not None:
-        drift, told = Prior(0.0, record.rig.drift), "data sheet"
     else:
-        drift, told = Prior(0.0, UNKNOWN_DRIFT * allowed), "unknown"
+        drift = Prior(0.0, record.rig.drift_sd(final, duration))
+        told = "unknown" if record.rig.drift is None else "data sheet"
     return Priors(offset, at, drift, told, delay_prior(record), first)
 
 
@@ -109,10 +104,7 @@ def _first_motion(record: RampHold) -> int:
 
 def delay_prior(record: RampHold) -> Prior:
     """Return the prior of the delay of the force behind the displacement, s."""
-    rig = record.rig
-    filtered = 1 / (2 * np.pi * rig.force_filter) if rig.force_filter else 0.0
-    sample = median(np.diff(record.time))
-    return Prior(0.0, max(sample, rig.sync or 0.0, filtered))
+    return Prior(0.0, record.rig.delay_sd(median(np.diff(record.time))))
 
 
 def _slope(time: FloatArray, residual: FloatArray, kappa: float) -> Prior:

@@ -8,8 +8,10 @@ deviation sigma, no unbiased fit of :math:`\theta = (k_\infty, k_j, \ln\tau_j)` 
     C = \sigma^2 (J^T J)^{-1}, \qquad
     \mathrm{sd}(g) = \sqrt{\nabla g^T C\, \nabla g}, \quad g = K', \tan\delta
 
-with J the sensitivities of the force (paper eqs. 1-5) at every sample. An impact record
-must be long enough for the mass to come to rest, and its pulse short enough to make it ring.
+with J the sensitivities of the force (paper eqs. 1-5) at every sample. What the fit of a recorded
+motion must find besides, offset, drift and delay, stands in J too, each with a row 1/sd for what is
+known of it before. An impact record must be long enough for the mass to come to rest, and its pulse
+short enough to make it ring.
 """
 
 from __future__ import annotations
@@ -19,6 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.records.rig import TOLD_DRIFT, Rig
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.systems.prediction import accelerance, ringing_pole
 
@@ -58,7 +61,11 @@ class ExpectedError:
 
 @dataclass(frozen=True)
 class Bench:
-    """A ramp-and-hold test to be: SI units, `rate` in Hz, `noise` in N per sample."""
+    """A ramp-and-hold test to be: SI units, `rate` in Hz, `noise` in N per sample.
+
+    `baseline`, s, is recorded before the ramp. On a described `rig` the fit of ramp and hold finds
+    offset, drift and delay of the force besides; without one, and by eq. 5, it finds none.
+    """
 
     depth: float
     ramp_time: float
@@ -66,7 +73,8 @@ class Bench:
     rate: float
     noise: float
     method: str
-    drift: bool = False
+    baseline: float = 1.0
+    rig: Rig | None = None
 
     def time(self) -> FloatArray:
         """The samples that the method fits, s from the start of the ramp, shape (n,)."""
@@ -75,7 +83,10 @@ class Bench:
         return t if self.method == "full" else t[t >= self.ramp_time * (1 - 1e-12)]
 
     def sensitivity(self, model: GeneralizedMaxwell) -> FloatArray:
-        r"""Return J = dF / d(k_inf, k, ln tau[, offset, drift]), shape (n, p), N per unit."""
+        r"""Return J = dF / d(k_inf, k, ln tau[, offset, drift, delay]), shape (n, p), N per unit.
+
+        The offset is that at the middle of the baseline.
+        """
         t = self.time()
         speed = self.depth / self.ramp_time
         tau, k = np.asarray(model.tau), np.asarray(model.k)
@@ -86,13 +97,38 @@ class Bench:
         # d/d ln tau of tau (1 - e^{-u/tau}) e^{-h/tau}
         slope = arm * (1 + held / tau) - up * np.exp(-up / tau) * fade
         columns = [speed * up, speed * arm, speed * slope * k]
-        if self.drift:
-            columns += [np.ones((len(t), 1)), t[:, None]]
+        if self.doubted:
+            ramps = (t <= self.ramp_time)[:, None]
+            rates = np.where(ramps, np.exp(-up / tau), -arm / tau) @ k + model.k_inf * ramps[:, 0]
+            since = t + 0.5 * self.baseline
+            columns += [np.ones((len(t), 1)), since[:, None], -speed * rates[:, None]]
         return np.hstack(columns)
 
+    @property
+    def doubted(self) -> bool:
+        """True if offset, drift and delay are fitted too."""
+        return self.rig is not None and self.method == "full"
+
+    def prior_sd(self, model: GeneralizedMaxwell) -> FloatArray:
+        """What is known of offset, drift and delay before the fit: N, N/s and s."""
+        rig = self.rig or Rig()
+        length = self.ramp_time + self.hold_time
+        final = float(
+            model.ramp_hold_force([length], depth=self.depth, ramp_time=self.ramp_time)[0]
+        )
+        offset = self.noise / np.sqrt(self.baseline * self.rate)
+        slope = float(np.sqrt(12.0) * offset / self.baseline)
+        told = slope < TOLD_DRIFT * final / length
+        drift = slope if told else rig.drift_sd(final, length)
+        return np.array([offset, drift, rig.delay_sd(1 / self.rate)])
+
     def rows(self, model: GeneralizedMaxwell) -> FloatArray:
-        """The sensitivities in units of the noise, reduced to a triangle, shape (p, p)."""
-        return np.asarray(np.linalg.qr(self.sensitivity(model), mode="r")) / self.noise
+        """Sensitivities in units of the noise, reduced to a triangle, and priors, shape (m, p)."""
+        seen = np.asarray(np.linalg.qr(self.sensitivity(model), mode="r")) / self.noise
+        if not self.doubted:
+            return seen
+        known = np.diag(1 / np.maximum(self.prior_sd(model), 1e-300))
+        return np.vstack((seen, np.pad(known, ((0, 0), (seen.shape[1] - 3, 0)))))
 
 
 def expected_error(

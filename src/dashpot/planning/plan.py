@@ -22,6 +22,7 @@ from dashpot.planning.expected import (
     hammer_rows,
     record_need,
 )
+from dashpot.records.rig import Rig
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import PAPER
 from dashpot.vibration.systems.prediction import mass_for_peak
@@ -97,7 +98,9 @@ def plan(
     model: GeneralizedMaxwell | None = None,
     method: str = "full",
     arm: tuple[float, float] | None = None,
-    drift: bool = False,
+    baseline: float = 1.0,
+    sync: float | None = None,
+    drift: float | None = None,
     mass: float | None = None,
     seals: float = 1.0,
     record: float | None = None,
@@ -110,8 +113,9 @@ def plan(
 
     Supposes that the seal has an arm at :math:`\tau = 1/\omega`, where it matters most for damping,
     and asks the Cramer-Rao bound how well the relaxation test would know storage stiffness and loss
-    factor there (:mod:`dashpot.planning.expected`). For the hammer test, how long the record must
-    be and what the tip excites.
+    factor there (:mod:`dashpot.planning.expected`), with offset, drift and delay of the force known
+    before as the fit knows them. For the hammer test, how long the record must be and what the tip
+    excites.
 
     Parameters
     ----------
@@ -131,8 +135,11 @@ def plan(
     arm : (float, float), optional
         Stiffness, N/m, and relaxation time, s, of the unseen arm. By default 10 % of the
         instantaneous stiffness at 1/omega, unless the model has an arm within a factor of 3.
-    drift : bool
-        Fit offset and linear drift of the force too.
+    baseline : float
+        Recorded before the ramp, s: it tells the offset of the load cell.
+    sync, drift : float, optional
+        Standard deviations of the delay between the clocks of force and displacement, s, and of
+        the drift of the load cell, N/s, as in :class:`~dashpot.records.rig.Rig`.
     mass : float, optional
         kg, of the block on `seals` seals; by default the one that puts the peak at `at`.
     record : float, optional
@@ -152,7 +159,15 @@ def plan(
         If a number is not positive or the method unknown.
     """
     _positive(depth=depth, ramp_time=ramp_time, hold_time=hold_time, rate=rate, noise=noise, at=at)
-    _positive(mass=mass, seals=seals, record=record, pulse=pulse, wanted=wanted, hits=hits)
+    _positive(
+        baseline=baseline,
+        mass=mass,
+        seals=seals,
+        record=record,
+        pulse=pulse,
+        wanted=wanted,
+        hits=hits,
+    )
     if not 0 < coherence < 1:
         raise DataError(f"coherence = {coherence!r}; expected a number between 0 and 1")
     if method not in {"full", "hold"}:
@@ -160,13 +175,14 @@ def plan(
     seal = USUAL_SEAL if model is None else model
     supposed, arm = _with_arm(seal, arm, at)
     index = None if arm is None else supposed.tau.index(arm[1])
-    bench = Bench(depth, ramp_time, hold_time, rate, noise, method, drift)
+    rig = Rig(sync=sync, drift=drift)
+    bench = Bench(depth, ramp_time, hold_time, rate, noise, method, baseline, rig)
     expected = expected_error(supposed, bench, at, index)
-    total = seals * seal
+    total = seals * supposed
     weight = mass_for_peak(total, at) if mass is None else mass
     rows = hammer_rows(
         supposed,
-        weight if mass is not None else mass_for_peak(seals * supposed, at),
+        weight,
         seals=seals,
         lines=_lines(at, record),
         relative_sd=float(np.sqrt((1 - coherence) / (2 * hits * coherence))),
@@ -176,6 +192,7 @@ def plan(
         expected_error(supposed, replace(bench, method="full"), at, index, rows),
     )
     need = record_need(total, weight, record)
+    without = "" if arm is None else _without_arm(seals * seal, mass, at)
     tip = None if pulse is None else half_sine(pulse, at)
     band = (1 / (2 * np.pi * hold_time), 1 / (np.pi * ramp_time))
     answers = _checks(expected, band, need, tip, at=at, wanted=wanted)
@@ -189,7 +206,9 @@ def plan(
         record=need,
         pulse=tip,
         checks=answers,
-        advice=_advice(expected, alternatives, answers, need, tip, at=at, wanted=wanted),
+        advice=_advice(
+            expected, alternatives, answers, need, tip, at=at, wanted=wanted, without=without
+        ),
     )
 
 
@@ -260,22 +279,23 @@ def _advice(
     *,
     at: float,
     wanted: float,
+    without: str,
 ) -> tuple[str, ...]:
     words = []
     if expected.loss_factor_sd > wanted:
         words.append(_ramp_advice(expected, alternatives, at=at, wanted=wanted))
     if need.record is None:
         words.append(
-            f"Record each hit for {max(need.for_decay, need.for_lines):.3g} s: "
-            f"{need.for_decay:.3g} s hold six time constants, {need.for_lines:.3g} s put five "
-            "lines into the half-power band; with an exponential window on both channels and the "
-            "model taken at s = jw + a a shorter record does."
+            f"Record each hit for {_needed(need):.3g} s{without}: {need.for_decay:.3g} s hold six "
+            f"time constants, {need.for_lines:.3g} s put five lines into the half-power band; with "
+            "an exponential window on both channels and the model taken at s = jw + a a shorter "
+            "record does."
         )
     failed = {check.name for check in answers if check.failed}
     if "record_long_enough" in failed:
         words.append(
-            f"Record each hit for {max(need.for_decay, need.for_lines):.3g} s instead of "
-            f"{need.record:g} s, or fit the model to the cut or windowed record."
+            f"Record each hit for {_needed(need):.3g} s{without} instead of {need.record:g} s, or "
+            "fit the model to the cut or windowed record."
         )
     if tip is not None and "tip_excites" in failed:
         words.append(
@@ -285,6 +305,17 @@ def _advice(
     if not words:
         words.append(f"This test will do: it knows the loss factor at {at:g} Hz well enough.")
     return tuple(words)
+
+
+def _without_arm(seal: GeneralizedMaxwell, mass: float | None, at: float) -> str:
+    """The record that the seal needs if the arm that was supposed is not there."""
+    need = record_need(seal, mass_for_peak(seal, at) if mass is None else mass, None)
+    return f" ({_needed(need):.3g} s if the seal has no such arm)"
+
+
+def _needed(need: RecordNeed) -> float:
+    """The record that a hit needs, s."""
+    return max(need.for_decay, need.for_lines)
 
 
 def _ramp_advice(

@@ -8,6 +8,11 @@ from dataclasses import dataclass
 from dashpot.base.errors import DataError
 from dashpot.base.options import option
 
+# a load cell of which nothing is known drifts by this part of the final force over the record
+UNKNOWN_DRIFT = 5e-3
+# a baseline tells the drift if it leaves less than this part of the final force over the record
+TOLD_DRIFT = 1e-3
+
 
 @dataclass(frozen=True)
 class Rig:
@@ -34,6 +39,18 @@ class Rig:
     force_filter: float | None = option(
         None, "First-order low-pass in the force channel, e.g. 10Hz.", unit="frequency"
     )
+
+    def delay_sd(self, sample: float) -> float:
+        """Standard deviation of the delay of the force, s, for samples so far apart, s."""
+        filtered = 1 / (2 * math.pi * self.force_filter) if self.force_filter else 0.0
+        return max(sample, self.sync or 0.0, filtered)
+
+    def drift_sd(self, final: float, duration: float) -> float:
+        """Standard deviation of the drift, N/s; of a cell not described, from the final force, N.
+
+        It may drift by half a per cent of that over a record of `duration`, s.
+        """
+        return UNKNOWN_DRIFT * final / duration if self.drift is None else self.drift
 
     def __post_init__(self) -> None:
         for name in ("sync", "drift", "compliance"):

@@ -28,6 +28,7 @@ from dashpot.fitting.identification.likelihood import (
 )
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.fitting.relaxation_data import RelaxationData, relaxation_data
+from dashpot.fitting.repeats import refuse_copies
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
 from dashpot.records.relaxation import RampHold, listed
@@ -121,6 +122,7 @@ def identify(
         If there are fewer arms than the earlier fit has.
     """
     records = listed(tests)
+    refuse_copies(records)
     frf_data = frf_data_of(frf, seals=_seals(seals), band=band)
     before, relaxations = _relaxations(records, fit)
     point = _point(before, mass, seals, compression)
