@@ -66,7 +66,7 @@ def test_the_cubic_seal_has_the_tangents_of_the_acceptance():
     assert 196.5 * one.tangent(2.6e-3) == pytest.approx(164.7, abs=0.1)
 
 
-@pytest.mark.parametrize("motion", {kind.motion for kind in KINDS})
+@pytest.mark.parametrize("motion", sorted({kind.motion for kind in KINDS}))
 def test_dashpot_computes_the_same_force_for_the_same_motion(motion):
     kind = next(k for k in KINDS if k.motion == motion and k.solid == "4 arms")
     one = trial(kind, seed=3, bench=SOUND.perfect())

@@ -40,7 +40,6 @@ DASHPOT = 1e-3
 # relaxation times of a record on an uneven clock: from this, s, to this many of its windows
 SHORTEST, LONGEST = 1e-6, 10.0
 SOLID = ("k_inf", "b")
-STRETCHES = 50
 # readings that stand for a while on the way, at most
 RESTS = 8
 # the rate of a force is that of the arms slower than so many samples
@@ -191,9 +190,8 @@ def relaxation_data(test: RampHold, fit: Fit, *, alone: Fit | None = None) -> Re
 
     What is before first contact only tells offset and drift, and is spent on their priors. A
     reading that stands, such as the first and that of the hold, is uniform within a count q of the
-    encoder, a standard deviation of :math:`q/\sqrt{12}`; where the motion bends, what is left of
-    counts and noise moves the force for some hundredths of the ramp. Either looks like an arm
-    faster than the ramp.
+    encoder, a standard deviation of :math:`q/\sqrt{12}`; while it moves, what is left of counts
+    and noise makes the samples worth less. Either looks like an arm faster than the ramp.
 
     Parameters
     ----------
@@ -203,20 +201,24 @@ def relaxation_data(test: RampHold, fit: Fit, *, alone: Fit | None = None) -> Re
     alone : Fit, optional
         Of this test alone, where `fit` is of more than this test: its solid leaves the noise.
     """
+    model, own = fit.model, (alone or fit).model
     if fit.method == "hold":
-        return held_data(test, fit.model, _left_by((alone or fit).model, held(test)))
+        return held_data(test, model, _left_by(own, held(test)))
     x, left = true_motion(test)
     time = evened(test.time[: len(x)] - test.time[0])
-    doubts = _doubts(test, time, left)
-    columns = {name: fit.model.force(time, 1.0 * motion) for name, (motion, _) in doubts.items()}
+    motions = _doubts(test, time)
+    columns = {name: model.force(time, 1.0 * moved) for name, (moved, _) in motions.items()}
     certain = _recorded(test, time, x - x[0], {})
+    residual = _left_by(own, certain)
+    power = max(noise_power(residual), certain.rounding_floor)
+    trusted = 1 / np.sqrt(1 + (model.k_0 * left) ** 2 / power)
     return _weighed(
         test,
-        _recorded(test, time, x - x[0], columns) if columns else certain,
+        _recorded(test, time, x - x[0], columns, trusted=trusted),
         certain,
-        fit.model,
-        _left_by((alone or fit).model, certain),
-        doubts={name.partition("@")[0]: sd for name, (_, sd) in doubts.items()},
+        model,
+        residual,
+        doubts={name.partition("@")[0]: sd for name, (_, sd) in motions.items()},
     )
 
 
@@ -318,33 +320,65 @@ def _left_by(model: GeneralizedMaxwell, block: Block) -> FloatArray:
 
 
 def _recorded(
-    test: RampHold, time: FloatArray, x: FloatArray, columns: Mapping[str, FloatArray]
+    test: RampHold,
+    time: FloatArray,
+    x: FloatArray,
+    columns: Mapping[str, FloatArray],
+    *,
+    trusted: FloatArray | None = None,
 ) -> Block:
-    """The block of a recorded motion from first contact on, with further private columns."""
+    """The block of a recorded motion from first contact on, with further private columns.
+
+    `trusted` weighs each sample by what is known of the motion, up to the last doubtful one.
+    """
     first, step = priors(test).first, uniform_step(time)
-    used = slice(first, len(time))
-    exact = recursion_block(
-        time,
-        x,
-        test.force[: len(time)],
-        window=used,
-        fixed={
-            "k_inf": x[used],
-            "offset": np.ones(len(time) - first),
-            "drift": time[used],
-            **{name: column[used] for name, column in columns.items()},
-        },
-        step=step,
+    fixed = {"k_inf": x, "offset": np.ones(len(x)), "drift": time, **columns}
+    force = test.force[: len(x)]
+
+    def exact(used: slice, weights: FloatArray | None = None) -> Block:
+        past = slice(0, used.stop)
+        return recursion_block(
+            time[past], x[past], force[past], window=used, step=step,
+            fixed={name: column[used] for name, column in fixed.items()},
+            weights=None if weights is None else weights[past],
+        )  # fmt: skip
+
+    whole = exact(slice(first, len(x)))
+    low, high = whole.window
+    reach = min(DASHPOT * low, SHORTEST), LONGEST * high
+    moving = 0 if trusted is None else int(np.flatnonzero(trusted < 1)[-1:].sum()) + 1
+    if step is None or len(x) <= SMALL or moving > len(x) // 2:
+        return reduced_block(
+            whole if not moving else exact(slice(first, len(x)), trusted), reach=reach
+        )
+    if moving <= first + 1:
+        return correlation_block(whole, time, x, start=first, stop=len(x))
+    on = replace(exact(slice(first, moving), trusted), window=whole.window)
+    after = slice(moving, len(x))
+    return _stacked(
+        reduced_block(on, reach=reach),
+        correlation_block(exact(after), time, x, start=moving, stop=len(x)),
     )
-    if step is not None and len(time) > SMALL:
-        return correlation_block(exact, time, x, start=first, stop=len(time))
-    low, high = exact.window
-    return reduced_block(exact, reach=(min(DASHPOT * low, SHORTEST), LONGEST * high))
 
 
-def _doubts(
-    test: RampHold, time: FloatArray, left: FloatArray
-) -> dict[str, tuple[BoolArray, float]]:
+def _stacked(one: Block, two: Block) -> Block:
+    """Two stretches of one record as one block."""
+
+    def rows(log_tau: FloatArray, derivative: bool) -> Evaluation:
+        parts = one.evaluate(log_tau, derivative), two.evaluate(log_tau, derivative)
+        return Evaluation(*(np.concatenate(pair) for pair in zip(*parts, strict=True)))
+
+    return replace(
+        two,
+        rows=rows,
+        window=one.window,
+        samples=one.samples + two.samples,
+        floor=one.floor + two.floor,
+        full=None,
+    )
+
+
+def _doubts(test: RampHold, time: FloatArray) -> dict[str, tuple[BoolArray, float]]:
     """Motions that may have been, and the standard deviation of their size, m."""
     found: dict[str, tuple[BoolArray, float]] = {}
     clock, count = time + test.time[0], test.encoder_step / np.sqrt(12)
@@ -357,10 +391,6 @@ def _doubts(
         found["rest@last"] = clock >= reaches, float(count)
         for i, (start, stop) in enumerate(between):
             found[f"rest@{i}"] = (clock >= start) & (clock < stop), float(count)
-    if left.any():
-        bends = _bends(test, clock)
-        sd = float(np.sqrt(np.mean(left[np.any(bends, axis=0)] ** 2)))
-        found |= {f"bend@{i}": (inside, sd) for i, inside in enumerate(bends)}
     return found
 
 
@@ -372,12 +402,3 @@ def _few_rests(test: RampHold, clock: FloatArray) -> list[tuple[float, float]]:
         first, last = found[0], found[-1]
     longest = sorted(found[1:-1], key=lambda rest: rest[0] - rest[1])[:RESTS]
     return [first, *longest, last]
-
-
-def _bends(test: RampHold, time: FloatArray) -> list[BoolArray]:
-    """The stretches, of a fiftieth of the ramp each, where the motion starts and where it ends."""
-    width = test.ramp_time / STRETCHES
-    starts = [test.onset + i * width for i in range(-2, 6)]
-    starts += [test.ramp_end + i * width for i in range(-4, 8)]
-    found = [(time >= start) & (time < start + width) for start in starts]
-    return [inside for inside in found if inside.any()]

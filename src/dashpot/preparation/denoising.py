@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, FloatArray, IndexArray, kept
+from dashpot.base.arrays import FloatArray, IndexArray, kept
 from dashpot.records.relaxation import RampHold
 from dashpot.solids.maxwell import arm_response
 
@@ -19,7 +19,9 @@ HALF_WIDTHS = (0, 1, 2, 3, 4, 6, 8, 11, 16, 23, 32, 45, 64, 91, 128, 181, 256, 3
 # means of windows disagree if they are farther apart than this many standard deviations
 APART = 2.5
 # what scatters after reading between counts, as a part of a count, and what is off while it moves
-SCATTER_OF_A_COUNT, LEFT_OF_A_COUNT = 0.025, 0.1
+SCATTER_OF_A_COUNT, LEFT_OF_A_COUNT = 0.025, 0.2
+# a mean leaves more than this part of the noise only where the motion bends
+NARROW = 0.1
 # a reading that stays so many times as long as its neighbours is a rest
 REST = 4.0
 # equal neighbours so much closer than the depth are arithmetic, not counts
@@ -40,8 +42,10 @@ def true_motion(test: RampHold) -> tuple[FloatArray, FloatArray]:
 
     Returns
     -------
-    displacement, sd : array, shape (n,)
-        m, and the standard deviation of what may be left of counts and noise, m.
+    displacement, left : array, shape (n,)
+        m, and the standard deviation, m, of white noise that would do to arms slower than it what
+        may be left of counts and noise; 0 at rest on a count, whose own error lasts, and where
+        noise is averaged away.
     """
     used = slice(0, test.hold.stop)
     time, travel = test.time[used], test.travel[used]
@@ -60,12 +64,12 @@ def _freed(test: RampHold, time: FloatArray, x: FloatArray) -> tuple[FloatArray,
     step, noise = test.encoder_step, test.displacement_noise
     if step > LEAST_COUNT * test.depth:
         read, _ = denoised(between_counts(time, x), SCATTER_OF_A_COUNT * step)
-        return read, np.asarray(LEFT_OF_A_COUNT * step * _moving(time, x), dtype=float)
+        return read, _left_of_counts(time, x, step)
     if noise == 0:
         return x, np.zeros(len(x))
-    # the mean of a window may be off by as much as its interval is wide
-    x, sd = denoised(x, noise)
-    return x, APART * sd
+    read, sd = denoised(x, noise)
+    # a wide window is a rest or a steady ramp, where the mean is as good as the truth
+    return read, np.where(sd > NARROW * noise, noise, 0.0)
 
 
 def between_counts(time: FloatArray, displacement: FloatArray) -> FloatArray:
@@ -109,12 +113,29 @@ def rests(time: FloatArray, displacement: FloatArray) -> tuple[tuple[float, floa
     return tuple(zip(start[long].tolist(), stop[long].tolist(), strict=True))
 
 
-def _moving(time: FloatArray, displacement: FloatArray) -> BoolArray:
-    """Which samples are on no rest."""
-    moving = np.ones(len(time), dtype=bool)
-    for start, stop in rests(time, displacement):
-        moving &= (time < start) | (time > stop)
-    return moving
+def _left_of_counts(time: FloatArray, displacement: FloatArray, step: float) -> FloatArray:
+    r"""What reading between counts leaves, as white noise, shape (n,).
+
+    While a reading stays for t, a straight line misses a motion whose velocity changes by
+    :math:`\Delta v` from the reading before to the one after by :math:`t\,\Delta v/16`, beside a
+    fifth of a count for the instant of each change; neighbours within 2 t share their error.
+    """
+    change = np.flatnonzero(np.diff(_without_flicker(displacement)))
+    if len(change) < 2:
+        return np.zeros(len(time))
+    start, stop, before, after = _stays(0.5 * (time[change] + time[change + 1]))
+    climbed = np.sign(displacement[change + 1] - displacement[change]) * step
+    # velocity over the readings before and after each one; those at rest do not count
+    speed = np.divide(climbed[:-1], np.diff(0.5 * (time[change] + time[change + 1])))
+    turned = np.zeros(len(start))
+    turned[2:-2] = np.abs(speed[2:] - speed[:-2])
+    stay = np.where(np.isfinite(stop - start), stop - start, 0.0)
+    missed = np.minimum(step / 2, stay * turned / 16)
+    alike = 2 * np.maximum(stay / float(np.mean(np.diff(time))), 1.0)
+    left = np.hypot(LEFT_OF_A_COUNT * step, missed) * np.sqrt(alike)
+    left[stop - start > REST * np.maximum(before, after)] = 0.0
+    reading = np.searchsorted(change, np.arange(len(time)))
+    return np.asarray(left[reading])
 
 
 def _stays(at: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
