@@ -28,6 +28,7 @@ from dashpot.preparation import checks as preparation
 from dashpot.preparation.contact import Baseline, Touch
 from dashpot.preparation.filters import parse_filter
 from dashpot.preparation.segments import Cycle, Segment
+from dashpot.records.bounds import EndOfHold
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import Explanation
 from dashpot.records.frf import FRF, Hit, Mode
@@ -338,7 +339,12 @@ FITTING = [
         3.01,
     ),
     Case(
-        "hold_long_enough", lambda x: fitting.hold_long_enough(arm(1, 40 / x), [RECORD]), 3.01, 2.99
+        "hold_long_enough",
+        lambda x: fitting.hold_long_enough(
+            EndOfHold(40.0, (90.0, 100.0), (80.0, 95.0), (0.0, 95.0), 100 * x)
+        ),
+        0.0299,
+        0.0301,
     ),
     Case(
         "arms_distinct",
@@ -779,8 +785,8 @@ LIMITS = {
         "ramp_sampled": 10, "strain_small": 0.2,
     },
     "fitting": {
-        "same_specimen": 3,
-        "hold_long_enough": 3, "arms_distinct": 1.5, "arms_supported": 3, "residuals_random": 20,
+        "same_specimen": 3, "hold_long_enough": 0.03, "arms_distinct": 1.5,
+        "arms_supported": 3, "residuals_random": 20,
         "fast_arm_visible": 0.1, "drift_told_from_arm": 0.1, "residuals_steady": 4,
         "hold_and_full_agree": 0.1, "filter_bias": 0.01, "separable": 0.01,
         "few_arms_suffice": 0.05, "kramers_kronig": 0.05, "loss_positive": 0, "storage_rises": 0.05,
@@ -1006,7 +1012,7 @@ def test_what_cannot_be_judged_neither_passes_nor_fails() -> None:
         preparation.overshoot_small(RECORD, moves=2),
         preparation.force_resolved(RECORD.force),
         preparation.strain_small(RECORD),
-        fitting.hold_long_enough(spring, [RECORD]),
+        fitting.hold_long_enough(None),
         fitting.arms_distinct(arm()),
         fitting.arms_supported(spring, np.zeros(1)),
         fitting.step_bias(spring, [RECORD]),

@@ -46,9 +46,9 @@ def named(found: Fit, name: str) -> Check:
     return next(check for check in found.checks if check.name == name)
 
 
-def test_a_sound_test_passes_all_but_the_length_of_the_papers_hold(test: RampHold) -> None:
+def test_a_sound_test_passes(test: RampHold) -> None:
     found = fit(test)
-    assert [check.name for check in found.checks if check.failed] == ["hold_long_enough"]
+    assert [check.name for check in found.checks if check.failed] == []
     assert len({check.name for check in found.checks}) == len(found.checks)
     assert all(check.says for check in found.checks)
     longer = record_of(GeneralizedMaxwell(196.5, (117.5, 17.8), (0.5, 10.0)))
@@ -111,12 +111,14 @@ def test_a_hold_too_short_for_the_ramp(paper_seal: GeneralizedMaxwell) -> None:
     assert "hold longer or ramp faster" in check.says
 
 
-def test_a_hold_too_short_for_the_slowest_arm(test: RampHold) -> None:
-    check = named(fit(test), "hold_long_enough")
+def test_a_hold_too_short_for_the_slowest_arm(paper_seal: GeneralizedMaxwell) -> None:
+    """Judged by how the force may still fall, not by the arms that the fit has."""
+    check = named(fit(record_of(paper_seal, hold=15.0)), "hold_long_enough")
     assert check.failed
-    assert check.value == pytest.approx(40 / 16.4, rel=0.1)
-    assert check.limit == 3.0
-    assert "k_inf rests on extrapolation: hold for" in check.says
+    # 17.8 N/m at 16.4 s fall by 1/e of it per factor e of time, and a drift may add to it
+    assert 17.8 * np.exp(-1) / 203 < check.value < 0.05
+    assert "k_inf rests on extrapolation" in check.says
+    assert named(fit(record_of(paper_seal, hold=15.0), arms=1), "hold_long_enough").failed
 
 
 def test_a_ramp_with_too_few_samples(paper_seal: GeneralizedMaxwell) -> None:

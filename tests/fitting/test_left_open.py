@@ -30,7 +30,7 @@ def pressed(solid: GeneralizedMaxwell, *, hold: float = 40.0, seed: int = 0) -> 
     return prepare(simulate_relaxation(solid, seed=seed, hold_time=hold, rig=rig).test)
 
 
-@pytest.mark.parametrize("tau, hold", [(60.0, 40.0), (300.0, 40.0), (300.0, 120.0)])
+@pytest.mark.parametrize(("tau", "hold"), [(60.0, 40.0), (300.0, 40.0), (300.0, 120.0)])
 @pytest.mark.parametrize("method", ["full", "hold"])
 def test_an_arm_slower_than_the_hold_is_left_open(tau: float, hold: float, method: str) -> None:
     """The fit's own k_inf misses the truth; what is left open holds it."""

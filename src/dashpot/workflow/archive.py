@@ -318,7 +318,9 @@ def _restored_fit(found: dict[str, Any]) -> dict[str, Any]:
         tangent = np.asarray(law["tangent"], dtype=float)
         law["stiffness"] = float(np.trapezoid(tangent, law["knots"]) / law["knots"][-1])
         law["shape"] = (tangent / law["stiffness"]).tolist()
-    found["end_of_hold"] = found.pop("left_open", None)
+    left = found.pop("left_open", None)
+    # the bare contract does not say how long the seal was held, nor how the force still falls
+    found["end_of_hold"] = left and {"time": np.nan, "falling": np.nan} | left
     for part, kind in _FIT_PARTS.items():
         found[part] = {one.name: found[one.name] for one in fields(kind) if one.name in found}
     return found
