@@ -117,8 +117,10 @@ def _left_of_counts(time: FloatArray, displacement: FloatArray, step: float) -> 
     r"""What reading between counts leaves, as white noise, shape (n,).
 
     While a reading stays for t, a straight line misses a motion whose velocity changes by
-    :math:`\Delta v` from the reading before to the one after by :math:`t\,\Delta v/16`, beside a
-    fifth of a count for the instant of each change; neighbours within 2 t share their error.
+    :math:`\Delta v` from the reading before to the one after by up to :math:`t\,\Delta v/16`. A
+    jerky motion repeats that with every jerk, always to the same side: it counts four times. Beside
+    it, the instant of each change is doubtful by a fifth of a count; neighbours within 2 t share
+    their error.
     """
     change = np.flatnonzero(np.diff(_without_flicker(displacement)))
     if len(change) < 2:
@@ -130,7 +132,7 @@ def _left_of_counts(time: FloatArray, displacement: FloatArray, step: float) -> 
     turned = np.zeros(len(start))
     turned[2:-2] = np.abs(speed[2:] - speed[:-2])
     stay = np.where(np.isfinite(stop - start), stop - start, 0.0)
-    missed = np.minimum(step / 2, stay * turned / 16)
+    missed = np.minimum(step / 2, stay * turned / 4)
     alike = 2 * np.maximum(stay / float(np.mean(np.diff(time))), 1.0)
     left = np.hypot(LEFT_OF_A_COUNT * step, missed) * np.sqrt(alike)
     left[stop - start > REST * np.maximum(before, after)] = 0.0
