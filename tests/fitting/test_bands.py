@@ -24,7 +24,8 @@ from dashpot.preparation.prepare import prepare
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
 from dashpot.records.relaxation import RampHold
-from dashpot.simulation.relaxation import Rig, simulate_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER
 
 AT = np.array([0.05, 0.3, 1.0, 5.0, 12.71, 30.0])
@@ -230,22 +231,34 @@ def test_a_higher_level_is_a_wider_band(broad_fit: Fit, broad_test: RampHold) ->
     assert wide.loss[1] > narrow.loss[1]
 
 
+COVERED = np.array([0.01, 0.03, 0.1, 0.3, 1.0, 5.0, 12.7, 50.0])
+
+
+def held_at(solid: GeneralizedMaxwell, *, seed: int, late: int = 0) -> np.ndarray:
+    """Which limits hold the truth, shape (3, 8); the force comes so many samples late."""
+    test = simulate_relaxation(solid, seed=seed).test
+    force = np.concatenate((test.force[:1].repeat(late), test.force[: len(test.force) - late]))
+    held = prepare(replace(test, force=force))
+    band = unseen_arm_band(fit(held), held, COVERED)
+    K = solid.complex_stiffness(2 * np.pi * COVERED)
+    known = ((band.storage, K.real), (band.loss, K.imag), (band.loss_factor, K.imag / K.real))
+    return np.array([(low <= value) & (value <= high) for (low, high), value in known])
+
+
+@pytest.mark.parametrize("late", [0, 1])
+def test_the_bands_hold_the_truth(late: int) -> None:
+    """With encoder counts, hum, and a drift, also where the force comes a sample late."""
+    assert np.mean([held_at(PAPER, seed=seed, late=late) for seed in range(4)]) > 0.9
+
+
 @pytest.mark.slow
-def test_the_bands_cover_over_seeds() -> None:
-    omega = 2 * np.pi * AT
-    K = BROAD.complex_stiffness(omega)
-    hits = np.zeros((3, len(AT)))
-    for seed in range(20):
-        rig = (Rig(), replace(Rig(), encoder=0.013e-3), replace(Rig(), position_noise=3e-6))[
-            seed % 3
-        ]
-        test = prepare(simulate_relaxation(BROAD, seed=seed, rig=rig).test)
-        band = unseen_arm_band(fit(test), test, AT, level=0.95)
-        for i, (limits, value) in enumerate(
-            ((band.storage, K.real), (band.loss, K.imag), (band.loss_factor, K.imag / K.real))
-        ):
-            hits[i] += (limits[0] <= value) & (value <= limits[1])
-    assert (hits >= 17).all()
+@pytest.mark.parametrize("late", [0, 1])
+@pytest.mark.parametrize("solid", [PAPER, BROAD])
+def test_the_bands_cover_over_seeds(solid: GeneralizedMaxwell, late: int) -> None:
+    hits = np.mean([held_at(solid, seed=seed, late=late) for seed in range(100)], axis=0)
+    assert hits.min() >= 0.9
+    assert hits[:, 4:].min() >= 0.92
+    assert hits.mean() >= 0.95
 
 
 def test_what_cannot_be_is_refused(broad_fit: Fit, broad_test: RampHold) -> None:
