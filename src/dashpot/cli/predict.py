@@ -8,6 +8,7 @@ import click
 
 import dashpot as dp
 from dashpot import workflow
+from dashpot.base.numbers import ascii_only
 from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._options import Range
@@ -63,6 +64,12 @@ def command(*, fit: str, picture: str | None, output: str | None, **choices: Any
         mass=choices["mass"],
         seals=choices["seals"],
     )
+<<<<<<< HEAD
     rests = [str(found.at_rest)] if str(found.at_rest) else []
     text = "\n".join([text, *rests, *failed([found.noted])])
+=======
+    if found.limits is not None:
+        text += f"\n  {ascii_only(found.limits.peak_says)}"
+    text = "\n".join([text, *failed([found.noted])])
+>>>>>>> 1383fe5 (Say where and how high a resonance may be)
     return Outcome(found.document, "" if output == "-" else text, (found.noted,))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TypedDict
 
@@ -138,6 +139,20 @@ class FRFBounds(ByValue):
     says: str = ""
     peak_frequency: tuple[float, float] | None = None
     peak_height: tuple[float, float] | None = None
+
+    @property
+    def peak_says(self) -> str:
+        """Where and how high the test allows the peak to be, in words."""
+        if self.peak_frequency is None:
+            return "no resonance was found in the solids that the relaxation test does not reject"
+        low, high = self.peak_frequency
+        most = "and above" if math.isinf(high) else f"to {rounded(high, digits=4)} Hz"
+        where = f"the relaxation test allows a resonance at {rounded(low, digits=4)} Hz {most}"
+        if self.peak_height is None:
+            return where
+        low, high = self.peak_height
+        most = "unlimited" if math.isinf(high) else f"{rounded(high)} 1/kg"
+        return f"{where}, {rounded(low)} 1/kg to {most} high"
 
     def __post_init__(self) -> None:
         for name in ("frequency", "magnitude", "parameter", "unseen"):

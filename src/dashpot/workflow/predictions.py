@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -144,7 +144,14 @@ def _plain(
     formal = formal_limits(found, point, mass=mass, frequency=f, seals=seals)
     plain: dict[str, Any] = {"frequency_hz": f.tolist(), "parameter": formal.tolist()}
     if limits is not None:
-        plain["unseen"] = [
-            [float(value) if np.isfinite(value) else None for value in row] for row in limits.unseen
-        ]
+        plain["unseen"] = [_or_null(row) for row in limits.unseen]
+        plain["peak_frequency_hz"] = _or_null(limits.peak_frequency)
+        plain["peak_height"] = _or_null(limits.peak_height)
     return plain
+
+
+def _or_null(values: Iterable[float] | None) -> list[float | None] | None:
+    """Numbers with null where nothing limits them."""
+    if values is None:
+        return None
+    return [float(value) if np.isfinite(value) else None for value in values]
