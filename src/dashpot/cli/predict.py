@@ -64,12 +64,7 @@ def command(*, fit: str, picture: str | None, output: str | None, **choices: Any
         mass=choices["mass"],
         seals=choices["seals"],
     )
-<<<<<<< HEAD
     rests = [str(found.at_rest)] if str(found.at_rest) else []
-    text = "\n".join([text, *rests, *failed([found.noted])])
-=======
-    if found.limits is not None:
-        text += f"\n  {ascii_only(found.limits.peak_says)}"
-    text = "\n".join([text, *failed([found.noted])])
->>>>>>> 1383fe5 (Say where and how high a resonance may be)
+    peak = [ascii_only(found.limits.peak_says)] if found.limits is not None else []
+    text = "\n".join([text, *rests, *(f"  {line}" for line in peak), *failed([found.noted])])
     return Outcome(found.document, "" if output == "-" else text, (found.noted,))
