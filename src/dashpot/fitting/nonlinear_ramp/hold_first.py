@@ -245,13 +245,16 @@ def follow(
     log_tau: FloatArray,
     shape: FloatArray,
     *,
+    known: Nuisances | None = None,
     apart: bool = False,
 ) -> Followed:
     """Fit one law to every row, the ramps weighted by what they miss, first that of `found`.
 
-    `apart` gives each record its own stiffnesses.
+    The nuisances are offset and drift unless others are `known`; `apart` gives each record its
+    own stiffnesses.
     """
-    rows, bounds, known = solid.rows, tau_bounds(solid.rows), nuisances(solid.rows)
+    rows, bounds = solid.rows, tau_bounds(solid.rows)
+    known = nuisances(rows) if known is None else known
     by_hold = independent(hold)
     for _ in range(_ROUNDS):
         weighted = Weighted(solid, spread(rows, found.ramp_scatter, by_hold), known, apart=apart)

@@ -221,9 +221,9 @@ def ramp_law(
     tried = {one: _followed(rows, one, hold, start) for one in laws}
     scores = _scores(tried, hold)
     taken = _taken(scores) if law == "auto" else min(scores, key=lambda score: score.bic)
-    found = tried[taken.law]
+    found = _with_delay(tried[taken.law], hold)
     if arms is None:
-        found = _with_faster_arm(found, taken, hold)
+        found = _with_faster_arm(found, hold)
     return _described(tests, hold, soundness, found, scores)
 
 
@@ -339,8 +339,7 @@ def _joint(rows: Rows, hold: Hold, log_tau: FloatArray, noise: Sequence[float]) 
     sd = spread(rows, even, even)
     first = Weighted(solid, sd, nuisances(rows))
     point = first.descend(log_tau, np.ones(2), bounds)
-    force = solid.responses(point.log_tau, point.shape, full=False).columns @ point.k
-    late = Weighted(solid, sd, nuisances(rows, -_slope(rows, force)))
+    late = Weighted(solid, sd, nuisances(rows, -_slope(rows, first.force(point))))
     return measured(late, late.descend(point.log_tau, point.shape, bounds), independent(hold))
 
 
@@ -382,7 +381,8 @@ def _bic(found: Followed, hold: Hold, correlation: Sequence[float]) -> float:
         total += 2.0 * rows.held(i).sum() / hold.correlation[i] * float(np.log(found.hold[i]))
         effective += on
     knots, arms = len(found.weighted.solid.knots), len(found.point.log_tau)
-    free = 2 * arms + (knots - 1 if knots > 2 else 0)
+    delays = len(found.weighted.nuisances.names) - 2 * len(rows.depths)
+    free = 2 * arms + (knots - 1 if knots > 2 else 0) + delays
     return float(total + free * np.log(max(effective, 2.0)))
 
 
@@ -401,7 +401,23 @@ def _taken(scores: Sequence[LawScore]) -> LawScore:
     return best if worth else linear
 
 
-def _with_faster_arm(found: Followed, score: LawScore, hold: Hold) -> Followed:
+def _with_delay(found: Followed, hold: Hold) -> Followed:
+    """Return the fit with a delay of each force if the ramps show one."""
+    solid, point = found.weighted.solid, found.point
+    late = follow(
+        solid, hold, found, point.log_tau, point.shape, known=nuisances(solid.rows, _lag(found))
+    )
+    gain = _bic(found, hold, late.ramp_correlation) - _bic(late, hold, late.ramp_correlation)
+    return late if gain > LEAST_GAIN else found
+
+
+def _lag(found: Followed) -> FloatArray:
+    r"""What a delay of one second would do, :math:`-\dot F` of the solid, N/s."""
+    solid, point = found.weighted.solid, found.point
+    return -_slope(solid.rows, found.weighted.force(point))
+
+
+def _with_faster_arm(found: Followed, hold: Hold) -> Followed:
     """Return the fit with one more arm if the ramps show one that the holds hardly do."""
     solid, n = found.weighted.solid, len(hold.log_tau)
     rows = solid.rows
@@ -415,9 +431,10 @@ def _with_faster_arm(found: Followed, score: LawScore, hold: Hold) -> Followed:
     fall = found.point.cost - tried.cost
     if tried.log_tau.min() > fastest - np.log(2.0) or fall < LEAST_GAIN:
         return found
-    more = follow(solid, hold, found, tried.log_tau, tried.shape)
+    known = found.weighted.nuisances
+    more = follow(solid, hold, found, tried.log_tau, tried.shape, known=known)
     faster = float(more.point.log_tau.min()) < fastest - np.log(2.0)
-    gain = score.bic - _bic(more, hold, found.ramp_correlation)
+    gain = _bic(found, hold, more.ramp_correlation) - _bic(more, hold, more.ramp_correlation)
     return more if faster and bool((more.point.k[1:] > 0).all()) and gain > LEAST_GAIN else found
 
 

@@ -105,6 +105,11 @@ class Weighted:
         return Point(log_tau, shape, k, nuisance, residual,
                      float(np.sum((left - self.columns @ nuisance) ** 2)))  # fmt: skip
 
+    def force(self, at: Point) -> FloatArray:
+        """Force of the solid alone, N, shape (M,)."""
+        columns = self.solid.responses(at.log_tau, at.shape, full=False).columns
+        return np.asarray(np.sum(columns * self._by_row(at.k), axis=1))
+
     def jacobian(self, at: Point) -> FloatArray:
         """Derivative of the whitened model by every stiffness, ln tau, shape and nuisance.
 
