@@ -144,6 +144,7 @@ def _each(found: RampLaw) -> _Each:
         followed,
         np.log(np.asarray(found.model.tau)),
         followed.point.shape,
+        known=followed.weighted.nuisances,
         apart=True,
     )
     size = tests * (1 + n)

@@ -31,7 +31,7 @@ from dashpot.fitting.nonlinear_ramp.hold_first import (
     tau_bounds,
 )
 from dashpot.fitting.nonlinear_ramp.projection import Weighted
-from dashpot.fitting.nonlinear_ramp.quasi_linear import QuasiLinear, hat_integrals
+from dashpot.fitting.nonlinear_ramp.quasi_linear import QuasiLinear
 from dashpot.fitting.nonlinear_ramp.thinning import Rows, relaxes_from, thinned
 from dashpot.preparation.denoising import true_motion
 from dashpot.records.estimate import Nuisance, ParameterEstimate, Residual, parameter_names
@@ -93,24 +93,29 @@ class Soundness(NamedTuple):
 
 @dataclass(frozen=True)
 class LawScore:
-    """One law of the ladder.
+    """One law of the ladder, fitted.
 
     Attributes
     ----------
     law : Law
+    elastic_law : ElasticLaw
     bic : float
         Differences count.
     ramp, hold : tuple of float
         Root mean square residual of each record, N.
-    gap : float
-        Largest distance between the law's path and the linear one, as a part of the depth.
     """
 
     law: Law
+    elastic_law: ElasticLaw
     bic: float
     ramp: tuple[float, ...]
     hold: tuple[float, ...]
-    gap: float
+
+    @property
+    def gap(self) -> float:
+        """Largest distance between the law's path and the linear one, as a part of the depth."""
+        x = np.linspace(0.0, self.elastic_law.depth, 101)
+        return float(np.abs(self.elastic_law.path(x) - x).max()) / self.elastic_law.depth
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,13 +178,23 @@ class RampLaw:
         return tuple(a / b for a, b in zip(self.followed.hold, self.hold.rms, strict=True))
 
     def tangent_error(self, x: float) -> float:
-        """Standard error of the tangent stiffness at a compression x, m, N/m."""
+        """Standard error of the tangent stiffness at a compression x, m, N/m.
+
+        To that of the law's own stiffness and shape is added how far other laws lie that the
+        ramps support almost as well: knots are a choice.
+        """
         shape, knots = np.asarray(self.law.shape), np.asarray(self.law.knots)
         parts = np.array([np.interp(x, knots, unit) for unit in np.eye(len(knots))])
         gradient = np.zeros(len(self.law_covariance))
         gradient[0] = parts @ shape
         gradient[-len(knots) :] = self.model.k_inf * parts
-        return float(np.sqrt(max(float(gradient @ self.law_covariance @ gradient), 0.0)))
+        own = next(score for score in self.scores if score.elastic_law.knots == self.law.knots)
+        apart = [
+            float(score.elastic_law.tangent(x) - own.elastic_law.tangent(x))
+            for score in self.scores
+            if score.bic < own.bic + LEAST_GAIN
+        ]
+        return float(np.sqrt(gradient @ self.law_covariance @ gradient + np.max(np.square(apart))))
 
 
 def ramp_law(
@@ -211,7 +226,7 @@ def ramp_law(
     noise = [_noise_of(*pair) for pair in zip(rows.noise, hold.rms, strict=True)]
     soundness, sound = _gate(rows, hold, noise, arms)
     if law != "nonlinear" and all(one.sound for one in soundness):
-        score = LawScore(LINEAR, 0.0, sound.ramp, sound.hold, 0.0)
+        score = LawScore(LINEAR, _elastic_law(sound), 0.0, sound.ramp, sound.hold)
         return _described(tests, hold, soundness, sound, (score,))
     shown = int(rows.ramp.sum()) // _ROWS_PER_KNOT
     finer = DEPTHS_LADDER if len(set(rows.depths)) >= _SEVERAL else ()
@@ -364,7 +379,13 @@ def _scores(tried: dict[Law, Followed], hold: Hold) -> tuple[LawScore, ...]:
     """Return BIC of each law; ramp rows count as the closest of them leaves them correlated."""
     best = min(tried.values(), key=lambda found: float(np.sum(np.log(found.ramp))))
     return tuple(
-        LawScore(law, _bic(found, hold, best.ramp_correlation), found.ramp, found.hold, _gap(found))
+        LawScore(
+            law,
+            _elastic_law(found),
+            _bic(found, hold, best.ramp_correlation),
+            found.ramp,
+            found.hold,
+        )
         for law, found in tried.items()
     )
 
@@ -386,11 +407,11 @@ def _bic(found: Followed, hold: Hold, correlation: Sequence[float]) -> float:
     return float(total + free * np.log(max(effective, 2.0)))
 
 
-def _gap(found: Followed) -> float:
-    solid = found.weighted.solid
-    u = np.linspace(0.0, 1.0, 101)
-    path = hat_integrals(u * solid.knots[-1], solid.knots) @ found.point.shape
-    return float(np.abs(path / solid.knots[-1] - u).max())
+def _elastic_law(found: Followed) -> ElasticLaw:
+    knots, shape = found.weighted.solid.knots, found.point.shape
+    if len(knots) == 2:
+        return ElasticLaw.linear(float(found.point.k[0]), float(knots[-1]))
+    return ElasticLaw(tuple(knots.tolist()), tuple(shape.tolist()), float(found.point.k[0]))
 
 
 def _taken(scores: Sequence[LawScore]) -> LawScore:
@@ -456,8 +477,6 @@ def _described(
         tuple(point.k[1:][there].tolist()),
         tuple(np.exp(point.log_tau[there]).tolist()),
     )
-    shape = (1.0, 1.0) if len(solid.knots) == 2 else tuple(point.shape.tolist())
-    law = ElasticLaw(tuple(solid.knots.tolist()), shape, model.k_inf)
     worse = max(1.0, *(a / b for a, b in zip(found.hold, hold.rms, strict=True)))
     covariance = covariance_of(found) * worse**2
     n = len(point.log_tau)
@@ -466,12 +485,12 @@ def _described(
     covariance[: 1 + n, : 1 + n] += doubt**2 * np.outer(point.k, point.k)
     solid_rows = [0, *(1 + there), *(1 + n + there)]
     own = [*solid_rows, *range(1 + 2 * n, 1 + 2 * n + len(solid.knots))]
-    residuals = tuple(_residual(test, i, model, law, found) for i, test in enumerate(tests))
+    residuals = tuple(_residual(test, i, model, found) for i, test in enumerate(tests))
     noises = [noise_of(one) for one in residuals]
     effective = sum(one.effective for one in noises)
     sse, count = sum(float(one @ one) for one in residuals), sum(len(one) for one in residuals)
     return RampLaw(
-        law=law,
+        law=_elastic_law(found),
         model=model,
         estimate=ParameterEstimate(
             parameter_names(len(there)),
@@ -518,12 +537,10 @@ def covariance_of(found: Followed) -> FloatArray:
     return covariance
 
 
-def _residual(
-    test: RampHold, i: int, model: GeneralizedMaxwell, law: ElasticLaw, found: Followed
-) -> FloatArray:
+def _residual(test: RampHold, i: int, model: GeneralizedMaxwell, found: Followed) -> FloatArray:
     """Every sample less the model and the load cell."""
     known = found.weighted.solid.rows.known[i]
-    path = law.path(true_motion(test)[0])
+    path = _elastic_law(found).path(true_motion(test)[0])
     time = test.time[: len(path)] - test.time[0]
     arms = arm_columns(time, path, np.asarray(model.tau), derivative=False)[0]
     values = dict(zip(found.weighted.nuisances.names, found.point.nuisance, strict=True))
