@@ -14,6 +14,7 @@ from kit import ramps
 from kit.ramps import DEPTH, LAWS, Bench, cubic, foam_block, linear, motion, qlv, recorded, tape
 
 from dashpot.base.errors import FitError
+from dashpot.fitting.checks import k_inf_believable
 from dashpot.fitting.nonlinear_ramp.assembly import ramp_checks, ramp_fit
 from dashpot.fitting.nonlinear_ramp.hold_first import nuisances
 from dashpot.fitting.nonlinear_ramp.ladder import (
@@ -30,6 +31,7 @@ from dashpot.preparation.prepare import prepare
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.simulation.relaxation import Rig, simulate_relaxation
 from dashpot.solids.elastic import ElasticLaw
+from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import PAPER
 
 QUICK = Bench(rate=200.0)
@@ -266,6 +268,18 @@ def test_an_offset_that_takes_stiffness_is_not_believed() -> None:
     checks = {check.name: check for check in ramp_fit([test], ramp_law([test])).checks}
     for name in ("k_inf_believable", "offset_believable", "drift_believable"):
         assert checks[name].passed, checks[name].says
+
+
+def test_a_k_inf_that_the_end_of_the_hold_denies_is_not_believed() -> None:
+    """The tape of the trials: 0.00096 N/mm by a free offset, 0.00429 N/mm at the end."""
+    taken = GeneralizedMaxwell(0.96, (5.0,), (100.0,))
+    check = k_inf_believable(taken, 0.04, 4.29, 1800.0)
+    assert check.failed
+    assert check.grade == "stop"
+    assert k_inf_believable(GeneralizedMaxwell(4.2, (5.0,), (400.0,)), 0.1, 4.29, 1800.0).passed
+    unknown = k_inf_believable(GeneralizedMaxwell(0.5, (), ()), 0.2, 2.0, 10.0)
+    assert unknown.failed
+    assert unknown.grade == "limit"
 
 
 def test_what_is_sound() -> None:
