@@ -17,15 +17,11 @@ from dashpot.base.errors import FitError
 from dashpot.fitting.checks import k_inf_believable
 from dashpot.fitting.nonlinear_ramp.assembly import ramp_checks, ramp_fit
 from dashpot.fitting.nonlinear_ramp.hold_first import nuisances
-from dashpot.fitting.nonlinear_ramp.ladder import (
-    LADDER,
-    RampLaw,
-    linear_soundness,
-    ramp_law,
-    soundness,
-)
+from dashpot.fitting.nonlinear_ramp.ladder import LADDER, ramp_law
+from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw
 from dashpot.fitting.nonlinear_ramp.projection import Weighted
 from dashpot.fitting.nonlinear_ramp.quasi_linear import QuasiLinear, hat_integrals
+from dashpot.fitting.nonlinear_ramp.soundness import linear_soundness, soundness
 from dashpot.fitting.nonlinear_ramp.thinning import ramp_obstacle, thinned
 from dashpot.preparation.prepare import prepare
 from dashpot.records.relaxation import RampHold, RelaxationTest

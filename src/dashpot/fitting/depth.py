@@ -25,7 +25,8 @@ from dashpot.base.errors import FitError
 from dashpot.fitting.checks import separable
 from dashpot.fitting.nonlinear_ramp.assembly import ramp_fit
 from dashpot.fitting.nonlinear_ramp.hold_first import follow
-from dashpot.fitting.nonlinear_ramp.ladder import RampLaw, covariance_of, ramp_law
+from dashpot.fitting.nonlinear_ramp.ladder import ramp_law
+from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw, covariance_of
 from dashpot.fitting.pipeline import asked_arms
 from dashpot.records.fit import AtDepth, Fit
 from dashpot.records.relaxation import RampHold, listed

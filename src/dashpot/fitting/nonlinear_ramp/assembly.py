@@ -10,7 +10,7 @@ from dashpot.base.checks import Check
 from dashpot.base.provenance import Step
 from dashpot.fitting import checks
 from dashpot.fitting.design import Design, compressed
-from dashpot.fitting.nonlinear_ramp.ladder import RampLaw
+from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw
 from dashpot.fitting.pipeline import ended
 from dashpot.fitting.questions import Residuals, solid_checks
 from dashpot.fitting.uncertainty.informed_band import informed_band

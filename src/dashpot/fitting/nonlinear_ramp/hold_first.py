@@ -220,6 +220,16 @@ def nuisances(rows: Rows, delay: FloatArray | None = None) -> Nuisances:
     )
 
 
+def lag(weighted: Weighted, point: Point) -> FloatArray:
+    r"""Return what a delay of one second would do, :math:`-\dot F` of the solid, N/s."""
+    rows, force = weighted.solid.rows, weighted.force(point)
+    found = np.empty(len(force))
+    for i in range(len(rows.depths)):
+        here = np.flatnonzero(rows.record == i)
+        found[here] = -np.gradient(force[here], rows.time[here])
+    return found
+
+
 def spread(rows: Rows, ramp: npt.ArrayLike, hold: npt.ArrayLike) -> FloatArray:
     """Return the standard deviation of each row's samples, N, from those of ramps and holds."""
     return np.where(rows.ramp, np.asarray(ramp)[rows.record], np.asarray(hold)[rows.record])

@@ -1,0 +1,263 @@
+"""The elastic law that ramps support as a value, and how well it is known."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.engine.blocks.recorded import arm_columns
+from dashpot.engine.inference.covariance import noise_of, white
+from dashpot.fitting.nonlinear_ramp.hold_first import Followed, Hold, independent
+from dashpot.fitting.nonlinear_ramp.soundness import Soundness
+from dashpot.preparation.denoising import true_motion
+from dashpot.records.estimate import Nuisance, ParameterEstimate, Residual, parameter_names
+from dashpot.records.relaxation import RampHold
+from dashpot.solids.elastic import ElasticLaw
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+# a law that lowers BIC by less is as good
+LEAST_GAIN = 10.0
+
+_UNITS = {"offset": "N", "drift": "N/s", "delay": "s"}
+
+
+class Law(NamedTuple):
+    """A step of the ladder: how many knots, and the power of their spacing."""
+
+    knots: int
+    power: int = 1
+
+    def at(self, depth: float) -> FloatArray:
+        """The knots down to a depth, m."""
+        return np.asarray(depth * np.linspace(0.0, 1.0, self.knots) ** float(self.power))
+
+
+@dataclass(frozen=True)
+class LawScore:
+    """One law of the ladder, fitted.
+
+    Attributes
+    ----------
+    law : Law
+    elastic_law : ElasticLaw
+    bic : float
+        Differences count.
+    ramp, hold : tuple of float
+        Root mean square residual of each record, N.
+    """
+
+    law: Law
+    elastic_law: ElasticLaw
+    bic: float
+    ramp: tuple[float, ...]
+    hold: tuple[float, ...]
+
+    @property
+    def gap(self) -> float:
+        """Largest distance between the law's path and the linear one, as a part of the depth."""
+        x = np.linspace(0.0, self.elastic_law.depth, 101)
+        return float(np.abs(self.elastic_law.path(x) - x).max()) / self.elastic_law.depth
+
+
+@dataclass(frozen=True, eq=False)
+class RampLaw:
+    r"""The elastic law that ramps support, the solid that answers it, and how well both are known.
+
+    Attributes
+    ----------
+    law : ElasticLaw
+    model : GeneralizedMaxwell
+        Secant at the depth of the law.
+    estimate : ParameterEstimate
+        Of the parameters of `model`.
+    law_covariance : array, shape (p + P, p + P)
+        Of the parameters of `model` and then of the law's shape at its knots.
+    hold : Hold
+        What the holds say without their ramps.
+    soundness : tuple of Soundness
+        Of each record under the linear law with the full weight of its ramp.
+    followed : Followed
+        The optimum of the law, and what it leaves.
+    scores : tuple of LawScore
+        The laws tried, the linear one first.
+    residuals : tuple of array
+        Of every sample from contact to the end of the hold, N.
+    """
+
+    law: ElasticLaw
+    model: GeneralizedMaxwell
+    estimate: ParameterEstimate
+    law_covariance: FloatArray
+    hold: Hold
+    soundness: tuple[Soundness, ...]
+    followed: Followed
+    scores: tuple[LawScore, ...]
+    residuals: tuple[FloatArray, ...]
+
+    @property
+    def sound(self) -> bool:
+        """True if the linear law explains every record to its noise."""
+        return all(one.sound for one in self.soundness)
+
+    @property
+    def discrepancy(self) -> tuple[float, ...]:
+        r"""Scatter of each ramp over that of its hold, :math:`s_r/(s_h \sqrt{\kappa_h})`: >= 1."""
+        return tuple(
+            float(ramp / held)
+            for ramp, held in zip(self.followed.ramp_scatter, independent(self.hold), strict=True)
+        )
+
+    @property
+    def missed(self) -> tuple[float, ...]:
+        """Residual on each ramp as a part of the largest force."""
+        rows = self.followed.weighted.solid.rows
+        return tuple(one / rows.peak(i) for i, one in enumerate(self.followed.ramp))
+
+    @property
+    def rho(self) -> tuple[float, ...]:
+        """Residual of each hold over what the hold alone leaves."""
+        return tuple(a / b for a, b in zip(self.followed.hold, self.hold.rms, strict=True))
+
+    def tangent_error(self, x: float) -> float:
+        """Standard error of the tangent stiffness at a compression x, m, N/m.
+
+        To that of the law's own stiffness and shape are added how far other laws lie that the
+        ramps support almost as well, and what a straight tangent between knots leaves of a bent
+        one: a sixth of its second difference there, by simulation.
+        """
+        shape, knots = np.asarray(self.law.shape), np.asarray(self.law.knots)
+        parts = np.array([np.interp(x, knots, unit) for unit in np.eye(len(knots))])
+        gradient = np.zeros(len(self.law_covariance))
+        gradient[0] = parts @ shape
+        gradient[-len(knots) :] = self.model.k_inf * parts
+        own = next(score for score in self.scores if score.elastic_law.knots == self.law.knots)
+        apart = [
+            float(score.elastic_law.tangent(x) - own.elastic_law.tangent(x))
+            for score in self.scores
+            if score.bic < own.bic + LEAST_GAIN
+        ]
+        variance = gradient @ self.law_covariance @ gradient
+        left = self.model.k_inf * float(np.interp(x, knots, _bends(knots, shape))) / 6.0
+        return float(np.sqrt(variance + np.max(np.square(apart)) + left**2))
+
+
+def _bends(knots: FloatArray, shape: FloatArray) -> FloatArray:
+    """Second difference of a shape at its knots, that of the nearest at both ends."""
+    if len(knots) == 2:
+        return np.zeros(2)
+    width = np.diff(knots)
+    inner = np.abs(np.diff(np.diff(shape) / width)) * 0.5 * (width[1:] + width[:-1])
+    return np.concatenate((inner[:1], inner, inner[-1:]))
+
+
+def described(
+    tests: Sequence[RampHold],
+    hold: Hold,
+    soundness: tuple[Soundness, ...],
+    found: Followed,
+    scores: tuple[LawScore, ...],
+) -> RampLaw:
+    """Return the value of an optimum, with its covariance and its residuals."""
+    point, solid = found.point, found.weighted.solid
+    order = np.argsort(point.log_tau)
+    there = order[point.k[1:][order] > 0]
+    model = GeneralizedMaxwell(
+        float(point.k[0]),
+        tuple(point.k[1:][there].tolist()),
+        tuple(np.exp(point.log_tau[there]).tolist()),
+    )
+    worse = max(1.0, *(a / b for a, b in zip(found.hold, hold.rms, strict=True)))
+    covariance = covariance_of(found) * worse**2
+    n = len(point.log_tau)
+    # each encoder's step scales every stiffness of its test
+    doubt = float(np.sqrt(np.mean([test.depth_doubt**2 for test in tests]) / len(tests)))
+    covariance[: 1 + n, : 1 + n] += doubt**2 * np.outer(point.k, point.k)
+    solid_rows = [0, *(1 + there), *(1 + n + there)]
+    own = [*solid_rows, *range(1 + 2 * n, 1 + 2 * n + len(solid.knots))]
+    residuals = tuple(_residual(test, i, model, found) for i, test in enumerate(tests))
+    noises = [noise_of(one) for one in residuals]
+    effective = sum(one.effective for one in noises)
+    sse, count = sum(float(one @ one) for one in residuals), sum(len(one) for one in residuals)
+    return RampLaw(
+        law=elastic_law_of(found),
+        model=model,
+        estimate=ParameterEstimate(
+            parameter_names(len(there)),
+            covariance[np.ix_(solid_rows, solid_rows)],
+            dof=max(effective - len(covariance), 1.0),
+            residual=Residual(
+                count,
+                sse,
+                float(np.sqrt(sse / count)),
+                count / effective,
+                float(np.mean([one.durbin_watson for one in noises])),
+            ),
+            nuisance=_nuisances(found, covariance, len(tests)),
+        ),
+        law_covariance=covariance[np.ix_(own, own)],
+        hold=hold,
+        soundness=soundness,
+        followed=found,
+        scores=scores,
+        residuals=residuals,
+    )
+
+
+def covariance_of(found: Followed) -> FloatArray:
+    """Of every stiffness, ln tau, shape and nuisance; zero for what rests at 0, k_inf excepted."""
+    solid, point = found.weighted.solid, found.point
+    stiff, n, knots = len(point.k), len(point.log_tau), len(solid.knots)
+    jacobian = found.weighted.jacobian(point)
+    first, bent = stiff + n, knots > 2
+    if not bent:
+        jacobian = np.insert(jacobian, [first] * 2, 0.0, axis=1)
+    free = np.ones(jacobian.shape[1], dtype=bool)
+    free[:stiff] = point.k > 0
+    free[stiff:first] = (point.k.reshape(-1, 1 + n)[:, 1:] > 0).any(axis=0)
+    free[first : first + knots] = bent & (point.shape > 0)
+    free[np.arange(0, stiff, 1 + n)] = True
+    # the mean of the shape is 1
+    gauge = np.zeros((1, jacobian.shape[1]))
+    bends = slice(first, first + knots)
+    gauge[0, bends] = solid.weights * np.linalg.norm(jacobian[:, bends])
+    rows = np.concatenate((jacobian, gauge))[:, free]
+    covariance = np.zeros((jacobian.shape[1],) * 2)
+    covariance[np.ix_(free, free)] = white(rows, 1.0)
+    return covariance
+
+
+def _residual(test: RampHold, i: int, model: GeneralizedMaxwell, found: Followed) -> FloatArray:
+    """Every sample less the model and the load cell."""
+    known = found.weighted.solid.rows.known[i]
+    path = elastic_law_of(found).path(true_motion(test)[0])
+    time = test.time[: len(path)] - test.time[0]
+    arms = arm_columns(time, path, np.asarray(model.tau), derivative=False)[0]
+    values = dict(zip(found.weighted.nuisances.names, found.point.nuisance, strict=True))
+    force = model.k_inf * path + arms @ np.asarray(model.k)
+    force += values[f"offset@{i}"] + values[f"drift@{i}"] * (time - known.at)
+    if f"delay@{i}" in values:
+        force -= values[f"delay@{i}"] * np.gradient(force, time)
+    return np.asarray((test.force[: len(path)] - force)[known.first :])
+
+
+def _nuisances(found: Followed, covariance: FloatArray, tests: int) -> tuple[Nuisance, ...]:
+    names = found.weighted.nuisances.names
+    error = np.sqrt(np.diag(covariance))[-len(names) :]
+    listed = []
+    for name, value, se in zip(names, found.point.nuisance, error, strict=True):
+        kind, _, test = name.partition("@")
+        of = f"{kind} of test {int(test) + 1}" if tests > 1 else kind
+        listed.append(Nuisance(of, float(value), float(se), _UNITS[kind]))
+    return tuple(listed)
+
+
+def elastic_law_of(found: Followed) -> ElasticLaw:
+    """Return the law of an optimum."""
+    knots, shape = found.weighted.solid.knots, found.point.shape
+    if len(knots) == 2:
+        return ElasticLaw.linear(float(found.point.k[0]), float(knots[-1]))
+    return ElasticLaw(tuple(knots.tolist()), tuple(shape.tolist()), float(found.point.k[0]))

@@ -1,0 +1,162 @@
+"""Whether a linear solid explains a record to its noise, ramp and hold alike."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.engine.inference.covariance import noise_of
+from dashpot.fitting.nonlinear_ramp.hold_first import (
+    Followed,
+    Hold,
+    hold_alone,
+    independent,
+    lag,
+    measured,
+    nuisances,
+    spread,
+    tau_bounds,
+)
+from dashpot.fitting.nonlinear_ramp.projection import Weighted
+from dashpot.fitting.nonlinear_ramp.quasi_linear import QuasiLinear
+from dashpot.fitting.nonlinear_ramp.thinning import Rows, relaxes_from
+from dashpot.records.relaxation import RampHold
+
+# a linear law is wrong if it leaves so much more than the noise on the ramp, in one sample or in
+# one independent residual, and than the hold alone in the hold
+SOUND_RAMP, SOUND_SHAPE, SOUND_HOLD = 1.2, 1.5, 1.1
+# what a residual of this part of the peak stands for moves no stiffness that anyone would notice
+NEGLIGIBLE = 1e-4
+
+
+class Soundness(NamedTuple):
+    """What a linear fit leaves of a record, against its noise.
+
+    Attributes
+    ----------
+    ramp : float
+        Residual on the ramp over the noise of one sample.
+    hold : float
+        Residual in the hold over what the hold alone leaves.
+    sound : bool
+    """
+
+    ramp: float
+    hold: float
+    sound: bool
+
+
+def soundness(
+    ramp: float,
+    hold: float,
+    alone: float,
+    *,
+    noise: float,
+    discrepancy: float,
+    samples: float,
+    peak: float,
+) -> Soundness:
+    r"""Judge a linear fit by its residuals.
+
+    Parameters
+    ----------
+    ramp, hold : float
+        Root mean square residual of the fit to the whole record, on the ramp and in the hold, N.
+    alone : float
+        That of a fit to the hold alone, N.
+    noise : float
+        Standard deviation of the noise of one sample, N.
+    discrepancy : float
+        :math:`r_r \sqrt{\kappa_r}/(r_h \sqrt{\kappa_h})`, scatter of one independent residual
+        of the ramp over one of the hold: a curve below the noise shows in :math:`\kappa_r`.
+    samples : float
+        Effective number of residuals on the ramp: of few, more is chance.
+    peak : float
+        Largest force, N.
+    """
+    floor = NEGLIGIBLE * peak
+    by_chance = 1.0 + 3.0 / np.sqrt(2.0 * max(samples, 1.0))
+    quiet = ramp <= max(SOUND_RAMP, by_chance) * noise
+    straight = discrepancy <= SOUND_SHAPE * by_chance
+    followed = (quiet and straight) or ramp <= floor
+    sound = bool(followed and (hold <= SOUND_HOLD * alone or hold <= floor))
+    return Soundness(ramp / max(noise, 1e-300), hold / max(alone, 1e-300), sound)
+
+
+def linear_soundness(test: RampHold, whole: FloatArray, alone: FloatArray) -> Soundness:
+    """Judge a linear fit that was made elsewhere, by the residuals of every sample.
+
+    Parameters
+    ----------
+    test : RampHold
+    whole : array, shape (n,)
+        Residual of the fit to ramp and hold, up to the last sample of the hold, N.
+    alone : array, shape (m,)
+        Residual of a fit to the hold alone, N.
+    """
+    corner, onset = relaxes_from(test), int(np.searchsorted(test.time, test.onset))
+    held = whole[corner - test.hold.stop :]
+    ramp = whole[: -len(held)][onset - corner :]
+    # the colour of the noise shows in a stretch of it
+    noises = noise_of(ramp), noise_of(alone[: 4 * len(ramp)])
+    rms, least = (float(np.sqrt(np.mean(part**2))) for part in (ramp, alone))
+    peak = float(np.abs(test.force[: test.hold.stop]).max())
+    return soundness(
+        rms,
+        float(np.sqrt(np.mean(held**2))),
+        least,
+        noise=sample_noise(test.force_noise, least),
+        discrepancy=rms / max(least, 1e-300) * float(np.sqrt(noises[0].kappa / noises[1].kappa)),
+        samples=len(ramp) / noises[1].kappa,
+        peak=peak,
+    )
+
+
+def sample_noise(scatter: float, rms: float) -> float:
+    """Standard deviation of the noise of one sample, N: its scatter, or what its hold leaves.
+
+    What a hold leaves may be a solid that does not fit: it is noise up to twice the scatter.
+    """
+    return max(scatter, min(rms, 2.0 * scatter)) if scatter > 0 else rms
+
+
+def gate(
+    rows: Rows, hold: Hold, noise: Sequence[float], arms: int | None
+) -> tuple[tuple[Soundness, ...], Followed]:
+    """Return how sound the linear law is, the best of the numbers of arms tried."""
+    count = len(hold.log_tau)
+    tried = []
+    for one in (count, count - 1) if arms is None and count > 1 else (count,):
+        start = hold if one == count else hold_alone(rows, one)
+        found = _joint(rows, hold, start.log_tau, noise)
+        judged = tuple(
+            soundness(
+                found.ramp[i],
+                found.hold[i],
+                hold.rms[i],
+                noise=noise[i],
+                discrepancy=found.ramp_scatter[i] / float(independent(hold)[i]),
+                samples=float(np.sum(rows.ramp & (rows.record == i))) / hold.correlation[i],
+                peak=rows.peak(i),
+            )
+            for i in range(len(noise))
+        )
+        tried.append((judged, found))
+        if all(at.sound for at in judged):
+            break
+    sound = [pair for pair in tried if all(at.sound for at in pair[0])]
+    return (sound or tried)[0]
+
+
+def _joint(rows: Rows, hold: Hold, log_tau: FloatArray, noise: Sequence[float]) -> Followed:
+    """Fit the linear law to ramp and hold at equal weight, first without, then with a delay."""
+    even = np.array(noise) * np.sqrt(hold.correlation)
+    solid, bounds = QuasiLinear(rows, np.array([0.0, rows.depth])), tau_bounds(rows)
+    sd = spread(rows, even, even)
+    first = Weighted(solid, sd, nuisances(rows))
+    point = first.descend(log_tau, np.ones(2), bounds)
+    late = Weighted(solid, sd, nuisances(rows, lag(first, point)))
+    return measured(late, late.descend(point.log_tau, point.shape, bounds), independent(hold))
