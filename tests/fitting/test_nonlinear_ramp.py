@@ -183,6 +183,13 @@ def test_a_law_that_is_asked_for_is_taken() -> None:
         ramp_law([bent], law="cubic")  # type: ignore[arg-type]
 
 
+def test_a_number_of_arms_that_is_asked_for_is_taken() -> None:
+    test = qlv(cubic, QUICK, seed=7)
+    assert ramp_law([test], arms=1).model.arms == 1
+    assert ramp_law([test], max_arms=1).model.arms <= 1
+    assert ramp_law([test], arms=0).model.k == ()
+
+
 def test_two_ramp_rates_share_the_law() -> None:
     tests = [
         qlv(cubic, replace(QUICK, ramp=ramp), seed=i, depth=depth)

@@ -24,7 +24,7 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
 from dashpot.fitting.checks import separable
 from dashpot.fitting.nonlinear_ramp.assembly import ramp_fit
-from dashpot.fitting.nonlinear_ramp.hold_first import follow
+from dashpot.fitting.nonlinear_ramp.hold_first import MAX_ARMS, follow
 from dashpot.fitting.nonlinear_ramp.ladder import ramp_law
 from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw, covariance_of
 from dashpot.fitting.pipeline import asked_arms
@@ -67,7 +67,7 @@ class DepthLaw:
 
 
 def fit_depths(
-    tests: Sequence[RampHold], *, arms: int | Literal["auto"] = "auto", max_arms: int = 5
+    tests: Sequence[RampHold], *, arms: int | Literal["auto"] = "auto", max_arms: int = MAX_ARMS
 ) -> DepthLaw:
     """Fit tests at two or more depths: elastic law, separability, one quasi-linear solid.
 
@@ -95,7 +95,8 @@ def fit_depths(
             "compressions > 0: fit equal depths together without depth_law"
         )
     most = asked_arms(arms, max_arms)
-    found = ramp_law(ordered, arms=None if arms == "auto" else most)
+    asked = None if arms == "auto" else most
+    found = ramp_law(ordered, arms=asked, max_arms=most)
     each = _each(found)
     by_depth = tuple(each.at(i, depth) for i, depth in enumerate(depths))
     for at in by_depth:
@@ -105,7 +106,6 @@ def fit_depths(
                 "longer, or leave it out"
             )
     check = _separable(each)
-    asked = None if arms == "auto" else most
     together = ramp_fit(ordered, found, asked=asked, by_depth=by_depth, further=(check,))
     return DepthLaw(found.law, by_depth, check, together)
 

@@ -32,7 +32,7 @@ from dashpot.fitting.nonlinear_ramp.quasi_linear import QuasiLinear
 from dashpot.fitting.nonlinear_ramp.thinning import Rows
 from dashpot.fitting.nuisance import Prior
 
-MOST_ARMS = 5
+MAX_ARMS = 5
 _ROUNDS = 10
 _SETTLED = 0.005
 # a plate that moves by less than this part of the depth stands
@@ -108,12 +108,12 @@ def tau_bounds(rows: Rows) -> Bounds:
 # -- the hold alone -------------------------------------------------------------------------------
 
 
-def hold_alone(rows: Rows, arms: int | None = None) -> Hold:
+def hold_alone(rows: Rows, arms: int | None = None, max_arms: int = MAX_ARMS) -> Hold:
     """Fit the holds without their ramps: as many arms as BIC supports, or `arms`."""
     bounds = tau_bounds(rows)
     blocks = [_hold_block(rows, i, bounds) for i in range(len(rows.depths))]
     fewest = min(block.samples for block in blocks)
-    most = max(min(MOST_ARMS if arms is None else arms, (fewest - 3) // 2), 0)
+    most = max(min(max_arms if arms is None else arms, (fewest - 3) // 2), 0)
     solutions = [solve(blocks, 0)]
     if most:
         one_more = (1 + len(blocks)) * float(np.log(fewest)) if arms is None else 0.0

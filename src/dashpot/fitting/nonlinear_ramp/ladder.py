@@ -15,6 +15,7 @@ import numpy as np
 
 from dashpot.base.errors import FitError
 from dashpot.fitting.nonlinear_ramp.hold_first import (
+    MAX_ARMS,
     Followed,
     Hold,
     follow,
@@ -54,7 +55,11 @@ DEPTHS_LADDER = (Law(17), Law(17, 2))
 
 
 def ramp_law(
-    tests: Sequence[RampHold], *, law: LawName = "auto", arms: int | None = None
+    tests: Sequence[RampHold],
+    *,
+    law: LawName = "auto",
+    arms: int | None = None,
+    max_arms: int = MAX_ARMS,
 ) -> RampLaw:
     r"""Return the elastic law that the ramps of tests of one part support.
 
@@ -69,6 +74,8 @@ def ramp_law(
         where none moves the path by 1 % of the depth.
     arms : int, optional
         By default as many as the holds support by BIC, and one faster one if the ramps do.
+    max_arms : int
+        The most that are tried by default.
 
     Raises
     ------
@@ -78,7 +85,7 @@ def ramp_law(
     if law not in ("auto", "linear", "nonlinear"):
         raise FitError(f'law = {law!r}; expected "auto", "linear" or "nonlinear"')
     rows = thinned(tests)
-    hold = hold_alone(rows, arms)
+    hold = hold_alone(rows, arms, max_arms)
     noise = [sample_noise(*pair) for pair in zip(rows.noise, hold.rms, strict=True)]
     soundness, sound = gate(rows, hold, noise, arms)
     if law != "nonlinear" and all(one.sound for one in soundness):
@@ -93,7 +100,7 @@ def ramp_law(
     scores = _scores(tried, hold)
     taken = _taken(scores) if law == "auto" else min(scores, key=lambda score: score.bic)
     found = _with_delay(tried[taken.law], hold)
-    if arms is None:
+    if arms is None and len(hold.log_tau) < max_arms:
         found = _with_faster_arm(found, hold)
     return described(tests, hold, soundness, found, scores)
 
