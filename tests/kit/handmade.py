@@ -26,6 +26,7 @@ from dashpot.solids.table_1 import BROAD, BROAD_MASS
 from dashpot.vibration.comparison.compare import compare
 from dashpot.vibration.modal.dynamic_stiffness import dynamic_stiffness
 from dashpot.vibration.systems.prediction import predict_frf
+from dashpot.workflow.resting import at_rest
 from dashpot.workflow.study import STIFFNESS_LINES, Study
 from kit.fits import a_fit, altered
 
@@ -225,6 +226,7 @@ def study() -> Study:
         parameters=parameter_band(fit, STIFFNESS_LINES),
         unseen=unseen_band(),
         frf_band=frf_limits(),
+        at_rest=at_rest(fit, mass=BROAD_MASS, seals=2.0),
         direct=dynamic_stiffness(target, BROAD_MASS, seals=2.0),
         checks=(Check("operating_point", False, "the mass sags 2.9 mm; the test held 8 mm", 2.9),),
     )

@@ -19,13 +19,15 @@ from dashpot import plot
 from dashpot.base.checks import Check
 from dashpot.base.numbers import rounded, with_error
 from dashpot.base.provenance import Source, Step
-from dashpot.records.fit import Moved, Status
+from dashpot.records.fit import Explanation, Moved, Status
 from dashpot.records.frf import Hit
 from dashpot.records.specimen import Specimen
 from dashpot.report import html
 from dashpot.report.tables import Table
+from dashpot.solids.elastic import ElasticLaw
 from dashpot.vibration.systems.prediction import model_modes
 from dashpot.workflow.archive import from_json
+from dashpot.workflow.resting import at_rest
 
 S = handmade.study()
 VOID = {"meta", "br", "link", "img", "hr", "input"}
@@ -380,3 +382,28 @@ def test_whatever_came_from_a_file_is_escaped(sketch):
 
 def test_marks_default_to_none():
     assert Table(("a",), (("1",), ("2",)), ("bad",)).mark(1) == ""
+
+
+# -- two tests that disagree, and a seal that hardens ---------------------------------------------
+
+
+def test_two_tests_that_disagree_do_not_read_like_a_success():
+    told = Explanation(
+        "stiffness", 1.15, 0.002, "1", 0.15, 2800.0, True, "the seals are 15 % stiffer"
+    )
+    rival = replace(told, name="k_inf", explains=False, says="k_inf is 24 % larger")
+    text = Page(html(replace(S, joint=altered(S.joint, explanations=(told, rival))))).text
+    assert "do not belong to one seal" in text
+    assert "that would explain both: the seals are 15 % stiffer" in text.replace("\xa0", " ")
+    assert "What would explain both" in text
+    assert "meets the hammer within" not in text
+
+
+def test_the_page_tells_secant_and_tangent_where_they_differ():
+    law = ElasticLaw((0.0, 4e-3, 8e-3), (0.75, 0.95, 1.35), S.fit.model.k_inf, (0.01, 0.01, 0.01))
+    hard = replace(S.fit, elastic_law=law)
+    rests = at_rest(hard, mass=S.mass, seals=2.0)
+    text = Page(html(replace(S, fit=hard, at_rest=rests))).text
+    assert "The mass rests at 3.4" in text
+    assert "not the secant of" in text
+    assert "The mass rests at" not in Page(html(S)).text

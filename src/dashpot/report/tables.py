@@ -29,6 +29,7 @@ from dashpot.records.fit import Fit, Moved
 from dashpot.records.frf import FRF
 from dashpot.records.relaxation import RampHold
 from dashpot.vibration.comparison.comparison import Comparison
+from dashpot.vibration.systems.operating_point import operating_point
 from dashpot.vibration.systems.prediction import model_modes
 from dashpot.workflow.study import Study
 
@@ -372,8 +373,11 @@ def resonance(study: Study) -> Table | None:
     if study.joint is not None:
         mass = next((n.value for n in study.joint.nuisance if n.name == "mass"), study.mass)
         solids.append(("model from both tests", study.joint, mass))
+    rests = study.at_rest
+    given = rests.point.compression if rests is not None and rests.point.given else None
     for says, one, mass in solids:
-        for mode in model_modes(study.seals * one.model, mass)[:1]:
+        point = operating_point(one, mass=mass, seals=study.seals, compression=given)
+        for mode in model_modes(study.seals * point.solid(one), mass)[:1]:
             rows.append((f"{says}: exact pole", rounded(mode.frequency, digits=5),
                          rounded(100 * mode.damping_ratio)))  # fmt: skip
     return Table(("", "natural frequency, Hz", "damping ratio, %"), tuple(rows))
@@ -381,7 +385,7 @@ def resonance(study: Study) -> Table | None:
 
 def _mode_cells(measured: FRF, way: str, c: Comparison) -> tuple[str, str]:
     try:
-        modes = measured.modes(method=way)
+        modes = measured.modes(method=way, band=c.band)
     except DashpotError as refused:
         return "refused", readable(str(refused))
     if not modes:
