@@ -16,12 +16,14 @@ from dashpot.records.frf import FRF
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.table_1 import PAPER
+from dashpot.vibration.systems.operating_point import operating_point
 from dashpot.vibration.systems.prediction import predict_frf
 from dashpot.workflow.fits import fit_files
 from dashpot.workflow.impacts import compare_files, identify_files, total_mass, weighed
 from dashpot.workflow.inspections import inspect_files
 from dashpot.workflow.job import HammerChoices
 from dashpot.workflow.predictions import predict_files
+from dashpot.workflow.resting import _slid
 
 
 @pytest.fixture(scope="module")
@@ -194,3 +196,16 @@ def test_a_mass_and_the_stiffness_under_it_find_each_other():
     )
     frf = FRF(f, value, sd=sd, averages=4)
     assert weighed(hard(), frf, mass=None, seals=2) == pytest.approx(0.104, rel=5e-3)
+
+
+def test_what_nothing_limits_stays_without_limit_however_the_tangent_slides():
+    f = np.geomspace(5.0, 30.0, 200)
+    limits = np.array([np.full(200, 0.1), np.where((f > 12) & (f < 13), np.inf, 5.0)])
+    point = operating_point(hard(0.02), mass=0.104, seals=2)
+    slid = _slid(f, limits, point)
+    assert not np.isnan(slid).any()
+    assert np.isinf(slid[1]).sum() > np.isinf(limits[1]).sum()
+    assert (slid[0] <= limits[0]).all()
+    assert (slid[1] >= limits[1]).all()
+    certain = operating_point(hard(), mass=0.104, seals=2)
+    np.testing.assert_array_equal(_slid(f, limits, certain), limits)

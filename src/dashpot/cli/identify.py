@@ -72,6 +72,13 @@ def command(
         write(direct, workflow.direct_table(straight))
     if output:
         write(output, printed(found) + "\n")
-    text = "" if output == "-" else "\n".join([_text.fit(found), *failed(noted)])
-    further = {"direct": workflow.direct_document(straight)}
+    rests = workflow.at_rest(
+        found,
+        mass=choices["mass"],
+        seals=choices["seals"],
+        compression=choices["compression"],
+    )
+    lines = [_text.fit(found), *([str(rests)] if str(rests) else []), *failed(noted)]
+    text = "" if output == "-" else "\n".join(lines)
+    further = {"direct": workflow.direct_document(straight), **rests.document}
     return Outcome(found, text, (*found.checks, *noted), further)

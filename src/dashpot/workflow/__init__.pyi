@@ -18,4 +18,6 @@ from .project import create as create
 from .project import open_project as open_project
 from .project import record as record
 from .project import verify as verify
+from .resting import AtRest as AtRest
+from .resting import at_rest as at_rest
 from .study import run as run

@@ -19,10 +19,10 @@ from dashpot.solids.maxwell import Solid
 from dashpot.vibration.systems.operating_point import OperatingPoint, operating_point
 from dashpot.vibration.systems.prediction import model_modes
 
-# the doubt of a tangent is laid over its interval in so many steps
-STEPS = 21
-# standard errors to either side
+# standard errors to either side of a tangent
 REACH = 1.96
+# what a tangent in doubt keeps at least of its value
+SOFTEST = 0.05
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ def frf_limits(
     r"""Limits of the accelerance by both kinds of ignorance, where the mass rests.
 
     A solid that is s times as stiff answers as the fit under a mass m/s, times 1/s. The doubt of
-    the tangent is the widest of these limits over its interval.
+    the tangent slides the limits along the frequency axis (:func:`_slid`).
 
     Parameters
     ----------
@@ -130,46 +130,45 @@ def frf_limits(
         Hz, > 0.
     seals : float
     """
-
-    def scaled(s: float) -> FRFBounds:
-        of = dp.frf_band(found, tests, mass=mass / s, frequency=frequency, seals=seals)
-        return replace(
-            of, magnitude=of.magnitude / s, parameter=of.parameter / s, unseen=of.unseen / s
-        )
-
-    middle = scaled(point.factor)
-    every = [scaled(s) for s in _factors(point)]
-    if not every:
-        return middle
+    s = point.factor
+    of = dp.frf_band(found, tests, mass=mass / s, frequency=frequency, seals=seals)
+    doubt = "; with the doubt of the tangent at the compression of the mass"
     return replace(
-        middle,
-        parameter=_widest([one.parameter for one in every]),
-        unseen=_widest([one.unseen for one in every]),
-        says=f"{middle.says}; with the doubt of the tangent at the mass's own compression",
+        of,
+        magnitude=of.magnitude / s,
+        parameter=_slid(of.frequency, of.parameter / s, point),
+        unseen=_slid(of.frequency, of.unseen / s, point),
+        says=of.says + doubt * (point.factor_se > 0),
     )
 
 
 def formal_limits(
-    found: Fit, point: OperatingPoint, *, mass: float, frequency: npt.ArrayLike, seals: float = 1.0
+    found: Fit, point: OperatingPoint, *, mass: float, frequency: FloatArray, seals: float = 1.0
 ) -> FloatArray:
     """Return the limits by the standard errors alone, 1/kg, shape (2, n), so too."""
-    return _widest(
-        [
-            formal_frf_band(found, mass=mass / s, frequency=frequency, seals=seals) / s
-            for s in (*_factors(point), point.factor)
-        ]
+    s = point.factor
+    limits = formal_frf_band(found, mass=mass / s, frequency=frequency, seals=seals) / s
+    return _slid(frequency, limits, point)
+
+
+def _slid(frequency: FloatArray, limits: FloatArray, point: OperatingPoint) -> FloatArray:
+    r"""Lowest and highest limit over the interval of a doubtful tangent, shape (2, n).
+
+    A stiffness that hardly changes over a few per cent of frequency, times s, answers at f as the
+    old one at :math:`f/\sqrt s`.
+    """
+    part = REACH * point.factor_se / point.factor
+    if part <= 0:
+        return limits
+    first, last = frequency / np.sqrt(1 + part), frequency / np.sqrt(max(1 - part, SOFTEST))
+    ends = [[np.interp(edge, frequency, row) for edge in (first, last)] for row in limits]
+    low = np.min(ends[0], axis=0)
+    # beside a line that nothing limits, the straight line to it is no number
+    high = np.nan_to_num(np.max(ends[1], axis=0), nan=np.inf, posinf=np.inf)
+    windows = zip(
+        np.searchsorted(frequency, first), np.searchsorted(frequency, last, "right"), strict=True
     )
-
-
-def _factors(point: OperatingPoint) -> FloatArray:
-    """Return tangents over the interval of the doubtful one; none where it is not doubted."""
-    if point.factor_se <= 0:
-        return np.empty(0)
-    reach = REACH * point.factor_se
-    low = max(point.factor - reach, 0.05 * point.factor)
-    return np.linspace(low, point.factor + reach, STEPS)
-
-
-def _widest(limits: Sequence[FloatArray]) -> FloatArray:
-    low, high = np.transpose(limits, (1, 0, 2))
-    return np.array([low.min(axis=0), high.max(axis=0)])
+    for i, (start, stop) in enumerate(windows):
+        low[i] = min(low[i], limits[0, start:stop].min())
+        high[i] = max(high[i], limits[1, start:stop].max())
+    return np.array([low, high])
