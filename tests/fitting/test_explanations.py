@@ -123,6 +123,18 @@ def test_two_causes_at_once_are_not_explained_by_one() -> None:
     assert "nothing tried explains both" in told(found)
 
 
+def test_another_mode_in_the_frf_is_no_disagreement() -> None:
+    frf = hammer(1)
+    s = 2j * np.pi * frf.frequency
+    omega = 2 * np.pi * 30.0
+    other = 0.02 / 0.1 * s**2 / (s**2 + 0.04 * omega * s + omega**2)
+    found = identify(
+        replace(frf, value=frf.value + other), tests=pressed(1), fit=alone(1), mass=MASS, seals=2
+    )
+    assert any(check.failed for check in found.checks if check.name == "lines_explained")
+    assert found.explanations == ()
+
+
 def test_an_earlier_fit_alone_is_contradicted_too() -> None:
     found = identify(hammer(1, scale=1.15), fit=alone(1), mass=MASS, seals=2)
     assert found.explanations[0].name == "stiffness"

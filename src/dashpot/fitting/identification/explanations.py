@@ -154,6 +154,9 @@ def disagreement(
         key=lambda pair: (in_conflict(pair[1]), max(_criterion(pair[1]) - least, DECISIVE)),
     )
     told = [_told(cause, one, before, law, compression) for cause, one in ranked]
+    if not told[0].explains and _failed(plain) == {"lines_explained"}:
+        # lines that no cause explains contradict no other test: the FRF holds something else
+        return None
     rivals = [
         one.says
         for one, (_, candidate) in zip(told[1:], ranked[1:], strict=True)
@@ -169,7 +172,11 @@ def disagreement(
 
 def in_conflict(candidate: Candidate) -> bool:
     """Return True if lines, a relaxation test, mass, gain or stiffness are beyond belief."""
-    return any(check.failed for check in agreement(candidate))
+    return bool(_failed(candidate))
+
+
+def _failed(candidate: Candidate) -> set[str]:
+    return {check.name for check in agreement(candidate) if check.failed}
 
 
 def agreement(candidate: Candidate, why: str = "") -> list[Check]:
