@@ -28,7 +28,8 @@ from dashpot.fitting.design import (
     solid_of,
 )
 from dashpot.fitting.nonlinear_ramp.assembly import ramp_fit
-from dashpot.fitting.nonlinear_ramp.ladder import LawName, linear_soundness, ramp_law
+from dashpot.fitting.nonlinear_ramp.ladder import LawName, ramp_law
+from dashpot.fitting.nonlinear_ramp.soundness import linear_soundness
 from dashpot.fitting.nuisance import priors
 from dashpot.fitting.pipeline import (
     Chosen,

@@ -87,6 +87,7 @@ def _contents(study: Study) -> dict[str, Any]:
         "joint_coefficients": tables.coefficients(study.joint, length),
         "joint_arms": tables.arms_tested(study.joint_comparison),
         "joint_nuisances": tables.nuisances(study.joint),
+        "assumptions": tables.assumptions(study),
         "sources": summary.sources(study),
         "steps": _steps(study),
         "attachments": attachments(study),

@@ -31,6 +31,7 @@ from dashpot.records.relaxation import RampHold
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.systems.operating_point import operating_point
 from dashpot.vibration.systems.prediction import model_modes
+from dashpot.workflow.assumptions import ASSUMPTIONS
 from dashpot.workflow.study import Study
 
 STATES = {True: "passed", None: "not judged"}
@@ -55,6 +56,18 @@ class Table:
     def mark(self, row: int) -> str:
         """The style of a row."""
         return self.marks[row] if row < len(self.marks) else ""
+
+
+def assumptions(study: Study) -> Table:
+    """What the results suppose, what the checks of this study say of it, and what lifts it."""
+    checks = (*study.prepared.checks, *study.every_check)
+    told = [(one, one.state(checks)) for one in ASSUMPTIONS]
+    rows = tuple(
+        (one.name, one.holds, state, ", ".join(one.options) or "–", one.advice)
+        for one, state in told
+    )
+    head = ("assumed", "what that means", "here", "lifted by", "on the bench")
+    return Table(head, rows, tuple("bad" if state == "doubted" else "" for _, state in told))
 
 
 def halves(table: Table) -> tuple[Table, Table]:

@@ -1,0 +1,50 @@
+"""The list of assumptions: every name in it exists, and the page is the list."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+
+import click
+import pytest
+
+import dashpot
+from dashpot.base.checks import REGISTER, Check
+from dashpot.cli import COMMANDS, main
+from dashpot.workflow.assumptions import ASSUMPTIONS, Assumption
+
+ROOT = Path(__file__).parents[2]
+SOURCES = Path(dashpot.__file__).parent
+
+
+@pytest.mark.parametrize("one", ASSUMPTIONS, ids=lambda one: one.name)
+def test_every_check_and_option_named_exists(one: Assumption) -> None:
+    for file in SOURCES.rglob("checks.py"):
+        import_module("dashpot." + ".".join(file.relative_to(SOURCES).with_suffix("").parts))
+    context = click.Context(main)
+    commands = [main.get_command(context, name) for name in COMMANDS]
+    options = {
+        word for command in commands if command for each in command.params for word in each.opts
+    }
+    assert set(one.checks) <= {name for _, name in REGISTER}
+    assert set(one.options) <= options
+    assert one.checks
+
+
+def test_the_page_is_the_list() -> None:
+    spec = spec_from_file_location("assumptions_page", ROOT / "docs" / "assumptions.py")
+    assert spec is not None
+    assert spec.loader is not None
+    written = module_from_spec(spec)
+    spec.loader.exec_module(written)
+    kept = written.PAGE.read_text(encoding="utf-8")
+    assert written.page() == kept, "run `python docs/assumptions.py`"
+
+
+def test_what_checks_say_of_an_assumption() -> None:
+    clocks = next(one for one in ASSUMPTIONS if one.name == "synchronous clocks")
+    good, bad, silent = (Check("delay_believable", passed, "") for passed in (True, False, None))
+    assert clocks.state([good, silent]) == "not contradicted"
+    assert clocks.state([good, bad]) == "doubted"
+    assert clocks.state([silent, Check("strain_small", False, "")]) == "unwatched"
