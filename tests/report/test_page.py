@@ -27,11 +27,8 @@ from dashpot.report.tables import Table
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.vibration.systems.prediction import model_modes
 from dashpot.workflow.archive import from_json
-<<<<<<< HEAD
-from dashpot.workflow.resting import at_rest
-=======
 from dashpot.workflow.assumptions import ASSUMPTIONS
->>>>>>> 2ce879c (Fold the assumptions below the provenance)
+from dashpot.workflow.resting import at_rest
 
 S = handmade.study()
 VOID = {"meta", "br", "link", "img", "hr", "input"}
