@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from kit.trials import Bench, Seal, record, relaxation_test
 
 from dashpot.preparation.motion import ideal_ramp
+from dashpot.preparation.prepare import prepare
 from dashpot.preparation.segments import Segment, cycles_of, find_segments
 
 
@@ -125,3 +127,23 @@ def test_a_partial_unloading_stays_within_the_loading():
     assert isinstance(cycle.hold, Segment)
     assert cycle.hold.level == pytest.approx(5.0)
     assert "unloading 10 to 11 s by -3000 mm" in cycle.words()
+
+
+@pytest.mark.parametrize("ramp", [0.5, 1.0, 2.0])
+@pytest.mark.parametrize(
+    ("axis", "interval", "rate"),
+    [(12.0, 0.06, 1000.0), (25.0, 0.06, 1000.0), (60.0, 0.02, 250.0), (40.0, 0.1, 500.0)],
+)
+def test_an_axis_that_stops_at_every_set_point_makes_one_ramp(ramp, axis, interval, rate):
+    seal = Seal.of_arms(196.5, (117.5, 17.8), (0.5021, 16.416))
+    bench = Bench(ramp=ramp, axis=axis, interval=interval, damping=0.6, rate=rate, hold=30.0)
+    found = prepare(relaxation_test(record(seal, bench)))
+    assert found.ramp_time == pytest.approx(ramp, rel=0.15)
+    assert found.depth == pytest.approx(8e-3, rel=2e-3)
+
+
+def test_a_staircase_of_holds_stays_one():
+    time = np.arange(0, 60, 0.01)
+    steps = sum(2e-3 * np.clip((time - at) / 0.2, 0, 1) for at in (1.0, 6.0, 11.0, 16.0))
+    kinds = [segment.kind for segment in find_segments(time, steps)]
+    assert kinds == ["hold", *["load", "hold"] * 4]

@@ -18,6 +18,10 @@ _LEAST_MOVE = 0.05
 """A move smaller than this part of the whole travel is settling, not a ramp."""
 
 
+_STOP = 0.01
+"""A stop shorter than this part of the longest hold interrupts a ramp, and does not end it."""
+
+
 _Kind: TypeAlias = Literal["hold", "load", "unload"]
 _Side: TypeAlias = tuple[_Kind, int, int]
 
@@ -132,7 +136,7 @@ def _joined(sides: Iterable[_Side]) -> list[_Side]:
 
 def _settled(sides: list[_Side], time: FloatArray, x: FloatArray, travel: float) -> list[_Side]:
     """Give small moves to the hold beside them, then bridge stutters within a ramp."""
-    sides = _joined(_rung_out(sides, x))
+    sides = _joined(_climbed(_joined(_rung_out(sides, x)), time))
     sides = _joined(
         [
             ("hold" if abs(x[last] - x[first]) < _LEAST_MOVE * travel else kind, first, last)
@@ -146,6 +150,17 @@ def _settled(sides: list[_Side], time: FloatArray, x: FloatArray, travel: float)
         if kind == "hold" and brief and before == after:
             bridged[i] = (before, first, last)
     return _joined(bridged)
+
+
+def _climbed(sides: list[_Side], time: FloatArray) -> list[_Side]:
+    """Call the stops of an axis that climbs in steps a part of its ramp."""
+    longest = max((time[b] - time[a] for kind, a, b in sides if kind == "hold"), default=0.0)
+    climbed = list(sides)
+    for i in range(1, len(sides) - 1):
+        before, (kind, first, last), after = sides[i - 1][0], sides[i], sides[i + 1][0]
+        if kind == "hold" and time[last] - time[first] <= _STOP * longest and before == after:
+            climbed[i] = (before, first, last)
+    return climbed
 
 
 def _rung_out(sides: list[_Side], x: FloatArray) -> list[_Side]:
