@@ -26,6 +26,13 @@ if TYPE_CHECKING:
     show_default=True,
     help="full: the recorded motion, ramp and hold; hold: the paper's eq. 5.",
 )
+@click.option(
+    "--law",
+    type=click.Choice(["auto", "linear", "nonlinear"]),
+    default="auto",
+    show_default=True,
+    help="Elastic law of the seal, from the ramp: straight unless the record says otherwise.",
+)
 @click.option("--depth-law", is_flag=True, help="Several depths: shared times, k for each depth.")
 @click.option("--thorough", is_flag=True, help="Add quasi-random starts.")
 @options.filtered

@@ -69,6 +69,17 @@ def optimum_found(*, stationary: bool) -> Finding:
     )
 
 
+@criterion(source="by definition")
+def uncertainty_estimated(*, made: bool) -> Finding:
+    """Intervals and checks were asked for."""
+    return Finding(
+        "intervals and checks were made",
+        instead="this is a point estimate: neither intervals nor checks were made; fit with "
+        "intervals=True before use",
+        faulted=not made,
+    )
+
+
 # -- several tests ---------------------------------------------------------------------------------
 
 

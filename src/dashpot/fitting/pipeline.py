@@ -13,7 +13,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
 from dashpot.engine.blocks.block import Block
-from dashpot.engine.inference.covariance import Noise, nearly_white, noise_gain_differs
+from dashpot.engine.inference.covariance import Noise, nearly_white, noise_gain_differs, noise_of
 from dashpot.engine.inference.order import DECISIVE, Choice, choose
 from dashpot.engine.solver.certificate import certificate
 from dashpot.engine.solver.descent import Stack
@@ -32,12 +32,13 @@ from dashpot.fitting.uncertainty.estimate import (
     Score,
     by_record,
     estimated,
-    residual_noises,
+    residual_of,
+    rounding,
     scored,
 )
 from dashpot.fitting.uncertainty.profile_intervals import profiles
 from dashpot.records.bounds import EndOfHold
-from dashpot.records.estimate import Nuisance, ParameterEstimate, Residual
+from dashpot.records.estimate import Nuisance, ParameterEstimate, Residual, parameter_names
 from dashpot.records.fit import (
     AtDepth,
     Certificate,
@@ -111,6 +112,45 @@ class FitData:
     def peak(self) -> float:
         """Largest target: it sets what rounding alone leaves."""
         return max(_largest(block) for block in self.samples)
+
+
+class First(NamedTuple):
+    """Data whose priors weigh as the noise does, and the solutions that showed the noise.
+
+    Attributes
+    ----------
+    data : FitData
+    solutions : sequence of Solution
+        Every number of arms from none up.
+    residuals : tuple of array
+        What the last of them leaves of each record, N.
+    noises : tuple of Noise
+    """
+
+    data: FitData
+    solutions: Sequence[Solution]
+    residuals: tuple[FloatArray, ...]
+    noises: tuple[Noise, ...]
+
+    def up_to(self, most: int, *, auto: bool, thorough: bool) -> Sequence[Solution]:
+        """The solutions from none up to so many arms."""
+        if (auto and not thorough) or most < len(self.solutions):
+            return self.solutions[: most + 1]
+        return solved(self.data.rows, most, every=True, thorough=thorough)
+
+
+def weighed(data: FitData, most: int, *, every: bool = False, thorough: bool = False) -> First:
+    """Solve up to `most` arms, with priors that weigh as the noise does that is left."""
+    data = data.bound()
+    solutions = solved(data.rows, most, every=every, thorough=thorough)
+    residuals = tuple(residual_of(solutions[-1], block) for block in data.samples)
+    noises = tuple(noise_of(one, rounding=rounding(data.peak)) for one in residuals)
+    spreads = [float(np.sqrt(noise.autocovariance[0] * noise.kappa)) for noise in noises]
+    if all(_WEIGHED[0] < a / b < _WEIGHED[1] for a, b in zip(spreads, data.units, strict=False)):
+        return First(data, solutions, residuals, noises)
+    data = data.bound(spreads)
+    anew = solved(data.rows, most, every=every, thorough=thorough)
+    return First(data, anew, residuals, noises)
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,6 +252,7 @@ def chosen_arms(
     *,
     max_arms: int = 6,
     thorough: bool = False,
+    first: First | None = None,
 ) -> Chosen:
     """Fit every number of arms; take the number that the data support, or that was asked for.
 
@@ -224,24 +265,16 @@ def chosen_arms(
         The most that ``"auto"`` tries.
     thorough : bool
         Add quasi-random starts.
+    first : First, optional
+        What :func:`weighed` found, where it is known already.
     """
-    data = data.bound()
-    found = _chosen(data, arms, max_arms, thorough=thorough)
-    # a prior weighs as the noise does, which the first fit shows
-    spreads = found.estimate.spreads
-    if all(_WEIGHED[0] < a / b < _WEIGHED[1] for a, b in zip(spreads, data.units, strict=False)):
-        return found
-    return _chosen(data.bound(spreads), arms, max_arms, thorough=thorough)
-
-
-def _chosen(data: FitData, arms: int | Literal["auto"], max_arms: int, *, thorough: bool) -> Chosen:
-    samples, peak, in_time = data.samples, data.peak, data.in_time
     auto, most = arms == "auto", asked_arms(arms, max_arms)
     if auto:
         most = min(most, determinable_arms(data.blocks))
-    every = not (auto and in_time) or thorough
-    solutions = solved(data.rows, most, every=every, thorough=thorough)
-    noises = residual_noises(solutions[-1], samples, peak=peak)
+    first = first or weighed(data, most, every=not (auto and data.in_time), thorough=thorough)
+    data, noises = first.data, first.noises
+    samples, peak, in_time = data.samples, data.peak, data.in_time
+    solutions = first.up_to(most, auto=auto, thorough=thorough)
     scores = _scored(solutions, data, noises)
     exhausted = len(scores) - 1 < most or not in_time
     choice = _choice(scores, exhausted=exhausted, decisive=DECISIVE if in_time else np.inf)
@@ -338,6 +371,40 @@ def assembled(
         provenance=provenance,
         unit=unit,
         elastic_law=elastic_law,
+    )
+
+
+def point_estimate(
+    solution: Solution,
+    data: FitData,
+    asked: int,
+    *,
+    checks: Sequence[Check],
+    provenance: Provenance,
+    depth: float,
+    tests: int,
+) -> Fit:
+    """Return an optimum as a fit, without errors and evidence."""
+    model = solid_of(solution, data.suffix)
+    names = parameter_names(model.arms)
+    nuisance = tuple(
+        Nuisance(_nuisance_name(name, tests), solution.coefficient(name), np.inf, unit)
+        for name, unit in _nuisances(solution)
+    )
+    rms = float(np.sqrt(solution.sse / solution.samples))
+    return Fit(
+        solid=model,
+        status=_status(solution, asked, checks),
+        estimate=ParameterEstimate(
+            parameters=names,
+            covariance=np.diag(np.full(len(names), np.inf)),
+            dof=0.0,
+            residual=Residual(solution.samples, solution.sse, rms),
+            nuisance=nuisance,
+        ),
+        evidence=Evidence((0.0, 0.0), checks=tuple(checks)),
+        provenance=provenance,
+        elastic_law=ElasticLaw.linear(model.k_inf, depth),
     )
 
 
@@ -454,21 +521,28 @@ def _residual(estimate: Estimate) -> Residual:
     )
 
 
+def _nuisances(solution: Solution) -> list[tuple[str, str]]:
+    """Offset, drift and delay of each relaxation test, and their units."""
+    found = ((name, _NUISANCE_UNITS.get(name.partition("@")[0])) for name in solution.fixed_names)
+    return [(name, unit) for name, unit in found if unit is not None]
+
+
+def _nuisance_name(name: str, tests: int) -> str:
+    kind, _, test = name.partition("@")
+    return f"{kind} of test {int(test) + 1}" if tests > 1 else kind
+
+
 def _nuisance(estimate: Estimate, *, tests: int) -> tuple[Nuisance, ...]:
     """Return offset, drift and delay of each relaxation test."""
-    found = []
-    for name in estimate.solution.fixed_names:
-        kind, _, test = name.partition("@")
-        if kind in _NUISANCE_UNITS:
-            found.append(
-                Nuisance(
-                    name=f"{kind} of test {int(test) + 1}" if tests > 1 else kind,
-                    value=estimate.solution.coefficient(name),
-                    standard_error=estimate.standard_error(name),
-                    unit=_NUISANCE_UNITS[kind],
-                )
-            )
-    return tuple(found)
+    return tuple(
+        Nuisance(
+            name=_nuisance_name(name, tests),
+            value=estimate.solution.coefficient(name),
+            standard_error=estimate.standard_error(name),
+            unit=unit,
+        )
+        for name, unit in _nuisances(estimate.solution)
+    )
 
 
 def _certificate(blocks: Sequence[Block], solution: Solution) -> Certificate:

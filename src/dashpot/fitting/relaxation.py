@@ -30,15 +30,18 @@ from dashpot.fitting.design import (
 from dashpot.fitting.nonlinear_ramp.assembly import ramp_fit
 from dashpot.fitting.nonlinear_ramp.ladder import LawName, ramp_law
 from dashpot.fitting.nonlinear_ramp.soundness import linear_soundness
+from dashpot.fitting.nonlinear_ramp.thinning import ramp_obstacle
 from dashpot.fitting.nuisance import priors
 from dashpot.fitting.pipeline import (
     Chosen,
+    First,
     FitData,
     asked_arms,
     assembled,
     chosen_arms,
     determinable_arms,
-    solved,
+    point_estimate,
+    weighed,
 )
 from dashpot.fitting.questions import Residuals, solid_checks
 from dashpot.fitting.relaxation_data import fitted_data, held_data
@@ -66,6 +69,7 @@ def fit(
     nuisance: Sequence[str] = NUISANCE,
     max_arms: int = 6,
     law: LawName = "auto",
+    intervals: bool = True,
 ) -> Fit:
     r"""Fit a generalized Maxwell solid to one prepared test, or to several at once.
 
@@ -110,6 +114,10 @@ def fit(
         to their noise is kept. Any other record is fitted hold first
         (:mod:`dashpot.fitting.nonlinear_ramp.ladder`): the hold decides over the arms, the ramp
         over the law, which ``"auto"`` bends only if that matters.
+    intervals : bool
+        False returns the optimum of the same model alone, without errors, checks or bounds: for a
+        first look, or where a computation asks for many fits. A number of arms left to choose,
+        and a bent elastic law, need their errors all the same.
 
     Returns
     -------
@@ -132,17 +140,41 @@ def fit(
     count = None if arms == "auto" else most
     if law == "nonlinear":
         return _by_ramp(records, law, count)
-    data = _data(records, design)
-    bindable = method == "full" and not depth_law and design.nuisance == NUISANCE
-    if bindable and not _sound(records, data, max_arms):
-        return _by_ramp(records, law, count)
-    found = chosen_arms(data, arms, max_arms=max_arms, thorough=thorough)
+    data, first = _data(records, design), None
+    if method == "full" and not depth_law and design.nuisance == NUISANCE:
+        first = weighed(data, min(max_arms, determinable_arms(data.blocks)))
+        if not _sound(records, first):
+            return _by_ramp(records, law, count)
+    if not intervals and count is not None:
+        return _point(records, first or weighed(data, count), design, count)
+    found = chosen_arms(data, arms, max_arms=max_arms, thorough=thorough, first=first)
     if method == "hold":
         doubts = [record.depth_doubt for record in records]
         found = replace(
             found, estimate=found.estimate.with_depth_doubt(doubts, shared=not depth_law)
         )
     return _assembled(records, found, design, thorough=thorough)
+
+
+def _point(records: Sequence[RampHold], first: First, design: Design, arms: int) -> Fit:
+    """Return the optimum alone, as a fit of which nothing more is known."""
+    solutions = first.up_to(arms, auto=False, thorough=False)
+    deepest = max(records, key=lambda record: record.depth)
+    provenance = Provenance(
+        design.method,
+        tuple(record.source for record in records if record.source is not None),
+        tuple(step for record in records for step in record.steps),
+        deepest.specimen,
+    )
+    return point_estimate(
+        solutions[min(arms, len(solutions) - 1)],
+        first.data,
+        arms,
+        checks=(checks.uncertainty_estimated(made=False),),
+        provenance=provenance,
+        depth=deepest.depth,
+        tests=len(records),
+    )
 
 
 def _assembled(
@@ -179,31 +211,27 @@ def _assembled(
     )
 
 
-def _sound(records: Sequence[RampHold], data: FitData, max_arms: int) -> bool:
+def _sound(records: Sequence[RampHold], first: First) -> bool:
     """True if a linear solid explains every record to its noise, ramp and hold alike.
 
-    A record that moves on after its ramp has no hold to be held against.
+    A record without one ramp and one hold to speak of shows no elastic law.
     """
-    data = data.bound()
-    whole = solved(data.rows, min(max_arms, determinable_arms(data.blocks)))[-1]
-    for record, block in zip(records, data.blocks, strict=True):
-        alone = _hold_alone(record, whole.order)
-        if alone is None:
+    for record, residual in zip(records, first.residuals, strict=True):
+        if moves_on(record) or ramp_obstacle(record) is not None:
             continue
-        if not linear_soundness(record, residual_of(whole, block.exact), alone).sound:
+        alone = _hold_alone(record, first.solutions[-1].order)
+        if not linear_soundness(record, residual, alone).sound:
             return False
     return True
 
 
-def _hold_alone(record: RampHold, arms: int) -> FloatArray | None:
-    """Return what as many arms leave of the hold alone; None without a hold to speak of."""
-    if moves_on(record) or record.hold.stop - record.settled.start <= 4 + 2 * arms:
-        return None
+def _hold_alone(record: RampHold, arms: int) -> FloatArray:
+    """Return what as many arms, or as many as it bears, leave of the hold alone."""
     if eq5_obstacle(record) is None:
         block = compressed([record], Design("hold"))[0]
     else:  # it creeps: the recorded motion is answered
         block = after_ramp(record)
-    return residual_of(solve([block], arms), block.exact)
+    return residual_of(solve([block], min(arms, determinable_arms([block]))), block.exact)
 
 
 def _by_ramp(records: Sequence[RampHold], law: LawName, arms: int | None) -> Fit:

@@ -24,6 +24,7 @@ def fit_files(
     method: Literal["full", "hold"] = "full",
     depth_law: bool = False,
     thorough: bool = False,
+    law: Literal["auto", "linear", "nonlinear"] = "auto",
     filter: str | None = None,
     modulus: str | None = None,
     specimen: Specimen | None = None,
@@ -38,8 +39,11 @@ def fit_files(
     Parameters
     ----------
     files : sequence of path
-    arms, method, depth_law, thorough
+    arms, method, thorough, law
         As in :func:`~dashpot.fitting.relaxation.fit`.
+    depth_law : bool
+        Tests of different depths share their relaxation times, and by method ``"full"`` an elastic
+        law (:func:`~dashpot.fitting.depth.fit_depths`); each has its own stiffnesses.
     filter, rig : optional
         As in :func:`~dashpot.preparation.prepare.prepare`.
     modulus : str, optional
@@ -88,7 +92,12 @@ def fit_files(
     )
     known_of_a_test(rig, tests=len(prepared), add="a ramp and hold")
     if not sweeps:
-        found = dp.fit(prepared, arms=arms, method=method, depth_law=depth_law, thorough=thorough)
+        depths = {round(test.depth, 9) for test in prepared}
+        if depth_law and method == "full" and len(depths) == len(prepared) > 1:
+            return dp.fit_depths(prepared, arms=arms).fit, prepared
+        found = dp.fit(
+            prepared, arms=arms, method=method, depth_law=depth_law, thorough=thorough, law=law
+        )
         return found, prepared
     if len(sweeps) > 1 or depth_law or method == "hold":
         raise FitError(

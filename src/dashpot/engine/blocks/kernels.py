@@ -30,6 +30,8 @@ from dashpot.engine.blocks.compression import ACCURACY
 LAGS = 300
 TIMES_PER_FOLD = 9.5
 RANK = 1e-15
+#: the same where a few digits do
+FEW_TIMES_PER_FOLD, FEW_RANK, FEW_DIGITS = 5.0, 1e-9, 1e-7
 AT_ONCE = 16
 ROWS_AT_ONCE = 2048
 
@@ -127,4 +129,39 @@ def reduced_block(exact: Block, *, reach: tuple[float, float] | None = None) -> 
         accuracy=ACCURACY,
         full=lambda: exact,
         widen=lambda name, column: reduced_block(exact.with_column(name, column), reach=reach),
+    )
+
+
+def compact_block(block: Block, *, beyond: float) -> Block:
+    r"""A block in as few rows as its kernels span, for many trials that need few digits.
+
+    The columns at fixed relaxation times come from the block itself, whatever its form, and all
+    others from theirs.
+
+    Parameters
+    ----------
+    block : Block
+        Of any rows, compressed or not.
+    beyond : float
+        Relaxation times up to this factor outside the window are to be evaluated.
+    """
+    shortest, longest = block.window
+    kernels = Kernels.over(
+        (shortest / beyond, longest * beyond), per_fold=FEW_TIMES_PER_FOLD, rank=FEW_RANK
+    )
+    found = block.evaluate(np.log(kernels.tau), False)
+    rank = kernels.right.shape[1]
+    every = (found.arms @ kernels.right, found.fixed, found.target[:, None])
+    factor = np.asarray(np.linalg.qr(np.concatenate(every, axis=1), mode="r"))
+    return replace(
+        block,
+        rows=design_rows(
+            factor[:-1, -1], factor[:-1, rank:-1], kernels.columns(factor[:-1, :rank])
+        ),
+        floor=block.floor + float(factor[-1, -1] ** 2),
+        accuracy=FEW_DIGITS,
+        rotated_basis=False,
+        sampling=None,
+        full=None,
+        widen=None,
     )

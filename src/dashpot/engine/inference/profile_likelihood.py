@@ -24,6 +24,8 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.engine.solver.descent import Stack
 
+#: a relaxation time is walked so far, as a factor, out of the window
+BEYOND = 20.0
 _POINTS = 40
 _ITERATIONS = 30
 _RISE = 0.7
@@ -204,7 +206,8 @@ class _Held:
         free = np.delete(np.arange(len(here)), self._dropped)
         trial[free] += move
         low, high = self.stack.bounds
-        trial[self.linear :] = np.clip(trial[self.linear :], low - 3.0, high + 3.0)
+        outside = float(np.log(BEYOND))
+        trial[self.linear :] = np.clip(trial[self.linear :], low - outside, high + outside)
         return self.placed(trial, value)
 
     @property

@@ -25,15 +25,10 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.engine.blocks.block import Block, design_rows
-from dashpot.engine.blocks.kernels import Kernels
+from dashpot.engine.blocks.kernels import FEW_DIGITS, FEW_RANK, FEW_TIMES_PER_FOLD, Kernels
 from dashpot.engine.inference.covariance import Noise, toeplitz_form
 from dashpot.engine.solver.descent import Stack
 from dashpot.engine.solver.variable_projection import Solution, full_jacobian
-
-_TIMES_PER_FOLD = 5.0
-# kernels weaker than this part of the strongest change no deviance
-_RANK = 1e-9
-_ACCURACY = 1e-7
 
 
 def whitened_block(exact: Block, noise: Noise) -> Block:
@@ -69,12 +64,12 @@ class ReducedBasis(NamedTuple):
 
 def reduced_basis(exact: Block) -> ReducedBasis:
     """Return the span of a block that has every sample as a row, in the order of time."""
-    kernels = Kernels.over(exact.window, per_fold=_TIMES_PER_FOLD, rank=_RANK)
+    kernels = Kernels.over(exact.window, per_fold=FEW_TIMES_PER_FOLD, rank=FEW_RANK)
     target, fixed, *_ = exact.evaluate(np.zeros(0), False)
     basis, factor = np.linalg.qr(np.concatenate((kernels.space(exact), fixed), axis=1))
     rank = kernels.right.shape[1]
     rows = design_rows(basis.T @ target, factor[:, rank:], kernels.columns(factor[:, :rank]))
-    return ReducedBasis(basis, replace(exact, rows=rows, accuracy=_ACCURACY))
+    return ReducedBasis(basis, replace(exact, rows=rows, accuracy=FEW_DIGITS))
 
 
 class NoiseGain:

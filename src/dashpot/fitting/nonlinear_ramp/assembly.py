@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -74,8 +75,16 @@ def ramp_fit(
             (*(step for test in tests for step in test.steps), _step(tests, found)),
             deepest.specimen,
         ),
-        elastic_law=found.law,
+        elastic_law=replace(found.law, shape_se=_shape_error(found)),
     )
+
+
+def _shape_error(found: RampLaw) -> tuple[float, ...]:
+    """Standard errors of the law's shape at its knots; none of a straight line."""
+    if found.law.kind == "linear":
+        return ()
+    shape = np.diag(found.law_covariance)[-len(found.law.knots) :]
+    return tuple(float(error) for error in np.sqrt(np.maximum(shape, 0.0)))
 
 
 def law_checks(

@@ -219,15 +219,6 @@ def _kernel(solution: Solution, block: Block) -> Kernel:
     )
 
 
-def residual_noises(
-    solution: Solution, every_sample: Sequence[Block], *, peak: float
-) -> tuple[Noise, ...]:
-    """Return each record's noise as its residuals show it, less the part that the fit took."""
-    return tuple(
-        noise_of(residual_of(solution, block), rounding=rounding(peak)) for block in every_sample
-    )
-
-
 def residual_of(solution: Solution, block: Block) -> FloatArray:
     """Return what a solution leaves of one record, a row per sample."""
     stack = Stack([block])

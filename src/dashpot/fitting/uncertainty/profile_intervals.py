@@ -10,8 +10,9 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.student_t import t_quantile
 from dashpot.engine.blocks.block import Block
+from dashpot.engine.blocks.kernels import compact_block
 from dashpot.engine.inference.covariance import nearly_white, noise_gain_differs
-from dashpot.engine.inference.profile_likelihood import Coordinate, Optimum, profile
+from dashpot.engine.inference.profile_likelihood import BEYOND, Coordinate, Optimum, profile
 from dashpot.engine.solver.descent import Stack
 from dashpot.engine.solver.variable_projection import full_jacobian
 from dashpot.fitting.uncertainty.estimate import Estimate, by_record
@@ -92,7 +93,13 @@ class _Walk:
     ) -> None:
         self.estimate = estimate
         self.noise_gain = noise_gain
-        self.stack = Stack(blocks)
+        # a prior is a few rows already
+        self.stack = Stack(
+            [
+                compact_block(block, beyond=BEYOND) if block.variance is None else block
+                for block in blocks
+            ]
+        )
         solution = estimate.solution
         self.optimum = Optimum(
             np.concatenate((solution.fixed, solution.arms.ravel())), solution.log_tau
