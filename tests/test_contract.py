@@ -129,6 +129,11 @@ def test_predict_plan_inspect_export_json(folder, tmp_path):
     predicted = document("predict", tmp_path / "fit.json", *MASS, "--band", "5:40Hz")
     assert predicted["frequency_hz"][0] == 5.0
     assert predicted["extrapolated"] is True
+    assert predicted["compression"] == pytest.approx(2.865e-3, rel=0.02)
+    pressed = document("predict", tmp_path / "fit.json", *MASS, "--compression", "5mm")
+    assert pressed["compression"] == 5e-3
+    # a straight law vibrates alike at any compression
+    assert pressed["tangent"]["frequency"] == predicted["secant"]["frequency"]
     assert document("plan", "--at", "12.71Hz")["expected"]["loss_factor_sd"] > 0.1
     told = document("inspect", folder / "seal_8mm.csv", folder / "impact.csv")
     assert json.loads(dp.to_json(dp.from_json(json.dumps(told)))) == told

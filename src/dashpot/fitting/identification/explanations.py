@@ -36,6 +36,8 @@ from dashpot.records.fit import Explanation
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
+#: what the model lacks may decide between causes by this part of what they explain
+LACKING = 0.02
 TOLERANCE = 1e-11
 
 
@@ -149,9 +151,10 @@ def disagreement(
     before = _again(plain, scale)
     least = min(map(_criterion, found))
     # an arm that the model lacks also tells causes apart: only a decisive lead counts
+    alike = least + max(DECISIVE, LACKING * (_criterion(before) - least))
     ranked = sorted(
         zip(free, found, strict=True),
-        key=lambda pair: (in_conflict(pair[1]), max(_criterion(pair[1]) - least, DECISIVE)),
+        key=lambda pair: (in_conflict(pair[1]), max(_criterion(pair[1]), alike)),
     )
     told = [_told(cause, one, before, law, compression) for cause, one in ranked]
     if not told[0].explains and _failed(plain) == {"lines_explained"}:
@@ -160,7 +163,7 @@ def disagreement(
     rivals = [
         one.says
         for one, (_, candidate) in zip(told[1:], ranked[1:], strict=True)
-        if one.explains and _criterion(candidate) <= least + DECISIVE
+        if one.explains and _criterion(candidate) <= alike
     ]
     if told[0].explains and rivals:
         says = f"{told[0].says} (as well explained if {', or if '.join(rivals)})"
