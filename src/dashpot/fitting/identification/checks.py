@@ -106,7 +106,7 @@ def tests_agree(lead: Explanation | None) -> Finding:
     `lead` is what explains them best if not. A departure of 5 % that explains both is a limit.
     """
     if lead is None:
-        return Finding("relaxation test and hammer are explained by one seal")
+        return Finding("relaxation test and hammer are explained by one seal", 0.0)
     because = "relaxation test and hammer do not belong to one seal and rig as described: "
     if lead.explains:
         says = f"{because}{lead.says}; that explains both, and chi-square falls by {lead.fall:.4g}"
