@@ -1099,7 +1099,7 @@ def test_what_the_method_bears_is_excused() -> None:
     # a plateau at zero is measured by the whole stiffness, and excuses no other parameter
     lost, found = GeneralizedMaxwell(0.0, (1.0,), (1.0,)), GeneralizedMaxwell(1.0, (1.0,), (2.0,))
     assert fitting.hold_and_full_agree(lost, found, np.array([1.0, 0.0, 0.0])).failed
-    assert fitting.hold_and_full_agree(lost, found, np.array([1.0, 0.0, 0.4])).says.count("k_inf")
+    assert fitting.hold_and_full_agree(lost, found, np.array([1.0, 0.0, 0.4])).passed
 
 
 def test_advice_follows_only_where_a_check_fails() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from kit.trials import Bench, Seal, record, relaxation_test
+from kit.trials import DISTURBANCES, KINDS, Bench, Seal, record, relaxation_test, trial
 
 import dashpot as dp
 from dashpot.preparation.denoising import true_motion
@@ -73,6 +73,33 @@ def test_a_machine_that_gives_more_than_it_moves_is_a_wrong_unit():
     test = relaxation_test(record(PAPER, Bench(hold=5.0, rate=RATE)))
     with pytest.raises(dp.DataError, match="check the unit of the compliance"):
         dp.prepare(test, rig=dp.Rig(compliance=50e-3))
+
+
+def failures(disturbance: str | None, solids: slice) -> list[str]:
+    bench = Bench() if disturbance is None else DISTURBANCES[disturbance]
+    tests = (
+        dp.prepare(relaxation_test(trial(kind, seed=0, bench=bench))) for kind in KINDS[solids]
+    )
+    return [check.name for test in tests for check in test.checks if check.failed]
+
+
+@pytest.mark.parametrize("disturbance", [None, "hum", "late 1 ms", "compliance", "drift"])
+def test_a_motion_that_was_sampled_well_is_not_doubted(disturbance):
+    assert set(failures(disturbance, slice(0, None, 2))) <= {"baseline_recorded"}
+
+
+@pytest.mark.parametrize("disturbance", ["coarse 250 Hz", "coarse 500 Hz"])
+def test_a_motion_finer_than_the_sampling_is_doubted(disturbance):
+    # the first ramp of the trials lasts 0.2 s: 10 set-points
+    assert failures(disturbance, slice(0, 7)).count("motion_resolved") == 7
+
+
+def test_a_still_hold_is_named_as_a_doubt_and_not_as_a_fault():
+    still = dp.prepare(relaxation_test(record(PAPER, Bench(rate=RATE))))
+    check = next(check for check in still.checks if check.name == "motion_measured")
+    assert check.passed is None
+    assert "hides less than a count of 20 um" in check.says
+    assert "a gauge at the seal would show it" in check.says
 
 
 @pytest.mark.parametrize(

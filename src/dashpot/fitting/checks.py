@@ -477,19 +477,18 @@ def hold_and_full_agree(
         return Finding("eq. 5 does not apply to this history, so the two methods are not compared")
     n, alike = full.arms, hold.arms == full.arms
     ours, theirs = np.array([full.k_inf]), np.array([hold.k_inf])
-    labels, relative = ["k_inf"], error[:1] / max(full.k_inf, 1e-300)
+    labels, doubt = ["k_inf"], error[:1]
     if alike:
         ours = np.array((full.k_inf, *full.k, *full.tau))
         theirs = np.array((hold.k_inf, *hold.k, *hold.tau))
         labels += [f"{kind}_{j}" for kind in ("k", "tau") for j in range(1, n + 1)]
-        # an error of ln tau is relative as it stands
-        stiff = error[: 1 + n] / np.maximum(ours[: 1 + n], 1e-300)
-        relative = np.concatenate((stiff, error[1 + n :]))
+        # an error of ln tau is relative
+        doubt = np.concatenate((error[: 1 + n], error[1 + n :] * ours[1 + n :]))
     # a plateau of nothing has no relative change: it is measured by the whole stiffness
     whole = np.where(ours > _ROUNDING * full.k_0, ours, max(full.k_0, 1e-300))
     difference = (theirs - ours) / whole
     size = np.abs(difference)
-    beyond = size > 3.0 * relative * ours / whole
+    beyond = size > 3.0 * doubt / whole
     failed = beyond & (size > MAX_METHOD_DIFFERENCE)
     worst = int(np.argmax(np.where(failed, 1e9, 0.0) + size))
     orders = "" if alike else f" with {_arms(hold.arms)} for {n}"
