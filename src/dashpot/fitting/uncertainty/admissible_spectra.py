@@ -92,7 +92,7 @@ class Spectra:
         high = np.log(longest)
         count = int(np.ceil((high - low) / np.log(10) * PER_DECADE)) + 1
         own = np.log(np.asarray(further, dtype=float))
-        log_tau = np.union1d(np.linspace(low, high, count), own)
+        log_tau = _merged(np.linspace(low, high, count), own)
         left, weight = np.inf, np.zeros(len(log_tau) + 2)
         for _ in range(ROUNDS):
             before, left = left, self._on(relaxations, log_tau, weight)
@@ -200,10 +200,16 @@ def _spread(count: int) -> IndexArray:
     return reversed_[reversed_ < count]
 
 
+def _merged(one: FloatArray, other: FloatArray) -> FloatArray:
+    """The points of both grids; `numpy.union1d` says the same and imports masked arrays."""
+    both = np.sort(np.concatenate((one, other)))
+    return np.asarray(both[np.append(True, np.diff(both) > 0)])
+
+
 def _refined(log_tau: FloatArray, active: BoolArray) -> FloatArray:
     """The grid with points put into the gaps on both sides of every active arm."""
     gaps = np.diff(log_tau)
     beside = (active[1:] | active[:-1]) & (gaps > FINEST)
     steps = np.arange(1, POINTS + 1) / (POINTS + 1)
     new = log_tau[:-1][beside, None] + gaps[beside, None] * steps
-    return np.union1d(log_tau, new)
+    return _merged(log_tau, new.ravel())
