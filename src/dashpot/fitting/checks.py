@@ -34,8 +34,10 @@ SAME_STIFFNESS = 0.02
 # curves missed by more than this are not followed
 FOLLOWED = 0.05
 # a force followed to so many times its noise is; beyond the second the solid is another
-FOLLOWED_TO_NOISE = 3.0
+FOLLOWED_TO_NOISE = 1.75
 NOT_FOLLOWED = 10.0
+# a plate that has moved by less of the depth is at rest
+AT_REST = 1e-3
 # a misfit below this part of the peak force matters to no use of the solid
 FINE_ENOUGH = 1e-3
 # scatter so many times as large is another solid
@@ -873,7 +875,7 @@ def worst_misfit(test: RampHold, residual: FloatArray) -> tuple[float, str]:
 
 def noise_of_force(test: RampHold) -> float:
     """Return the noise of the force, N: the scatter between samples, and about the baseline."""
-    rest = test.force[test.time < test.onset]
+    rest = test.force[(test.time < test.onset) & (test.displacement < AT_REST * test.depth)]
     return max(test.force_noise, float(rest.std()) if len(rest) >= 20 else 0.0)
 
 
