@@ -322,7 +322,7 @@ PREPARATION = [
 
 FITTING = [
     Case("uncertainty_estimated", lambda x: fitting.uncertainty_estimated(made=bool(x)), 1, 0),
-    Case("clocks_agree", lambda x: fitting.clocks_agree([(x, 1.0, 1.0)]), 2.99, 3.01),
+    Case("clocks_agree", lambda x: fitting.clocks_agree([(x, 1.0, 1e9)]), 2.99, 3.01),
     Case("optimum_found", lambda x: fitting.optimum_found(stationary=bool(x)), 1, 0),
     Case("k_inf_known", known, 0.499, 0.501),
     Case(
@@ -787,8 +787,8 @@ LIMITS = {
         "ramp_sampled": 10, "strain_small": 0.2,
     },
     "fitting": {
-        "same_specimen": 3, "hold_long_enough": 0.03, "arms_distinct": 1.5,
-        "arms_supported": 3, "residuals_random": 20,
+        "same_specimen": 3, "clocks_agree": 3,
+        "hold_long_enough": 0.03, "arms_distinct": 1.5, "arms_supported": 3, "residuals_random": 20,
         "fast_arm_visible": 0.1, "drift_told_from_arm": 0.1, "residuals_steady": 4,
         "hold_and_full_agree": 0.1, "filter_bias": 0.01, "separable": 0.01,
         "few_arms_suffice": 0.05, "kramers_kronig": 0.05, "loss_positive": 0, "storage_rises": 0.05,
@@ -1021,6 +1021,7 @@ def test_what_cannot_be_judged_neither_passes_nor_fails() -> None:
         preparation.force_resolved(RECORD.force),
         preparation.strain_small(RECORD),
         fitting.hold_long_enough(None),
+        fitting.clocks_agree([]),
         fitting.arms_distinct(arm()),
         fitting.arms_supported(spring, np.zeros(1)),
         fitting.step_bias(spring, [RECORD]),
@@ -1087,6 +1088,8 @@ def test_what_the_method_bears_is_excused() -> None:
     resting = replace(RECORD, displacement=np.full(len(TIME), DEPTH))
     assert preparation.force_not_clipped(replace(resting, force=np.ones(len(TIME)))).passed
     assert fitting.arms_where_force_relaxes(arm(), falling(0.5)).passed
+    assert fitting.fast_arm_visible(arm(1, 0.001), [RECORD], error=0.0099).passed
+    assert fitting.fast_arm_visible(arm(1, 0.001), [RECORD], error=0.0101).failed
     noisy = replace(falling(0.05), force_noise=1.0)
     assert fitting.arms_where_force_relaxes(GeneralizedMaxwell(1.0), noisy).passed
     fine = replace(RECORD, force_noise=1e-9)

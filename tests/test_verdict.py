@@ -9,6 +9,10 @@ import click
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from kit import handmade
+from kit.fits import altered
+from kit.trials import DISTURBANCES, KINDS, LAWS, trial
+from kit.verdicts import failures, judged, table
 
 import dashpot as dp
 from dashpot.base.checks import Check, verdict, worst
@@ -19,10 +23,6 @@ from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.simulation.relaxation import Rig, simulate_relaxation
 from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER, PAPER_MASS
 from dashpot.vibration.systems.prediction import predict_frf
-from kit import handmade
-from kit.fits import altered
-from kit.trials import DISTURBANCES, KINDS, LAWS, trial
-from kit.verdicts import failures, judged, table
 
 NOTE = Check("a_note", False, "a note", grade="note")
 LIMIT = Check("a_limit", False, "a limit; do this")
@@ -77,7 +77,7 @@ def test_a_noise_free_perfect_pair_fails_nothing(seal: dp.GeneralizedMaxwell, ma
     assert dp.from_json(dp.to_json(study)).verdict == study.verdict
 
 
-# -- what must not ----------------------------------------------------------------------------------
+# -- what must not --------------------------------------------------------------------------------
 
 
 def prepared(force: np.ndarray, *, hold: float = 40.0, noise: float = 1e-3) -> dp.RampHold:
@@ -135,7 +135,7 @@ def test_tests_that_disagree_have_not_converged() -> None:
     assert not joint.ok
 
 
-# -- of a study ---------------------------------------------------------------------------------------
+# -- of a study -----------------------------------------------------------------------------------
 
 
 def test_a_study_is_judged_by_the_solid_that_it_ends_with() -> None:
@@ -158,7 +158,7 @@ def test_a_prediction_that_nothing_has_tested_is_used_with_care() -> None:
     assert "hit the mass with a hammer" in found.says
 
 
-# -- in words and in exit codes -----------------------------------------------------------------------
+# -- in words and in exit codes -------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("check", "code"), [(OPEN, 0), (NOTE, 0), (LIMIT, 1), (STOP, 1)])
@@ -181,7 +181,7 @@ def test_the_first_line_of_a_fit_is_its_verdict_and_the_optimiser_stands_below()
     assert [check["grade"] for check in document["checks"]] == ["stop", "stop", "note"]
 
 
-# -- against records whose truth is known ---------------------------------------------------------------
+# -- against records whose truth is known ---------------------------------------------------------
 
 
 def test_a_few_sound_records_are_to_be_used() -> None:

@@ -86,9 +86,14 @@ def solid_checks(
             left.kappa, left.rms, max(record.force_noise for record in records)
         ),
         checks.step_bias(model, records),
-        checks.fast_arm_visible(model, records),
+        checks.fast_arm_visible(model, records, error=_of_fastest(model, error)),
         checks.residuals_steady(left.every, rounding=_ROUNDING * peak),
     ]
     if len(records) > 1:
         answers.append(checks.same_specimen(end_stiffnesses(records)))
     return answers
+
+
+def _of_fastest(model: GeneralizedMaxwell, error: FloatArray) -> float:
+    """Return the relative standard error of the fastest arm's k."""
+    return float(error[1] / model.k[0]) if model.arms else float("inf")
