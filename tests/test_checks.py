@@ -465,8 +465,12 @@ FITTING = [
         0.334,
         0.333,
     ),
-    Case("offset_believable", lambda x: fitting.offset_believable([(x, 0.0, 1.0)]), 2.999, 3.001),
-    Case("drift_believable", lambda x: fitting.drift_believable([(x, 0.0, 1.0)]), 2.999, 3.001),
+    Case(
+        "offset_believable", lambda x: fitting.offset_believable([(x, 0.0, 1.0, 9.0)]), 2.999, 3.001
+    ),
+    Case(
+        "drift_believable", lambda x: fitting.drift_believable([(x, 0.0, 1.0, 9.0)]), 2.999, 3.001
+    ),
     Case("frequencies_informed", lambda x: fitting.frequencies_informed((1.0, x)), 1.001, 1.0),
     Case("filter_bias", biased, 0.00999, 0.01001),
     Case("filter_bias", cut_off, 5.0, 4.99),
@@ -826,7 +830,7 @@ GRADES = {
         "fitting": {
             "hold_long_enough", "tau_inside_window", "residuals_random", "step_bias",
             "fast_arm_visible", "drift_told_from_arm", "order_agreed", "hold_and_full_agree",
-            "clocks_agree",
+            "clocks_agree", "offset_believable", "drift_believable",
         },
         "fitting/identification": {"dashpot_not_missed"},
         "workflow": {"hold_fit_possible", "history_complete"},
@@ -952,6 +956,8 @@ def test_what_another_condition_makes_harmless_is_a_note() -> None:
     short = replace(RECORD, hold_end=1 + 5.0)
     assert preparation.hold_outlasts_ramp(short).grade == "note"
     assert preparation.hold_outlasts_ramp(replace(RECORD, hold_end=1 + 3.0)).grade == "limit"
+    assert fitting.offset_believable([(8.9, 0.0, 1.0, 9.0)]).grade == "note"
+    assert fitting.drift_believable([(0.0, 0.0, 1.0, 9.0), (9.1, 0.0, 1.0, 9.0)]).grade == "limit"
     other = GeneralizedMaxwell(1.0, (2.0,), (1.0,))
     assert fitting.hold_and_full_agree(arm(), other, np.zeros(3)).grade == "note"
     other = GeneralizedMaxwell(2.0, (1.0,), (1.0,))

@@ -26,6 +26,10 @@ _FEWEST = 5
 _UNSEEN = 0.02
 
 
+# a force off by this part of itself at the end of the hold takes the stiffness off by as much
+MATERIAL = 0.01
+
+
 class Prior(NamedTuple):
     """Mean and standard deviation of a nuisance term before the fit, SI units."""
 
@@ -100,6 +104,28 @@ def _first_motion(record: RampHold) -> int:
     moved = int(np.argmax(record.displacement > 0))
     seen = min(float(record.time[moved]), record.onset)
     return int(np.searchsorted(record.time, seen - _UNSEEN * record.ramp_time))
+
+
+class Material(NamedTuple):
+    """The departures of a load cell that change the force at the end of the hold by `MATERIAL`.
+
+    Attributes
+    ----------
+    offset : float
+        N.
+    drift : float
+        Over the record, N/s.
+    """
+
+    offset: float
+    drift: float
+
+
+def material(record: RampHold) -> Material:
+    """Return which departures from what is known of the load cell matter to the stiffness."""
+    held = record.force[record.hold]
+    final = MATERIAL * abs(float(held[-max(1, len(held) // 20) :].mean()))
+    return Material(final, final / (record.hold_end - record.onset))
 
 
 def delay_prior(record: RampHold) -> Prior:

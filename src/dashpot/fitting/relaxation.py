@@ -31,7 +31,7 @@ from dashpot.fitting.nonlinear_ramp.assembly import ramp_fit
 from dashpot.fitting.nonlinear_ramp.ladder import LawName, ramp_law
 from dashpot.fitting.nonlinear_ramp.soundness import linear_soundness
 from dashpot.fitting.nonlinear_ramp.thinning import ramp_obstacle
-from dashpot.fitting.nuisance import priors
+from dashpot.fitting.nuisance import material, priors
 from dashpot.fitting.pipeline import (
     Chosen,
     First,
@@ -366,12 +366,15 @@ def _load_cells(records: Sequence[RampHold], found: Chosen) -> list[Check]:
     }
     answers = []
     for kind, judge in believable.items():
-        names = [(f"{kind}@{i}", getattr(priors(record), kind)) for i, record in enumerate(records)]
+        terms = [
+            (f"{kind}@{i}", getattr(priors(record), kind), getattr(material(record), kind))
+            for i, record in enumerate(records)
+        ]
         answers.append(
             judge(
                 [
-                    (estimate.solution.coefficient(name), *prior)
-                    for name, prior in names
+                    (estimate.solution.coefficient(name), *prior, matters)
+                    for name, prior, matters in terms
                     if name in estimate.solution.fixed_names
                 ]
             )

@@ -12,6 +12,7 @@ from dashpot.base.provenance import Step
 from dashpot.fitting import checks
 from dashpot.fitting.design import Design, compressed
 from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw
+from dashpot.fitting.nuisance import material
 from dashpot.fitting.pipeline import ended
 from dashpot.fitting.questions import Residuals, solid_checks
 from dashpot.fitting.uncertainty.informed_band import informed_band
@@ -130,10 +131,16 @@ def ramp_checks(tests: Sequence[RampHold], found: RampLaw) -> tuple[Check, ...]:
             tests[deepest].hold_time,
         ),
         checks.offset_believable(
-            [(values[f"offset@{i}"], *known.offset) for i, known in enumerate(rows.known)]
+            [
+                (values[f"offset@{i}"], *known.offset, material(tests[i]).offset)
+                for i, known in enumerate(rows.known)
+            ]
         ),
         checks.drift_believable(
-            [(values[f"drift@{i}"], *known.drift) for i, known in enumerate(rows.known)]
+            [
+                (values[f"drift@{i}"], *known.drift, material(tests[i]).drift)
+                for i, known in enumerate(rows.known)
+            ]
         ),
     )
 
