@@ -216,8 +216,9 @@ def test_the_first_wrong_thing_a_user_does(folder, tmp_path, monkeypatch, words,
 
 
 def test_strict_turns_a_failed_check_into_exit_code_1(folder):
-    run("fit", folder / "seal_8mm.csv", "--arms", "2", expect=0)
-    run("fit", folder / "seal_8mm.csv", "--arms", "2", "--strict", expect=1)
+    run("fit", folder / "seal_8mm.csv", "--arms", "2", "--strict", expect=0)
+    run("fit", folder / "seal_8mm.csv", "--arms", "0", expect=0)
+    run("fit", folder / "seal_8mm.csv", "--arms", "0", "--strict", expect=1)
 
 
 def test_one_profile_for_the_bench_and_one_for_the_hammer(folder, tmp_path):

@@ -185,8 +185,9 @@ def test_the_first_line_of_a_fit_is_its_verdict_and_the_optimiser_stands_below()
 
 
 def test_a_few_sound_records_are_to_be_used() -> None:
-    found = [judged(trial(kind, seed=1)) for kind in KINDS[::6]]
-    assert sum(one.use == "use" for one in found) >= 6, failures(found)
+    found = [judged(trial(kind, seed=0)) for kind in KINDS[::5]]
+    assert sum(one.use == "use" for one in found) >= 7, failures(found)
+    assert not [one for one in found if one.wrong and one.use == "use"]
 
 
 def test_a_few_nonlinear_records_are_not() -> None:
@@ -204,7 +205,7 @@ def test_sound_records_are_to_be_used() -> None:
 
 @pytest.mark.slow
 def test_disturbed_records_whose_result_is_wrong_are_not_to_be_used() -> None:
-    """Friction follows the ramp, and is seen by the colour of the residual alone."""
+    """Also those that are sound but for what the record cannot show, such as a slow arm."""
     kinds = [KINDS[i] for i in (14, 16, 18, 19, 20)]
     groups = {
         name: [judged(trial(kind, seed=seed, bench=bench)) for kind in kinds for seed in range(2)]
