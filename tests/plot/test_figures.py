@@ -125,7 +125,9 @@ def test_the_drawn_residual_is_that_of_a_real_fit(method):
     found = fit(test, arms=2, method=method)
     when, force = fitted_force(found, test)
     left = np.interp(when, test.time - test.onset, test.force) - force
-    assert np.sqrt(np.mean(left**2)) == pytest.approx(found.residual.rms, rel=1e-3)
+    # a full fit leaves the time before contact out, eq. 5 that in which the plate settles
+    fitted = when > (0 if method == "full" else 1.2 * test.ramp_time)
+    assert np.sqrt(np.mean(left[fitted] ** 2)) == pytest.approx(found.residual.rms, rel=3e-3)
 
 
 @pytest.mark.parametrize(

@@ -104,7 +104,7 @@ def test_the_compression_is_zero_before_contact_and_as_recorded_after(raw: Relax
 def test_the_tare_is_the_mean_of_the_baseline(raw: RelaxationTest):
     found = prepare(raw)
     assert found.force[found.time < 1.5].mean() == pytest.approx(0.0, abs=2e-4)
-    tared = raw.force[0] - found.force[0]
+    tared = raw.force[0] - found.reading[0]
     assert tared == pytest.approx(0.05, abs=5e-4)
     assert "tare of 50" in step(found, "tare")
     assert "the baseline drifts by" in step(found, "tare")
@@ -113,7 +113,7 @@ def test_the_tare_is_the_mean_of_the_baseline(raw: RelaxationTest):
 
 def test_nothing_is_filtered_by_default(raw: RelaxationTest):
     found = prepare(raw)
-    np.testing.assert_allclose(np.diff(found.force), np.diff(raw.force), atol=1e-12)
+    np.testing.assert_allclose(np.diff(found.reading), np.diff(raw.force), atol=1e-12)
     assert "filter" not in [s.name for s in found.steps]
 
 
@@ -131,7 +131,9 @@ def test_preparation_keeps_the_source(raw: RelaxationTest):
     found = prepare(replace(raw, source=source, specimen=specimen))
     assert found.source == source
     assert found.specimen == specimen
-    assert [s.name for s in found.steps] == ["orientation", "segments", "contact", "tare", "ramp"]
+    assert [s.name for s in found.steps] == [
+        "orientation", "segments", "contact", "tare", "ramp", "hum",
+    ]  # fmt: skip
 
 
 @settings(max_examples=20)

@@ -191,8 +191,8 @@ def fitted_force(one: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
     """Time from first contact and the force that the fit says at it, N.
 
     A fit of the hold answers to the ideal ramp of the paper's eq. (5), on the hold only. Every
-    other answers to the motion behind the recorded displacement, with the offset and drift of the
-    load cell that the fit allowed: given the solid, they are what least squares makes of the rest.
+    other answers to the motion behind the recorded displacement, bent by the elastic law, with the
+    offset, drift and delay that the fit found.
     """
     solid = _at_depth(one, prepared.depth)
     if one.method == "hold":
@@ -202,12 +202,21 @@ def fitted_force(one: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
         )
     used = slice(0, prepared.hold.stop)
     time, (x, _) = prepared.time[used], true_motion(prepared)
-    force = solid.force(time, x - x[0])
-    terms = {"offset": np.ones(len(time)), "drift": time - time[0]}
-    allowed = {term.name.partition(" ")[0] for term in one.nuisance}
-    columns = [column for name, column in terms.items() if name in allowed]
-    if columns:
-        design = np.column_stack(columns)
+    law = one.elastic_law
+    path = x - x[0] if law is None or law.kind == "linear" else law.path(x - x[0])
+    force = solid.force(time, path)
+    terms = {
+        "offset": np.ones(len(time)),
+        "drift": time - time[0],
+        "delay": -np.gradient(force, time),
+    }
+    told = {term.name: term.value for term in one.nuisance if term.name in terms}
+    allowed = {term.name.partition(" ")[0] for term in one.nuisance} & set(terms)
+    if told:
+        force = force + sum(value * terms[name] for name, value in told.items())
+    elif allowed:
+        # of several tests it is not known which this is
+        design = np.column_stack([terms[name] for name in sorted(allowed)])
         size, *_ = np.linalg.lstsq(design, prepared.force[used] - force, rcond=None)
         force = force + design @ size
     return time - prepared.onset, force

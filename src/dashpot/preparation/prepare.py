@@ -290,7 +290,7 @@ def _without_hum(record: RampHold) -> RampHold:
     steps = np.diff(time)
     if len(steps) < 2 or np.ptp(steps) > _EVEN * steps.mean():
         return record
-    lines = hum_lines(time, force, noise=record.force_noise)
+    lines = hum_lines(time, without_spikes(time, force), noise=record.force_noise)
     if not lines:
         return record
     force = record.force - np.sum([line.force(record.time) for line in lines], axis=0)

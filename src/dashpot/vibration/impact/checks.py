@@ -18,6 +18,8 @@ from dashpot.vibration.impact.rocking import Combination
 
 ENOUGH = 3  # good hits
 COHERENT = 0.9
+# lines on either side of a resonance from which a single hit tells it
+AROUND = 5.0
 LINES = 1.5  # in the half-power band
 TIME_CONSTANTS = 6  # of decay that a record should hold: FRF errors below 0.5 %
 OUTLIER = 5.0  # times the usual disagreement between a hit and the others
@@ -264,7 +266,7 @@ def amplitude_trend(frf: FRF, spectra: Spectra, main: Mode) -> Trend | None:
     """
     hits = [hit for hit in frf.hits if hit.accepted]
     step = float(np.median(np.diff(frf.frequency)))
-    reach = max(WIDE * (main.bandwidth + frf.shift / np.pi), LINES * step)
+    reach = max(WIDE * (main.bandwidth + frf.shift / np.pi), AROUND * step)
     near = np.abs(frf.frequency - main.frequency) <= reach
     ends = float(frf.frequency[near][0]), float(frf.frequency[near][-1])
     rows = []
