@@ -798,7 +798,6 @@ LIMITS = {
         "few_arms_suffice": 0.05, "kramers_kronig": 0.05, "loss_positive": 0, "storage_rises": 0.05,
         "data_agree": 1.3, "bands_meet": 10, "k_inf_known": 0.5, "force_followed": 1.75,
         "arms_where_force_relaxes": 0.02, "ramp_followed": 0.01, "tangent_told": 2,
-        "clocks_agree": 3,
         "hold_followed": 1.25,
         "k_inf_believable": 0.05, "offset_believable": 3, "drift_believable": 3,
     },

@@ -241,7 +241,8 @@ def test_a_raw_record_of_the_rig_and_a_sweep_are_fitted_together() -> None:
 
 def test_tare_and_drift_of_each_relaxation_test_are_told() -> None:
     held = ramp_hold(ZENER, noise=1e-3)
-    shifted = replace(held, force=held.force + 0.5)
+    other = ramp_hold(ZENER, noise=1e-3, seed=7)
+    shifted = replace(other, force=other.force + 0.5)
     found = fit_dynamic(sweep(ZENER, noise=0.01), tests=[held, shifted], arms=1)
     told = {item.name: item for item in found.nuisance}
     assert set(told) == {f"{kind} of test {i}" for kind in ("offset", "drift") for i in (1, 2)}

@@ -200,7 +200,7 @@ def test_two_ramp_rates_share_the_law() -> None:
     assert abs(off(found)) < 0.5
     assert float(found.law.tangent(2.6e-3)) == pytest.approx(164.7, rel=0.02)
     fitted = ramp_fit(tests, found)
-    assert fitted.elastic_law == found.law
+    assert replace(fitted.elastic_law, shape_se=()) == found.law
     assert fitted.model_at(2.6e-3).k_inf == pytest.approx(164.7, rel=0.02)
     told = next(check for check in fitted.checks if check.name == "tangent_told")
     assert told.passed

@@ -11,13 +11,15 @@ by the exact recursion for a motion that is straight between instants four times
 record. A `Bench` is the machine and its faults: motion, load cell, clocks; all faults are off by
 default, `DISTURBANCES` names each at the size of the trials.
 
->>> one = trial(KINDS[3], seed=7)                               # a Trial: arrays and truth
->>> one.time, one.displacement, one.force                       # s, m, N, as a file would hold
->>> one.seal.stiffness(omega), one.stiffness_at(omega, 2.6e-3)  # K' + j K'', N/m; tangent there
->>> one.k_end(), one.k_end(3), one.seal.k_inf                   # k(T), k(3 T)
->>> trial(KINDS[3], seed=7, bench=DISTURBANCES["late 1 ms"], law="cubic")
->>> strike(one.seal, mass=0.104, seals=2, seed=7)               # a Hammering: hits with noise
->>> relaxation_test(one), impact_test(hits)                     # as dashpot's nouns
+.. code-block:: python
+
+    one = trial(KINDS[3], seed=7)                               # a Trial: arrays and truth
+    one.time, one.displacement, one.force                       # s, m, N, as a file would hold
+    one.seal.stiffness(omega), one.stiffness_at(omega, 2.6e-3)  # K' + j K'', N/m; tangent there
+    one.k_end(), one.k_end(3), one.seal.k_inf                   # k(T), k(3 T)
+    trial(KINDS[3], seed=7, bench=DISTURBANCES["late 1 ms"], law="cubic")
+    strike(one.seal, mass=0.104, seals=2, seed=7)               # a Hammering: hits with noise
+    relaxation_test(one), impact_test(hits)                     # as dashpot's nouns
 
 `KINDS` are 42: seven solids (2 to 6 arms over 1 ms to 300 s, fractional, power law), drawn by the
 seed, on each of six motions. Everything is SI.

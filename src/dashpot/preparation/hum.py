@@ -78,7 +78,8 @@ def _strongest(power: FloatArray, first: int) -> int | None:
     if len(power) <= first + 2 * _NEIGHBOURS:
         return None
     blocks = len(power) // _NEIGHBOURS
-    level = np.median(power[: blocks * _NEIGHBOURS].reshape(blocks, _NEIGHBOURS), axis=1)
+    ordered = np.sort(power[: blocks * _NEIGHBOURS].reshape(blocks, _NEIGHBOURS), axis=1)
+    level = ordered[:, _NEIGHBOURS // 2]
     # the median of the power of white noise is ln 2 of its mean
     about = np.interp(
         np.arange(len(power)), _NEIGHBOURS * (np.arange(blocks) + 0.5), level / np.log(2)

@@ -13,12 +13,15 @@ from dashpot.fitting import checks
 from dashpot.fitting.design import Design, compressed
 from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw
 from dashpot.fitting.nuisance import material
+from dashpot.fitting.nuisance import delay_prior
 from dashpot.fitting.pipeline import ended
 from dashpot.fitting.questions import Residuals, solid_checks
 from dashpot.fitting.uncertainty.informed_band import informed_band
 from dashpot.records.bounds import EndOfHold
+from dashpot.records.estimate import ParameterEstimate
 from dashpot.records.fit import AtDepth, Evidence, Fit, Provenance
 from dashpot.records.relaxation import RampHold
+from dashpot.solids.maxwell import GeneralizedMaxwell
 
 
 def ramp_fit(
@@ -43,7 +46,8 @@ def ramp_fit(
     end : EndOfHold or None
         What the holds know of their end.
     """
-    model, estimate = found.model, found.estimate
+    model, estimate = found.model, _doubted(found.estimate, found.model, tests)
+    found = replace(found, estimate=estimate)
     deepest = max(tests, key=lambda test: test.depth)
     residual = estimate.residual
     band = informed_band(
@@ -78,6 +82,33 @@ def ramp_fit(
         ),
         elastic_law=replace(found.law, shape_se=_shape_error(found)),
     )
+
+
+def _doubted(
+    estimate: ParameterEstimate, model: GeneralizedMaxwell, tests: Sequence[RampHold]
+) -> ParameterEstimate:
+    r"""Return the estimate with what depth and clock of the tests leave unknown.
+
+    A relative error of the depth scales every stiffness, a delay :math:`\delta` of the ramp each arm
+    by :math:`\delta/\tau_j`; of n tests each counts :math:`1/\sqrt n`.
+    """
+    depth = [np.hypot(test.depth_doubt, test.contact_error / test.depth) for test in tests]
+    late = [
+        np.hypot(
+            delay_prior(test).sd, test.encoder_step / np.sqrt(12) * test.ramp_time / test.depth
+        )
+        for test in tests
+    ]
+    k, tau = np.asarray(model.k), np.asarray(model.tau)
+    none = np.zeros(len(estimate.covariance) - 1 - len(k))
+    changes = (
+        (depth, np.concatenate(([model.k_inf], k, none))),
+        (late, np.concatenate(([0.0], k / tau, none))),
+    )
+    covariance = np.array(estimate.covariance)
+    for doubt, change in changes:
+        covariance += float(np.mean(np.square(doubt))) / len(tests) * np.outer(change, change)
+    return replace(estimate, covariance=covariance)
 
 
 def _shape_error(found: RampLaw) -> tuple[float, ...]:

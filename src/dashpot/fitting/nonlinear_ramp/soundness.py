@@ -23,6 +23,7 @@ from dashpot.fitting.nonlinear_ramp.hold_first import (
 from dashpot.fitting.nonlinear_ramp.projection import Weighted
 from dashpot.fitting.nonlinear_ramp.quasi_linear import QuasiLinear
 from dashpot.fitting.nonlinear_ramp.thinning import Rows, relaxes_from
+from dashpot.preparation.denoising import true_motion
 from dashpot.records.relaxation import RampHold
 
 # a linear law is wrong if it leaves so much more than the noise on the ramp, in one sample or in
@@ -58,6 +59,7 @@ def soundness(
     discrepancy: float,
     samples: float,
     peak: float,
+    unread: float = 0.0,
 ) -> Soundness:
     r"""Judge a linear fit by its residuals.
 
@@ -76,12 +78,14 @@ def soundness(
         Effective number of residuals on the ramp: of few, more is chance.
     peak : float
         Largest force, N.
+    unread : float
+        Force on the ramp that what the encoder leaves of the motion stands for, N.
     """
     floor = NEGLIGIBLE * peak
     by_chance = 1.0 + 3.0 / np.sqrt(2.0 * max(samples, 1.0))
     quiet = ramp <= max(SOUND_RAMP, by_chance) * noise
     straight = discrepancy <= SOUND_SHAPE * by_chance
-    followed = (quiet and straight) or ramp <= floor
+    followed = (quiet and straight) or ramp <= max(floor, SOUND_SHAPE * unread)
     sound = bool(followed and (hold <= SOUND_HOLD * alone or hold <= floor))
     return Soundness(ramp / max(noise, 1e-300), hold / max(alone, 1e-300), sound)
 
@@ -112,7 +116,14 @@ def linear_soundness(test: RampHold, whole: FloatArray, alone: FloatArray) -> So
         discrepancy=rms / max(least, 1e-300) * float(np.sqrt(noises[0].kappa / noises[1].kappa)),
         samples=len(ramp) / noises[1].kappa,
         peak=peak,
+        unread=peak / test.depth * _left_of_motion(test, slice(onset, corner)),
     )
+
+
+def _left_of_motion(test: RampHold, ramp: slice) -> float:
+    """Standard deviation of what the encoder leaves of the motion on the ramp, m."""
+    _, left = true_motion(test)
+    return float(np.sqrt(np.mean(left[ramp] ** 2)))
 
 
 def sample_noise(scatter: float, rms: float) -> float:

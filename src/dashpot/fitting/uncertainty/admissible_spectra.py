@@ -42,6 +42,8 @@ GAIN = 0.05
 CALIBRATION = 5.0 / 3.841
 # rows with no more of any unit column are rounding
 ROUNDING = 1e-9
+# a column below this part of the largest is nothing
+UNSEEN = 1e-12
 # a ratio is found when one more step would move its numerator by this part of a standard error
 CLOSE = 1e-3
 STEPS = 40
@@ -120,12 +122,18 @@ class Spectra:
             parts.append(np.column_stack((part.target, part.spring, part.dashpot, arms)))
         rows = np.vstack(parts)
         self.tau = np.exp(log_tau)
-        self.scale = np.maximum(np.linalg.norm(rows[:, 1:], axis=0), np.finfo(float).tiny)
-        rows[:, 1:] /= self.scale
-        told = np.linalg.norm(rows[:, 1:], axis=1) > ROUNDING
-        aside, rows = float(rows[~told, 0] @ rows[~told, 0]), rows[told]
-        self.columns, self.target = np.ascontiguousarray(rows[:, 1:]), rows[:, 0].copy()
-        self.best = nonnegative_least_squares(self.columns, self.target, start * self.scale)
+        norm = np.linalg.norm(rows[:, 1:], axis=0)
+        # what the record does not show at all is limited by nothing
+        self.shown = norm > UNSEEN * norm.max()
+        self.scale = np.where(self.shown, norm, 1.0)
+        columns = np.where(self.shown, rows[:, 1:] / self.scale, 0.0)
+        told = np.linalg.norm(columns, axis=1) > ROUNDING
+        aside, self.target = float(rows[~told, 0] @ rows[~told, 0]), rows[told, 0].copy()
+        self.columns = np.ascontiguousarray(columns[told])
+        self.best = np.zeros(len(norm))
+        self.best[self.shown] = nonnegative_least_squares(
+            self.columns[:, self.shown], self.target, (start * self.scale)[self.shown]
+        )
         self.least = self.left(self.best)
         return self.least + aside
 
@@ -160,21 +168,26 @@ class Spectra:
 
     def farthest(self, v: FloatArray) -> FloatArray:
         """The spectrum of the largest v . k, N/m, shape (m,)."""
-        aim = v / self.scale
+        aim, on = v / self.scale, self.shown
         start = max(self.met, key=lambda s: float(aim @ s))
-        found = farthest(self.columns, self.target, aim, self.least + self.limit, start)
+        found = np.zeros(len(aim))
+        found[on] = farthest(
+            self.columns[:, on], self.target, aim[on], self.least + self.limit, start[on]
+        )
         self.met.append(found)
-        return np.asarray(found / self.scale)
+        return np.where(~on & (aim > 0), np.inf, found / self.scale)
 
     def reach(self, v: FloatArray) -> tuple[float, float]:
         """Smallest and largest v . k that the tests do not reject."""
-        return float(v @ self.farthest(-v)), float(v @ self.farthest(v))
+        return _along(v, self.farthest(-v)), _along(v, self.farthest(v))
 
     def ratio_reach(self, above: FloatArray, below: FloatArray) -> tuple[float, float]:
         """Smallest and largest (above . k) / (below . k), below . k > 0 (Dinkelbach 1967)."""
         return -self._largest_ratio(-above, below), self._largest_ratio(above, below)
 
     def _largest_ratio(self, above: FloatArray, below: FloatArray) -> float:
+        if (above[~self.shown] > 0).any():
+            return np.inf
         a, b = above / self.scale, below / self.scale
         ratio = max(float(a @ s) / float(b @ s) for s in self.met)
         for _ in range(STEPS):
@@ -185,6 +198,12 @@ class Spectra:
                 break
             ratio = larger
         return ratio
+
+
+def _along(v: FloatArray, spectrum: FloatArray) -> float:
+    """V . k, of what v asks for."""
+    asked = v != 0
+    return float(v[asked] @ spectrum[asked])
 
 
 def _spread(count: int) -> IndexArray:

@@ -24,6 +24,8 @@ UNKNOWN = 3.0
 # inner and outer distance of a point from the set of stiffnesses differ by less
 CLOSE = 0.01
 # directions in which that set is felt, at most
+# so many times the stiffness of a mass is as good as infinite
+FAR = 1e9
 DIRECTIONS = 40
 # the resonance is sought within this factor of the fit's own
 SOUGHT = 5.0
@@ -305,7 +307,11 @@ class _Felt:
     def towards(self, direction: FloatArray) -> None:
         """Feel the set in one more direction."""
         unit = direction / np.linalg.norm(direction)
-        farthest = self.columns @ self.spectra.farthest(unit @ self.columns)
+        spectrum = self.spectra.farthest(unit @ self.columns)
+        open_ended = np.isinf(spectrum)
+        # as good as without end, and still a point
+        end = FAR * float(np.linalg.norm(self.point)) / np.linalg.norm(self.columns, axis=0)
+        farthest = self.columns @ np.where(open_ended, end, spectrum)
         self.directions.append(unit)
         self.points.append(farthest - self.point)
 
