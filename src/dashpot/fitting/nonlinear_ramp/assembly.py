@@ -12,8 +12,7 @@ from dashpot.base.provenance import Step
 from dashpot.fitting import checks
 from dashpot.fitting.design import Design, compressed
 from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw
-from dashpot.fitting.nuisance import material
-from dashpot.fitting.nuisance import delay_prior
+from dashpot.fitting.nuisance import delay_prior, material
 from dashpot.fitting.pipeline import ended
 from dashpot.fitting.questions import Residuals, solid_checks
 from dashpot.fitting.uncertainty.informed_band import informed_band
