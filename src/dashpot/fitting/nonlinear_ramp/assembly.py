@@ -88,8 +88,8 @@ def _doubted(
 ) -> ParameterEstimate:
     r"""Return the estimate with what depth and clock of the tests leave unknown.
 
-    A relative error of the depth scales every stiffness, a delay :math:`\delta` of the ramp each arm
-    by :math:`\delta/\tau_j`; of n tests each counts :math:`1/\sqrt n`.
+    A relative error of the depth scales every stiffness, a delay :math:`\delta` of the ramp each
+    arm by :math:`\delta/\tau_j`; of n tests each counts :math:`1/\sqrt n`.
     """
     depth = [np.hypot(test.depth_doubt, test.contact_error / test.depth) for test in tests]
     late = [
