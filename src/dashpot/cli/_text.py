@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from dashpot.base.checks import Check, Verdict
     from dashpot.records.fit import Fit
     from dashpot.records.frf import FRF, Mode
+    from dashpot.solids.elastic import ElasticLaw
     from dashpot.workflow.impacts import ImpactResult
     from dashpot.workflow.study import Study
 
@@ -61,6 +62,8 @@ def fit(found: Fit) -> str:
         f"  residual    {size} over {residual.n} samples (each worth 1/{residual.kappa:.3g})"
     )
     lines.append(f"  informed    {hertz(found.band)}; outside it the model is an extrapolation")
+    if found.elastic_law and found.elastic_law.kind != "linear":
+        lines.append(f"  elastic law {_law(found.elastic_law)}")
     if found.end_of_hold:
         lines.append(f"  left open   {ascii_only(found.end_of_hold.says)}")
     if found.certificate:
@@ -255,3 +258,14 @@ def prediction(
             "damping there is not known from this test"
         )
     return "\n".join(lines)
+
+
+def _law(law: ElasticLaw) -> str:
+    """The tangent of an elastic law at a few compressions, beside its secant."""
+    step = max(1, (len(law.knots) - 1) // 4)
+    shown = law.knots[::step]
+    each = zip(shown, law.tangent(shown), law.stiffness * law.factor_se(shown), strict=True)
+    tangents = ", ".join(
+        f"{with_error(1e-3 * k, 1e-3 * se or None)} at {1e3 * x:.3g} mm" for x, k, se in each
+    )
+    return f"secant {1e-3 * law.stiffness:.4g} N/mm at {1e3 * law.depth:.3g} mm; tangent {tangents}"

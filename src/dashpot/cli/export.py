@@ -41,6 +41,11 @@ TARGETS = (
 @click.option("--bulk-modulus", type=Quantity("stress"), help="Of the rubber, for material cards.")
 @click.option("--density", type=float, help="Of the rubber, kg/m^3, for material cards.")
 @options.seals
+@click.option(
+    "--compression",
+    type=Quantity("length"),
+    help="Small vibration about it: the tangent there, e.g. 2.6mm [default: the secant].",
+)
 @click.option("--allow", multiple=True, metavar="PROBLEM", help="Overlook one named problem.")
 @click.option("--force", is_flag=True, help="Overlook every problem; leaves a mark in the deck.")
 @click.option("-o", "--output", metavar="FILE", default="-", help="The deck [default: stdout].")
@@ -55,6 +60,7 @@ def command(
     pitch: float | None,
     normal: str | None,
     seals: float,
+    compression: float | None,
     allow: tuple[str, ...],
     force: bool,
     output: str,
@@ -71,6 +77,8 @@ def command(
     dashpot export fit.json --to calculix --units mm-t-s --mass 104g --seals 2 --force -o seal.inp
     """
     found = _described(read_fit(fit), specimen)
+    if compression is not None:
+        found = found.at_compression(compression)
     if seals != 1:
         found = found.in_parallel(seals)
     choices["line"] = None if line is None else _seal_line(line, pitch, normal, units)

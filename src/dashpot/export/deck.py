@@ -184,6 +184,7 @@ class Deck:
             + ("not stated" if kelvin is None else f"{kelvin:.6g} K ({kelvin - 273.15:.4g} degC)"),
             "contact length: "
             + ("not stated" if metres is None else f"{metres / units.length:.6g} {length}"),
+            *self._elastic_law(),
             *self._pedigree(),
             *(f"OVERRIDE: {sentence}" for sentence in self.overrides),
             *(
@@ -193,13 +194,32 @@ class Deck:
             ),
         ]
 
+    def _elastic_law(self) -> list[str]:
+        """What the stiffnesses are where the elastic law is not straight."""
+        law = self.fit.elastic_law if self.fit else None
+        if law is None or law.kind == "linear":
+            return []
+        tangents = zip(law.knots, law.tangent(law.knots), strict=True)
+        listed = ", ".join(
+            f"{self.units.stiffness(float(k)):.4g} {self.units.stiffness_word} at "
+            f"{x / self.units.length:.4g} {self.units.words[0]}"
+            for x, k in tangents
+        )
+        return [
+            f"elastic law: not straight; its tangent k_inf is {listed}",
+            "  the stiffnesses above are the secant at the deepest; small vibration about a "
+             "compression feels the tangent there (export --compression)",
+        ]
+
     def _pedigree(self) -> list[str]:
         """The fit, its files, and the band that the test informs."""
         lines = []
         if self.fit is None or not self.fit.source:
             lines.append("source: a model in memory; no file is known to stand behind it")
         else:
-            scaled = [step.says for step in self.fit.steps if step.name == "parallel"]
+            scaled = [
+                step.says for step in self.fit.steps if step.name in {"parallel", "compression"}
+            ]
             lines.append(f"fit: {', '.join([self.fit.identity, *scaled])}")
             lines += [f"source: {each.file} sha256 {each.sha256}" for each in self.fit.source]
             if any(each.simulated for each in self.fit.source):

@@ -205,6 +205,7 @@ def relaxation_data(test: RampHold, fit: Fit, *, alone: Fit | None = None) -> Re
     if fit.method == "hold":
         return held_data(test, model, _left_by(own, held(test)))
     x, left = true_motion(test)
+    x, left = _bent(fit, x - x[0], left)
     time = evened(test.time[: len(x)] - test.time[0])
     motions = _doubts(test, time)
     columns = {name: model.force(time, 1.0 * moved) for name, (moved, _) in motions.items()}
@@ -220,6 +221,14 @@ def relaxation_data(test: RampHold, fit: Fit, *, alone: Fit | None = None) -> Re
         residual,
         doubts={name.partition("@")[0]: sd for name, (_, sd) in motions.items()},
     )
+
+
+def _bent(fit: Fit, x: FloatArray, left: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The motion, and what is left of its errors, as a linear solid answers it."""
+    law = fit.elastic_law
+    if law is None or law.kind == "linear":
+        return x, left
+    return law.path(x), left * law.factor(x)
 
 
 def held_data(test: RampHold, answer: GeneralizedMaxwell, residual: FloatArray) -> RelaxationData:

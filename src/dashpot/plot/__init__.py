@@ -8,12 +8,13 @@ from dashpot.plot.files import save, to_svg
 from dashpot.plot.impact import hits
 from dashpot.plot.overview import hero
 from dashpot.plot.relaxation import fit, segments
-from dashpot.plot.solid import dynamic_stiffness, spectrum, stiffness
+from dashpot.plot.solid import dynamic_stiffness, elastic_law, spectrum, stiffness
 from dashpot.plot.vibration import comparison, frf, nyquist
 
 __all__ = [
     "comparison",
     "dynamic_stiffness",
+    "elastic_law",
     "fit",
     "frf",
     "hero",

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, IndexArray
+from dashpot.base.errors import DataError
 from dashpot.plot import panels as panel
 from dashpot.plot.style import (
     BLUE,
@@ -21,6 +22,7 @@ from dashpot.plot.style import (
     PAGE,
     PURPLE,
     SMALL,
+    Pen,
     dress,
     figure,
     legend_above,
@@ -35,6 +37,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 FREQUENCY = "frequency, Hz"
+DASHED = Pen(GREY, (0, (4, 2)), 0.9)
 LABELS = {
     "storage": "storage stiffness K′, N/mm",
     "damping": "damping c, N·s/m",
@@ -69,6 +72,45 @@ def spectrum(fit: Fit, *, joint: Fit | None = None) -> Figure:
         textcoords="offset points", fontsize=SMALL, color=CHOSEN.color, va="bottom",
     )  # fmt: skip
     legend_above(made, ax, columns=1)
+    return made
+
+
+def elastic_law(fit: Fit, *, compression: float | None = None) -> Figure:
+    """Relaxed force and tangent stiffness against compression, the tangent with two errors.
+
+    The dashed lines are the secant of the fit, which a straight law would follow. `compression`,
+    m, is where a mass rests.
+
+    Raises
+    ------
+    DataError
+        If the fit has no elastic law.
+    """
+    law = fit.elastic_law
+    if law is None:
+        raise DataError("the fit has no elastic law: it is not of a relaxation test")
+    made = figure(PAGE, 62)
+    x = np.linspace(0.0, law.depth, 201)
+    knots, at = np.asarray(law.knots), 1e3 * x
+    left, right = made.subplots(1, 2)
+    panel.line(left, at, law.force(x), CHOSEN, "elastic law, relaxed")
+    panel.line(left, at, law.stiffness * x, DASHED, f"secant at {1e3 * law.depth:.3g} mm")
+    error = 2e-3 * law.stiffness * law.factor_se(x)
+    tangent = 1e-3 * law.tangent(x)
+    limits = np.array([tangent - error, tangent + error])
+    panel.limits(right, at, limits, BLUE, label="± 2 standard errors", alpha=0.3)
+    panel.line(right, at, tangent, CHOSEN, "tangent")
+    panel.line(right, at, np.full(len(x), 1e-3 * law.stiffness), DASHED, "secant")
+    right.plot(1e3 * knots, 1e-3 * law.tangent(knots), "o", color=CHOSEN.color, markersize=2.5)
+    for ax in (left, right):
+        if compression is not None:
+            ax.axvline(1e3 * compression, color=GREY, linewidth=0.8, linestyle=(0, (1, 1.5)),
+                       label=f"the mass rests at {1e3 * compression:.3g} mm")  # fmt: skip
+        ax.set_xlim(0, at[-1])
+        ax.set_ylim(0, None)
+    dress(left, x="compression, mm", y="relaxed force, N")
+    dress(right, x="compression, mm", y="stiffness k∞, N/mm")
+    legend_above(made, right, columns=4)
     return made
 
 

@@ -444,13 +444,40 @@ class Fit(ByValue):
 
         What belongs to the fitted record alone (orders, certificate, nuisances) stays behind.
         """
-        scale = np.array([1.0 if name.startswith("ln_") else count for name in self.parameters])
         length = None if self.specimen.length is None else count * self.specimen.length
         step = Step(
             "parallel",
             (("count", f"{count:g}"), ("of", self.identity)),
             f"{count:g} in parallel of fit {self.identity}",
         )
+        scaled = self._scaled(count, step)
+        specimen = replace(self.specimen, length=length)
+        return replace(scaled, provenance=replace(scaled.provenance, specimen=specimen))
+
+    def at_compression(self, compression: float) -> Fit:
+        """The fit as small vibration about a compression, m, feels it: every stiffness the tangent.
+
+        With a straight elastic law that is the fit itself.
+
+        Raises
+        ------
+        DataError
+            If the compression is not a number > 0.
+        """
+        tangent = self.model_at(compression)
+        if self.elastic_law is None or self.elastic_law.kind == "linear":
+            return self
+        factor = float(self.elastic_law.factor(compression))
+        step = Step(
+            "compression",
+            (("compression_m", repr(compression)), ("of", self.identity)),
+            f"tangent at {1e3 * compression:.4g} mm, {factor:.4g} times the secant of fit "
+            f"{self.identity}",
+        )
+        return replace(self._scaled(factor, step), solid=tangent, elastic_law=None)
+
+    def _scaled(self, count: float, step: Step) -> Fit:
+        scale = np.array([1.0 if name.startswith("ln_") else count for name in self.parameters])
         return replace(
             self,
             solid=count * self.solid,
@@ -466,9 +493,5 @@ class Fit(ByValue):
                 checks=self.checks,
                 end_of_hold=None if self.end_of_hold is None else self.end_of_hold * count,
             ),
-            provenance=replace(
-                self.provenance,
-                steps=(*self.steps, step),
-                specimen=replace(self.specimen, length=length),
-            ),
+            provenance=replace(self.provenance, steps=(*self.steps, step)),
         )

@@ -16,6 +16,8 @@ CAPTIONS = {
     "on logarithmic time. Shaded: baseline (grey), ramp (yellow), hold (blue).",
     "fit": "Measured force and fitted solids. Residuals: every sample pale, their mean in colour; "
     "a good fit leaves noise and no shape.",
+    "law": "Elastic law from the ramp: relaxed force and tangent stiffness against "
+    "compression. Small vibration feels the tangent where the mass rests, not the secant.",
     "spectrum": "Relaxation spectrum: one stem per Maxwell arm.",
     "stiffness": "Dynamic stiffness and loss factor of one seal. Solid line and blue shade: what "
     "the relaxation test informs; dashed: extrapolation.",
@@ -50,6 +52,10 @@ def _of_relaxation(study: Study) -> Iterator[tuple[str, Figure, *tuple[str, ...]
     """Name, figure, and what its caption says further."""
     yield "segments", plot.segments(study.prepared)
     yield "fit", plot.fit(study.fit, study.prepared, alternatives=study.alternatives)
+    law = study.fit.elastic_law
+    if law is not None and law.kind != "linear":
+        at = None if study.at_rest is None else study.at_rest.point.compression
+        yield "law", plot.elastic_law(study.fit, compression=at)
     yield "spectrum", plot.spectrum(study.fit, joint=study.joint)
     stiffness = plot.stiffness(
         study.fit,
