@@ -36,10 +36,10 @@ from .records.fit import Fit as Fit
 from .records.fit import Status as Status
 from .records.frf import FRF as FRF
 from .records.impact import ImpactTest as ImpactTest
+from .records.machine import Machine as Machine
 from .records.modulus import RelaxationModulus as RelaxationModulus
 from .records.relaxation import RampHold as RampHold
 from .records.relaxation import RelaxationTest as RelaxationTest
-from .records.rig import Rig as Rig
 from .records.specimen import Specimen as Specimen
 from .solids import networks as networks
 from .solids.elastic import compare_with_curve as compare_with_curve

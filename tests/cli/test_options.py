@@ -12,7 +12,7 @@ from dashpot.base.options import option
 from dashpot.cli import COMMANDS, main
 from dashpot.cli._options import filled
 from dashpot.io.options import ReadOptions
-from dashpot.records.rig import Rig
+from dashpot.records.machine import Machine
 from dashpot.records.specimen import Specimen
 from dashpot.workflow.job import HammerChoices
 
@@ -73,13 +73,13 @@ def test_what_cannot_be_is_refused(words, says):
 @pytest.mark.parametrize(
     ("command", "nouns"),
     [
-        ("fit", (ReadOptions, Specimen, Rig)),
-        ("predict", (Rig,)),
+        ("fit", (ReadOptions, Specimen, Machine)),
+        ("predict", (Machine,)),
         ("inspect", (ReadOptions,)),
         ("impact", (ReadOptions, HammerChoices)),
         ("compare", (ReadOptions, HammerChoices)),
-        ("identify", (ReadOptions, HammerChoices, Rig)),
-        ("report", (ReadOptions, Specimen, HammerChoices, Rig)),
+        ("identify", (ReadOptions, HammerChoices, Machine)),
+        ("report", (ReadOptions, Specimen, HammerChoices, Machine)),
         ("export", (Specimen,)),
     ],
 )

@@ -13,8 +13,8 @@ from dashpot.fitting import checks
 from dashpot.fitting.relaxation import fit
 from dashpot.preparation import checks as record_checks
 from dashpot.records.fit import Fit, Status
+from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold
-from dashpot.records.rig import Rig
 from dashpot.records.specimen import Specimen
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -225,7 +225,7 @@ def test_an_arm_lost_in_the_ramp() -> None:
 
 def test_drift_that_hides_a_slow_arm() -> None:
     slow = GeneralizedMaxwell(180.0, (15.0,), (35.0,))
-    loose = replace(record_of(slow, noise=2e-2), rig=Rig(drift=1.0))
+    loose = replace(record_of(slow, noise=2e-2), machine=Machine(drift=1.0))
     check = named(fit(loose, arms=1), "drift_told_from_arm")
     assert check.failed
     assert "record a baseline before contact" in check.says

@@ -46,7 +46,7 @@ def test_a_quasi_linear_seal_is_recovered_and_called_separable(
         assert at.k_inf == pytest.approx(float(cubic(np.array(at.depth))) / at.depth, rel=1e-3)
     assert found.separable.passed
     assert found.fit.by_depth == found.by_depth
-    assert replace(found.fit.elastic_law, shape_se=()) == found.law
+    assert replace(found.fit.elastic_law, ratio_se=()) == found.law
     vibrating = found.tangent_model(8e-3)
     assert vibrating.k_inf == pytest.approx(289.5, rel=0.02)
     assert found.tangent_model(2.6e-3).k_inf == pytest.approx(164.7, rel=0.005)

@@ -11,8 +11,8 @@ from dashpot.fitting.relaxation import fit
 from dashpot.preparation.prepare import prepare
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.fit import Fit
+from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold
-from dashpot.records.rig import Rig as RigNote
 from dashpot.simulation.relaxation import Rig, simulate_relaxation
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import BROAD, PAPER
@@ -56,7 +56,7 @@ def test_a_known_drift_tells_the_end() -> None:
     """A free drift is what hides the end: the data sheet's narrows it."""
     test = pressed(PAPER)
     free = fit(test).left_open
-    known = fit(replace(test, rig=RigNote(drift=1e-5))).left_open
+    known = fit(replace(test, machine=Machine(drift=1e-5))).left_open
     assert free is not None
     assert known is not None
     assert np.ptp(known["k_end"]) < 0.7 * np.ptp(free["k_end"])

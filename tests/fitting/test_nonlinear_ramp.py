@@ -110,7 +110,7 @@ def test_units_do_not_matter() -> None:
     )  # fmt: skip
     found, same = ramp_law([test]), ramp_law([kilo])
     assert len(same.law.knots) == len(found.law.knots)
-    np.testing.assert_allclose(same.law.shape, found.law.shape, rtol=1e-5)
+    np.testing.assert_allclose(same.law.ratio, found.law.ratio, rtol=1e-5)
     assert same.model.k_inf == pytest.approx(1e6 * found.model.k_inf, rel=1e-6)
 
 
@@ -200,7 +200,7 @@ def test_two_ramp_rates_share_the_law() -> None:
     assert abs(off(found)) < 0.5
     assert float(found.law.tangent(2.6e-3)) == pytest.approx(164.7, rel=0.02)
     fitted = ramp_fit(tests, found)
-    assert replace(fitted.elastic_law, shape_se=()) == found.law
+    assert replace(fitted.elastic_law, ratio_se=()) == found.law
     assert fitted.model_at(2.6e-3).k_inf == pytest.approx(164.7, rel=0.02)
     told = next(check for check in fitted.checks if check.name == "tangent_told")
     assert told.passed

@@ -74,7 +74,7 @@ def test_noise_as_slow_as_the_hold_is_no_copy():
 
 
 def test_repeats_on_one_seal_pass_with_their_load_cells_drift():
-    tests = [dp.prepare(pressed(seed=seed), rig=dp.Rig(drift=0.2e-3)) for seed in range(4)]
+    tests = [dp.prepare(pressed(seed=seed), machine=dp.Machine(drift=0.2e-3)) for seed in range(4)]
     assert same_specimen(end_stiffnesses(tests)).passed
 
 

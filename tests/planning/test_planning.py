@@ -22,8 +22,8 @@ from dashpot.planning.expected import (
 )
 from dashpot.planning.plan import Plan, plan
 from dashpot.preparation.prepare import prepare
+from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold
-from dashpot.records.rig import Rig
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.systems.prediction import mass_for_peak, predict_frf
 
@@ -97,7 +97,7 @@ def test_a_faster_ramp_mends_it() -> None:
 
 def test_the_sensitivities_are_slopes_of_the_force() -> None:
     model = PAPER + GeneralizedMaxwell(0.0, (33.0,), (0.0125,))
-    bench = Bench(8e-3, 0.5, 5.0, 100.0, 1e-3, "full", 2.0, Rig())
+    bench = Bench(8e-3, 0.5, 5.0, 100.0, 1e-3, "full", 2.0, Machine())
     J = bench.sensitivity(model)
     t = bench.time()
 
@@ -120,22 +120,22 @@ def test_the_sensitivities_are_slopes_of_the_force() -> None:
 
 def test_what_is_known_before_is_what_the_fit_knows() -> None:
     """The priors of the planned test are those of its record, made and prepared."""
-    bench = Bench(8e-3, 1.0, 20.0, 1000.0, 4.5e-3, "full", 1.5, Rig(sync=2e-3))
+    bench = Bench(8e-3, 1.0, 20.0, 1000.0, 4.5e-3, "full", 1.5, Machine(sync=2e-3))
     seal = Seal.of_arms(PAPER.k_inf, PAPER.k, PAPER.tau)
     made = record(seal, TrialBench(hold=20.0, count=0.0))
-    known = priors(prepare(relaxation_test(made), rig=bench.rig))
+    known = priors(prepare(relaxation_test(made), machine=bench.machine))
     planned = bench.prior_sd(PAPER)
     assert planned == pytest.approx([known.offset.sd, known.drift.sd, known.delay.sd], rel=0.2)
-    sheet = Bench(8e-3, 1.0, 20.0, 1000.0, 4.5e-3, "full", 1.5, Rig(drift=0.2e-3))
+    sheet = Bench(8e-3, 1.0, 20.0, 1000.0, 4.5e-3, "full", 1.5, Machine(drift=0.2e-3))
     assert sheet.prior_sd(PAPER)[1:] == pytest.approx([0.2e-3, 1e-3])
-    long = Bench(8e-3, 1.0, 20.0, 1000.0, 4.5e-3, "full", 60.0, Rig())
+    long = Bench(8e-3, 1.0, 20.0, 1000.0, 4.5e-3, "full", 60.0, Machine())
     assert long.prior_sd(PAPER)[1] < 1e-3 * 1.57 / 21
 
 
 def test_the_bound_with_its_priors_is_the_scatter_of_a_posterior_mode() -> None:
     """A linear estimate from simulated data and drawn nuisances scatters by the bound."""
     model = PAPER + GeneralizedMaxwell(0.0, (33.0,), (0.0125,))
-    bench = Bench(8e-3, 0.2, 5.0, 200.0, 5e-3, "full", 1.0, Rig(sync=1e-3, drift=1e-3))
+    bench = Bench(8e-3, 0.2, 5.0, 200.0, 5e-3, "full", 1.0, Machine(sync=1e-3, drift=1e-3))
     J, sd = bench.sensitivity(model), bench.prior_sd(model)
     random = np.random.default_rng(5)
     rows = np.vstack((J / bench.noise, np.eye(J.shape[1])[-3:] / sd[:, None]))

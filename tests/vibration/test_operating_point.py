@@ -53,7 +53,7 @@ def test_a_straight_law_changes_nothing() -> None:
 
 def test_at_the_tested_depth_of_a_straight_piece_the_factor_is_its_tangent() -> None:
     point = operating_point(hard(), mass=MASS, seals=SEALS, compression=8e-3)
-    assert point.factor == law().shape[-1]
+    assert point.factor == law().ratio[-1]
     assert point.given
     found = point.solid(hard())
     assert found == hard().model_at(8e-3)
@@ -105,7 +105,7 @@ def test_the_block_of_the_paper_sags_where_the_cubic_carries_it() -> None:
 def test_deeper_than_tested_the_last_tangent_goes_on_and_it_is_said() -> None:
     point = operating_point(hard(), mass=1.0, seals=SEALS)
     assert point.beyond
-    assert point.factor == law().shape[-1]
+    assert point.factor == law().ratio[-1]
     carried = law().force(8e-3) + law().tangent(8e-3) * (point.compression - 8e-3)
     assert SEALS * float(carried) == pytest.approx(9.80665)
     frf = predict_frf(hard(), mass=1.0, seals=SEALS, frequency=LINES)

@@ -12,7 +12,7 @@ import click
 from dashpot.base.errors import DashpotError
 from dashpot.base.units import Dimension, parse_quantity, parse_range
 from dashpot.io.options import ReadOptions
-from dashpot.records.rig import Rig
+from dashpot.records.machine import Machine
 from dashpot.records.specimen import Specimen
 
 T = TypeVar("T")
@@ -120,9 +120,9 @@ def specimen(function: Callable[..., T]) -> Callable[..., T]:
     return filled(Specimen, "specimen")(function)
 
 
-def rig(function: Callable[..., T]) -> Callable[..., T]:
-    """Give a command the options that describe the relaxation rig; it receives one ``rig``."""
-    return filled(Rig, "rig")(function)
+def machine(function: Callable[..., T]) -> Callable[..., T]:
+    """Give a command the options that describe the testing machine, one ``machine``."""
+    return filled(Machine, "machine")(function)
 
 
 def hammer(function: Callable[..., T]) -> Callable[..., T]:

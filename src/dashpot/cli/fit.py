@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 @options.picture
 @options.fit_output
 @reports
-@options.rig
+@options.machine
 @options.specimen
 @options.reading
 def command(

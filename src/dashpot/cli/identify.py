@@ -38,7 +38,7 @@ from dashpot.cli._shell import (
 @click.option("--direct", metavar="FILE", help="Write k(f), c(f) and loss factor as CSV.")
 @options.fit_output
 @reports
-@options.rig
+@options.machine
 @options.hammer
 @options.reading
 def command(

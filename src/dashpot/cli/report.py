@@ -31,7 +31,7 @@ from dashpot.workflow.job import Job
 @click.option("--project", metavar="DIR", help="Keep raw files, results and history there.")
 @click.option("-o", "--output", metavar="FILE", help="The report [default: report.html].")
 @reports
-@options.rig
+@options.machine
 @options.specimen
 @options.hammer
 @options.reading

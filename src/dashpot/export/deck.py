@@ -205,11 +205,11 @@ class Deck:
             f"{x / self.units.length:.4g} {self.units.words[0]}"
             for x, k in tangents
         )
-        return [
-            f"elastic law: not straight; its tangent k_inf is {listed}",
+        meaning = (
             "  the stiffnesses above are the secant at the deepest; small vibration about a "
-             "compression feels the tangent there (export --compression)",
-        ]
+            "compression feels the tangent there (export --compression)"
+        )
+        return [f"elastic law: not straight; its tangent k_inf is {listed}", meaning]
 
     def _pedigree(self) -> list[str]:
         """The fit, its files, and the band that the test informs."""

@@ -17,8 +17,8 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, kept, median
 from dashpot.engine.inference.covariance import noise_of
 from dashpot.preparation.noise import scatter
+from dashpot.records.machine import TOLD_DRIFT
 from dashpot.records.relaxation import RampHold
-from dashpot.records.rig import TOLD_DRIFT
 
 # fewer samples have no scatter, and none a slope, to speak of
 _FEWEST = 5
@@ -66,14 +66,14 @@ class Priors(NamedTuple):
 
 @kept
 def priors(record: RampHold) -> Priors:
-    r"""Return what the record and its rig say of offset, drift and delay.
+    r"""Return what the record and its machine say of offset, drift and delay.
 
     The offset is the mean of the samples before contact, with standard error
     :math:`s\sqrt{\kappa/n}`; of a record that begins on the ramp it is the first reading, with
     the force that the first compression may have given. The drift is the slope of those samples
     where they tell it to 1e-3 of the final force over the record; else 0 with the standard
-    deviation of the data sheet (`Rig.drift`), or with 5e-3 of the final force over the record.
-    The delay is 0 with the larger of one sample, `Rig.sync` and 1/(2 pi f) of a named filter.
+    deviation of the data sheet (`Machine.drift`), or with 5e-3 of the final force over the record.
+    The delay is 0 with the larger of one sample, `Machine.sync` and 1/(2 pi f) of a named filter.
     """
     time, force = record.time - record.time[0], record.force
     first = _first_motion(record)
@@ -94,8 +94,8 @@ def priors(record: RampHold) -> Priors:
     if slope is not None and slope.sd < TOLD_DRIFT * final / duration:
         drift, told = slope, "baseline"
     else:
-        drift = Prior(0.0, record.rig.drift_sd(final, duration))
-        told = "unknown" if record.rig.drift is None else "data sheet"
+        drift = Prior(0.0, record.machine.drift_sd(final, duration))
+        told = "unknown" if record.machine.drift is None else "data sheet"
     return Priors(offset, at, drift, told, delay_prior(record), first)
 
 
@@ -130,7 +130,7 @@ def material(record: RampHold) -> Material:
 
 def delay_prior(record: RampHold) -> Prior:
     """Return the prior of the delay of the force behind the displacement, s."""
-    return Prior(0.0, record.rig.delay_sd(median(np.diff(record.time))))
+    return Prior(0.0, record.machine.delay_sd(median(np.diff(record.time))))
 
 
 def _slope(time: FloatArray, residual: FloatArray, kappa: float) -> Prior:

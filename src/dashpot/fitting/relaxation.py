@@ -53,8 +53,8 @@ from dashpot.fitting.uncertainty.left_open import end_of_hold
 from dashpot.preparation.filters import Filter, filter_of, filtered
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.fit import Fit, Provenance
+from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold, listed
-from dashpot.records.rig import Rig
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -404,7 +404,9 @@ def filter_bias(test: RampHold) -> Check:
         return checks.filter_bias(None)
     try:
         model = _supported(raw)
-        clean = replace(raw, force=model.force(raw.time, raw.displacement), rig=Rig(), checks=())
+        clean = replace(
+            raw, force=model.force(raw.time, raw.displacement), machine=Machine(), checks=()
+        )
         changes = {
             "hold": _changes(clean, by, model.arms, "hold"),
             "full": _changes(clean, by, model.arms, "full"),

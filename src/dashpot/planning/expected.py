@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.records.rig import TOLD_DRIFT, Rig
+from dashpot.records.machine import TOLD_DRIFT, Machine
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.systems.prediction import accelerance, ringing_pole
 
@@ -63,7 +63,7 @@ class ExpectedError:
 class Bench:
     """A ramp-and-hold test to be: SI units, `rate` in Hz, `noise` in N per sample.
 
-    `baseline`, s, is recorded before the ramp. On a described `rig` the fit of ramp and hold finds
+    `baseline`, s, is recorded before the ramp. On a described `machine` the fit of ramp and hold finds
     offset, drift and delay of the force besides; without one, and by eq. 5, it finds none.
     """
 
@@ -74,7 +74,7 @@ class Bench:
     noise: float
     method: str
     baseline: float = 1.0
-    rig: Rig | None = None
+    machine: Machine | None = None
 
     def time(self) -> FloatArray:
         """The samples that the method fits, s from the start of the ramp, shape (n,)."""
@@ -107,11 +107,11 @@ class Bench:
     @property
     def doubted(self) -> bool:
         """True if offset, drift and delay are fitted too."""
-        return self.rig is not None and self.method == "full"
+        return self.machine is not None and self.method == "full"
 
     def prior_sd(self, model: GeneralizedMaxwell) -> FloatArray:
         """What is known of offset, drift and delay before the fit: N, N/s and s."""
-        rig = self.rig or Rig()
+        machine = self.machine or Machine()
         length = self.ramp_time + self.hold_time
         final = float(
             model.ramp_hold_force([length], depth=self.depth, ramp_time=self.ramp_time)[0]
@@ -119,8 +119,8 @@ class Bench:
         offset = self.noise / np.sqrt(self.baseline * self.rate)
         slope = float(np.sqrt(12.0) * offset / self.baseline)
         told = slope < TOLD_DRIFT * final / length
-        drift = slope if told else rig.drift_sd(final, length)
-        return np.array([offset, drift, rig.delay_sd(1 / self.rate)])
+        drift = slope if told else machine.drift_sd(final, length)
+        return np.array([offset, drift, machine.delay_sd(1 / self.rate)])
 
     def rows(self, model: GeneralizedMaxwell) -> FloatArray:
         """Sensitivities in units of the noise, reduced to a triangle, and priors, shape (m, p)."""

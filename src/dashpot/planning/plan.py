@@ -22,7 +22,7 @@ from dashpot.planning.expected import (
     hammer_rows,
     record_need,
 )
-from dashpot.records.rig import Rig
+from dashpot.records.machine import Machine
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import PAPER
 from dashpot.vibration.systems.prediction import mass_for_peak
@@ -139,7 +139,7 @@ def plan(
         Recorded before the ramp, s: it tells the offset of the load cell.
     sync, drift : float, optional
         Standard deviations of the delay between the clocks of force and displacement, s, and of
-        the drift of the load cell, N/s, as in :class:`~dashpot.records.rig.Rig`.
+        the drift of the load cell, N/s, as in :class:`~dashpot.records.machine.Machine`.
     mass : float, optional
         kg, of the block on `seals` seals; by default the one that puts the peak at `at`.
     record : float, optional
@@ -175,8 +175,8 @@ def plan(
     seal = USUAL_SEAL if model is None else model
     supposed, arm = _with_arm(seal, arm, at)
     index = None if arm is None else supposed.tau.index(arm[1])
-    rig = Rig(sync=sync, drift=drift)
-    bench = Bench(depth, ramp_time, hold_time, rate, noise, method, baseline, rig)
+    machine = Machine(sync=sync, drift=drift)
+    bench = Bench(depth, ramp_time, hold_time, rate, noise, method, baseline, machine)
     expected = expected_error(supposed, bench, at, index)
     total = seals * supposed
     weight = mass_for_peak(total, at) if mass is None else mass

@@ -50,12 +50,12 @@ def true_motion(test: RampHold) -> tuple[FloatArray, FloatArray]:
     used = slice(0, test.hold.stop)
     time, travel = test.time[used], test.travel[used]
     x, left = _freed(test, time, travel)
-    if test.rig.compliance:
+    if test.machine.compliance:
         x = x - (travel - test.displacement[used])
-    if test.rig.force_filter:
+    if test.machine.force_filter:
         # at rest before the record, as the force is
         moved = x - x[0]
-        x = x - arm_response(time, moved, 1 / (2 * np.pi * test.rig.force_filter))
+        x = x - arm_response(time, moved, 1 / (2 * np.pi * test.machine.force_filter))
     return x, left
 
 

@@ -15,8 +15,8 @@ from dashpot.preparation.filters import filtered, parse_filter
 from dashpot.preparation.hum import hum_lines, hum_step
 from dashpot.preparation.motion import Motion, find_motion, from_contact, given_motion
 from dashpot.preparation.noise import median_of_three, scatter, without_spikes
+from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold, RelaxationTest, quantum
-from dashpot.records.rig import Rig
 
 # steps of a clock that differ by less than this part are even but for rounding
 _EVEN = 0.2
@@ -34,7 +34,7 @@ def prepare(
     filter: str | None = None,
     drift: float | str | None = None,
     force_range: float | None = None,
-    rig: Rig | None = None,
+    machine: Machine | None = None,
 ) -> RampHold:
     r"""Find the ramp and the hold, the contact and the tare; change nothing else.
 
@@ -69,7 +69,7 @@ def prepare(
         is taken off: the full-history fit estimates it.
     force_range : float, optional
         Full scale of the load cell, N, to say how much of it the test used.
-    rig : Rig, optional
+    machine : Machine, optional
         What is known of the machine: clocks, drift, compliance, a filter in the force channel.
 
     Raises
@@ -99,7 +99,7 @@ def prepare(
     record = _without_hum(_record(test, x, force, motion, touch, times=times, count=count))
     rise = _risen(record, before, where)
     preload = _preload(record, before, touch, rise)
-    record = _on_the_rig(record, preload, rig or Rig())
+    record = _on_the_machine(record, preload, machine or Machine())
     checks.refuse_unresolved(where, rise, test.force)
     checks.refuse_saturated(where, record)
     answers = [
@@ -117,7 +117,7 @@ def prepare(
     if force_range is not None:
         answers.append(checks.range_used(rise, force_range))
     steps = [_turned(motion.sign, turn), _kept(motion, record), _met(touch), tared]
-    steps += [*_known(record.rig), _ramped(record, motion), *hum_step(record.hum)]
+    steps += [*_known(record.machine), _ramped(record, motion), *hum_step(record.hum)]
     record = replace(record, steps=tuple(steps), checks=tuple(answers))
     return record if by is None else filtered(record, by)
 
@@ -337,35 +337,37 @@ def _preload(record: RampHold, before: Baseline, touch: Touch, rise: float) -> f
     return first if abs(first) > max(5 * record.force_noise, 0.01 * rise) else 0.0
 
 
-def _on_the_rig(record: RampHold, preload: float, rig: Rig) -> RampHold:
+def _on_the_machine(record: RampHold, preload: float, machine: Machine) -> RampHold:
     """The record of that machine: its give, C F, is off displacement and depth."""
-    given = rig.compliance * (record.force - preload)
+    given = machine.compliance * (record.force - preload)
     x = np.where(record.displacement > 0, record.displacement - given, 0.0)
-    sank = _mean(record.time[record.hold], given[record.hold]) if rig.compliance else 0.0
+    sank = _mean(record.time[record.hold], given[record.hold]) if machine.compliance else 0.0
     if not sank < record.depth:
         raise DataError(
-            f"a machine of {1e6 * rig.compliance:.4g} um/N gives {1e3 * sank:.4g} mm under the "
+            f"a machine of {1e6 * machine.compliance:.4g} um/N gives {1e3 * sank:.4g} mm under the "
             f"force of the hold, and the plate moved {1e3 * record.depth:.4g} mm; check the unit "
             "of the compliance"
         )
-    return replace(record, displacement=x, depth=record.depth - sank, preload=preload, rig=rig)
+    return replace(
+        record, displacement=x, depth=record.depth - sank, preload=preload, machine=machine
+    )
 
 
-def _known(rig: Rig) -> tuple[Step, ...]:
+def _known(machine: Machine) -> tuple[Step, ...]:
     """What was said of the machine, and what is done with it."""
     done = (
-        ("sync_s", rig.sync, "clocks known to {:.4g} s"),
-        ("drift_n_per_s", rig.drift, "load cell that drifts by {:.4g} N/s (one SD)"),
-        ("compliance_m_per_n", rig.compliance or None,
+        ("sync_s", machine.sync, "clocks known to {:.4g} s"),
+        ("drift_n_per_s", machine.drift, "load cell that drifts by {:.4g} N/s (one SD)"),
+        ("compliance_m_per_n", machine.compliance or None,
          "machine that gives {:.4g} m/N, taken off the displacement with the force as read"),
-        ("force_filter_hz", rig.force_filter,
+        ("force_filter_hz", machine.force_filter,
          "force behind a first-order low-pass of {:.4g} Hz, which the fit's motion passes too"),
     )  # fmt: skip
     said = [(name, value, words) for name, value, words in done if value is not None]
     if not said:
         return ()
     says = "; ".join(words.format(value) for _, value, words in said)
-    return (Step("rig", tuple((name, repr(value)) for name, value, _ in said), says),)
+    return (Step("machine", tuple((name, repr(value)) for name, value, _ in said), says),)
 
 
 def _turned(displacement: int, force: int) -> Step:

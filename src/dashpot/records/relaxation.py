@@ -13,7 +13,7 @@ from dashpot.base.arrays import ByValue, FloatArray, increasing, same_length, sa
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Source, Step
-from dashpot.records.rig import Rig
+from dashpot.records.machine import Machine
 from dashpot.records.specimen import Specimen
 
 # a plate so near the depth, as a part of it, has settled; it is given a fifth of the ramp for it
@@ -124,7 +124,7 @@ class RampHold(ByValue):
         What preparation noticed.
     unfiltered : RampHold or None
         The same record before the filter that was asked for; None if none was.
-    rig : Rig
+    machine : Machine
         What the user knows of the machine.
     hum : tuple of Hum
         Lines found in the force and taken off it.
@@ -146,7 +146,7 @@ class RampHold(ByValue):
     steps: tuple[Step, ...] = ()
     checks: tuple[Check, ...] = ()
     unfiltered: RampHold | None = None
-    rig: Rig = field(default_factory=Rig)
+    machine: Machine = field(default_factory=Machine)
     hum: tuple[Hum, ...] = ()
 
     def __post_init__(self) -> None:
@@ -178,9 +178,9 @@ class RampHold(ByValue):
 
         Compression and the machine's give, :math:`x + C (F - F_\text{preload})`.
         """
-        if not self.rig.compliance:
+        if not self.machine.compliance:
             return self.displacement
-        given = self.rig.compliance * (self.force - self.preload)
+        given = self.machine.compliance * (self.force - self.preload)
         return np.where(self.displacement == 0, 0.0, self.displacement + given)
 
     @cached_property

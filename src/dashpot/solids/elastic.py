@@ -33,30 +33,30 @@ class ElasticLaw:
     knots : tuple of float
         Compressions, m, rising from 0; the last is the depth tested. One of 0 and one at the
         depth is the linear law.
-    shape : tuple of float
+    ratio : tuple of float
         :math:`t` at the knots, >= 0.
     stiffness : float
         Relaxed secant stiffness k at the last knot, N/m.
-    shape_se : tuple of float
+    ratio_se : tuple of float
         Standard error of :math:`t` at the knots; empty where nothing is known of it.
     """
 
     knots: tuple[float, ...]
-    shape: tuple[float, ...]
+    ratio: tuple[float, ...]
     stiffness: float
-    shape_se: tuple[float, ...] = ()
+    ratio_se: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         knots = increasing("knots", samples("knots", self.knots, minimum=2))
-        shape = samples("shape", self.shape)
-        same_length(knots=knots, shape=shape)
-        if self.shape_se:
-            same_length(knots=knots, shape_se=samples("shape_se", self.shape_se))
-        mean = float(np.trapezoid(shape, knots)) / knots[-1]
-        if knots[0] != 0 or (shape < 0).any() or abs(mean - 1) > 1e-6:
+        ratio = samples("ratio", self.ratio)
+        same_length(knots=knots, ratio=ratio)
+        if self.ratio_se:
+            same_length(knots=knots, ratio_se=samples("ratio_se", self.ratio_se))
+        mean = float(np.trapezoid(ratio, knots)) / knots[-1]
+        if knots[0] != 0 or (ratio < 0).any() or abs(mean - 1) > 1e-6:
             raise DataError(
-                f"an elastic law begins at 0 m and its shape is >= 0 with a mean of 1; found a "
-                f"first knot of {knots[0]:g} m, a least shape of {shape.min():g}, a mean of "
+                f"an elastic law begins at 0 m and its ratio is >= 0 with a mean of 1; found a "
+                f"first knot of {knots[0]:g} m, a least ratio of {ratio.min():g}, a mean of "
                 f"{mean:.7g}"
             )
 
@@ -68,7 +68,7 @@ class ElasticLaw:
     @property
     def kind(self) -> str:
         """``"linear"`` or ``"piecewise"``."""
-        return "linear" if all(one == 1.0 for one in self.shape) else "piecewise"
+        return "linear" if all(one == 1.0 for one in self.ratio) else "piecewise"
 
     @property
     def depth(self) -> float:
@@ -82,13 +82,13 @@ class ElasticLaw:
     def path(self, x: npt.ArrayLike) -> FloatArray:
         """The compression of a linear seal with the same force, m: the force over `stiffness`."""
         x = np.asarray(x, dtype=float)
-        knots, shape = np.asarray(self.knots), np.asarray(self.shape)
-        slope = np.diff(shape) / np.diff(knots)
-        below = np.concatenate(([0.0], np.cumsum(np.diff(knots) * (shape[1:] + shape[:-1]) / 2)))
+        knots, ratio = np.asarray(self.knots), np.asarray(self.ratio)
+        slope = np.diff(ratio) / np.diff(knots)
+        below = np.concatenate(([0.0], np.cumsum(np.diff(knots) * (ratio[1:] + ratio[:-1]) / 2)))
         i = np.clip(np.searchsorted(knots, x, side="right") - 1, 0, len(slope) - 1)
         step = np.clip(x, 0.0, knots[-1]) - knots[i]
-        inside = below[i] + step * (shape[i] + 0.5 * slope[i] * step)
-        beyond = np.minimum(x, 0.0) * shape[0] + np.maximum(x - knots[-1], 0.0) * shape[-1]
+        inside = below[i] + step * (ratio[i] + 0.5 * slope[i] * step)
+        beyond = np.minimum(x, 0.0) * ratio[0] + np.maximum(x - knots[-1], 0.0) * ratio[-1]
         return np.asarray(inside + beyond)
 
     def secant(self, x: npt.ArrayLike) -> FloatArray:
@@ -103,12 +103,12 @@ class ElasticLaw:
 
     def factor(self, x: npt.ArrayLike) -> FloatArray:
         """Tangent stiffness over `stiffness`: what small vibration about x does to every arm."""
-        return np.asarray(np.interp(np.asarray(x, dtype=float), self.knots, self.shape))
+        return np.asarray(np.interp(np.asarray(x, dtype=float), self.knots, self.ratio))
 
     def factor_se(self, x: npt.ArrayLike) -> FloatArray:
         """Standard error of `factor`, at most: errors of neighbouring knots taken as one; or 0."""
         x = np.asarray(x, dtype=float)
-        return np.asarray(np.interp(x, self.knots, self.shape_se or np.zeros(len(self.knots))))
+        return np.asarray(np.interp(x, self.knots, self.ratio_se or np.zeros(len(self.knots))))
 
     def compression(self, force: float) -> float:
         r"""Compression under a relaxed force, N: the x of :math:`F_e(x) = F`.
@@ -119,7 +119,7 @@ class ElasticLaw:
             If no compression carries the force.
         """
         target = force / self.stiffness if self.stiffness > 0 else np.inf
-        deepest, last = float(self.path(self.depth)), self.shape[-1]
+        deepest, last = float(self.path(self.depth)), self.ratio[-1]
         if not 0 <= target < np.inf or (target > deepest and last <= 0):
             raise DataError(
                 f"no compression carries {force:.4g} N: at {1e3 * self.depth:.4g} mm the relaxed "
@@ -130,8 +130,8 @@ class ElasticLaw:
             return self.depth + (target - deepest) / last
         below = self.path(self.knots)
         i = max(int(np.searchsorted(below, target)) - 1, 0)
-        rest, first = target - float(below[i]), self.shape[i]
-        bend = 2 * (self.shape[i + 1] - first) / (self.knots[i + 1] - self.knots[i])
+        rest, first = target - float(below[i]), self.ratio[i]
+        bend = 2 * (self.ratio[i + 1] - first) / (self.knots[i + 1] - self.knots[i])
         # the smaller root of first * step + bend / 4 * step**2 = rest, without cancellation
         root = first + float(np.sqrt(max(first**2 + bend * rest, 0.0)))
         return self.knots[i] + (2 * rest / root if root > 0 else 0.0)

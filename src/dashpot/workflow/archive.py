@@ -185,7 +185,7 @@ def _law(law: ElasticLaw | None) -> dict[str, Any] | None:
         return None
     knots = list(law.knots)
     return {"kind": law.kind, "knots": knots, "tangent": law.tangent(knots).tolist(),
-            "shape": list(law.shape), "shape_se": list(law.shape_se),
+            "ratio": list(law.ratio), "ratio_se": list(law.ratio_se),
             "stiffness": law.stiffness}  # fmt: skip
 
 
@@ -314,10 +314,10 @@ def _restored_fit(found: dict[str, Any]) -> dict[str, Any]:
     found["orders"] = [order for order in found.get("orders", []) if "model" in order]
     found["solid"] = found.pop("model")
     law = found.get("elastic_law")
-    if law and "shape" not in law:
+    if law and "ratio" not in law:
         tangent = np.asarray(law["tangent"], dtype=float)
         law["stiffness"] = float(np.trapezoid(tangent, law["knots"]) / law["knots"][-1])
-        law["shape"] = (tangent / law["stiffness"]).tolist()
+        law["ratio"] = (tangent / law["stiffness"]).tolist()
     left = found.pop("left_open", None)
     # the bare contract does not say how long the seal was held, nor how the force still falls
     found["end_of_hold"] = left and {"time": np.nan, "falling": np.nan} | left

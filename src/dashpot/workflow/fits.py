@@ -11,8 +11,8 @@ import dashpot as dp
 from dashpot.base.errors import FitError
 from dashpot.io.options import ReadOptions
 from dashpot.records.fit import Fit
+from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold, RelaxationTest
-from dashpot.records.rig import Rig
 from dashpot.records.specimen import Specimen
 from dashpot.workflow.job import known_of_a_test
 
@@ -28,7 +28,7 @@ def fit_files(
     filter: str | None = None,
     modulus: str | None = None,
     specimen: Specimen | None = None,
-    rig: Rig | None = None,
+    machine: Machine | None = None,
     options: ReadOptions | None = None,
 ) -> tuple[Fit, tuple[RampHold, ...]]:
     """Fit one solid to the records in files, each in the way that suits it.
@@ -44,7 +44,7 @@ def fit_files(
     depth_law : bool
         Tests of different depths share their relaxation times, and by method ``"full"`` an elastic
         law (:func:`~dashpot.fitting.depth.fit_depths`); each has its own stiffnesses.
-    filter, rig : optional
+    filter, machine : optional
         As in :func:`~dashpot.preparation.prepare.prepare`.
     modulus : str, optional
         The file is a relaxation modulus over time: its column.
@@ -65,7 +65,7 @@ def fit_files(
     options = options or ReadOptions()
     column = modulus or options.modulus
     if column is not None:
-        known_of_a_test(rig, tests=0, add="a ramp and hold")
+        known_of_a_test(machine, tests=0, add="a ramp and hold")
         if len(files) > 1 or depth_law or method == "hold" or filter:
             raise FitError(
                 "a relaxation modulus is fitted one at a time, without --depth-law, --method hold "
@@ -86,11 +86,11 @@ def fit_files(
     tests = [dp.read_bench(path, options=options, specimen=specimen) for path in files]
     sweeps = [test for test in tests if not isinstance(test, RelaxationTest)]
     prepared = tuple(
-        dp.prepare(test, filter=filter, rig=rig)
+        dp.prepare(test, filter=filter, machine=machine)
         for test in tests
         if isinstance(test, RelaxationTest)
     )
-    known_of_a_test(rig, tests=len(prepared), add="a ramp and hold")
+    known_of_a_test(machine, tests=len(prepared), add="a ramp and hold")
     if not sweeps:
         depths = {round(test.depth, 9) for test in prepared}
         if depth_law and method == "full" and len(depths) == len(prepared) > 1:

@@ -19,7 +19,7 @@ from dashpot.io.readers.inspect import inspect_file
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF, Mode
 from dashpot.records.impact import ImpactTest
-from dashpot.records.rig import Rig
+from dashpot.records.machine import Machine
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.impact.checks import coherence
 from dashpot.vibration.impact.frf_estimation import estimate_frf
@@ -301,7 +301,7 @@ def identify_files(
     fits: Sequence[Fit] = (),
     tests: Sequence[str | Path] = (),
     compression: float | None = None,
-    rig: Rig | None = None,
+    machine: Machine | None = None,
     **choices: Any,
 ) -> tuple[Fit, DynamicStiffness, tuple[Check, ...]]:
     """Identify the solid under a mass from hits or an FRF, alone or with the relaxation test.
@@ -318,7 +318,7 @@ def identify_files(
         At most one, in place of the tests.
     compression : float, optional
         Of the seals, m; by default that of the mass's weight.
-    rig : Rig, optional
+    machine : Machine, optional
         What is known of the machine of the tests.
     choices
         As in :func:`~dashpot.fitting.identification.identify.identify`.
@@ -331,14 +331,16 @@ def identify_files(
     checks : tuple of Check
         What the FRF and the mass of the seals say.
     """
-    known_of_a_test(rig, tests=len(tests), add="a relaxation test (--with)")
+    known_of_a_test(machine, tests=len(tests), add="a relaxation test (--with)")
     if len(fits) > 1 or (fits and tests):
         raise ReadError("--with takes relaxation tests or one fit, not both: leave the fit out")
     _, frf = read_measured(measured, choices=hammer, options=options, mass=mass, band=band)
     total, noted = total_mass(mass, seal=seal_mass, seals=seals)
     # columns named for the hammer's file need not exist in the bench's; units do no harm
     plain = ReadOptions(units=options.units)
-    prepared = [dp.prepare(dp.read_relaxation(path, options=plain), rig=rig) for path in tests]
+    prepared = [
+        dp.prepare(dp.read_relaxation(path, options=plain), machine=machine) for path in tests
+    ]
     straight = dp.dynamic_stiffness(frf, total or mass, seals=seals, band=band)
     found = dp.identify(
         frf,

@@ -9,7 +9,7 @@ from typing import Literal
 from dashpot.base.errors import DataError
 from dashpot.base.options import option
 from dashpot.io.options import ReadOptions
-from dashpot.records.rig import Rig
+from dashpot.records.machine import Machine
 from dashpot.records.specimen import Specimen
 
 
@@ -18,15 +18,15 @@ def signs(given: Sequence[str]) -> tuple[int, ...] | None:
     return tuple(int(sign) for sign in given) or None
 
 
-def known_of_a_test(rig: Rig | None, *, tests: int, add: str) -> None:
-    """Refuse what is said of a rig where no relaxation test was made on it.
+def known_of_a_test(machine: Machine | None, *, tests: int, add: str) -> None:
+    """Refuse what is said of a machine where no relaxation test was made on it.
 
     Raises
     ------
     DataError
-        If the rig is described and `tests` is 0; `add` names what is missing.
+        If the machine is described and `tests` is 0; `add` names what is missing.
     """
-    if rig is not None and rig != Rig() and not tests:
+    if machine is not None and machine != Machine() and not tests:
         raise DataError(
             "--sync, --drift, --compliance and --force-filter describe the machine of a "
             f"relaxation test, and there is none here: add {add}, or leave them out"
@@ -79,7 +79,7 @@ class Job:
     compression : float or None
         Of the seals under the mass, m; None for that of its weight.
     specimen : Specimen
-    rig : Rig
+    machine : Machine
         What is known of the machine of the relaxation test.
     reading, reading_impact : ReadOptions
         What the user said of the relaxation file and of the impact files.
@@ -97,7 +97,7 @@ class Job:
     joint: bool = True
     compression: float | None = None
     specimen: Specimen = field(default_factory=Specimen)
-    rig: Rig = field(default_factory=Rig)
+    machine: Machine = field(default_factory=Machine)
     reading: ReadOptions = field(default_factory=ReadOptions)
     reading_impact: ReadOptions = field(default_factory=ReadOptions)
     hammer: HammerChoices = field(default_factory=HammerChoices)

@@ -14,7 +14,7 @@ from dashpot.base.checks import Check
 from dashpot.records.bounds import FRFBounds
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF, Mode
-from dashpot.records.rig import Rig
+from dashpot.records.machine import Machine
 from dashpot.vibration.systems.operating_point import OperatingPoint
 from dashpot.vibration.systems.prediction import model_modes, moving_mass, predict_frf
 from dashpot.workflow.job import known_of_a_test
@@ -64,7 +64,7 @@ def predict_files(
     lines: int = 2001,
     kind: str = "accelerance",
     compression: float | None = None,
-    rig: Rig | None = None,
+    machine: Machine | None = None,
 ) -> Prediction:
     """Predict the FRF of a mass on a fitted seal.
 
@@ -83,15 +83,15 @@ def predict_files(
         What the FRF relates, as in :func:`~dashpot.vibration.systems.prediction.predict_frf`.
     compression : float, optional
         Of the seals, m; by default that of the mass's weight.
-    rig : Rig, optional
+    machine : Machine, optional
         What is known of the machine of those tests.
 
     Raises
     ------
     DataError
-        If a rig is described and no test was made on it.
+        If a machine is described and no test was made on it.
     """
-    known_of_a_test(rig, tests=len(records), add="the record (--with)")
+    known_of_a_test(machine, tests=len(records), add="the record (--with)")
     moving, noted = moving_mass(mass, seal=seal_mass or 0.0, seals=seals)
     rests = at_rest(found, mass=moving, seals=seals, compression=compression)
     solid = seals * rests.point.solid(found)
@@ -99,7 +99,7 @@ def predict_files(
     modes = model_modes(solid, moving)
     limits = None
     if records:
-        tests = [dp.prepare(dp.read_relaxation(path), rig=rig) for path in records]
+        tests = [dp.prepare(dp.read_relaxation(path), machine=machine) for path in records]
         about = np.linspace(max(frf.frequency[0], 1e-3), frf.frequency[-1], LIMIT_LINES)
         limits = frf_limits(found, tests, rests.point, mass=moving, frequency=about, seals=seals)
     top = int(np.abs(frf.value).argmax())

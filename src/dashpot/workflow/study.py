@@ -19,8 +19,8 @@ from dashpot.records.bounds import FRFBounds, StiffnessBounds
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
 from dashpot.records.impact import ImpactTest
+from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold, RelaxationTest
-from dashpot.records.rig import Rig
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness, dynamic_stiffness
 from dashpot.vibration.modal.peaks import find_peak
@@ -152,7 +152,7 @@ def characterise(
     arms: int | Literal["auto"] = "auto",
     band: tuple[float, float] | None = None,
     filter: str | None = None,
-    rig: Rig | None = None,
+    machine: Machine | None = None,
     joint: bool = True,
     compression: float | None = None,
 ) -> Study:
@@ -170,7 +170,7 @@ def characterise(
         kg; inferred from `measured`, and labelled so, if missing.
     seals : float
         How many of the tested seals carry the mass; a fraction is a shorter piece.
-    arms, filter, rig
+    arms, filter, machine
         As in :func:`~dashpot.fitting.relaxation.fit` and
         :func:`~dashpot.preparation.prepare.prepare`.
     band : (float, float), optional
@@ -185,7 +185,7 @@ def characterise(
     DataError, FitError
         If a test cannot be prepared, fitted or compared.
     """
-    prepared = prepare(test, filter=filter, rig=rig)
+    prepared = prepare(test, filter=filter, machine=machine)
     chosen = fit(prepared, arms=arms)
     given = mass
     if measured is not None:
@@ -264,7 +264,7 @@ def run(job: Job) -> Study:
         arms=job.arms,
         band=job.band,
         filter=job.filter,
-        rig=job.rig,
+        machine=job.machine,
         joint=job.joint,
         compression=job.compression,
     )

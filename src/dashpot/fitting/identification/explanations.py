@@ -307,7 +307,7 @@ def _elsewhere(
     """At which other compression the law has this stiffness, in words."""
     if cause.name != "stiffness" or law is None or law.kind == "linear":
         return ""
-    shape = np.asarray(law.shape)
+    shape = np.asarray(law.ratio)
     if not shape.min() <= value <= shape.max():
         return ", which its elastic law has at no compression tested"
     x = np.linspace(0.0, law.depth, 2001)

@@ -79,7 +79,7 @@ def ramp_fit(
             (*(step for test in tests for step in test.steps), _step(tests, found)),
             deepest.specimen,
         ),
-        elastic_law=replace(found.law, shape_se=_shape_error(found)),
+        elastic_law=replace(found.law, ratio_se=_shape_error(found)),
     )
 
 

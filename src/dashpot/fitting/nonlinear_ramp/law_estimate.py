@@ -129,7 +129,7 @@ class RampLaw:
         ramps support almost as well, and what a straight tangent between knots leaves of a bent
         one: a sixth of its second difference there, by simulation.
         """
-        shape, knots = np.asarray(self.law.shape), np.asarray(self.law.knots)
+        shape, knots = np.asarray(self.law.ratio), np.asarray(self.law.knots)
         parts = np.array([np.interp(x, knots, unit) for unit in np.eye(len(knots))])
         gradient = np.zeros(len(self.law_covariance))
         gradient[0] = parts @ shape

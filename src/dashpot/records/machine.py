@@ -1,4 +1,4 @@
-"""The rig that a relaxation test was made on, as far as its user knows it."""
+"""The machine that a relaxation test was made on, as far as its user knows it."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ TOLD_DRIFT = 1e-3
 
 
 @dataclass(frozen=True)
-class Rig:
-    r"""What the record cannot show of the rig, or shows badly.
+class Machine:
+    r"""What the record cannot show of the machine, or shows badly.
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ class Rig:
         for name in ("sync", "drift", "compliance"):
             value = getattr(self, name)
             if value is not None and not (math.isfinite(value) and value >= 0):
-                raise DataError(f"rig {name} = {value!r}; expected a number >= 0 in SI units")
+                raise DataError(f"machine {name} = {value!r}; expected a number >= 0 in SI units")
         cut = self.force_filter
         if cut is not None and not (math.isfinite(cut) and cut > 0):
-            raise DataError(f"rig force_filter = {cut!r} Hz; expected a number > 0")
+            raise DataError(f"machine force_filter = {cut!r} Hz; expected a number > 0")

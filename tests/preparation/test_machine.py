@@ -15,26 +15,26 @@ OMEGA = 2 * np.pi * 12.7
 RATE = 250.0
 
 
-def fitted(bench: Bench, rig: dp.Rig | None = None, seed: int = 0) -> dp.Fit:
+def fitted(bench: Bench, machine: dp.Machine | None = None, seed: int = 0) -> dp.Fit:
     test = relaxation_test(record(PAPER, bench, seed=seed))
-    return dp.fit(dp.prepare(test, rig=rig), arms=2)
+    return dp.fit(dp.prepare(test, machine=machine), arms=2)
 
 
 def test_the_give_of_the_machine_is_off_the_motion():
     one = record(PAPER, Bench(compliance=50e-6, rate=RATE).perfect())
-    test = dp.prepare(relaxation_test(one), rig=dp.Rig(compliance=50e-6))
+    test = dp.prepare(relaxation_test(one), machine=dp.Machine(compliance=50e-6))
     np.testing.assert_allclose(test.displacement, one.compression[-len(test.time) :], atol=2e-9)
     held = one.compression[-len(test.time) :][test.hold]
     assert test.depth == pytest.approx(held.mean(), rel=1e-4)
     travel = one.displacement[-len(test.time) :]
     np.testing.assert_allclose(test.travel[test.displacement > 0], travel[test.displacement > 0])
-    said = next(step for step in test.steps if step.name == "rig")
+    said = next(step for step in test.steps if step.name == "machine")
     assert "5e-05 m/N" in said.says
 
 
 def test_counts_are_still_found_behind_the_give():
     test = relaxation_test(record(PAPER, Bench(compliance=50e-6, hold=10.0)))
-    known = dp.prepare(test, rig=dp.Rig(compliance=50e-6))
+    known = dp.prepare(test, machine=dp.Machine(compliance=50e-6))
     assert known.encoder_step == pytest.approx(20e-6)
     x, _ = true_motion(known)
     one = record(PAPER, Bench(compliance=50e-6, hold=10.0).perfect())
@@ -43,7 +43,7 @@ def test_counts_are_still_found_behind_the_give():
 
 def test_a_rig_that_is_not_described_changes_nothing():
     test = relaxation_test(record(PAPER, Bench(hold=5.0, rate=RATE)))
-    plain, told = dp.prepare(test), dp.prepare(test, rig=dp.Rig())
+    plain, told = dp.prepare(test), dp.prepare(test, machine=dp.Machine())
     assert np.array_equal(plain.displacement, told.displacement)
     assert plain.travel is plain.displacement
     assert plain.steps == told.steps
@@ -52,7 +52,7 @@ def test_a_rig_that_is_not_described_changes_nothing():
 def test_compliance_costs_a_per_cent_and_is_given_back():
     sound = fitted(Bench(rate=RATE))
     bench = Bench(compliance=50e-6, rate=RATE)
-    silent, known = fitted(bench), fitted(bench, dp.Rig(compliance=50e-6))
+    silent, known = fitted(bench), fitted(bench, dp.Machine(compliance=50e-6))
     assert silent.model.k_inf / sound.model.k_inf - 1 == pytest.approx(-0.0098, abs=0.001)
     assert known.model.k_inf / sound.model.k_inf == pytest.approx(1, abs=1e-3)
     np.testing.assert_allclose(known.model.k, sound.model.k, rtol=2e-3)
@@ -69,13 +69,13 @@ def test_a_force_filter_is_found_as_a_delay_and_given_back_by_name():
     assert unnamed.verdict.use != "use"
     assert {"clocks_agree", "ramp_followed"} & {check.name for check in unnamed.verdict.because}
     assert loss(unnamed) / sound == pytest.approx(1, abs=0.05)
-    assert loss(fitted(bench, dp.Rig(force_filter=10.0))) / sound == pytest.approx(1, abs=0.01)
+    assert loss(fitted(bench, dp.Machine(force_filter=10.0))) / sound == pytest.approx(1, abs=0.01)
 
 
 def test_a_machine_that_gives_more_than_it_moves_is_a_wrong_unit():
     test = relaxation_test(record(PAPER, Bench(hold=5.0, rate=RATE)))
     with pytest.raises(dp.DataError, match="check the unit of the compliance"):
-        dp.prepare(test, rig=dp.Rig(compliance=50e-3))
+        dp.prepare(test, machine=dp.Machine(compliance=50e-3))
 
 
 def failures(disturbance: str | None, solids: slice) -> list[str]:
@@ -110,14 +110,14 @@ def test_a_still_hold_is_named_as_a_doubt_and_not_as_a_fault():
 )
 def test_a_rig_of_nonsense_is_refused(wrong):
     with pytest.raises(dp.DataError, match="expected a number"):
-        dp.Rig(**wrong)
+        dp.Machine(**wrong)
 
 
 def test_a_described_rig_survives_the_archive():
     test = relaxation_test(record(PAPER, Bench(hold=5.0, rate=RATE)))
-    known = dp.prepare(test, rig=dp.Rig(sync=5e-4, compliance=50e-6))
+    known = dp.prepare(test, machine=dp.Machine(sync=5e-4, compliance=50e-6))
     again = dp.from_json(dp.to_json(known))
-    assert again.rig == known.rig
-    job = Job("seal.csv", rig=known.rig)
+    assert again.machine == known.machine
+    job = Job("seal.csv", machine=known.machine)
     assert dp.from_json(dp.to_json(job)) == job
     assert np.array_equal(again.displacement, known.displacement)
