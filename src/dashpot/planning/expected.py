@@ -63,8 +63,8 @@ class ExpectedError:
 class Bench:
     """A ramp-and-hold test to be: SI units, `rate` in Hz, `noise` in N per sample.
 
-    `baseline`, s, is recorded before the ramp. On a described `machine` the fit of ramp and hold finds
-    offset, drift and delay of the force besides; without one, and by eq. 5, it finds none.
+    `baseline`, s, is recorded before the ramp. On a described `machine` the fit of ramp and hold
+    finds offset, drift and delay of the force besides; without one, and by eq. 5, it finds none.
     """
 
     depth: float
