@@ -104,3 +104,28 @@ def test_the_afm_record_is_fitted_with_its_own_motion(afm_test: RampHold) -> Non
     assert check.value is not None
     assert check.value > 0.01
     assert "recorded motion" in check.says
+
+
+@pytest.mark.parametrize("ramp", [0.1, 1, 10, 100])
+def test_muscle_keeps_the_stiffness_of_its_hold(shared_data: Path, ramp: float) -> None:
+    """A linear solid with a free offset put it 46 to 70 % off."""
+    test = titin(shared_data, ramp)
+    found = fit(test)
+    assert found.elastic_law is not None
+    assert found.elastic_law.kind == "piecewise"
+    assert found.left_open is not None
+    low, high = found.left_open["k_end"]
+    last = float(test.force[test.hold][-1]) / test.depth
+    assert 0.95 * low < last < 1.05 * high
+    assert abs(float(found.model.relaxation(test.hold_time)) / last - 1) < 0.05 or (
+        found.verdict.use == "do not use"
+    )
+
+
+def test_the_afm_follows_a_bent_law(afm_test: RampHold) -> None:
+    found = fit(afm_test)
+    assert found.elastic_law is not None
+    assert found.elastic_law.kind == "piecewise"
+    assert found.verdict.use != "do not use"
+    last = float(afm_test.force[afm_test.hold][-500:].mean()) / afm_test.depth
+    assert float(found.model.relaxation(afm_test.hold_time)) == pytest.approx(last, rel=0.05)

@@ -213,13 +213,13 @@ class Deck:
 
     def _pedigree(self) -> list[str]:
         """The fit, its files, and the band that the test informs."""
+        steps = () if self.fit is None else self.fit.steps
+        scaled = [step.says for step in steps if step.name in {"parallel", "compression"}]
         lines = []
         if self.fit is None or not self.fit.source:
             lines.append("source: a model in memory; no file is known to stand behind it")
+            lines += scaled
         else:
-            scaled = [
-                step.says for step in self.fit.steps if step.name in {"parallel", "compression"}
-            ]
             lines.append(f"fit: {', '.join([self.fit.identity, *scaled])}")
             lines += [f"source: {each.file} sha256 {each.sha256}" for each in self.fit.source]
             if any(each.simulated for each in self.fit.source):

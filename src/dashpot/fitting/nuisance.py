@@ -22,6 +22,8 @@ from dashpot.records.relaxation import RampHold
 
 # fewer samples have no scatter, and none a slope, to speak of
 _FEWEST = 5
+# a force that rises at this part of its mean rate on the ramp is no drift
+_LOADED = 0.05
 # part of the ramp for which a plate may move before its encoder shows it
 _UNSEEN = 0.02
 
@@ -81,11 +83,13 @@ def priors(record: RampHold) -> Priors:
     duration = record.hold_end - record.onset
     final = abs(float(np.mean(force[record.hold][-max(1, len(force[record.hold]) // 20) :])))
     noise = record.force_noise or scatter(time[record.hold], force[record.hold])
-    if first >= _FEWEST:
+    if first >= _FEWEST and not _loaded(record, slice(0, first)):
         residual = force[rest] - force[rest].mean()
-        noises = noise_of(residual)
-        error = float(np.sqrt(np.mean(residual**2) * noises.kappa / first))
-        offset = Prior(float(force[rest].mean()), max(error, noise / np.sqrt(first)))
+        # a drift is no noise
+        line = _slope(time[rest], residual, 1.0).mean
+        noises = noise_of(residual - line * (time[rest] - time[rest].mean()))
+        error = float(np.sqrt(noises.autocovariance[0] * noises.kappa / first))
+        offset = Prior(float(force[rest].mean()), max(error, noise / float(np.sqrt(first))))
         at = float(time[rest].mean())
         slope = _slope(time[rest], residual, noises.kappa)
     else:
@@ -131,6 +135,14 @@ def material(record: RampHold) -> Material:
 def delay_prior(record: RampHold) -> Prior:
     """Return the prior of the delay of the force behind the displacement, s."""
     return Prior(0.0, record.machine.delay_sd(median(np.diff(record.time))))
+
+
+def _loaded(record: RampHold, rest: slice) -> bool:
+    """True if the force before the plate is seen to move rises as on the ramp: it moves already."""
+    force = record.force[rest] - record.force[rest].mean()
+    found = _slope(record.time[rest], force, 1.0)
+    ramp = float(np.abs(record.force).max()) / record.ramp_time
+    return found.mean > max(_LOADED * ramp, 4 * found.sd)
 
 
 def _slope(time: FloatArray, residual: FloatArray, kappa: float) -> Prior:

@@ -29,6 +29,7 @@ from dashpot.fitting.design import (
 )
 from dashpot.fitting.nonlinear_ramp.assembly import ramp_fit
 from dashpot.fitting.nonlinear_ramp.ladder import LawName, ramp_law
+from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw
 from dashpot.fitting.nonlinear_ramp.soundness import linear_soundness
 from dashpot.fitting.nonlinear_ramp.thinning import ramp_obstacle
 from dashpot.fitting.nuisance import material, priors
@@ -57,6 +58,9 @@ from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold, listed
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
+
+# arms that a hold alone is given at least: what it leaves is noise
+_FEW = 2
 
 
 def fit(
@@ -139,12 +143,14 @@ def fit(
     design = Design(method, depth_law, _checked_nuisance(nuisance))
     count = None if arms == "auto" else most
     if law == "nonlinear":
-        return _by_ramp(records, law, count)
+        return _by_ramp(records, ramp_law(records, law=law, arms=count), count)
     data, first = _data(records, design), None
     if method == "full" and not depth_law and design.nuisance == NUISANCE:
         first = weighed(data, min(max_arms, determinable_arms(data.blocks)))
         if not _sound(records, first):
-            return _by_ramp(records, law, count)
+            bent = ramp_law(records, law=law, arms=count)
+            if not bent.sound:
+                return _by_ramp(records, bent, count)
     if not intervals and count is not None:
         return _point(records, first or weighed(data, count), design, count)
     found = chosen_arms(data, arms, max_arms=max_arms, thorough=thorough, first=first)
@@ -219,7 +225,7 @@ def _sound(records: Sequence[RampHold], first: First) -> bool:
     for record, residual in zip(records, first.residuals, strict=True):
         if moves_on(record) or ramp_obstacle(record) is not None:
             continue
-        alone = _hold_alone(record, first.solutions[-1].order)
+        alone = _hold_alone(record, max(first.solutions[-1].order, _FEW))
         if not linear_soundness(record, residual, alone).sound:
             return False
     return True
@@ -234,9 +240,8 @@ def _hold_alone(record: RampHold, arms: int) -> FloatArray:
     return residual_of(solve([block], min(arms, determinable_arms([block]))), block.exact)
 
 
-def _by_ramp(records: Sequence[RampHold], law: LawName, arms: int | None) -> Fit:
+def _by_ramp(records: Sequence[RampHold], found: RampLaw, arms: int | None) -> Fit:
     """Return the fit hold first, with the elastic law that the ramps support."""
-    found = ramp_law(records, law=law, arms=arms)
     residuals = found.residuals
     tests = zip(records, residuals, strict=True)
     data = [

@@ -60,8 +60,8 @@ ASSUMPTIONS = (
         "The relaxed force is proportional to the compression, or follows the law that was fitted.",
         "The test gives the secant, vibration feels the tangent: for two quadratic laws 19 % too "
         "much and 77 % too little stiffness at the depth of the test.",
-        ("strain_small", "separable", "operating_point", "stiffness_agrees"),
-        ("--depth-law",),
+        ("ramp_followed", "tangent_told", "strain_small", "separable", "operating_point"),
+        ("--law", "--depth-law", "--compression"),
         "Test at the compression of the installed seal, and at half and twice of it.",
     ),
     Assumption(
@@ -70,8 +70,8 @@ ASSUMPTIONS = (
         "on how much.",
         "Filled rubber softens with amplitude (Payne), most in its loss: a hammer that hits twice "
         "as hard finds another seal.",
-        ("operating_point", "hits_agree"),
-        (),
+        ("operating_point", "amplitude_linear", "hits_agree", "tests_agree"),
+        ("--compression",),
         "Hit at several heights; vibrate as much as the car does.",
     ),
     Assumption(
@@ -114,7 +114,7 @@ ASSUMPTIONS = (
         "A delay d looks like a loss of -omega d: 1 ms is 0.08 of loss factor at 12.7 Hz; a "
         "first-order filter of 10 Hz in the force takes 24 % of the loss of the paper's seal "
         "there.",
-        ("delay_believable",),
+        ("clocks_agree", "delay_believable"),
         ("--sync", "--force-filter"),
         "Record both channels on one converter, unfiltered.",
     ),
@@ -140,7 +140,13 @@ ASSUMPTIONS = (
         "steady load cell",
         "The zero of the force is that before contact, and drifts as little as is said.",
         "Drift and the slowest arm look alike: 0.2 mN/s unheeded put k_2 7 % and tau_2 8 % off.",
-        ("baseline_recorded", "drift_told_from_arm"),
+        (
+            "offset_believable",
+            "drift_believable",
+            "k_inf_believable",
+            "baseline_recorded",
+            "drift_told_from_arm",
+        ),
         ("--drift",),
         "Record a baseline as long as can be; warm the amplifier up.",
     ),

@@ -31,6 +31,8 @@ from dashpot.records.relaxation import RampHold
 SOUND_RAMP, SOUND_SHAPE, SOUND_HOLD = 1.2, 1.5, 1.1
 # what a residual of this part of the peak stands for moves no stiffness that anyone would notice
 NEGLIGIBLE = 1e-4
+# and more than this part is not what an encoder leaves
+UNREAD = 1e-3
 
 
 class Soundness(NamedTuple):
@@ -85,7 +87,8 @@ def soundness(
     by_chance = 1.0 + 3.0 / np.sqrt(2.0 * max(samples, 1.0))
     quiet = ramp <= max(SOUND_RAMP, by_chance) * noise
     straight = discrepancy <= SOUND_SHAPE * by_chance
-    followed = (quiet and straight) or ramp <= max(floor, SOUND_SHAPE * unread)
+    unread = min(SOUND_SHAPE * unread, UNREAD * peak)
+    followed = (quiet and straight) or ramp <= max(floor, unread)
     sound = bool(followed and (hold <= SOUND_HOLD * alone or hold <= floor))
     return Soundness(ramp / max(noise, 1e-300), hold / max(alone, 1e-300), sound)
 

@@ -26,7 +26,7 @@ _IN_RAMP, _IN_HOLD = 64, 26
 # the fewest samples that can show a ramp and a hold
 _FEWEST_ON_RAMP, _FEWEST = 3, 8
 # beyond this part of the depth, motion after the ramp is another ramp
-_SECOND_RAMP = 0.05
+_SECOND_RAMP = 0.15
 # a force that peaks this part of the hold late, by so many times its scatter and this part of
 # itself, had not seen the end of the ramp
 _SOON, _CLEAR, _RISEN = 0.1, 6.0, 0.005

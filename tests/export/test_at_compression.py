@@ -1,0 +1,63 @@
+"""A fit whose elastic law is not straight: what vibrates about a compression, and its deck."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from kit.fits import a_fit
+
+import dashpot as dp
+from dashpot.records.fit import Fit
+from dashpot.solids.elastic import ElasticLaw
+from dashpot.solids.table_1 import PAPER
+
+LAW = ElasticLaw((0.0, 4e-3, 8e-3), (0.75, 0.95, 1.35), PAPER.k_inf, (0.01, 0.01, 0.02))
+
+
+def bent() -> Fit:
+    return replace(a_fit(PAPER), elastic_law=LAW)
+
+
+def test_the_fit_at_a_compression_is_the_tangent_solid() -> None:
+    there = bent().at_compression(2e-3)
+    assert there.model == bent().model_at(2e-3)
+    assert there.model.k_inf == pytest.approx(0.85 * PAPER.k_inf)
+    np.testing.assert_allclose(there.model.k, 0.85 * np.array(PAPER.k))
+    assert there.model.tau == PAPER.tau
+    np.testing.assert_allclose(there.standard_error["k_inf"], 0.85 * bent().standard_error["k_inf"])
+    # it is a solid about that compression: no law bends it a second time
+    assert there.elastic_law is None
+    assert there.model_at(5e-3) == there.model
+    assert "0.85 times the secant" in there.steps[-1].says
+
+
+def test_a_straight_law_changes_nothing() -> None:
+    straight = replace(a_fit(PAPER), elastic_law=ElasticLaw.linear(PAPER.k_inf, 8e-3))
+    assert straight.at_compression(2e-3) is straight
+    with pytest.raises(dp.DataError, match="expected a number > 0"):
+        straight.at_compression(-1.0)
+
+
+def test_a_deck_says_which_stiffness_it_holds() -> None:
+    secant = dp.export.csv(bent(), units="SI", allow=("all",))
+    assert "elastic law: not straight; its tangent k_inf is 147.4 N/m at 0 m" in secant
+    assert "feels the tangent there" in secant
+    tangent = dp.export.csv(bent().at_compression(2e-3), units="SI", allow=("all",))
+    assert "tangent at 2 mm, 0.85 times the secant of fit" in tangent
+    assert "elastic law" not in tangent
+    straight = dp.export.csv(a_fit(PAPER), units="SI", allow=("all",))
+    assert "elastic law" not in straight
+
+
+def test_the_law_is_drawn_with_its_doubt() -> None:
+    made = dp.plot.elastic_law(bent(), compression=2.6e-3)
+    left, right = made.axes
+    law, secant = left.get_lines()[:2]
+    (tangent,) = (line for line in right.get_lines() if line.get_label() == "tangent")
+    assert law.get_ydata()[-1] == pytest.approx(PAPER.k_inf * 8e-3)
+    assert law.get_ydata()[-1] == pytest.approx(secant.get_ydata()[-1])
+    assert tangent.get_ydata()[-1] == pytest.approx(1.35e-3 * PAPER.k_inf)
+    with pytest.raises(dp.DataError, match="no elastic law"):
+        dp.plot.elastic_law(replace(bent(), elastic_law=None))

@@ -1,0 +1,66 @@
+"""Hum: lines in the force, found and taken off before anything is fitted."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from dashpot.fitting.relaxation import fit
+from dashpot.preparation.hum import hum_lines
+from dashpot.preparation.prepare import prepare
+from dashpot.records.relaxation import Hum, RampHold
+from dashpot.simulation.relaxation import Rig, simulate_relaxation
+from dashpot.solids.table_1 import PAPER
+
+TIME = np.arange(20_000) / 1000.0
+DECAY = 1.5 + 0.3 * np.exp(-TIME / 0.5) + 0.1 * np.exp(-TIME / 9.0)
+
+
+def noisy(seed: int, noise: float = 4e-3) -> np.ndarray:
+    return DECAY + noise * np.random.default_rng(seed).standard_normal(len(TIME))
+
+
+def default(seed: int) -> RampHold:
+    return prepare(simulate_relaxation(PAPER, seed=seed).test)
+
+
+@pytest.mark.parametrize(("frequency", "alias"), [(50.0, 50.0), (37.3, 37.3), (1050.0, 50.0)])
+def test_a_line_is_found_where_the_sampling_puts_it(frequency: float, alias: float) -> None:
+    hum = 3e-3 * np.sin(2 * np.pi * frequency * TIME + 0.4)
+    (found,) = hum_lines(TIME, noisy(0) + hum, noise=4e-3)
+    assert found.frequency == pytest.approx(alias, abs=2e-3)
+    assert found.amplitude == pytest.approx(3e-3, rel=0.05)
+    np.testing.assert_allclose(found.force(TIME), hum, atol=3e-4)
+
+
+def test_two_lines_of_unlike_size_are_told_apart() -> None:
+    lines = Hum(50.0, 20e-3, 0.0, 0.0), Hum(51.0, 0.0, 1e-3, 0.0)
+    force = noisy(1) + sum(line.force(TIME) for line in lines)
+    found = hum_lines(TIME, force, noise=4e-3)
+    assert [one.frequency for one in found] == pytest.approx([50.0, 51.0], abs=5e-3)
+
+
+def test_noise_and_relaxation_are_no_hum() -> None:
+    assert not any(hum_lines(TIME, noisy(seed), noise=4e-3) for seed in range(40))
+    assert not hum_lines(TIME, DECAY, noise=0.0)
+    slow = noisy(2) + 5e-3 * np.sin(2 * np.pi * 0.2 * TIME)
+    assert not hum_lines(TIME, slow, noise=4e-3)  # four swings in the hold: relaxation may bend so
+
+
+def test_the_default_rig_is_fitted_to_its_noise() -> None:
+    """Its hum and shaking, counted as noise, made every interval 1.6 times too wide."""
+    test = default(seed=1)
+    assert sorted(one.frequency for one in test.hum) == pytest.approx([37.0, 50.0], abs=2e-3)
+    assert test.force_noise == pytest.approx(4e-3, rel=0.03)
+    found = fit(test, arms=2)
+    assert found.residual.kappa < 1.2
+    quiet = prepare(simulate_relaxation(PAPER, seed=1, rig=Rig(hum=0.0, vibration=0.0)).test)
+    alike = np.array(found.standard_error["k"]) / fit(quiet, arms=2).standard_error["k"]
+    np.testing.assert_allclose(alike, 1.0, atol=0.1)
+
+
+def test_what_was_read_is_kept() -> None:
+    raw = simulate_relaxation(PAPER, seed=2).test
+    test = prepare(raw)
+    np.testing.assert_allclose(np.diff(test.reading), np.diff(raw.force), atol=1e-12)
+    assert "hum taken off the force" in test.steps[-1].says
