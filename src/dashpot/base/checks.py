@@ -79,6 +79,10 @@ class Verdict:
     because: tuple[Check, ...] = ()
 
 
+def _others(count: int) -> str:
+    return "" if count < 1 else f"; {count} more check{'s' * (count > 1)} failed"
+
+
 def verdict(
     checks: Iterable[Check], *, sound: str = "nothing that was judged limits the use"
 ) -> Verdict:
@@ -95,7 +99,7 @@ def verdict(
     limits = tuple(check for check in failed if check.grade == "limit")
     use: Use = "do not use" if stops else "use with care" if limits else "use"
     because = stops + limits
-    more = f"; {len(because) - 1} more checks failed" if len(because) > 1 else ""
+    more = _others(len(because) - 1)
     return Verdict(use, because[0].says + more if because else sound, because)
 
 

@@ -77,13 +77,14 @@ def fit(
 ) -> Fit:
     r"""Fit a generalized Maxwell solid to one prepared test, or to several at once.
 
-    ``method="full"`` answers the *recorded* motion x(t) from the first sample to the end of the
-    hold, freed of the encoder's counts and noise where it shows any
-    (:func:`~dashpot.preparation.denoising.true_motion`), with the tare and drift of the load cell
-    as nuisance terms; the force is never filtered,
+    ``method="full"`` answers the *recorded* motion x(t) from contact to the end of the hold, freed
+    of the encoder's counts and noise where it shows any
+    (:func:`~dashpot.preparation.denoising.true_motion`). Offset and drift of the load cell and the
+    delay of the force are nuisance terms, each bound by what the record and its machine say of it
+    (:mod:`dashpot.fitting.nuisance`); the force is never filtered,
 
-    .. math:: F(t) = k_\infty x(t) + \sum_j k_j \int_0^t e^{-(t-u)/\tau_j} \dot x(u)\,du
-              + F_0 + \dot F t
+    .. math:: F(t) = S(t) - \delta\,\dot S(t) + F_0 + \dot F t, \qquad
+              S(t) = k_\infty x(t) + \sum_j k_j \int_0^t e^{-(t-u)/\tau_j} \dot x(u)\,du
 
     ``method="hold"`` is the paper's eq. (5) on the hold after an ideal ramp of rate A = x_h/c,
 
@@ -109,8 +110,8 @@ def fit(
         Give each test its own k_inf and k; ``Fit.by_depth`` holds them, ``Fit.model`` is the
         deepest test's.
     nuisance : sequence of str
-        Which terms of the load cell ``method="full"`` fits along with the solid: ``"offset"``
-        and ``"drift"``. Eq. (5) has none.
+        Which terms ``method="full"`` fits along with the solid: ``"offset"``, ``"drift"`` and
+        ``"delay"``. Eq. (5) has none.
     max_arms : int
         The most that ``"auto"`` tries.
     law : "auto", "linear" or "nonlinear"
