@@ -26,8 +26,6 @@ _FEWEST = 5
 _LOADED = 0.05
 # part of the ramp for which a plate may move before its encoder shows it
 _UNSEEN = 0.02
-
-
 # a force off by this part of itself at the end of the hold takes the stiffness off by as much
 MATERIAL = 0.01
 
@@ -81,9 +79,9 @@ def priors(record: RampHold) -> Priors:
     first = _first_motion(record)
     rest = slice(0, first)
     duration = record.hold_end - record.onset
-    final = abs(float(np.mean(force[record.hold][-max(1, len(force[record.hold]) // 20) :])))
+    final = abs(float(force[last_of_hold(record)].mean()))
     noise = record.force_noise or scatter(time[record.hold], force[record.hold])
-    if first >= _FEWEST and not _loaded(record, slice(0, first)):
+    if first >= _FEWEST and not _loaded(record, rest):
         residual = force[rest] - force[rest].mean()
         # a drift is no noise
         line = _slope(time[rest], residual, 1.0).mean
@@ -127,9 +125,14 @@ class Material(NamedTuple):
 
 def material(record: RampHold) -> Material:
     """Return which departures from what is known of the load cell matter to the stiffness."""
-    held = record.force[record.hold]
-    final = MATERIAL * abs(float(held[-max(1, len(held) // 20) :].mean()))
+    final = MATERIAL * abs(float(record.force[last_of_hold(record)].mean()))
     return Material(final, final / (record.hold_end - record.onset))
+
+
+def last_of_hold(record: RampHold) -> slice:
+    """Return the last twentieth of the samples of the hold, one at least."""
+    end = record.hold.stop
+    return slice(end - max(1, (end - record.hold.start) // 20), end)
 
 
 def delay_prior(record: RampHold) -> Prior:

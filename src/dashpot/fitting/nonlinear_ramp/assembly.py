@@ -12,7 +12,7 @@ from dashpot.base.provenance import Step
 from dashpot.fitting import checks
 from dashpot.fitting.design import Design, compressed
 from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw
-from dashpot.fitting.nuisance import delay_prior, material
+from dashpot.fitting.nuisance import delay_prior, last_of_hold, material
 from dashpot.fitting.pipeline import ended
 from dashpot.fitting.questions import Residuals, solid_checks
 from dashpot.fitting.uncertainty.informed_band import informed_band
@@ -177,8 +177,7 @@ def ramp_checks(tests: Sequence[RampHold], found: RampLaw) -> tuple[Check, ...]:
 
 def end_stiffness(test: RampHold, rest: float) -> float:
     """Return the force over the last twentieth of the hold, less that at rest, over x, N/m."""
-    last = max(1, (test.hold.stop - test.hold.start) // 20)
-    held = slice(test.hold.stop - last, test.hold.stop)
+    held = last_of_hold(test)
     return float(np.mean(test.force[held]) - rest) / float(np.mean(test.displacement[held]))
 
 
