@@ -8,7 +8,7 @@ import click
 import pytest
 from click.testing import CliRunner
 
-from dashpot.base.options import option
+from dashpot.base.options import flag_of, option
 from dashpot.cli import COMMANDS, main
 from dashpot.cli._options import filled
 from dashpot.io.options import ReadOptions
@@ -74,7 +74,7 @@ def test_what_cannot_be_is_refused(words, says):
     ("command", "nouns"),
     [
         ("fit", (ReadOptions, Specimen, Machine)),
-        ("predict", (Machine,)),
+        ("predict", (Machine, ReadOptions)),
         ("inspect", (ReadOptions,)),
         ("impact", (ReadOptions, HammerChoices)),
         ("compare", (ReadOptions, HammerChoices)),
@@ -88,7 +88,7 @@ def test_commands_offer_every_field_of_their_nouns(command, nouns):
     for noun in nouns:
         for one in fields(noun):
             if one.metadata:
-                assert f"--{one.name.replace('_', '-')} " in text
+                assert f"{flag_of(one)} " in text
 
 
 def test_a_rig_without_a_test_is_refused(tmp_path):

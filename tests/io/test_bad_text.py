@@ -233,7 +233,8 @@ def test_two_displacements_are_asked(tmp_path: Path) -> None:
 
 def test_two_specimens_side_by_side_are_asked_by_number(tmp_path: Path) -> None:
     head = ";".join(("Time [s]", "Weg [mm]", "Kraft [N]") * 2) + "\n"
-    text = head + table(";", columns=(*truth(), *truth()))
+    time, moved, force = truth()
+    text = head + table(";", columns=(time, moved, force, time + 1, moved + 1, 2 * force))
     message = refused(tmp_path, text, "column 1 'Time' [s] and column 4 'Time' [s] could each be")
     assert '--time "1"' in message
     refused(tmp_path, text, "columns 1 and 4 have that name; give the number", time="Time")
@@ -244,10 +245,25 @@ def test_two_specimens_side_by_side_are_asked_by_number(tmp_path: Path) -> None:
 def test_three_forces_are_asked(tmp_path: Path) -> None:
     time, moved, force = truth()
     text = "t [s];z [mm];Fx [N];Fy [N];Fz [N]\n" + table(
-        ";", columns=(time, moved, force, force, force)
+        ";", columns=(time, moved, 0.1 * force, 0.2 * force, force)
     )
     refused(tmp_path, text, "'Fx [N]', 'Fy [N]' and 'Fz [N]' could each be the force")
     assert read(tmp_path, text, force="Fz").force[-1] == truth()[2][-1]
+
+
+@pytest.mark.parametrize(("apart", "asks"), [(0.0, False), (1e-3, False), (1.1e-3, True)])
+def test_a_column_that_stands_twice_is_no_question(
+    tmp_path: Path, apart: float, asks: bool
+) -> None:
+    time, moved, force = truth()
+    again = force.copy()
+    again[-1] += apart * np.ptp(force)
+    text = "t [s];z [mm];F1 [N];F2 [mN]\n" + table(";", columns=(time, moved, force, 1e3 * again))
+    if asks:
+        refused(tmp_path, text, "'F1 [N]' and 'F2 [mN]' could each be the force", '--force "F1"')
+        return
+    source = read(tmp_path, text).source
+    assert "force: F1 [N] ('F1 [N]' and 'F2 [mN]' hold the same numbers)" in source.columns
 
 
 def test_no_clock_asks_for_the_rate(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from pathlib import Path
 
 import pytest
@@ -16,12 +17,21 @@ maybe = st.none() | text
 OPTIONS = st.builds(
     ReadOptions,
     time=maybe, displacement=maybe, force=maybe, acceleration=st.lists(text, max_size=3).map(tuple),
-    frequency=maybe, units=st.dictionaries(text, text, max_size=3),
+    frequency=maybe, storage=maybe, loss=maybe, loss_factor=maybe, modulus=maybe,
+    temperature=maybe, real=maybe, imaginary=maybe, magnitude=maybe, phase=maybe, coherence=maybe,
+    hammer=maybe, cycle=st.none() | st.integers(1, 9),
+    units=st.dictionaries(text, text, max_size=3),
     rate=st.none() | st.floats(1e-3, 1e7), delimiter=st.sampled_from([None, ",", "\t", "fixed"]),
     decimal=st.sampled_from([None, ".", ","]), encoding=maybe, skip_rows=st.integers(0, 99),
     segment=st.none() | st.integers(1, 9), sheet=maybe, calibration=maybe,
     axis=st.sampled_from(["Fz", "Tx"]),
 )  # fmt: skip
+
+
+def test_every_field_is_drawn_above() -> None:
+    names = {one.name for one in fields(ReadOptions)}
+    drawn = {name for name in names if f"{name}=" in Path(__file__).read_text(encoding="utf-8")}
+    assert drawn == names
 
 
 @given(OPTIONS)

@@ -38,7 +38,7 @@ def test_jpk_record(shared_data: Path) -> None:
 
 
 def test_two_hits_of_a_hammer(shared_data: Path) -> None:
-    with pytest.raises(ReadError, match=r"column 'F' is labelled 'g'.*--units \"force=N\""):
+    with pytest.raises(ReadError, match=r"column 'F' is labelled 'g'.*--units \"hammer=N\""):
         read_impact(shared_data / HAMMER)
     test = read_impact(shared_data / HAMMER, options=ReadOptions(units={"force": "N"}))
     assert test.starts == (0, 8192)

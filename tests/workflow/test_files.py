@@ -63,9 +63,8 @@ def test_a_sweep_excludes_what_belongs_to_a_hold(sweep, choice):
 
 @pytest.mark.parametrize("choice", [{"depth_law": True}, {"method": "hold"}, {"filter": "x"}])
 def test_a_modulus_excludes_what_belongs_to_a_ramp(seal, choice):
-    for given in ({"modulus": "E"}, {"options": ReadOptions(modulus="E")}):
-        with pytest.raises(FitError, match="a relaxation modulus is fitted one at a time"):
-            fit_files([seal], **given, **choice)
+    with pytest.raises(FitError, match="a relaxation modulus is fitted one at a time"):
+        fit_files([seal], options=ReadOptions(modulus="E"), **choice)
 
 
 def test_the_moving_mass_is_the_block_and_a_third_of_the_seals():

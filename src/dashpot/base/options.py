@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import Field, field
 from typing import Any
 
 
@@ -11,6 +11,11 @@ def option(default: Any, help: str | None = None, **how: Any) -> Any:
 
     `how` holds ``metavar`` and ``multiple`` as click knows them; ``unit``, the dimension of a
     quantity; ``choices``; ``least``, of a whole number; ``parse``, from what click passes on to
-    what the noun takes.
+    what the noun takes; ``flag``, the option's name where it is not the field's.
     """
     return field(default=default, metadata={"help": help, **how})
+
+
+def flag_of(one: Field[Any]) -> str:
+    """Return the option that a field declares, as it is typed: ``--loss-factor``."""
+    return "--" + str(one.metadata.get("flag", one.name)).replace("_", "-")

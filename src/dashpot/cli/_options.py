@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 import click
 
 from dashpot.base.errors import DashpotError
+from dashpot.base.options import flag_of
 from dashpot.base.units import Dimension, parse_quantity, parse_range
 from dashpot.io.options import ReadOptions
 from dashpot.records.machine import Machine
@@ -80,14 +81,14 @@ def filled(
     def decorate(function: Callable[..., T]) -> Callable[..., T]:
         @functools.wraps(function)
         def command(**given: Any) -> T:
-            own = {one.name: _value(one, given.pop(one.name)) for one in asked}
+            own = {one.name: _value(one, given.pop(f"{receives}_{one.name}")) for one in asked}
             return function(**{receives: noun(**own)}, **given)
 
         for one in reversed(asked):
             how = {key: one.metadata[key] for key in one.metadata if key in _PASSED}
             named = click.option(
-                f"--{one.name.replace('_', '-')}",
-                one.name,
+                flag_of(one),
+                f"{receives}_{one.name}",  # nouns may share the name of a field
                 type=_type(one),
                 default=None if one.default is MISSING or "multiple" in how else one.default,
                 show_default=show_default,

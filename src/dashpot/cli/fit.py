@@ -36,7 +36,6 @@ if TYPE_CHECKING:
 @click.option("--depth-law", is_flag=True, help="Several depths: shared times, k for each depth.")
 @click.option("--thorough", is_flag=True, help="Add quasi-random starts.")
 @options.filtered
-@click.option("--modulus", metavar="COLUMN", help="FILE is a modulus over time, E(t): its column.")
 @options.picture
 @options.fit_output
 @reports

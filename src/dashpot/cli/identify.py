@@ -9,7 +9,7 @@ import click
 from dashpot import workflow
 from dashpot.cli import _options as options
 from dashpot.cli import _text
-from dashpot.cli._options import Quantity, Range
+from dashpot.cli._options import Quantity, Range, over_profile
 from dashpot.cli._shell import (
     Outcome,
     failed,
@@ -19,11 +19,13 @@ from dashpot.cli._shell import (
     reports,
     write,
 )
+from dashpot.io.options import OF_BENCH, ReadOptions
 
 
 @click.command("identify")
 @click.argument("measured", nargs=-1, required=True, metavar="IMPACT|FRF...")
 @click.option("--with", "together", metavar="FIT|RELAXATION", multiple=True, help="Fit together.")
+@click.option("--with-profile", metavar="FILE", help="Saved answers for the relaxation tests.")
 @options.mass
 @click.option("--mass-sd", type=Quantity("mass"), help="How well the mass is known.")
 @options.seal_mass
@@ -45,6 +47,8 @@ def command(
     *,
     measured: tuple[str, ...],
     together: tuple[str, ...],
+    with_profile: str | None,
+    options: ReadOptions,
     direct: str | None,
     output: str | None,
     **choices: Any,
@@ -66,6 +70,8 @@ def command(
         measured,
         fits=[read_fit(path) for path in fits],
         tests=[path for path in together if path not in fits],
+        options=options.without(OF_BENCH),
+        options_with=over_profile(options.only(("units", *OF_BENCH)), with_profile),
         **choices,
     )
     if direct:

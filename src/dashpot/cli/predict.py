@@ -36,6 +36,7 @@ from dashpot.cli._shell import Outcome, failed, read_fit, reports, write
 @click.option("-o", "--output", metavar="FILE", help="Write the FRF as CSV; - is stdout.")
 @reports
 @options.machine
+@options.reading
 def command(*, fit: str, picture: str | None, output: str | None, **choices: Any) -> Outcome:
     """Predict the frequency response of a mass on the seal of FIT (a fit's JSON file).
 

@@ -12,7 +12,7 @@ from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._options import over_profile
 from dashpot.cli._shell import Outcome, reports, to_stderr, write
-from dashpot.io.options import ReadOptions
+from dashpot.io.options import OF_HAMMER, ReadOptions
 from dashpot.workflow.job import Job
 
 
@@ -52,10 +52,10 @@ def command(
     dashpot report seal_8mm.csv --impact hammer.csv --mass 104g --seals 2 --project door-seal
     """
     # columns named for the bench file need not exist in the hammer's; units do no harm
-    of_impact = ReadOptions(units=options.units, acceleration=options.acceleration)
+    of_impact = options.only(("units", *OF_HAMMER))
     job = Job(
         joint=not no_joint,
-        reading=options,
+        reading=options.without(OF_HAMMER),
         reading_impact=over_profile(of_impact, impact_profile),
         **choices,
     )

@@ -8,27 +8,14 @@ from pathlib import Path
 from typing import Any
 
 from dashpot.base.errors import DataError, ReadError
-from dashpot.base.options import option
+from dashpot.base.options import flag_of, option
 from dashpot.base.units import parse_quantity
-
-ROLES = (
-    "time", "displacement", "force", "acceleration",
-    "frequency", "storage", "loss", "temperature", "modulus",
-)  # fmt: skip
-"""Every role that a column can be given by name."""
 
 _DELIMITERS = {
     "tab": "\t", "\\t": "\t", "comma": ",", "semicolon": ";", "space": " ", "spaces": " ",
     "pipe": "|", "colon": ":", "fixed": "fixed",
 }  # fmt: skip
 _DECIMALS = {"point": ".", "dot": ".", "comma": ","}
-
-_SECTIONS = {
-    "columns": ROLES,
-    "text": ("delimiter", "decimal", "encoding", "skip_rows"),
-    "part": ("segment", "sheet"),
-    "transducer": ("calibration", "axis"),
-}
 
 
 def parse_units(text: str) -> dict[str, str]:
@@ -50,17 +37,29 @@ def all_units(texts: Sequence[str]) -> dict[str, str]:
     return {name: unit for text in texts for name, unit in parse_units(text).items()}
 
 
+def _column(says: str, **how: Any) -> Any:
+    """Return the field that names the column of a role, an option of the same name."""
+    return option(
+        () if "multiple" in how else None, says, metavar="COLUMN", section="columns", **how
+    )
+
+
 @dataclass(frozen=True)
 class ReadOptions:
     """Answers to what a file leaves open; everything None is found in the file.
 
-    Fields that are options are the command line's.
+    Every field is an option of the command line and a line of a profile.
 
     Attributes
     ----------
-    time, displacement, force, frequency, storage, loss, temperature, modulus : str or None
+    time, displacement, force : str or None
         The column that plays this role: its name in the file, or its number counted from 1.
-        In an impact test `force` is the hammer.
+    frequency, storage, loss, loss_factor, modulus, temperature : str or None
+        So too, in a dynamic test or a relaxation modulus.
+    real, imaginary, magnitude, phase, coherence : str or None
+        So too, in an FRF.
+    hammer : str or None
+        The force of an impact test; by default `force`.
     acceleration : tuple of str
         The acceleration columns of an impact test, in the order wanted.
     units : mapping or tuple of (str, str)
@@ -73,6 +72,8 @@ class ReadOptions:
         Lines to pass over before anything is looked at.
     segment : int or None
         The segment to read, counted from 1, where a file has several.
+    cycle : int or None
+        The loading to use, counted from 1, where a relaxation test has several.
     sheet : str or None
         The sheet of a workbook, group of a TDMS file or HDF5 file, by name.
     calibration : str or None
@@ -81,29 +82,42 @@ class ReadOptions:
         The axis of the calibrated transducer that is the force.
     """
 
-    time: str | None = option(None, "Column of time.", metavar="COLUMN")
-    displacement: str | None = option(None, "Column of displacement.", metavar="COLUMN")
-    force: str | None = option(None, "Column of force (hammer or bench).", metavar="COLUMN")
-    acceleration: tuple[str, ...] = option(
-        (), "Column of acceleration.", metavar="COLUMN", multiple=True
+    time: str | None = _column("Column of time, by name or number.")
+    displacement: str | None = _column("Column of displacement.")
+    force: str | None = _column("Column of force.")
+    acceleration: tuple[str, ...] = _column(
+        "Column of acceleration; repeat for more.", multiple=True
     )
-    frequency: str | None = None
-    storage: str | None = None
-    loss: str | None = None
-    temperature: str | None = None
-    modulus: str | None = None
+    hammer: str | None = _column("Column of the hammer's force.")
+    frequency: str | None = _column("Column of frequency.")
+    storage: str | None = _column("Column of storage modulus or stiffness.")
+    loss: str | None = _column("Column of loss modulus or stiffness.")
+    loss_factor: str | None = _column("Column of the loss factor (tan delta).")
+    modulus: str | None = _column("Column of a relaxation modulus over time.")
+    temperature: str | None = _column("Column of temperature.", flag="temperature-column")
+    real: str | None = _column("Column of the real part of an FRF.")
+    imaginary: str | None = _column("Column of its imaginary part.")
+    magnitude: str | None = _column("Column of the magnitude of an FRF.")
+    phase: str | None = _column("Column of its phase.")
+    coherence: str | None = _column("Column of its coherence.")
     units: Mapping[str, str] | tuple[tuple[str, str], ...] = option(
-        (), 'E.g. "force=N,time=s".', metavar="ROLE=UNIT", multiple=True, parse=all_units
+        (), 'E.g. "force=N,time=s".', metavar="ROLE=UNIT", section="units", multiple=True,
+        parse=all_units,
+    )  # fmt: skip
+    rate: float | None = option(
+        None, "Sampling rate, if there is no time.", section="", unit="frequency"
     )
-    rate: float | None = option(None, "Sampling rate, if there is no time.", unit="frequency")
-    delimiter: str | None = option(None, "tab, space, comma, ';', fixed, ...")
-    decimal: str | None = option(None, "point or comma.")
-    encoding: str | None = option(None, "E.g. utf-8, cp1250, gb18030.")
-    skip_rows: int = option(0, "Lines to pass over.", least=0)
-    segment: int | None = option(None, "Which segment of the file.", least=1)
-    sheet: str | None = option(None, "Sheet of a workbook, group of TDMS or HDF5.")
-    calibration: str | None = option(None, "ATI .cal file: gauge volts to force.", metavar="FILE")
-    axis: str = option("Fz", "Axis of the calibrated transducer.")
+    delimiter: str | None = option(None, "tab, space, comma, ';', fixed, ...", section="text")
+    decimal: str | None = option(None, "point or comma.", section="text")
+    encoding: str | None = option(None, "E.g. utf-8, cp1250, gb18030.", section="text")
+    skip_rows: int = option(0, "Lines to pass over.", section="text", least=0)
+    segment: int | None = option(None, "Which segment of the file.", section="part", least=1)
+    cycle: int | None = option(None, "Which loading of several.", section="part", least=1)
+    sheet: str | None = option(None, "Sheet of a workbook, group of TDMS or HDF5.", section="part")
+    calibration: str | None = option(
+        None, "ATI .cal file: gauge volts to force.", section="transducer", metavar="FILE"
+    )
+    axis: str = option("Fz", "Axis of the calibrated transducer.", section="transducer")
 
     def __post_init__(self) -> None:
         pairs = self.units.items() if isinstance(self.units, Mapping) else self.units
@@ -113,15 +127,18 @@ class ReadOptions:
             raise DataError(f"rate = {self.rate!r} Hz; expected a sampling rate > 0")
         if self.skip_rows < 0:
             raise DataError(f"skip_rows = {self.skip_rows}; expected a number of lines >= 0")
-        if self.segment is not None and self.segment < 1:
-            raise DataError(f"segment = {self.segment}; segments are counted from 1")
+        for name in ("segment", "cycle"):
+            number = getattr(self, name)
+            if number is not None and number < 1:
+                raise DataError(f"{name} = {number}; {name}s are counted from 1")
         object.__setattr__(self, "delimiter", _delimiter(self.delimiter))
         object.__setattr__(self, "decimal", _decimal(self.decimal))
 
     def unit_of(self, role: str, column: str) -> str | None:
         """The unit given for a column, by its name or by its role, or None."""
         given = self.by_name()
-        return given.get(column.strip().casefold(), given.get(role))
+        by_role = given.get(role, given.get("force") if role == "hammer" else None)
+        return given.get(column.strip().casefold(), by_role)
 
     def by_name(self) -> dict[str, str]:
         """The units given, by role or column name in lower case."""
@@ -137,6 +154,45 @@ class ReadOptions:
         }
         stated["units"] = {**dict(profile.units), **dict(self.units)}
         return replace(profile, **stated)
+
+    def only(self, names: Sequence[str]) -> ReadOptions:
+        """These fields alone, all else as if it had not been said."""
+        return ReadOptions(**{name: getattr(self, name) for name in names})
+
+    def without(self, names: Sequence[str]) -> ReadOptions:
+        """All but these fields."""
+        return self.only([one.name for one in fields(self) if one.name not in names])
+
+
+OF_HAMMER = (
+    "acceleration", "hammer", "frequency", "real", "imaginary", "magnitude", "phase", "coherence",
+)  # fmt: skip
+"""Fields that speak of a hammer test, whatever other file a command reads."""
+OF_BENCH = ("displacement", "cycle")
+"""Fields that speak of a relaxation test so."""
+
+
+def _sections() -> dict[str, tuple[str, ...]]:
+    """The fields of a profile by section; "" is its head. A field without one is an error."""
+    found: dict[str, tuple[str, ...]] = {}
+    for one in fields(ReadOptions):
+        section = one.metadata["section"]
+        found[section] = (*found.get(section, ()), one.name)
+    return found
+
+
+_SECTIONS = _sections()
+_ASKED = {one.name: one.metadata for one in fields(ReadOptions)}
+_FLAGS = {one.name: flag_of(one) for one in fields(ReadOptions)}
+
+
+def flag(name: str) -> str:
+    """Return the option of the command line that fills a field, such as ``--loss-factor``.
+
+    >>> flag("temperature"), flag("skip_rows")
+    ('--temperature-column', '--skip-rows')
+    """
+    return _FLAGS[name]
 
 
 def _delimiter(word: str | None) -> str | None:
@@ -158,22 +214,23 @@ def dump_profile(options: ReadOptions) -> str:
     """Return the options as a profile: TOML that :func:`load_profile` reads back."""
     default = ReadOptions()
     lines = ["# dashpot reading profile"]
-    if options.rate is not None:
-        lines.append(f'rate = "{options.rate!r} Hz"')
-    for section, names in _SECTIONS.items():
+    for section, names in sorted(_SECTIONS.items()):
         stated = [
-            f"{name} = {_toml(getattr(options, name))}"
+            line
             for name in names
             if getattr(options, name) != getattr(default, name)
+            for line in _lines(name, getattr(options, name))
         ]
-        lines += ["", f"[{section}]", *stated] if stated else []
-    if options.units:
-        lines += [
-            "",
-            "[units]",
-            *(f"{_toml(a)} = {_toml(b)}" for a, b in dict(options.units).items()),
-        ]
+        head = ["", f"[{section}]"] if section else []
+        lines += [*head, *stated] if stated else []
     return "\n".join(lines) + "\n"
+
+
+def _lines(name: str, value: Any) -> list[str]:
+    """The lines of a profile that state one field."""
+    if name == "units":
+        return [f"{_toml(word)} = {_toml(unit)}" for word, unit in dict(value).items()]
+    return [f'{name} = "{value!r} Hz"' if name == "rate" else f"{name} = {_toml(value)}"]
 
 
 def load_profile(path: str | Path) -> ReadOptions:
@@ -210,7 +267,7 @@ def _from_toml(content: dict[str, Any]) -> ReadOptions:
         elif section in _SECTIONS:
             stated |= {name: _option(section, name, value) for name, value in entries.items()}
         else:
-            known = ", ".join(["rate", "units", *_SECTIONS])
+            known = ", ".join(["rate", *filter(None, _SECTIONS)])
             raise DataError(f"'{section}' is unknown in a profile; known are {known}")
     return ReadOptions(**stated)
 
@@ -219,9 +276,10 @@ def _option(section: str, name: str, value: Any) -> Any:
     if name not in _SECTIONS[section]:
         known = ", ".join(_SECTIONS[section])
         raise DataError(f"[{section}] {name} is unknown; known are {known}")
-    if name == "acceleration":
-        return (value,) if isinstance(value, str) else tuple(map(str, value))
-    return int(value) if name in {"skip_rows", "segment"} else str(value)
+    asked = _ASKED[name]
+    if "multiple" in asked:
+        return tuple(map(str, value)) if isinstance(value, list) else (str(value),)
+    return int(value) if "least" in asked else str(value)
 
 
 def _toml(value: object) -> str:

@@ -14,10 +14,11 @@ Content: TypeAlias = Literal["number", "clock", "text", "blank"]
 
 @dataclass(frozen=True)
 class Question:
-    """What a file leaves open, and the option that answers it."""
+    """What a file leaves open, and the option that answers it; how many answers are offered."""
 
     says: str
     option: str
+    choices: int = 0
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
@@ -26,7 +25,6 @@ def fit_files(
     thorough: bool = False,
     law: Literal["auto", "linear", "nonlinear"] = "auto",
     filter: str | None = None,
-    modulus: str | None = None,
     specimen: Specimen | None = None,
     machine: Machine | None = None,
     options: ReadOptions | None = None,
@@ -46,10 +44,9 @@ def fit_files(
         law (:func:`~dashpot.fitting.depth.fit_depths`); each has its own stiffnesses.
     filter, machine : optional
         As in :func:`~dashpot.preparation.prepare.prepare`.
-    modulus : str, optional
-        The file is a relaxation modulus over time: its column.
     specimen, options
-        As in :func:`~dashpot.io.readers.relaxation.read_relaxation`.
+        As in :func:`~dashpot.io.readers.relaxation.read_relaxation`; with a column of `modulus` the
+        file is a relaxation modulus over time, and `cycle` is for preparation.
 
     Returns
     -------
@@ -63,15 +60,13 @@ def fit_files(
         If a file cannot be read, prepared or fitted, or the choices exclude each other.
     """
     options = options or ReadOptions()
-    column = modulus or options.modulus
-    if column is not None:
+    if options.modulus is not None:
         known_of_a_test(machine, tests=0, add="a ramp and hold")
         if len(files) > 1 or depth_law or method == "hold" or filter:
             raise FitError(
                 "a relaxation modulus is fitted one at a time, without --depth-law, --method hold "
                 "and --filter: it is the answer to a step already"
             )
-        options = replace(options, modulus=column)
         curve = dp.read_modulus(files[0], options=options, specimen=specimen)
         found = dp.fit_modulus(
             curve.time,
@@ -86,7 +81,7 @@ def fit_files(
     tests = [dp.read_bench(path, options=options, specimen=specimen) for path in files]
     sweeps = [test for test in tests if not isinstance(test, RelaxationTest)]
     prepared = tuple(
-        dp.prepare(test, filter=filter, machine=machine)
+        dp.prepare(test, filter=filter, machine=machine, cycle=options.cycle)
         for test in tests
         if isinstance(test, RelaxationTest)
     )

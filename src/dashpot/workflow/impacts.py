@@ -28,6 +28,7 @@ from dashpot.vibration.modal.peaks import find_peak
 from dashpot.vibration.systems.operating_point import operating_point
 from dashpot.vibration.systems.prediction import moving_mass, predict_frf
 from dashpot.workflow.job import HammerChoices, known_of_a_test
+from dashpot.workflow.prepared import answered_in, prepared_files
 from dashpot.workflow.resting import AtRest, at_rest
 
 # rounds in which a mass and the stiffness under it find each other
@@ -302,6 +303,7 @@ def identify_files(
     tests: Sequence[str | Path] = (),
     compression: float | None = None,
     machine: Machine | None = None,
+    options_with: ReadOptions | None = None,
     **choices: Any,
 ) -> tuple[Fit, DynamicStiffness, tuple[Check, ...]]:
     """Identify the solid under a mass from hits or an FRF, alone or with the relaxation test.
@@ -320,6 +322,8 @@ def identify_files(
         Of the seals, m; by default that of the mass's weight.
     machine : Machine, optional
         What is known of the machine of the tests.
+    options_with : ReadOptions, optional
+        What the user said of the files of the tests.
     choices
         As in :func:`~dashpot.fitting.identification.identify.identify`.
 
@@ -336,11 +340,8 @@ def identify_files(
         raise ReadError("--with takes relaxation tests or one fit, not both: leave the fit out")
     _, frf = read_measured(measured, choices=hammer, options=options, mass=mass, band=band)
     total, noted = total_mass(mass, seal=seal_mass, seals=seals)
-    # columns named for the hammer's file need not exist in the bench's; units do no harm
-    plain = ReadOptions(units=options.units)
-    prepared = [
-        dp.prepare(dp.read_relaxation(path, options=plain), machine=machine) for path in tests
-    ]
+    with answered_in("--with-profile"):
+        prepared = prepared_files(tests, machine=machine, options=options_with)
     straight = dp.dynamic_stiffness(frf, total or mass, seals=seals, band=band)
     found = dp.identify(
         frf,

@@ -75,7 +75,7 @@ def _inspected(path: str | Path, options: ReadOptions) -> InspectedFile:
     if found.kind != "relaxation" or found.questions:
         return InspectedFile(**plain)
     try:
-        test = prepare(read_relaxation(path, options=options))
+        test = prepare(read_relaxation(path, options=options), cycle=options.cycle)
     except DashpotError as error:
         return InspectedFile(**plain, refusal=str(error))
     ready = Preparation(**{one.name: getattr(test, one.name) for one in fields(Preparation)})

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-import dashpot as dp
 from dashpot.base.checks import Check
+from dashpot.io.options import ReadOptions
 from dashpot.records.bounds import FRFBounds
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF, Mode
@@ -18,6 +18,7 @@ from dashpot.records.machine import Machine
 from dashpot.vibration.systems.operating_point import OperatingPoint
 from dashpot.vibration.systems.prediction import model_modes, moving_mass, predict_frf
 from dashpot.workflow.job import known_of_a_test
+from dashpot.workflow.prepared import prepared_files
 from dashpot.workflow.resting import AtRest, at_rest, formal_limits, frf_limits
 
 # lines of the limits over the predicted band
@@ -65,6 +66,7 @@ def predict_files(
     kind: str = "accelerance",
     compression: float | None = None,
     machine: Machine | None = None,
+    options: ReadOptions | None = None,
 ) -> Prediction:
     """Predict the FRF of a mass on a fitted seal.
 
@@ -85,6 +87,8 @@ def predict_files(
         Of the seals, m; by default that of the mass's weight.
     machine : Machine, optional
         What is known of the machine of those tests.
+    options : ReadOptions, optional
+        What the user said of their files.
 
     Raises
     ------
@@ -99,7 +103,7 @@ def predict_files(
     modes = model_modes(solid, moving)
     limits = None
     if records:
-        tests = [dp.prepare(dp.read_relaxation(path), machine=machine) for path in records]
+        tests = prepared_files(records, machine=machine, options=options)
         about = np.linspace(max(frf.frequency[0], 1e-3), frf.frequency[-1], LIMIT_LINES)
         limits = frf_limits(found, tests, rests.point, mass=moving, frequency=about, seals=seals)
     top = int(np.abs(frf.value).argmax())

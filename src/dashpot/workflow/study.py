@@ -29,6 +29,7 @@ from dashpot.vibration.systems.prediction import REACH, predict_frf
 from dashpot.workflow.checks import hold_fit_possible, prediction_informed
 from dashpot.workflow.impacts import held_against, read_measured, total_mass, weighed
 from dashpot.workflow.job import Job
+from dashpot.workflow.prepared import answered_in
 from dashpot.workflow.resting import AtRest, at_rest, frf_limits
 
 COMPARED_ORDERS = (1, 2)
@@ -152,6 +153,7 @@ def characterise(
     arms: int | Literal["auto"] = "auto",
     band: tuple[float, float] | None = None,
     filter: str | None = None,
+    cycle: int | None = None,
     machine: Machine | None = None,
     joint: bool = True,
     compression: float | None = None,
@@ -170,7 +172,7 @@ def characterise(
         kg; inferred from `measured`, and labelled so, if missing.
     seals : float
         How many of the tested seals carry the mass; a fraction is a shorter piece.
-    arms, filter, machine
+    arms, filter, cycle, machine
         As in :func:`~dashpot.fitting.relaxation.fit` and
         :func:`~dashpot.preparation.prepare.prepare`.
     band : (float, float), optional
@@ -185,7 +187,7 @@ def characterise(
     DataError, FitError
         If a test cannot be prepared, fitted or compared.
     """
-    prepared = prepare(test, filter=filter, machine=machine)
+    prepared = prepare(test, filter=filter, machine=machine, cycle=cycle)
     chosen = fit(prepared, arms=arms)
     given = mass
     if measured is not None:
@@ -252,9 +254,10 @@ def run(job: Job) -> Study:
     impact = measured = None
     mass, noted = total_mass(job.mass, seal=job.seal_mass, seals=job.seals)
     if job.impact:
-        impact, measured = read_measured(
-            job.impact, choices=job.hammer, options=job.reading_impact, mass=mass, band=job.band
-        )
+        with answered_in("--impact-profile"):
+            impact, measured = read_measured(
+                job.impact, choices=job.hammer, options=job.reading_impact, mass=mass, band=job.band
+            )
     study = characterise(
         test,
         measured,
@@ -264,6 +267,7 @@ def run(job: Job) -> Study:
         arms=job.arms,
         band=job.band,
         filter=job.filter,
+        cycle=job.reading.cycle,
         machine=job.machine,
         joint=job.joint,
         compression=job.compression,

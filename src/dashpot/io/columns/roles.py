@@ -6,17 +6,20 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from dashpot.base import units
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.units import Dimension, Unit
 from dashpot.io.columns import vocabulary
 from dashpot.io.columns.vocabulary import DIMENSION, Role
-from dashpot.io.options import ReadOptions
+from dashpot.io.options import ReadOptions, flag
 from dashpot.io.table import Column, Question, Table
 
 _EXAMPLE = {
     "time": "s", "displacement": "mm", "force": "N", "acceleration": "m/s^2", "frequency": "Hz",
-    "storage": "MPa", "loss": "MPa", "temperature": "degC", "modulus": "MPa",
+    "storage": "MPa", "loss": "MPa", "temperature": "degC", "modulus": "MPa", "hammer": "N",
+    "phase": "deg",
 }  # fmt: skip
 _MODULI = {"storage", "loss", "modulus"}  # of a part they are stiffnesses
 _LESS = (
@@ -30,6 +33,8 @@ _SENSITIVITY = re.compile(
     r"([\d.]+(?:e[+-]?\d+)?)\s*(m|u|µ)?V\s*/\s*\(?([^()]+)\)?\Z", re.IGNORECASE
 )
 _SAME = 0.25
+_ROUNDED = 1e-3
+"""Part of their range by which columns that are written to a few digits may differ."""
 
 
 @dataclass(frozen=True)
@@ -50,24 +55,56 @@ def assign(table: Table, role: Role, options: ReadOptions) -> Assigned | Questio
     ReadError
         If the options name a column that is not there.
     """
-    named = getattr(options, role, None)
+    asked = "force" if role == "hammer" and not options.hammer else role
+    named = getattr(options, asked, None)
     if named:
-        index = find_column(table.columns, str(named), f"--{role}")
-        return Assigned(role, index, f"named by --{role}")
+        index = find_column(table.columns, str(named), flag(asked))
+        return Assigned(role, index, f"named by {flag(asked)}")
     suited = _suited(table, role, options)
     if not suited:
-        return Question(_nothing(table, role), f"--{role} NAME")
+        return Question(_nothing(table, role), f"{flag(role)} NAME")
     (top, index), *others = suited
-    equals = sorted([index, *(i for value, i in others if value > top - _SAME)])
-    if len(equals) > 1:
-        *labels, last = (quoted(table.columns, i) for i in equals)
-        says = (
-            f"{', '.join(labels)} and {last} could each be the {role}; say which, for example "
-            f'--{role} "{handle(table.columns, index)}"'
-        )
-        return Question(says, f"--{role} NAME")
+    equals = [index, *(i for value, i in others if value > top - _SAME)]
     reason = _reason(table.columns[index], role)
-    return Assigned(role, index, reason, tuple(i for _, i in others))
+    if len(equals) > 1:
+        listed = _and([quoted(table.columns, i) for i in sorted(equals)])
+        if not _same_numbers(table, equals, role, options):
+            says = (
+                f"{listed} could each be the {_word(role)}; say which, for example "
+                f'{flag(role)} "{handle(table.columns, index)}"'
+            )
+            return Question(says, f"{flag(role)} NAME", choices=len(equals))
+        reason = f"{listed} hold the same numbers"
+    rest = tuple(i for _, i in others if i not in equals)
+    return Assigned(role, index, reason, rest)
+
+
+def _and(words: Sequence[str]) -> str:
+    return " and ".join(filter(None, [", ".join(words[:-1]), words[-1]]))
+
+
+def _word(role: Role) -> str:
+    """A role as people say it."""
+    return {"hammer": "hammer's force"}.get(role, role.replace("_", " "))
+
+
+def _same_numbers(table: Table, indexes: Sequence[int], role: Role, options: ReadOptions) -> bool:
+    """Whether columns hold one signal, in SI: written twice, or in two units."""
+    dimension = DIMENSION.get(role)
+    columns = [table.columns[i] for i in indexes]
+    words = [options.unit_of(role, c.name) or c.unit for c in columns]
+    found = [units.find(word, dimension) if word and dimension else None for word in words]
+    if any((unit is None) != (found[0] is None) for unit in found):
+        return False
+    values = table.load(indexes).values
+    for j, unit in enumerate(found):
+        if unit is not None:
+            values[:, j] = unit.factor * values[:, j] + unit.offset
+    whole = values[np.isfinite(values).all(axis=1)]
+    if not len(whole) or not len(whole) > 0.5 * len(values):
+        return False
+    apart = np.abs(whole - whole[:, :1]).max(axis=0)
+    return bool((apart <= _ROUNDED * np.ptp(whole[:, 0])).all())
 
 
 def _suited(table: Table, role: Role, options: ReadOptions) -> list[tuple[float, int]]:
@@ -176,8 +213,9 @@ def _nothing(table: Table, role: Role) -> str:
         more = "; " + "; ".join(table.hints) if table.hints else f", {guess}"
     kind = f" (a unit of {DIMENSION[role]} would show it)" if role in DIMENSION else ""
     return (
-        f"no column is recognised as {role}{kind}; the columns are {list_columns(table.columns)}; "
-        f'name it by its name or number, for example --{role} "{_example(table, role)}"{more}'
+        f"no column is recognised as {_word(role)}{kind}; the columns are "
+        f"{list_columns(table.columns)}; name it by its name or number, for example "
+        f'{flag(role)} "{_example(table, role)}"{more}'
     )
 
 

@@ -15,13 +15,14 @@ Role: TypeAlias = Literal[
     "time", "displacement", "force", "acceleration", "frequency", "storage", "loss",
     "temperature", "real", "imaginary", "magnitude", "phase", "coherence", "stress", "strain",
     "modulus", "viscosity", "shear_rate", "voltage", "cycle", "velocity", "torque", "loss_factor",
+    "hammer",
 ]  # fmt: skip
 
 DIMENSION: MappingProxyType[str, Dimension] = MappingProxyType({
     "time": "time", "displacement": "length", "force": "force", "acceleration": "acceleration",
     "frequency": "frequency", "storage": "stress", "loss": "stress", "temperature": "temperature",
     "stress": "stress", "strain": "strain", "modulus": "stress", "voltage": "voltage",
-    "velocity": "velocity", "torque": "torque",
+    "velocity": "velocity", "torque": "torque", "hammer": "force", "phase": "angle",
 })  # fmt: skip
 """The dimension of the unit that a role has."""
 
@@ -185,4 +186,6 @@ def matches(name: str) -> MappingProxyType[Role, float]:
         for spelling in {word, bare(word)}:
             for role, value in _roles(spelling):
                 scores[role] = max(value - less, scores.get(role, 0.0))
+    if "force" in scores:
+        scores["hammer"] = scores["force"]
     return MappingProxyType(scores)

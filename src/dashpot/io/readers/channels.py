@@ -17,7 +17,7 @@ from dashpot.io.columns.kinds import cycle_peaks, kind_of
 from dashpot.io.columns.roles import Assigned, assign, list_columns, quoted, unit_for
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.formats import read_table
-from dashpot.io.options import ReadOptions
+from dashpot.io.options import ReadOptions, flag
 from dashpot.io.source import Raw, about, open_raw
 from dashpot.io.table import Loaded, Question, Table
 
@@ -91,7 +91,7 @@ def choose(file: Opened, roles: Sequence[Role]) -> list[Channel]:
             columns = file.table.columns
             raise ReadError(
                 f"{quoted(columns, one.index)} would be both {other} and {one.role}; name the "
-                f"columns with --{other} and --{one.role}; they are {list_columns(columns)}"
+                f"columns with {flag(other)} and {flag(one.role)}; they are {list_columns(columns)}"
             )
     return with_units(file, chosen)
 
@@ -140,7 +140,7 @@ def rivals(file: Opened, chosen: Sequence[Channel]) -> list[str]:
             listed = ", ".join(quoted(columns, i) for i in others[:3])
             notes.append(
                 f"{one.role} is {quoted(columns, one.index)}; {listed} could be too: "
-                f"--{one.role} NAME chooses"
+                f"{flag(one.role)} NAME chooses"
             )
     return notes
 

@@ -99,7 +99,7 @@ def _names(file: Opened, chosen: Sequence[Channel]) -> tuple[str, ...]:
 
 def _channels(file: Opened) -> list[Channel]:
     """Time unless a rate is given, the hammer, and every acceleration."""
-    wanted: list[Role] = ["force"] if file.options.rate is not None else ["time", "force"]
+    wanted: list[Role] = ["hammer"] if file.options.rate is not None else ["time", "hammer"]
     chosen = channels.choose(file, wanted)
     found = accelerations(file.table, [c.index for c in chosen], file.options)
     if not found:

@@ -21,7 +21,7 @@ from dashpot.io.table import Loaded, Question, Table
 _ROLES: dict[str, tuple[Role, ...]] = {
     "relaxation": ("time", "displacement", "force"),
     "unclear": ("time", "displacement", "force"),
-    "impact": ("time", "force"),
+    "impact": ("time", "hammer"),
     "dma": ("frequency", "storage", "loss", "temperature"),
     "frf": ("frequency", "real", "imaginary", "magnitude", "phase", "coherence"),
 }
