@@ -1,3 +1,31 @@
-"""The version, in one place."""
+"""The version, in one place, and the byline that every file dashpot writes carries."""
+
+from __future__ import annotations
+
+import re
 
 __version__ = "0.1.0"
+
+# a document in JSON names its schema first; every other file holds `byline`
+_BYLINE = re.compile(rb"\bdashpot \d+\.\d+\.[\w.+]+: [a-zA-Z]")
+_SCHEMA = re.compile(rb'\s*\{\s*"schema": ?"dashpot/')
+_PROFILE = b"# dashpot reading profile"
+
+
+def byline(what: str) -> str:
+    """Say that dashpot made a file, and what it is, on one line.
+
+    >>> byline("frequency response function").startswith("dashpot ")
+    True
+    """
+    return f"dashpot {__version__}: {what}"
+
+
+def is_ours(head: bytes) -> bool:
+    """Tell whether a file that begins with `head` was written by dashpot.
+
+    >>> is_ours(b'{"schema": "dashpot/fit@1"'), is_ours(b"dashpot 2: front left")
+    (True, False)
+    """
+    schema, profile = _SCHEMA.match(head), head.startswith(_PROFILE)
+    return bool(schema or profile or _BYLINE.search(head))

@@ -4,9 +4,14 @@ from __future__ import annotations
 
 import atexit
 import gc
+import sys
+from collections.abc import Callable
 from importlib import import_module
+from typing import Any
 
 import click
+
+from dashpot.base.version import __version__
 
 # the end of the process frees everything; the interpreter need not search every module for
 # cycles on the way out, which takes as long as reading a short file
@@ -44,9 +49,23 @@ class _Lazy(click.Group):
         with formatter.section("Commands"):
             formatter.write_dl(list(COMMANDS.items()))
 
+    def main(self, *given: Any, **how: Any) -> Any:
+        """Run a command; whatever goes wrong ends in a sentence and an exit code."""
+        run: Callable[..., Any] = super().main
+        if not how.pop("standalone_mode", True):
+            return run(*given, standalone_mode=False, **how)
+        words = given[0] if given else how.get("args")
+        try:
+            sys.exit(run(*given, standalone_mode=False, **how))
+        except Exception as error:  # noqa: BLE001 -- the last net: no one is shown a raw traceback
+            from dashpot.cli._failure import leave
+
+            sys.exit(leave(error, sys.argv[1:] if words is None else list(words)))
+
 
 @click.group(cls=_Lazy, context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(package_name="dashpot", prog_name="dashpot")
+@click.version_option(__version__, prog_name="dashpot")
+@click.option("--traceback", is_flag=True, expose_value=False, help="Show where a fault happened.")
 def main() -> None:
     """From the relaxation test of a seal to a validated vibration model.
 
@@ -57,5 +76,6 @@ def main() -> None:
     dashpot report seal.csv --impact hammer.csv --mass 104g --seals 2 -o report.html
 
     Quantities carry their unit: 104g, 8mm, 12.71Hz, 1:50Hz. Every command that reports takes
-    --json. Exit codes: 0 done, 1 a check failed under --strict, 2 bad input or usage.
+    --json. Exit codes: 0 done, 1 a check failed under --strict, 2 bad input or usage,
+    3 a fault of dashpot's own.
     """

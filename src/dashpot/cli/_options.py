@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable
 from dataclasses import MISSING, Field, fields
+from pathlib import Path
 from typing import Any, TypeVar
 
 import click
@@ -12,6 +13,7 @@ import click
 from dashpot.base.errors import DashpotError
 from dashpot.base.options import flag_of
 from dashpot.base.units import Dimension, parse_quantity, parse_range
+from dashpot.cli._shell import Output, reads
 from dashpot.io.options import ReadOptions
 from dashpot.records.machine import Machine
 from dashpot.records.specimen import Specimen
@@ -52,6 +54,18 @@ class Compression(Quantity):
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         return None if value == "weight" else super().convert(value, param, ctx)
+
+
+PICTURES = (".pdf", ".png", ".svg")  # written out, so that --help need not import matplotlib
+
+
+class Picture(Output):
+    """A figure's file, refused before the work if its suffix is none that is drawn."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        if Path(value).suffix.lower() not in PICTURES:
+            self.fail(f"'{value}': a figure is written as .pdf, .png or .svg", param, ctx)
+        return super().convert(value, param, ctx)
 
 
 class Arms(click.ParamType[Any]):
@@ -150,7 +164,10 @@ def over_profile(options: ReadOptions, path: str | None) -> ReadOptions:
         return options
     from dashpot.io.options import load_profile
 
-    return options.over(load_profile(path))
+    profile = load_profile(path)
+    if profile.calibration:
+        reads(profile.calibration)
+    return options.over(profile)
 
 
 arms = click.option("--arms", type=Arms(), default="auto", show_default=True, help="Maxwell arms.")
@@ -173,7 +190,18 @@ compression = click.option(
 )
 compared = click.option("--band", type=Range("frequency"), help="Lines compared, e.g. 5:40Hz.")
 filtered = click.option("--filter", metavar="SPEC", help="E.g. lowpass:10Hz; off by default.")
-picture = click.option("--plot", "picture", metavar="FILE", help="Save the figure (png, svg, pdf).")
-fit_output = click.option(
-    "-o", "--output", metavar="FILE", help="Write the fit as JSON; - is stdout."
+picture = click.option(
+    "--plot", "picture", type=Picture(), metavar="FILE", help="Save the figure (png, svg, pdf)."
 )
+_REPLACE = "Replace a file that dashpot did not write."
+overwrite = click.option("--overwrite", is_flag=True, help=_REPLACE)
+# where no column has the name
+force = click.option("--overwrite", "--force", is_flag=True, help=_REPLACE)
+
+
+def output(help: str, **how: Any) -> Callable[[Callable[..., T]], Callable[..., T]]:
+    """Give a command ``-o FILE``."""
+    return click.option("-o", "--output", type=Output(), metavar="FILE", help=help, **how)
+
+
+fit_output = output("Write the fit as JSON; - is stdout.")

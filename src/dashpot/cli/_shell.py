@@ -1,19 +1,25 @@
-"""What every command shares: its outcome, files in and out, errors in words, exit codes."""
+"""What every command shares: its outcome, files in and out, exit codes."""
 
 from __future__ import annotations
 
 import functools
 import sys
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
 import dashpot as dp
-from dashpot.base.errors import DashpotError, ReadError
+from dashpot.base.errors import ReadError
+from dashpot.base.escapes import escaped_json
+from dashpot.cli._echo import to_stderr, to_stdout
+from dashpot.workflow.outputs import Outputs
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from dashpot.base.checks import Check
 
 MARKS = {"stop": "!!", "limit": "!", "note": "-"}
@@ -46,28 +52,25 @@ class Outcome(NamedTuple):
 def reports(function: Callable[..., Outcome]) -> Callable[..., None]:
     """Give a command ``--json`` and ``--strict``, and turn its outcome into output and exit code.
 
-    stdout gets the text or, with ``--json``, one JSON document and nothing else. An error of
-    dashpot's own becomes one sentence on stderr and exit code 2; any other is a bug and shows.
+    stdout gets the text or, with ``--json``, one JSON document and nothing else. Where the
+    outputs go is settled before any work is done; what goes wrong is the group's to say.
     """
 
     @click.option("--json", "as_json", is_flag=True, help="Print one JSON document, SI units.")
     @click.option(
         "--strict", is_flag=True, help="Exit with 1 if a check failed that limits the use."
     )
+    @click.option("--traceback", is_flag=True, expose_value=False, hidden=True)
     @functools.wraps(function)
-    def command(*, as_json: bool, strict: bool, **arguments: Any) -> None:
-        try:
-            outcome = function(**arguments)
-            text = printed(outcome.found, outcome.more) if as_json else outcome.text
-            if text:
-                click.echo(text)
-        except DashpotError as error:
-            fail(str(error))
-        except OSError as error:
-            if isinstance(error, BrokenPipeError):
-                raise
-            where = f"{error.filename}: " if error.filename else ""
-            fail(f"{where}{error.strerror or error}")
+    def command(*, as_json: bool, strict: bool, overwrite: bool = False, **arguments: Any) -> None:
+        context = click.get_current_context()
+        # 'export --force' overlooks every problem, this one too
+        may_replace = overwrite or arguments.get("force") is True
+        context.obj = _outputs(context, may_replace=may_replace)
+        outcome = function(**arguments)
+        text = printed(outcome.found, outcome.more) if as_json else outcome.text
+        if text:
+            to_stdout(text)
         weighty = [check for check in outcome.checks if check.failed and check.grade != "note"]
         if (strict or outcome.must_pass) and weighty:
             sys.exit(1)
@@ -83,27 +86,58 @@ def printed(found: object, more: Mapping[str, Any] | None = None) -> str:
         from dashpot.workflow.archive import document
 
         found = document(found)
-    return json.dumps(found | dict(more or {}), indent=2, ensure_ascii=False, allow_nan=False)
+    whole = found | dict(more or {})
+    return escaped_json(json.dumps(whole, indent=2, ensure_ascii=False, allow_nan=False))
 
 
-def fail(sentence: str) -> None:
-    """Say what is wrong on stderr and leave with exit code 2."""
-    click.echo(f"dashpot: {sentence}", err=True)
-    sys.exit(2)
+class Output(click.ParamType[str]):
+    """A file that the command writes; ``-`` is stdout."""
+
+    name = "file"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        return str(value)
 
 
-def to_stderr(message: str) -> None:
-    """Print progress and remarks on stderr."""
-    click.echo(message, err=True)
+def _outputs(context: click.Context, *, may_replace: bool) -> Outputs:
+    """Return where a command may write, its own outputs claimed: all else it names is read."""
+    kinds = {one.name: isinstance(one.type, Output) for one in context.command.params}
+    words: dict[bool, list[str]] = {True: [], False: []}
+    for name, given in context.params.items():
+        several = given if isinstance(given, tuple) else (given,)
+        words[kinds.get(name, False)] += [one for one in several if isinstance(one, str)]
+    inputs = tuple(word for word in words[False] if word != "-" and Path(word).is_file())
+    found = Outputs(inputs, may_replace)
+    found.claim(path for path in words[True] if path != "-")
+    return found
 
 
-def write(path: str, text: str) -> None:
-    """Write text to a file and say so; ``-`` is stdout."""
-    if path == "-":
-        click.echo(text, nl=not text.endswith("\n"))
-        return
-    Path(path).write_text(text, encoding="utf-8", newline="\n")
-    to_stderr(f"wrote {path}")
+def reads(path: str) -> None:
+    """Count a file among the inputs that no option names."""
+    context = click.get_current_context()
+    context.obj = replace(context.obj, inputs=(*context.obj.inputs, path))
+
+
+def claim(paths: Iterable[str | Path]) -> None:
+    """Refuse, before the work, files that no option names and that could not be written."""
+    outputs: Outputs = click.get_current_context().obj
+    outputs.claim(paths)
+
+
+def write(path: str | Path, content: str | bytes) -> None:
+    """Write a file and say so; ``-`` is stdout, which belongs to the document under ``--json``."""
+    context = click.get_current_context()
+    if str(path) != "-":
+        outputs: Outputs = context.obj
+        outputs.write(path, content)
+        to_stderr(f"wrote {path}")
+    elif not context.params["as_json"]:
+        to_stdout(content if isinstance(content, str) else content.decode())
+
+
+def write_figure(path: str, figure: Figure) -> None:
+    """Write a figure as the suffix of its file says."""
+    write(path, dp.plot.rendered(figure, Path(path).suffix))
 
 
 def failed(checks: Iterable[Check]) -> list[str]:

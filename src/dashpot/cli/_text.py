@@ -251,7 +251,7 @@ def prediction(
             f"  mode  {mode.frequency:.6g} Hz, damping ratio {100 * mode.damping_ratio:.4g} %"
         )
     low, high = found.band
-    if not low <= peak[0] <= high:
+    if high > 0 and not low <= peak[0] <= high:
         lines.append(
             f"  ! extrapolated: the relaxation test informs {hertz(found.band)}, the peak is at "
             f"{peak[0]:.4g} Hz (a factor {max(peak[0] / high, low / peak[0]):.3g} away); the "

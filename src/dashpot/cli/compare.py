@@ -9,7 +9,7 @@ import click
 import dashpot as dp
 from dashpot import workflow
 from dashpot.cli import _options as options
-from dashpot.cli._shell import Outcome, failed, read_fit, reports
+from dashpot.cli._shell import Outcome, failed, read_fit, reports, write_figure
 
 
 @click.command("compare")
@@ -21,6 +21,7 @@ from dashpot.cli._shell import Outcome, failed, read_fit, reports
 @options.compression
 @options.compared
 @options.picture
+@options.overwrite
 @reports
 @options.hammer
 @options.reading
@@ -35,7 +36,7 @@ def command(
     """
     found = workflow.compare_files(read_fit(fit), measured, seals=seals, **choices)
     if picture:
-        dp.plot.save(dp.plot.comparison(found.comparison), picture)
+        write_figure(picture, dp.plot.comparison(found.comparison))
     lines = [str(found.comparison), *([str(found.at_rest)] if str(found.at_rest) else [])]
     if found.mass_inferred:
         lines.append(

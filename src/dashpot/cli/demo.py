@@ -9,19 +9,27 @@ import click
 
 import dashpot as dp
 from dashpot import workflow
+from dashpot.cli import _options as options
 from dashpot.cli import _text
-from dashpot.cli._shell import Outcome, reports, to_stderr
+from dashpot.cli._echo import to_stderr
+from dashpot.cli._shell import Outcome, claim, reports, write
 from dashpot.cli.simulate import impact, relaxation, seal
 
 if TYPE_CHECKING:
     from dashpot.workflow.study import Study
 
 SEALS = 2
+NAMES = ("paper", "broad")
+FILES = (
+    "_relaxation.csv", "_relaxation.truth.json", "_impact.csv", "_impact.truth.json", ".html",
+)  # fmt: skip
+"""What is written of each seal."""
 
 
 @click.command("demo")
 @click.option("-o", "--output", metavar="DIR", default="dashpot-demo", show_default=True)
 @click.option("--seed", type=int, default=0, show_default=True, help="Of the noise.")
+@options.force
 @reports
 def command(*, output: str, seed: int) -> Outcome:
     """Simulate the bench and hammer tests of two seals and run the main job on each.
@@ -35,8 +43,8 @@ def command(*, output: str, seed: int) -> Outcome:
     dashpot demo -o somewhere --seed 7
     """
     folder = Path(output)
-    folder.mkdir(parents=True, exist_ok=True)
-    stories = {name: _story(name, folder, seed) for name in ("paper", "broad")}
+    claim(folder / f"{name}{file}" for name in NAMES for file in FILES)
+    stories = {name: _story(name, folder, seed) for name in NAMES}
     lines = []
     for name, story in stories.items():
         lines += [f"{name} seal", _text.study(story), f"  report: {folder / f'{name}.html'}", ""]
@@ -53,9 +61,8 @@ def _story(name: str, folder: Path, seed: int) -> Study:
     to_stderr(f"{name}: simulating the bench and the hammer, fitting, comparing, reporting")
     bench = relaxation(model=name, seed=seed)
     hammer = impact(model=name, seals=SEALS, seed=seed)
-    for kind, (text, truth) in (("relaxation", bench), ("impact", hammer)):
-        (folder / f"{name}_{kind}.csv").write_text(text, encoding="utf-8")
-        (folder / f"{name}_{kind}.truth.json").write_text(truth, encoding="utf-8")
+    for file, text in zip(FILES, (*bench, *hammer), strict=False):
+        write(folder / f"{name}{file}", text)
     hits = dp.read_impact(folder / f"{name}_impact.csv")
     mass = seal(name)[1]
     story = dp.characterise(
@@ -65,7 +72,7 @@ def _story(name: str, folder: Path, seed: int) -> Study:
         mass=mass,
         seals=SEALS,
     )
-    (folder / f"{name}.html").write_text(dp.report.html(story), encoding="utf-8")
+    write(folder / f"{name}.html", dp.report.html(story))
     return story
 
 

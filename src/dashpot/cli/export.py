@@ -11,8 +11,9 @@ import click
 import dashpot as dp
 from dashpot.base.errors import ExportError
 from dashpot.cli import _options as options
+from dashpot.cli._echo import to_stderr
 from dashpot.cli._options import Quantity, Range
-from dashpot.cli._shell import Outcome, read_fit, reports, to_stderr, write
+from dashpot.cli._shell import Outcome, read_fit, reports, write
 from dashpot.records.specimen import Specimen
 
 # written out, so that --help need not import the decks; a test holds it to export.TARGETS
@@ -47,8 +48,13 @@ TARGETS = (
     help="Small vibration about it: the tangent there, e.g. 2.6mm [default: the secant].",
 )
 @click.option("--allow", multiple=True, metavar="PROBLEM", help="Overlook one named problem.")
-@click.option("--force", is_flag=True, help="Overlook every problem; leaves a mark in the deck.")
-@click.option("-o", "--output", metavar="FILE", default="-", help="The deck [default: stdout].")
+@click.option(
+    "--force",
+    is_flag=True,
+    help="Overlook every problem, with a mark in the deck; replace any file.",
+)
+@options.output("The deck [default: stdout].", default="-")
+@options.overwrite
 @reports
 @options.specimen
 def command(

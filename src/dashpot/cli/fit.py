@@ -10,7 +10,7 @@ import dashpot as dp
 from dashpot import workflow
 from dashpot.cli import _options as options
 from dashpot.cli import _text
-from dashpot.cli._shell import Outcome, printed, reports, write
+from dashpot.cli._shell import Outcome, printed, reports, write, write_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -38,6 +38,7 @@ if TYPE_CHECKING:
 @options.filtered
 @options.picture
 @options.fit_output
+@options.overwrite
 @reports
 @options.machine
 @options.specimen
@@ -58,7 +59,7 @@ def command(
     """
     found, tests = workflow.fit_files(files, **choices)
     if picture:
-        dp.plot.save(_figure(found, tests), picture)
+        write_figure(picture, _figure(found, tests))
     if output:
         write(output, printed(found) + "\n")
     return Outcome(found, "" if output == "-" else _text.fit(found), found.checks)

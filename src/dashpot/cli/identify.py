@@ -12,6 +12,7 @@ from dashpot.cli import _text
 from dashpot.cli._options import Quantity, Range, over_profile
 from dashpot.cli._shell import (
     Outcome,
+    Output,
     failed,
     is_json,
     printed,
@@ -37,8 +38,11 @@ from dashpot.io.options import OF_BENCH, ReadOptions
 @click.option("--natural-frequency", type=Quantity("frequency"), help="Known; constrains the fit.")
 @click.option("--damping-ratio", type=float, help="Known; constrains the fit.")
 @click.option("--band", type=Range("frequency"), help="Lines fitted, e.g. 5:40Hz.")
-@click.option("--direct", metavar="FILE", help="Write k(f), c(f) and loss factor as CSV.")
+@click.option(
+    "--direct", type=Output(), metavar="FILE", help="Write k(f), c(f) and loss factor as CSV."
+)
 @options.fit_output
+@options.overwrite
 @reports
 @options.machine
 @options.hammer

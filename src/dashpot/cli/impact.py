@@ -10,8 +10,9 @@ import dashpot as dp
 from dashpot import workflow
 from dashpot.cli import _options as options
 from dashpot.cli import _text
+from dashpot.cli._echo import to_stderr
 from dashpot.cli._options import Quantity, Range
-from dashpot.cli._shell import Outcome, reports, to_stderr, write
+from dashpot.cli._shell import Outcome, reports, write, write_figure
 
 
 @click.command("impact")
@@ -19,7 +20,8 @@ from dashpot.cli._shell import Outcome, reports, to_stderr, write
 @click.option("--mass", type=Quantity("mass"), help="Block mass: checks the mass line.")
 @click.option("--band", type=Range("frequency"), help="Where to look for modes, e.g. 5:40Hz.")
 @options.picture
-@click.option("-o", "--output", metavar="FILE", help="Write the FRF: .csv, .uff, or - for stdout.")
+@options.output("Write the FRF: .csv, .uff, or - for stdout.")
+@options.overwrite
 @reports
 @options.hammer
 @options.reading
@@ -39,17 +41,13 @@ def command(
     if output:
         _write(found.frf, output)
     if picture:
-        dp.plot.save(dp.plot.frf(found.frf), picture)
+        write_figure(picture, dp.plot.frf(found.frf))
     text = "" if output == "-" else _text.impact(found)
     return Outcome(found, text, found.frf.checks)
 
 
 def _write(frf: dp.FRF, path: str) -> None:
     """Write an FRF as CSV, or as UFF 58 where the file's name ends in .uff or .unv."""
-    from dashpot.io.write import write_frf, write_frf_uff
+    from dashpot.io.write import frf_uff, write_frf
 
-    if path.lower().endswith((".uff", ".unv")):
-        write_frf_uff(frf, path)
-        to_stderr(f"wrote {path}")
-    else:
-        write(path, write_frf(frf))
+    write(path, frf_uff(frf) if path.lower().endswith((".uff", ".unv")) else write_frf(frf))

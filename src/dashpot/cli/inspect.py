@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import click
 
 from dashpot import workflow
-from dashpot.cli._options import reading
-from dashpot.cli._shell import Outcome, failed, reports, write
+from dashpot.cli._options import overwrite, reading
+from dashpot.cli._shell import Outcome, Output, failed, reports, write
 from dashpot.cli._text import table
 from dashpot.io.options import ReadOptions
 
@@ -18,7 +18,13 @@ if TYPE_CHECKING:
 
 @click.command("inspect")
 @click.argument("files", nargs=-1, required=True, metavar="FILE...")
-@click.option("--save-profile", metavar="FILE", help="Keep the options given here as a profile.")
+@click.option(
+    "--save-profile",
+    type=Output(),
+    metavar="FILE",
+    help="Keep the options given here as a profile.",
+)
+@overwrite
 @reports
 @reading
 def command(*, files: tuple[str, ...], save_profile: str | None, options: ReadOptions) -> Outcome:

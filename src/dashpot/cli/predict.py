@@ -12,7 +12,7 @@ from dashpot.base.numbers import ascii_only
 from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._options import Range
-from dashpot.cli._shell import Outcome, failed, read_fit, reports, write
+from dashpot.cli._shell import Outcome, failed, read_fit, reports, write, write_figure
 
 
 @click.command("predict")
@@ -33,7 +33,8 @@ from dashpot.cli._shell import Outcome, failed, read_fit, reports, write
 )
 @click.option("--with", "records", metavar="FILE", multiple=True, help="The relaxation record(s).")
 @options.picture
-@click.option("-o", "--output", metavar="FILE", help="Write the FRF as CSV; - is stdout.")
+@options.output("Write the FRF as CSV; - is stdout.")
+@options.overwrite
 @reports
 @options.machine
 @options.reading
@@ -52,7 +53,7 @@ def command(*, fit: str, picture: str | None, output: str | None, **choices: Any
     found = workflow.predict_files(fitted, **choices)
     if picture:
         band = found.limits if found.frf.kind == "accelerance" else None
-        dp.plot.save(dp.plot.frf(found.frf, band=band), picture)
+        write_figure(picture, dp.plot.frf(found.frf, band=band))
     if output:
         from dashpot.io.write import write_frf
 

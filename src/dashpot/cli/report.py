@@ -10,8 +10,9 @@ import dashpot as dp
 from dashpot import workflow
 from dashpot.cli import _options as options
 from dashpot.cli import _text
+from dashpot.cli._echo import to_stderr
 from dashpot.cli._options import over_profile
-from dashpot.cli._shell import Outcome, reports, to_stderr, write
+from dashpot.cli._shell import Outcome, claim, reports, write
 from dashpot.io.options import OF_HAMMER, ReadOptions
 from dashpot.workflow.job import Job
 
@@ -29,7 +30,8 @@ from dashpot.workflow.job import Job
 @options.filtered
 @click.option("--no-joint", is_flag=True, help="Leave out the joint fit.")
 @click.option("--project", metavar="DIR", help="Keep raw files, results and history there.")
-@click.option("-o", "--output", metavar="FILE", help="The report [default: report.html].")
+@options.output("The report [default: report.html].")
+@options.overwrite
 @reports
 @options.machine
 @options.specimen
@@ -59,6 +61,9 @@ def command(
         reading_impact=over_profile(of_impact, impact_profile),
         **choices,
     )
+    if not (output or project):
+        output = "report.html"
+        claim([output])
     written: list[str] = []
     if project:
         study, place = workflow.record(workflow.create(project), job, page=dp.report.html)
@@ -66,8 +71,8 @@ def command(
         written.append(str(place))
     else:
         study = workflow.run(job)
-    if output or not project:
-        written.append(output or "report.html")
+    if output:
+        written.append(output)
         write(written[-1], dp.report.html(study))
     text = "" if output == "-" else _text.study(study)
     return Outcome(study, text, study.every_check, {"report": written[-1]})

@@ -10,8 +10,9 @@ import click
 
 import dashpot as dp
 from dashpot.base.errors import DataError
+from dashpot.cli import _options as options
 from dashpot.cli._options import Quantity
-from dashpot.cli._shell import Outcome, read_model, reports, to_stderr, write
+from dashpot.cli._shell import Outcome, claim, read_model, reports, write
 
 
 @click.command("simulate")
@@ -35,7 +36,8 @@ from dashpot.cli._shell import Outcome, read_model, reports, to_stderr, write
 @click.option("--seals", type=float, default=2.0, show_default=True, help="Seals under the block.")
 @click.option("--hits", type=click.IntRange(1), default=5, show_default=True)
 @click.option("--record", type=Quantity("time"), help="Record after each hit.")
-@click.option("-o", "--output", metavar="FILE", required=True, help="CSV; - is stdout.")
+@options.output("CSV; - is stdout.", required=True)
+@options.force
 @reports
 def command(*, what: str, output: str, **choices: Any) -> Outcome:
     """Simulate a relaxation or an impact test; the truth stands beside it in FILE.truth.json.
@@ -44,15 +46,18 @@ def command(*, what: str, output: str, **choices: Any) -> Outcome:
     dashpot simulate relaxation --model paper -o seal_8mm.csv
     dashpot simulate impact --model broad --hits 5 -o hammer.csv
     """
-    text, truth = (relaxation if what == "relaxation" else impact)(**choices)
+    made = relaxation if what == "relaxation" else impact
+    document = {"schema": "dashpot/simulated@1", "what": what, "file": output, "truth": None}
+    if output == "-":
+        text, _ = made(**choices)
+        write(output, text)
+        return Outcome(document | {"text": text}, "")
+    beside = str(Path(output).with_suffix(".truth.json"))
+    claim([output, beside])
+    text, truth = made(**choices)
     write(output, text)
-    beside = None
-    if output != "-":
-        beside = str(Path(output).with_suffix(".truth.json"))
-        Path(beside).write_text(truth, encoding="utf-8")
-        to_stderr(f"wrote {beside}")
-    document = {"schema": "dashpot/simulated@1", "what": what, "file": output, "truth": beside}
-    return Outcome(document, "" if output == "-" else f"{output}: a simulated {what} test")
+    write(beside, truth)
+    return Outcome(document | {"truth": beside}, f"{output}: a simulated {what} test")
 
 
 def seal(name: str) -> tuple[dp.GeneralizedMaxwell, float | None]:

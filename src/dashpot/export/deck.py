@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import TypeAlias
 
 from dashpot.base.errors import ExportError
-from dashpot.base.version import __version__
+from dashpot.base.version import byline
 from dashpot.export.frequency_tables import Damping, Table, tabulate
 from dashpot.export.notation import UNIT_SYSTEMS, UnitSystem, one_line, text
 from dashpot.records.fit import Fit, Status
@@ -153,7 +153,7 @@ class Deck:
         remarks: Sequence[str] = (),
     ) -> str:
         """The text of the deck: its header behind the target's comment sign, then its cards."""
-        header = [f"dashpot {__version__}: {title}", *self._described(), verified, *remarks]
+        header = [byline(title), *self._described(), verified, *remarks]
         return "\n".join([*(f"{comment} {one_line(line)}" for line in header), *body, ""])
 
     def _described(self) -> list[str]:

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from dashpot.base.errors import DataError, ReadError
+from dashpot.base.escapes import escaped
 
 _BLOCK = 1 << 20
 _HELD = 1 << 24
@@ -88,14 +89,15 @@ def open_raw(path: str | Path) -> Raw:
         raw = Raw("stdin", None, _piped(sys.stdin.buffer))
     else:
         path = Path(path)
+        name = escaped(path.name)
         try:
             if path.is_dir():
                 raise ReadError(f"{path} is a folder; give the file to read")
             with path.open("rb") as stream:
                 if path.is_file() and path.stat().st_size >= _HELD:
-                    raw = Raw(path.name, path)
+                    raw = Raw(name, path)
                 else:  # a pipe has no path to be opened again
-                    raw = Raw(path.name, path if path.is_file() else None, stream.read())
+                    raw = Raw(name, path if path.is_file() else None, stream.read())
         except (OSError, ValueError) as error:
             reason = getattr(error, "strerror", None) or error
             raise ReadError(f"{path}: cannot be read: {reason}") from None

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.atomic import write_whole
+from dashpot.base.version import byline
 from dashpot.io.formats.uff import COHERENCE, FRF_
 from dashpot.io.source import extra
 from dashpot.records.frf import FRF, Kind
@@ -66,7 +69,7 @@ def write_frf(frf: FRF, path: str | Path | None = None, *, comments: Sequence[st
     """
     stamp = ["simulated"] if any(source.simulated for source in frf.source) else []
     above = [
-        "dashpot frequency response function",
+        byline("frequency response function"),
         *_stamped(stamp, comments),
         *comments,
         f"kind: {frf.kind.value}",
@@ -91,13 +94,18 @@ def write_frf(frf: FRF, path: str | Path | None = None, *, comments: Sequence[st
 
 
 def write_frf_uff(frf: FRF, path: str | Path, *, title: str = "dashpot FRF") -> None:
-    """Write an FRF to `path` as UFF: 151 (header), 164 (SI units), 58 (function type 4).
+    """Write an FRF to `path` as UFF, see :func:`frf_uff`."""
+    write_whole(path, frf_uff(frf, title=title))
+
+
+def frf_uff(frf: FRF, *, title: str = "dashpot FRF") -> bytes:
+    """Return an FRF as UFF: 151 (header), 164 (SI units), 58 (function type 4).
 
     A dynamic stiffness is written as its inverse, the receptance; the coherence follows as a
     second dataset 58 (function type 6). The window's shift, the record and the number of averages
     stand in the identification lines.
     """
-    pyuff = extra("pyuff", "pyuff", f"{path}: UFF files")
+    pyuff = extra("pyuff", "pyuff", "UFF files")
     motion = frf.to(Kind.RECEPTANCE) if frf.kind is Kind.DYNAMIC_STIFFNESS else frf
     stamp = "simulated" if any(source.simulated for source in frf.source) else "NONE"
     number, unit = _NUMERATOR[motion.kind]
@@ -122,7 +130,7 @@ def write_frf_uff(frf: FRF, path: str | Path, *, title: str = "dashpot FRF") -> 
         "abscissa_axis_units_lab": "Hz",
     }  # fmt: skip
     sets = [
-        pyuff.prepare_151(model_name="dashpot", description=title[:_ID], db_app="dashpot",
+        pyuff.prepare_151(model_name="dashpot", description=byline(title)[:_ID], db_app="dashpot",
                           program="dashpot"),
         pyuff.prepare_164(units_code=1, units_description="SI: m, N, K", temp_mode=1, length=1.0,
                           force=1.0, temp=1.0, temp_offset=0.0),
@@ -136,9 +144,10 @@ def write_frf_uff(frf: FRF, path: str | Path, *, title: str = "dashpot FRF") -> 
             {**common, "func_type": COHERENCE, "ord_data_type": 4, "data": motion.coherence,
              "ordinate_axis_lab": "coherence", "ordinate_axis_units_lab": "NONE"}
         )  # fmt: skip
-    Path(path).unlink(missing_ok=True)
-    file = pyuff.UFF(str(path))
-    file.write_sets(sets, mode="overwrite")
+    with TemporaryDirectory() as folder:  # pyuff writes to a path only
+        path = Path(folder, "frf.uff")
+        pyuff.UFF(str(path)).write_sets(sets, mode="overwrite")
+        return path.read_bytes()
 
 
 def neutral(cell: str) -> str:
@@ -172,5 +181,5 @@ def _text(above: Sequence[str], head: Sequence[str], columns: Sequence[FloatArra
 
 def _written(text: str, path: str | Path | None) -> str:
     if path is not None:
-        Path(path).write_text(text, encoding="utf-8", newline="\n")
+        write_whole(path, text.encode())
     return text

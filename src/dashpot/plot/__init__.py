@@ -4,7 +4,7 @@ Every function returns a :class:`matplotlib.figure.Figure` that no global state 
 :func:`save` writes it. matplotlib is loaded when the first figure is drawn.
 """
 
-from dashpot.plot.files import save, to_svg
+from dashpot.plot.files import rendered, save, to_svg
 from dashpot.plot.impact import hits
 from dashpot.plot.overview import hero
 from dashpot.plot.relaxation import fit, segments
@@ -20,6 +20,7 @@ __all__ = [
     "hero",
     "hits",
     "nyquist",
+    "rendered",
     "save",
     "segments",
     "spectrum",

@@ -8,7 +8,9 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from dashpot.base.atomic import write_whole
 from dashpot.base.errors import ExportError
+from dashpot.base.version import byline
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -19,6 +21,24 @@ FORMATS = ("pdf", "png", "svg")
 def save(figure: Figure, path: str | Path, *, dpi: float = 300.0) -> None:
     """Write `figure` to `path`; the suffix says how: .pdf, .png or .svg.
 
+    Raises
+    ------
+    ExportError
+        If the suffix names none of these, or the file cannot be written.
+    """
+    target = Path(path)
+    try:
+        write_whole(target, rendered(figure, target.suffix, dpi=dpi))
+    except ExportError as error:
+        raise ExportError(f"{target.name}: {error}") from None
+    except OSError as error:
+        reason = error.strerror or error
+        raise ExportError(f"{target}: the figure cannot be written: {reason}") from error
+
+
+def rendered(figure: Figure, suffix: str, *, dpi: float = 300.0) -> bytes:
+    """Return `figure` as the file that `suffix` names: .pdf, .png or .svg.
+
     No date is written and the layout is settled once, so the same figure gives the same bytes
     however often it is written. A PDF embeds TrueType fonts,
     as journals ask; an SVG draws its letters as paths, so that it looks alike everywhere.
@@ -26,28 +46,25 @@ def save(figure: Figure, path: str | Path, *, dpi: float = 300.0) -> None:
     Raises
     ------
     ExportError
-        If the suffix names none of these, or the file cannot be written.
+        If the suffix names none of these.
     """
     from matplotlib import rc_context
 
-    target = Path(path)
-    kind = target.suffix.lower().lstrip(".")
+    kind = suffix.lower().lstrip(".")
     if kind not in FORMATS:
         raise ExportError(
-            f"{target.name}: a figure is written as .pdf, .png or .svg, found "
-            f"'{target.suffix or 'no suffix'}'"
+            f"a figure is written as .pdf, .png or .svg, found '{suffix or 'no suffix'}'"
         )
-    try:
-        if kind == "svg":
-            target.write_text(to_svg(figure), encoding="utf-8")
-            return
-        _settle(figure)
-        with rc_context({"pdf.fonttype": 42}):
-            date = {"CreationDate": None} if kind == "pdf" else {}
-            figure.savefig(target, format=kind, dpi=dpi, metadata=date)
-    except OSError as error:
-        reason = error.strerror or error
-        raise ExportError(f"{target}: the figure cannot be written: {reason}") from error
+    if kind == "svg":
+        return f"<!-- {byline('figure')} -->\n{to_svg(figure)}\n".encode()
+    _settle(figure)
+    by: dict[str, str | None] = {"Software": byline("figure")}
+    if kind == "pdf":
+        by = {"Creator": byline("figure"), "CreationDate": None}
+    buffer = io.BytesIO()
+    with rc_context({"pdf.fonttype": 42}):
+        figure.savefig(buffer, format=kind, dpi=dpi, metadata=by)
+    return buffer.getvalue()
 
 
 def to_svg(figure: Figure, *, name: str = "figure", title: str = "") -> str:

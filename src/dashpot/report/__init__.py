@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 from dashpot.base import numbers
 from dashpot.base.checks import Use
 from dashpot.base.provenance import Step
+from dashpot.base.version import __version__, byline
 from dashpot.report import summary, tables
 from dashpot.report.pictures import pictures
 from dashpot.vibration.comparison.comparison import Comparison
@@ -62,6 +63,7 @@ def _contents(study: Study) -> dict[str, Any]:
     length = study.prepared.specimen.length
     return {
         "study": study,
+        "byline": byline("report"),
         "title": summary.title(study),
         "verdict": study.verdict,
         "colour": COLOURS[study.verdict.use],
@@ -105,7 +107,8 @@ def _steps(study: Study) -> list[Step]:
 def versions() -> tuple[tuple[str, str], ...]:
     """What computed this page."""
     return (
-        *((name, metadata.version(name)) for name in ("dashpot", "numpy", "scipy", "matplotlib")),
+        ("dashpot", __version__),
+        *((name, metadata.version(name)) for name in ("numpy", "scipy", "matplotlib")),
         ("Python", platform.python_version()),
     )
 

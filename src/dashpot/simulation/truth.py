@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from dashpot.base.version import __version__
+from dashpot.base.version import byline
 from dashpot.simulation.impact import ImpactTruth
 from dashpot.simulation.relaxation import RelaxationTruth
 
@@ -18,7 +18,7 @@ def stamp(truth: RelaxationTruth | ImpactTruth) -> tuple[str, ...]:
     """Comment lines for the head of a simulated file, without a comment character."""
     rig = "virtual indentation rig" if isinstance(truth, RelaxationTruth) else "virtual hammer"
     return (
-        f"simulated by dashpot {__version__}: a {rig}, not a measurement",
+        f"simulated by {byline(f'a {rig}, not a measurement')}",
         f"seed {truth.seed}; the truth lies beside this file, in JSON",
     )
 

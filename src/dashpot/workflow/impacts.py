@@ -12,6 +12,7 @@ import numpy as np
 import dashpot as dp
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, ReadError
+from dashpot.base.version import byline
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.frf import read_frf
 from dashpot.io.readers.impact import read_impact
@@ -373,6 +374,7 @@ def direct_document(straight: DynamicStiffness) -> dict[str, Any]:
 def direct_table(straight: DynamicStiffness) -> str:
     """Return them as CSV, with the bands where they are good in the head."""
     head = (
+        f"# {byline('stiffness from the FRF')}\n"
         f"# stiffness good to 10 % from {straight.storage_band[0]:.4g} to "
         f"{straight.storage_band[1]:.4g} Hz, loss to 30 % from {straight.loss_band[0]:.4g} to "
         f"{straight.loss_band[1]:.4g} Hz\n"

@@ -1,0 +1,34 @@
+"""Text that a terminal prints and does not obey."""
+
+from __future__ import annotations
+
+import re
+
+# controls but tab and line feed, marks that turn the direction of writing, bytes that are no text
+_CONTROL = "\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff"
+_OBEYED = re.compile(f"[{_CONTROL}]")
+_COLOUR = re.compile(f"(\x1b\\[(?:[012]|[39][0-7])(?:;(?:[012]|[39][0-7]))*m)|[{_CONTROL}]")
+
+
+def escaped(text: str, *, colours: bool = False) -> str:
+    r"""Return text with every sign that a terminal would obey written as an escape.
+
+    A file's name, its header and its column names are others' words: an escape sequence in them
+    must not move the cursor, set the title or hide what follows. With `colours` the sequences
+    that make text bold, dim or coloured stay.
+
+    >>> escaped("seal\x1b[2J.csv\n")
+    'seal\\x1b[2J.csv\n'
+    """
+    if colours:
+        return _COLOUR.sub(lambda found: found[1] or _written(found[0]), text)
+    return _OBEYED.sub(lambda found: _written(found[0]), text)
+
+
+def escaped_json(text: str) -> str:
+    """Return a JSON document with those signs as JSON escapes: it holds the same."""
+    return re.sub(f"(?!\n)[{_CONTROL}]", lambda found: f"\\u{ord(found[0]):04x}", text)
+
+
+def _written(sign: str) -> str:
+    return sign.encode("unicode_escape").decode("ascii")

@@ -1,0 +1,27 @@
+"""The one way to the terminal: others' words are printed, never obeyed."""
+
+from __future__ import annotations
+
+import sys
+
+import click
+
+from dashpot.base.escapes import escaped
+
+
+def to_stdout(text: str) -> None:
+    """Print a result on stdout."""
+    _echo(text, err=False)
+
+
+def to_stderr(message: str) -> None:
+    """Print progress, remarks and errors on stderr."""
+    _echo(message, err=True)
+
+
+def _echo(text: str, *, err: bool) -> None:
+    stream = sys.stderr if err else sys.stdout
+    kept = escaped(text.removesuffix("\n"), colours=True)
+    # an alphabet that lacks a sign prints its escape
+    alphabet = getattr(stream, "encoding", None) or "utf-8"
+    click.echo(kept.encode(alphabet, "backslashreplace").decode(alphabet), err=err)

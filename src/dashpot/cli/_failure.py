@@ -1,0 +1,87 @@
+"""What went wrong, in one sentence and an exit code; the last net under every command."""
+
+from __future__ import annotations
+
+import io
+import json
+import traceback
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import click
+
+from dashpot.base.errors import DashpotError
+from dashpot.base.escapes import escaped_json
+from dashpot.base.version import __version__
+from dashpot.cli._echo import to_stderr, to_stdout
+
+BAD, FAULT, INTERRUPTED = 2, 3, 130
+"""Exit codes: bad input or usage, a fault of dashpot's own, stopped by the user."""
+
+WHERE = "the dashpot developers, as SECURITY.md and CONTRIBUTING.md of the source say"
+"""Where a fault is reported."""
+
+
+class Failure(NamedTuple):
+    """A kind of failure, its sentence, what people are shown of it, and its exit code."""
+
+    kind: str
+    says: str
+    shown: str
+    code: int
+
+
+def leave(error: BaseException, words: Sequence[str]) -> int:
+    """Print what went wrong and return the exit code.
+
+    stderr gets the sentence; stdout, if the words of the command hold ``--json``, one JSON
+    document. With ``--traceback`` both say where in the code it happened.
+    """
+    failure = _failure(error)
+    where = "".join(traceback.format_exception(error)) if _given("--traceback", words) else ""
+    to_stderr(where + failure.shown)
+    if _given("--json", words):
+        document = {
+            "schema": "dashpot/error@1",
+            "kind": failure.kind,
+            "says": failure.says,
+            "exit_code": failure.code,
+            **({"traceback": where} if where else {}),
+        }
+        to_stdout(escaped_json(json.dumps(document, indent=2, ensure_ascii=False)))
+    return failure.code
+
+
+def _given(option: str, words: Sequence[str]) -> bool:
+    """Tell whether an option stands among the words, before ``--``, which ends the options."""
+    asked = list(words)
+    return option in (asked[: asked.index("--")] if "--" in asked else asked)
+
+
+def _failure(error: BaseException) -> Failure:
+    kind = type(error).__name__
+    if isinstance(error, click.ClickException):
+        page = io.StringIO()
+        error.show(page)
+        return Failure("UsageError", error.format_message(), page.getvalue(), error.exit_code)
+    if isinstance(error, click.Abort | KeyboardInterrupt):
+        return _sentence("Interrupted", "interrupted", INTERRUPTED)
+    if isinstance(error, DashpotError):
+        return _sentence(kind, str(error), BAD)
+    if isinstance(error, OSError):
+        where = f"{error.filename}: " if error.filename else ""
+        return _sentence("OSError", f"{where}{error.strerror or error}", BAD)
+    if isinstance(error, MemoryError):
+        return _sentence(kind, "there is not enough memory for this; give a shorter record", BAD)
+    lines = str(error).splitlines()
+    what = f"{kind}: {lines[0]}" if lines else kind
+    says = (
+        f"a fault in dashpot {__version__} itself, not in what you typed: {what}. Please report "
+        f"it, with the command and, if it may be shown, the file, to {WHERE}; --traceback shows "
+        "where it happened"
+    )
+    return _sentence("InternalError", says, FAULT)
+
+
+def _sentence(kind: str, says: str, code: int) -> Failure:
+    return Failure(kind, says, f"dashpot: {says}", code)

@@ -1,0 +1,116 @@
+"""Where results go: never over what they came from, nor over anything that is not dashpot's."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from dashpot.base.atomic import write_whole
+from dashpot.base.errors import ExportError
+from dashpot.base.version import is_ours
+
+_HEAD = 1 << 12
+"""Bytes in which a file's byline stands; a PDF has it anywhere."""
+
+
+@dataclass(frozen=True)
+class Outputs:
+    """The files a piece of work may write.
+
+    Attributes
+    ----------
+    inputs : tuple of str
+        The files it reads, which are never written over.
+    replace : bool
+        Whether a file may be replaced that dashpot did not write.
+    """
+
+    inputs: tuple[str, ...] = ()
+    replace: bool = False
+
+    def claim(self, paths: Iterable[str | Path]) -> None:
+        """Refuse, before any work is done, what could not be written at its end.
+
+        Raises
+        ------
+        ExportError
+            If a path is an input (by whatever name or link), a folder, in a place that cannot be
+            written to, named twice, in a project, or an existing file that dashpot did not write.
+        """
+        claimed: set[str] = set()
+        for path in map(Path, paths):
+            place = os.path.realpath(path)
+            if place in claimed:
+                raise ExportError(f"{path} is named for two outputs; give each a name of its own")
+            claimed.add(place)
+            self._refuse_input(path)
+            if path.is_dir():
+                raise ExportError(f"{path} is a folder; give the file to write in it")
+            if path.exists():
+                self._refuse_foreign(path)
+            _refuse_closed(path)
+
+    def write(self, path: str | Path, content: str | bytes) -> None:
+        """Write a file whole or not at all, and the folder it stands in if there is none."""
+        self.claim([path])
+        Path(path).parent.mkdir(parents=True, exist_ok=True)
+        write_whole(path, content.encode() if isinstance(content, str) else content)
+
+    def _refuse_input(self, path: Path) -> None:
+        for other in self.inputs:
+            if _same(path, Path(other)):
+                known = "" if str(path) == other else f" (it is {other})"
+                raise ExportError(
+                    f"{path} is a file that is read here{known} and is never written over; give "
+                    "the output another name"
+                )
+
+    def _refuse_foreign(self, path: Path) -> None:
+        if not path.is_file():
+            return
+        place = Path(os.path.realpath(path))
+        if any((above / "dashpot.toml").is_file() for above in place.parents):
+            raise ExportError(
+                f"{path} belongs to a project, whose files are not replaced; give another name"
+            )
+        if not (self.replace or _written_by_dashpot(path)):
+            raise ExportError(
+                f"{path} exists and was not written by dashpot; give another name, or add "
+                "--overwrite to replace it"
+            )
+
+
+def _same(path: Path, other: Path) -> bool:
+    if os.path.realpath(path) == os.path.realpath(other):
+        return True
+    return path.exists() and other.exists() and path.samefile(other)
+
+
+def _written_by_dashpot(path: Path) -> bool:
+    with path.open("rb") as file:
+        head = file.read(_HEAD)
+        if head.startswith(b"%PDF-"):
+            head += file.read()
+    return not head or is_ours(head)
+
+
+def _refuse_closed(path: Path) -> None:
+    """Raise where the nearest folder that exists takes no new file, or the file no change."""
+    if path.exists() and not path.is_file():
+        return  # a device or a pipe
+    if path.exists() and not os.access(path, os.W_OK):
+        raise ExportError(f"{path} may only be read; give another name")
+    folder = Path(os.path.realpath(path)).parent
+    while not folder.exists():
+        folder = folder.parent
+    try:
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise ExportError(
+            f"{path}: nothing can be written to {folder}: {error.strerror or error}; give "
+            "another place"
+        ) from None

@@ -1,0 +1,183 @@
+"""Whatever goes wrong is a sentence and an exit code; nothing in it is obeyed by a terminal."""
+
+from __future__ import annotations
+
+import json
+import os
+from unicodedata import category
+
+import click
+import pytest
+from click.testing import CliRunner
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dashpot import workflow
+from dashpot.base.escapes import escaped, escaped_json
+from dashpot.cli import COMMANDS, main
+from dashpot.cli._options import PICTURES
+from dashpot.cli._shell import Output
+from dashpot.plot.files import FORMATS
+
+HIDDEN = "\x1b[2J\x1b]0;title\x07\x9b31m\u202e"
+
+
+def run(*words):
+    return CliRunner().invoke(main, [str(word) for word in words])
+
+
+@pytest.fixture
+def broken(monkeypatch, tmp_path):
+    """A dashpot with a fault, and a file to meet it with."""
+
+    def fit_files(*_, **__):
+        raise IndexError("index 3 is out of bounds\nfor axis 0")
+
+    monkeypatch.setattr(workflow, "fit_files", fit_files, raising=False)
+    return tmp_path / "seal.csv"
+
+
+def test_a_fault_is_a_sentence_and_exit_code_3(broken):
+    result = run("fit", broken)
+    assert result.exit_code == 3
+    assert result.stdout == ""
+    assert result.stderr.count("\n") == 1
+    assert "IndexError: index 3 is out of bounds. Please report" in result.stderr
+    assert "SECURITY.md" in result.stderr
+    assert "Traceback" not in result.output
+
+
+@pytest.mark.parametrize("words", [("--traceback", "fit"), ("fit", "--traceback")])
+def test_a_fault_is_shown_to_who_asks(broken, words):
+    result = run(*words, broken)
+    assert result.exit_code == 3
+    assert "Traceback" in result.stderr
+    assert "fit_files" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("words", "kind", "code"),
+    [
+        (("fit", "{file}"), "InternalError", 3),
+        (("fit", "--nope"), "UsageError", 2),
+        (("fit",), "UsageError", 2),
+        (("nope",), "UsageError", 2),
+        (("predict", "{file}", "--mass", "104"), "UsageError", 2),
+        (("inspect", "{file}"), "ReadError", 2),
+        (("verify", "{file}"), "OSError", 2),
+        (("fit", "{file}", "-o", "."), "ExportError", 2),
+    ],
+)
+def test_under_json_every_error_is_a_document(broken, words, kind, code):
+    if kind == "OSError":
+        broken.write_text("")
+    result = run(*(word.format(file=broken) for word in words), "--json")
+    found = json.loads(result.stdout)
+    assert found["schema"] == "dashpot/error@1"
+    assert (found["kind"], found["exit_code"], result.exit_code) == (kind, code, code)
+    assert found["says"] in result.stderr.replace("\n", " ")
+
+
+def test_a_file_called_json_asks_for_no_document(broken):
+    result = run("inspect", "--", "--json")
+    assert result.exit_code == 2
+    assert result.stdout == ""
+
+
+def test_interrupted_is_no_failed_check(broken, monkeypatch):
+    def stopped(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(workflow, "fit_files", stopped)
+    result = run("fit", broken)
+    assert result.exit_code == 130
+    assert "interrupted" in result.stderr
+
+
+@given(st.text())
+def test_escaped_text_holds_nothing_that_a_terminal_obeys(text):
+    shown = escaped(text)
+    assert not {sign for sign in shown if category(sign) in {"Cc", "Cs"}} - {"\t", "\n"}
+    assert not set(HIDDEN[-1:]) & set(shown)
+    shown.encode()
+
+
+@given(st.text())
+def test_an_escaped_document_holds_the_same(text):
+    document = json.dumps({"a": text}, ensure_ascii=False, indent=2)
+    assert json.loads(escaped_json(document)) == {"a": text}
+    escaped_json(document).encode()
+
+
+def test_colours_stay_and_nothing_else():
+    red = click.style("bad", fg="red", bold=True)
+    assert escaped(red, colours=True) == red
+    assert "\x1b" not in escaped("\x1b[8mhidden\x1b[2J\x1b[1A", colours=True)
+
+
+@pytest.mark.parametrize("option", [(), ("--json",)])
+def test_the_name_of_a_file_is_not_obeyed(tmp_path, option):
+    path = tmp_path / f"seal{HIDDEN}.csv"
+    for text in (None, "time [s],displacement [mm],force [N]\n0,0,0\n", f"a{HIDDEN},b\n1,2\n"):
+        if text is not None:
+            path.write_text(text)
+        result = run("inspect", path, *option)
+        assert not set(HIDDEN[:1] + "\x07\x9b\u202e") & set(result.stdout + result.stderr)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="names are text there")
+def test_a_name_that_is_no_text_is_printed(tmp_path):
+    path = tmp_path / os.fsdecode(b"seal\xff.csv")
+    path.write_text("time [s],displacement [mm],force [N]\n0,0,0\n")
+    for option in ("--json", "--strict"):
+        result = run("inspect", path, option)
+        assert r"\udcff" in result.stdout
+        assert "Traceback" not in result.output
+        assert result.exit_code < 2
+
+
+def outputs(name):
+    command = main.get_command(click.Context(main), name)
+    return command, [one for one in command.params if isinstance(one.type, Output)]
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_that_writes_can_be_told_to_replace(name):
+    command, written = outputs(name)
+    known = {option for one in command.params for option in one.opts}
+    assert ("--overwrite" in known) == bool(written or name == "demo")
+    # no option names a file to write without saying so
+    assert {"-o", "--plot", "--save-profile", "--direct"} & known <= {
+        option for one in written for option in one.opts
+    } | ({"-o"} if name == "demo" else set())
+
+
+def test_pictures_are_those_that_are_drawn():
+    assert sorted(PICTURES) == sorted(f".{kind}" for kind in FORMATS)
+
+
+def test_the_measurement_is_not_written_over(tmp_path):
+    path = tmp_path / "seal.csv"
+    run("simulate", "relaxation", "--hold", "3s", "-o", path)
+    before = path.read_bytes()
+    for words in (("fit", path), ("report", path), ("inspect", path)):
+        option = "--save-profile" if words[0] == "inspect" else "-o"
+        result = run(*words, option, path, "--overwrite")
+        assert result.exit_code == 2
+        assert "is never written over" in result.stderr
+    assert path.read_bytes() == before
+
+
+def test_stdout_holds_one_document_even_where_the_output_is_stdout(tmp_path):
+    fit = tmp_path / "fit.json"
+    fit.write_text(
+        '{"schema": "dashpot/fit@1", "model": {"k_inf": 200.0, "arms": [{"k": 100.0, "tau": 0.5}]}}'
+    )
+    deck = json.loads(
+        run("export", fit, "--to", "csv", "--units", "SI", "--force", "--json").stdout
+    )
+    assert deck["deck"].startswith("# dashpot ")
+    words = ("predict", fit, "--mass", "104g", "-o", "-", "--json")
+    assert json.loads(run(*words).stdout)["schema"] == "dashpot/prediction@1"
+    words = ("simulate", "relaxation", "--hold", "3s", "-o", "-", "--json")
+    assert "time [s]" in json.loads(run(*words).stdout)["text"]
