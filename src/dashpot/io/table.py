@@ -5,9 +5,10 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from dashpot.base.arrays import FloatArray
+if TYPE_CHECKING:  # a child that reads workbooks needs no numbers, and is there in half the time
+    from dashpot.base.arrays import FloatArray
 
 Content: TypeAlias = Literal["number", "clock", "text", "blank"]
 

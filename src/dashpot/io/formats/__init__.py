@@ -6,12 +6,13 @@ import re
 from collections.abc import Callable
 from importlib import import_module
 
-from dashpot.base.errors import DashpotError, ReadError
+from dashpot.base.errors import ReadError
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw, about
 from dashpot.io.table import Table
 
-_OURS = {"text", "lvm", "trios"}
+_FOREIGN = {"hdf5", "matlab", "tdms", "trios", "uff"}
+"""Formats whose whole reading is left to a child; a workbook's is left to it up to the text."""
 _MAGIC: tuple[tuple[bytes, str], ...] = (
     (b"LabVIEW Measurement", "lvm"),
     (b"\x89HDF\r\n\x1a\n", "hdf5"),
@@ -41,7 +42,8 @@ def read_table(raw: Raw, options: ReadOptions) -> Table:
     Raises
     ------
     ReadError
-        Whatever is wrong with the file; a foreign reader may stumble over a broken one in any way.
+        Whatever is wrong with the file. A foreign parser may stumble over a broken one in any way:
+        it runs in a child process, with limits.
     """
     with about(raw.name):
         table = _table(raw, options)
@@ -56,15 +58,10 @@ def _table(raw: Raw, options: ReadOptions) -> Table:
     name = format_of(raw)
     reader: Callable[[Raw, ReadOptions], Table] = import_module(f"dashpot.io.formats.{name}").read
     try:
-        return reader(raw, options)
-    except DashpotError:
-        raise
+        if name not in _FOREIGN:
+            return reader(raw, options)
+        from dashpot.io.child.process import in_child
+
+        return in_child(name, reader, raw, options)
     except (MemoryError, OSError) as error:
         raise ReadError(f"cannot be read: {type(error).__name__} {error}") from None
-    except Exception as error:
-        if name in _OURS:
-            raise
-        raise ReadError(
-            f"a broken or unknown variety of {name}: {type(error).__name__}: {error}; "
-            "export it again, or as text"
-        ) from error

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
+from itertools import islice
 from typing import Any
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
+from dashpot.io.child import limits
 from dashpot.io.formats.gathering import Named, gather, real
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw, extra
@@ -17,8 +20,19 @@ _UNIT = ("unit", "units", "Unit", "Units", "unit_string", "UNIT")
 _NAMES = ("columns", "names", "channels", "column_names", "fields")
 _INNER = {"data", "values"}
 _TEXT = 1000
-_LARGEST = 1 << 28
-"""Values in one dataset; a small file can claim any number of them."""
+_NUMERIC = "iufbV"
+"""Kinds of NumPy types that may hold numbers, records among them."""
+_FOREIGN = "it is data of another file, which this file's hash does not cover; save both as one"
+
+
+@dataclass
+class _Found:
+    """What a walk has gathered, and the objects it has been to: links may lead in circles."""
+
+    arrays: list[Named] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+    visited: set[tuple[int, int]] = field(default_factory=set)
+    numbers: int = 0
 
 
 def read(raw: Raw, options: ReadOptions) -> Table:
@@ -26,34 +40,72 @@ def read(raw: Raw, options: ReadOptions) -> Table:
 
     Units are read from the attribute ``unit`` or ``units``, or from a text dataset of that name
     beside the data (as MATLAB structs become).
+
+    Raises
+    ------
+    ReadError
+        If there is no such group, or numbers stand in another file (external links and storage,
+        virtual datasets).
     """
     h5py = extra("h5py", "h5py", "HDF5 or MAT 7.3 files")
+    found = _Found()
     with raw.open() as stream, h5py.File(stream, "r") as file:
         group: Any = file
-        if options.sheet is not None:
-            if options.sheet not in file:
+        for key in (options.sheet or "").strip("/").split("/"):
+            inner = _linked(group, key) if key else group
+            if inner is None:
                 raise ReadError(
                     f"--sheet {options.sheet}: there is no such group; there are "
-                    f"{', '.join(list(file)[:10])}"
+                    f"{', '.join(islice(file, 10))}"
                 )
-            group = file[options.sheet]
-        arrays: list[Named] = []
-        notes: list[str] = []
-        _walk(group, "", arrays, notes)
+            group = inner
+        _walk(group, "", found)
     matlab = raw.head(10) == b"MATLAB 7.3"
-    return gather(arrays, format_="MAT 7.3" if matlab else "HDF5", notes=notes)
+    return gather(found.arrays, format_="MAT 7.3" if matlab else "HDF5", notes=found.notes)
 
 
-def _walk(node: Any, name: str, arrays: list[Named], notes: list[str]) -> None:
-    if hasattr(node, "dtype"):
-        if node.size is not None and node.size <= _LARGEST:
-            arrays += _dataset(node, name)
-        else:
-            notes.append(f"'{name}' with {node.size} values was passed over")
+def _linked(group: Any, key: str) -> Any:
+    """The member of a group, or None; what a soft link names has a place of its own."""
+    h5py = extra("h5py", "h5py", "HDF5 files")
+    link = group.get(key, getlink=True)
+    if isinstance(link, h5py.ExternalLink):
+        raise ReadError(f"'{key}' is a link into '{link.filename}': {_FOREIGN}")
+    return group[key] if isinstance(link, h5py.HardLink) else None
+
+
+def _walk(node: Any, name: str, found: _Found) -> None:
+    from h5py import Dataset, Group, h5o
+
+    info = h5o.get_info(node.id)
+    if (info.fileno, info.addr) in found.visited:
         return
-    for key, child in node.items():
-        if not key.startswith("#") and key not in _UNIT:
-            _walk(child, f"{name}.{key}".strip("."), arrays, notes)
+    found.visited.add((info.fileno, info.addr))
+    if isinstance(node, Dataset):
+        found.arrays += _dataset(node, name) if _readable(node, name, found) else []
+    elif isinstance(node, Group):
+        for key in node:
+            if not key.startswith("#") and key not in _UNIT:
+                inner = _linked(node, key)
+                if inner is not None:
+                    _walk(inner, f"{name}.{key}".strip("."), found)
+
+
+def _readable(node: Any, name: str, found: _Found) -> bool:
+    """Whether a dataset holds numbers of its own, no more than may be read."""
+    if node.is_virtual or node.external:
+        raise ReadError(f"'{name}' is a virtual or external dataset: {_FOREIGN}")
+    if node.dtype.kind not in _NUMERIC or not node.size:
+        return False
+    size = max(node.size, node.size * node.dtype.itemsize // 8)
+    if size > limits.VALUES:
+        found.notes.append(f"'{name}' with {node.size} values was passed over")
+    elif not node.id.get_storage_size():
+        found.notes.append(f"'{name}' was never written and was passed over")
+    else:
+        found.numbers += size
+        limits.within(found.numbers, "the datasets hold")
+        return True
+    return False
 
 
 def _dataset(node: Any, name: str) -> list[Named]:
@@ -63,7 +115,7 @@ def _dataset(node: Any, name: str) -> list[Named]:
         fields = ((field, real(whole[field])) for field in node.dtype.names)
         return [Named(field, numbers) for field, numbers in fields if numbers is not None]
     text = _word(node.attrs.get("MATLAB_class")) == "char"
-    numbers = None if text or node.dtype.kind not in "iufb" else real(node[()])
+    numbers = None if text else real(node[()])
     if numbers is None:
         return []
     unit = _unit(node)
@@ -72,8 +124,8 @@ def _dataset(node: Any, name: str) -> list[Named]:
 
 def _parted(node: Any, name: str, numbers: FloatArray) -> list[Named]:
     """The columns of a matrix by the names in an attribute, if it has one for each."""
-    names = next((node.attrs[key] for key in _NAMES if key in node.attrs), None)
-    if names is None or numbers.ndim != 2 or len(names) not in numbers.shape:
+    names: Any = next((node.attrs[key] for key in _NAMES if key in node.attrs), None)
+    if np.ndim(names) != 1 or numbers.ndim != 2 or len(names) not in numbers.shape:
         return []
     tall = numbers if numbers.shape[1] == len(names) else numbers.T
     return [Named(_word(n) or name, tall[:, i]) for i, n in enumerate(names)]
@@ -90,8 +142,8 @@ def _unit(node: Any) -> str | None:
         if key in node.attrs:
             return _word(node.attrs[key])
     for key in _UNIT:
-        beside = node.parent.get(key) if node.name.rsplit("/", 1)[-1] in _INNER else None
-        if beside is not None and beside.size < _TEXT:
+        beside: Any = _linked(node.parent, key) if node.name.rsplit("/", 1)[-1] in _INNER else None
+        if 0 < (getattr(beside, "size", None) or 0) < _TEXT and not beside.is_virtual:
             return _word(beside[()])
     return None
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import struct
 import zlib
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from math import prod
 from typing import Any, BinaryIO
@@ -16,6 +17,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from dashpot.base.errors import ReadError
+from dashpot.io.child import limits
 from dashpot.io.formats.gathering import Named, gather, real
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw
@@ -82,7 +84,7 @@ def _measured(name: str, fields: dict[str, Any]) -> Named | None:
 
 
 def check_elements(stream: BinaryIO) -> None:
-    """Raise a ReadError if a tag of the file is none that a MAT file can hold.
+    """Raise a ReadError if a tag is none that a MAT file can hold, or all arrays hold too much.
 
     Files of another version than 5 to 7 are passed over; the stream is left at its start.
     """
@@ -91,9 +93,10 @@ def check_elements(stream: BinaryIO) -> None:
     if order is not None and 0 not in header[:4]:
         size = stream.seek(0, 2)
         stream.seek(_HEADER)
+        file = _File(order)
         try:
             while stream.tell() < size:
-                _element(stream.read, order, size - stream.tell(), _VARIABLES, depth=0)
+                _element(stream.read, file, size - stream.tell(), _VARIABLES, depth=0)
         except (_Damaged, zlib.error, struct.error) as error:
             at = stream.tell()
             raise ReadError(
@@ -106,80 +109,95 @@ class _Damaged(Exception):  # noqa: N818
     pass
 
 
-def _element(take: Take, order: str, room: int, kinds: frozenset[int], *, depth: int) -> int:
+@dataclass
+class _File:
+    """The order of the bytes of a file, and the numbers that have been met in it."""
+
+    order: str
+    numbers: int = 0
+
+    def count(self, numbers: int) -> None:
+        self.numbers += numbers
+        limits.within(self.numbers, "the variables hold")
+
+
+def _element(take: Take, file: _File, room: int, kinds: frozenset[int], *, depth: int) -> int:
     """Walk one element, of these kinds and at most `room` bytes; return how many it took."""
-    kind, size, short = _tag(take, order, room, kinds)
+    kind, size, short = _tag(take, file, room, kinds)
     if short is not None:
         return 8
     if kind == _COMPRESSED:
-        _inflated(take, order, size, depth=depth)
+        _inflated(take, file, size, depth=depth)
     elif kind == _MATRIX:
-        _array(take, order, size, depth=depth)
+        _array(take, file, size, depth=depth)
     else:
         size = min(-(-size // 8) * 8, room - 8)
         _passed(take, size)
     return 8 + size
 
 
-def _tag(take: Take, order: str, room: int, kinds: frozenset[int]) -> tuple[int, int, bytes | None]:
+def _tag(
+    take: Take, file: _File, room: int, kinds: frozenset[int]
+) -> tuple[int, int, bytes | None]:
     """Kind and size of the next element, and its data if they stand in the tag."""
     if room < _TAG:
         raise _Damaged(f"an element where {max(room, 0)} bytes are left")
-    word: int = struct.unpack(order + "I", _exactly(take, 4))[0]
+    word: int = struct.unpack(file.order + "I", _exactly(take, 4))[0]
     kind, size = word & 0xFFFF, word >> 16
     if size:
         if kind not in kinds - _VARIABLES or size > 4:
             raise _Damaged(f"an element of type {kind} with {size} bytes in its tag")
         return kind, size, _exactly(take, 4)[:size]
-    size = int(struct.unpack(order + "I", _exactly(take, 4))[0])
+    size = int(struct.unpack(file.order + "I", _exactly(take, 4))[0])
     if kind not in kinds or size > room - 8:
         raise _Damaged(f"an element of type {kind} and {size} bytes, {room - 8} are left")
     return kind, size, None
 
 
-def _content(take: Take, order: str, room: int, kinds: frozenset[int]) -> tuple[int, bytes]:
+def _content(take: Take, file: _File, room: int, kinds: frozenset[int]) -> tuple[int, bytes]:
     """How many bytes the next element took, and its data."""
-    _, size, short = _tag(take, order, room, kinds)
+    _, size, short = _tag(take, file, room, kinds)
     if short is not None:
         return 8, short
     padded = min(-(-size // 8) * 8, room - 8)
     return 8 + padded, _exactly(take, padded)[:size]
 
 
-def _array(take: Take, order: str, size: int, *, depth: int) -> None:
+def _array(take: Take, file: _File, size: int, *, depth: int) -> None:
     """The elements of an array: class, dimensions, name, then as many as its class holds."""
     if not size:
         return
     if depth > _DEEPEST:
         raise _Damaged("arrays nested too deep")
-    kind, length, flags, _ = struct.unpack(order + "4I", _exactly(take, min(16, size)))
+    kind, length, flags, _ = struct.unpack(file.order + "4I", _exactly(take, min(16, size)))
     class_, parts = flags & 0xFF, 1 + bool(flags & _COMPLEX)
     if (kind, length) != (_UINT32, 8):
         raise _Damaged("an array without a class")
     left = size - 16
-    read, dimensions = _content(take, order, left, _INT32)
+    read, dimensions = _content(take, file, left, _INT32)
     left -= read
     if len(dimensions) not in _DIMENSIONS:
         raise _Damaged(f"an array with {len(dimensions)} bytes of dimensions")
-    shape = _integers(dimensions, order)
+    shape = _integers(dimensions, file)
     cells = prod(abs(n) for n in shape)
     if cells > size and class_ != _SPARSE:
         raise _Damaged(f"an array of {cells} values in {size} bytes")
-    left -= _content(take, order, left, _NAME)[0]
-    read, kinds, parts = _inside(take, order, left, class_=class_, cells=cells, parts=parts)
+    file.count(0 if class_ == _SPARSE else cells)
+    left -= _content(take, file, left, _NAME)[0]
+    read, kinds, parts = _inside(take, file, left, class_=class_, cells=cells, parts=parts)
     left -= read
     if class_ == _SPARSE:
-        left, parts = left - _indices(take, order, left, shape), parts - 2
+        left, parts = left - _indices(take, file, left, shape), parts - 2
     for _part in range(parts):
-        left -= _element(take, order, left, kinds, depth=depth + 1)
+        left -= _element(take, file, left, kinds, depth=depth + 1)
     _passed(take, left)
 
 
-def _indices(take: Take, order: str, room: int, shape: Sequence[int]) -> int:
+def _indices(take: Take, file: _File, room: int, shape: Sequence[int]) -> int:
     """Rows and starts of the columns of a sparse array, which SciPy follows without a look."""
-    first, rows = _content(take, order, room, _INT32)
-    second, starts = _content(take, order, room - first, _INT32)
-    at, begins = _integers(rows, order), _integers(starts, order)
+    first, rows = _content(take, file, room, _INT32)
+    second, starts = _content(take, file, room - first, _INT32)
+    at, begins = _integers(rows, file), _integers(starts, file)
     if (
         len(shape) != 2
         or len(begins) != shape[1] + 1
@@ -193,15 +211,15 @@ def _indices(take: Take, order: str, room: int, shape: Sequence[int]) -> int:
 
 
 def _inside(
-    take: Take, order: str, room: int, *, class_: int, cells: int, parts: int
+    take: Take, file: _File, room: int, *, class_: int, cells: int, parts: int
 ) -> tuple[int, frozenset[int], int]:
     """Bytes that name the fields, and the kinds and number of the elements that follow them."""
     if class_ in {_STRUCT, _OBJECT}:
-        left = room - (_content(take, order, room, _NAME)[0] if class_ == _OBJECT else 0)
-        read, longest = _content(take, order, left, _INT32)
+        left = room - (_content(take, file, room, _NAME)[0] if class_ == _OBJECT else 0)
+        read, longest = _content(take, file, left, _INT32)
         left -= read
-        read, names = _content(take, order, left, _NAME)
-        width = sum(_integers(longest, order))
+        read, names = _content(take, file, left, _NAME)
+        width = sum(_integers(longest, file))
         if width < 1:
             raise _Damaged(f"a struct with names of {width} letters")
         return room - left + read, _ARRAYS, cells * (len(names) // width)
@@ -214,11 +232,11 @@ def _inside(
     return 0, _NUMBERS, parts + 2 * (class_ == _SPARSE)
 
 
-def _integers(data: bytes, order: str) -> tuple[int, ...]:
-    return struct.unpack(f"{order}{len(data) // 4}i", data[: len(data) // 4 * 4])
+def _integers(data: bytes, file: _File) -> tuple[int, ...]:
+    return struct.unpack(f"{file.order}{len(data) // 4}i", data[: len(data) // 4 * 4])
 
 
-def _inflated(take: Take, order: str, size: int, *, depth: int) -> None:
+def _inflated(take: Take, file: _File, size: int, *, depth: int) -> None:
     """A compressed element: the one inside, inflated a stretch at a time."""
     inflate = zlib.decompressobj()
     waiting, packed = b"", size
@@ -237,7 +255,7 @@ def _inflated(take: Take, order: str, size: int, *, depth: int) -> None:
         found, waiting = waiting[:count], waiting[count:]
         return found
 
-    _element(more, order, 1 << 62, _ARRAYS, depth=depth + 1)
+    _element(more, file, 1 << 62, _ARRAYS, depth=depth + 1)
     _passed(take, packed)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
+from dashpot.io.child import limits
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw, extra
 from dashpot.io.table import Column, Table, in_memory
@@ -38,6 +39,11 @@ def read(raw: Raw, options: ReadOptions) -> Table:
     """
     nptdms = extra("nptdms", "npTDMS", "TDMS files")
     with raw.open() as stream:
+        claimed = nptdms.TdmsFile.read_metadata(stream)
+        limits.within(
+            sum(len(c) for g in claimed.groups() for c in g.channels()), "the channels hold"
+        )
+        stream.seek(0)
         file = nptdms.TdmsFile.read(stream)
     groups = _groups(file, options.sheet)
     notes: list[str] = []

@@ -9,6 +9,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from dashpot.base.errors import ReadError
+from dashpot.io.child import limits
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw
 from dashpot.io.table import Column, Table, in_memory
@@ -66,6 +67,7 @@ def _data_sets(node: Any, name: str = "", depth: int = 0) -> Iterator[_Set]:
         name = str(properties.get("Name", name)) if isinstance(properties, dict) else name
         if _table_like(node):
             heads = tuple((str(c["name"]), str(c.get("unit") or "")) for c in node["columns"])
+            limits.within(len(heads) * len(node["values"]), "a data set holds")
             yield name, heads, [_row(row, len(heads)) for row in node["values"]]
             return
         children = node.values()

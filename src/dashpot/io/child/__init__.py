@@ -1,0 +1,1 @@
+"""Foreign parsers in a process of their own: what they break is not ours."""

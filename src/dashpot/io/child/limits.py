@@ -1,0 +1,64 @@
+"""What reading a file may cost: memory, time and numbers."""
+
+from __future__ import annotations
+
+import math
+
+from dashpot.base.errors import ReadError
+
+MEMORY = 1 << 30
+"""Bytes of address space of the process that reads."""
+LARGEST = 1 << 28
+"""Bytes of all that is handed over: 33 million numbers."""
+VALUES = LARGEST // 8
+_SECONDS = 30.0
+_PACE = 1e6
+"""Bytes per second that the slowest reader of a large file makes."""
+
+
+def seconds_for(size: int) -> float:
+    """Return the time that reading so many bytes may take."""
+    return max(_SECONDS, size / _PACE)
+
+
+def within(count: int, what: str) -> None:
+    """Raise a ReadError if that many numbers, in all arrays together, are no test.
+
+    Raises
+    ------
+    ReadError
+        With the count found and what to do.
+    """
+    if count > VALUES:
+        raise ReadError(
+            f"{what} {count} numbers in all, and at most {VALUES} are read; choose a part with "
+            "--sheet, or export fewer channels or a lower rate"
+        )
+
+
+def confine(seconds: float) -> None:
+    """Hold this process to its memory and time, so far as the system can.
+
+    Linux and FreeBSD hold memory. macOS takes the limit and does not enforce it, Windows has none
+    of this kind: there time and numbers alone are held, and time by the parent.
+    """
+    import signal
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent answers the keyboard, and ends us
+    try:
+        import resource
+    except ImportError:
+        return
+    whole = math.ceil(seconds)
+    for which, most in (
+        (resource.RLIMIT_AS, MEMORY),
+        (resource.RLIMIT_CPU, whole + 5),  # both ends, should the parent be gone
+        (resource.RLIMIT_CORE, 0),
+    ):
+        hard = resource.getrlimit(which)[1]
+        least = most if hard == resource.RLIM_INFINITY else min(most, hard)
+        try:
+            resource.setrlimit(which, (least, least))
+        except (OSError, ValueError):  # macOS refuses a limit below what is mapped
+            continue
+    signal.alarm(whole + 5)

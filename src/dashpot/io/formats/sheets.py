@@ -1,0 +1,77 @@
+"""The sheets of a workbook as text, for the child: it needs calamine and no numbers."""
+
+from __future__ import annotations
+
+import datetime as dt
+import zipfile
+from collections.abc import Iterable
+from itertools import islice
+from typing import Any, BinaryIO
+
+from dashpot.base.errors import ReadError
+from dashpot.io.child import limits
+from dashpot.io.options import ReadOptions
+from dashpot.io.source import Raw, extra
+
+_LARGEST = 1 << 31
+"""Bytes of an unpacked workbook."""
+
+
+def sheets(raw: Raw, options: ReadOptions) -> dict[str, bytes]:
+    """Return the sheet named, or every sheet, as lines of cells between tabs.
+
+    Raises
+    ------
+    ReadError
+        If there is no such sheet, or the cells are more than a test needs.
+    """
+    calamine = extra("python_calamine", "python-calamine", "spreadsheets")
+    with raw.open() as stream:
+        _refuse_bomb(stream)
+        book = calamine.CalamineWorkbook.from_filelike(stream)
+    names = book.sheet_names
+    if options.sheet is not None and options.sheet not in names:
+        raise ReadError(f"--sheet {options.sheet}: the sheets are {listed(names)}")
+    found, cells = {}, 0
+    for name in names if options.sheet is None else [options.sheet]:
+        sheet = book.get_sheet_by_name(name)
+        cells += sheet.total_height * sheet.total_width
+        limits.within(cells, "the sheets hold")
+        rows = sheet.to_python(skip_empty_area=False)
+        found[name] = "\n".join(map(_line, rows)).encode()
+    return found
+
+
+def _refuse_bomb(stream: BinaryIO) -> None:
+    """Refuse a zipped workbook that unpacks to more than any test needs."""
+    if stream.read(2) == b"PK":
+        with zipfile.ZipFile(stream) as packed:
+            size = sum(entry.file_size for entry in packed.infolist())
+        if size > _LARGEST:
+            raise ReadError(f"unpacks to {size / 1e9:.1f} GB; export it as text instead")
+    stream.seek(0)
+
+
+def _line(row: list[Any]) -> str:
+    return "\t".join(_cell(value) for value in row)
+
+
+def _cell(value: Any) -> str:
+    if isinstance(value, bool):
+        return str(value)
+    if isinstance(value, float):
+        return repr(int(value)) if value.is_integer() and abs(value) < 1e15 else repr(value)
+    if isinstance(value, dt.timedelta):
+        return repr(value.total_seconds())
+    if isinstance(value, dt.datetime | dt.date | dt.time):
+        return value.isoformat(sep=" ") if isinstance(value, dt.datetime) else value.isoformat()
+    return " ".join(str(value).split())
+
+
+def listed(names: Iterable[str]) -> str:
+    """Name the first sheets.
+
+    >>> listed(["Data", "Info"])
+    "'Data', 'Info'"
+    """
+    return ", ".join(f"'{name}'" for name in islice(names, 8))

@@ -1,0 +1,93 @@
+"""Parsers that do what foreign ones have done to us, for a child to run."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+from dashpot.base.errors import DataError
+from dashpot.io.child import limits
+from dashpot.io.options import ReadOptions
+from dashpot.io.source import Raw
+from dashpot.io.table import Column, Question, Table, in_memory
+
+
+class Panic(BaseException):
+    """As Rust's panics arrive in Python: no Exception."""
+
+
+def behaves(raw: Raw, options: ReadOptions) -> Table:
+    """A table of the bytes of the file, with something in every field."""
+    values = np.frombuffer(raw.head(raw.size), np.uint8).astype(float).reshape(-1, 2)
+    return Table(
+        "bytes",
+        (Column("even", "N"), Column("odd \ud800\x1b", None, "clock")),
+        in_memory(np.where(values == 0, np.nan, values), (0, 1), ("", "second")),
+        header=("# a",), notes=(str(options.sheet), str(options.segment)), simulated=True,
+        doubts=(Question("which?", "--that"),), hints=("hint",),
+    )  # fmt: skip
+
+
+def prints(raw: Raw, options: ReadOptions) -> dict[str, bytes]:
+    print("not the answer")
+    os.write(1, b"neither")
+    return {"a": b"1", "b": b"", "threads": os.environ["OPENBLAS_NUM_THREADS"].encode()}
+
+
+def refuses(raw: Raw, options: ReadOptions) -> Table:
+    raise DataError("force \x1b[31mis missing")
+
+
+def panics(raw: Raw, options: ReadOptions) -> Table:
+    raise Panic("index out of bounds")
+
+
+def aborts(raw: Raw, options: ReadOptions) -> Table:
+    os.abort()
+
+
+def is_killed(raw: Raw, options: ReadOptions) -> Table:
+    os.kill(os.getpid(), signal.SIGKILL)
+    raise AssertionError
+
+
+def leaves(raw: Raw, options: ReadOptions) -> Table:
+    sys.stdin.close()
+    os._exit(3)
+
+
+def hangs(raw: Raw, options: ReadOptions) -> Table:
+    """Hang, and say so in the file that the name of the sheet names."""
+    if options.sheet:
+        Path(options.sheet).write_text(str(os.getpid()))
+    time.sleep(600)
+    raise AssertionError
+
+
+def eats(raw: Raw, options: ReadOptions) -> Table:
+    return {"much": bytes(2 * limits.MEMORY)}  # type: ignore[return-value]
+
+
+def pours(raw: Raw, options: ReadOptions) -> dict[str, bytes]:
+    """As many bytes as the name of the sheet says."""
+    return {"much": bytes(int(options.sheet or 0))}
+
+
+def _sends(junk: bytes) -> None:
+    for descriptor in range(3, 20):  # whichever is the parent's ear
+        try:
+            os.write(descriptor, junk)
+        except OSError:
+            continue
+    os._exit(0)
+
+
+def lies(raw: Raw, options: ReadOptions) -> Table:
+    """Whatever bytes the file holds stand for the answer."""
+    _sends(raw.head(raw.size))
+    raise AssertionError
