@@ -19,6 +19,7 @@ import dashpot
 from dashpot.base.checks import REGISTER, Check, Finding, criterion
 from dashpot.engine.inference.covariance import Noise, nearly_white, noise_of
 from dashpot.engine.inference.order import DECISIVE, Choice, choose
+from dashpot.export import checks as export
 from dashpot.fitting import checks as fitting
 from dashpot.fitting.identification import checks as identification
 from dashpot.fitting.repeats import EndStiffness
@@ -770,7 +771,10 @@ WORKFLOW = [
     Case("result_recomputed", lambda x: workflow.result_recomputed(x, "k", 1), 0.99e-7, 1.01e-7),
 ]
 
+EXPORT = [Case("rows_informed", lambda x: export.rows_informed(x, 69, 1.0, 100.0), 0, 1)]
+
 STAGES = {
+    "export": EXPORT,
     "preparation": PREPARATION,
     "fitting": FITTING,
     "fitting/identification": IDENTIFICATION,
@@ -782,6 +786,7 @@ STAGES = {
 }
 #: what each value that the cases give is held against, where the criterion itself sets the limit
 LIMITS = {
+    "export": {"rows_informed": 0},
     "preparation": {
         "baseline_recorded": 5, "contact_found": 0.01, "preload_absent": 0.05, "single_loading": 1,
         "overshoot_small": 0.05, "samples_unbroken": 0.2, "spikes_absent": 0,

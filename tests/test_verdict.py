@@ -18,6 +18,7 @@ import dashpot as dp
 from dashpot.base.checks import Check, verdict, worst
 from dashpot.cli import _text
 from dashpot.cli._shell import Outcome, reports
+from dashpot.cli._terminal import Text, shown
 from dashpot.records.fit import Status
 from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.simulation.relaxation import Rig, simulate_relaxation
@@ -69,8 +70,8 @@ def test_a_noise_free_perfect_pair_fails_nothing(seal: dp.GeneralizedMaxwell, ma
     assert [check for check in checks if check.failed] == []
     assert study.fit.ok
     assert study.joint.ok
-    text = _text.study(study)
-    assert text.startswith("use: ")
+    printed = shown(_text.study(study), study.verdict, checks, verbose=False)
+    assert click.unstyle(printed[0]).startswith("use: ")
     document = json.loads(dp.to_json(study))
     assert document["verdict"] == {"use": "use", "says": study.verdict.says, "because": []}
     assert document["comparison"]["verdict"]["says"] == study.comparison.says
@@ -163,18 +164,19 @@ def test_a_prediction_that_nothing_has_tested_is_used_with_care() -> None:
 
 @pytest.mark.parametrize(("check", "code"), [(OPEN, 0), (NOTE, 0), (LIMIT, 1), (STOP, 1)])
 def test_strict_heeds_what_limits_the_use(check: Check, code: int) -> None:
-    command = click.command()(reports(lambda: Outcome({}, "text", (check,))))
+    command = click.command()(reports(lambda: Outcome({}, Text(["text"]), (check,))))
     assert CliRunner().invoke(command, ["--strict"]).exit_code == code
     assert CliRunner().invoke(command, []).exit_code == 0
 
 
 def test_the_first_line_of_a_fit_is_its_verdict_and_the_optimiser_stands_below() -> None:
     fit = altered(handmade.study().fit, checks=(STOP, OPEN, NOTE))
-    lines = _text.fit(fit).splitlines()
+    printed = shown(_text.fit(fit), fit.verdict, fit.checks, verbose=True)
+    lines = click.unstyle("\n".join(printed)).splitlines()
     assert lines[0] == "do not use: a stop; do that"
     assert any(line.split()[:1] == ["optimiser"] for line in lines)
     assert "2 failed, 1 not judged" in "\n".join(lines)
-    assert lines[-2:] == ["  !! a_stop: a stop; do that", "  - a_note: a note"]
+    assert lines[-2:] == ["  !! a_stop: as said above", "  - a_note: a note"]
     document = json.loads(dp.to_json(fit))
     assert document["ok"] is False
     assert [check["passed"] for check in document["checks"]] == [False, None, False]

@@ -13,6 +13,7 @@ from dashpot.base.numbers import (
     decibels,
     duration,
     interval,
+    known_between,
     percent,
     readable,
     rounded,
@@ -108,3 +109,20 @@ def test_terminals_get_the_same_digits_in_their_alphabet(value, error, text):
     printed = ascii_only(rounded(value, error))
     assert printed == text
     assert printed.isascii()
+
+
+@pytest.mark.parametrize(
+    ("value", "low", "high", "error", "text"),
+    [
+        (0.1965, 0.1953, 0.1977, 0.0006, "0.19530 to 0.19770"),
+        (1.0, 0.1, 10.0, 0.9, "0.10 to 10.00"),  # a factor of ten either way is known
+        (1.0, 0.099, 10.0, 0.9, "below 10.00"),
+        (1.0, 0.1, 10.01, 0.9, "above 0.10"),
+        (1.0, 0.099, 10.01, 0.9, "not identified"),
+        (0.001, 0.0, 7e20, 0.027, "not identified"),
+        (16.87, 16.15, math.inf, 0.99, "above 16.15"),
+        (0.0, 0.0, 2.0, 1.0, "below 2.0"),
+    ],
+)
+def test_an_interval_that_does_not_hold_the_power_of_ten_is_open(value, low, high, error, text):
+    assert known_between(value, low, high, error) == text

@@ -67,6 +67,21 @@ def interval(low: float, high: float) -> str:
     return f"{rounded(low, half)} to {rounded(high, half)}"
 
 
+def known_between(value: float, low: float, high: float, error: float) -> str:
+    """The interval of a `value` >= 0; an end more than a factor of ten away from it is open.
+
+    With both ends open it says nothing of the value: it is not identified.
+    """
+    below, above = low < value / 10 or value == 0, high > 10 * value > 0
+    if below and above:
+        return "not identified"
+    sure = error if 0 < error < value else None
+    ends = [rounded(end, sure, digits=2) for end in (low, high)]
+    if above:
+        return f"above {ends[0]}"
+    return f"below {ends[1]}" if below else f"{ends[0]} to {ends[1]}"
+
+
 def percent(ratio: float, *, digits: int = 2) -> str:
     """A relative difference with its sign, in per cent."""
     if not math.isfinite(ratio):

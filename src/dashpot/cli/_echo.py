@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 
 import click
@@ -24,4 +25,10 @@ def _echo(text: str, *, err: bool) -> None:
     kept = escaped(text.removesuffix("\n"), colours=True)
     # an alphabet that lacks a sign prints its escape
     alphabet = getattr(stream, "encoding", None) or "utf-8"
-    click.echo(kept.encode(alphabet, "backslashreplace").decode(alphabet), err=err)
+    click.echo(kept.encode(alphabet, "backslashreplace").decode(alphabet), err=err, color=_colour())
+
+
+def _colour() -> bool | None:
+    """Return False where no colour is wanted, None where click may ask the terminal."""
+    unwanted = os.environ.get("NO_COLOR") or os.environ.get("TERM") == "dumb"
+    return False if unwanted else None

@@ -13,7 +13,7 @@ import click
 from dashpot.base.errors import DashpotError
 from dashpot.base.options import flag_of
 from dashpot.base.units import Dimension, parse_quantity, parse_range
-from dashpot.cli._shell import Output, reads
+from dashpot.cli._shell import Output, opens, reads
 from dashpot.io.options import ReadOptions
 from dashpot.records.machine import Machine
 from dashpot.records.specimen import Specimen
@@ -190,9 +190,16 @@ compression = click.option(
 )
 compared = click.option("--band", type=Range("frequency"), help="Lines compared, e.g. 5:40Hz.")
 filtered = click.option("--filter", metavar="SPEC", help="E.g. lowpass:10Hz; off by default.")
-picture = click.option(
-    "--plot", "picture", type=Picture(), metavar="FILE", help="Save the figure (png, svg, pdf)."
-)
+
+
+def picture(function: Callable[..., T]) -> Callable[..., T]:
+    """Give a command ``--plot``; it receives the ``picture``'s file, and may open it."""
+    saved = click.option(
+        "--plot", "picture", type=Picture(), metavar="FILE", help="Save the figure (png, svg, pdf)."
+    )
+    return saved(opens(function))
+
+
 _REPLACE = "Replace a file that dashpot did not write."
 overwrite = click.option("--overwrite", is_flag=True, help=_REPLACE)
 # where no column has the name

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import functools
+import shlex
 import sys
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import click
 
@@ -15,15 +16,18 @@ import dashpot as dp
 from dashpot.base.errors import ReadError
 from dashpot.base.escapes import escaped_json
 from dashpot.cli._echo import to_stderr, to_stdout
+from dashpot.cli._terminal import Text, progress, shown
 from dashpot.workflow.outputs import Outputs
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from dashpot.base.checks import Check
+    from dashpot.base.checks import Check, Verdict
 
-MARKS = {"stop": "!!", "limit": "!", "note": "-"}
-"""How the text of a command marks a failed check, by its grade."""
+T = TypeVar("T")
+
+_WRITTEN, _OPENS = "dashpot.written", "dashpot.opens"
+_SEEN = (".html", ".png", ".svg", ".pdf")
 
 A_FIT = "a fit, as 'dashpot fit FILE -o fit.json' writes it"
 
@@ -38,44 +42,74 @@ class Outcome(NamedTuple):
         knows every noun, and importing all of them takes longer than a fit.
     more
         What only the command knows, beside the noun's document.
+    text
+        None where stdout is taken by what was asked for there.
     must_pass
         A failed check is this command's own failure, ``--strict`` or not.
+    verdict
+        Leads the text; ``--strict`` heeds its checks, or all where there is no verdict.
+    follow
+        The command that comes next, if it can be named.
     """
 
     found: object
-    text: str
-    checks: tuple[Check, ...] = ()
+    text: Text | None
+    checks: Sequence[Check] = ()
     more: Mapping[str, Any] = {}
     must_pass: bool = False
+    verdict: Verdict | None = None
+    follow: str = ""
 
 
 def reports(function: Callable[..., Outcome]) -> Callable[..., None]:
-    """Give a command ``--json`` and ``--strict``, and turn its outcome into output and exit code.
+    """Give a command ``--json``, ``--strict`` and ``-v``; turn its outcome into output and code.
 
-    stdout gets the text or, with ``--json``, one JSON document and nothing else. Where the
-    outputs go is settled before any work is done; what goes wrong is the group's to say.
+    stdout gets the text or, with ``--json``, one JSON document and nothing else; then stderr says
+    what was written and what comes next. Where the outputs go is settled before any work is done;
+    what goes wrong is the group's to say.
     """
 
     @click.option("--json", "as_json", is_flag=True, help="Print one JSON document, SI units.")
     @click.option(
         "--strict", is_flag=True, help="Exit with 1 if a check failed that limits the use."
     )
+    @click.option("-v", "--verbose", is_flag=True, help="Print everything, however long.")
     @click.option("--traceback", is_flag=True, expose_value=False, hidden=True)
     @functools.wraps(function)
-    def command(*, as_json: bool, strict: bool, overwrite: bool = False, **arguments: Any) -> None:
+    def command(
+        *, as_json: bool, strict: bool, verbose: bool, overwrite: bool = False, **arguments: Any
+    ) -> None:
         context = click.get_current_context()
         # 'export --force' overlooks every problem, this one too
         may_replace = overwrite or arguments.get("force") is True
         context.obj = _outputs(context, may_replace=may_replace)
-        outcome = function(**arguments)
-        text = printed(outcome.found, outcome.more) if as_json else outcome.text
-        if text:
-            to_stdout(text)
-        weighty = [check for check in outcome.checks if check.failed and check.grade != "note"]
+        try:
+            with progress():
+                outcome = function(**arguments)
+                text = _printed(outcome, as_json=as_json, verbose=verbose)
+            if text:
+                to_stdout(text)
+        finally:
+            for path in context.meta.get(_WRITTEN, []):
+                to_stderr(f"wrote {path}")
+        if context.meta.get(_OPENS):
+            _open(context.meta.get(_WRITTEN, []))
+        if outcome.follow and not as_json:
+            to_stderr(f"next: {outcome.follow}")
+        judged = outcome.checks if outcome.verdict is None else outcome.verdict.because
+        weighty = [check for check in judged if check.failed and check.grade != "note"]
         if (strict or outcome.must_pass) and weighty:
             sys.exit(1)
 
     return command
+
+
+def _printed(outcome: Outcome, *, as_json: bool, verbose: bool) -> str:
+    if as_json:
+        return printed(outcome.found, outcome.more)
+    if outcome.text is None:
+        return ""
+    return "\n".join(shown(outcome.text, outcome.verdict, outcome.checks, verbose=verbose))
 
 
 def printed(found: object, more: Mapping[str, Any] | None = None) -> str:
@@ -125,14 +159,22 @@ def claim(paths: Iterable[str | Path]) -> None:
 
 
 def write(path: str | Path, content: str | bytes) -> None:
-    """Write a file and say so; ``-`` is stdout, which belongs to the document under ``--json``."""
+    """Write a file, which the command says at its end; ``-`` is stdout.
+
+    Under ``--json`` stdout belongs to the document.
+    """
     context = click.get_current_context()
     if str(path) != "-":
         outputs: Outputs = context.obj
         outputs.write(path, content)
-        to_stderr(f"wrote {path}")
+        note_written(path)
     elif not context.params["as_json"]:
         to_stdout(content if isinstance(content, str) else content.decode())
+
+
+def note_written(path: str | Path) -> None:
+    """Remember a file that the command says at its end, and opens if it was asked to."""
+    click.get_current_context().meta.setdefault(_WRITTEN, []).append(str(path))
 
 
 def write_figure(path: str, figure: Figure) -> None:
@@ -140,15 +182,39 @@ def write_figure(path: str, figure: Figure) -> None:
     write(path, dp.plot.rendered(figure, Path(path).suffix))
 
 
-def failed(checks: Iterable[Check]) -> list[str]:
-    """Return one line for each failed check, the gravest first, for the text of a command."""
-    bad = [
-        (grade, check)
-        for grade in MARKS
-        for check in checks
-        if check.failed and check.grade == grade
-    ]
-    return [f"  {MARKS[grade]} {check.name}: {check.says}" for grade, check in bad]
+def opens(function: Callable[..., T]) -> Callable[..., T]:
+    """Give a command ``--open``, which opens the page or the picture that it wrote."""
+
+    def remembered(context: click.Context, _: click.Parameter, asked: bool) -> None:
+        context.meta[_OPENS] = asked
+
+    return click.option(
+        "--open",
+        is_flag=True,
+        expose_value=False,
+        callback=remembered,
+        help="Open the page or picture that is written.",
+    )(function)
+
+
+def _open(written: Sequence[str]) -> None:
+    """Open the last page or picture that was written, or say why not."""
+    pages = [path for path in written if Path(path).suffix.lower() in _SEEN]
+    if not pages:
+        to_stderr("nothing to open: name a page (-o page.html) or a picture (--plot fit.png)")
+    elif click.launch(pages[-1]):
+        to_stderr(f"{pages[-1]} could not be opened: no program for it was found")
+
+
+def typed(*words: object, why: str = "") -> str:
+    """Return a dashpot command as it is typed, with a remark that the shell overlooks."""
+    line = shlex.join(["dashpot", *(str(word) for word in words)])
+    return f"{line}  # {why}" if why else line
+
+
+def grams(mass: float) -> str:
+    """Return a mass, kg, as it is typed."""
+    return f"{1e3 * mass:g}g"
 
 
 def read_fit(path: str) -> dp.Fit:

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from dashpot.base import numbers
 from dashpot.base.numbers import ascii_only
-from dashpot.cli._shell import failed
+from dashpot.cli._terminal import Text
 
 if TYPE_CHECKING:
-    from dashpot.base.checks import Check, Verdict
+    from dashpot import Comparison
     from dashpot.records.fit import Fit
-    from dashpot.records.frf import FRF, Mode
     from dashpot.solids.elastic import ElasticLaw
     from dashpot.workflow.impacts import ImpactResult
+    from dashpot.workflow.predictions import Prediction
     from dashpot.workflow.study import Study
 
 
@@ -48,48 +48,36 @@ def table(rows: Sequence[Sequence[str]], *, left: bool = False) -> list[str]:
     return lines
 
 
-def fit(found: Fit) -> str:
+def fit(found: Fit) -> Text:
     """Return a fit as the paper's Table 1 with intervals, and what it must not be asked."""
     files = ", ".join(source.file for source in found.source) or "arrays in memory"
-    head = f"{files}: {found.model.arms} Maxwell arm{'s' * (found.model.arms != 1)}, "
-    lines = [verdict(found.verdict), head + f"method {found.method}", *_parameters(found), ""]
+    arms = f"{found.model.arms} Maxwell arm{'s' * (found.model.arms != 1)}"
     residual = found.residual
-    lines.append(f"  optimiser   {found.status.value}")
     in_force, relative = found.method in {"full", "hold"}, found.method in {"dynamic", "modulus"}
     size = f"{residual.rms * 1e3:.3g} mN rms" if in_force else f"{residual.rms:.3g} of the noise"
     size = f"{100 * residual.rms:.3g} % rms" if relative else size
-    lines.append(
-        f"  residual    {size} over {residual.n} samples (each worth 1/{residual.kappa:.3g})"
-    )
-    lines.append(f"  informed    {hertz(found.band)}; outside it the model is an extrapolation")
+    lines = [
+        f"{files}: {arms}, method {found.method}",
+        *_parameters(found),
+        "",
+        f"  residual    {size} over {residual.n} samples (each worth 1/{residual.kappa:.3g})",
+        f"  informed    {hertz(found.band)}; outside it the model is an extrapolation",
+    ]
     if found.elastic_law and found.elastic_law.kind != "linear":
         lines.append(f"  elastic law {_law(found.elastic_law)}")
     if found.end_of_hold:
         lines.append(f"  left open   {ascii_only(found.end_of_hold.says)}")
+    lines += [*_explained(found), *_moved(found)]
+    details = [f"  optimiser   {found.status.value}"]
     if found.certificate:
-        lines.append(f"  certificate {found.certificate.says}")
+        details.append(f"  certificate {found.certificate.says}")
     if found.nuisance:
         listed = "; ".join(
             f"{item.name} {with_error(item.value, item.standard_error)} {item.unit}"
             for item in found.nuisance
         )
-        lines.append(f"  nuisance    {listed}")
-    lines += [*_orders(found), *_moved(found), *_explained(found)]
-    bad = failed(found.checks)
-    lines.append(f"  checks      {counted(found.checks)}")
-    return "\n".join(lines + bad)
-
-
-def verdict(found: Verdict) -> str:
-    """Return a verdict and why, as the first line of a result."""
-    return ascii_only(f"{found.use}: {found.says}")
-
-
-def counted(checks: Sequence[Check]) -> str:
-    """Return how many checks passed, failed and were not judged."""
-    states = [check.passed for check in checks]
-    shown = ((True, "passed"), (False, "failed"), (None, "not judged"))
-    return ", ".join(f"{states.count(state)} {word}" for state, word in shown if state in states)
+        (details if in_force else lines).append(f"  nuisance    {listed}")
+    return Text(lines, [*details, *_orders(found)])
 
 
 _SHOWN = {"N/m": ("N/mm", "N s/mm", 1e-3), "Pa": ("MPa", "MPa s", 1e-6)}
@@ -114,8 +102,8 @@ def _parameters(found: Fit) -> list[str]:
             rows.append([name, rounded(value * scale), "unknown", "", unit])
             return
         if ends:
-            low, high = (rounded(end * scale, se * scale) for end in ends)
-            between = f"{low} to {high}"
+            low, high = (end * scale for end in ends)
+            between = ascii_only(numbers.known_between(value * scale, low, high, se * scale))
         shown = (rounded(number * scale, se * scale) for number in (value, se))
         rows.append([name, *shown, between, unit])
 
@@ -161,14 +149,13 @@ def _moved(found: Fit) -> list[str]:
 
 def _explained(found: Fit) -> list[str]:
     """Return what would explain two tests that disagree, the best first."""
-    if not found.explanations:
-        return []
-    rows = [["  tests disagree", "chi2 falls by", "explains both"]]
-    rows += [
-        [f"  {one.says}", f"{one.fall:.4g}", "yes" if one.explains else "no"]
+    return [
+        ascii_only(
+            f"  {'explained by' if one.explains else 'not by     '} {one.says} "
+            f"(chi2 falls by {one.fall:.4g})"
+        )
         for one in found.explanations
     ]
-    return [ascii_only(line) for line in table(rows)]
 
 
 def _orders(found: Fit) -> list[str]:
@@ -188,13 +175,17 @@ def _orders(found: Fit) -> list[str]:
     return table(rows)
 
 
-def impact(found: ImpactResult) -> str:
-    """Return the hits with their verdicts, the modes, and what the record cannot support."""
+def impact(found: ImpactResult) -> Text:
+    """Return the modes, the hits with their verdicts, and why a hit was left out."""
     frf = found.frf
+    lines = []
+    for mode in found.modes:
+        frequency = with_error(mode.frequency_hz, mode.frequency_se_hz)
+        ratio = with_error(mode.damping_ratio, mode.damping_ratio_se, scale=100)
+        lines.append(f"  mode  {frequency} Hz, damping ratio {ratio} % ({mode.method})")
     used = f"{frf.averages} of {len(frf.hits)} hit{'s' * (len(frf.hits) != 1)} averaged"
-    lines = [
-        f"{used}, {found.estimator}, {frf.frequency[1] - frf.frequency[0]:.4g} Hz between lines"
-    ]
+    spacing = frf.frequency[1] - frf.frequency[0]
+    lines.append(f"{used}, {found.estimator}, {spacing:.4g} Hz between lines")
     rows = [["hit", "time, s", "peak, N", "pulse, ms", "verdict"]]
     rows += [
         [
@@ -208,56 +199,52 @@ def impact(found: ImpactResult) -> str:
     ]
     lines += table(rows)
     lines += [f"    {hit.name}: {reason}" for hit in frf.hits for reason in hit.reasons]
-    for mode in found.modes:
-        frequency = with_error(mode.frequency_hz, mode.frequency_se_hz)
-        ratio = with_error(mode.damping_ratio, mode.damping_ratio_se, scale=100)
-        lines.append(f"  mode  {frequency} Hz, damping ratio {ratio} % ({mode.method})")
-    return "\n".join(lines + failed(frf.checks))
+    return Text(lines)
 
 
-def study(found: Study) -> str:
-    """Return the whole story in a screenful."""
-    lines = [verdict(found.verdict), "", fit(found.fit)]
+def comparison(found: Comparison, joint: Comparison | None = None) -> list[str]:
+    """Return predicted against measured, and what both tests together make of it."""
+    rows = [["", "predicted", "measured", "difference"], *(list(row) for row in found.rows)]
+    if joint is not None:
+        rows[0] += ["both tests", "difference"]
+        for row, (_, fitted, _, difference) in zip(rows[1:], joint.rows, strict=True):
+            row += [fitted, difference]
+    return [*table(rows), f"  {(joint or found).lines}"]
+
+
+def study(found: Study) -> Text:
+    """Return the seal under the mass and its solid; the fits behind it for who asks."""
+    lines, details = [], []
     if found.mass is not None and found.comparison is not None:
         inferred = " (inferred from the FRF)" if found.mass_inferred else ""
-        lines += ["", f"{found.mass * 1e3:.6g} g{inferred} on {found.seals:g} seals"]
-        lines.append(str(found.comparison))
+        lines.append(f"{found.mass * 1e3:.6g} g{inferred} on {found.seals:g} seals")
+        lines += comparison(found.comparison, found.joint_comparison)
+        details += ["", "the prediction from the relaxation test alone", str(found.comparison)]
     if found.at_rest is not None and str(found.at_rest):
         lines.append(str(found.at_rest))
-    if found.joint is not None and found.joint_comparison is not None:
-        lines += ["", "relaxation and hammer fitted together", fit(found.joint)]
-        lines.append(str(found.joint_comparison))
-    return "\n".join(lines + failed(found.checks))
+    solid = fit(found.fit if found.joint is None else found.joint)
+    if lines:
+        lines.append("")
+    if found.joint is not None:
+        lines.append("relaxation and hammer fitted together")
+        alone = fit(found.fit)
+        details += ["", "the relaxation test alone", *alone.lines, *alone.details]
+    return Text([*lines, *solid.lines], [*solid.details, *details])
 
 
-def prediction(
-    found: Fit,
-    frf: FRF,
-    modes: Iterable[Mode],
-    *,
-    peak: tuple[float, float],
-    mass: float,
-    seals: float,
-) -> str:
-    """Return a prediction's peak and modes, and whether the test supports them."""
-    lines = [
-        (
-            f"{mass * 1e3:.6g} g on {seals:g} seal{'s' * (seals != 1)}: "
-            f"{frf.kind} peaks at {peak[0]:.5g} Hz with {peak[1]:.5g} {frf.unit}"
-        )
-    ]
-    for mode in modes:
-        lines.append(
-            f"  mode  {mode.frequency:.6g} Hz, damping ratio {100 * mode.damping_ratio:.4g} %"
-        )
-    low, high = found.band
-    if high > 0 and not low <= peak[0] <= high:
-        lines.append(
-            f"  ! extrapolated: the relaxation test informs {hertz(found.band)}, the peak is at "
-            f"{peak[0]:.4g} Hz (a factor {max(peak[0] / high, low / peak[0]):.3g} away); the "
-            "damping there is not known from this test"
-        )
-    return "\n".join(lines)
+def prediction(found: Prediction, *, mass: float, seals: float) -> Text:
+    """Return a prediction's peak, modes and limits."""
+    hz, height = found.peak
+    on = f"{mass * 1e3:.6g} g on {seals:g} seal{'s' * (seals != 1)}"
+    lines = [f"{on}: {found.frf.kind} peaks at {hz:.5g} Hz with {height:.5g} {found.frf.unit}"]
+    for mode in found.modes:
+        ratio = f"{100 * mode.damping_ratio:.4g} %"
+        lines.append(f"  mode  {mode.frequency:.6g} Hz, damping ratio {ratio}")
+    if str(found.at_rest):
+        lines.append(str(found.at_rest))
+    if found.limits is not None:
+        lines.append(f"  {ascii_only(found.limits.peak_says)}")
+    return Text(lines)
 
 
 def _law(law: ElasticLaw) -> str:

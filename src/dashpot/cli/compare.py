@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import click
 
 import dashpot as dp
 from dashpot import workflow
+from dashpot.base.checks import verdict
 from dashpot.cli import _options as options
-from dashpot.cli._shell import Outcome, failed, read_fit, reports, write_figure
+from dashpot.cli import _text
+from dashpot.cli._shell import Outcome, grams, read_fit, reports, typed, write_figure
+from dashpot.cli._terminal import Text
 
 
 @click.command("compare")
@@ -34,23 +38,39 @@ def command(
     dashpot compare fit.json hammer.csv --mass 104g --seals 2
     dashpot compare fit.json frf.uff --mass 104g --seals 2 --json
     """
-    found = workflow.compare_files(read_fit(fit), measured, seals=seals, **choices)
+    fitted = read_fit(fit)
+    found = workflow.compare_files(fitted, measured, seals=seals, **choices)
     if picture:
         write_figure(picture, dp.plot.comparison(found.comparison))
-    lines = [str(found.comparison), *([str(found.at_rest)] if str(found.at_rest) else [])]
+    lines = _text.comparison(found.comparison)
+    if str(found.at_rest):
+        lines.append(str(found.at_rest))
     if found.mass_inferred:
         lines.append(
             f"  mass        {found.mass * 1e3:.5g} g, inferred from the measured FRF: the "
             "agreement in frequency then proves nothing; give --mass to test it"
         )
+    checks = (*found.comparison.checks, *found.noted)
+    with_tests = [word for source in fitted.source for word in ("--with", source.file)]
     return Outcome(
         found.comparison,
-        "\n".join(lines + failed(found.noted)),
-        (*found.comparison.checks, *found.noted),
+        Text(lines, [f"  {arm}" for arm in found.comparison.arms]),
+        checks,
         {
             "mass": found.mass,
             "mass_inferred": found.mass_inferred,
             "seals": seals,
             **found.at_rest.document,
         },
+        verdict=replace(verdict(checks), says=found.comparison.says),
+        follow=typed(
+            "identify",
+            *measured,
+            *with_tests,
+            "--mass",
+            grams(found.mass),
+            "--seals",
+            f"{seals:g}",
+            why="fits both tests together",
+        ),
     )

@@ -9,10 +9,11 @@ import click
 
 import dashpot as dp
 from dashpot import workflow
+from dashpot.base.progress import doing
 from dashpot.cli import _options as options
 from dashpot.cli import _text
-from dashpot.cli._echo import to_stderr
-from dashpot.cli._shell import Outcome, claim, reports, write
+from dashpot.cli._shell import Outcome, claim, reports, typed, write
+from dashpot.cli._terminal import Text
 from dashpot.cli.simulate import impact, relaxation, seal
 
 if TYPE_CHECKING:
@@ -45,20 +46,25 @@ def command(*, output: str, seed: int) -> Outcome:
     folder = Path(output)
     claim(folder / f"{name}{file}" for name in NAMES for file in FILES)
     stories = {name: _story(name, folder, seed) for name in NAMES}
-    lines = []
+    lines, details = [], []
     for name, story in stories.items():
-        lines += [f"{name} seal", _text.study(story), f"  report: {folder / f'{name}.html'}", ""]
+        judged, whole = story.verdict, _text.study(story)
+        lines += [f"{name} seal: {judged.use}: {judged.says}"]
+        if story.comparison is not None:
+            lines += [*_text.comparison(story.comparison, story.joint_comparison), ""]
+        details += ["", f"{name} seal", *whole.lines, *whole.details]
     document = {
         "schema": "dashpot/demo@1",
         "seed": seed,
         "seals": {name: _numbers(story, folder, name) for name, story in stories.items()},
     }
-    return Outcome(document, "\n".join(lines).rstrip())
+    follow = typed("inspect", folder / "broad_relaxation.csv")
+    return Outcome(document, Text(lines, details), follow=follow)
 
 
 def _story(name: str, folder: Path, seed: int) -> Study:
     """Simulate, write, read back, characterise and report one seal."""
-    to_stderr(f"{name}: simulating the bench and the hammer, fitting, comparing, reporting")
+    doing(f"the {name} seal: simulating the bench and the hammer")
     bench = relaxation(model=name, seed=seed)
     hammer = impact(model=name, seals=SEALS, seed=seed)
     for file, text in zip(FILES, (*bench, *hammer), strict=False):

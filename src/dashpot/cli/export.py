@@ -14,6 +14,7 @@ from dashpot.cli import _options as options
 from dashpot.cli._echo import to_stderr
 from dashpot.cli._options import Quantity, Range
 from dashpot.cli._shell import Outcome, read_fit, reports, write
+from dashpot.cli._terminal import Text
 from dashpot.records.specimen import Specimen
 
 # written out, so that --help need not import the decks; a test holds it to export.TARGETS
@@ -92,20 +93,19 @@ def command(
         found, units=units, allow=("all",) if force else allow, **_taken(target, choices)
     )
     write(output, deck)
-    marks = [row for row in deck.splitlines() if "OVERRIDE" in row]
-    for mark in marks:
-        to_stderr(mark.strip())
+    for mark in deck.overrides:
+        to_stderr(f"OVERRIDE: {mark}")
     document = {
         "schema": "dashpot/deck@1",
         "target": target,
         "units": units,
         "file": None if output == "-" else output,
-        "overrides": marks,
+        "overrides": list(deck.overrides),
     }
     if output == "-":
-        return Outcome(document | {"deck": deck}, "")
-    text = f"{output}: {target} deck, {units}, {len(deck.splitlines())} lines"
-    return Outcome(document, text)
+        return Outcome(document | {"deck": deck}, None, deck.checks, verdict=deck.verdict)
+    text = Text([f"{output}: {target} deck, {units}, {len(deck.splitlines())} lines"])
+    return Outcome(document, text, deck.checks, verdict=deck.verdict)
 
 
 def _described(found: dp.Fit, given: Specimen) -> dp.Fit:

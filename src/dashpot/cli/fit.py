@@ -10,7 +10,7 @@ import dashpot as dp
 from dashpot import workflow
 from dashpot.cli import _options as options
 from dashpot.cli import _text
-from dashpot.cli._shell import Outcome, printed, reports, write, write_figure
+from dashpot.cli._shell import Outcome, printed, reports, typed, write, write_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -62,7 +62,19 @@ def command(
         write_figure(picture, _figure(found, tests))
     if output:
         write(output, printed(found) + "\n")
-    return Outcome(found, "" if output == "-" else _text.fit(found), found.checks)
+    return Outcome(
+        found,
+        None if output == "-" else _text.fit(found),
+        found.checks,
+        verdict=found.verdict,
+        follow=_follow(files, output),
+    )
+
+
+def _follow(files: tuple[str, ...], output: str | None) -> str:
+    if not output:
+        return typed("fit", *files, "-o", "fit.json", why="keeps it for predict, compare, export")
+    return "" if output == "-" else typed("predict", output, "--mass", "104g", "--seals", 2)
 
 
 def _figure(found: dp.Fit, tests: tuple[dp.RampHold, ...]) -> Figure:

@@ -7,20 +7,24 @@ from typing import Any
 import click
 
 from dashpot import workflow
+from dashpot.base.checks import verdict
 from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._options import Quantity, Range, over_profile
 from dashpot.cli._shell import (
     Outcome,
     Output,
-    failed,
     is_json,
     printed,
     read_fit,
     reports,
+    typed,
     write,
 )
+from dashpot.cli._terminal import Text
 from dashpot.io.options import OF_BENCH, ReadOptions
+
+_A_DECK = ("--to", "nastran", "--units", "mm-t-s", "-o", "seal.bdf")
 
 
 @click.command("identify")
@@ -88,7 +92,14 @@ def command(
         seals=choices["seals"],
         compression=choices["compression"],
     )
-    lines = [_text.fit(found), *([str(rests)] if str(rests) else []), *failed(noted)]
-    text = "" if output == "-" else "\n".join(lines)
-    further = {"direct": workflow.direct_document(straight), **rests.document}
-    return Outcome(found, text, (*found.checks, *noted), further)
+    lines, details = _text.fit(found)
+    text = Text([*lines, *([str(rests)] if str(rests) else [])], details)
+    checks = (*found.checks, *noted)
+    return Outcome(
+        found,
+        None if output == "-" else text,
+        checks,
+        {"direct": workflow.direct_document(straight), **rests.document},
+        verdict=verdict(checks, sound=found.verdict.says),
+        follow="" if not output or output == "-" else typed("export", output, *_A_DECK),
+    )

@@ -8,11 +8,12 @@ import click
 
 import dashpot as dp
 from dashpot import workflow
+from dashpot.base.checks import verdict
 from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._echo import to_stderr
 from dashpot.cli._options import Quantity, Range
-from dashpot.cli._shell import Outcome, reports, write, write_figure
+from dashpot.cli._shell import Outcome, reports, typed, write, write_figure
 
 
 @click.command("impact")
@@ -42,8 +43,13 @@ def command(
         _write(found.frf, output)
     if picture:
         write_figure(picture, dp.plot.frf(found.frf))
-    text = "" if output == "-" else _text.impact(found)
-    return Outcome(found, text, found.frf.checks)
+    return Outcome(
+        found,
+        None if output == "-" else _text.impact(found),
+        found.frf.checks,
+        verdict=verdict(found.frf.checks),
+        follow=typed("compare", "fit.json", *files, "--mass", "104g", "--seals", 2),
+    )
 
 
 def _write(frf: dp.FRF, path: str) -> None:

@@ -8,12 +8,21 @@ import click
 
 from dashpot import workflow
 from dashpot.cli._options import overwrite, reading
-from dashpot.cli._shell import Outcome, Output, failed, reports, write
+from dashpot.cli._shell import Outcome, Output, reports, typed, write
+from dashpot.cli._terminal import Text
 from dashpot.cli._text import table
 from dashpot.io.options import ReadOptions
 
 if TYPE_CHECKING:
     from dashpot.workflow.inspections import InspectedFile
+
+_COMMANDS = {
+    "relaxation": ("fit",),
+    "dma": ("fit",),
+    "impact": ("impact",),
+    "frf": ("compare", "fit.json"),
+}
+"""What a file of a kind is for."""
 
 
 @click.command("inspect")
@@ -39,10 +48,19 @@ def command(*, files: tuple[str, ...], save_profile: str | None, options: ReadOp
         from dashpot.io.options import dump_profile
 
         write(save_profile, dump_profile(options))
-    return Outcome(found, "\n\n".join(_text(one) for one in found.files), found.checks)
+    lines = [line for one in found.files for line in (*_text(one), "")]
+    return Outcome(found, Text(lines[:-1]), found.checks, follow=_follow(files, found.files))
 
 
-def _text(found: InspectedFile) -> str:
+def _follow(paths: tuple[str, ...], found: tuple[InspectedFile, ...]) -> str:
+    """Return the command for such files, once no question is open."""
+    if any(each.questions for each in found):
+        return typed("inspect", *paths, why="with the option that answers")
+    words = _COMMANDS.get(found[0].kind)
+    return typed(*words, *paths) if words else ""
+
+
+def _text(found: InspectedFile) -> list[str]:
     """Return an inspection for people."""
     how = (
         found.format,
@@ -87,9 +105,8 @@ def _text(found: InspectedFile) -> str:
                 f"  noise     force {test.force_noise * 1e3:.3g} mN, "
                 f"displacement {test.displacement_noise * 1e6:.3g} um"
             ),
-            *failed(test.checks),
         ]
-    return "\n".join(lines)
+    return lines
 
 
 def _sampling(found: InspectedFile) -> str:

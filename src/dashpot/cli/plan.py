@@ -8,10 +8,12 @@ from typing import Any
 import click
 
 import dashpot as dp
+from dashpot.base.checks import verdict
 from dashpot.base.errors import DataError
 from dashpot.cli import _options as options
 from dashpot.cli._options import Quantity
-from dashpot.cli._shell import Outcome, failed, reports
+from dashpot.cli._shell import Outcome, reports
+from dashpot.cli._terminal import Text
 from dashpot.cli.simulate import seal
 
 
@@ -73,4 +75,4 @@ def command(
         wanted=wanted / 100,
         **choices,
     )
-    return Outcome(found, "\n".join([str(found), *failed(found.checks)]), found.checks)
+    return Outcome(found, Text([str(found)]), found.checks, verdict=verdict(found.checks))

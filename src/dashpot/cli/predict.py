@@ -8,11 +8,11 @@ import click
 
 import dashpot as dp
 from dashpot import workflow
-from dashpot.base.numbers import ascii_only
+from dashpot.base.checks import verdict
 from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._options import Range
-from dashpot.cli._shell import Outcome, failed, read_fit, reports, write, write_figure
+from dashpot.cli._shell import Outcome, grams, read_fit, reports, typed, write, write_figure
 
 
 @click.command("predict")
@@ -58,15 +58,20 @@ def command(*, fit: str, picture: str | None, output: str | None, **choices: Any
         from dashpot.io.write import write_frf
 
         write(output, write_frf(found.frf))
-    text = _text.prediction(
-        fitted,
-        found.frf,
-        found.modes,
-        peak=found.peak,
-        mass=choices["mass"],
-        seals=choices["seals"],
+    text = _text.prediction(found, mass=choices["mass"], seals=choices["seals"])
+    return Outcome(
+        found.document,
+        None if output == "-" else text,
+        found.checks,
+        verdict=verdict(found.checks, sound=fitted.verdict.says),
+        follow=typed(
+            "compare",
+            fit,
+            "HAMMER",
+            "--mass",
+            grams(choices["mass"]),
+            "--seals",
+            f"{choices['seals']:g}",
+            why="tests it with a hammer",
+        ),
     )
-    rests = [str(found.at_rest)] if str(found.at_rest) else []
-    peak = [ascii_only(found.limits.peak_says)] if found.limits is not None else []
-    text = "\n".join([text, *rests, *(f"  {line}" for line in peak), *failed([found.noted])])
-    return Outcome(found.document, "" if output == "-" else text, (found.noted,))

@@ -8,11 +8,11 @@ import click
 
 import dashpot as dp
 from dashpot import workflow
+from dashpot.base.progress import doing
 from dashpot.cli import _options as options
 from dashpot.cli import _text
-from dashpot.cli._echo import to_stderr
 from dashpot.cli._options import over_profile
-from dashpot.cli._shell import Outcome, claim, reports, write
+from dashpot.cli._shell import Outcome, claim, note_written, opens, reports, typed, write
 from dashpot.io.options import OF_HAMMER, ReadOptions
 from dashpot.workflow.job import Job
 
@@ -32,6 +32,7 @@ from dashpot.workflow.job import Job
 @click.option("--project", metavar="DIR", help="Keep raw files, results and history there.")
 @options.output("The report [default: report.html].")
 @options.overwrite
+@opens
 @reports
 @options.machine
 @options.specimen
@@ -67,12 +68,19 @@ def command(
     written: list[str] = []
     if project:
         study, place = workflow.record(workflow.create(project), job, page=dp.report.html)
-        to_stderr(f"wrote {place}")
+        note_written(place)
         written.append(str(place))
     else:
         study = workflow.run(job)
     if output:
+        doing("drawing the report")
         written.append(output)
         write(written[-1], dp.report.html(study))
-    text = "" if output == "-" else _text.study(study)
-    return Outcome(study, text, study.every_check, {"report": written[-1]})
+    return Outcome(
+        study,
+        None if output == "-" else _text.study(study),
+        study.every_check,
+        {"report": written[-1]},
+        verdict=study.verdict,
+        follow=typed("verify", project, why="recomputes it") if project else "",
+    )

@@ -12,7 +12,8 @@ import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.cli import _options as options
 from dashpot.cli._options import Quantity
-from dashpot.cli._shell import Outcome, claim, read_model, reports, write
+from dashpot.cli._shell import Outcome, claim, read_model, reports, typed, write
+from dashpot.cli._terminal import Text
 
 
 @click.command("simulate")
@@ -51,13 +52,14 @@ def command(*, what: str, output: str, **choices: Any) -> Outcome:
     if output == "-":
         text, _ = made(**choices)
         write(output, text)
-        return Outcome(document | {"text": text}, "")
+        return Outcome(document | {"text": text}, None)
     beside = str(Path(output).with_suffix(".truth.json"))
     claim([output, beside])
     text, truth = made(**choices)
     write(output, text)
     write(beside, truth)
-    return Outcome(document | {"truth": beside}, f"{output}: a simulated {what} test")
+    story = Text([f"{output}: a simulated {what} test; what is true stands in {beside}"])
+    return Outcome(document | {"truth": beside}, story, follow=typed("inspect", output))
 
 
 def seal(name: str) -> tuple[dp.GeneralizedMaxwell, float | None]:

@@ -1,6 +1,6 @@
 """Decks: a solid as text for a solver, one target, one file.
 
-Every target is a function ``target(solid, *, units, specimen, allow, form, ...) -> str`` of a
+Every target is a function ``target(solid, *, units, specimen, allow, form, ...)`` of a
 bare :class:`~dashpot.solids.maxwell.Solid` or of a
 :class:`~dashpot.records.fit.Fit`, which brings its pedigree and must be worth exporting.
 """
@@ -20,7 +20,7 @@ from dashpot.export import nastran as _nastran
 from dashpot.export import opensees as _opensees
 from dashpot.export import radioss as _radioss
 from dashpot.export import statespace as _statespace
-from dashpot.export.deck import PROBLEMS
+from dashpot.export.deck import PROBLEMS, DeckText
 from dashpot.export.notation import UNIT_SYSTEMS
 from dashpot.seals.line import SealLine
 
@@ -47,7 +47,7 @@ csv = _csv.csv
 radioss = _radioss.radioss
 statespace = _statespace.statespace
 
-TARGETS: Mapping[str, Callable[..., str]] = MappingProxyType(
+TARGETS: Mapping[str, Callable[..., DeckText]] = MappingProxyType(
     {name: getattr(module, name) for name, module in _MODULES.items()}
 )
 """Every target by its name on the command line."""
@@ -57,6 +57,7 @@ __all__ = [
     "PROBLEMS",
     "TARGETS",
     "UNIT_SYSTEMS",
+    "DeckText",
     "SealLine",
     "abaqus",
     "adams",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from dashpot.export.deck import Deck, Exportable, open_deck
+from dashpot.export.deck import Deck, DeckText, Exportable, open_deck
 from dashpot.export.notation import text
 from dashpot.records.specimen import Specimen
 
@@ -20,7 +20,7 @@ def abaqus(
     form: str = "arms",
     frequency_range: tuple[float, float] = (1.0, 100.0),
     tolerance: float = 1e-3,
-) -> str:
+) -> DeckText:
     r"""Abaqus keywords of a solid.
 
     ``"arms"`` writes the exact network of SPRINGA and DASHPOTA elements, for any procedure;
@@ -61,7 +61,7 @@ def spring_dashpot_network(deck: Deck) -> list[str]:
     return cards
 
 
-def _arms(deck: Deck) -> str:
+def _arms(deck: Deck) -> DeckText:
     hold = [f"{11 + j}, 2, 3" for j in range(deck.model.arms)]
     return deck.written(
         "**",
@@ -75,7 +75,7 @@ def _arms(deck: Deck) -> str:
     )
 
 
-def _prony(deck: Deck) -> str:
+def _prony(deck: Deck) -> DeckText:
     rows = [f"{text(g)}, {text(g)}, {text(tau)}" for g, tau in deck.prony]
     return deck.written(
         "**",
@@ -90,7 +90,7 @@ def _prony(deck: Deck) -> str:
     )
 
 
-def _connector(deck: Deck, frequency_range: tuple[float, float], tolerance: float) -> str:
+def _connector(deck: Deck, frequency_range: tuple[float, float], tolerance: float) -> DeckText:
     table = deck.table(frequency_range, tolerance)
     columns = {
         "*CONNECTOR ELASTICITY, COMPONENT=1": deck.units.stiffness(table.storage),
@@ -110,9 +110,9 @@ def _connector(deck: Deck, frequency_range: tuple[float, float], tolerance: floa
         "frequency-dependent connector behavior for Abaqus",
         cards,
         remarks=[
-            table.sentence,
             "acts along component 1 of an AXIAL or CARTESIAN connector, in direct",
             "or subspace-based steady-state dynamics; rows after EXTRAPOLATED lie outside",
             "the identified band",
         ],
+        table=table,
     )

@@ -7,7 +7,7 @@ from collections.abc import Collection
 import numpy as np
 
 from dashpot.base.errors import ExportError
-from dashpot.export.deck import Exportable, open_deck
+from dashpot.export.deck import DeckText, Exportable, open_deck
 from dashpot.export.notation import text
 from dashpot.records.specimen import Specimen
 from dashpot.solids.networks import creep_of, parallel
@@ -22,7 +22,7 @@ def adams(
     specimen: Specimen | None = None,
     allow: Collection[str] = (),
     form: str = "transfer-function",
-) -> str:
+) -> DeckText:
     r"""K(s)/k_inf as a transfer function, for frequency-dependent bushings.
 
     A frequency-dependent bushing takes a linear stiffness times a displacement transfer

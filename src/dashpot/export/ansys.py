@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from dashpot.export.deck import Deck, Exportable, open_deck
+from dashpot.export.deck import Deck, DeckText, Exportable, open_deck
 from dashpot.export.notation import text
 from dashpot.records.specimen import Specimen
 
@@ -18,7 +18,7 @@ def ansys(
     specimen: Specimen | None = None,
     allow: Collection[str] = (),
     form: str = "arms",
-) -> str:
+) -> DeckText:
     r"""Mechanical APDL commands of a solid.
 
     ``"arms"`` writes the exact network of COMBIN14 springs and dampers acting along UX, for any
@@ -31,7 +31,7 @@ def ansys(
     return _prony(deck) if form == "prony" else _arms(deck)
 
 
-def _arms(deck: Deck) -> str:
+def _arms(deck: Deck) -> DeckText:
     nodes = ["N,1,0,0,0", "N,2,0,0,0", *(f"N,{11 + j},0,0,0" for j in range(deck.model.arms))]
     elements: list[tuple[float, float, int, int]] = []  # K, CV1, I, J
     if deck.k_inf > 0 or deck.b > 0:
@@ -52,7 +52,7 @@ def _arms(deck: Deck) -> str:
     )
 
 
-def _prony(deck: Deck) -> str:
+def _prony(deck: Deck) -> DeckText:
     values = [text(value) for pair in deck.prony for value in pair]
     rows = [
         f"TBDATA,{start + 1}," + ",".join(values[start : start + 6])

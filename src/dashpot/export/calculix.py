@@ -8,7 +8,7 @@ import numpy as np
 
 from dashpot.base.errors import ExportError
 from dashpot.export.abaqus import spring_dashpot_network
-from dashpot.export.deck import Deck, Exportable, open_deck
+from dashpot.export.deck import Deck, DeckText, Exportable, open_deck
 from dashpot.export.notation import text
 from dashpot.records.specimen import Specimen
 
@@ -31,7 +31,7 @@ def calculix(
     mass: float | None = None,
     frequency_range: tuple[float, float] = (1.0, 100.0),
     points: int = 400,
-) -> str:
+) -> DeckText:
     r"""CalculiX keywords: the exact network of SPRINGA and DASHPOTA elements.
 
     With a mass the deck is complete and runs as it stands: the mass on the solid under a unit

@@ -6,7 +6,7 @@ from collections.abc import Collection
 
 import numpy as np
 
-from dashpot.export.deck import Deck, Exportable, open_deck
+from dashpot.export.deck import Deck, DeckText, Exportable, open_deck
 from dashpot.export.notation import text
 from dashpot.records.specimen import Specimen
 
@@ -23,7 +23,7 @@ def csv(
     form: str = "frequency",
     frequency_range: tuple[float, float] = (1.0, 100.0),
     tolerance: float = 1e-3,
-) -> str:
+) -> DeckText:
     """Comma-separated text: dynamic stiffness against frequency, or the arms.
 
     ``"frequency"`` has one row per frequency: storage and loss stiffness, loss factor, viscous
@@ -36,7 +36,7 @@ def csv(
     return _arms(deck) if form == "arms" else _frequency(deck, frequency_range, tolerance)
 
 
-def _arms(deck: Deck) -> str:
+def _arms(deck: Deck) -> DeckText:
     units = deck.units
     rows = [("k_inf", text(deck.k_inf), "", "")]
     if deck.b > 0:
@@ -50,7 +50,7 @@ def _arms(deck: Deck) -> str:
     return deck.written("#", "springs and dashpots", body, verified=_VERIFIED)
 
 
-def _frequency(deck: Deck, frequency_range: tuple[float, float], tolerance: float) -> str:
+def _frequency(deck: Deck, frequency_range: tuple[float, float], tolerance: float) -> DeckText:
     units, table = deck.units, deck.table(frequency_range, tolerance)
     loss = table.storage * table.damping
     columns = {
@@ -73,5 +73,5 @@ def _frequency(deck: Deck, frequency_range: tuple[float, float], tolerance: floa
         "dynamic stiffness",
         [",".join([*columns, "extrapolated"]), *rows],
         verified=_VERIFIED,
-        remarks=[table.sentence],
+        table=table,
     )

@@ -9,8 +9,10 @@ from functools import cached_property
 from types import MappingProxyType
 from typing import TypeAlias
 
+from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import ExportError
 from dashpot.base.version import byline
+from dashpot.export.checks import rows_informed
 from dashpot.export.frequency_tables import Damping, Table, tabulate
 from dashpot.export.notation import UNIT_SYSTEMS, UnitSystem, one_line, text
 from dashpot.records.fit import Fit, Status
@@ -38,6 +40,24 @@ _REMEDIES = {
     "not_identified": "fit fewer arms, or test for longer and faster",
     "prony_sum": "export the arms, or fit with k_inf > 0",
 }
+
+
+class DeckText(str):
+    """The text of a deck, which knows what its header says.
+
+    Attributes
+    ----------
+    verdict : Verdict or None
+        Of the fit behind it, over the rows written; None for a bare solid.
+    checks : tuple of Check
+        Those of the fit, and whether it informs the rows.
+    overrides : tuple of str
+        What was wrong and written all the same.
+    """
+
+    verdict: Verdict | None
+    checks: tuple[Check, ...]
+    overrides: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -151,10 +171,41 @@ class Deck:
         *,
         verified: str = NOT_VERIFIED,
         remarks: Sequence[str] = (),
-    ) -> str:
-        """The text of the deck: its header behind the target's comment sign, then its cards."""
-        header = [byline(title), *self._described(), verified, *remarks]
-        return "\n".join([*(f"{comment} {one_line(line)}" for line in header), *body, ""])
+        table: Table | None = None,
+    ) -> DeckText:
+        """The text of the deck: its header behind the target's comment sign, then its cards.
+
+        What a `table` is follows the remarks, and which of its rows the test says nothing of.
+        """
+        informed = self._informed(table)
+        found = self._verdict(informed)
+        header = [
+            byline(title),
+            *(() if found is None else (f"{found.use.upper()}: {found.says}",)),
+            *self._described(),
+            verified,
+            *remarks,
+            *(() if table is None else (table.sentence,)),
+            *(f"EXTRAPOLATED: {check.says}" for check in informed if check.failed),
+        ]
+        lines = [*(f"{comment} {one_line(line)}" for line in header), *body, ""]
+        made = DeckText("\n".join(lines))
+        made.verdict, made.overrides = found, self.overrides
+        made.checks = (*(self.fit.checks if self.fit else ()), *informed)
+        return made
+
+    def _informed(self, table: Table | None) -> tuple[Check, ...]:
+        """Whether the test informs every row of the table, if a test and a table there are."""
+        if table is None or self.band is None:
+            return ()
+        f = table.frequency.tolist()
+        outside = [each for each in f if self.extrapolated(each)]
+        return (rows_informed(len(outside), len(f), *((outside or f)[i] for i in (0, -1))),)
+
+    def _verdict(self, informed: tuple[Check, ...]) -> Verdict | None:
+        if self.fit is None:
+            return None
+        return verdict((*self.fit.checks, *informed), sound=self.fit.verdict.says)
 
     def _described(self) -> list[str]:
         units, specimen = self.units, self.specimen

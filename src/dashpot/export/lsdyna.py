@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 
 from dashpot.base.errors import ExportError
-from dashpot.export.deck import Deck, Exportable, open_deck
+from dashpot.export.deck import Deck, DeckText, Exportable, open_deck
 from dashpot.export.notation import packed
 from dashpot.records.specimen import Specimen
 
@@ -23,7 +23,7 @@ def lsdyna(
     modulus: float | None = None,
     bulk_modulus: float | None = None,
     density: float | None = None,
-) -> str:
+) -> DeckText:
     r"""LS-DYNA keywords of a solid.
 
     ``"arms"`` writes discrete elements in parallel between two nodes: one ``*MAT_SPRING_ELASTIC``,
@@ -53,7 +53,7 @@ def lsdyna(
     return _arms(deck)
 
 
-def _arms(deck: Deck) -> str:
+def _arms(deck: Deck) -> DeckText:
     materials: list[tuple[str, list[float]]] = []
     if deck.k_inf > 0:
         materials.append(("*MAT_SPRING_ELASTIC", [deck.k_inf]))
@@ -96,7 +96,7 @@ def _arms(deck: Deck) -> str:
 
 def _prony(
     deck: Deck, modulus: float | None, bulk_modulus: float | None, density: float | None
-) -> str:
+) -> DeckText:
     long_term, terms = deck.shear(modulus, "LS-DYNA")
     if bulk_modulus is None or density is None or not (bulk_modulus > 0 and density > 0):
         raise ExportError(

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dashpot.base.errors import ExportError
-from dashpot.export.deck import Deck, Exportable, open_deck
+from dashpot.export.deck import Deck, DeckText, Exportable, open_deck
 from dashpot.export.frequency_tables import Damping, Table
 from dashpot.export.notation import packed
 from dashpot.records.specimen import Specimen
@@ -34,7 +34,7 @@ def nastran(
     nominal: float | None = None,
     line: SealLine | None = None,
     first_id: int = 1,
-) -> str:
+) -> DeckText:
     r"""Bulk data for Nastran and OptiStruct: a bushing whose stiffness depends on frequency.
 
     ``"table"`` writes CBUSH, PBUSH and PBUSHT with K = K' and GE = K''/K' in TABLED1 (large
@@ -108,7 +108,7 @@ def _row_of(deck: Deck, line: SealLine | None) -> _Row:
 
 def _table(
     deck: Deck, row: _Row, table: Table, *, damping: Damping, nominal: float, first_id: int
-) -> str:
+) -> DeckText:
     units = deck.units
     K = complex((deck.solid * row.share).complex_stiffness(2 * np.pi * nominal))
     if damping == "loss_factor":
@@ -131,10 +131,9 @@ def _table(
         verified=_VERIFIED,
         remarks=[
             *row.remarks,
-            table.sentence,
-            *_marks(deck, table),
             f"nominal K and damping: those at {nominal:.6g} Hz; the bushing acts along its x axis",
         ],
+        table=table,
     )
 
 
@@ -157,17 +156,6 @@ def bush_property(
         *_tabled1(first, frequency, stiffness),
         *_tabled1(second, frequency, damping),
     ]
-
-
-def _marks(deck: Deck, table: Table) -> list[str]:
-    """Which rows of the table the test says nothing of."""
-    if deck.band is None:
-        return []
-    outside = [f for f in table.frequency.tolist() if deck.extrapolated(f)]
-    if not outside:
-        return []
-    count = f"{len(outside)} of {len(table.frequency)} rows"
-    return [f"EXTRAPOLATED: {count}, from {min(outside):.6g} to {max(outside):.6g} Hz"]
 
 
 def _bushings(row: _Row, first_id: int) -> list[str]:
@@ -193,7 +181,7 @@ def _coordinates(number: int, normal: Sequence[float]) -> list[str]:
     return _card("CORD2R*", values)
 
 
-def _arms(deck: Deck, row: _Row, first_id: int) -> str:
+def _arms(deck: Deck, row: _Row, first_id: int) -> DeckText:
     per = 2 + 2 * deck.model.arms + 2
     cards: list[str] = []
     for i, place in enumerate(row.stations):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from dashpot.export.deck import Exportable, open_deck
+from dashpot.export.deck import DeckText, Exportable, open_deck
 from dashpot.export.notation import text
 from dashpot.records.specimen import Specimen
 
@@ -23,7 +23,7 @@ def opensees(
     allow: Collection[str] = (),
     form: str = "python",
     first_tag: int = 1,
-) -> str:
+) -> DeckText:
     r"""OpenSees uniaxial materials: Elastic, Maxwell and Viscous, joined by Parallel.
 
     The Parallel material, which comes last, is the solid: give it to a zeroLength element. (A

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from dashpot.export.deck import Exportable, open_deck
+from dashpot.export.deck import DeckText, Exportable, open_deck
 from dashpot.export.notation import text
 from dashpot.records.specimen import Specimen
 
@@ -19,7 +19,7 @@ def radioss(
     allow: Collection[str] = (),
     form: str = "prony",
     modulus: float | None = None,
-) -> str:
+) -> DeckText:
     r"""Radioss ``/VISC/PRONY`` card: G_j = G_0 k_j/k_0 and beta_j = 1/tau_j.
 
     Parameters

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from dashpot.export.deck import Exportable, open_deck
+from dashpot.export.deck import DeckText, Exportable, open_deck
 from dashpot.export.notation import text
 from dashpot.records.specimen import Specimen
 
@@ -18,7 +18,7 @@ def statespace(
     specimen: Specimen | None = None,
     allow: Collection[str] = (),
     form: str = "octave",
-) -> str:
+) -> DeckText:
     r"""State-space matrices of a solid, displacement in, force out.
 
     .. math::

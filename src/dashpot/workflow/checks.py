@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from dashpot.base.checks import Finding, criterion
 
 
@@ -15,7 +17,7 @@ def hold_fit_possible(obstacle: str) -> Finding:
 def prediction_informed(peak: float, band: tuple[float, float]) -> Finding:
     """The predicted peak lies where a test informs the solid."""
     low, high = band
-    factor = max(peak / high, low / peak)
+    factor = max(peak / high, low / peak) if high > 0 else math.inf
     return Finding(
         f"the predicted peak at {peak:.4g} Hz lies inside what the test informs",
         factor,

@@ -17,6 +17,7 @@ from dashpot.records.frf import FRF, Mode
 from dashpot.records.machine import Machine
 from dashpot.vibration.systems.operating_point import OperatingPoint
 from dashpot.vibration.systems.prediction import model_modes, moving_mass, predict_frf
+from dashpot.workflow.checks import prediction_informed
 from dashpot.workflow.job import known_of_a_test
 from dashpot.workflow.prepared import prepared_files
 from dashpot.workflow.resting import AtRest, at_rest, formal_limits, frf_limits
@@ -37,8 +38,8 @@ class Prediction:
         Frequency, Hz, and height of the largest magnitude, between the lines of the grid too.
     limits : FRFBounds or None
         By both kinds of ignorance, if the relaxation record is at hand.
-    noted : Check
-        What the mass of the seals does.
+    checks : tuple of Check
+        Those of the fit, what the mass of the seals does, and whether the peak is informed.
     at_rest : AtRest
         Where the mass rests, and what secant and tangent make of it.
     document : dict
@@ -49,7 +50,7 @@ class Prediction:
     modes: tuple[Mode, ...]
     peak: tuple[float, float]
     limits: FRFBounds | None
-    noted: Check
+    checks: tuple[Check, ...]
     at_rest: AtRest
     document: dict[str, Any]
 
@@ -130,7 +131,8 @@ def predict_files(
         "imag": frf.value.imag.tolist(),
         "limits": _plain(found, limits, rests.point, mass=moving, seals=seals, frf=frf),
     }
-    return Prediction(frf, modes, peak, limits, noted, rests, document)
+    checks = (*found.checks, noted, prediction_informed(peak[0], found.band))
+    return Prediction(frf, modes, peak, limits, checks, rests, document)
 
 
 def _plain(

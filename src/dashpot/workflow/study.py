@@ -10,6 +10,7 @@ import numpy as np
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.numbers import hertz
+from dashpot.base.progress import doing
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.uncertainty.prediction_bounds import parameter_band, unseen_arm_band
@@ -187,6 +188,7 @@ def characterise(
     DataError, FitError
         If a test cannot be prepared, fitted or compared.
     """
+    doing("fitting the relaxation test")
     prepared = prepare(test, filter=filter, machine=machine, cycle=cycle)
     chosen = fit(prepared, arms=arms)
     given = mass
@@ -201,6 +203,7 @@ def characterise(
         bounds = _prediction_bounds(chosen, prepared, measured, rests.point, mass=mass, seals=seals)
     both = mended = agreement = None
     if joint and measured is not None and mass is not None:
+        doing("fitting relaxation and hammer together")
         both = identify(
             measured,
             tests=[prepared],
@@ -218,6 +221,7 @@ def characterise(
             band=band,
             compression=compression,
         )
+    doing("bounding what the tests leave open")
     hold_fit, checks = _by_the_paper(prepared, chosen)
     return Study(
         test=test,
@@ -250,10 +254,12 @@ def characterise(
 
 def run(job: Job) -> Study:
     """Read the files of a job and characterise the seal."""
+    doing(f"reading {job.relaxation}")
     test = read_relaxation(job.relaxation, options=job.reading, specimen=job.specimen)
     impact = measured = None
     mass, noted = total_mass(job.mass, seal=job.seal_mass, seals=job.seals)
     if job.impact:
+        doing(f"reading {', '.join(job.impact)}")
         with answered_in("--impact-profile"):
             impact, measured = read_measured(
                 job.impact, choices=job.hammer, options=job.reading_impact, mass=mass, band=job.band

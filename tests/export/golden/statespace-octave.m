@@ -1,4 +1,5 @@
 % dashpot 0.1.0: state space of the solid: displacement x in, force F out
+% USE: nothing that was judged limits the use from 0.004 to 0.32 Hz; beyond, the solid is an extrapolation
 % UNITS: mm-t-s: mm, t, s, N, MPa; frequency in Hz
 % model: k_inf = 0.1965 N/mm
 %   arm 1: k = 0.1175 N/mm, tau = 0.5021276596 s, b = 0.059 N s/mm

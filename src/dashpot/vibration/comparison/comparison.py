@@ -29,6 +29,13 @@ class ArmEvidence:
     loss_share: float
     seen_by_relaxation: bool
 
+    def __str__(self) -> str:
+        """Its share of the loss, in words."""
+        return (
+            f"arm tau = {self.tau:.4g} s: {100 * self.loss_share:.1f} % of the model's loss at the "
+            f"measured peak, {'' if self.seen_by_relaxation else 'not '}resolved by the relaxation"
+        )
+
 
 @dataclass(frozen=True)
 class Comparison:
@@ -114,11 +121,11 @@ class Comparison:
         difference = np.abs(self.predicted.value - self.measured.value)
         return np.asarray(difference / np.maximum(np.sqrt(2) * sd, np.finfo(float).tiny))
 
-    def __str__(self) -> str:
-        damping = (_ratio(self.predicted_damping), _ratio(self.measured_damping))
+    @property
+    def rows(self) -> tuple[tuple[str, str, str, str], ...]:
+        """The peaks in words: what, as predicted, as measured, and their difference."""
         error = self.damping_ratio_error
-        rows = [
-            ("", "predicted", "measured", "difference"),
+        return (
             (
                 "peak frequency, Hz",
                 f"{self.predicted_hz:.3f}",
@@ -131,22 +138,34 @@ class Comparison:
                 f"{self.measured_peak:.2f}",
                 f"{self.ratio_db:+z.2f} dB",
             ),
-            ("damping ratio", *damping, "" if error is None else f"{100 * error:+z.1f} %"),
-        ]
-        lines = [f"{self.verdict.use}: {self.says}"]
-        lines += [f"{a:<20}{b:>12}{c:>12}{d:>13}" for a, b, c, d in rows]
-        lines.append(
-            f"{self.band[0]:.4g} to {self.band[1]:.4g} Hz, {len(self.measured.frequency)} lines: "
-            f"FRAC {self.frac:.4f}, rms {self.rms_db:.2f} dB"
-            + ("" if self.z_rms is None else f", rms z {self.z_rms:.2f}")
+            (
+                "damping ratio",
+                _ratio(self.predicted_damping),
+                _ratio(self.measured_damping),
+                "" if error is None else f"{100 * error:+z.1f} %",
+            ),
         )
-        lines += [
-            f"arm tau = {arm.tau:.4g} s: {100 * arm.loss_share:.1f} % of the model's loss at the "
-            f"measured peak, {'' if arm.seen_by_relaxation else 'not '}resolved by the relaxation"
-            for arm in self.arms
-        ]
-        lines += [f"[{check.name}] {check.says}" for check in self.checks if check.failed]
-        return "\n".join(lines)
+
+    @property
+    def lines(self) -> str:
+        """How well the lines agree, in words."""
+        z = "" if self.z_rms is None else f", rms z {self.z_rms:.2f}"
+        return (
+            f"{self.band[0]:.4g} to {self.band[1]:.4g} Hz, {len(self.measured.frequency)} lines: "
+            f"FRAC {self.frac:.4f}, rms {self.rms_db:.2f} dB{z}"
+        )
+
+    def __str__(self) -> str:
+        rows = [("", "predicted", "measured", "difference"), *self.rows]
+        return "\n".join(
+            [
+                f"{self.verdict.use}: {self.says}",
+                *(f"{a:<20}{b:>12}{c:>12}{d:>13}" for a, b, c, d in rows),
+                self.lines,
+                *(str(arm) for arm in self.arms),
+                *(f"[{check.name}] {check.says}" for check in self.checks if check.failed),
+            ]
+        )
 
 
 def _ratio(value: float | None) -> str:

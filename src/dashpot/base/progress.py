@@ -1,0 +1,26 @@
+"""What is being done now, for whoever wants to show it; nobody listens by default."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+
+_listener: ContextVar[Callable[[str], None] | None] = ContextVar("listener", default=None)
+
+
+def doing(what: str) -> None:
+    """Say what a long piece of work begins with now, such as ``"fitting the relaxation test"``."""
+    listener = _listener.get()
+    if listener is not None:
+        listener(what)
+
+
+@contextmanager
+def listening(listener: Callable[[str], None]) -> Iterator[None]:
+    """Pass what is done inside on to `listener`."""
+    token = _listener.set(listener)
+    try:
+        yield
+    finally:
+        _listener.reset(token)

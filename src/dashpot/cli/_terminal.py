@@ -1,0 +1,159 @@
+"""Text on a terminal: wrapped, coloured where it may be, no longer than a screen; and progress."""
+
+from __future__ import annotations
+
+import re
+import sys
+import textwrap
+import threading
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, NamedTuple
+
+import click
+
+from dashpot.base.escapes import escaped
+from dashpot.base.numbers import ascii_only
+from dashpot.base.progress import listening
+
+if TYPE_CHECKING:
+    from dashpot.base.checks import Check, Verdict
+
+COLUMNS = 100
+"""A line is not longer, unless one word is, such as a path."""
+
+LINES = 36
+"""Of a result, unless all is asked for; with the files written and what comes next, 40."""
+
+CHECK_LINES = 2
+"""Of one check there."""
+
+PATIENCE, BEAT = 1.0, 0.25
+"""Seconds until progress shows, and between its changes."""
+
+MARKS = {"stop": ("!!", "red"), "limit": ("!", "yellow"), "note": ("-", None)}
+"""How a failed check is marked and coloured, by its grade."""
+
+USES = {"use": "green", "use with care": "yellow", "do not use": "red"}
+"""The colours of a verdict."""
+
+
+class Text(NamedTuple):
+    """What a command prints: what everyone reads, and what is there for who asks."""
+
+    lines: Sequence[str] = ()
+    details: Sequence[str] = ()
+
+
+def shown(
+    text: Text, verdict: Verdict | None, checks: Sequence[Check], *, verbose: bool
+) -> list[str]:
+    """Return a result line by line: its verdict, its numbers, and the checks that failed.
+
+    Those are all that failed if all is asked for; else those that made the verdict or, without
+    one, those of weight. If that is longer than a screen the numbers are cut.
+    """
+    head = [] if verdict is None else lead(verdict)
+    body, details = _lines(text.lines), _lines(text.details)
+    counted = [f"  checks      {_counted(checks)}"] if checks else []
+    failed = [_check(each, verdict) for each in _listed(verdict, checks, everything=verbose)]
+    if verbose:
+        return [*head, *body, *details, *counted, *(part for each in failed for part in each)]
+    tail = counted + [part for each in failed for part in _short(each)]
+    body = body[: max(LINES - 1 - len(head) - len(tail), 0)]
+    return [*head, *body, *tail][: LINES - 1] + ["  more with -v"] * bool(details)
+
+
+def _lines(paragraphs: Sequence[str]) -> list[str]:
+    return [part for text in paragraphs for line in text.split("\n") for part in wrapped(line)]
+
+
+def lead(verdict: Verdict) -> list[str]:
+    """Return a verdict and why, as the first lines of a result."""
+    return _coloured(f"{verdict.use}:", verdict.says, USES[verdict.use], hang=2)
+
+
+def wrapped(line: str, *, hang: int | None = None) -> list[str]:
+    """Return a line as lines of the terminal's width, the later ones under the text of the first.
+
+    In a row of columns that is the last one that begins in the left half.
+    """
+    line = escaped(line)
+    if len(line) <= COLUMNS:
+        return [line]
+    if hang is None:
+        columns = [found.end() for found in re.finditer(r"(?:^|\S) {2,}(?=\S)", line)]
+        hang = max((start for start in columns if start <= COLUMNS // 2), default=2)
+    return textwrap.wrap(
+        line,
+        COLUMNS,
+        subsequent_indent=" " * hang,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+
+
+def _coloured(mark: str, sentence: str, colour: str | None, *, hang: int) -> list[str]:
+    """Return a sentence in lines, its mark in colour."""
+    first, *others = wrapped(ascii_only(f"{mark} {sentence}"), hang=hang)
+    return [click.style(mark, fg=colour, bold=True) + first[len(mark) :], *others]
+
+
+def _listed(
+    verdict: Verdict | None, checks: Sequence[Check], *, everything: bool
+) -> Sequence[Check]:
+    """Return the failed checks to list, the gravest first."""
+    if verdict is not None and not everything:
+        return verdict.because
+    grades = ("stop", "limit", "note") if everything else ("stop", "limit")
+    return [each for grade in grades for each in checks if each.failed and each.grade == grade]
+
+
+def _check(check: Check, verdict: Verdict | None) -> list[str]:
+    mark, colour = MARKS[check.grade]
+    above = verdict is not None and check.says in verdict.says
+    says = "as said above" if above else check.says
+    return _coloured(f"  {mark} {check.name}:", says, colour, hang=5)
+
+
+def _short(check: list[str]) -> list[str]:
+    """Return a check's first lines, and a sign where there are more."""
+    kept = check[:CHECK_LINES]
+    return kept if len(check) == len(kept) else [*kept[:-1], f"{kept[-1][: COLUMNS - 4]} ..."]
+
+
+def _counted(checks: Sequence[Check]) -> str:
+    """Return how many checks passed, failed, and were not judged."""
+    states = [check.passed for check in checks]
+    words = ((True, "passed"), (False, "failed"), (None, "not judged"))
+    return ", ".join(f"{states.count(state)} {word}" for state, word in words if state in states)
+
+
+@contextmanager
+def progress() -> Iterator[None]:
+    """Show on stderr, if that is a terminal, what takes longer than a second."""
+    if not sys.stderr.isatty():
+        yield
+        return
+    now, over, began = ["working"], threading.Event(), time.monotonic()
+    watch = threading.Thread(target=_watch, args=(now, over, began), daemon=True)
+    watch.start()
+    try:
+        with listening(lambda what: now.__setitem__(0, what)):
+            yield
+    finally:
+        over.set()
+        watch.join()
+
+
+def _watch(now: list[str], over: threading.Event, began: float) -> None:
+    """Write what is being done and for how long, over itself, and wipe it at the end."""
+    if over.wait(PATIENCE):
+        return
+    while not over.wait(BEAT):
+        line = f"{escaped(now[0])} ... {time.monotonic() - began:.0f} s"
+        sys.stderr.write(f"\r\x1b[K{line[: COLUMNS - 1]}")
+        sys.stderr.flush()
+    sys.stderr.write("\r\x1b[K")
+    sys.stderr.flush()

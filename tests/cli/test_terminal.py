@@ -1,0 +1,295 @@
+"""What a terminal shows: the verdict first, within a screen, in colour only where it may be."""
+
+from __future__ import annotations
+
+import io
+import sys
+from dataclasses import replace
+
+import click
+import pytest
+from click.testing import CliRunner
+from hypothesis import given
+from hypothesis import strategies as st
+from kit import handmade
+from kit.fits import altered
+
+import dashpot as dp
+from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.progress import doing
+from dashpot.cli import _shell, _terminal, _text, main
+from dashpot.cli._shell import Outcome, reports
+from dashpot.cli._terminal import COLUMNS, LINES, Text, shown, wrapped
+
+STOP = Check("a_stop", False, "a stop; do that", grade="stop")
+LONG = Check("long_winded", False, "so much is to be said of it that it goes on " * 12)
+NOTE = Check("a_note", False, "a note", grade="note")
+
+
+def bare(lines):
+    return [click.unstyle(line) for line in lines]
+
+
+# -- a result on a screen --------------------------------------------------------------------------
+
+
+@given(
+    st.lists(st.text(st.characters(exclude_categories=["Cs"]), max_size=400), max_size=60),
+    st.lists(st.sampled_from([STOP, LONG, NOTE, replace(NOTE, passed=True)]), max_size=60),
+)
+def test_whatever_is_found_fits_a_screen_and_leads_with_its_verdict(lines, checks):
+    found = verdict(checks)
+    printed = bare(shown(Text(lines, ["more"]), found, checks, verbose=False))
+    assert len(printed) <= LINES
+    assert printed[0].startswith(f"{found.use}: ")
+    assert all(len(line) <= COLUMNS or " " not in line.strip() for line in printed)
+    assert printed[-1] == "  more with -v"
+
+
+def test_failed_checks_outlast_the_numbers_on_a_short_screen():
+    checks = (STOP, *(replace(LONG, name=f"long_{i}") for i in range(4)), NOTE)
+    numbers = [f"row {i}" for i in range(80)]
+    short = bare(shown(Text(numbers), verdict(checks), checks, verbose=False))
+    assert sum(line.startswith("  ! long_") for line in short) == 4
+    assert sum(line.endswith(" ...") for line in short) == 4
+    assert "row 0" in short
+    assert "row 79" not in short
+    assert not any("a_note" in line for line in short)
+    long = bare(shown(Text(numbers), verdict(checks), checks, verbose=True))
+    assert "row 79" in long
+    assert long[-1] == "  - a_note: a note"
+    said = " ".join(line.strip() for line in long)
+    assert said.count(LONG.says.strip()) == 4
+
+
+def test_a_line_breaks_under_its_own_text():
+    label = "  left open   " + "word " * 40
+    first, *others = wrapped(label)
+    assert len(first) <= COLUMNS
+    assert all(line.startswith(" " * 14 + "word") for line in others)
+    row = "  3  ch1 [N]   N   force   " + "because " * 20
+    assert all(line.startswith(" " * 27 + "because") for line in wrapped(row)[1:])
+    path = "wrote /" + "a" * 140
+    assert any(path.split()[1] in line for line in wrapped(path))
+
+
+@pytest.mark.parametrize("name", ["a\x1b[31mred.csv", "a\x9b31mred.csv", "bell\x07.csv", "a\rb"])
+def test_a_file_name_cannot_steer_the_terminal(name):
+    printed = "".join(shown(Text([f"{name}: 2 arms"]), None, (), verbose=True))
+    assert not any(ord(c) < 32 or 127 <= ord(c) < 160 for c in printed)
+    result = CliRunner().invoke(main, ["fit", name])
+    assert not any(ord(c) < 32 or 127 <= ord(c) < 160 for c in result.output.replace("\n", ""))
+
+
+def test_every_story_fits_a_screen():
+    study = handmade.study()
+    for text, found, checks in (
+        (_text.study(study), study.verdict, study.every_check),
+        (_text.fit(study.fit), study.fit.verdict, study.fit.checks),
+        (_text.fit(study.joint), study.joint.verdict, study.joint.checks),
+    ):
+        short = bare(shown(text, found, checks, verbose=False))
+        assert len(short) <= LINES
+        assert max(map(len, short)) <= COLUMNS
+        long = bare(shown(text, found, checks, verbose=True))
+        assert max(map(len, long)) <= COLUMNS
+        assert any(line.split()[:1] == ["optimiser"] for line in long)
+        assert not any(line.split()[:1] == ["optimiser"] for line in short)
+
+
+def test_an_arm_that_is_not_identified_prints_no_interval():
+    fit = handmade.two_arms()
+    wide = fit.covariance.copy()
+    for name in ("k_1", "ln_tau_1"):
+        row = fit.parameters.index(name)
+        wide[row, row] *= 1e8
+    text = _text.fit(altered(fit, covariance=wide, profiles=()))
+    rows = {line.split()[0]: line for line in text.lines if line.strip()}
+    assert "not identified" in rows["k_1"]
+    assert "not identified" in rows["tau_1"]
+    assert " to " in rows["k_2"]
+    assert "inf" not in rows["tau_1"]
+
+
+# -- colour ----------------------------------------------------------------------------------------
+
+
+def invoke(*words, checks=(STOP,), **how):
+    outcome = Outcome({}, Text(["text"]), checks, verdict=verdict(checks), follow="dashpot x")
+    return CliRunner().invoke(click.command()(reports(lambda: outcome)), words, **how)
+
+
+def test_colour_is_for_terminals_that_want_it(monkeypatch):
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    monkeypatch.setenv("TERM", "xterm")
+    assert "\x1b" not in invoke().stdout  # a pipe
+    assert "\x1b[31m" in invoke(color=True).stdout
+    monkeypatch.setenv("NO_COLOR", "1")
+    assert "\x1b" not in invoke(color=True).stdout
+    monkeypatch.setenv("NO_COLOR", "")  # an empty one says nothing (no-color.org)
+    assert "\x1b" in invoke(color=True).stdout
+    monkeypatch.setenv("TERM", "dumb")
+    assert "\x1b" not in invoke(color=True).stdout
+
+
+@pytest.mark.parametrize("use", ["use", "use with care", "do not use"])
+def test_every_verdict_has_a_colour_of_its_own(use):
+    (line,) = _terminal.lead(Verdict(use, "because"))
+    assert click.unstyle(line) == f"{use}: because"
+    others = {_terminal.USES[other] for other in _terminal.USES if other != use}
+    assert _terminal.USES[use] not in others
+
+
+# -- what comes last -------------------------------------------------------------------------------
+
+
+def test_what_was_written_and_what_comes_next_stand_last(tmp_path):
+    @click.command()
+    @_shell.opens
+    @reports
+    def command():
+        _shell.write(str(tmp_path / "page.html"), "x")
+        return Outcome({}, Text(["text"]), follow="dashpot fit page.html")
+
+    result = CliRunner().invoke(command, [])
+    assert result.output.splitlines()[-2:] == [
+        f"wrote {tmp_path / 'page.html'}", "next: dashpot fit page.html",
+    ]  # fmt: skip
+    assert result.stdout == "text\n"
+    assert "next:" not in CliRunner().invoke(command, ["--json"]).output
+
+
+def test_what_was_written_is_said_though_the_command_fails(tmp_path):
+    @click.command()
+    @reports
+    def command():
+        _shell.write(str(tmp_path / "first.csv"), "x")
+        raise dp.DataError("no second")
+
+    result = CliRunner().invoke(command, [])
+    assert isinstance(result.exception, dp.DataError)
+    assert f"wrote {tmp_path / 'first.csv'}" in result.stderr
+
+
+def test_open_shows_the_page_or_says_why_not(tmp_path, monkeypatch):
+    opened = []
+
+    @click.command()
+    @click.argument("name")
+    @_shell.opens
+    @reports
+    def command(name):
+        _shell.write(str(tmp_path / "data.csv"), "")
+        _shell.write(str(tmp_path / name), "")
+        return Outcome({}, Text())
+
+    monkeypatch.setattr(click, "launch", lambda path: opened.append(path) or 0)
+    CliRunner().invoke(command, ["page.html", "--open"])
+    CliRunner().invoke(command, ["page.html"])
+    assert opened == [str(tmp_path / "page.html")]
+    assert "nothing to open" in CliRunner().invoke(command, ["fit.json", "--open"]).stderr
+    monkeypatch.setattr(click, "launch", lambda path: 1)
+    assert "could not be opened" in CliRunner().invoke(command, ["a.png", "--open"]).stderr
+
+
+def test_next_is_typed_as_the_shell_reads_it():
+    assert _shell.typed("fit", "my seal.csv", why="again") == "dashpot fit 'my seal.csv'  # again"
+
+
+# -- progress --------------------------------------------------------------------------------------
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+def worked(monkeypatch, stream, *, patience):
+    monkeypatch.setattr(sys, "stderr", stream)
+    monkeypatch.setattr(_terminal, "PATIENCE", patience)
+    monkeypatch.setattr(_terminal, "BEAT", 0.001)
+    shown_once = stream.tell
+    with _terminal.progress():
+        doing("fitting")
+        while patience == 0 and "fitting" not in stream.getvalue() and stream.isatty():
+            shown_once()
+    return stream.getvalue()
+
+
+def test_progress_is_for_terminals_and_for_what_takes_long(monkeypatch):
+    slow = worked(monkeypatch, Terminal(), patience=0)
+    assert "fitting ... " in slow
+    assert slow.endswith("\r\x1b[K")  # wiped
+    assert worked(monkeypatch, Terminal(), patience=60) == ""
+    assert worked(monkeypatch, io.StringIO(), patience=0) == ""
+
+
+def test_nobody_listens_by_default():
+    doing("something")
+
+
+# -- what --strict heeds ---------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def fit_file(tmp_path_factory):
+    path = tmp_path_factory.mktemp("fit") / "fit.json"
+    # a band that reaches the peak of 104 g on two of these seals, at about 12.7 Hz
+    path.write_text(dp.to_json(altered(handmade.two_arms(), band=(0.004, 30.0), checks=())))
+    return path
+
+
+def strict(*words):
+    return CliRunner().invoke(main, [str(word) for word in (*words, "--strict")])
+
+
+def narrowed(path, band):
+    fit = dp.from_json(path.read_text())
+    beside = path.with_name(f"narrow{band[1]:g}.json")
+    beside.write_text(dp.to_json(altered(fit, band=band)))
+    return beside
+
+
+def test_strict_predict_heeds_extrapolation(fit_file):
+    words = ("--mass", "104g", "--seals", 2)
+    assert strict("predict", fit_file, *words).exit_code == 0
+    outside = strict("predict", narrowed(fit_file, (0.004, 0.32)), *words)
+    assert outside.exit_code == 1
+    assert outside.stdout.startswith("use with care: the predicted peak at")
+    assert "is extrapolated" in outside.stdout
+
+
+def test_strict_predict_heeds_the_fit_behind_it(fit_file):
+    fit = dp.from_json(fit_file.read_text())
+    spoilt = fit_file.with_name("spoilt.json")
+    spoilt.write_text(dp.to_json(altered(fit, checks=(STOP,))))
+    found = strict("predict", spoilt, "--mass", "104g", "--seals", 2)
+    assert found.exit_code == 1
+    assert found.stdout.startswith("do not use: a stop; do that")
+
+
+def test_strict_export_heeds_rows_that_the_test_does_not_inform(fit_file, tmp_path):
+    words = ("--to", "nastran", "--units", "mm-t-s", "--temperature", "23degC", "--length",
+             "100mm", "-o", tmp_path / "deck.bdf")  # fmt: skip
+    inside = strict("export", fit_file, *words, "--range", "1:30Hz")
+    assert inside.exit_code == 0, inside.output
+    deck = (tmp_path / "deck.bdf").read_text()
+    assert deck.splitlines()[1].startswith("$ USE: ")
+    outside = strict("export", narrowed(fit_file, (0.004, 0.32)), *words, "--range", "1:30Hz")
+    assert outside.exit_code == 1
+    assert outside.stdout.startswith("use with care: ")
+    deck = (tmp_path / "deck.bdf").read_text()
+    assert deck.splitlines()[1].startswith("$ USE WITH CARE: ")
+    rows = int(deck.split(" of ")[1].split()[0])
+    assert f"{rows} of {rows} rows, from 1 to 30 Hz, lie outside" in deck
+
+
+def test_the_arms_of_a_spoilt_fit_say_so_in_their_deck(fit_file):
+    spoilt = altered(dp.from_json(fit_file.read_text()), checks=(STOP,))
+    specimen = dp.Specimen(temperature=296.15, length=0.1)
+    deck = dp.export.csv(spoilt, units="mm-t-s", form="arms", specimen=specimen)
+    assert deck.splitlines()[1] == "# DO NOT USE: a stop; do that"
+    assert deck.verdict.use == "do not use"
+    bare_solid = dp.export.csv(spoilt.model, units="mm-t-s", form="arms")
+    assert bare_solid.verdict is None
+    assert "USE" not in bare_solid.splitlines()[1]
