@@ -17,6 +17,7 @@ from dashpot.base.errors import ReadError
 from dashpot.base.escapes import escaped_json
 from dashpot.cli._echo import to_stderr, to_stdout
 from dashpot.cli._terminal import Text, progress, shown
+from dashpot.io.source import open_raw
 from dashpot.workflow.outputs import Outputs
 
 if TYPE_CHECKING:
@@ -236,9 +237,9 @@ def read_model(path: str) -> dp.GeneralizedMaxwell:
 
 
 def _read(path: str, *, hint: str = "") -> object:
+    raw = open_raw(path)
     try:
-        content = sys.stdin.buffer.read() if path == "-" else Path(path).read_bytes()
-        return dp.from_json(content.decode())
+        return dp.from_json(raw.head(raw.size).decode())
     except UnicodeDecodeError:
         raise ReadError(f"{path} is not a JSON document: it is not UTF-8 text") from None
     except ReadError as error:
@@ -247,5 +248,7 @@ def _read(path: str, *, hint: str = "") -> object:
 
 def is_json(path: str) -> bool:
     """Tell whether a file opens like a JSON object, so that it may be a fit."""
+    if not Path(path).is_file():  # a look into a pipe would take its first bytes away
+        return False
     with Path(path).open("rb") as file:
         return file.read(64).lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{")

@@ -10,11 +10,14 @@ from typing import Any
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.options import flag_of, option
 from dashpot.base.units import parse_quantity
+from dashpot.io.source import open_raw
 
 _DELIMITERS = {
     "tab": "\t", "\\t": "\t", "comma": ",", "semicolon": ";", "space": " ", "spaces": " ",
     "pipe": "|", "colon": ":", "fixed": "fixed",
 }  # fmt: skip
+_PROFILE = 1 << 20
+"""Bytes of the largest profile."""
 _DECIMALS = {"point": ".", "dot": ".", "comma": ","}
 
 
@@ -243,11 +246,8 @@ def load_profile(path: str | Path) -> ReadOptions:
     """
     import tomllib  # few need it, and it costs time to import
 
-    path = Path(path)
     try:
-        content = tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except OSError as error:
-        raise ReadError(f"{path}: cannot read the profile: {error.strerror}") from None
+        content = tomllib.loads(open_raw(path).head(_PROFILE).decode("utf-8-sig"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ReadError(f"{path}: not a profile: {error}; expected TOML in UTF-8") from None
     try:

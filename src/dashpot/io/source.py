@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import hashlib
+import os
+import select
+import stat
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from importlib import import_module
@@ -19,6 +22,10 @@ from dashpot.base.escapes import escaped
 _BLOCK = 1 << 20
 _HELD = 1 << 24
 """Bytes of the largest file that is kept in memory, and so opened once."""
+PIPED = 1 << 29
+"""Bytes that may come through a pipe: they are held in memory."""
+SILENCE = 30
+"""Seconds that a pipe may bring nothing."""
 
 
 @dataclass(frozen=True)
@@ -83,33 +90,72 @@ def open_raw(path: str | Path) -> Raw:
     Raises
     ------
     ReadError
-        If there is no such file, it cannot be read, or it is empty.
+        If there is no such file, it cannot be read, it is empty, or it is a pipe without end.
     """
-    if str(path) == "-":
-        raw = Raw("stdin", None, _piped(sys.stdin.buffer))
-    else:
-        path = Path(path)
-        name = escaped(path.name)
-        try:
-            if path.is_dir():
-                raise ReadError(f"{path} is a folder; give the file to read")
-            with path.open("rb") as stream:
-                if path.is_file() and path.stat().st_size >= _HELD:
-                    raw = Raw(name, path)
-                else:  # a pipe has no path to be opened again
-                    raw = Raw(name, path if path.is_file() else None, stream.read())
-        except (OSError, ValueError) as error:
-            reason = getattr(error, "strerror", None) or error
-            raise ReadError(f"{path}: cannot be read: {reason}") from None
+    try:
+        raw = Raw("stdin", None, _stdin(sys.stdin.buffer)) if str(path) == "-" else _at(Path(path))
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise ReadError(f"{path}: cannot be read: {reason}") from None
     if raw.size == 0:
         raise ReadError(f"{raw.name} is empty (0 bytes); export the test again")
     return raw
 
 
+def _at(path: Path) -> Raw:
+    found, name = path.stat(), escaped(path.name)
+    mode = found.st_mode
+    if stat.S_ISFIFO(mode):  # it has no path to be opened again
+        return Raw(name, None, _fifo(path, (found.st_dev, found.st_ino)))
+    if not stat.S_ISREG(mode):
+        what = "folder" if stat.S_ISDIR(mode) else "socket" if stat.S_ISSOCK(mode) else "device"
+        raise ReadError(f"{path} is a {what}; give the file to read")
+    with path.open("rb") as stream:
+        return Raw(name, path, b"" if found.st_size >= _HELD else stream.read(_HELD))
+
+
 @lru_cache(maxsize=1)
-def _piped(stream: BinaryIO) -> bytes:
+def _stdin(stream: BinaryIO) -> bytes:
     """What stdin holds; kept, for a pipe can be read only once and a file is looked at twice."""
-    return stream.read()
+    return _drained(stream, "stdin")
+
+
+@lru_cache(maxsize=8)
+def _fifo(path: Path, _one: tuple[int, int]) -> bytes:
+    """What another pipe holds, kept as long as that one is there; its writer may never come."""
+    descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
+    os.set_blocking(descriptor, True)
+    with os.fdopen(descriptor, "rb") as stream:
+        return _drained(stream, escaped(path.name))
+
+
+def _drained(stream: BinaryIO, name: str) -> bytes:
+    """All that a pipe brings, if it ends."""
+    parts, size = [], 0
+    while block := _next_block(stream, name):
+        parts.append(block)
+        size += len(block)
+        if size > PIPED:
+            raise ReadError(
+                f"{name} brings more than {PIPED >> 20} MiB through a pipe; save it as a file and "
+                "give its path"
+            )
+    return b"".join(parts)
+
+
+def _next_block(stream: BinaryIO, name: str) -> bytes:
+    """The next bytes of a pipe, waited for so long and no longer; of anything else at once."""
+    with suppress(OSError, AttributeError):  # no descriptor, as in a test; no poll, as on Windows
+        mode = os.fstat(stream.fileno()).st_mode
+        waiting = select.poll()
+        waiting.register(stream, select.POLLIN)
+        if (stat.S_ISFIFO(mode) or stat.S_ISSOCK(mode)) and not waiting.poll(1000 * SILENCE):
+            raise ReadError(
+                f"{name} is a pipe into which nothing was written for {SILENCE} s; "
+                "save the test as a file and give its path"
+            )
+    block: bytes = stream.read1(_BLOCK)  # type: ignore[attr-defined]
+    return block
 
 
 def extra(module: str, package: str, what: str) -> Any:

@@ -14,7 +14,7 @@ from dashpot.base import units
 from dashpot.base.arrays import ByValue, FloatArray, frozen
 from dashpot.base.errors import ReadError
 from dashpot.io.options import ReadOptions
-from dashpot.io.source import Raw, about
+from dashpot.io.source import Raw, about, open_raw
 from dashpot.io.table import Column, Loaded, Table
 
 AXES = ("Fx", "Fy", "Fz", "Tx", "Ty", "Tz")
@@ -76,10 +76,7 @@ def read_calibration(path: str | Path) -> Calibration:
     ReadError
         If the file is no calibration, lacks an axis or a unit, or its transform turns the axes.
     """
-    try:
-        content = Path(path).read_bytes()
-    except OSError as error:
-        raise ReadError(f"{path}: cannot be read: {error.strerror}") from None
+    content = open_raw(path).head(_LARGEST + 1)
     with about(Path(path).name):
         root, sensor = _parsed(content)
         force = _factor(sensor.get("ForceUnits"), "force")
