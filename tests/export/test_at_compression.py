@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from kit.fits import a_fit
+from kit.pictures import first
 
 import dashpot as dp
 from dashpot.records.fit import Fit
@@ -53,11 +54,12 @@ def test_a_deck_says_which_stiffness_it_holds() -> None:
 
 def test_the_law_is_drawn_with_its_doubt() -> None:
     made = dp.plot.elastic_law(bent(), compression=2.6e-3)
-    left, right = made.axes
-    law, secant = left.get_lines()[:2]
-    (tangent,) = (line for line in right.get_lines() if line.get_label() == "tangent")
-    assert law.get_ydata()[-1] == pytest.approx(PAPER.k_inf * 8e-3)
-    assert law.get_ydata()[-1] == pytest.approx(secant.get_ydata()[-1])
-    assert tangent.get_ydata()[-1] == pytest.approx(1.35e-3 * PAPER.k_inf)
+    left, right = made.panels
+    law, secant = first(left, "elastic law"), first(left, "secant at 8 mm")
+    assert law.y[-1] == pytest.approx(PAPER.k_inf * 8e-3)
+    assert law.y[-1] == pytest.approx(secant.y[-1])
+    tangent, doubt = first(right, "elastic law"), first(right, "± 2 standard errors")
+    assert tangent.y[-1] == pytest.approx(1.35e-3 * PAPER.k_inf)
+    assert (doubt.low < tangent.y).all()
     with pytest.raises(dp.DataError, match="no elastic law"):
         dp.plot.elastic_law(replace(bent(), elastic_law=None))

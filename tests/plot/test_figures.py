@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import subprocess
 import sys
@@ -14,26 +15,30 @@ import pytest
 from kit import handmade
 from kit.fits import a_fit, altered
 from kit.fractional import SEAL
-from matplotlib.colors import to_hex
-from matplotlib.text import Text
+from kit.pictures import first, lines, marks
 
 from dashpot import plot
+from dashpot.base.checks import Check
+from dashpot.fitting.dynamic import fit_dynamic
 from dashpot.fitting.modulus import fit_modulus
 from dashpot.fitting.relaxation import fit
 from dashpot.plot.impact import force_spectrum
-from dashpot.plot.panels import half_power, phase_axis, turned
+from dashpot.plot.picture import Area, Dots, Rule, Span, Tag, unit_of
 from dashpot.plot.relaxation import fits_to_show, fitted_force
 from dashpot.plot.solid import averaged, quantities
-from dashpot.plot.style import BLUE, COLUMN, MM, PAGE, REJECTED, SMALL, unit_of
-from dashpot.plot.vibration import smooth
+from dashpot.plot.ticks import numbers
+from dashpot.plot.vibration import half_power, phase_axis, smooth, turned
 from dashpot.preparation.prepare import prepare
+from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import AtDepth
+from dashpot.records.modulus import RelaxationModulus
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.table_1 import BROAD, PAPER, PAPER_MASS
 from dashpot.vibration.impact.hits import HitBlock
 from dashpot.vibration.systems.prediction import predict_frf
 
 S = handmade.study()
+CURVE = np.geomspace(1e-3, 1e3, 100)
 
 DRAW = {
     "segments": lambda: plot.segments(S.prepared),
@@ -44,6 +49,9 @@ DRAW = {
         S.fit, parameters=S.parameters, unseen=S.unseen, joint=S.joint, mark=12.71
     ),
     "comparison": lambda: plot.comparison(S.comparison, joint=S.joint_comparison, band=S.frf_band),
+    "resonance": lambda: plot.resonance(
+        S.comparison, S.prediction, joint=S.joint_comparison, band=S.frf_band
+    ),
     "frf": lambda: plot.frf(S.measured, S.prediction, labels=("measured", "predicted")),
     "prediction": lambda: plot.frf(S.prediction, band=S.frf_band),
     "receptance": lambda: plot.frf(S.measured.to("receptance")),
@@ -54,11 +62,24 @@ DRAW = {
     "hits": lambda: plot.hits(S.impact, S.measured),
     "hero": lambda: plot.hero(S),
     "hero without hammer": lambda: plot.hero(handmade.bench_only()),
+    "modulus": lambda: plot.modulus(*of_a_modulus()),
+    "dynamic": lambda: plot.stiffness(fit_dynamic(sweep()), data=sweep()),
 }
 
-UNIT = re.compile(
-    r", (s|s \(log\)|ms|mm|N|mN|N/mm|N·s/m|Hz|°|–|m/s²|\(m/s²\)/N|\(mm/s\)/N|mm/N|dB re 0 Hz)$"
-)
+UNIT = re.compile(r", (s|ms|mm|N|mN|N/mm|MPa|N·s/m|Hz|°|1|%|m/s²|1/kg|\(mm/s\)/N|mm/N|dB re 0 Hz)$")
+
+
+def of_a_modulus():
+    """The fit of a relaxation modulus, and what it was fitted to."""
+    data = RelaxationModulus(CURVE, 1e6 * (1 + 2 * np.exp(-CURVE / 0.1)))
+    return fit_modulus(data.time, data.modulus), data
+
+
+def sweep() -> DynamicTest:
+    """Of one arm, 1 N/mm + 2 N/mm at 10 ms."""
+    f = np.geomspace(0.1, 1000, 40)
+    K = 1e3 * (1 + 2 * 2j * np.pi * f * 0.01 / (1 + 2j * np.pi * f * 0.01))
+    return DynamicTest(f, K.real, K.imag, unit="N/m")
 
 
 @pytest.fixture(scope="module")
@@ -68,41 +89,55 @@ def drawn():
 
 @pytest.mark.parametrize("name", DRAW)
 def test_every_axis_names_its_quantity_and_unit(drawn, name):
-    figure = drawn[name]
-    assert figure.axes
-    for ax in figure.axes:
-        assert (
-            UNIT.search(ax.get_ylabel())
-            or "residual, mN" in ax.get_ylabel()
-            or (
-                ax.get_subplotspec().colspan.start > 0
-                and name == "segments"  # shares the left axis
-            )
-        ), ax.get_ylabel()
-        below = ax.get_subplotspec().is_last_row() or ax.xaxis.get_tick_params().get("labelbottom")
-        if below is not False and not _shares_x_below(ax):
-            assert UNIT.search(ax.get_xlabel()), (name, ax.get_xlabel())
-
-
-def _shares_x_below(ax) -> bool:
-    siblings = ax.get_shared_x_axes().get_siblings(ax)
-    return any(one is not ax and UNIT.search(one.get_xlabel()) for one in siblings)
+    assert drawn[name].panels
+    for panel in drawn[name].panels:
+        assert UNIT.search(panel.x.label), panel.x.label
+        assert UNIT.search(panel.y.label), panel.y.label
 
 
 @pytest.mark.parametrize("name", DRAW)
-def test_figures_fit_a_journal_and_can_be_read(drawn, name):
-    figure = drawn[name]
-    width = figure.get_size_inches()[0] / MM
-    assert width == pytest.approx(COLUMN) or width == pytest.approx(PAGE)
-    sizes = [t.get_fontsize() for t in figure.findobj(Text) if t.get_text()]
-    assert min(sizes) >= SMALL >= 7.0
+def test_figures_can_be_read_on_paper_and_on_a_phone(drawn, name):
+    """No letters below 12 px, every axis with two numbers or more, none of them on another."""
+    from dashpot.plot.layout import lay_out, text_width
+
+    for width in (360.0, 660.0):
+        for stack in drawn[name].stacks:
+            for frame in lay_out(stack, width).frames:
+                assert min(word.size for word in (*frame.ticks, *frame.words)) >= 12
+                upright = [word for word in frame.ticks if word.anchor == "end"]
+                level = [word for word in frame.ticks if word.anchor == "middle"]
+                assert len(upright) >= 2
+                assert all(abs(a.y - b.y) >= 12 for a, b in pairwise(upright))
+                assert all(
+                    b.x - a.x > (text_width(a.text) + text_width(b.text)) / 2
+                    for a, b in pairwise(level)
+                )
 
 
-def test_matplotlib_is_loaded_by_the_first_figure_and_pyplot_never():
+@pytest.mark.parametrize("name", ["segments", "fit", "spectrum", "stiffness", "comparison", "hits"])
+def test_every_figure_says_where_it_comes_from(drawn, name):
+    assert drawn[name].stamp.startswith("SIMULATED")
+    assert ".csv" in drawn[name].stamp
+
+
+def test_a_stamp_holds_what_is_known():
+    who = replace(S.fit.specimen, name="Door seal", lot="L24", date="2026-11-21")
+    said = plot.stamp(S.fit.source, who, mass=0.1148, seals=2)
+    for part in ("SIMULATED", "seal_8mm.csv", "Door seal", "lot L24", "2026-11-21",
+                 "114.8 g on 2 seals"):  # fmt: skip
+        assert part in said
+    assert plot.stamp() == ""
+    many = [replace(S.fit.source[0], file=f"{i}.csv", simulated=False) for i in range(4)]
+    assert plot.stamp(many[:3]) == "0.csv, 1.csv, 2.csv"
+    assert plot.stamp(many) == "0.csv and 3 more"
+
+
+def test_matplotlib_is_loaded_for_png_and_pdf_only_and_pyplot_never():
     code = (
         "import sys, dashpot.plot as plot; from kit import handmade\n"
+        "picture = plot.segments(handmade.prepared()); plot.to_svg(picture)\n"
         "assert not any(m.startswith('matplotlib') for m in sys.modules)\n"
-        "plot.to_svg(plot.segments(handmade.prepared()))\n"
+        "plot.rendered(picture, '.png', dpi=40)\n"
         "assert 'matplotlib.pyplot' not in sys.modules\n"
     )
     folder = Path(__file__).parents[1]
@@ -145,10 +180,9 @@ def test_a_record_of_a_microscope_is_drawn_in_its_own_units():
         S.prepared, displacement=1e-4 * S.prepared.displacement, depth=1e-4 * S.prepared.depth,
         force=1e-6 * S.prepared.force, force_noise=1e-6 * S.prepared.force_noise,
     )  # fmt: skip
-    axes = plot.segments(small).axes
-    assert [axes[0].get_ylabel(), axes[2].get_ylabel()] == ["compression, µm", "force, µN"]
-    highest = max(line.get_ydata().max() for line in axes[2].get_lines())
-    assert highest == pytest.approx(S.prepared.force.max())
+    moved, pushed = plot.segments(small).stacks[0]
+    assert [moved.y.label, pushed.y.label] == ["compression, µm", "force, µN"]
+    assert max(line.y.max() for line in lines(pushed)) == pytest.approx(S.prepared.force.max())
 
 
 def test_log_time_starts_within_the_ramp_even_if_sampling_slows_down_in_the_hold():
@@ -157,7 +191,7 @@ def test_log_time_starts_within_the_ramp_even_if_sampling_slows_down_in_the_hold
         S.prepared, time=S.prepared.time[kept], displacement=S.prepared.displacement[kept],
         force=S.prepared.force[kept],
     )  # fmt: skip
-    start, _ = plot.fit(S.fit, sparse).axes[1].get_xlim()
+    start, _ = plot.fit(S.fit, sparse).panels[0].x.limits
     assert start <= 0.1 * sparse.ramp_time
 
 
@@ -188,17 +222,26 @@ def test_fits_are_shown_once_per_number_of_arms_fewest_first():
 def test_the_spike_that_thinning_must_not_hide_is_drawn():
     force = np.array(S.prepared.force)
     force[7000] += 0.9
-    figure = plot.fit(S.fit, replace(S.prepared, force=force))
-    highest = max(line.get_ydata().max() for line in figure.axes[1].get_lines())
+    panel = plot.fit(S.fit, replace(S.prepared, force=force)).panels[0]
+    highest = max(line.y.max() for line in lines(panel))
     assert highest == pytest.approx(force[7000], rel=1e-12)
 
 
-def test_ramp_and_hold_are_shaded_where_they_are():
-    ax = plot.segments(S.prepared).axes[0]
-    spans = [patch.get_extents().transformed(ax.transData.inverted()) for patch in ax.patches]
-    edges = sorted({round(float(edge), 6) for box in spans for edge in (box.x0, box.x1)})
-    assert {0.0, 1.0} <= set(edges)
-    assert max(edges) == pytest.approx(S.prepared.hold_end - S.prepared.onset)
+def test_the_ramp_is_shaded_where_it_is():
+    (ramp,) = marks(plot.segments(S.prepared).panels[0], Span)
+    assert (ramp.low, ramp.high) == (0.0, S.prepared.ramp_time)
+
+
+def test_the_residual_is_drawn_with_its_range_its_mean_and_the_noise():
+    _, panel, other = plot.fit(S.fit, S.prepared, alternatives=S.alternatives).panels
+    assert panel.y.label == "residual of two arms, mN"
+    assert other.y.label == "residual of one arm, mN"
+    (area,), (mean,) = marks(panel, Area), lines(panel)
+    assert (area.low <= mean.y).all()
+    assert (mean.y <= area.high).all()
+    assert sorted(rule.at for rule in marks(panel, Rule)) == pytest.approx([-5.0, 5.0])
+    # of 5 mN of noise the range of a hundred samples is some five deviations
+    assert np.median(area.high - area.low) == pytest.approx(25, abs=8)
 
 
 # -- the solid --------------------------------------------------------------------------------
@@ -206,43 +249,34 @@ def test_ramp_and_hold_are_shaded_where_they_are():
 
 def test_stiffness_is_solid_where_identified_and_dashed_elsewhere(drawn):
     low, high = S.fit.band
-    for ax in drawn["stiffness"].axes:
-        solid = next(one for one in ax.get_lines() if one.get_label() == "relaxation fit")
-        x, y = solid.get_xdata(), np.asarray(solid.get_ydata())
-        assert np.array_equal(np.isfinite(y), (x >= low) & (x <= high))
-        dashed = [
-            one for one in ax.get_lines()
-            if to_hex(one.get_color()) == BLUE.lower() and one.get_linestyle() == "--"
-            and np.isnan(np.asarray(one.get_ydata(), dtype=float)).any()
-        ]  # fmt: skip
-        assert len(dashed) == 1
-        together = np.isfinite(y) | np.isfinite(np.asarray(dashed[0].get_ydata()))
-        assert together.all()
+    for panel in drawn["stiffness"].panels:
+        solid, dashed = first(panel, "relaxation fit"), first(panel, "relaxation fit, extrapolated")
+        assert np.array_equal(np.isfinite(solid.y), (solid.x >= low) & (solid.x <= high))
+        assert not solid.pen.dashes
+        assert dashed.pen.dashes
+        assert (np.isfinite(solid.y) | np.isfinite(dashed.y)).all()
 
 
 def test_stiffness_shows_newtons_per_millimetre(drawn):
-    ax = drawn["stiffness"].axes[0]
-    curve = next(one for one in ax.get_lines() if one.get_label() == "joint fit")
-    at = curve.get_xdata()
-    assert curve.get_ydata() == pytest.approx(1e-3 * S.joint.model.storage(2 * np.pi * at))
+    curve = first(drawn["stiffness"].panels[0], "joint solid")
+    assert curve.y == pytest.approx(1e-3 * S.joint.model.storage(2 * np.pi * curve.x))
 
 
 def test_a_solid_that_is_no_sum_of_arms_is_drawn_by_its_own_stiffness_and_by_its_arms():
     found = a_fit(SEAL)
-    for ax, name, factor in zip(
-        plot.stiffness(found).axes, ("storage", "loss", "loss_factor"), (1e-3, 1e-3, 1.0),
+    for panel, name, factor in zip(
+        plot.stiffness(found).panels, ("storage", "loss", "loss_factor"), (1e-3, 1e-3, 1.0),
         strict=True,
     ):  # fmt: skip
-        curve = next(one for one in ax.get_lines() if one.get_label() == "relaxation fit")
-        x, y = curve.get_xdata(), np.asarray(curve.get_ydata())
-        own = factor * getattr(SEAL, name)(2 * np.pi * x)
-        assert y[np.isfinite(y)] == pytest.approx(own[np.isfinite(y)], rel=1e-12)
-    stems = plot.spectrum(found).axes[0].collections[0].get_segments()
-    assert len(stems) == SEAL.maxwell.arms == 49
-    held = plot.dynamic_stiffness(S.direct, fit=found).axes[1]
-    curve = next(one for one in held.get_lines() if one.get_label() == "relaxation fit")
-    omega = 2 * np.pi * np.asarray(curve.get_xdata())
-    assert curve.get_ydata() == pytest.approx(SEAL.loss(omega) / omega, rel=1e-12)
+        curve = first(panel, "relaxation fit")
+        own = factor * getattr(SEAL, name)(2 * np.pi * curve.x)
+        known = np.isfinite(curve.y)
+        assert curve.y[known] == pytest.approx(own[known], rel=1e-12)
+    tips = marks(plot.spectrum(found).panels[0], Dots)[0]
+    assert len(tips.x) == SEAL.maxwell.arms == 49
+    curve = first(plot.dynamic_stiffness(S.direct, fit=found).panels[1], "relaxation fit")
+    omega = 2 * np.pi * curve.x
+    assert curve.y == pytest.approx(SEAL.loss(omega) / omega, rel=1e-12)
     when, force = fitted_force(found, replace(S.prepared, displacement_noise=0.0))
     assert force == pytest.approx(
         SEAL.force(when, S.prepared.displacement[: len(when)]), rel=1e-9, abs=1e-9
@@ -250,40 +284,49 @@ def test_a_solid_that_is_no_sum_of_arms_is_drawn_by_its_own_stiffness_and_by_its
 
 
 def test_a_material_is_drawn_in_megapascals():
-    t = np.geomspace(1e-3, 1e3, 100)
-    found = fit_modulus(t, 1e6 * (1 + 2 * np.exp(-t / 0.1)))
-    ax = plot.stiffness(found).axes[0]
-    assert ax.get_ylabel() == "storage modulus E′, MPa"
-    assert max(np.nanmax(line.get_ydata()) for line in ax.get_lines()) == pytest.approx(3.0, 0.01)
-    stems = plot.spectrum(found).axes[0]
-    assert stems.get_ylabel() == "modulus E, MPa"
-    assert stems.get_ylim()[1] == pytest.approx(2.2, 0.1)
+    found, _ = of_a_modulus()
+    panel = plot.stiffness(found).panels[0]
+    assert panel.y.label == "storage modulus E′, MPa"
+    assert max(np.nanmax(line.y) for line in lines(panel)) == pytest.approx(3.0, 0.01)
+    stems = plot.spectrum(found).panels[0]
+    assert stems.y.label == "modulus E, MPa"
+    assert stems.y.limits[1] == pytest.approx(2.4, 0.1)
+
+
+def test_a_modulus_and_a_sweep_are_drawn_with_what_was_measured(drawn):
+    upper, lower = drawn["modulus"].panels
+    points = first(upper, "measured")
+    assert points.y == pytest.approx(1 + 2 * np.exp(-CURVE / 0.1))
+    left = marks(lower, Dots)[0]
+    assert np.abs(left.y).max() < 0.1  # per cent: the data have no noise
+    data = sweep()
+    for panel, name in zip(drawn["dynamic"].panels, ("storage", "loss"), strict=False):
+        points = first(panel, "measured")
+        assert np.array_equal(points.x, data.frequency)
+        assert points.y == pytest.approx(1e-3 * getattr(data, name))
+    last = first(drawn["dynamic"].panels[2], "measured")
+    assert last.y == pytest.approx(data.loss / data.storage)
 
 
 def test_a_very_wide_axis_has_few_numbers():
-    figure = plot.spectrum(
-        altered(S.fit, band=(1e-15, 1e3), parameters=(), covariance=np.zeros((0, 0)))
-    )
-    figure.canvas.draw()
-    labels = [text for text in figure.axes[0].get_xticklabels() if text.get_text()]
-    assert 2 <= len(labels) <= 8
-    boxes = [text.get_window_extent() for text in labels]
-    assert all(a.x1 < b.x0 for a, b in pairwise(boxes))
+    wide = altered(S.fit, band=(1e-15, 1e3), parameters=(), covariance=np.zeros((0, 0)))
+    axis = plot.spectrum(wide).panels[0].x
+    assert 2 <= len(numbers(axis, 300.0, 46)) <= 8
 
 
 def test_stiffness_from_the_frf_is_drawn_with_its_scatter_where_it_is_good():
-    figure = plot.stiffness(S.fit, measured=S.direct)
-    for ax, band in zip(
-        figure.axes, (S.direct.storage_band, *[S.direct.loss_band] * 2), strict=True
-    ):
-        (points,) = ax.containers
-        x, y = points[0].get_data()
-        assert len(x) >= 3
-        assert band[0] <= x.min() < x.max() <= band[1]
-        name = {0: "storage", 1: "loss", 2: "loss_factor"}[figure.axes.index(ax)]
+    panels = plot.stiffness(S.fit, measured=S.direct).panels
+    for panel, name, band in zip(
+        panels, ("storage", "loss", "loss_factor"),
+        (S.direct.storage_band, *[S.direct.loss_band] * 2), strict=True,
+    ):  # fmt: skip
+        points = first(panel, "straight from the FRF")
+        assert len(points.x) >= 3
+        assert band[0] <= points.x.min() < points.x.max() <= band[1]
+        assert (points.error > 0).all()
         factor = 1.0 if name == "loss_factor" else 1e-3
-        truth = factor * getattr(BROAD, name)(2 * np.pi * x)
-        assert np.abs(y / truth - 1).max() < 0.2
+        truth = factor * getattr(BROAD, name)(2 * np.pi * points.x)
+        assert np.abs(points.y / truth - 1).max() < 0.2
 
 
 def test_averaging_lines_shrinks_scatter_and_leaves_the_errors_of_phase_and_mass():
@@ -298,12 +341,14 @@ def test_averaging_lines_shrinks_scatter_and_leaves_the_errors_of_phase_and_mass
     assert np.sqrt(np.mean(((mean.value - truth) / mean.random) ** 2)) < 2.0
 
 
-def test_spectrum_has_one_stem_per_arm_and_the_window_of_the_test(drawn):
-    ax = drawn["spectrum"].axes[0]
-    stems = [len(c.get_segments()) for c in ax.collections if hasattr(c, "get_segments")]
-    assert stems == [S.fit.model.arms, S.joint.model.arms]
-    box = ax.patches[0].get_extents().transformed(ax.transData.inverted())
-    assert (box.x0, box.x1) == pytest.approx(
+def test_spectrum_has_one_stem_per_arm_and_hatches_what_is_out_of_reach(drawn):
+    panel = drawn["spectrum"].panels[0]
+    tips = marks(panel, Dots)
+    assert [len(dots.x) for dots in tips] == [S.joint.model.arms, S.fit.model.arms]
+    below, above = marks(panel, Span)
+    assert below.hatched
+    assert above.hatched
+    assert (below.high, above.low) == pytest.approx(
         tuple(1 / (2 * np.pi * f) for f in reversed(S.fit.band))
     )
 
@@ -311,39 +356,63 @@ def test_spectrum_has_one_stem_per_arm_and_the_window_of_the_test(drawn):
 # -- the hammer -------------------------------------------------------------------------------
 
 
-def test_the_peaks_are_marked_where_they_are_and_named(drawn):
-    ax = drawn["comparison"].axes[0]
-    dots = {
-        (float(one.get_xdata()[0]), float(one.get_ydata()[0]))
-        for one in ax.get_lines()
-        if one.get_marker() == "o"
-    }
-    c, joint = S.comparison, S.joint_comparison
-    assert dots == {
-        (c.measured_hz, c.measured_peak),
-        (c.predicted_hz, c.predicted_peak),
-        (joint.predicted_hz, joint.predicted_peak),
-    }
-    texts = [t.get_text() for t in ax.texts]
-    assert f"{c.measured_hz:.2f} Hz, 155 (m/s²)/N" in texts[0]
+@pytest.mark.parametrize("name", ["comparison", "resonance", "hero"])
+def test_the_peaks_are_marked_where_they_are_and_named(drawn, name):
+    panel = next(one for one in drawn[name].panels if one.y.label.startswith("accelerance"))
+    c = S.comparison
+    measured, predicted = marks(panel, Tag)
+    assert (measured.x, measured.y, measured.dot) == (c.measured_hz, c.measured_peak, "filled")
+    assert (predicted.x, predicted.y, predicted.dot) == (
+        c.predicted_hz, c.predicted_peak, "hollow",
+    )  # fmt: skip
+    assert measured.text == "measured 12.71 Hz, 155 1/kg"
 
 
-def test_decibels_stand_on_the_right_of_the_same_magnitudes(drawn):
-    ax = drawn["comparison"].axes[0]
-    right = ax.child_axes[0]
-    drawn["comparison"].draw_without_rendering()
-    low, high = ax.get_ylim()
-    assert right.get_ylabel() == "dB re 1 (m/s²)/N"
-    shown = {
-        float(tick.label1.get_text() or tick.label2.get_text()): right.transData.transform((0, at))[
-            1
-        ]
-        for tick, at in zip(right.yaxis.get_major_ticks(), right.get_yticks(), strict=True)
-    }
-    assert len(shown) >= 3
-    for level, height in shown.items():
-        assert low <= 10 ** (level / 20) <= high
-        assert height == pytest.approx(ax.transData.transform((1, 10 ** (level / 20)))[1], abs=0.01)
+@pytest.mark.parametrize("name", ["comparison", "resonance", "hero", "prediction"])
+def test_a_prediction_lies_inside_its_own_bound(drawn, name):
+    panel = next(one for one in drawn[name].panels if one.y.label.startswith("accelerance"))
+    bound = first(panel, "bound over unresolved arms")
+    assert bound.hatched
+    curve = next(line for line in lines(panel) if line.pen.dashes)
+    inside = (curve.x >= bound.x[0]) & (curve.x <= bound.x[-1])
+    assert inside.sum() > 100
+    low, high = (np.interp(curve.x, bound.x, edge)[inside] for edge in (bound.low, bound.high))
+    shown = curve.y[inside] >= panel.y.limits[0]
+    assert (low[shown] <= curve.y[inside][shown] * (1 + 1e-9)).all()
+    assert (curve.y[inside] <= high * (1 + 1e-9)).all()
+
+
+@pytest.mark.parametrize("kind", ["receptance", "mobility", "accelerance", "dynamic_stiffness"])
+def test_every_kind_of_prediction_is_drawn_with_what_it_leaves_open(kind):
+    one = S.prediction.to(kind)
+    size = np.abs(S.prediction.value)
+    f = S.prediction.frequency
+    panel = plot.frf(one, interval=(f, np.array([0.8 * size, 1.25 * size]))).panels[0]
+    area, curve = marks(panel, Area)[0], lines(panel)[0]
+    own = np.interp(f, curve.x, curve.y)
+    for edge, factor in ((area.low, 0.8), (area.high, 1.25)):
+        at = np.interp(f, area.x, edge)
+        near = np.abs(f / 12.3 - 1) > 0.2  # between the lines of a sharp peak it is no line
+        assert at[near] == pytest.approx(factor * own[near], rel=2e-3)
+
+
+def test_a_joint_fit_that_fails_looks_failed():
+    bad = Check("peak_agrees", False, "misses", grade="stop")
+    failed = replace(S.joint_comparison, checks=(bad,))
+    panel = plot.comparison(S.comparison, joint=failed).panels[0]
+    curve = first(panel, "joint fit, failed")
+    assert curve.pen.colour == "bad"
+    assert curve.pen.dashes
+    sound = plot.comparison(S.comparison, joint=replace(failed, checks=())).panels[0]
+    assert first(sound, "joint solid").pen.colour == "joint"
+
+
+def test_a_predicted_peak_beyond_the_measured_lines_is_in_sight():
+    heavy = predict_frf(S.fit, mass=50 * S.mass, seals=2, frequency=np.geomspace(0.3, 60, 2001))
+    panel = plot.resonance(S.comparison, heavy).panels[0]
+    tags = {tag.dot: tag.x for tag in marks(panel, Tag)}
+    low, high = panel.x.limits
+    assert low < tags["hollow"] < 2.0 < tags["filled"] < high
 
 
 def test_a_sharp_peak_between_lines_is_drawn_round():
@@ -362,24 +431,23 @@ def test_a_measured_frf_is_never_interpolated():
 
 
 def test_phase_does_not_wrap_through_the_noise_of_an_accelerance(drawn):
-    ax = drawn["frf"].axes[1]
-    assert ax.get_ylim() == (-15, 195)
-    lowest = phase_axis(ax, S.measured.value)
+    assert drawn["frf"].panels[1].y.limits == (-15, 195)
+    lowest, _ = phase_axis(S.measured.value)
     assert np.abs(np.diff(turned(S.measured.value, lowest))).max() < 90
 
 
 def test_an_frf_without_coherence_or_scatter_has_no_strip_for_it():
     bare = replace(S.measured, coherence=None, sd=None, averages=1)
-    assert [ax.get_ylabel() for ax in plot.frf(bare).axes] == ["accelerance, (m/s²)/N", "phase, °"]
+    assert [one.y.label for one in plot.frf(bare).panels] == ["accelerance, 1/kg", "phase, °"]
 
 
 def test_an_frf_that_starts_at_zero_frequency_is_drawn_on_log_axes():
     frequency = np.concatenate(([0.0], S.measured.frequency))
     value = np.concatenate(([0.0], S.measured.value))
     from_zero = replace(S.measured, frequency=frequency, value=value, coherence=None, sd=None)
-    figure = plot.frf(from_zero)
-    plot.to_svg(figure)
-    assert figure.axes[0].get_xlim()[0] > 0
+    picture = plot.frf(from_zero)
+    assert "nan" not in plot.to_svg(picture)
+    assert picture.panels[0].x.limits[0] > 0
 
 
 def test_hits_of_an_undersampled_pulse_show_its_few_samples():
@@ -388,9 +456,9 @@ def test_hits_of_an_undersampled_pulse_show_its_few_samples():
         S.impact, time=S.impact.time[one], force=S.impact.force[one],
         acceleration=S.impact.acceleration[:, one], starts=(0,),
     )  # fmt: skip
-    pulses, spectra, *_ = plot.hits(few, replace(S.measured, hits=())).axes
-    assert all(len(line.get_xdata()) >= 6 for line in pulses.get_lines())
-    assert spectra.get_xlim()[1] <= 0.5 * few.rate
+    pulses, spectra, *_ = plot.hits(few, replace(S.measured, hits=())).panels
+    assert all(len(line.x) >= 6 for line in lines(pulses))
+    assert spectra.x.limits[1] <= 0.5 * few.rate
 
 
 def test_half_power_rings_give_the_damping():
@@ -401,7 +469,11 @@ def test_half_power_rings_give_the_damping():
 
 
 def test_nyquist_axes_are_equal(drawn):
-    assert drawn["nyquist"].axes[0].get_aspect() == 1.0
+    from dashpot.plot.layout import lay_out
+
+    (frame,) = lay_out(drawn["nyquist"].stacks[0], 400.0).frames
+    x, y = frame.panel.x.limits, frame.panel.y.limits
+    assert (x[1] - x[0]) / frame.box.width == pytest.approx((y[1] - y[0]) / frame.box.height)
 
 
 @pytest.mark.parametrize(("width", "expected"), [(0.010, -0.131), (0.020, -0.529)])
@@ -420,18 +492,27 @@ def test_the_force_spectrum_is_that_of_a_half_sine(width, expected):
 
 
 def test_rejected_hits_are_seen_and_named(drawn):
-    pulses = drawn["hits"].axes[0]
-    rejected = [one for one in pulses.get_lines() if one.get_color() == REJECTED.color]
-    assert [one.get_label() for one in rejected] == ["hit 3: rejected"]
-    assert rejected[0].get_xdata().max() > 60.0  # the second hit, 60 ms later, is in sight
-    assert pulses.get_title(loc="left") == "4 of 5 hits accepted"
+    pulses = drawn["hits"].panels[0]
+    (rejected,) = [line for line in lines(pulses) if line.pen.colour == "bad"]
+    assert rejected.label == "hit 3, rejected"
+    assert rejected.pen.dashes
+    assert rejected.x.max() > 60.0  # the second hit, 60 ms later, is in sight
+    assert pulses.title == "4 of 5 hits accepted"
 
 
-def test_words_from_a_file_are_not_read_as_mathematics():
-    hostile = replace(S.impact, channels=(r"$\frac{", "加速度 \x07"))
-    figure = plot.hits(hostile, S.measured)
-    plot.to_svg(figure)
+def test_words_from_a_file_stay_words():
     markup = replace(S.impact, channels=("<img src=x>--><b>", "]]></svg>"))
     assert not re.search(r"<img|<b>|\]\]>", plot.to_svg(plot.hits(markup, S.measured)))
-    assert figure.axes[2].get_title(loc="left") == r"\$\frac{"
-    assert figure.axes[3].get_title(loc="left") == "□□□ □"
+    hostile = plot.hits(replace(S.impact, channels=(r"$\frac{", "加速度 \x07")), S.measured)
+    assert "\x07" not in plot.to_svg(hostile)
+    assert r"$\frac{" in plot.to_svg(hostile)
+    assert plot.rendered(hostile, ".png", dpi=40)
+
+
+def test_limits_without_an_end_are_drawn_within_the_axes():
+    open_ended = replace(S.frf_band, unseen=np.array([S.frf_band.unseen[0],
+                         np.full(len(S.frf_band.frequency), math.inf)]))  # fmt: skip
+    picture = plot.comparison(S.comparison, band=open_ended)
+    bound = first(picture.panels[0], "bound over unresolved arms")
+    assert np.isfinite(bound.high).all()
+    assert not re.search(r"nan|inf\b", plot.to_svg(picture))

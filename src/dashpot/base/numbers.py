@@ -111,6 +111,16 @@ def duration(seconds: float) -> str:
     return f"{rounded(seconds)} s"
 
 
+def counted(number: int, what: str) -> str:
+    """So many of a thing, as a sentence says it.
+
+    >>> counted(1, "arm"), counted(4, "Maxwell arm"), counted(9, "arm")
+    ('one arm', 'four Maxwell arms', '9 arms')
+    """
+    words = ("no", "one", "two", "three", "four", "five", "six")
+    return f"{words[number] if number < len(words) else number} {what}{'' if number == 1 else 's'}"
+
+
 def symbol(name: str) -> str:
     """A parameter's name as it is printed: ``"k_inf"`` is k∞, ``"ln_tau_2"`` is ln τ₂."""
     text = name.replace("k_inf", "k∞").replace("tau", "τ").replace("ln_", "ln ")

@@ -21,8 +21,6 @@ from dashpot.io.source import open_raw
 from dashpot.workflow.outputs import Outputs
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from dashpot.base.checks import Check, Verdict
 
 T = TypeVar("T")
@@ -178,7 +176,7 @@ def note_written(path: str | Path) -> None:
     click.get_current_context().meta.setdefault(_WRITTEN, []).append(str(path))
 
 
-def write_figure(path: str, figure: Figure) -> None:
+def write_figure(path: str, figure: dp.plot.Picture) -> None:
     """Write a figure as the suffix of its file says."""
     write(path, dp.plot.rendered(figure, Path(path).suffix))
 

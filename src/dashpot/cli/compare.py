@@ -41,7 +41,10 @@ def command(
     fitted = read_fit(fit)
     found = workflow.compare_files(fitted, measured, seals=seals, **choices)
     if picture:
-        write_figure(picture, dp.plot.comparison(found.comparison))
+        sources = (*fitted.source, *found.comparison.measured.source)
+        named = dp.plot.stamp(sources, fitted.specimen, mass=found.mass, seals=seals)
+        drawn = dp.plot.comparison(found.comparison, interval=found.interval, stamp=named)
+        write_figure(picture, drawn)
     lines = _text.comparison(found.comparison)
     if str(found.at_rest):
         lines.append(str(found.at_rest))

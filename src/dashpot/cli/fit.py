@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import click
 
@@ -11,9 +11,6 @@ from dashpot import workflow
 from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._shell import Outcome, printed, reports, typed, write, write_figure
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 @click.command("fit")
@@ -57,9 +54,9 @@ def command(
     dashpot fit seal_4mm.csv seal_8mm.csv --depth-law
     dashpot fit curve.csv --modulus "E(t)"
     """
-    found, tests = workflow.fit_files(files, **choices)
+    found, records = workflow.fit_files(files, **choices)
     if picture:
-        write_figure(picture, _figure(found, tests))
+        write_figure(picture, _figure(found, records))
     if output:
         write(output, printed(found) + "\n")
     return Outcome(
@@ -77,11 +74,14 @@ def _follow(files: tuple[str, ...], output: str | None) -> str:
     return "" if output == "-" else typed("predict", output, "--mass", "104g", "--seals", 2)
 
 
-def _figure(found: dp.Fit, tests: tuple[dp.RampHold, ...]) -> Figure:
-    if not tests:
-        return dp.plot.stiffness(found)
-    if len(tests) > 1 or found.method == "dynamic":
-        return dp.plot.fit(found, tests[0])
+def _figure(found: dp.Fit, records: tuple[Any, ...]) -> dp.plot.Picture:
+    first = records[0]
+    if isinstance(first, dp.RelaxationModulus):
+        return dp.plot.modulus(found, first)
+    if isinstance(first, dp.DynamicTest):
+        return dp.plot.stiffness(found, data=first)
+    if len(records) > 1:
+        return dp.plot.fit(found, first)
     method: Literal["full", "hold"] = "hold" if found.method == "hold" else "full"
-    others = [dp.fit(tests, arms=n, method=method) for n in (1, 2)]  # the paper's Fig. 4
-    return dp.plot.fit(found, tests[0], alternatives=others)
+    others = [dp.fit(records, arms=n, method=method) for n in (1, 2)]  # the paper's Fig. 4
+    return dp.plot.fit(found, first, alternatives=others)

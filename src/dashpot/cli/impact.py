@@ -42,7 +42,7 @@ def command(
     if output:
         _write(found.frf, output)
     if picture:
-        write_figure(picture, dp.plot.frf(found.frf))
+        write_figure(picture, dp.plot.frf(found.frf, labels=("measured",)))
     return Outcome(
         found,
         None if output == "-" else _text.impact(found),

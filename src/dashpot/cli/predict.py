@@ -52,8 +52,17 @@ def command(*, fit: str, picture: str | None, output: str | None, **choices: Any
     fitted = read_fit(fit)
     found = workflow.predict_files(fitted, **choices)
     if picture:
-        band = found.limits if found.frf.kind == "accelerance" else None
-        write_figure(picture, dp.plot.frf(found.frf, band=band))
+        named = dp.plot.stamp(
+            fitted.source, fitted.specimen, mass=choices["mass"], seals=choices["seals"]
+        )
+        drawn = dp.plot.frf(
+            found.frf,
+            labels=("predicted",),
+            band=found.limits,
+            interval=found.interval,
+            stamp=named,
+        )
+        write_figure(picture, drawn)
     if output:
         from dashpot.io.write import write_frf
 

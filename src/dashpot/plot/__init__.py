@@ -1,17 +1,24 @@
-"""Results to figures, in two layers: results to figures here, arrays to axes in `panels`.
+"""Results to figures: functions from results to a `Picture`, and writers of pictures.
 
-Every function returns a :class:`matplotlib.figure.Figure` that no global state knows of;
-:func:`save` writes it. matplotlib is loaded when the first figure is drawn.
+A :class:`~dashpot.plot.picture.Picture` is a frozen value, what is drawn before anything draws it.
+:func:`save` writes it as SVG, PNG or PDF; :func:`to_svg` gives the text of the first,
+:func:`to_figure` a :class:`matplotlib.figure.Figure`. matplotlib is loaded for PNG and PDF only.
 """
 
-from dashpot.plot.files import rendered, save, to_svg
+from dashpot.plot.bitmap import to_figure
+from dashpot.plot.files import rendered, save
 from dashpot.plot.impact import hits
+from dashpot.plot.modulus import modulus
 from dashpot.plot.overview import hero
+from dashpot.plot.picture import Picture
 from dashpot.plot.relaxation import fit, segments
 from dashpot.plot.solid import dynamic_stiffness, elastic_law, spectrum, stiffness
-from dashpot.plot.vibration import comparison, frf, nyquist
+from dashpot.plot.stamps import stamp
+from dashpot.plot.svg import whole as to_svg
+from dashpot.plot.vibration import comparison, frf, nyquist, resonance
 
 __all__ = [
+    "Picture",
     "comparison",
     "dynamic_stiffness",
     "elastic_law",
@@ -19,11 +26,15 @@ __all__ = [
     "frf",
     "hero",
     "hits",
+    "modulus",
     "nyquist",
     "rendered",
+    "resonance",
     "save",
     "segments",
     "spectrum",
+    "stamp",
     "stiffness",
+    "to_figure",
     "to_svg",
 ]

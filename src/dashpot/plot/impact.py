@@ -3,33 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.plot import panels as panel
-from dashpot.plot.style import (
-    BLUE,
-    GREY,
-    PAGE,
-    REJECTED,
-    Pen,
-    dress,
-    figure,
-    legend,
-    note,
-    plain,
-)
+from dashpot.plot.picture import REF, REJECTED, Axis, Line, Mark, Panel, Pen, Picture, Rule, Span
+from dashpot.plot.picture import around as about
+from dashpot.plot.stamps import of_frf
+from dashpot.plot.thinning import extremes
 from dashpot.records.frf import FRF, Hit
 from dashpot.records.impact import ImpactTest
 from dashpot.vibration.impact.hits import HitBlock, cut_hits
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-ACCEPTED = Pen(BLUE, "-", 0.7)
+ACCEPTED = Pen("fit", 1.1)
 USABLE = 20.0
 """The hammer excites the part where its force is within so many dB of that at 0 Hz."""
 
@@ -56,7 +43,7 @@ class Judged(NamedTuple):
         return float(self.time[np.flatnonzero(size > share * np.max(size))[-1]])
 
 
-def hits(impact: ImpactTest, frf: FRF) -> Figure:
+def hits(impact: ImpactTest, frf: FRF, *, stamp: str = "") -> Picture:
     """Every hit laid over the others: force pulses, their spectra, and the accelerations.
 
     Accepted hits are blue, rejected ones vermillion and dashed. The shaded part of the spectra
@@ -67,37 +54,23 @@ def hits(impact: ImpactTest, frf: FRF) -> Figure:
     impact : ImpactTest
     frf : FRF
         The FRF estimated from it, which carries the verdict on every hit.
+    stamp : str
+        What the figure says of its origin; by default the files of the FRF.
     """
     verdicts = {hit.name: hit for hit in frf.hits}
     judged = [
         Judged(one, (np.arange(len(one.force)) - one.onset) / one.rate, verdicts.get(one.name))
         for one in cut_hits([impact])
     ]
-    channels = min(len(impact.channels), 3)
-    made = figure(PAGE, 104)
-    grid = made.add_gridspec(2, 6)
-    _pulses(made.add_subplot(grid[0, :3]), judged)
-    _spectra(made.add_subplot(grid[0, 3:]), judged)
-    wide = 6 // channels
-    first: Axes | None = None
-    # the acceleration falls below 1 % of its peak for good
-    end = max(one.last(np.max(np.abs(one.block.acceleration), axis=0), 0.01) for one in judged)
-    record = min(float(one.time[-1]) for one in judged)
-    bins = max(120, 3000 // (channels * len(judged)))  # many hits hide each other's detail
-    for i in range(channels):
-        ax = made.add_subplot(grid[1, wide * i : wide * (i + 1)], sharey=first)
-        first = first or ax
-        for one in judged:
-            inside = one.time <= 1.25 * end
-            panel.trace(ax, one.time[inside], one.block.acceleration[i, inside], one.pen, bins=bins)
-        dress(
-            ax, x="time after the hit, s", y="acceleration, m/s²", title=plain(impact.channels[i])
-        )
-    decay = f"below 1 % of the peak after {end:.2g} s of {record:.3g} s"
-    if end > 0.98 * record:
-        decay = f"above 1 % of the peak at the end, {record:.3g} s"
-    note(first or ax, decay, (0.97, 0.95), ha="right")
-    return made
+    # rejected ones over the others, to be seen
+    judged.sort(key=lambda one: not one.accepted)
+    panels = [_pulses(judged), _spectra(judged), *_answers(impact, judged)]
+    caption = (
+        "The hits laid over each other: blue accepted, vermillion and dashed rejected; shaded "
+        "the band that every accepted hit excites."
+    )
+    stacks = tuple((panel,) for panel in panels)
+    return Picture("hits", caption, stacks, 2, stamp or of_frf(frf))
 
 
 def force_spectrum(hit: HitBlock) -> tuple[FloatArray, FloatArray]:
@@ -112,35 +85,72 @@ def force_spectrum(hit: HitBlock) -> tuple[FloatArray, FloatArray]:
     return frequency, np.asarray(20 * np.log10(level / level[0]), dtype=float)
 
 
-def _pulses(ax: Axes, judged: Sequence[Judged]) -> None:
+def _key(one: Judged) -> str:
+    return "hit, accepted" if one.accepted else f"hit {one.block.name}, rejected"
+
+
+def _pulses(judged: Sequence[Judged]) -> Panel:
     width = max(max(one.block.width(0.1), 8 / one.block.rate) for one in judged)
     # a double hit shows its second
     end = max(one.last(one.block.force, 0.1) for one in judged) + 0.6 * width
+    lines = []
     for one in judged:
         near = (one.time > -0.6 * width) & (one.time < end)
-        label = "" if one.accepted else f"hit {plain(one.block.name)}: rejected"
-        # where samples are few they are shown
-        panel.line(ax, 1e3 * one.time[near], one.block.force[near], one.pen, label, alpha=0.85,
-                   marker="." if near.sum() <= 80 else "", markersize=2.5)  # fmt: skip
+        x, y = extremes(1e3 * one.time[near], one.block.force[near], bins=250)
+        lines.append(Line(x, y, one.pen, _key(one)))
     accepted = sum(one.accepted for one in judged)
-    dress(ax, x="time after the hit, ms", y="hammer force, N",
-          title=f"{accepted} of {len(judged)} hits accepted")  # fmt: skip
-    legend(ax, loc="upper right")
+    axes = (Axis("time after the hit, ms", (-600 * width, 1e3 * end)),
+            Axis("hammer force, N", about(*(line.y for line in lines))))  # fmt: skip
+    title = f"{accepted} of {len(judged)} hits accepted"
+    return Panel(*axes, tuple(lines), title=title, height=150)
 
 
-def _spectra(ax: Axes, judged: Sequence[Judged]) -> None:
-    ends = []
+def _spectra(judged: Sequence[Judged]) -> Panel:
+    ends, lines = [], []
     for one in judged:
         frequency, level = force_spectrum(one.block)
-        panel.line(ax, frequency, level, one.pen)
+        lines.append((frequency, level, one.pen))
         if one.accepted:
             below = np.flatnonzero(level < -USABLE)
             ends.append(float(frequency[below[0]] if below.size else frequency[-1]))
-    ax.axhline(-USABLE, color=GREY, linewidth=0.6, linestyle=(0, (2, 2)))
+    top = min(2.2 * min(ends), 0.5 * judged[0].block.rate) if ends else lines[0][0][-1]
+    marks: list[Mark] = [Rule(-USABLE, REF, across=True)]
+    note = ""
     if ends:
-        usable = min(ends)
-        panel.shade(ax, 0, usable, alpha=0.16)
-        note(ax, f"usable to {usable:.0f} Hz (−{USABLE:.0f} dB)", (0.97, 0.95), ha="right")
-        ax.set_xlim(0, min(2.2 * usable, 0.5 * judged[0].block.rate))
-    ax.set_ylim(-50, 5)
-    dress(ax, x="frequency, Hz", y="force, dB re 0 Hz", title="Force spectra")
+        marks.append(Span(0.0, min(ends), "fit", "band that every accepted hit excites"))
+        note = f"usable to {min(ends):.0f} Hz (−{USABLE:.0f} dB)"
+    for frequency, level, pen in lines:
+        seen = frequency <= top
+        marks.append(Line(*extremes(frequency[seen], level[seen], bins=200), pen))
+    axes = Axis("frequency, Hz", (0.0, float(top))), Axis("force, dB re 0 Hz", (-50.0, 5.0))
+    return Panel(*axes, tuple(marks), title="Force spectra", height=150, note=note)
+
+
+def _answers(impact: ImpactTest, judged: Sequence[Judged]) -> list[Panel]:
+    """Acceleration after each hit, one panel for each of the first channels."""
+    channels = min(len(impact.channels), 3)
+    # the acceleration falls below 1 % of its peak for good
+    end = max(one.last(np.max(np.abs(one.block.acceleration), axis=0), 0.01) for one in judged)
+    record = min(float(one.time[-1]) for one in judged)
+    bins = max(100, 1600 // (channels * len(judged)))  # many hits hide each other's detail
+    decay = f"below 1 % after {end:.2g} s"
+    if end > 0.98 * record:
+        decay = f"above 1 % at the end, {record:.3g} s"
+    shown = 1.25 * end
+    panels = []
+    for i in range(channels):
+        lines = []
+        for one in judged:
+            inside = one.time <= shown
+            x, y = extremes(one.time[inside], one.block.acceleration[i, inside], bins=bins)
+            lines.append(Line(x, y, one.pen, _key(one)))
+        start = float(min(line.x[0] for line in lines))
+        span = max(float(np.max(np.abs(line.y))) for line in lines) * 1.08
+        last = min(shown, float(max(line.x[-1] for line in lines)))
+        axes = (
+            Axis("time after the hit, s", (start, last)),
+            Axis("acceleration, m/s²", (-span, span)),
+        )
+        note = "" if i else decay
+        panels.append(Panel(*axes, tuple(lines), title=impact.channels[i], height=150, note=note))
+    return panels

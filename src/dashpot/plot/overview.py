@@ -2,78 +2,83 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
-
-import numpy as np
+from dataclasses import replace
+from typing import Protocol
 
 from dashpot.plot import relaxation, vibration
-from dashpot.plot.style import PAGE, figure, label_axes, legend, unit_of
+from dashpot.plot.picture import Picture, unit_of
+from dashpot.plot.stamps import stamp
 from dashpot.records.bounds import FRFBounds
 from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RampHold
 from dashpot.vibration.comparison.comparison import Comparison
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure, SubFigure
-
 
 class Story(Protocol):
     """What the picture needs of a study."""
 
-    prepared: RampHold
-    fit: Fit
-    alternatives: tuple[Fit, ...]
-    seals: float
-    mass: float | None
-    comparison: Comparison | None
-    joint_comparison: Comparison | None
-    frf_band: FRFBounds | None
+    @property
+    def prepared(self) -> RampHold:
+        """As in a study."""
+
+    @property
+    def fit(self) -> Fit:
+        """As in a study."""
+
+    @property
+    def alternatives(self) -> tuple[Fit, ...]:
+        """As in a study."""
+
+    @property
+    def seals(self) -> float:
+        """As in a study."""
+
+    @property
+    def mass(self) -> float | None:
+        """As in a study."""
+
+    @property
+    def comparison(self) -> Comparison | None:
+        """As in a study."""
+
+    @property
+    def joint_comparison(self) -> Comparison | None:
+        """As in a study."""
+
+    @property
+    def frf_band(self) -> FRFBounds | None:
+        """As in a study."""
 
 
-def hero(study: Story) -> Figure:
+def hero(study: Story) -> Picture:
     """The relaxation test with its fits on the left, the FRF with its predictions on the right.
 
     Without a comparison, the fits alone.
     """
-    made = figure(PAGE, 92)
-    if study.comparison is None:
-        _bench(made, study)
-        return made
-    left, right = np.asarray(made.subfigures(1, 2, width_ratios=(1.0, 1.08)))
-    _bench(left, study)
-    _hammer(right, study, study.comparison)
-    return made
-
-
-def _bench(made: Figure | SubFigure, study: Story) -> None:
-    upper, lower = made.subplots(2, 1, sharex=True, height_ratios=(2.8, 1.0))
-    test = study.prepared
+    test, c = study.prepared, study.comparison
     shown = relaxation.fitted(study.fit, study.alternatives, test)
-    relaxation.draw_fits(upper, shown, test)
     word, factor = unit_of(test.displacement, "m")
-    label_axes(
-        upper,
-        title=f"Relaxation test: {factor * test.depth:.3g} {word} in {test.ramp_time:.3g} s, "
-        f"held {test.hold_time:.3g} s",
+    title = (
+        f"Relaxation test: {factor * test.depth:.3g} {word} in {test.ramp_time:.3g} s, "
+        f"held {test.hold_time:.3g} s"
     )
-    legend(upper, loc="lower right")
     chosen = next(one for one in shown if one.fit is study.fit)
-    others = [one for one in shown if one is not chosen]
-    relaxation.draw_residual(lower, chosen, test, others=others)
-    label_axes(lower, x=relaxation.FROM_LOG, y=lower.get_ylabel().partition("\n")[2])
-    made.align_ylabels([upper, lower])
-
-
-def _hammer(made: Figure | SubFigure, study: Story, comparison: Comparison) -> None:
-    upper, lower = made.subplots(2, 1, sharex=True, height_ratios=(2.8, 1.0))
-    curves = vibration.curves_of(comparison, study.joint_comparison)
-    vibration.draw_magnitude(upper, curves, around=comparison.measured_hz)
-    mass = "" if study.mass is None else f"{1e3 * study.mass:.3g} g on "
-    label_axes(upper, title=f"Hammer test: {mass}{study.seals:g} seals")
-    if study.frf_band is not None:
-        vibration.draw_band(upper, study.frf_band, parameters=False)
-    vibration.mark_peaks(upper, curves)
-    legend(upper, loc="lower right")
-    vibration.draw_phase(lower, curves, spread=False)
-    label_axes(lower, x=vibration.FREQUENCY)
-    made.align_ylabels([upper, lower])
+    stacks = [
+        (
+            relaxation.force_panel(shown, test, title=title),
+            relaxation.residual_panel(chosen, test),
+        )
+    ]
+    sources = list(study.fit.source)
+    if c is not None:
+        sources += c.measured.source
+        curves = vibration.curves_of(c, study.joint_comparison)
+        view = (vibration.VIEW[0] * c.measured_hz, vibration.VIEW[1] * c.measured_hz)
+        bounds = vibration.spreads(study.frf_band)[:1]
+        upper = vibration.magnitude_panel(curves, bounds, view=view, height=210, tagged=True)
+        mass = "" if study.mass is None else f"{1e3 * study.mass:.4g} g on "
+        titled = replace(upper, title=f"Hammer test: {mass}{study.seals:g} seals")
+        stacks.append((titled, vibration.phase_panel(curves, upper.x.limits)))
+    said = stamp(sources, study.fit.specimen, mass=study.mass, seals=study.seals)
+    caption = "The relaxation test and its fit, the FRF and its prediction."
+    return Picture("hero", caption, tuple(stacks), 2, said, width=900.0)

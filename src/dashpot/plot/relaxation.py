@@ -3,76 +3,83 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.plot import panels as panel
-from dashpot.plot.style import (
-    GREY,
+from dashpot.base.numbers import counted, rounded
+from dashpot.plot.picture import (
+    FIT,
     MEASURED,
-    NORMAL,
-    PAGE,
-    PALE,
+    REF,
+    SIMPLER,
+    Area,
+    Axis,
+    Line,
+    Mark,
+    Panel,
     Pen,
-    dress,
-    figure,
-    label_axes,
-    legend,
-    note,
-    pen_of_arms,
-    right_axis,
+    Picture,
+    Rule,
+    Span,
+    around,
     unit_of,
 )
+from dashpot.plot.stamps import of_fit, of_test
+from dashpot.plot.thinning import extremes, means
 from dashpot.preparation.denoising import true_motion
 from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RampHold
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+DATA = Pen("measured", 1.2)
+"""Of a record; the fits are drawn over it."""
 
-DATA = Pen("#9a9a9a", "-", 1.7)
-"""The measured force, wide and pale, so that the fits upon it leave it visible."""
-
-FROM_CONTACT = "time from first contact, s"
-FROM_LOG = f"{FROM_CONTACT} (log)"
+SINCE = "time since first contact, s"
 
 
-def segments(prepared: RampHold) -> Figure:
+def segments(prepared: RampHold, *, stamp: str = "") -> Picture:
     """The prepared test with its baseline, ramp and hold (paper Fig. 2).
 
     Left the ramp on linear time, right the hold on log time from first contact, so that neither
     is a sliver of the other; displacement above, force below.
     """
-    made = figure(PAGE, 92)
-    grid = made.subplots(2, 2, sharey="row", width_ratios=(1.0, 1.35))
-    t = prepared.time - prepared.onset
     length, to_length = unit_of(prepared.displacement, "m")
     force, to_force = unit_of(prepared.force, "N")
     rows = (
         (to_length * prepared.displacement, f"compression, {length}"),
         (to_force * prepared.force, f"force, {force}"),
     )
-    for (ramp, hold), (values, label) in zip(grid, rows, strict=True):
-        _zoom(ramp, t, values, prepared)
-        _hold(hold, t, values, prepared)
-        dress(ramp, y=label)
-    for above, below, title in zip(*grid, ("ramp, linear time", "hold, log time"), strict=True):
-        label_axes(above, title=title)
-        above.tick_params(labelbottom=False)
-        label_axes(below, x=FROM_CONTACT)
-    _name_segments(grid[0, 0], grid[0, 1], prepared)
-    _label_force(grid[1, 1], prepared)
-    return made
+    t, c, end = prepared.time - prepared.onset, prepared.ramp_time, _end(prepared)
+    ramp = (max(t[0], -0.6 * c), min(t[-1], 2.0 * c))
+    hold = (0.5 * c, max(t[-1], end))
+    held, hertz = prepared.hold_time, f"{to_length * prepared.depth:.3g} {length}"
+    titles = (f"Ramp, {c:.3g} s", f"Hold, {held:.3g} s at {hertz}")
+    stacks = []
+    for limits, log, title in zip((ramp, hold), (False, True), titles, strict=True):
+        inside = (t >= limits[0]) & (t <= limits[1])
+        stack: list[Panel] = []
+        for values, label in rows:
+            x, y = extremes(t[inside], values[inside], bins=400, log=log)
+            marks: list[Mark] = [*_segments(prepared, limits)]
+            marks.append(Line(x, y, MEASURED, "measured"))
+            axes = (Axis(SINCE, limits, log), Axis(label, around(y)))
+            stack.append(Panel(*axes, tuple(marks), title=title * (not stack), height=130))
+        stacks.append(tuple(stack))
+    caption = (
+        "The test as prepared: displacement and force, the ramp on linear time, the hold on "
+        "logarithmic time."
+    )
+    return Picture("segments", caption, tuple(stacks), 2, stamp or of_test(prepared))
 
 
-def fit(fit: Fit, prepared: RampHold, *, alternatives: Sequence[Fit] = ()) -> Figure:
+def fit(
+    fit: Fit, prepared: RampHold, *, alternatives: Sequence[Fit] = (), stamp: str = ""
+) -> Picture:
     """The force and one or more fits to it, with the residuals of each (paper Fig. 4).
 
-    Log time from first contact; residuals in mN and in standard deviations of the noise.
+    Log time from first contact. A residual is drawn as the range of its samples and their mean.
 
     Parameters
     ----------
@@ -82,25 +89,19 @@ def fit(fit: Fit, prepared: RampHold, *, alternatives: Sequence[Fit] = ()) -> Fi
         What it was fitted to.
     alternatives : sequence of Fit
         Others to hold against it, such as one arm against two.
+    stamp : str
+        What the figure says of its origin; by default the fit's files, specimen and date.
     """
     shown = fitted(fit, alternatives, prepared)
-    made = figure(PAGE, 64 + 24 * len(shown))
-    grid = made.add_gridspec(
-        1 + len(shown), 2, height_ratios=(2.6, *[1.0] * len(shown)), width_ratios=(1.0, 1.5)
+    # the chosen one first
+    residuals = [residual_panel(one, prepared)
+                 for one in sorted(shown, key=lambda one: one.fit is not fit)]  # fmt: skip
+    caption = (
+        "Measured force and fitted solids, and what each leaves: a good fit leaves noise and no "
+        "shape."
     )
-    hold, whole = made.add_subplot(grid[0, 0]), made.add_subplot(grid[0, 1])
-    draw_fits(hold, shown, prepared, hold_only=True)
-    label_axes(hold, x=FROM_CONTACT, title="hold, linear time")
-    draw_fits(whole, shown, prepared)
-    label_axes(whole, x=FROM_CONTACT, title="ramp and hold, log time")
-    legend(whole)
-    panels = [made.add_subplot(grid[row, :]) for row in range(1, 1 + len(shown))]
-    for ax, one in zip(panels, shown, strict=True):
-        draw_residual(ax, one, prepared)
-        ax.tick_params(labelbottom=ax is panels[-1])
-    label_axes(panels[-1], x=FROM_LOG)
-    made.align_ylabels([hold, *panels])
-    return made
+    stack = (force_panel(shown, prepared), *residuals)
+    return Picture("fit", caption, (stack,), 1, stamp or of_fit(fit))
 
 
 class Fitted(NamedTuple):
@@ -111,10 +112,15 @@ class Fitted(NamedTuple):
     time: FloatArray
     force: FloatArray
 
+    @property
+    def label(self) -> str:
+        """What the key calls it."""
+        name = counted(self.fit.model.arms, "arm")
+        return f"fit, {name}" if self.pen is FIT else name
+
     def residual(self, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
         """Time from first contact and residual, N, over what a log axis shows."""
-        start, end = _log_start(prepared), prepared.hold_end - prepared.onset
-        inside = (self.time >= start) & (self.time <= end)
+        inside = (self.time >= _log_start(prepared)) & (self.time <= _end(prepared))
         measured = np.interp(self.time[inside], prepared.time - prepared.onset, prepared.force)
         return self.time[inside], measured - self.force[inside]
 
@@ -122,9 +128,10 @@ class Fitted(NamedTuple):
 def fitted(chosen: Fit, alternatives: Sequence[Fit], prepared: RampHold) -> list[Fitted]:
     """The curves of all fits that are shown."""
     return [
-        Fitted(one, pen_of_arms(one.model.arms, chosen.model.arms), *fitted_force(one, prepared))
+        Fitted(one, FIT if one is chosen else SIMPLER[one.model.arms % 2],
+               *fitted_force(one, prepared))
         for one in fits_to_show(chosen, alternatives)
-    ]
+    ]  # fmt: skip
 
 
 def fits_to_show(fit: Fit, alternatives: Sequence[Fit]) -> list[Fit]:
@@ -133,58 +140,53 @@ def fits_to_show(fit: Fit, alternatives: Sequence[Fit]) -> list[Fit]:
     return [by_arms[arms] for arms in sorted(by_arms)]
 
 
-def draw_fits(
-    ax: Axes, shown: Sequence[Fitted], prepared: RampHold, *, hold_only: bool = False
-) -> None:
-    """Force with the fitted curves over it: on log time, or the hold alone on linear time."""
-    end = prepared.hold_end - prepared.onset
-    start = prepared.ramp_time if hold_only else _log_start(prepared)
+def force_panel(
+    shown: Sequence[Fitted], prepared: RampHold, *, title: str = "", height: float = 210.0
+) -> Panel:
+    """Force with the fitted curves over it, on log time."""
+    start, end = _log_start(prepared), _end(prepared)
     unit, scale = unit_of(prepared.force, "N")
 
-    def trace(t: FloatArray, force: FloatArray, pen: Pen, label: str) -> FloatArray:
+    def line(t: FloatArray, force: FloatArray, pen: Pen, label: str) -> Line:
         drawn = (t >= start) & (t <= end)
-        values = scale * force[drawn]
-        panel.trace(ax, t[drawn], values, pen, log=not hold_only, label=label)
-        return values
+        return Line(*extremes(t[drawn], scale * force[drawn], bins=350, log=True),
+                    pen, label)  # fmt: skip
 
-    data = trace(prepared.time - prepared.onset, prepared.force, DATA, "measured")
-    for one in shown:
-        arms = one.fit.model.arms
-        trace(one.time, one.force, one.pen, f"{counted(arms, 'Maxwell arm')} (N = {arms})")
-    panel.segments(ax, _bounds(prepared))
-    ax.set_xlim(start, end)
-    ax.set_ylim(*panel.outer_limits(data))
-    dress(ax, y=f"force, {unit}", log="" if hold_only else "x")
+    data = line(prepared.time - prepared.onset, prepared.force, DATA, "measured")
+    # the chosen one over the others
+    curves = [line(one.time, one.force, one.pen, one.label)
+              for one in sorted(shown, key=lambda one: one.pen is FIT)]  # fmt: skip
+    marks: list[Mark] = [*_segments(prepared, (start, end)), data, *curves]
+    axes = (Axis(SINCE, (start, end), log=True), Axis(f"force, {unit}", around(data.y)))
+    return Panel(*axes, tuple(marks), title=title, height=height)
 
 
-def draw_residual(
-    ax: Axes, one: Fitted, prepared: RampHold, *, others: Sequence[Fitted] = ()
-) -> None:
-    """Measured less fitted force against log time; of `others` only the mean of each bin.
-
-    On the right the same in standard deviations of the noise, if that is known.
-    """
+def residual_panel(one: Fitted, prepared: RampHold) -> Panel:
+    """Measured less fitted force against log time, and the noise it should be."""
     when, left = one.residual(prepared)
     unit, scale = unit_of(left, "N")
-    drawn = [scale * left]
-    # every excursion pale, the mean of each bin in ink
-    panel.trace(ax, when, drawn[0], Pen(PALE, "-", 0.5), log=True, zorder=1)
-    x, y = panel.means(when, drawn[0], log=True)
-    panel.line(ax, x, y, Pen(one.pen.color, "-", one.pen.width), zorder=3)
-    ax.axhline(0.0, color=GREY, linewidth=0.5, zorder=2)
-    for other in others:
-        x, y = panel.means(*other.residual(prepared), log=True)
-        panel.trace(ax, x, scale * y, other.pen, log=True)
-        drawn.append(scale * y)
-    panel.segments(ax, _bounds(prepared))
-    ax.set_ylim(*panel.outer_limits(*drawn, margin=0.08))
-    ax.set_xlim(_log_start(prepared), prepared.hold_end - prepared.onset)
-    dress(ax, y=f"N = {one.fit.model.arms}\nresidual, {unit}", log="x")
+    drawn = scale * left
+    x, mean = means(when, drawn, log=True)
+    low, high = _ranges(when, drawn, x)
     noise = scale * prepared.force_noise
+    marks: list[Mark] = [Area(x, low, high, one.pen.colour, "residual: range of samples")]
     if noise > 0:
-        right_axis(ax, "in noise SD", lambda y: y / noise, lambda y: y * noise)
+        pair = Rule(noise, REF, "noise, one SD", across=True), Rule(-noise, REF, across=True)
+        marks += pair
+    marks.append(Line(x, mean, Pen(one.pen.colour, 1.4), "residual: mean"))
     word, factor = unit_of(np.array([one.fit.residual.rms]), "N")
-    note(ax, f"RMS {factor * one.fit.residual.rms:.3g} {word}", (0.995, 0.95), ha="right")
+    label = f"residual of {counted(one.fit.model.arms, 'arm')}, {unit}"
+    rms = f"rms {rounded(factor * one.fit.residual.rms)} {word}"
+    limits = (_log_start(prepared), _end(prepared))
+    axes = (Axis(SINCE, limits, log=True), Axis(label, around(low, high, margin=0.08)))
+    return Panel(*axes, tuple(marks), height=90, note=rms)
+
+
+def _ranges(when: FloatArray, values: FloatArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The lowest and the highest value nearest to each of some times."""
+    edges = np.searchsorted(when, np.sqrt(at[1:] * at[:-1]))
+    starts = np.concatenate(([int(np.searchsorted(when, 0.0, "right"))], edges))
+    return np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)
 
 
 def fitted_force(one: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
@@ -232,18 +234,15 @@ def _at_depth(one: Fit, depth: float) -> Solid:
     return GeneralizedMaxwell(max(near.k_inf, 0.0), k, tau)
 
 
-def counted(number: int, what: str) -> str:
-    """So many of a thing, as a sentence says it.
-
-    >>> counted(1, "arm"), counted(4, "Maxwell arm"), counted(9, "arm")
-    ('one arm', 'four Maxwell arms', '9 arms')
-    """
-    words = ("no", "one", "two", "three", "four", "five", "six")
-    return f"{words[number] if number < len(words) else number} {what}{'' if number == 1 else 's'}"
+def _end(prepared: RampHold) -> float:
+    """When the hold ends, s after first contact."""
+    return prepared.hold_end - prepared.onset
 
 
-def _bounds(prepared: RampHold) -> tuple[float, float, float]:
-    return 0.0, prepared.ramp_time, prepared.hold_end - prepared.onset
+def _segments(prepared: RampHold, limits: tuple[float, float]) -> list[Span]:
+    """Shade the ramp; the hold is what follows it."""
+    low, high = max(0.0, limits[0]), min(prepared.ramp_time, limits[1])
+    return [Span(low, high, "ref", "ramp")] if high > low else []
 
 
 def _log_start(prepared: RampHold) -> float:
@@ -255,53 +254,3 @@ def _log_start(prepared: RampHold) -> float:
     start = max(0.1 * prepared.ramp_time, 2 * step)
     digit = 10.0 ** np.floor(np.log10(start))
     return float(digit * np.floor(start / digit + 1e-9))
-
-
-def _zoom(ax: Axes, t: FloatArray, values: FloatArray, prepared: RampHold) -> None:
-    c = prepared.ramp_time
-    low, high = max(t[0], -0.6 * c), min(t[-1], 2.0 * c)
-    inside = (t >= low) & (t <= high)
-    panel.segments(ax, _bounds(prepared), before=low)
-    panel.trace(ax, t[inside], values[inside], MEASURED)
-    ax.set_xlim(low, high)
-    ax.locator_params(axis="x", nbins=6)
-
-
-def _hold(ax: Axes, t: FloatArray, values: FloatArray, prepared: RampHold) -> None:
-    panel.segments(ax, _bounds(prepared))
-    start = 0.5 * prepared.ramp_time
-    inside = t >= start
-    panel.trace(ax, t[inside], values[inside], MEASURED, log=True)
-    ax.set_xlim(start, max(t[-1], prepared.hold_end - prepared.onset))
-    dress(ax, log="x")
-
-
-def _name_segments(ramp: Axes, hold: Axes, prepared: RampHold) -> None:
-    word, factor = unit_of(prepared.displacement, "m")
-    top = factor * prepared.depth
-    low, _ = ramp.get_xlim()
-    c = prepared.ramp_time
-    middle = float(np.sqrt(c * (prepared.hold_end - prepared.onset)))
-    places = [
-        (ramp, 0.72 * c, 0.22 * top, f"ramp\n{c:.3g} s"),
-        (ramp, 1.5 * c, 0.5 * top, "hold"),
-        (hold, middle, 0.5 * top, f"hold\n{prepared.hold_time:.3g} s at {top:.3g} {word}"),
-    ]
-    if low < -0.2 * c:
-        places.append((ramp, low / 2, 0.5 * top, "baseline"))
-    for ax, x, y, text in places:
-        ax.text(x, y, text, fontsize=NORMAL, va="center", ha="center", color="#333333")
-
-
-def _label_force(ax: Axes, prepared: RampHold) -> None:
-    held = prepared.force[prepared.hold]
-    word, factor = unit_of(held, "N")
-    peak, last = float(np.max(held)), float(np.mean(held[-max(1, len(held) // 100) :]))
-    note(
-        ax,
-        f"highest {factor * peak:.3g} {word}, last {factor * last:.3g} {word}: "
-        f"{100 * (1 - last / peak):.0f} % relaxed",
-        (0.97, 0.06),
-        ha="right",
-        va="bottom",
-    )

@@ -3,79 +3,73 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.base.errors import DataError
-from dashpot.plot import panels as panel
-from dashpot.plot.style import (
-    BLUE,
-    CHOSEN,
-    COLUMN,
-    GREEN,
-    GREY,
+from dashpot.plot.picture import (
+    FIT,
     JOINT,
-    MEASURED,
-    ORANGE,
-    PAGE,
-    PURPLE,
-    SMALL,
+    Area,
+    Axis,
+    Dots,
+    Line,
+    Mark,
+    Panel,
     Pen,
-    dress,
-    figure,
-    legend_above,
+    Picture,
+    Rule,
+    Span,
+    around_log,
+    inside,
 )
+from dashpot.plot.stamps import of_fit
+from dashpot.plot.vibration import BOUND, INTERVAL
 from dashpot.records.bounds import StiffnessBounds
+from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import Fit
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
 FREQUENCY = "frequency, Hz"
-DASHED = Pen(GREY, (0, (4, 2)), 0.9)
 LABELS = {
     "storage": "storage stiffness K′, N/mm",
     "damping": "damping c, N·s/m",
-    "loss_factor": "loss factor K″/K′, –",
+    "loss_factor": "loss factor K″/K′, 1",
 }
+SECANT = Pen("ref", 1.4, (6, 3))
+RESONANCE = Pen("ref", 1.4, (2, 3))
 
 
-def spectrum(fit: Fit, *, joint: Fit | None = None) -> Figure:
-    """Relaxation spectrum: one stem per arm, 95 % intervals, the identified window shaded.
+def spectrum(fit: Fit, *, joint: Fit | None = None, stamp: str = "") -> Picture:
+    """Relaxation spectrum: one stem per arm with 95 % intervals, what is out of reach hatched.
 
-    The dashed line is the equilibrium stiffness. A relaxation time outside the window is one
-    that the test could not have told from its neighbours.
+    The dashed line is the equilibrium stiffness. A relaxation time out of reach is one that the
+    test could not have told from its neighbours.
     """
-    made = figure(COLUMN, 72)
-    ax = made.subplots()
     words = _words(fit)
     low, high = (1 / (2 * np.pi * f) for f in reversed(fit.band))
-    panel.shade(ax, low, high, label=words.band)
-    named = f", with 95 % intervals of {words.plateau[0]} and τ"
-    label = words.fit + named if fit.parameters else words.fit
-    _stems(ax, fit, CHOSEN.color, label, width=3.2)
-    if joint is not None:
-        _stems(ax, joint, JOINT.color, "joint fit", width=1.1)
-    k_inf = words.scale * fit.model.k_inf
-    ax.axhline(k_inf, color=CHOSEN.color, linewidth=0.9, linestyle=(0, (4, 2)))
     shown = [*fit.model.tau, *(joint.model.tau if joint else ())]
-    ax.set_xlim(min([low, *shown]) / 4, max([high, *shown]) * 4)
-    ax.set_ylim(0, 1.12 * ax.get_ylim()[1])
-    dress(ax, x="relaxation time τ, s", y=words.arm, log="x")
-    ax.annotate(
-        words.plateau, (0.02, k_inf), xycoords=("axes fraction", "data"), xytext=(0, 1.5),
-        textcoords="offset points", fontsize=SMALL, color=CHOSEN.color, va="bottom",
-    )  # fmt: skip
-    legend_above(made, ax, columns=1)
-    return made
+    limits = (min([low, *shown]) / 4, max([high, *shown]) * 4)
+    k_inf = words.scale * fit.model.k_inf
+    marks: list[Mark] = [
+        Span(limits[0], low, "away", "unresolved range", hatched=True, tint=1.0),
+        Span(high, limits[1], "away", hatched=True, tint=1.0),
+        Rule(k_inf, SECANT, f"{words.plateau}, {words.fit}", across=True),
+    ]
+    if joint is not None:
+        marks += _stems(joint, JOINT, "joint solid")
+    marks += _stems(fit, FIT, words.fit)
+    tallest = max([k_inf, *(words.scale * k for one in (fit, joint) if one for k in one.model.k)])
+    axes = Axis("relaxation time τ, s", limits, log=True), Axis(words.arm, (0.0, 1.2 * tallest))
+    caption = "Relaxation spectrum: one stem per Maxwell arm, 95 % intervals of k and τ."
+    panel = Panel(*axes, tuple(marks), height=220)
+    return Picture("spectrum", caption, ((panel,),), 1, stamp or of_fit(fit), width=420.0)
 
 
-def elastic_law(fit: Fit, *, compression: float | None = None) -> Figure:
+def elastic_law(fit: Fit, *, compression: float | None = None, stamp: str = "") -> Picture:
     """Relaxed force and tangent stiffness against compression, the tangent with two errors.
 
     The dashed lines are the secant of the fit, which a straight law would follow. `compression`,
@@ -89,29 +83,39 @@ def elastic_law(fit: Fit, *, compression: float | None = None) -> Figure:
     law = fit.elastic_law
     if law is None:
         raise DataError("the fit has no elastic law: it is not of a relaxation test")
-    made = figure(PAGE, 62)
     x = np.linspace(0.0, law.depth, 201)
     knots, at = np.asarray(law.knots), 1e3 * x
-    left, right = made.subplots(1, 2)
-    panel.line(left, at, law.force(x), CHOSEN, "elastic law, relaxed")
-    panel.line(left, at, law.stiffness * x, DASHED, f"secant at {1e3 * law.depth:.3g} mm")
-    error = 2e-3 * law.stiffness * law.factor_se(x)
-    tangent = 1e-3 * law.tangent(x)
-    limits = np.array([tangent - error, tangent + error])
-    panel.limits(right, at, limits, BLUE, label="± 2 standard errors", alpha=0.3)
-    panel.line(right, at, tangent, CHOSEN, "tangent")
-    panel.line(right, at, np.full(len(x), 1e-3 * law.stiffness), DASHED, "secant")
-    right.plot(1e3 * knots, 1e-3 * law.tangent(knots), "o", color=CHOSEN.color, markersize=2.5)
-    for ax in (left, right):
-        if compression is not None:
-            ax.axvline(1e3 * compression, color=GREY, linewidth=0.8, linestyle=(0, (1, 1.5)),
-                       label=f"the mass rests at {1e3 * compression:.3g} mm")  # fmt: skip
-        ax.set_xlim(0, at[-1])
-        ax.set_ylim(0, None)
-    dress(left, x="compression, mm", y="relaxed force, N")
-    dress(right, x="compression, mm", y="stiffness k∞, N/mm")
-    legend_above(made, right, columns=4)
-    return made
+    tangent, error = 1e-3 * law.tangent(x), 2e-3 * law.stiffness * law.factor_se(x)
+    secant = f"secant at {1e3 * law.depth:.3g} mm"
+    rest: tuple[Mark, ...] = ()
+    if compression is not None:
+        where = f"the mass rests at {1e3 * compression:.3g} mm"
+        rest = (Rule(1e3 * compression, RESONANCE, where),)
+    force = (
+        *rest,
+        Line(at, law.stiffness * x, SECANT, secant),
+        Line(at, law.force(x), FIT, "elastic law"),
+    )
+    stiffness = (
+        *rest,
+        Area(at, tangent - error, tangent + error, "fit", "± 2 standard errors"),
+        Line(at, np.full(len(x), 1e-3 * law.stiffness), SECANT, secant),
+        Line(at, tangent, FIT, "elastic law"),
+        Dots(1e3 * knots, 1e-3 * law.tangent(knots), "fit", size=5),
+    )
+    below = Axis("compression, mm", (0.0, float(at[-1])))
+    highest = float(np.max([law.force(x), law.stiffness * x]))
+    steepest = float(np.max(tangent + error))
+    panels = (
+        Panel(below, Axis("relaxed force, N", (0.0, 1.08 * highest)), force),
+        Panel(below, Axis("tangent stiffness k∞, N/mm", (0.0, 1.08 * steepest)), stiffness),
+    )
+    caption = (
+        "Elastic law from the ramp: relaxed force and tangent stiffness against compression. "
+        "Small vibration feels the tangent where the mass rests, not the secant."
+    )
+    stacks = tuple((panel,) for panel in panels)
+    return Picture("law", caption, stacks, 2, stamp or of_fit(fit))
 
 
 def stiffness(
@@ -121,64 +125,77 @@ def stiffness(
     unseen: StiffnessBounds | None = None,
     joint: Fit | None = None,
     measured: DynamicStiffness | None = None,
+    data: DynamicTest | None = None,
     mark: float | None = None,
-) -> Figure:
+    stamp: str = "",
+) -> Picture:
     """Storage, loss and loss factor against frequency: stiffness of one seal, or a modulus.
 
-    Solid where the relaxation test informs the model, dashed where it is extrapolated.
+    Solid where the test informs the model, dashed where it is extrapolated.
 
     Parameters
     ----------
     fit : Fit
-    parameters, unseen : StiffnessBand, optional
+    parameters, unseen : StiffnessBounds, optional
         What the standard errors allow; what any spectrum allows that the test cannot reject.
     joint : Fit, optional
         The fit to relaxation and FRF together.
     measured : DynamicStiffness, optional
         Stiffness of one seal straight from the FRF, drawn as points where it is good.
+    data : DynamicTest, optional
+        The sweep that was fitted, drawn as points.
     mark : float, optional
         A frequency to point at, such as the measured resonance, Hz.
+    stamp : str
+        What the figure says of its origin; by default the fit's files, specimen and date.
     """
-    made = figure(PAGE, 78)
-    axes = made.subplots(1, 3)
-    f = _frequencies(fit, measured, unseen, mark)
+    f = _frequencies(fit, measured, data, unseen, mark)
     words = _words(fit)
-    limits = (
-        (unseen, PURPLE, "bound over unresolved arms", 0.25),
-        (parameters, BLUE, "standard errors (95 %)", 0.35),
-    )
-    for ax, name, label in zip(axes, ("storage", "loss", "loss_factor"), words.axes, strict=True):
+    panels = []
+    for name, label in zip(("storage", "loss", "loss_factor"), words.axes, strict=True):
         factor = 1.0 if name == "loss_factor" else words.scale
-        panel.shade(ax, *fit.band, label=words.band)
-        for bounds, color, what, alpha in limits:
-            if bounds is not None:
-                between = factor * getattr(bounds, name)
-                panel.limits(ax, bounds.frequency, between, color, label=what, alpha=alpha)
         curve = factor * getattr(fit.solid, name)(2 * np.pi * f)
-        panel.known_and_extrapolated(ax, f, curve, CHOSEN, known=fit.band, label=words.fit)
+        marks: list[Mark] = []
+        for bounds, what in ((unseen, BOUND), (parameters, INTERVAL)):
+            if bounds is not None:
+                edges = factor * getattr(bounds, name)
+                marks.append(Area(bounds.frequency, edges[0], edges[1], "fit", what, what == BOUND))
         if joint is not None:
-            panel.line(
-                ax, f, factor * getattr(joint.solid, name)(2 * np.pi * f), JOINT, "joint fit"
-            )
+            own = factor * getattr(joint.solid, name)(2 * np.pi * f)
+            marks.append(Line(f, own, JOINT, "joint solid"))
+        marks += inside(fit.band, f, curve, words.fit, beyond=f"{words.fit}, extrapolated")
+        if data is not None:
+            marks.append(_sweep(data, name, factor))
         if measured is not None:
-            _points(ax, measured, name)
+            marks.append(_points(measured, name))
         if mark is not None:
-            ax.axvline(mark, color=GREY, linewidth=0.8, linestyle=(0, (1, 1.5)),
-                       label=f"resonance, {mark:.4g} Hz")  # fmt: skip
-        ax.set_xlim(f[0], f[-1])
-        dress(ax, x=FREQUENCY, y=label, log=_scales(ax, name, curve))
-    legend_above(made, axes[0], columns=4)
-    return made
+            marks.append(Rule(mark, RESONANCE, f"resonance, {mark:.4g} Hz"))
+        axes = (
+            Axis(FREQUENCY, (float(f[0]), float(f[-1])), log=True),
+            _scale(name, label, curve, marks),
+        )
+        panels.append(Panel(*axes, tuple(marks), height=210))
+    caption = (
+        "Dynamic stiffness and loss factor: solid where the test informs the fit, dashed where it "
+        "is extrapolated."
+    )
+    stacks = tuple((panel,) for panel in panels)
+    return Picture("stiffness", caption, stacks, 3, stamp or of_fit(fit), width=900.0)
 
 
-def _scales(ax: Axes, name: str, curve: FloatArray) -> Literal["x", "xy"]:
-    """Which axes are logarithmic: that of a loss too, unless it is a spring's, which has none."""
+def _scale(name: str, label: str, curve: FloatArray, marks: list[Mark]) -> Axis:
+    """The upright axis: logarithmic for a loss, unless it is a spring's, which has none."""
+    tops = [m.high for m in marks if isinstance(m, Area)] + [
+        m.y for m in marks if isinstance(m, (Line, Dots))
+    ]
+    highest = max(float(np.nanmax(top)) for top in tops)
     if name == "storage" or not curve.max() > 0:
-        return "x"
+        lowest = min(0.0, float(np.nanmin(curve)))
+        return Axis(label, (lowest, 1.08 * highest if highest > 0 else 1.0))
     # a lower limit that touches zero must not make the axis dive after it
-    top = max(ax.get_ylim()[1], 2 * float(np.max(curve)))
-    ax.set_ylim(0.5 * float(np.min(curve)), top)
-    return "xy"
+    points = [m.y for m in marks if isinstance(m, (Line, Dots))]
+    low, high = around_log(*points, margin=1.4)
+    return Axis(label, (max(low, 1e-4 * high), max(high, min(1.2 * highest, 30 * high))), log=True)
 
 
 class _Words(NamedTuple):
@@ -197,63 +214,72 @@ def _words(fit: Fit) -> _Words:
     band = "band of the relaxation test" if of_force else "band of the test"
     name = "relaxation fit" if of_force else "fit"
     if fit.unit == "Pa":
-        axes = ("storage modulus E′, MPa", "loss modulus E″, MPa", "loss factor E″/E′, –")
+        axes = ("storage modulus E′, MPa", "loss modulus E″, MPa", "loss factor E″/E′, 1")
         return _Words(1e-6, "modulus E, MPa", "E∞", axes, band, name)
     axes = (LABELS["storage"], "loss stiffness K″, N/mm", LABELS["loss_factor"])
     return _Words(1e-3, "stiffness k, N/mm", "k∞", axes, band, name)
 
 
-def _stems(ax: Axes, one: Fit, color: str, label: str, *, width: float) -> None:
+def _stems(one: Fit, pen: Pen, label: str) -> list[Mark]:
     """One stem per arm, with the intervals of its stiffness and of its relaxation time."""
-    scale, tau, k_0 = _words(one).scale, one.model.tau, one.model.k_0
-    k = [scale * value for value in one.model.k]
-    ax.vlines(tau, 0.0, k, color=color, linewidth=width, label=label)
-    ax.plot(tau, k, "o", color=color, markersize=2 + width)
+    scale, k_0 = _words(one).scale, one.model.k_0
+    tau, k = np.asarray(one.model.tau), scale * np.asarray(one.model.k)
+    gap = np.full(len(tau), np.nan)
+    stems = Line(
+        np.column_stack([tau, tau, gap]).ravel(),
+        np.column_stack([np.zeros(len(tau)), k, gap]).ravel(), pen, label,
+    )  # fmt: skip
+    marks: list[Mark] = [stems, Dots(tau, k, pen.colour, size=8)]
     if not one.parameters:
-        return  # a dense spectrum has no intervals to draw
+        return marks  # a dense spectrum has no intervals to draw
     bounds = one.intervals(level=0.95)
     window = [1 / (2 * np.pi * f) for f in reversed(one.band)]
     # an open end is drawn to the edge of what could matter
     ends = [
-        ((t, t), (scale * a, scale * min(b, k_0)))
+        ((t, t), (scale * max(a, 0.0), scale * min(b, k_0)))
         for t, (a, b) in zip(tau, bounds["k"], strict=True)
     ]
     ends += [
         ((max(a, window[0] / 10), min(b, window[1] * 10)), (height, height))
         for height, (a, b) in zip(k, bounds["tau"], strict=True)
     ]
-    for x, y in ends:
-        ax.plot(x, y, color=color, linewidth=3.5, alpha=0.35)
+    x, y = (np.array([v for pair in ends for v in (*pair[i], np.nan)]) for i in (0, 1))
+    return [Line(x, y, Pen(pen.colour, 1.2), ""), *marks]
 
 
 def _frequencies(
-    fit: Fit, measured: DynamicStiffness | None, unseen: StiffnessBounds | None, mark: float | None
+    fit: Fit,
+    measured: DynamicStiffness | None,
+    data: DynamicTest | None,
+    unseen: StiffnessBounds | None,
+    mark: float | None,
 ) -> FloatArray:
     tops = [fit.band[1] * 30, 30.0]
+    if data is not None:
+        tops = [float(data.frequency.max()) * 3]
     if mark is not None:
         tops.append(3 * mark)
     tops += [float(one.frequency[-1]) for one in (unseen, measured) if one is not None]
-    return np.geomspace(fit.band[0] / 3, max(tops), 400)
+    return np.geomspace(fit.band[0] / 3, max(tops), 300)
 
 
-def _points(ax: Axes, measured: DynamicStiffness, name: str) -> None:
+def _sweep(data: DynamicTest, name: str, factor: float) -> Dots:
+    """What was measured of it."""
+    values = data.loss / data.storage if name == "loss_factor" else factor * getattr(data, name)
+    return Dots(data.frequency, np.asarray(values), "measured", "measured")
+
+
+def _points(measured: DynamicStiffness, name: str) -> Dots:
     """What the FRF says in thirds of an octave, where that is good, with one standard deviation."""
     lines = {one.name: one for one in quantities(measured)}
     line = lines["damping" if name == "loss" else name]
     f, one = averaged(measured.frequency, line, per_octave=3)
     good = (f >= one.good[0]) & (f <= one.good[1])
     factor = 2e-3 * np.pi * f if name == "loss" else np.ones(len(f))
-    ax.errorbar(
-        f[good],
-        (factor * one.value)[good],
-        yerr=(factor * one.nested[0])[good],
-        fmt=".",
-        markersize=3,
-        elinewidth=0.5,
-        color=MEASURED.color,
-        label="straight from the FRF",
-        zorder=4,
-    )
+    return Dots(
+        f[good], (factor * one.value)[good], "measured", "straight from the FRF",
+        error=(factor * one.nested[0])[good],
+    )  # fmt: skip
 
 
 # -- straight from an FRF -------------------------------------------------------------------------
@@ -285,13 +311,17 @@ class Quantity:
 
 
 def dynamic_stiffness(
-    measured: DynamicStiffness, *, fit: Fit | None = None, joint: Fit | None = None
-) -> Figure:
+    measured: DynamicStiffness,
+    *,
+    fit: Fit | None = None,
+    joint: Fit | None = None,
+    stamp: str = "",
+) -> Picture:
     """Stiffness, damping and loss factor of one seal, line by line, with their errors.
 
     Shaded about the points, one standard deviation each: the scatter of the FRF, with it the
-    phase error between the channels, and with both the error of the mass. The blue background is
-    where all of them together leave a usable value.
+    phase error between the channels, and with both the error of the mass. Hatched is where all
+    of them together leave no usable value.
 
     Parameters
     ----------
@@ -299,33 +329,39 @@ def dynamic_stiffness(
     fit, joint : Fit, optional
         Solids of one seal to hold against it.
     """
-    made = figure(PAGE, 82)
-    axes = made.subplots(1, 3)
     errors = (
-        (ORANGE, f"and {100 * measured.mass_sd / measured.mass:.2g} % of mass"),
-        (GREEN, f"and {np.degrees(measured.phase_sd):.2g}° of phase"),
-        ("#8f8f8f", "error (1 SD): scatter"),
+        f"and {100 * measured.mass_sd / measured.mass:.2g} % of mass",
+        f"and {np.degrees(measured.phase_sd):.2g}° of phase",
+        "error (1 SD): scatter",
     )
     span = _span(measured)
-    dense = np.geomspace(*span, 200)
-    for ax, line in zip(axes, quantities(measured), strict=True):
+    dense = np.geomspace(*span, 150)
+    panels = []
+    for line in quantities(measured):
+        marks: list[Mark] = []
         if np.isfinite(line.good).all():
-            panel.shade(ax, *line.good, label="usable: K′ to 10 %, c to 30 %")
+            marks.append(Span(span[0], line.good[0], "away", "not usable", True, 1.0))
+            marks.append(Span(line.good[1], span[1], "away", hatched=True, tint=1.0))
         f, one = averaged(measured.frequency, line)
-        for error, (color, label) in zip(one.nested, errors, strict=True):
-            between = np.array([one.value - error, one.value + error])
-            panel.limits(ax, f, between, color, label=label, alpha=0.4)
+        for error, label, tint in zip(one.nested, errors, (0.15, 0.25, 0.4), strict=True):
+            marks.append(Area(f, one.value - error, one.value + error, "ref", label, tint=tint))
         low, high = extent(measured.frequency, line.value)
-        ax.vlines(f, low, high, color=GREY, linewidth=0.7, label="range of the lines")
-        ax.plot(f, one.value, ".", color=MEASURED.color, markersize=3, label="from the FRF")
-        for found, pen, who in ((fit, CHOSEN, "relaxation fit"), (joint, JOINT, "joint fit")):
+        gap = np.full(len(f), np.nan)
+        marks.append(Line(np.column_stack([f, f, gap]).ravel(),
+                          np.column_stack([low, high, gap]).ravel(), Pen("ref", 0.8),
+                          "range of the lines"))  # fmt: skip
+        for found, pen, who in ((joint, JOINT, "joint solid"), (fit, FIT, "relaxation fit")):
             if found is not None:
-                panel.line(ax, dense, line.of(found.solid, dense), pen, who)
-        ax.set_xlim(*span)
-        ax.set_ylim(*_view(one, f))
-        dress(ax, x=FREQUENCY, y=LABELS[line.name], log="x")
-    legend_above(made, axes[0], columns=4)
-    return made
+                marks.append(Line(dense, line.of(found.solid, dense), pen, who))
+        marks.append(Dots(f, one.value, "measured", "from the FRF"))
+        axes = Axis(FREQUENCY, span, log=True), Axis(LABELS[line.name], _view(one, f))
+        panels.append(Panel(*axes, tuple(marks), height=210))
+    caption = (
+        "One seal straight from the measured FRF, without a model: the mean of each twelfth of an "
+        "octave, the range of its lines, and its errors laid upon each other."
+    )
+    stacks = tuple((panel,) for panel in panels)
+    return Picture("direct", caption, stacks, 3, stamp, width=900.0)
 
 
 def quantities(measured: DynamicStiffness) -> tuple[Quantity, Quantity, Quantity]:

@@ -2,47 +2,56 @@
 
 from __future__ import annotations
 
-import itertools
+import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.numbers import rounded
-from dashpot.plot import panels as panel
-from dashpot.plot.style import (
-    BLUE,
-    CHOSEN,
-    COLUMN,
-    GREY,
+from dashpot.plot.picture import (
     JOINT,
     MEASURED,
-    OTHERS,
-    PAGE,
-    PURPLE,
-    SMALL,
+    PREDICTED,
+    REF,
+    REJECTED,
+    SIMPLER,
+    Area,
+    Axis,
+    Dots,
+    Line,
+    Mark,
+    Panel,
     Pen,
-    dress,
-    figure,
-    label_axes,
-    legend,
-    legend_above,
-    plain,
+    Picture,
+    Rule,
+    Tag,
+    around,
 )
+from dashpot.plot.stamps import of_frf
 from dashpot.records.bounds import FRFBounds
 from dashpot.records.frf import FRF, Kind
 from dashpot.vibration.comparison.comparison import Comparison
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
 FREQUENCY = "frequency, Hz"
-PENS = (MEASURED, CHOSEN, JOINT, *OTHERS)
+PENS = (MEASURED, PREDICTED, JOINT, *SIMPLER)
+
+# what people read: the unit, and its size in SI
+SHOWN = {
+    Kind.RECEPTANCE: ("mm/N", 1e3),
+    Kind.MOBILITY: ("(mm/s)/N", 1e3),
+    Kind.ACCELERANCE: ("1/kg", 1.0),
+    Kind.DYNAMIC_STIFFNESS: ("N/mm", 1e-3),
+}
+INTERVAL, BOUND = "95 % interval of the parameters", "bound over unresolved arms"
+
+# about a peak, as factors of its frequency
+VIEW = (0.48, 2.3)
 
 
-class Curve(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Curve:
     """An FRF as it is drawn, and the frequency and height of its peak where that is named."""
 
     frf: FRF
@@ -51,38 +60,84 @@ class Curve(NamedTuple):
     peak: tuple[float, float] | None = None
 
 
-# what people read: the unit, its size in SI, and the reference of its decibels
-SHOWN = {
-    Kind.RECEPTANCE: ("mm/N", 1e3, "1 mm/N"),
-    Kind.MOBILITY: ("(mm/s)/N", 1e3, "1 (mm/s)/N"),
-    Kind.ACCELERANCE: ("(m/s²)/N", 1.0, "1 (m/s²)/N"),
-    Kind.DYNAMIC_STIFFNESS: ("N/mm", 1e-3, "1 N/mm"),
-}
+@dataclass(frozen=True, eq=False)
+class Spread:
+    """Between which limits a magnitude is predicted, 1/kg, shape (2, n): accelerance."""
+
+    frequency: FloatArray
+    limits: FloatArray
+    label: str = INTERVAL
+
+    def of_kind(self, kind: Kind) -> FloatArray:
+        """The same limits for another kind of FRF."""
+        omega = 2 * np.pi * self.frequency
+        if kind is Kind.ACCELERANCE:
+            return self.limits
+        with np.errstate(divide="ignore"):
+            if kind is Kind.DYNAMIC_STIFFNESS:
+                return np.asarray(omega**2 / self.limits[::-1])
+        return self.limits / (omega if kind is Kind.MOBILITY else omega**2)
+
+
+def spreads(bounds: FRFBounds | None) -> tuple[Spread, ...]:
+    """What a prediction leaves open, the wider first."""
+    if bounds is None:
+        return ()
+    return (
+        Spread(bounds.frequency, bounds.unseen, BOUND),
+        Spread(bounds.frequency, bounds.parameter, INTERVAL),
+    )
 
 
 def frf(
-    measured: FRF, *others: FRF, labels: Sequence[str] = (), band: FRFBounds | None = None
-) -> Figure:
+    measured: FRF,
+    *others: FRF,
+    labels: Sequence[str] = (),
+    band: FRFBounds | None = None,
+    interval: tuple[FloatArray, FloatArray] | None = None,
+    stamp: str = "",
+) -> Picture:
     """One or several FRFs of one kind: magnitude, phase, and the coherence of the first.
 
     Parameters
     ----------
     measured : FRF
-        Sets the kind and the range of frequencies.
+        Sets the kind and the range of frequencies. One that no hits were averaged to is taken
+        for a prediction.
     *others : FRF
         Drawn over it, converted to its kind.
     labels : sequence of str
         One per FRF.
-    band : FRFBand, optional
-        Between which limits a relaxation test predicts; drawn over an accelerance.
+    band : FRFBounds, optional
+        Between which limits a relaxation test predicts.
+    interval : (frequency, limits), optional
+        Limits of the accelerance by standard errors alone, 1/kg, shape (2, n), where no band is
+        known.
+    stamp : str
+        What the figure says of its origin; by default the files of the first FRF.
     """
-    curves = _same_kind(measured, others, labels)
-    return _bode(curves, band if measured.kind is Kind.ACCELERANCE else None)
+    same = [measured, *(other.to(measured.kind) for other in others)]
+    names = [*labels, *[""] * (len(same) - len(labels))]
+    pens = PENS if measured.averages > 0 else (PREDICTED, *PENS[2:], MEASURED)
+    curves = [
+        Curve(one, name, pens[i % len(pens)])
+        for i, (one, name) in enumerate(zip(same, names, strict=True))
+    ]
+    known = () if interval is None else (Spread(*interval),)
+    caption = "Frequency response function: magnitude and phase."
+    return Picture(
+        "frf", caption, (_bode(curves, spreads(band) or known),), 1, stamp or of_frf(measured)
+    )
 
 
 def comparison(
-    comparison: Comparison, *, joint: Comparison | None = None, band: FRFBounds | None = None
-) -> Figure:
+    comparison: Comparison,
+    *,
+    joint: Comparison | None = None,
+    band: FRFBounds | None = None,
+    interval: tuple[FloatArray, FloatArray] | None = None,
+    stamp: str = "",
+) -> Picture:
     """Predicted against measured accelerance, peaks named, coherence beneath (paper Fig. 6).
 
     Parameters
@@ -91,13 +146,90 @@ def comparison(
         Prediction from the relaxation test against the measured FRF.
     joint : Comparison, optional
         The joint fit against the same FRF: what changes once the hammer is believed.
-    band : FRFBand, optional
-        Between which limits the relaxation test predicts.
+    band, interval : optional
+        As in :func:`frf`.
+    stamp : str
+        What the figure says of its origin; by default the files of the measured FRF.
     """
-    curves = curves_of(comparison, joint)
-    made = _bode(curves, band)
-    mark_peaks(made.axes[0], curves)
-    return made
+    known = () if interval is None else (Spread(*interval),)
+    stack = _bode(curves_of(comparison, joint), spreads(band) or known)
+    caption = (
+        "Accelerance of the mass on its seals, measured and predicted, with phase and coherence."
+    )
+    return Picture("comparison", caption, (stack,), 1, stamp or of_frf(comparison.measured))
+
+
+def resonance(
+    comparison: Comparison | None,
+    predicted: FRF,
+    *,
+    joint: Comparison | None = None,
+    band: FRFBounds | None = None,
+    height: float = 292.0,
+    stamp: str = "",
+) -> Picture:
+    """The peak alone: measured, predicted with its bound, joint; every peak in sight.
+
+    Parameters
+    ----------
+    comparison : Comparison or None
+        None where nothing was measured.
+    predicted : FRF
+        Over as wide a range as is at hand: its peak may lie beyond the measured lines.
+    joint, band, stamp : optional
+        As in :func:`comparison`.
+    height : float
+        Of the plotted part, px.
+    """
+    if comparison is None:
+        curves = [Curve(predicted, "predicted", PREDICTED, _peak_of(predicted))]
+    else:
+        curves = curves_of(comparison, joint)
+        ends = comparison.measured.frequency[0], comparison.measured.frequency[-1]
+        at, top = _peak_of(predicted)
+        if not ends[0] < at < ends[1]:
+            curves[1] = replace(curves[1], frf=predicted, peak=(at, top))
+    peaks = [one.peak[0] for one in curves if one.peak is not None]
+    first = min(one.frf.frequency[one.frf.frequency > 0][0] for one in curves)
+    last = max(one.frf.frequency[-1] for one in curves)
+    view = (max(VIEW[0] * min(peaks), first), min(VIEW[1] * max(peaks), last))
+    panel = magnitude_panel(curves, spreads(band)[:1], view=view, height=height, tagged=True)
+    caption = "Accelerance of the mass on its seals: measured, and as the solids predict it."
+    return Picture("resonance", caption, ((panel,),), 1, stamp)
+
+
+def nyquist(measured: FRF, *others: FRF, labels: Sequence[str] = (), stamp: str = "") -> Picture:
+    """Imaginary against real part on equal axes, half-power points of each ringed."""
+    unit, scale = SHOWN[measured.kind]
+    same = [measured, *(other.to(measured.kind) for other in others)]
+    marks: list[Mark] = []
+    ranges = []
+    for one, pen, name in zip(same, PENS, [*labels, "", "", "", ""], strict=False):
+        f, value = smooth(one)
+        value = scale * value
+        ends = half_power(value)
+        at = " and ".join(f"{f[i]:.2f}" for i in ends)
+        label = f"{name} (○ {at} Hz)" if name and at else name
+        ranges.append(value)
+        if one.averages > 0:
+            marks.append(Dots(value.real, value.imag, pen.colour, label, size=3))
+        else:
+            marks.append(Line(value.real, value.imag, pen, label))
+        marks.append(Dots(value[ends].real, value[ends].imag, pen.colour, size=8, hollow=True))
+    every = np.concatenate(ranges)
+    what = measured.kind.value.replace("_", " ")
+    panel = Panel(
+        Axis(f"real part of {what}, {unit}", around(every.real, margin=0.08)),
+        Axis(f"imaginary part of {what}, {unit}", around(every.imag, margin=0.08)),
+        (Rule(0.0, REF, across=True), Rule(0.0, REF), *marks),
+        height=300,
+        square=True,
+    )
+    caption = "Nyquist plot: imaginary against real part; rings are the half-power points."
+    return Picture("nyquist", caption, ((panel,),), 1, stamp or of_frf(measured), width=420.0)
+
+
+# -- panels ---------------------------------------------------------------------------------------
 
 
 def curves_of(comparison: Comparison, joint: Comparison | None) -> list[Curve]:
@@ -105,88 +237,169 @@ def curves_of(comparison: Comparison, joint: Comparison | None) -> list[Curve]:
     c = comparison
     curves = [
         Curve(c.measured, "measured", MEASURED, (c.measured_hz, c.measured_peak)),
-        Curve(c.predicted, "predicted from relaxation", CHOSEN, (c.predicted_hz, c.predicted_peak)),
-    ]
+        Curve(c.predicted, "predicted from relaxation", PREDICTED,
+              (c.predicted_hz, c.predicted_peak)),
+    ]  # fmt: skip
     if joint is not None:
-        peak = (joint.predicted_hz, joint.predicted_peak)
-        curves.append(Curve(joint.predicted, "joint fit", JOINT, peak))
+        # a solid of both tests that misses one of them does not look like an answer
+        failed = joint.verdict.use == "do not use"
+        name, pen = ("joint fit, failed", REJECTED) if failed else ("joint solid", JOINT)
+        curves.append(Curve(joint.predicted, name, pen, (joint.predicted_hz, joint.predicted_peak)))
     return curves
 
 
-def nyquist(measured: FRF, *others: FRF, labels: Sequence[str] = ()) -> Figure:
-    """Imaginary against real part on equal axes, half-power points of each ringed."""
-    unit, scale, _ = SHOWN[measured.kind]
-    made = figure(COLUMN, 84)
-    ax = made.subplots()
-    for one, name, pen, _ in _same_kind(measured, others, labels):
-        f, value = smooth(one)
-        value = scale * value
-        marks = panel.half_power(value)
-        ends = " and ".join(f"{f[i]:.2f}" for i in marks)
-        label = f"{name} (○ {ends} Hz)" if name and ends else name
-        dots = {"linestyle": "none", "marker": "."} if one.averages > 0 else {}
-        panel.line(ax, value.real, value.imag, pen, label, markersize=2.5, **dots)
-        ax.plot(value[marks].real, value[marks].imag, "o", markerfacecolor="none", markersize=6,
-                markeredgecolor=pen.color, markeredgewidth=0.9)  # fmt: skip
-    ax.axhline(0, color=GREY, linewidth=0.5)
-    ax.axvline(0, color=GREY, linewidth=0.5)
-    ax.set_aspect("equal", adjustable="datalim")
-    ax.margins(0.08)
-    what = measured.kind.value.replace("_", " ")
-    dress(ax, x=f"real part of {what}, {unit}", y=f"imaginary part of {what}, {unit}")
-    legend_above(made, ax, columns=1)
-    return made
-
-
-def draw_magnitude(ax: Axes, curves: Sequence[Curve], *, around: float | None = None) -> None:
-    """Magnitudes of FRFs of one kind, log-log, with decibels on the right.
-
-    All lines are shown, or an octave and a bit to either side of the frequency `around`.
-    """
-    if around is not None:
-        near = (around / 2.4, around * 2.4)
-        curves = [one._replace(frf=one.frf.band(*near)) for one in curves]
-    first = curves[0].frf
-    unit, scale, reference = SHOWN[first.kind]
-    sizes = []
-    for one, label, pen, _ in curves:
-        if one.sd is not None:
-            panel.band(ax, one.frequency, scale * one.value, scale * one.sd, pen)
-        f, value = smooth(one)
-        sizes.append(scale * np.abs(value))
-        panel.line(ax, f, sizes[-1], pen, label)
-    ax.set_xlim(max(first.frequency[0], 1e-3 * first.frequency[-1]), first.frequency[-1])
-    size = np.concatenate(sizes)
+def magnitude_panel(
+    curves: Sequence[Curve],
+    spread: Sequence[Spread] = (),
+    *,
+    view: tuple[float, float] | None = None,
+    height: float = 240.0,
+    tagged: bool = False,
+) -> Panel:
+    """Magnitudes of FRFs of one kind, log-log, with what the prediction leaves open."""
+    kind = curves[0].frf.kind
+    unit, scale = SHOWN[kind]
+    f = curves[0].frf.frequency
+    view = view or (max(float(f[0]), 1e-3 * float(f[-1])), float(f[-1]))
+    drawn = {id(one): smooth(one.frf) for one in curves}
+    predicted = next((one for one in curves if one.pen is PREDICTED), None)
+    sizes = [
+        scale * np.abs(value[(at >= view[0]) & (at <= view[1])]) for at, value in drawn.values()
+    ]
+    every = np.concatenate(sizes)
     # a few vanishing lines cannot stretch the axis
-    low = max(float(np.percentile(size, 1)), 1e-4 * float(np.max(size)))
-    ax.set_ylim(0.6 * low, 2.0 * float(np.max(size)))
-    dress(ax, y=f"{first.kind.value.replace('_', ' ')}, {unit}", log="xy")
-    panel.decibels(ax, reference)
+    low = max(float(np.percentile(every, 1)), 1e-4 * float(every.max()))
+    limits = [0.6 * low, 1.9 * float(every.max())]
+    marks: list[Mark] = []
+    for limit in spread:
+        area = _area(limit, kind, scale, None if predicted is None else drawn[id(predicted)])
+        inside = (area.x >= view[0]) & (area.x <= view[1])
+        top = float(np.max(area.high[inside], initial=0.0))
+        limits[1] = max(limits[1], min(1.3 * top, 12 * limits[1]))
+        # a resonance without damping has no highest magnitude
+        marks.append(replace(area, low=np.maximum(area.low, 0.1 * limits[0]),
+                             high=np.minimum(area.high, 10 * limits[1])))  # fmt: skip
+    for one in curves:
+        if one.frf.sd is not None:
+            marks.append(_scatter(one, scale))
+    # the joint solid lies under the measurement that it follows
+    order = sorted(curves, key=lambda one: (one.pen is not JOINT, one.pen is MEASURED))
+    for one in order:
+        at, value = drawn[id(one)]
+        pen = replace(one.pen, width=5.0) if one.pen is JOINT else one.pen
+        marks.append(Line(at, scale * np.abs(value), pen, one.label))
+    if tagged:
+        marks += _peaks(curves, unit)
+    label = f"{kind.value.replace('_', ' ')}, {unit}"
+    axes = (Axis(FREQUENCY, view, log=True), Axis(label, (limits[0], limits[1]), log=True))
+    return Panel(*axes, tuple(marks), height=height)
 
 
-def draw_band(ax: Axes, band: FRFBounds, *, parameters: bool = True) -> None:
-    """What the relaxation test leaves open: by its standard errors, by unresolved arms."""
-    low, high = ax.get_ylim()
-    # a resonance without damping has no highest magnitude
-    shown = (0.1 * low, 10 * high)
-    panel.limits(ax, band.frequency, np.clip(band.unseen, *shown), PURPLE,
-                 label="bound over unresolved arms", alpha=0.22)  # fmt: skip
-    if parameters:
-        panel.limits(ax, band.frequency, np.clip(band.parameter, *shown), BLUE,
-                     label="standard errors (95 %)", alpha=0.3)  # fmt: skip
-    ax.set_ylim(low, high)
-
-
-def draw_phase(ax: Axes, curves: Sequence[Curve], *, spread: bool = True) -> None:
+def phase_panel(curves: Sequence[Curve], view: tuple[float, float]) -> Panel:
     """Phases of FRFs, on the part of the circle that they use."""
-    lowest = panel.phase_axis(ax, np.concatenate([one.frf.value for one in curves]))
-    for one, _, pen, _ in curves:
-        if one.sd is not None and spread:
-            panel.phase(ax, one.frequency, one.value, pen, lowest=lowest, sd=one.sd)
-        else:
-            f, value = smooth(one)
-            panel.phase(ax, f, value, pen, lowest=lowest)
-    dress(ax, y="phase, °")
+    lowest, ticks = phase_axis(np.concatenate([one.frf.value for one in curves]))
+    marks: list[Mark] = []
+    for one in curves:
+        f, value = smooth(one.frf)
+        x, y = unwrapped(f, value, lowest)
+        marks.append(Line(x, y, one.pen))
+    axes = (Axis(FREQUENCY, view, log=True),
+            Axis("phase, °", (ticks[0] - 15, ticks[-1] + 15), ticks=ticks))  # fmt: skip
+    return Panel(*axes, tuple(marks), height=90)
+
+
+def _bode(curves: Sequence[Curve], spread: Sequence[Spread]) -> tuple[Panel, ...]:
+    upper = magnitude_panel(curves, spread, tagged=True)
+    stack = [upper, phase_panel(curves, upper.x.limits)]
+    measured = curves[0].frf
+    if measured.coherence is not None:
+        axes = (upper.x, Axis("coherence, 1", (0.0, 1.08), ticks=(0.0, 0.5, 1.0)))
+        # 0.9 is what ISO 7626-5 asks for
+        marks = (Rule(0.9, REF, across=True),
+                 Line(measured.frequency, measured.coherence, MEASURED))  # fmt: skip
+        stack.append(Panel(*axes, marks, height=50))
+    return tuple(stack)
+
+
+def _area(
+    one: Spread, kind: Kind, scale: float, curve: tuple[FloatArray, ComplexArray] | None
+) -> Area:
+    """The area between limits; on the lines of its own curve too, and never narrower than that."""
+    f, (low, high) = one.frequency, scale * one.of_kind(kind)
+    if curve is not None:
+        at, value = curve
+        inside = (at >= f[0]) & (at <= f[-1])
+        lines = np.union1d(f, at[inside])
+        with np.errstate(divide="ignore"):
+            logs = [np.interp(lines, f, np.nan_to_num(np.log(edge), posinf=700, neginf=-700))
+                    for edge in (low, high)]  # fmt: skip
+        own = scale * np.abs(np.interp(lines, at, np.abs(value)))
+        own = np.where((lines >= at[0]) & (lines <= at[-1]), own, np.nan)
+        low, high = np.fmin(np.exp(logs[0]), own), np.fmax(np.exp(logs[1]), own)
+        f = lines
+    return Area(f, low, high, "fit", one.label, hatched=one.label == BOUND, tint=0.3)
+
+
+def _scatter(one: Curve, scale: float) -> Area:
+    """Two standard deviations on either side of the magnitude."""
+    assert one.frf.sd is not None  # noqa: S101
+    size, sd = scale * np.abs(one.frf.value), scale * one.frf.sd
+    # a magnitude has no negative side: the area is cut well below the curve
+    low = np.maximum(size - 2 * sd, 0.02 * size)
+    return Area(one.frf.frequency, low, size + 2 * sd, one.pen.colour, tint=0.18)
+
+
+def _peaks(curves: Sequence[Curve], unit: str) -> list[Tag]:
+    """The peaks with frequency and height: measured filled, predicted hollow."""
+    named = [one for one in curves if one.peak is not None]
+    tags = []
+    for one in sorted(named, key=lambda one: one.pen is not MEASURED):
+        hz, height = one.peak or (math.nan, math.nan)
+        measured = one.pen is MEASURED
+        if one.pen is JOINT:
+            continue  # it lies on the measured one
+        name = one.label.partition(" from")[0]
+        text = f"{name} {rounded(hz, digits=4)} Hz, {rounded(height)} {unit}"
+        dot = "filled" if measured else "hollow"
+        tags.append(Tag(hz, height, text, one.pen.colour, dot, bold=measured))  # type: ignore[arg-type]
+    return tags
+
+
+def _peak_of(one: FRF) -> tuple[float, float]:
+    f, value = smooth(one)
+    top = int(np.argmax(np.abs(value)))
+    return float(f[top]), float(np.abs(value[top]))
+
+
+# -- lines of an FRF ------------------------------------------------------------------------------
+
+
+def turned(value: ComplexArray, lowest: float) -> FloatArray:
+    """Phase in degrees within one turn from `lowest`."""
+    return np.asarray((np.degrees(np.angle(value)) - lowest) % 360 + lowest)
+
+
+def unwrapped(
+    frequency: FloatArray, value: ComplexArray, lowest: float
+) -> tuple[FloatArray, FloatArray]:
+    """Phase in degrees from `lowest` up to a full turn more, broken by nan where it wraps."""
+    degrees = turned(value, lowest)
+    breaks = np.flatnonzero(np.abs(np.diff(degrees)) > 180) + 1
+    return np.insert(frequency, breaks, np.nan), np.insert(degrees, breaks, np.nan)
+
+
+def phase_axis(values: ComplexArray) -> tuple[float, tuple[float, ...]]:
+    """Where the turn begins for all `values`, degrees, and the quarters that they use.
+
+    From -180 as usual; from -90 where that would cut through the data, as the noise of an
+    accelerance below its resonance does.
+    """
+    usual = turned(values, -180.0)
+    lowest = -90.0 if bool(np.mean(np.abs(usual) > 165) > 0.02) else -180.0
+    degrees = turned(values, lowest)
+    first = 90 * np.floor((np.percentile(degrees, 1) + 20) / 90)
+    last = 90 * np.ceil((np.percentile(degrees, 99) - 20) / 90)
+    return lowest, tuple(np.arange(first, max(last, first + 90) + 1, 90).tolist())
 
 
 def smooth(one: FRF) -> tuple[FloatArray, ComplexArray]:
@@ -199,7 +412,7 @@ def smooth(one: FRF) -> tuple[FloatArray, ComplexArray]:
     if one.averages > 0 or dense_already or bool((one.value == 0).any()):
         return one.frequency, one.value
     size = np.abs(one.value)
-    parts = np.where(np.maximum(size[:-1], size[1:]) > 0.2 * size.max(), 48, 3)
+    parts = np.where(np.maximum(size[:-1], size[1:]) > 0.2 * size.max(), 24, 2)
     start = np.repeat(np.arange(len(parts)), parts)
     within = np.arange(len(start)) - np.repeat(np.cumsum(parts) - parts, parts)
     place = np.append(start + within / np.repeat(parts, parts), len(parts))
@@ -209,44 +422,15 @@ def smooth(one: FRF) -> tuple[FloatArray, ComplexArray]:
     return np.interp(place, lines, one.frequency), np.asarray(1 / (real + 1j * imag))
 
 
-def mark_peaks(ax: Axes, curves: Sequence[Curve]) -> None:
-    """A dot at the peak of every curve, its frequency and height in the corner."""
-    peaks = [(*one.peak, one.pen) for one in curves if one.peak is not None]
-    for i, (hz, height, pen) in enumerate(peaks):
-        text = f"{hz:.2f} Hz, {rounded(height)} (m/s²)/N"
-        ax.plot([hz], [height], "o", markersize=3.5, color=pen.color, zorder=7)
-        ax.annotate(
-            text, (0.985, 0.97), xycoords="axes fraction",
-            xytext=(0, -1.45 * SMALL * i), textcoords="offset points", ha="right", va="top",
-            fontsize=SMALL, color=pen.color,
-        )  # fmt: skip
-
-
-def _same_kind(measured: FRF, others: Sequence[FRF], labels: Sequence[str]) -> list[Curve]:
-    """Curves of FRFs of the first one's kind, labelled as far as labels go."""
-    same = [measured, *(other.to(measured.kind) for other in others)]
-    return [
-        Curve(one, plain(label), pen)
-        for one, label, pen in zip(
-            same, itertools.chain(labels, itertools.repeat("")), itertools.cycle(PENS)
-        )
-    ]
-
-
-def _bode(curves: Sequence[Curve], band: FRFBounds | None) -> Figure:
-    measured = curves[0].frf
-    strip = measured.coherence is not None
-    rows = 3 if strip else 2
-    made = figure(PAGE, 118 if strip else 100)
-    axes = made.subplots(rows, 1, sharex=True, height_ratios=(2.6, 1.0, 0.6)[:rows])
-    draw_magnitude(axes[0], curves)
-    if band is not None:
-        draw_band(axes[0], band)
-    legend(axes[0], loc="lower right")
-    draw_phase(axes[1], curves)
-    if measured.coherence is not None:
-        panel.coherence(axes[2], measured.frequency, measured.coherence, MEASURED)
-        dress(axes[2], y="coherence, –")
-    label_axes(axes[-1], x=FREQUENCY)
-    made.align_ylabels(list(axes))
-    return made
+def half_power(value: ComplexArray) -> list[int]:
+    """The lines nearest to the half-power points on either side of the largest magnitude."""
+    size = np.abs(value)
+    peak = int(np.argmax(size))
+    target = size[peak] / np.sqrt(2)
+    found = []
+    for side in (np.arange(peak, -1, -1), np.arange(peak, len(size))):
+        below = np.flatnonzero(size[side] < target)
+        if below.size:
+            pair = side[max(below[0] - 1, 1) : below[0] + 1]  # never the peak itself
+            found.append(int(pair[np.argmin(np.abs(size[pair] - target))]))
+    return sorted(found)

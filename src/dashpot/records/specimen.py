@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime as dt
 import math
 from dataclasses import dataclass
 
@@ -23,14 +24,31 @@ class Specimen:
         Test temperature, K.
     notes : str
         Anything else worth keeping: material, fixing, load history.
+    name : str
+        What it is called, such as "Door seal 4711-B".
+    lot, operator : str
+        Where it comes from, and who tested it.
+    date : str
+        Of the test, ISO 8601: 2026-11-21.
     """
 
     length: float | None = option(None, "Contact length of the seal, e.g. 50mm.", unit="length")
     height: float | None = option(None, "Free height of the section.", unit="length")
     temperature: float | None = option(None, "Test temperature, e.g. 23degC.", unit="temperature")
     notes: str = option("", "Material, fixing, load history.")
+    name: str = option("", "What the specimen is called.")
+    lot: str = option("", "Its lot.")
+    operator: str = option("", "Who tested it.")
+    date: str = option("", "Of the test, e.g. 2026-11-21.")
 
     def __post_init__(self) -> None:
+        if self.date:
+            try:
+                dt.date.fromisoformat(self.date)
+            except ValueError:
+                raise DataError(
+                    f"specimen date = {self.date!r}; expected year-month-day, such as 2026-11-21"
+                ) from None
         for name in ("length", "height", "temperature"):
             value = getattr(self, name)
             if value is not None and not (math.isfinite(value) and value > 0):

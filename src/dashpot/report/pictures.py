@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, NamedTuple
+from dataclasses import replace
+from typing import NamedTuple
 
 from dashpot import plot
 from dashpot.workflow.study import Study
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 CAPTIONS = {
     "segments": "The test as prepared: displacement and force, the ramp on linear time, the hold "
@@ -44,11 +42,12 @@ def pictures(study: Study) -> dict[str, Picture]:
     drawn = {}
     for name, figure, *further in (*_of_relaxation(study), *_of_vibration(study)):
         caption = " ".join([CAPTIONS[name], *further])
-        drawn[name] = Picture(plot.to_svg(figure, name=name, title=caption), caption)
+        svg = plot.to_svg(replace(figure, name=name, caption=caption))
+        drawn[name] = Picture(svg, caption)
     return drawn
 
 
-def _of_relaxation(study: Study) -> Iterator[tuple[str, Figure, *tuple[str, ...]]]:
+def _of_relaxation(study: Study) -> Iterator[tuple[str, plot.Picture, *tuple[str, ...]]]:
     """Name, figure, and what its caption says further."""
     yield "segments", plot.segments(study.prepared)
     yield "fit", plot.fit(study.fit, study.prepared, alternatives=study.alternatives)
@@ -75,7 +74,7 @@ def _of_relaxation(study: Study) -> Iterator[tuple[str, Figure, *tuple[str, ...]
     yield "stiffness", stiffness, *further
 
 
-def _of_vibration(study: Study) -> Iterator[tuple[str, Figure, *tuple[str, ...]]]:
+def _of_vibration(study: Study) -> Iterator[tuple[str, plot.Picture, *tuple[str, ...]]]:
     alone = study.measured or study.prediction
     if study.comparison is not None:
         c, joint = study.comparison, study.joint_comparison

@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 
 from dashpot.base.checks import Check
-from dashpot.base.numbers import hertz, readable, rounded
+from dashpot.base.numbers import counted, hertz, readable, rounded
 from dashpot.base.provenance import Source
-from dashpot.plot.relaxation import counted
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
 from dashpot.vibration.comparison.comparison import Comparison

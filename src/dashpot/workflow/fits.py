@@ -4,16 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Literal
+from typing import Literal, TypeAlias
 
 import dashpot as dp
 from dashpot.base.errors import FitError
 from dashpot.io.options import ReadOptions
+from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import Fit
 from dashpot.records.machine import Machine
+from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.records.specimen import Specimen
 from dashpot.workflow.job import known_of_a_test
+
+Record: TypeAlias = RampHold | DynamicTest | RelaxationModulus
 
 
 def fit_files(
@@ -28,7 +32,7 @@ def fit_files(
     specimen: Specimen | None = None,
     machine: Machine | None = None,
     options: ReadOptions | None = None,
-) -> tuple[Fit, tuple[RampHold, ...]]:
+) -> tuple[Fit, tuple[Record, ...]]:
     """Fit one solid to the records in files, each in the way that suits it.
 
     Ramps and holds are fitted together; a dynamic (DMA) sweep alone or with ramps and holds of
@@ -51,8 +55,8 @@ def fit_files(
     Returns
     -------
     fit : Fit
-    tests : tuple of RampHold
-        The ramps and holds behind it, as fitted.
+    records : tuple of RampHold, DynamicTest or RelaxationModulus
+        What is behind it, as fitted.
 
     Raises
     ------
@@ -77,7 +81,7 @@ def fit_files(
             source=curve.source,
             specimen=curve.specimen,
         )
-        return found, ()
+        return found, (curve,)
     tests = [dp.read_bench(path, options=options, specimen=specimen) for path in files]
     sweeps = [test for test in tests if not isinstance(test, RelaxationTest)]
     prepared = tuple(
@@ -99,4 +103,5 @@ def fit_files(
             "a dynamic sweep is fitted one at a time, alone or with relaxation tests of the "
             "same part, without --depth-law and --method hold"
         )
-    return dp.fit_dynamic(sweeps[0], arms=arms, tests=prepared, thorough=thorough), prepared
+    found = dp.fit_dynamic(sweeps[0], arms=arms, tests=prepared, thorough=thorough)
+    return found, (*sweeps, *prepared)

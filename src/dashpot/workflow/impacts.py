@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import dashpot as dp
+from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.version import byline
@@ -30,7 +31,7 @@ from dashpot.vibration.systems.operating_point import operating_point
 from dashpot.vibration.systems.prediction import moving_mass, predict_frf
 from dashpot.workflow.job import HammerChoices, known_of_a_test
 from dashpot.workflow.prepared import answered_in, prepared_files
-from dashpot.workflow.resting import AtRest, at_rest
+from dashpot.workflow.resting import AtRest, at_rest, formal_limits
 
 # rounds in which a mass and the stiffness under it find each other
 WEIGHINGS = 100
@@ -242,6 +243,8 @@ class Agreement:
         What the FRF and the mass of the seals say beside the comparison's own checks.
     at_rest : AtRest
         Where the mass rests, and what secant and tangent make of it.
+    interval : (array, array)
+        Lines, Hz, and limits of the predicted accelerance by standard errors alone, 1/kg.
     """
 
     comparison: Comparison
@@ -249,6 +252,7 @@ class Agreement:
     mass_inferred: bool
     noted: tuple[Check, ...]
     at_rest: AtRest
+    interval: tuple[FloatArray, FloatArray] = field(compare=False)
 
 
 def compare_files(
@@ -288,7 +292,10 @@ def compare_files(
         found, frf, mass=known, seals=seals, band=band, compression=compression
     )
     rests = at_rest(found, mass=known, seals=seals, compression=compression)
-    return Agreement(comparison, known, mass is None, (*frf.checks, *noted), rests)
+    lines = comparison.measured.frequency[comparison.measured.frequency > 0]
+    limits = formal_limits(found, rests.point, mass=known, frequency=lines, seals=seals)
+    noted = (*frf.checks, *noted)
+    return Agreement(comparison, known, mass is None, noted, rests, (lines, limits))
 
 
 def identify_files(

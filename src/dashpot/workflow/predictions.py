@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.io.options import ReadOptions
 from dashpot.records.bounds import FRFBounds
@@ -53,6 +54,12 @@ class Prediction:
     checks: tuple[Check, ...]
     at_rest: AtRest
     document: dict[str, Any]
+
+    @property
+    def interval(self) -> tuple[FloatArray, FloatArray]:
+        """Lines, Hz, and limits of the accelerance by standard errors alone, 1/kg."""
+        limits = self.document["limits"]
+        return np.asarray(limits["frequency_hz"]), np.asarray(limits["parameter"])
 
 
 def predict_files(

@@ -1,0 +1,370 @@
+"""Where everything of a stack of panels stands, in px: arrays become strokes, words get places.
+
+What is laid out is drawn alike by `svg` and by `bitmap`, so a figure looks alike everywhere.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.plot.picture import (
+    Area,
+    Axis,
+    Dots,
+    Keyed,
+    Line,
+    Mark,
+    Panel,
+    Pen,
+    Picture,
+    Rule,
+    Span,
+    Tag,
+)
+from dashpot.plot.ticks import between, numbers, place, written
+from dashpot.plot.tokens import BOLD, SMALL
+
+Anchor = Literal["start", "middle", "end"]
+
+ROW = 16.0
+"""Height of a row of small letters, px."""
+
+RIGHT, GAP = 14.0, 10.0
+"""Right of the axes, for half a number; between a number and its axis."""
+
+TINT_OF_HATCH = 0.1
+
+MARGIN, BETWEEN = 12.0, 20.0
+"""About a file's drawing, and between its stacks, px."""
+
+SWATCH = 34.0
+"""From a sample in the key to its words, px."""
+
+
+class Box(NamedTuple):
+    """A rectangle, px."""
+
+    x: float
+    y: float
+    width: float
+    height: float
+
+
+class Word(NamedTuple):
+    """Letters at a place; `halo` keeps a curve behind them off."""
+
+    x: float
+    y: float
+    text: str
+    colour: str = "soft"
+    bold: bool = False
+    anchor: Anchor = "start"
+    halo: bool = False
+    size: float = SMALL
+
+
+class Hair(NamedTuple):
+    """A straight line of the axes."""
+
+    x0: float
+    y0: float
+    x1: float
+    y1: float
+    colour: str
+    width: float = 1.0
+
+
+class Stroke(NamedTuple):
+    """Curves inside the axes, from their upper left corner, px; one array for each unbroken part.
+
+    `name` and `edge` say what is read off them.
+    """
+
+    parts: tuple[FloatArray, ...]
+    pen: Pen
+    name: str = ""
+    edge: str = ""
+
+
+class Fill(NamedTuple):
+    """An area inside the axes."""
+
+    parts: tuple[FloatArray, ...]
+    colour: str
+    tint: float
+    hatched: bool = False
+
+
+class Disc(NamedTuple):
+    """Dots inside the axes."""
+
+    centres: FloatArray
+    size: float
+    colour: str
+    hollow: bool = False
+    name: str = ""
+
+
+class Frame(NamedTuple):
+    """A panel with its places: axes, what is drawn inside them, and words."""
+
+    panel: Panel
+    box: Box
+    inner: tuple[Stroke | Fill | Disc, ...]
+    hairs: tuple[Hair, ...]
+    ticks: tuple[Word, ...]
+    words: tuple[Word, ...]
+
+
+class Laid(NamedTuple):
+    """A stack laid out."""
+
+    width: float
+    height: float
+    frames: tuple[Frame, ...]
+
+
+class Placed(NamedTuple):
+    """A stack on a sheet: its upper left corner, px."""
+
+    x: float
+    y: float
+    laid: Laid
+
+
+class Sheet(NamedTuple):
+    """A picture as a file has it: its stacks, the samples of its key, and words."""
+
+    height: float
+    stacks: tuple[Placed, ...]
+    key: tuple[tuple[float, float, Keyed], ...]
+    words: tuple[Word, ...]
+
+
+@cache
+def text_width(text: str, size: float = SMALL, *, bold: bool = False) -> float:
+    """About how long some words are, px: widths of Arial, by groups of letters."""
+    groups = {"fijl.,:;'|!It ()[]/": 0.28, "rs-ckvxyz": 0.48, "mMW%@": 0.85, "ABCDGHKNOQRUVX": 0.7}
+    sizes = {letter: width for group, width in groups.items() for letter in group}
+    return size * sum(sizes.get(letter, 0.56) for letter in text) * (1.06 if bold else 1.0)
+
+
+def lay_out(stack: tuple[Panel, ...], width: float) -> Laid:
+    """Return the places of a stack `width` px wide."""
+    heights = [panel.height for panel in stack]
+    ticks = [numbers(p.y, h, 24 if h < 110 else 30) for p, h in zip(stack, heights, strict=True)]
+    words = [written(p.y, found) for p, found in zip(stack, ticks, strict=True)]
+    left = GAP + max((text_width(word) for each in words for word in each), default=0.0)
+    inner_width = width - left - RIGHT
+    frames, y = [], 0.0
+    for i, (panel, height) in enumerate(zip(stack, heights, strict=True)):
+        last = i == len(stack) - 1
+        shown = _squared(panel, inner_width, height) if panel.square else panel
+        named = y + ROW * bool(panel.title) + (4.0 if panel.title else 0.0)
+        box = Box(left, named + ROW + 4, inner_width, height)
+        if panel.square:
+            ticks[i] = numbers(shown.y, height, 30)
+            words[i] = written(shown.y, ticks[i])
+        frames.append(_frame(shown, box, ticks[i], words[i], named=last))
+        y = box.y + height + (2 * ROW + 6 if last else 10)
+    return Laid(width, y, tuple(frames))
+
+
+def arranged(picture: Picture) -> Sheet:
+    """Return the places of everything that leaves as a file: stacks in rows, key, stamp."""
+    columns = min(picture.columns, len(picture.stacks))
+    wide = (picture.width - 2 * MARGIN - BETWEEN * (columns - 1)) / columns
+    laid = [lay_out(one, wide) for one in picture.stacks]
+    y, stacks = MARGIN, []
+    for start in range(0, len(laid), columns):
+        row = laid[start : start + columns]
+        stacks += [Placed(MARGIN + i * (wide + BETWEEN), y, one) for i, one in enumerate(row)]
+        y += max(one.height for one in row)
+    x, y, key, words = MARGIN, y + ROW, [], []
+    for mark in picture.key:
+        reach = SWATCH + text_width(mark.label) + 16
+        if x + reach > picture.width and x > MARGIN:
+            x, y = MARGIN, y + ROW + 2
+        key.append((x, y, mark))
+        words.append(Word(x + SWATCH, y, mark.label))
+        x += reach
+    if picture.stamp:
+        y += (ROW + 6) * bool(key)
+        words.append(Word(MARGIN, y, picture.stamp))
+    return Sheet(y + MARGIN, tuple(stacks), tuple(key), tuple(words))
+
+
+def _squared(panel: Panel, width: float, height: float) -> Panel:
+    """The panel with the limits of one axis widened until both have one scale."""
+    (x0, x1), (y0, y1) = panel.x.limits, panel.y.limits
+    unit = max((x1 - x0) / width, (y1 - y0) / height)
+
+    def about(low: float, high: float, length: float) -> tuple[float, float]:
+        middle, half = (low + high) / 2, unit * length / 2
+        return middle - half, middle + half
+
+    return replace(
+        panel,
+        x=replace(panel.x, limits=about(x0, x1, width)),
+        y=replace(panel.y, limits=about(y0, y1, height)),
+    )
+
+
+def _frame(
+    panel: Panel, box: Box, at: tuple[float, ...], words: list[str], *, named: bool
+) -> Frame:
+    """One panel; `named` gives its horizontal axis numbers and a label."""
+    bottom, right = box.y + box.height, box.x + box.width
+    hairs, ticks = [], []
+    for value, word in zip(at, words, strict=True):
+        y = bottom - box.height * float(place(panel.y, value))
+        hairs.append(Hair(box.x, y, right, y, "line"))
+        ticks.append(Word(box.x - 6, y + 4, word, anchor="end"))
+    hairs.append(Hair(box.x, bottom, right, bottom, "edge"))
+    below = numbers(panel.x, box.width, 46)
+    for value, word in zip(below, written(panel.x, below), strict=True):
+        x = box.x + box.width * float(place(panel.x, value))
+        hairs.append(Hair(x, bottom, x, bottom + 5, "edge"))
+        if named:
+            ticks.append(Word(x, bottom + 18, word, anchor="middle"))
+    for value in between(panel.x):
+        x = box.x + box.width * float(place(panel.x, value))
+        hairs.append(Hair(x, bottom, x, bottom + 3, "edge"))
+    said = [Word(box.x - 4, box.y - 6, panel.y.label)]
+    if panel.title:
+        said.append(Word(0, box.y - 6 - ROW - 2, panel.title, "ink", bold=True, size=BOLD))
+    if panel.note:
+        said.append(Word(right, box.y - 6, panel.note, anchor="end"))
+    if named:
+        said.append(Word(box.x + box.width / 2, bottom + 34, panel.x.label, anchor="middle"))
+    inner = tuple(one for mark in panel.marks for one in _inner(mark, panel, box))
+    tags = [mark for mark in panel.marks if isinstance(mark, Tag)]
+    return Frame(panel, box, inner, tuple(hairs), tuple(ticks), (*said, *_tagged(tags, panel, box)))
+
+
+# -- marks ----------------------------------------------------------------------------------------
+
+
+def _points(panel: Panel, box: Box, x: FloatArray, y: FloatArray) -> FloatArray:
+    """Data to px from the upper left corner of the axes, shape (n, 2); far ones brought near."""
+    across = box.width * place(panel.x, x)
+    down = box.height * (1 - place(panel.y, y))
+    far = 4 * (box.width + box.height)
+    return np.column_stack([np.clip(across, -far, far), np.clip(down, -far, far)])
+
+
+def _parts(points: FloatArray) -> tuple[FloatArray, ...]:
+    """The unbroken parts of a curve, each of two points or more."""
+    known = np.isfinite(points).all(axis=1)
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], known, [False])).astype(np.int8)))
+    pairs = zip(edges[::2], edges[1::2], strict=True)
+    return tuple(points[start:stop] for start, stop in pairs if stop - start > 1)
+
+
+def _inner(mark: Mark, panel: Panel, box: Box) -> list[Stroke | Fill | Disc]:
+    if isinstance(mark, Line):
+        return [Stroke(_parts(_points(panel, box, mark.x, mark.y)), mark.pen, mark.label)]
+    if isinstance(mark, Dots):
+        return _dots(mark, panel, box)
+    if isinstance(mark, Area):
+        return _area(mark, panel, box)
+    if isinstance(mark, Span):
+        x = np.clip(box.width * place(panel.x, (mark.low, mark.high)), 0, box.width)
+        y = (0.0, box.height)
+        corners = np.array([(x[0], y[0]), (x[1], y[0]), (x[1], y[1]), (x[0], y[1])])
+        return [Fill((corners,), mark.colour, mark.tint, mark.hatched)] if x[1] > x[0] else []
+    if isinstance(mark, Rule):
+        at = float(place(panel.y if mark.across else panel.x, mark.at))
+        if not 0 <= at <= 1:
+            return []
+        w, h = box.width, box.height
+        ends = [(0, h * (1 - at)), (w, h * (1 - at))] if mark.across else [(w * at, 0), (w * at, h)]
+        return [Stroke((np.array(ends, dtype=float),), mark.pen)]
+    return [Disc(_points(panel, box, *_at(mark)), 9.0, mark.colour, mark.dot == "hollow")] * bool(
+        mark.dot
+    )
+
+
+def _at(tag: Tag) -> tuple[FloatArray, FloatArray]:
+    return np.array([tag.x]), np.array([tag.y])
+
+
+def _dots(mark: Dots, panel: Panel, box: Box) -> list[Stroke | Fill | Disc]:
+    centres = _points(panel, box, mark.x, mark.y)
+    known = np.isfinite(centres).all(axis=1)
+    made: list[Stroke | Fill | Disc] = []
+    if mark.error is not None:
+        low, high = (_points(panel, box, mark.x, mark.y + s * mark.error) for s in (-1, 1))
+        bars = tuple(np.array(pair) for pair in zip(low[known], high[known], strict=True))
+        made.append(Stroke(bars, Pen(mark.colour, 1.0)))
+    return [*made, Disc(centres[known], mark.size, mark.colour, mark.hollow, mark.label)]
+
+
+def _area(mark: Area, panel: Panel, box: Box) -> list[Stroke | Fill | Disc]:
+    low, high = (_points(panel, box, mark.x, edge) for edge in (mark.low, mark.high))
+    known = np.isfinite(low).all(axis=1) & np.isfinite(high).all(axis=1)
+    ring = np.concatenate([low[known], high[known][::-1]])
+    tint = TINT_OF_HATCH if mark.hatched else mark.tint
+    made: list[Stroke | Fill | Disc] = [Fill((ring,), mark.colour, tint, mark.hatched)]
+    if mark.label:
+        thin = Pen(mark.colour, 0.8 if mark.hatched else 0.4)
+        made += [
+            Stroke((edge[known],), thin, mark.label, which)
+            for edge, which in ((low, "low"), (high, "high"))
+        ]
+    return made
+
+
+# -- words at points ------------------------------------------------------------------------------
+
+
+def _tagged(tags: list[Tag], panel: Panel, box: Box) -> list[Word]:
+    """Words beside their points, inside the axes and clear of each other."""
+    places = [_points(panel, box, *_at(tag))[0] + (box.x, box.y) for tag in tags]
+    taken = [Box(x - 5, y - 5, 10, 10) for x, y in places]
+    made = []
+    for tag, (x, y) in zip(tags, places, strict=True):
+        wide = text_width(tag.text, bold=tag.bold)
+        spots: list[tuple[float, float, Anchor]] = [
+            (x + 10, y + 4, "start"), (x - 10, y + 4, "end"), (x + 10, y - 10, "start"),
+            (x - 10, y - 10, "end"), (x + 10, y + 20, "start"), (x - 10, y + 20, "end"),
+            (box.x + box.width - 4, y - 10, "end"), (box.x + 4, y - 10, "start"),
+        ]  # fmt: skip
+        choices = [(_room(sx, sy, wide, anchor), sx, sy, anchor) for sx, sy, anchor in spots]
+        free = [
+            one
+            for one in choices
+            if one[0].x >= box.x - 2
+            and one[0].x + one[0].width <= box.x + box.width + RIGHT
+            and box.y - 4 <= one[0].y <= box.y + box.height - ROW
+            and not any(_meet(one[0], other) for other in taken)
+        ]
+        room, sx, sy, anchor = (free or choices)[0]
+        taken.append(room)
+        made.append(Word(sx, sy, tag.text, tag.colour, tag.bold, anchor, halo=True))
+    return made
+
+
+def _room(x: float, y: float, wide: float, anchor: Anchor) -> Box:
+    left = x if anchor == "start" else x - wide if anchor == "end" else x - wide / 2
+    return Box(left, y - 12, wide, ROW)
+
+
+def _meet(one: Box, other: Box) -> bool:
+    apart = (
+        one.x + one.width < other.x
+        or other.x + other.width < one.x
+        or one.y + one.height < other.y
+        or other.y + other.height < one.y
+    )
+    return not apart
+
+
+def limits(axis: Axis) -> str:
+    """An axis as a page's script reads it: its kind and its limits."""
+    return f"{'log' if axis.log else 'lin'} {axis.limits[0]:.8g} {axis.limits[1]:.8g}"

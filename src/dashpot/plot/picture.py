@@ -1,0 +1,246 @@
+"""Figures as values: what is drawn, before anything draws it.
+
+A `Picture` holds stacks of panels; a panel holds marks in data coordinates, in the units that
+people read. `svg` writes it for a page or a file, `bitmap` gives it to matplotlib for PNG and PDF.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+
+
+@dataclass(frozen=True)
+class Pen:
+    """How one kind of curve is drawn, in every figure alike.
+
+    Attributes
+    ----------
+    colour : str
+        A token.
+    width : float
+        px.
+    dashes : tuple of float
+        On, off, ..., px; empty for a solid line.
+    """
+
+    colour: str
+    width: float = 1.6
+    dashes: tuple[float, ...] = ()
+
+
+MEASURED = Pen("measured")
+FIT = Pen("fit", 2.0)
+PREDICTED = Pen("fit", 2.0, (7, 4))
+JOINT = Pen("joint", 3.0)
+REF = Pen("ref", 1.2, (2, 3))
+SIMPLER = (Pen("ref", 1.8, (8, 3)), Pen("ref", 1.8, (3, 2)))
+REJECTED = Pen("bad", 1.4, (5, 3))
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """A curve; nan breaks it."""
+
+    x: FloatArray
+    y: FloatArray
+    pen: Pen
+    label: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Dots:
+    """Points, with an error to either side where there is one."""
+
+    x: FloatArray
+    y: FloatArray
+    colour: str
+    label: str = ""
+    size: float = 4.0
+    hollow: bool = False
+    error: FloatArray | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Area:
+    """Between two curves: a plain tint for an interval, hatched for a bound."""
+
+    x: FloatArray
+    low: FloatArray
+    high: FloatArray
+    colour: str
+    label: str = ""
+    hatched: bool = False
+    tint: float = 0.25
+
+
+@dataclass(frozen=True)
+class Span:
+    """A range of the horizontal axis; hatched where it is out of reach."""
+
+    low: float
+    high: float
+    colour: str
+    label: str = ""
+    hatched: bool = False
+    tint: float = 0.12
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A straight line through the whole panel, upright unless `across`."""
+
+    at: float
+    pen: Pen
+    label: str = ""
+    across: bool = False
+
+
+@dataclass(frozen=True)
+class Tag:
+    """Words at a point of the data, with a dot there: filled, hollow or none."""
+
+    x: float
+    y: float
+    text: str
+    colour: str
+    dot: Literal["filled", "hollow", ""] = ""
+    bold: bool = False
+
+
+Keyed: TypeAlias = Line | Dots | Area | Span | Rule
+Mark: TypeAlias = Keyed | Tag
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A quantity with its unit, and from where to where it is shown."""
+
+    label: str
+    limits: tuple[float, float]
+    log: bool = False
+    ticks: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """One pair of axes with its marks, drawn in their order.
+
+    Attributes
+    ----------
+    x, y : Axis
+    marks : tuple of Mark
+    title : str
+    height : float
+        Of the plotted part, px.
+    note : str
+        A few words in the upper right corner.
+    square : bool
+        A unit of x is as long as one of y.
+    """
+
+    x: Axis
+    y: Axis
+    marks: tuple[Mark, ...]
+    title: str = ""
+    height: float = 190.0
+    note: str = ""
+    square: bool = False
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Picture:
+    """A figure.
+
+    Attributes
+    ----------
+    name : str
+        Letters, digits and hyphens; what ids begin with.
+    caption : str
+        What a reader without the figure can follow.
+    stacks : tuple of tuple of Panel
+        Panels one below the other share the horizontal axis; stacks stand side by side.
+    columns : int
+        How many stacks stand in a row.
+    stamp : str
+        File, specimen, date, mass, and SIMULATED if so: stands on every figure that leaves.
+    """
+
+    name: str
+    caption: str
+    stacks: tuple[tuple[Panel, ...], ...]
+    columns: int = 1
+    stamp: str = ""
+    width: float = 680.0
+
+    @property
+    def panels(self) -> tuple[Panel, ...]:
+        """All panels, in order."""
+        return tuple(panel for stack in self.stacks for panel in stack)
+
+    @property
+    def key(self) -> tuple[Keyed, ...]:
+        """One mark for each label: what was measured, then the others as they are drawn."""
+        found: dict[str, Keyed] = {}
+        for panel in self.panels:
+            for mark in panel.marks:
+                if not isinstance(mark, Tag) and mark.label:
+                    found.setdefault(mark.label, mark)
+        return tuple(sorted(found.values(), key=lambda mark: mark.label != "measured"))
+
+    def __repr__(self) -> str:
+        return f"Picture({self.name!r}, {len(self.panels)} panels: {self.caption!r})"
+
+    def _repr_html_(self) -> str:
+        """Show itself in a notebook."""
+        from dashpot.plot.svg import whole
+
+        return whole(self)
+
+
+def unit_of(values: FloatArray, unit: Literal["N", "m"]) -> tuple[str, float]:
+    """The word and the factor in which values, SI, read best: N, mN..., mm, µm...
+
+    A seal stays in N and mm; the cantilever of a microscope is in nN and nm.
+    """
+    size = float(np.max(np.abs(values), initial=0.0))
+    choices = {
+        "N": (("N", 1.0), ("mN", 1e3), ("µN", 1e6), ("nN", 1e9), ("pN", 1e12)),
+        "m": (("mm", 1e3), ("µm", 1e6), ("nm", 1e9)),
+    }[unit]
+    for word, factor in choices:
+        if size * factor >= 0.1:
+            return word, factor
+    return choices[0] if size == 0 else choices[-1]
+
+
+def around(*arrays: FloatArray, margin: float = 0.06) -> tuple[float, float]:
+    """Limits that hold every array with a margin, gaps left out."""
+    low = min(float(np.nanmin(a)) for a in arrays)
+    high = max(float(np.nanmax(a)) for a in arrays)
+    pad = margin * ((high - low) or abs(high) or 1.0)
+    return low - pad, high + pad
+
+
+def around_log(*arrays: FloatArray, margin: float = 1.25) -> tuple[float, float]:
+    """Limits of a logarithmic axis that hold every array, less what is not above zero."""
+    above = np.concatenate([np.asarray(a).ravel() for a in arrays])
+    above = above[np.isfinite(above) & (above > 0)]
+    return float(above.min()) / margin, float(above.max()) * margin
+
+
+def inside(
+    known: tuple[float, float], x: FloatArray, y: FloatArray, label: str, *, beyond: str
+) -> tuple[Line, Line]:
+    """A curve, solid inside the `known` band and dashed outside it."""
+    within = (x >= known[0]) & (x <= known[1])
+    # the dashes reach the solid part: less its first and last line
+    deep = within & np.roll(within, 1) & np.roll(within, -1)
+    return (
+        Line(x, np.where(deep, np.nan, y), PREDICTED, beyond),
+        Line(x, np.where(within, y, np.nan), FIT, label),
+    )

@@ -1,0 +1,216 @@
+"""Pictures as SVG text: one drawing for each stack in a page, or one file of all.
+
+Letters stay letters. Colours are custom properties of the page (`tokens.css`), so that one drawing
+serves the light and the dark page; a file has them as they are on paper. Whatever is inside the
+axes stands in an inner `svg` in twentieths of a px, and the group about it says its axes
+(``data-x="log 6 30"``): a script can zoom it and read it off.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from html import escape
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import ExportError
+from dashpot.plot import tokens
+from dashpot.plot.layout import (
+    Disc,
+    Fill,
+    Frame,
+    Hair,
+    Stroke,
+    Word,
+    arranged,
+    lay_out,
+    limits,
+)
+from dashpot.plot.picture import Dots, Keyed, Line, Panel, Pen, Picture, Rule
+
+FINE = 20
+"""Units of the inner drawing in a px."""
+
+
+def stack(panels: tuple[Panel, ...], *, name: str, width: float, label: str = "") -> str:
+    """One stack of panels as an ``svg`` element of a page; ids begin with `name`."""
+    laid = lay_out(panels, width)
+    says = f' role="img" aria-label="{_text(label)}"' if label else ' aria-hidden="true"'
+    return (
+        f'<svg class="w{width:.0f}" viewBox="0 0 {laid.width:.0f} {laid.height:.0f}"{says}>'
+        f"{_patterns(laid.frames, name)}{''.join(_frame(one, name) for one in laid.frames)}</svg>"
+    )
+
+
+def swatch(mark: Keyed, *, name: str) -> str:
+    """A sample of a mark as an ``svg`` element of a page's key."""
+    return (
+        f'<svg viewBox="0 0 28 12" width="28" height="12" aria-hidden="true">'
+        f"{_sample(mark, name)}</svg>"
+    )
+
+
+def whole(picture: Picture) -> str:
+    """The picture as an SVG file: every stack, the key, the stamp."""
+    name, sheet = checked(picture.name), arranged(picture)
+    body = [_patterns([f for one in sheet.stacks for f in one.laid.frames], name)]
+    for x, y, one in sheet.stacks:
+        frames = "".join(_frame(frame, name) for frame in one.frames)
+        body.append(f'<g transform="translate({x:.1f} {y:.1f})">{frames}</g>')
+    for i, (x, y, mark) in enumerate(sheet.key):
+        sample = _sample(mark, f"{name}-{i}")
+        body.append(f'<g transform="translate({x:.1f} {y - 10:.1f})">{sample}</g>')
+    body += map(_word, sheet.words)
+    size = f"{picture.width:.0f} {sheet.height:.0f}"
+    width, height = size.split()
+    return tokens.on_paper(
+        f'<svg xmlns="http://www.w3.org/2000/svg" role="img" aria-label="{_text(picture.caption)}" '
+        f'width="{width}" height="{height}" viewBox="0 0 {size}" '
+        f'font-family="{_text(tokens.SANS)}">'
+        f'<rect width="100%" height="100%" fill="var(--panel)"/>{"".join(body)}</svg>'
+    )
+
+
+def checked(name: str) -> str:
+    """The name, if an id can begin with it."""
+    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9-]*", name):
+        raise ExportError(f"'{name}' cannot begin an SVG id; use letters, digits and hyphens")
+    return name
+
+
+# -- axes and words -------------------------------------------------------------------------------
+
+
+def _text(words: str) -> str:
+    """Words as XML holds them: nothing of markup, and no character that XML forbids."""
+    return escape("".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in words))
+
+
+def _hair(one: Hair) -> str:
+    return (
+        f'<path d="M{one.x0:.1f} {one.y0:.1f}L{one.x1:.1f} {one.y1:.1f}" '
+        f'stroke="var(--{one.colour})"/>'
+    )
+
+
+def _word(one: Word) -> str:
+    more = f' text-anchor="{one.anchor}"' if one.anchor != "start" else ""
+    more += ' font-weight="700"' if one.bold else ""
+    if one.halo:
+        more += ' class="tag"'
+        more += ' paint-order="stroke" stroke="var(--panel)" stroke-width="3"'
+    return (
+        f'<text x="{one.x:.1f}" y="{one.y:.1f}" font-size="{one.size:g}" '
+        f'fill="var(--{one.colour})"{more}>{_text(one.text)}</text>'
+    )
+
+
+def _frame(frame: Frame, name: str) -> str:
+    x, y, w, h = frame.box
+    inner = "".join(_inner(one, name) for one in frame.inner)
+    return (
+        f'<g class="panel" data-x="{limits(frame.panel.x)}" data-y="{limits(frame.panel.y)}" '
+        f'data-box="{x:.2f} {y:.2f} {w:.2f} {h:.2f}" data-label="{_text(frame.panel.x.label)}|'
+        f'{_text(frame.panel.y.label)}">'
+        f'<g class="ticks">{"".join(map(_hair, frame.hairs))}{"".join(map(_word, frame.ticks))}</g>'
+        f'<svg class="plot" x="{x:.2f}" y="{y:.2f}" width="{w:.2f}" height="{h:.2f}" '
+        f'viewBox="0 0 {FINE * w:.0f} {FINE * h:.0f}" preserveAspectRatio="none">{inner}</svg>'
+        f"{''.join(map(_word, frame.words))}</g>"
+    )
+
+
+# -- marks ----------------------------------------------------------------------------------------
+
+
+def _path(parts: Iterable[FloatArray], *, closed: bool = False) -> str:
+    """The data of a path: whole units, each point from the last one."""
+    said = []
+    for part in parts:
+        units = np.rint(FINE * part).astype(np.int64)
+        steps = np.diff(units, axis=0)
+        steps = steps[np.any(steps != 0, axis=1)]
+        start = f"M{units[0, 0]} {units[0, 1]}"
+        said.append(
+            start + (f"l{' '.join(map(str, steps.ravel().tolist()))}" if len(steps) else "")
+        )
+    return "".join(said).replace(" -", "-") + "z" * closed
+
+
+def _pen(pen: Pen) -> str:
+    dashes = f' stroke-dasharray="{" ".join(f"{d:g}" for d in pen.dashes)}"' if pen.dashes else ""
+    return f'stroke="var(--{pen.colour})" stroke-width="{pen.width:g}"{dashes}'
+
+
+STEADY = 'vector-effect="non-scaling-stroke"'
+
+
+def _inner(one: Stroke | Fill | Disc, name: str) -> str:
+    if isinstance(one, Stroke):
+        if not one.parts:
+            return ""
+        read = f' data-name="{_text(one.name)}"' if one.name else ""
+        read += f' data-edge="{one.edge}"' if one.edge else ""
+        return f'<path{read} d="{_path(one.parts)}" fill="none" {_pen(one.pen)} {STEADY}/>'
+    if isinstance(one, Fill):
+        d = _path(one.parts, closed=True)
+        plain = f'<path d="{d}" fill="var(--{one.colour})" fill-opacity="{one.tint:g}"/>'
+        lines = f'<path d="{d}" fill="url(#{name}-{one.colour})"/>' if one.hatched else ""
+        return plain + lines
+    units = np.rint(FINE * one.centres).astype(np.int64)
+    d = "".join(f"M{x} {y}h0" for x, y in units.tolist())
+    read = f' data-name="{_text(one.name)}"' if one.name else ""
+
+    def round_(size: float, colour: str, said: str = "") -> str:
+        return (
+            f'<path{said} d="{d}" fill="none" stroke="var(--{colour})" stroke-width="{size:g}" '
+            f'stroke-linecap="round" {STEADY}/>'
+        )
+
+    filled = round_(one.size, one.colour, read)
+    return filled + round_(max(one.size - 3.5, 1), "panel") if one.hollow else filled
+
+
+def _hatch(key: str, colour: str, *, fine: int) -> str:
+    """Lines at 45 degrees; those out of reach lean the other way."""
+    lean = -45 if colour == "away" else 45
+    ink = "ref" if colour == "away" else colour
+    step = 7 * fine
+    return (
+        f'<pattern id="{key}" width="{step}" height="{step}" patternUnits="userSpaceOnUse" '
+        f'patternTransform="rotate({lean})"><path d="M0 0V{step}" stroke="var(--{ink})" '
+        f'stroke-opacity=".55" stroke-width="{2 * fine}"/></pattern>'
+    )
+
+
+def _patterns(frames: Iterable[Frame], name: str) -> str:
+    used = {
+        one.colour
+        for frame in frames
+        for one in frame.inner
+        if isinstance(one, Fill) and one.hatched
+    }
+    made = "".join(_hatch(f"{name}-{colour}", colour, fine=FINE) for colour in sorted(used))
+    return f"<defs>{made}</defs>" if made else ""
+
+
+# -- the key --------------------------------------------------------------------------------------
+
+
+def _sample(mark: Keyed, name: str) -> str:
+    if isinstance(mark, (Line, Rule)):
+        return f'<path d="M0 6H28" fill="none" {_pen(mark.pen)}/>'
+    if isinstance(mark, Dots):
+        rim = f'fill="var(--panel)" stroke="var(--{mark.colour})" stroke-width="1.75"'
+        body = rim if mark.hollow else f'fill="var(--{mark.colour})"'
+        size = mark.size / 2
+        return "".join(f'<circle cx="{x}" cy="6" r="{size:g}" {body}/>' for x in (6, 14, 22))
+    tint = f'<path d="M0 1H28V11H0z" fill="var(--{mark.colour})" fill-opacity="{mark.tint:g}"/>'
+    if not mark.hatched:
+        return tint
+    key = f"{name}-key"
+    return (
+        f"<defs>{_hatch(key, mark.colour, fine=1)}</defs>{tint}"
+        f'<path d="M0 1H28V11H0z" fill="url(#{key})" stroke="var(--{mark.colour})"/>'
+    )

@@ -1,0 +1,67 @@
+"""The one set of colours, sizes and words of shape: for figures, the report, and pages to come.
+
+Colours of data are those of Okabe and Ito (2008), which readers with any colour vision tell
+apart. Green, orange and vermillion are kept for judgement: no curve of a sound measurement has
+them. Every token has a value for a light and for a dark page.
+"""
+
+from __future__ import annotations
+
+import re
+
+COLOURS: dict[str, tuple[str, str]] = {
+    "bg": ("#f4f6f8", "#101316"),
+    "panel": ("#ffffff", "#171a1e"),
+    "ink": ("#16191d", "#e8ebee"),
+    "soft": ("#4a525b", "#a9b2bb"),
+    "line": ("#d9dee3", "#2d343b"),
+    "edge": ("#7d8791", "#6f7a85"),
+    "act": ("#0b5c8f", "#6cb6e6"),
+    "act-ink": ("#ffffff", "#0b1a24"),
+    "act-soft": ("#e6f0f7", "#1b2c38"),
+    "measured": ("#16191d", "#f1f3f5"),
+    "fit": ("#0072b2", "#56b4e9"),
+    "joint": ("#cc79a7", "#e58bbe"),
+    "ref": ("#7d858d", "#8b949e"),
+    "away": ("#e9ecef", "#22272d"),
+    "good": ("#009e73", "#2bb98f"),
+    "good-ink": ("#005f43", "#5fd6ad"),
+    "good-bg": ("#e3f3ec", "#12302a"),
+    "care": ("#e69f00", "#e69f00"),
+    "care-ink": ("#6b4500", "#f3c14f"),
+    "care-bg": ("#fdf1d3", "#33290f"),
+    "bad": ("#d55e00", "#f07b45"),
+    "bad-ink": ("#8f2f00", "#ff9a78"),
+    "bad-bg": ("#fdeae3", "#3a1f16"),
+}
+"""Name: on light, on dark."""
+
+LIGHT = {name: light for name, (light, _) in COLOURS.items()}
+"""Of whatever is printed or leaves as a file."""
+
+SANS = '-apple-system, "Segoe UI", Roboto, Arial, "Liberation Sans", system-ui, sans-serif'
+MONO = 'ui-monospace, "Cascadia Mono", Menlo, Consolas, monospace'
+
+SMALL, BOLD = 12.0, 13.0
+"""Sizes of the letters in a figure, px: nothing is smaller."""
+
+
+def css() -> str:
+    """The tokens as custom properties of a page: light, dark where the reader asks, light in print.
+
+    >>> css().startswith(":root{color-scheme:light dark;--bg:#f4f6f8;")
+    True
+    """
+    light, dark = (
+        "".join(f"--{name}:{pair[i]};" for name, pair in COLOURS.items()) for i in (0, 1)
+    )
+    return (
+        f":root{{color-scheme:light dark;{light}}}\n"
+        f"@media screen and (prefers-color-scheme:dark){{:root{{{dark}}}}}\n"
+        "@media print{:root{color-scheme:light}}"
+    )
+
+
+def on_paper(text: str) -> str:
+    """Text with every ``var(--token)`` as its light colour: a file knows no page."""
+    return re.sub(r"var\(--([a-z-]+)\)", lambda found: LIGHT[found[1]], text)
