@@ -120,3 +120,21 @@ def test_bad_quantities(text: str, words: str) -> None:
 def test_bad_ranges(text: str) -> None:
     with pytest.raises(DataError):
         parse_range(text, "frequency")
+
+
+@pytest.mark.parametrize("text", ["1e400g", "1e-400g", "1e19 g", "-1e19g", "9e-14g"])
+def test_what_nobody_can_mean_is_refused(text: str) -> None:
+    with pytest.raises(DataError, match=r"expected 0 or a magnitude from 1e-15 to 1e.15"):
+        parse_quantity(text, "mass")
+
+
+def test_the_ends_of_what_can_be_meant() -> None:
+    assert parse_quantity("1e15kg", "mass") == 1e15
+    assert parse_quantity("1e-12g", "mass") == 1e-15
+    assert parse_quantity("0e400g", "mass") == 0
+
+
+def test_a_range_begins_at_nought_or_above() -> None:
+    assert parse_range("0:5Hz", "frequency") == (0.0, 5.0)
+    with pytest.raises(DataError, match="begins below 0"):
+        parse_range("-5:5Hz", "frequency")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv as comma
 import io
+import math
 import os
 import re
 from dataclasses import replace
@@ -21,6 +22,7 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import ExportError
 from dashpot.base.provenance import Source
 from dashpot.export import UNIT_SYSTEMS
+from dashpot.export.notation import packed, text
 from dashpot.fitting.dynamic import fit_dynamic
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.estimate import Residual
@@ -546,3 +548,22 @@ def test_a_convex_loop_never_crosses_itself(corners: int, size: float):
     angle = 2 * np.pi * np.arange(corners + 1) / corners
     loop = size * np.column_stack((np.cos(angle), np.sin(angle), 0.2 * np.cos(3 * angle)))
     assert SealLine(loop, size / 50).elements > 0
+
+
+@every_deck
+@pytest.mark.parametrize("size", [1e31, 9e-31])
+def test_numbers_that_no_seal_has_are_refused(target, form, extra, size):
+    for solid in (
+        GeneralizedMaxwell(size, (1.0,), (1.0,)),
+        GeneralizedMaxwell(1.0, (size,), (1.0,)),
+        GeneralizedMaxwell(1.0, (1.0,), (size,)),
+    ):
+        with pytest.raises(ExportError, match="a deck holds 0 or numbers from 1e-30"):
+            export.TARGETS[target](solid, units="SI", form=form, **extra)
+
+
+@pytest.mark.parametrize("value", [math.inf, -math.inf, math.nan])
+def test_no_deck_prints_what_is_no_number(value):
+    for printed in (text, lambda number: packed(number, 16)):
+        with pytest.raises(ExportError, match="expected a finite one"):
+            printed(value)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from kit.look_alikes import ROWS, table, truth
 
-from dashpot.base.errors import ReadError
+from dashpot.base.errors import DataError, ReadError
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.impact import read_impact
 from dashpot.io.readers.inspect import inspect_file
@@ -310,7 +310,17 @@ def test_a_row_with_more_numbers_is_refused(tmp_path: Path) -> None:
 def test_wrong_encoding_names_the_option(tmp_path: Path) -> None:
     content = ("Zeit (s);Weg (mm);Kräfte (N)\n" + table(";")).encode("cp1252")
     refused(tmp_path, content, "--encoding", encoding="utf-8")
-    refused(tmp_path, content, "encoding 'klingon' is unknown", encoding="klingon")
+
+
+@pytest.mark.parametrize("word", ["klingon", "zlib", "rot13", "undefined", "idna", "punycode"])
+def test_what_is_no_encoding_of_text_is_refused(word: str) -> None:
+    with pytest.raises(DataError, match=f"encoding '{word}' is unknown; give --encoding utf-8"):
+        ReadOptions(encoding=word)
+
+
+@pytest.mark.parametrize("word", ["utf-8", "utf-16", "cp1252", "cp037", "gb18030", "shift_jis"])
+def test_an_encoding_of_text_is_taken(word: str) -> None:
+    assert ReadOptions(encoding=word).encoding == word
 
 
 def test_a_stray_byte_far_down_is_no_obstacle(tmp_path: Path) -> None:

@@ -239,6 +239,10 @@ def test_trios_json(tmp_path: Path) -> None:
     path = tmp_path / "a.json"
     path.write_text(json.dumps(document))
     same(read_relaxation(path))
+    values[30][2] = 10**309  # JSON's integers have no end
+    path.write_text(json.dumps(document))
+    with pytest.raises(ReadError, match="row 31 lacks force"):
+        read_relaxation(path)
     path.write_text('{"schema": "dashpot/fit@1"}')
     with pytest.raises(ReadError, match="JSON, but no TRIOS data found"):
         read_relaxation(path)

@@ -20,6 +20,12 @@ ComplexArray: TypeAlias = npt.NDArray[np.complex128]
 BoolArray: TypeAlias = npt.NDArray[np.bool_]
 IndexArray: TypeAlias = npt.NDArray[np.intp]
 
+LEAST, MOST = 1e-30, 1e30
+"""Between these lies, in SI units, the largest magnitude of whatever is measured."""
+
+MOST_SAMPLES = 2e7
+"""Of a record that is planned or simulated: a day at 200 Hz, a minute at 300 kHz."""
+
 
 class ByValue:
     """Equality by value for frozen dataclasses that hold arrays (declare them ``eq=False``)."""
@@ -71,6 +77,42 @@ def samples(name: str, values: npt.ArrayLike, *, minimum: int = 1) -> FloatArray
 def complex_samples(name: str, values: npt.ArrayLike, *, minimum: int = 1) -> ComplexArray:
     """Return `values` as a read-only complex array of shape (n,), every sample finite."""
     return _checked(name, values, np.dtype(np.complex128), minimum)
+
+
+def measured(name: str, values: npt.ArrayLike, *, minimum: int = 1) -> FloatArray:
+    """Return `values`, in SI units, as :func:`samples` does, if an instrument can have read them.
+
+    Raises
+    ------
+    DataError
+        As for :func:`samples`, or if their largest magnitude is neither 0 nor from
+        :data:`LEAST` to :data:`MOST`: squares of such numbers are no numbers any more.
+    """
+    array = samples(name, values, minimum=minimum)
+    peak = max(-float(array.min()), float(array.max()))
+    if peak != 0 and not LEAST <= peak <= MOST:
+        raise DataError(
+            f"{name} reaches {peak:.3g} in SI units; expected a magnitude from {LEAST:g} to "
+            f"{MOST:g}: check the unit"
+        )
+    return array
+
+
+def sample_count(duration: float, rate: float) -> int:
+    """Return how many samples a time in s holds at a rate in Hz, to the nearest.
+
+    Raises
+    ------
+    DataError
+        If they are more than :data:`MOST_SAMPLES`.
+    """
+    count = duration * rate
+    if not count <= MOST_SAMPLES:
+        raise DataError(
+            f"{duration:.6g} s at {rate:.6g} Hz are {count:.3g} samples; expected at most "
+            f"{MOST_SAMPLES:.0e}: give a shorter time or a lower rate"
+        )
+    return round(count)
 
 
 def same_length(**named: FloatArray | ComplexArray | None) -> int:

@@ -72,6 +72,9 @@ def _table() -> dict[str, Unit]:
     return units
 
 
+LEAST, MOST = 1e-15, 1e15
+"""Between these lies, in SI units, every quantity that a user can mean, if it is not 0."""
+
 TABLE = MappingProxyType(_table())
 """Every unit word known, keyed ``"dimension:word"``."""
 
@@ -228,6 +231,11 @@ def parse_quantity(text: str, dimension: Dimension) -> float:
     # division keeps 104 g exactly 0.104 kg where the factor is a negative power of ten
     inverse = round(1 / unit.factor)
     scaled = value / inverse if inverse > 1 and 1 / inverse == unit.factor else value * unit.factor
+    if re.search("[1-9]", match[1].lower().partition("e")[0]) and not LEAST <= abs(scaled) <= MOST:
+        raise DataError(
+            f"'{text}' is {scaled:.3g} in SI units; expected 0 or a magnitude from {LEAST:g} to "
+            f"{MOST:g}: check the number and its unit"
+        )
     return scaled + unit.offset
 
 
@@ -244,6 +252,8 @@ def parse_range(text: str, dimension: Dimension) -> tuple[float, float]:
     unit_word = re.sub(r"^[\s\d.eE+-]+", "", high_text)
     has_unit = re.search(r"[^\d.eE+\-\s]", low_text) is not None
     low = parse_quantity(low_text if has_unit else low_text + unit_word, dimension)
+    if low < 0:
+        raise DataError(f"'{text}' begins below 0; expected 0 <= low < high")
     if not low < high:
         raise DataError(f"'{text}' is not a range: {low_text} is not below {high_text}")
     return low, high

@@ -29,7 +29,7 @@ FILES = (
 
 @click.command("demo")
 @click.option("-o", "--output", metavar="DIR", default="dashpot-demo", show_default=True)
-@click.option("--seed", type=int, default=0, show_default=True, help="Of the noise.")
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the noise.")
 @options.force
 @reports
 def command(*, output: str, seed: int) -> Outcome:

@@ -25,7 +25,7 @@ from dashpot.cli._terminal import Text
     metavar="paper|broad|FIT",
     help="The true seal: the paper's Table 1, one with faster arms too, or a fit's JSON.",
 )
-@click.option("--seed", type=int, default=0, show_default=True, help="Of the noise.")
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the noise.")
 @click.option("--noise-free", is_flag=True, help="No noise, drift, bias, hum or quantum.")
 @click.option("--depth", type=Quantity("length"), default="8mm", show_default=True)
 @click.option("--ramp", type=Quantity("time"), default="1s", show_default=True)

@@ -9,6 +9,7 @@ from functools import cached_property
 from types import MappingProxyType
 from typing import TypeAlias
 
+from dashpot.base.arrays import LEAST, MOST
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import ExportError
 from dashpot.base.version import byline
@@ -354,6 +355,17 @@ def _refuse_impossible(deck: Deck, *, prony: bool) -> None:
     model = deck.model
     if model.k_0 == 0 and model.b == 0:
         raise ExportError("the solid has neither stiffness nor damping; there is nothing to write")
+    for name, value in (
+        ("k_inf", model.k_inf),
+        ("b", model.b),
+        *((f"k_{j}", k) for j, k in enumerate(model.k, start=1)),
+        *((f"tau_{j}", tau) for j, tau in enumerate(model.tau, start=1)),
+    ):
+        if value != 0 and not LEAST <= value <= MOST:
+            raise ExportError(
+                f"{name} = {value:.4g} in SI units; a deck holds 0 or numbers from {LEAST:g} to "
+                f"{MOST:g}"
+            )
     if deck.fit and deck.fit.unit != "N/m" and not prony:
         raise ExportError(
             f"the fit is of a material, in {deck.fit.unit}, and springs and dashpots are in N/m; "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -87,10 +88,15 @@ UNIT_SYSTEMS = MappingProxyType(
 def text(value: float) -> str:
     """A number as decks print it: ten digits and always a point, without which it is an integer.
 
+    Raises
+    ------
+    ExportError
+        If it is not finite, which no solver reads.
+
     >>> text(2e-05), text(196.5), text(3.0)
     ('2.e-05', '196.5', '3.')
     """
-    mantissa, exponent, power = f"{value:.10g}".partition("e")
+    mantissa, exponent, power = f"{_finite(value):.10g}".partition("e")
     return mantissa + ("" if "." in mantissa else ".") + exponent + power
 
 
@@ -100,7 +106,7 @@ def packed(value: float, width: int) -> str:
     >>> packed(0.50212766, 10), packed(3.68393e-05, 10), packed(-120.0, 8)
     ('0.50212766', '3.68393E-5', '-120.')
     """
-    if value == 0:
+    if _finite(value) == 0:
         return "0."
     for digits in range(min(17, width), 0, -1):
         rounded = f"{value:.{digits - 1}E}"
@@ -114,6 +120,15 @@ def packed(value: float, width: int) -> str:
             if candidate and len(candidate) <= width and float(candidate) == float(rounded):
                 return candidate
     raise ExportError(f"{value!r} does not fit into {width} columns")
+
+
+def _finite(value: float) -> float:
+    if not math.isfinite(value):
+        raise ExportError(
+            f"a number of the deck is {value} in its units; expected a finite one: look at the "
+            "stiffnesses, the relaxation times and --units"
+        )
+    return value
 
 
 def _pointed(number: str) -> str:

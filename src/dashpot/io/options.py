@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
@@ -18,6 +19,8 @@ _DELIMITERS = {
 }  # fmt: skip
 _PROFILE = 1 << 20
 """Bytes of the largest profile."""
+_NO_TEXT = {"idna", "punycode", "unicode-escape", "raw-unicode-escape"}
+"""Codecs from text to text: of names of machines, of programs."""
 _DECIMALS = {"point": ".", "dot": ".", "comma": ","}
 
 
@@ -134,6 +137,8 @@ class ReadOptions:
             number = getattr(self, name)
             if number is not None and number < 1:
                 raise DataError(f"{name} = {number}; {name}s are counted from 1")
+        if self.encoding is not None:
+            _known_encoding(self.encoding)
         object.__setattr__(self, "delimiter", _delimiter(self.delimiter))
         object.__setattr__(self, "decimal", _decimal(self.decimal))
 
@@ -196,6 +201,19 @@ def flag(name: str) -> str:
     ('--temperature-column', '--skip-rows')
     """
     return _FLAGS[name]
+
+
+def _known_encoding(word: str) -> None:
+    """Raise where an encoding does not turn bytes into text, as zlib and punycode do not."""
+    try:
+        reads = "a;1,5".encode(word).decode(word) == "a;1,5"
+    except (LookupError, ValueError):
+        reads = False
+    if not reads or codecs.lookup(word).name in _NO_TEXT:
+        raise DataError(
+            f"encoding '{word}' is unknown; give --encoding utf-8, utf-16, cp1252, cp1250 or "
+            "gb18030"
+        )
 
 
 def _delimiter(word: str | None) -> str | None:

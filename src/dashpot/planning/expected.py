@@ -20,7 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
+from dashpot.base.arrays import FloatArray, sample_count
 from dashpot.records.machine import TOLD_DRIFT, Machine
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.systems.prediction import accelerance, ringing_pole
@@ -78,7 +78,7 @@ class Bench:
 
     def time(self) -> FloatArray:
         """The samples that the method fits, s from the start of the ramp, shape (n,)."""
-        count = round((self.ramp_time + self.hold_time) * self.rate)
+        count = sample_count(self.ramp_time + self.hold_time, self.rate)
         t = np.arange(1, count + 1) / self.rate
         return t if self.method == "full" else t[t >= self.ramp_time * (1 - 1e-12)]
 

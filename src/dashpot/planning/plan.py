@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
+from dashpot.base.arrays import FloatArray, sample_count
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.planning import checks
@@ -243,7 +243,7 @@ def _lines(at: float, record: float | None) -> FloatArray:
     """The lines that a hammer test would give about the peak, Hz."""
     step = LINE_STEP if record is None else 1 / record
     first, last = at / AROUND, at * AROUND
-    count = max(int((last - first) / step), 8)
+    count = max(sample_count(last - first, 1 / step), 8)
     return np.asarray(first + step * np.arange(count, dtype=float))
 
 

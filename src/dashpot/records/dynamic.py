@@ -12,8 +12,8 @@ from dashpot.base.arrays import (
     ComplexArray,
     FloatArray,
     IndexArray,
+    measured,
     same_length,
-    samples,
 )
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
@@ -58,7 +58,7 @@ class DynamicTest(ByValue):
         for name in ("frequency", "storage", "loss", "temperature"):
             values = getattr(self, name)
             if values is not None:
-                object.__setattr__(self, name, samples(name, values))
+                object.__setattr__(self, name, measured(name, values))
         same_length(
             frequency=self.frequency,
             storage=self.storage,

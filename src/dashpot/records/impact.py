@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray, frozen, same_length, samples
+from dashpot.base.arrays import ByValue, FloatArray, frozen, measured, same_length
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
 
@@ -43,14 +43,14 @@ class ImpactTest(ByValue):
     source: tuple[Source, ...] = ()
 
     def __post_init__(self) -> None:
-        time = samples("time", self.time, minimum=8)
-        force = samples("force", self.force, minimum=8)
+        time = measured("time", self.time, minimum=8)
+        force = measured("force", self.force, minimum=8)
         acceleration = np.atleast_2d(np.asarray(self.acceleration, dtype=float))
         names = self.channels or tuple(f"acceleration {i + 1}" for i in range(len(acceleration)))
         if len(names) != len(acceleration):
             raise DataError(f"{len(names)} channel names for {len(acceleration)} accelerations")
         for name, row in zip(names, acceleration, strict=True):
-            same_length(time=time, force=force, **{name: samples(name, row)})
+            same_length(time=time, force=force, **{name: measured(name, row)})
         if self.positions is not None and len(self.positions) != len(acceleration):
             raise DataError(
                 f"{len(self.positions)} positions for {len(acceleration)} accelerometers"

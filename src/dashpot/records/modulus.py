@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from dashpot.base.arrays import ByValue, FloatArray, increasing, same_length, samples
+from dashpot.base.arrays import ByValue, FloatArray, increasing, measured, same_length
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
 from dashpot.records.specimen import Specimen
@@ -38,8 +38,8 @@ class RelaxationModulus(ByValue):
     source: Source | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "time", increasing("time", samples("time", self.time)))
-        object.__setattr__(self, "modulus", samples("modulus", self.modulus))
+        object.__setattr__(self, "time", increasing("time", measured("time", self.time)))
+        object.__setattr__(self, "modulus", measured("modulus", self.modulus))
         same_length(time=self.time, modulus=self.modulus)
         if self.time[0] < 0:
             raise DataError(f"time[0] = {self.time[0]:g} s; expected the time since the step, >= 0")

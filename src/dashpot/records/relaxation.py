@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray, increasing, same_length, samples
+from dashpot.base.arrays import ByValue, FloatArray, increasing, measured, same_length
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Source, Step
@@ -53,7 +53,7 @@ class RelaxationTest(ByValue):
 
     def __post_init__(self) -> None:
         for name in ("time", "displacement", "force"):
-            object.__setattr__(self, name, samples(name, getattr(self, name), minimum=8))
+            object.__setattr__(self, name, measured(name, getattr(self, name), minimum=8))
         same_length(time=self.time, displacement=self.displacement, force=self.force)
         increasing("time", self.time)
 
@@ -151,7 +151,7 @@ class RampHold(ByValue):
 
     def __post_init__(self) -> None:
         for name in ("time", "displacement", "force"):
-            object.__setattr__(self, name, samples(name, getattr(self, name), minimum=8))
+            object.__setattr__(self, name, measured(name, getattr(self, name), minimum=8))
         same_length(time=self.time, displacement=self.displacement, force=self.force)
         increasing("time", self.time)
         if not self.onset < self.ramp_end < self.hold_end:

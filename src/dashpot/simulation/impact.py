@@ -7,7 +7,7 @@ from math import pi
 
 import numpy as np
 
-from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.arrays import ComplexArray, FloatArray, sample_count
 from dashpot.base.errors import DataError
 from dashpot.records.impact import ImpactTest
 from dashpot.simulation.relaxation import in_steps
@@ -306,7 +306,7 @@ def simulate_impact(
     eccentricities = tuple(float(e) for e in rig.eccentricity * random.standard_normal(hits))
     signals = _motion(rig, bounce, rock, pulses, eccentricities)
     gains = (1 + rig.gain_mismatch / 2, 1 - rig.gain_mismatch / 2)
-    count = round(rig.record * rig.rate)
+    count = sample_count(rig.record, rig.rate)
     force = _record(
         signals[0],
         rig,
@@ -359,7 +359,7 @@ def _motion(
     eccentricities: tuple[float, ...],
 ) -> list[FloatArray]:
     """Force and the two accelerations at the record's rate, every hit one after another."""
-    count = round(rig.record * rig.rate) * _OVERSAMPLING
+    count = sample_count(rig.record, rig.rate) * _OVERSAMPLING
     # one sample more: the state there is where the next hit begins
     time = np.arange(count + 1) / (rig.rate * _OVERSAMPLING)
     parts: list[list[FloatArray]] = [[], [], []]

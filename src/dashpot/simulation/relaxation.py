@@ -8,7 +8,7 @@ from math import exp, pi, tan
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import ByValue, FloatArray, samples
+from dashpot.base.arrays import ByValue, FloatArray, sample_count, samples
 from dashpot.base.errors import DataError
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.records.specimen import Specimen
@@ -346,6 +346,7 @@ def simulate_path(
     end = rig.baseline + path[-1][0]
     # the motion is laid on a grid at least as fine as the record
     fine = max(1, int(np.ceil(rig.rate / rig.axis.rate)))
+    sample_count(end, max(rig.axis.rate, rig.rate))
     clock = np.arange(round(end * rig.axis.rate) + 1) / rig.axis.rate
     motion = rig.axis.follow(_staircase(clock, path, rig))
     if fine > 1:

@@ -75,28 +75,35 @@ def from_json(text: str | bytes) -> Any:
     Raises
     ------
     ReadError
-        If the text is not JSON, its schema is unknown, or a value has the wrong type.
+        If the text is not JSON, its schema is unknown, a value has the wrong type, or the
+        document holds anything that the noun does not.
     """
     import json
 
     import msgspec
 
     try:
-        found = json.loads(text)
+        found = json.loads(text, object_pairs_hook=_once)
     except (ValueError, RecursionError) as error:
         raise ReadError(f"this is not a JSON document: {error}") from None
     name = found.get("schema") if isinstance(found, dict) else None
-    if name not in SCHEMAS:
+    if not isinstance(name, str) or name not in SCHEMAS:
         raise ReadError(
             f'the document\'s "schema" is {name!r}; this version of dashpot reads '
             f"{', '.join(sorted(SCHEMAS))}"
         )
     try:
-        return msgspec.convert(_restored(found), type=SCHEMAS[name], dec_hook=_decoded)
-    except msgspec.ValidationError as error:
+        noun: Any = msgspec.convert(_restored(found), type=SCHEMAS[name], dec_hook=_decoded)
+        strange = _strange(found, document(noun))
+    except KeyError as error:
+        raise ReadError(f"the {name} document is not valid: {error} is missing") from None
+    except (msgspec.ValidationError, TypeError, ValueError, ArithmeticError) as error:
         raise ReadError(f"the {name} document is not valid: {error}") from None
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise ReadError(f"the {name} document is not valid: {error}") from None
+    except AttributeError:
+        raise ReadError(f"the {name} document is not valid: a part has the wrong type") from None
+    if strange:
+        raise ReadError(f"the {name} document is not valid: {strange}")
+    return noun
 
 
 # -- nouns to plain values -----------------------------------------------------------------------
@@ -273,6 +280,38 @@ def _numbers_or_null(value: Any) -> Any:
 # -- plain values to nouns -----------------------------------------------------------------------
 
 
+def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Return a JSON object whose keys each stand once."""
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        keys = [key for key, _ in pairs]
+        twice = next(key for key in keys if keys.count(key) > 1)
+        raise ValueError(f'the key "{twice}" stands twice in one object')
+    return found
+
+
+def _strange(given: Any, known: Any, where: str = "$") -> str:
+    """Say what a document holds that its noun, written again, does not; nothing if all is known."""
+    if isinstance(given, dict | list) and type(given) is not type(known):
+        words = ("an object", "an array", "one value")
+        found, expected = (
+            words[0 if isinstance(one, dict) else 1 if isinstance(one, list) else 2]
+            for one in (given, known)
+        )
+        return f"{where} is {found}; expected {expected}"
+    if isinstance(given, dict):
+        unknown = sorted(given.keys() - known.keys())
+        if unknown:
+            return f'{where} has "{unknown[0]}", which this version of dashpot does not know'
+        parts = [(given[key], known[key], f"{where}.{key}") for key in given]
+    # the bare contract's orders are left out: then there is nothing to hold the items against
+    elif isinstance(given, list) and len(given) == len(known):
+        parts = [(a, b, f"{where}[{i}]") for i, (a, b) in enumerate(zip(given, known, strict=True))]
+    else:
+        return ""
+    return next(filter(None, (_strange(*part) for part in parts)), "")
+
+
 def _restored(value: Any) -> Any:
     """Undo what the contract layouts and JSON itself did to the fields."""
     if isinstance(value, list):
@@ -281,6 +320,9 @@ def _restored(value: Any) -> Any:
         return _NOT_FINITE.get(value, value)
     if not isinstance(value, dict):
         return value
+    for model in (value if value.get("schema") == "dashpot/model@1" else None, value.get("model")):
+        if isinstance(model, dict) and "arms" not in model:
+            raise ValueError('a model has no "arms"; that of a spring alone is []')
     if "arms" in value and "k_inf" in value:
         return {
             "k_inf": _restored(value["k_inf"]),

@@ -88,5 +88,12 @@ def _table_like(node: dict[str, Any]) -> bool:
 
 def _row(row: list[Any], width: int) -> list[float]:
     """A row of so many numbers; what is missing or no number is NaN."""
-    numbers = [float(v) if isinstance(v, int | float) else float("nan") for v in row[:width]]
+    numbers = [_number(value) for value in row[:width]]
     return numbers + [float("nan")] * (width - len(numbers))
+
+
+def _number(value: Any) -> float:
+    try:
+        return float(value) if isinstance(value, int | float) else float("nan")
+    except OverflowError:  # JSON's integers have no end
+        return float("nan")

@@ -91,15 +91,9 @@ def decoded(blocks: Iterable[bytes], encoding: str, *, found: bool = False) -> I
     Raises
     ------
     ReadError
-        If the encoding is unknown, or the bytes are not in it.
+        If the bytes are not in it.
     """
-    try:
-        decoder = codecs.getincrementaldecoder(encoding)("replace" if found else "strict")
-    except LookupError:
-        raise ReadError(
-            f"encoding '{encoding}' is unknown; give --encoding utf-8, utf-16, cp1252, "
-            "cp1250 or gb18030"
-        ) from None
+    decoder = codecs.getincrementaldecoder(encoding)("replace" if found else "strict")
     rest = ""
     try:
         for block in blocks:

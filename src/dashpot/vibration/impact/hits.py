@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.arrays import ComplexArray, FloatArray, sample_count
 from dashpot.base.errors import DataError
 from dashpot.records.impact import ImpactTest
 from dashpot.vibration.modal.peaks import run_about
@@ -216,7 +216,7 @@ def _pretrigger(found: Sequence[_Found], rate: float, pretrigger: float | None) 
 
 def _length(found: Sequence[_Found], rate: float, before: int, record: float | None) -> int:
     if record is not None:
-        length = round(record * rate) if np.isfinite(record) else 0
+        length = sample_count(record, rate) if np.isfinite(record) else 0
         if length < before + 8:
             raise DataError(
                 f"record = {record!r} s; expected more than the {before / rate:.3g} s that a block "

@@ -1,0 +1,44 @@
+"""What an instrument can have read, and how many samples a record may have."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import dashpot as dp
+from dashpot.base.arrays import LEAST, MOST, MOST_SAMPLES, measured, sample_count
+from dashpot.base.errors import DataError
+
+
+@given(st.lists(st.floats(-MOST, MOST), min_size=1), st.sampled_from([LEAST, -LEAST, MOST, -MOST]))
+def test_what_can_be_measured_is_kept(values, peak):
+    array = measured("force", [*values, peak])
+    assert array.tolist() == [*values, peak]
+
+
+@pytest.mark.parametrize("peak", [1.01 * MOST, -1.01 * MOST, 0.99 * LEAST, -1e-300, 1e308])
+def test_what_cannot_is_refused(peak):
+    with pytest.raises(DataError, match=r"force reaches .* check the unit"):
+        measured("force", [0.0, peak])
+
+
+def test_nothing_at_all_can_be_measured():
+    assert measured("force", [0.0, 0.0]).tolist() == [0.0, 0.0]
+
+
+@pytest.mark.parametrize("scale", [1e150, 1e300, 1e-150, 1e-300])
+@pytest.mark.parametrize("name", ["time", "displacement", "force"])
+def test_a_record_of_impossible_size_is_refused_where_it_is_made(name, scale):
+    columns = dict.fromkeys(("time", "displacement", "force"), np.arange(1.0, 20.0))
+    with pytest.raises(DataError, match=f"{name} reaches"):
+        dp.RelaxationTest(**columns | {name: scale * columns[name]})
+
+
+def test_samples_are_counted_and_bounded():
+    assert sample_count(2.0, 100.4) == 201
+    assert sample_count(MOST_SAMPLES, 1.0) == MOST_SAMPLES
+    for duration, rate in ((MOST_SAMPLES, 1.001), (1e300, 1e300), (1.0, np.inf), (1.0, np.nan)):
+        with pytest.raises(DataError, match="expected at most 2e\\+07"):
+            sample_count(duration, rate)
