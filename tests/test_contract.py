@@ -223,9 +223,9 @@ def test_strict_turns_a_failed_check_into_exit_code_1(folder):
 
 def test_one_profile_for_the_bench_and_one_for_the_hammer(folder, tmp_path):
     """Hammer columns whose names say nothing are named in a profile of their own."""
-    lines = (folder / "impact.csv").read_text().splitlines()
-    head = next(i for i, line in enumerate(lines) if line.startswith("time"))
-    lines[head] = "time [s],ch1,ch2 [m/s^2],ch3 [m/s^2]"
+    head = "time [s],ch1,ch2 [m/s^2],ch3 [m/s^2]"
+    plain = (folder / "impact.csv").read_text().splitlines()
+    lines = [head if line.startswith("time") else line for line in plain]
     (tmp_path / "raw.csv").write_text("\n".join(lines) + "\n")
     run("inspect", tmp_path / "raw.csv", "--force", "ch1", "--units", "force=N",
         "--save-profile", tmp_path / "hammer.toml")  # fmt: skip

@@ -50,6 +50,9 @@ class Loaded:
     lines : tuple of (row, line)
         First row of each unbroken run and its line in the file; empty for binary files.
     notes : tuple of str
+    doubts : tuple of (segment, Question)
+        What must be answered before the numbers of a segment, counted from 0, can be trusted;
+        None is every segment.
     """
 
     values: FloatArray
@@ -57,6 +60,7 @@ class Loaded:
     segments: tuple[str, ...] = ("",)
     lines: tuple[tuple[int, int], ...] = ()
     notes: tuple[str, ...] = ()
+    doubts: tuple[tuple[int | None, Question], ...] = ()
 
     def where(self, row: int) -> str:
         """Where a row is: "line 12" of a text file, "row 3" of another."""

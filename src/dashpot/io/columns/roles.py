@@ -295,6 +295,8 @@ def unit_for(column: Column, number: int, role: Role, options: ReadOptions) -> U
     word = column.unit if stated is None else stated
     label = f"'{column.name or f'column {number}'}' ({role})"
     advice = f'add --units "{role}={_EXAMPLE.get(role, "")}"'
+    if column.content == "clock" and role == "time":
+        return _clock_unit(label, stated)
     if word is None:
         header = f"{column.name or role} [{_EXAMPLE.get(role, '')}]"
         raise ReadError(
@@ -308,6 +310,16 @@ def unit_for(column: Column, number: int, role: Role, options: ReadOptions) -> U
         wrong = stated is None and units.find(word) is not None
         text = mislabelled(column, role) if wrong else f"{label}: {error}; {advice}"
         raise ReadError(text) from None
+
+
+def _clock_unit(label: str, stated: str | None) -> Unit:
+    """Seconds, in which clock times are read whatever stands over them."""
+    if stated is None or stated == "s" or vocabulary.clock_order(stated):
+        return units.parse_unit("s", "time")
+    raise ReadError(
+        f"{label} holds clock times, which have no unit such as '{stated}'; leave that out, or say "
+        'how they are written, for example --units "time=mm:ss" or --units "time=d/m/y"'
+    )
 
 
 def sensitivity(word: str, dimension: Dimension, column_unit: str | None) -> Unit | None:

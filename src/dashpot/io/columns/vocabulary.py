@@ -114,6 +114,8 @@ PARTIAL_TIME = (
     "phase", "abschnitt", "schrittzeit", "cyklu", "kroku", "remaining", "rest", "stage",
 )  # fmt: skip
 """Clocks that start again within a test."""
+_ORDERS = ("dmy", "mdy", "ymd", "hms", "hm", "ms")
+"""Orders of the parts of a clock time; the parts that follow go without saying."""
 
 
 def plain(name: str) -> str:
@@ -189,3 +191,14 @@ def matches(name: str) -> MappingProxyType[Role, float]:
     if "force" in scores:
         scores["hammer"] = scores["force"]
     return MappingProxyType(scores)
+
+
+def clock_order(word: str | None) -> str:
+    """Return the order in which ``mm:ss`` or ``TT.MM.JJJJ hh:mm`` names the parts, or "".
+
+    >>> clock_order("mm:ss"), clock_order("TT.MM.JJJJ hh:mm"), clock_order("min")
+    ('ms', 'dmy', '')
+    """
+    parts = re.findall(r"[^\W\d_]+", (word or "").casefold())
+    letters = "".join(part[0] for part in parts).replace("j", "y").replace("t", "d")
+    return next((order for order in _ORDERS if letters.startswith(order)), "")

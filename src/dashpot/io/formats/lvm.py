@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal, InvalidOperation
 from itertools import chain
@@ -61,7 +61,7 @@ class _Rows:
     def signals(self) -> list[int]:
         return [i for i in self.dialect.numbers if i not in self.clocks]
 
-    def load(self, blocks: Iterator[str], indexes: Sequence[int]) -> Loaded:
+    def load(self, blocks: Callable[[], Iterator[str]], indexes: Sequence[int]) -> Loaded:
         wanted = [i for i in indexes if not (self.counted and i == 0)]
         loaded = load_rows(blocks, self.dialect, wanted or self.signals()[:1])
         loaded = _stacked(loaded, self.segments)
@@ -102,7 +102,7 @@ def read(raw: Raw, options: ReadOptions) -> Table:
     notes, doubts = _rate(segments[0]) if asks else ((), ())
 
     def load(indexes: Sequence[int]) -> Loaded:
-        return rows.load(decoded(raw.blocks(), encoding, found=found), indexes)
+        return rows.load(lambda: decoded(raw.blocks(), encoding, found=found), indexes)
 
     return Table(
         format="LVM",

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from itertools import takewhile
 
 from dashpot.base.errors import ReadError
+from dashpot.io.columns.vocabulary import clock_order
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw
 from dashpot.io.table import Loaded, Question, Table
 from dashpot.io.text import cells
-from dashpot.io.text.dialect import Dialect, ambiguous_commas, find_dialect
+from dashpot.io.text.dialect import Dialect, find_dialect
 from dashpot.io.text.encoding import decoded, find_encoding
-from dashpot.io.text.header import name_columns
-from dashpot.io.text.rows import load_rows, title
+from dashpot.io.text.header import Header, read_header
+from dashpot.io.text.rows import Heading, load_rows, title
 
 _HEADS = (1 << 16, 1 << 20, 1 << 24)
 _LARGE = 1 << 28
@@ -74,17 +76,11 @@ def _partial(head: bytes, encoding: str, *, found: bool) -> list[str]:
 def _table(
     raw: Raw, encoding: str, lines: list[str], dialect: Dialect, options: ReadOptions
 ) -> Table:
-    header = [line for line in lines[: dialect.first] if line.strip()]
-    columns = name_columns(lines[: dialect.first], dialect)
-    doubts, notes = [], []
-    example = ambiguous_commas(lines[dialect.first :], dialect) if options.decimal is None else None
-    if example is not None:
-        whole = example.replace(",", "")
-        says = (
-            f"numbers such as '{example}' can mean {example.replace(',', '.')} or {whole}; "
-            f'say which with --decimal "," ({example.replace(",", ".")}) or --decimal "." ({whole})'
-        )
-        doubts.append(Question(says, "--decimal MARK"))
+    above = lines[: dialect.first]
+    header = [line for line in above if line.strip()]
+    found = read_header(above, dialect)
+    notes = [found.misfit] if found.misfit else []
+    doubts = _rows_above(above, dialect)
     if dialect.mark == ".,":
         notes.append("decimal points and decimal commas are mixed; both are read as decimal marks")
     if raw.size > _LARGE:
@@ -96,13 +92,17 @@ def _table(
         notes.append(f"text decoded as {encoding}")
 
     def load(indexes: Sequence[int]) -> Loaded:
-        found = options.encoding is None
-        blocks = decoded(raw.blocks(), encoding, found=found)
-        return load_rows(blocks, dialect, indexes, first=title(header))
+        return load_rows(
+            lambda: decoded(raw.blocks(), encoding, found=options.encoding is None),
+            dialect,
+            indexes,
+            Heading(found.columns, _clock_orders(found, options), title(header)),
+            sure=options.decimal is not None,
+        )
 
     return Table(
         format="text",
-        columns=columns,
+        columns=found.columns,
         load=load,
         encoding=encoding,
         delimiter=_NAMES.get(dialect.delimiter, dialect.delimiter),
@@ -113,8 +113,30 @@ def _table(
             "simulated" in line.casefold() for line in header if re.match(r"\s*[#%$!/*;]", line)
         ),
         doubts=tuple(doubts),
-        hints=tuple(_hints(header)),
+        hints=(*filter(None, [found.misfit]), *_hints(header)),
     )
+
+
+def _rows_above(above: Sequence[str], dialect: Dialect) -> list[Question]:
+    """Ask about rows of numbers that stand right above the table and are not like its rows."""
+    filled = [(number, line) for number, line in enumerate(above, start=1) if line.strip()]
+    odd = list(takewhile(lambda one: dialect.resembles_row(one[1]), reversed(filled)))
+    if len(odd) < 2:  # one may well count the rows and columns below
+        return []
+    number, line = odd[-1]
+    cells_above, width = len(cells.split(line, dialect.delimiter)), dialect.cells
+    says = (
+        f"line {number} has {cells_above} cells where the table has {width} from line "
+        f"{dialect.first + 1} on: '{line.strip()[:60]}'; split the file there, or read what stands "
+        f"below with --skip-rows {dialect.first}"
+    )
+    return [Question(says, "--skip-rows N")]
+
+
+def _clock_orders(found: Header, options: ReadOptions) -> tuple[str, ...]:
+    """How the clock times of each column are written: as the user says, else as the header."""
+    stated = [clock_order(options.unit_of("time", column.name)) for column in found.columns]
+    return tuple(one or other for one, other in zip(stated, found.clocks, strict=True))
 
 
 _RATE = re.compile(

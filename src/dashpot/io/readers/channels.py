@@ -163,9 +163,17 @@ def si(values: FloatArray, unit: Unit) -> FloatArray:
     return values
 
 
-def load(table: Table, indexes: Sequence[int], segment: int | None) -> Loaded:
-    """Return the numbers of some columns: of the segment asked for, overload marks left out."""
+def load(table: Table, indexes: Sequence[int], segment: int | None, *, sure: bool = True) -> Loaded:
+    """Return the numbers of some columns: of the segment asked for, overload marks left out.
+
+    Raises
+    ------
+    ReadError
+        If there is no such segment, or, where it must be `sure`, its numbers leave a doubt.
+    """
     loaded = part(table.load(indexes), segment)
+    if sure and loaded.doubts:
+        raise ReadError(loaded.doubts[0][1].says)
     marks = 0
     for j in range(loaded.values.shape[1]):
         beyond = np.abs(loaded.values[:, j]) >= _OVERLOAD
@@ -222,7 +230,8 @@ def part(loaded: Loaded, segment: int | None) -> Loaded:
     stops = (*loaded.starts[1:], len(loaded.values))
     keep = np.zeros(len(loaded.values), dtype=bool)
     keep[loaded.starts[segment - 1] : stops[segment - 1]] = True
-    return rows(loaded, keep)
+    doubts = tuple(doubt for doubt in loaded.doubts if doubt[0] in {None, segment - 1})
+    return replace(rows(loaded, keep), doubts=doubts)
 
 
 def rows(loaded: Loaded, keep: BoolArray) -> Loaded:

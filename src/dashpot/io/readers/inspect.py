@@ -118,13 +118,14 @@ def _inspected(file: Opened) -> Inspection:
     kind, reason = kind_of(table, options)
     roles, questions = _proposal(table, kind, options)
     numbers = [i for i, c in enumerate(table.columns) if c.content in {"number", "clock"}]
-    loaded = channels.load(table, numbers, options.segment)
+    loaded = channels.load(table, numbers, options.segment, sure=False)
     by_index = {i: loaded.values[:, j] for j, i in enumerate(numbers)}
     time = _time(table, by_index, roles, options, len(loaded.values))
     rate, even, duration = _sampling(time, loaded.starts)
     warnings = [*table.notes, *loaded.notes]
     if time is not None:
         warnings += cleaning.clock_notes(time[np.isfinite(time)])
+    doubts = [question for _, question in loaded.doubts]
     if kind == "relaxation" and not questions:
         found = {role: by_index[i] for i, (role, _) in roles.items()}
         warnings += cleaning.swapped(found["displacement"], found["force"])
@@ -133,7 +134,8 @@ def _inspected(file: Opened) -> Inspection:
         encoding=table.encoding, delimiter=table.delimiter, decimal=table.decimal,
         header=table.header, columns=_columns(table, by_index, roles), rows=len(loaded.values),
         rate=rate, even=even, duration=duration, segments=_segments(loaded, time),
-        warnings=tuple(warnings), questions=(*table.doubts, *questions), simulated=table.simulated,
+        warnings=tuple(warnings), questions=(*table.doubts, *doubts, *questions),
+        simulated=table.simulated,
     )  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""What one cell of a text table is: a number, a clock time, a missing value or a word."""
+"""What one cell of a text table is: a number, a missing value or a word."""
 
 from __future__ import annotations
 
@@ -20,17 +20,13 @@ _GROUPED = {
     ".": re.compile(r"[+-]?[1-9]\d{0,2}(?:[,' \u00a0\u202f]\d{3})+(?:\.\d*)?\Z"),
     ",": re.compile(r"[+-]?[1-9]\d{0,2}(?:[.' \u00a0\u202f]\d{3})+(?:,\d*)?\Z"),
 }
-EITHER_WAY = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}\Z")
+EITHER_WAY = re.compile(r"[+-]?[1-9]\d{0,2}([.,])\d{3}\Z")
 """``1,234``: a thousand or one and a bit."""
 
 MISSING = re.compile(
     r"(?:nan|n\.?/?a\.?|na|null|nil|none|-+|\.+|_+|\*+|\?+|#.*|[<>]+|—|–|[+-]?inf(?:inity)?"
     r"|[+-]?(?:over|under)\w*|[+-]?ov[rfl]\w*|[+-]?ol|sat\w*|[+-]?1[.,]#\w+|nv|err\w*|invalid|bad)\Z",
     re.IGNORECASE,
-)
-_CLOCK = re.compile(
-    r"(?:(\d{4}-\d\d?-\d\d?|\d\d?[./]\d\d?[./]\d{4}|\d{4}[./]\d\d?[./]\d\d?)[ T_]\s*)?"
-    r"(\d{1,4}):(\d\d)(?::(\d\d)([.,]\d+)?)?Z?\Z"
 )
 _BLANKS = re.compile(r"\"([^\"]*)\"|(\S+)")
 
@@ -51,32 +47,6 @@ def is_missing(cell: str) -> bool:
     return not cell or MISSING.match(cell) is not None
 
 
-def clock(cell: str) -> float | None:
-    """Return seconds for ``09:18:09.717`` (since midnight) or a date with it (since 1970)."""
-    match = _CLOCK.match(cell)
-    if match is None:
-        return None
-    date, hours, minutes, seconds, part = match.groups()
-    total = 60.0 * (60 * int(hours) + int(minutes)) + int(seconds or 0)
-    total += float(part.replace(",", ".")) if part else 0.0
-    return total + 86400.0 * _day(date) if date else total
-
-
-def _day(date: str) -> int:
-    from datetime import date as day  # rare, and costs time to import
-
-    numbers = [int(part) for part in re.split(r"[-./]", date)]
-    year_first = numbers[0] > 31
-    order = numbers if year_first else numbers[::-1]
-    try:
-        return (day(*order) - day(1970, 1, 1)).days
-    except ValueError:  # month and day the other way round
-        try:
-            return (day(order[0], order[2], order[1]) - day(1970, 1, 1)).days
-        except ValueError:
-            return 0
-
-
 def split(line: str, delimiter: str, *, trim: bool = True) -> list[str]:
     """Return the cells of a line, without trailing blank cells if `trim`.
 
@@ -88,9 +58,7 @@ def split(line: str, delimiter: str, *, trim: bool = True) -> list[str]:
             return line.split()
         return [quoted or plain for quoted, plain in _BLANKS.findall(line)]
     if delimiter.startswith("fixed:"):
-        breaks = [0, *map(int, delimiter[6:].split(",")), None]
-        pairs = itertools.pairwise(breaks)
-        cells = [line[a:b].strip() for a, b in pairs]
+        cells = _fixed(line, [int(place) for place in delimiter[6:].split(",")])
     elif '"' in line:
         cells = _quoted(line, delimiter)
     else:
@@ -98,6 +66,31 @@ def split(line: str, delimiter: str, *, trim: bool = True) -> list[str]:
     while trim and cells and not cells[-1]:
         cells.pop()
     return cells
+
+
+def _fixed(line: str, breaks: Sequence[int]) -> list[str]:
+    """The cells between the breaks; by blanks, so too many or few, if a word crosses one."""
+    if any(len(line[place - 1 : place + 1].strip()) == 2 for place in breaks):
+        return line.split()
+    return [line[a:b].strip() for a, b in itertools.pairwise([0, *breaks, None])]
+
+
+def placed(line: str, like: str) -> list[str]:
+    """Return the cells of a line under those of a full row `like` it, blank where one is missing.
+
+    Returns no cells unless each stands under one cell of the row, the last under its last: only
+    then do the gaps tell which is missing.
+    """
+    places = [match.span() for match in re.finditer(r"\S+", like)]
+    cells = [""] * len(places)
+    last = -1
+    for match in re.finditer(r"\S+", line):
+        under = [i for i, (a, b) in enumerate(places) if match.start() < b and a < match.end()]
+        if len(under) != 1 or under[0] <= last:
+            return []
+        last = under[0]
+        cells[last] = match[0]
+    return cells if last == len(places) - 1 else []
 
 
 def _quoted(line: str, delimiter: str) -> list[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -11,12 +12,15 @@ from itertools import product
 from dashpot.io.table import Content
 from dashpot.io.text import cells as cell
 from dashpot.io.text.cells import Mark
+from dashpot.io.text.clock import moment
 
 _DELIMITERS = ("\t", ";", ",", "|", " ", ":")
 _MARKS: tuple[Mark, ...] = (".", ",", ".,")
 _SAMPLE = 60
-_LONGEST = 1 << 15
-"""Characters in a row; a longer line is no row of a test."""
+LONGEST = 1 << 15
+"""Characters in a row or a heading; a longer line is neither."""
+_DIGITS = set("0123456789+-.,:eE")
+_PARTS = re.compile(r"[\t;,| ]+")
 
 
 @dataclass(frozen=True)
@@ -33,50 +37,81 @@ class Dialect:
         What each column holds.
     first : int
         Line of the first row, counted from 0.
+    cells : int
+        Cells in most rows, blank ones at the end counted; 0 if that is not known.
     """
 
     delimiter: str
     mark: Mark
     contents: tuple[Content, ...]
     first: int = 0
+    cells: int = 0
 
     @cached_property
     def numbers(self) -> tuple[int, ...]:
         """The columns that hold numbers or clock times."""
         return tuple(i for i, held in enumerate(self.contents) if held in {"number", "clock"})
 
-    def row(self, line: str) -> list[str] | None:
-        """The cells of a line, one per column, if it is a row of the table; else None."""
-        if len(line) > _LONGEST:
+    def row(self, line: str, like: str = "") -> list[str] | None:
+        """The cells of a line, one per column, if it is a row of the table; else None.
+
+        Where blanks part the cells, a row `like` it that lacks none shows which are blank.
+        """
+        if len(line) > LONGEST:
             return None
-        found = cell.split(line, self.delimiter)
+        found = cell.split(line, self.delimiter, trim=False)
+        if self.delimiter == " " and len(found) < self.cells:
+            found = cell.placed(line, like)
+        whole = len(found) == self.cells
+        while found and not found[-1]:
+            found.pop()
         width = len(self.contents)
-        if not found or any(cell.number(c, self.mark) is not None for c in found[width:] if c):
+        if not found or not (whole or self._ends_well(found)):
             return None
         if self.contents[0] == "blank" and found[0]:
             return None  # a word where every row is blank: a key of the header
         found = found[:width] + [""] * (width - len(found))
         return found if self._has_numbers(found) else None
 
+    def _ends_well(self, found: Sequence[str]) -> bool:
+        """Whether a row of another width has all its numbers, and no number behind them."""
+        behind = found[len(self.contents) :]
+        reaches = not self.numbers or len(found) > self.numbers[-1]
+        return reaches and not any(cell.number(c, self.mark) is not None for c in behind)
+
     def _has_numbers(self, found: Sequence[str]) -> bool:
         """Whether there are numbers enough, and more than words, where numbers are expected."""
-        filled = blank = words = 0
+        filled = blank = words = said = 0
         for i in self.numbers:
             if self.value(found[i], i) is not None:
                 filled += 1
             elif cell.is_missing(found[i]):
                 blank += 1
+                said += any(map(str.isalpha, found[i]))
             elif i == self.numbers[0]:
                 return False  # "Mean;1.2;3.4"
             else:
                 words += 1
+        if said and said == len(self.numbers):  # NaN in every place
+            return True
         # a heading that holds a number or two has more words than numbers
         return filled > words and 2 * (filled + blank) > len(self.numbers)
+
+    def resembles_row(self, line: str) -> bool:
+        """Whether a line that is no row begins or is filled with numbers, however parted."""
+        parts = [part.strip('"') for part in _PARTS.split(line[:LONGEST].strip())]
+        numbers = sum(map(_like_number, parts))
+        words = sum(not cell.is_missing(part) for part in parts) - numbers
+        if numbers > words and (numbers >= len(self.numbers) or words == 0 < numbers - 1):
+            return True
+        first, *others = cell.split(line, self.delimiter)
+        return self.delimiter != " " and bool(others) and _like_number(first)
 
     def value(self, text: str, column: int) -> float | None:
         """The number in a cell of a column, or None."""
         if self.contents[column] == "clock":
-            return cell.clock(text)
+            found = moment(text)
+            return None if found is None else found.seconds
         return cell.number(text, self.mark)
 
 
@@ -94,9 +129,9 @@ def find_dialect(
     marks = [mark for mark in _MARKS if decimal in {None, mark}]
     for sign, mark, window in product(_delimiters(windows, delimiter), marks, windows):
         if _stands_in(sign, window):
-            score, contents = _best_run(window, sign, mark, above=highest)
-            if contents:
-                highest, best = score, Dialect(sign, mark, contents)
+            score, found = _best_run(window, sign, mark, above=highest)
+            if found is not None:
+                highest, best = score, found
     return None if best is None else _from_the_top(lines, best)
 
 
@@ -114,7 +149,7 @@ def _stands_in(sign: str, window: Sequence[str]) -> bool:
 
 
 def _windows(lines: Sequence[str]) -> Iterator[list[str]]:
-    full = [line for line in lines if line.strip() and len(line) <= _LONGEST]
+    full = [line for line in lines if line.strip() and len(line) <= LONGEST]
     if len(full) <= 3 * _SAMPLE:
         yield full
         return
@@ -125,22 +160,42 @@ def _windows(lines: Sequence[str]) -> Iterator[list[str]]:
 
 def _best_run(
     lines: Sequence[str], sign: str, mark: Mark, *, above: float
-) -> tuple[float, tuple[Content, ...]]:
-    """Score and columns of the best run of lines of one width, if it scores above `above`."""
+) -> tuple[float, Dialect | None]:
+    """Score and dialect of the best run of lines of one width, if it scores above `above`."""
     rows = [cell.split(line, sign, trim=False) for line in lines]
-    best: tuple[float, tuple[Content, ...]] = (above, ())
+    best: tuple[float, Dialect | None] = (above, None)
     if len(rows) * max(map(len, rows), default=0) <= above:  # even if all cells were numbers
         return best
     for run in _runs(rows, mark):
-        contents = _contents(run, mark)
+        cells = Counter(map(len, run)).most_common(1)[0][0]
+        columns = [[row[i] for row in run if i < len(row) and row[i]] for i in range(cells)]
+        contents = [_content(column, mark) for column in columns]
+        while contents and contents[-1] == "blank":
+            contents.pop()
         numbers = sum(held in {"number", "clock"} for held in contents)
-        words = sum(held == "text" for held in contents)
-        score = len(run) * (numbers - 2.0 * words)
+        words = sum(
+            2.0 if _hides_numbers(column) else 0.5
+            for column, held in zip(columns, contents, strict=False)
+            if held == "text"
+        )
+        score = len(run) * (numbers - words)
         # a lone number on each of a few lines is a header more often than a table
         score -= 0.5 * len(run) if numbers == 1 else 0.0
         if numbers and score > best[0]:
-            best = (score, contents)
+            best = (score, Dialect(sign, mark, tuple(contents), cells=cells))
     return best
+
+
+def _like_number(text: str) -> bool:
+    """Whether a cell is made of digits and their marks: a number, a time, two glued numbers."""
+    return not text.isalpha() and set(text) <= _DIGITS and any(map(str.isdigit, text))
+
+
+def _hides_numbers(cells: Sequence[str]) -> bool:
+    """Whether most words of a column are numbers that another delimiter would part."""
+    parts = [[part for part in _PARTS.split(text) if part] for text in cells]
+    glued = sum(len(part) > 1 and all(map(_like_number, part)) for part in parts)
+    return 2 * glued > len(cells)
 
 
 def _runs(rows: Sequence[list[str]], mark: Mark) -> Iterator[list[list[str]]]:
@@ -148,7 +203,7 @@ def _runs(rows: Sequence[list[str]], mark: Mark) -> Iterator[list[list[str]]]:
     run: list[list[str]] = []
     mask: list[bool] = []
     for row in rows:
-        is_number = [cell.number(c, mark) is not None or cell.clock(c) is not None for c in row]
+        is_number = [cell.number(c, mark) is not None or moment(c) is not None for c in row]
         if run and any(is_number) and _alike(mask, is_number, row):
             run.append(row)
             mask += is_number[len(mask) :]
@@ -172,21 +227,12 @@ def _alike(mask: list[bool], is_number: list[bool], row: list[str]) -> bool:
     return hits > 0 and fits >= shared - (shared > 2)
 
 
-def _contents(run: Sequence[Sequence[str]], mark: Mark) -> tuple[Content, ...]:
-    width = Counter(len(row) for row in run).most_common(1)[0][0]
-    columns = ([row[i] for row in run if i < len(row) and row[i]] for i in range(width))
-    held = [_content(column, mark) for column in columns]
-    while held and held[-1] == "blank":
-        held.pop()
-    return tuple(held)
-
-
 def _content(cells: Sequence[str], mark: Mark) -> Content:
     """What the filled cells of a column hold, most of them."""
     others = [text for text in cells if cell.number(text, mark) is None]
     numbers = len(cells) - len(others)
     missing = sum(map(cell.is_missing, others))
-    clocks = sum(cell.clock(text) is not None for text in others)
+    clocks = sum(moment(text) is not None for text in others)
     if missing == len(cells):
         return "blank"
     if clocks > numbers and clocks + missing >= 0.6 * len(cells):
@@ -229,21 +275,3 @@ def _fixed(lines: Sequence[str]) -> str:
     begin = blank.index(False) if False in blank else width
     breaks = [i for i in range(begin + 1, width) if blank[i - 1] and not blank[i]]
     return "fixed:" + ",".join(map(str, breaks)) if breaks else " "
-
-
-def ambiguous_commas(lines: Sequence[str], dialect: Dialect) -> str | None:
-    """Return a cell such as ``1,234`` if the commas of the whole sample can be read either way."""
-    example = None
-    for text in _with_commas(lines, dialect):
-        if not cell.EITHER_WAY.match(text):  # 0,5 or 1,234.5 or 1,234,567 settles it
-            return None
-        example = example or text
-    return example
-
-
-def _with_commas(lines: Sequence[str], dialect: Dialect) -> Iterator[str]:
-    """The cells with commas where numbers are expected."""
-    for line in lines:
-        if "," in line and (dialect.delimiter != "," or '"' in line):
-            row = dialect.row(line) or [""] * len(dialect.contents)
-            yield from (row[i] for i in dialect.numbers if "," in row[i])

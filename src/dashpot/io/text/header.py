@@ -5,18 +5,21 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 
 from dashpot.base import units
 from dashpot.io.columns import vocabulary
 from dashpot.io.table import Column, Content
 from dashpot.io.text import cells as cell
-from dashpot.io.text.dialect import Dialect
+from dashpot.io.text.dialect import LONGEST, Dialect
 
 _COMMENT = re.compile(r"^\s*(?:#+|%+|//+|\$+|!+|\*+|'+|--+|>+|@+)\s*")
 _OF_TIME = re.compile(r"[A-Za-z]\(t\)")  # E(t): no tonnes
 _BRACKETS = re.compile(
     r"^(.*?)\s*[\[(<{]\s*([^\[\](){}<>]*(?:\([^()]*\))?[^\[\](){}<>]*?)\s*[\])>}]\s*$", re.DOTALL
 )
+_UNIT_LAST = re.compile(r"[^\[\]()]+(?:\[[^\]]*\]|\([^)]*\))")
+_OPENS = re.compile(r'(?:\A|[\t;,|])\s*"[^"]*\Z')
 _UNIT_FIRST = re.compile(r"^[\[(]([^\[\]()]+)[\])]\s*([^\[\]()]+)$")
 _MANGLED = re.compile(r"^(.*?)_+([^\W_]+(?:_[^\W_]+)?)_+$")
 _SIGNS = re.compile(r"\s*[,/:]\s*|\s+in\s+|[\s_.\-]+")
@@ -32,34 +35,75 @@ def uncomment(line: str, delimiter: str) -> str:
     return text
 
 
-def name_columns(lines: Sequence[str], dialect: Dialect) -> tuple[Column, ...]:
-    """Return the columns with the names and units found in the lines above the table."""
-    width = len(dialect.contents)
-    rows = [_cells(line, dialect) for line in lines if re.search(r"\w|%|\"", line) is not None][
+@dataclass(frozen=True)
+class Header:
+    """What the lines above a table say: its columns, and how their clock times are written.
+
+    `misfit` says of a row of names that is not as wide as the table; none of it is taken.
+    """
+
+    columns: tuple[Column, ...]
+    clocks: tuple[str, ...]
+    misfit: str = ""
+
+
+def read_header(lines: Sequence[str], dialect: Dialect) -> Header:
+    """Return the names and units found in the lines above the table."""
+    rows = [_cells(line, dialect) for line in _whole(lines) if re.search(r"\w|%|\"", line)][
         -_REACH:
     ]
-    names, words = _pick(rows, width)
-    names, words = (
-        _labelled(lines, dialect, "name") or names,
-        _labelled(lines, dialect, "unit") or words,
+    names, words = _pick(rows, dialect)
+    names = _labelled(lines, dialect, "name") or names
+    words = _labelled(lines, dialect, "unit") or words
+    misfit = ""
+    if not names:
+        wrong = next((row for row in rows[:-3:-1] if _misfits(row, dialect)), [])
+        cells = dialect.cells or len(dialect.contents)
+        if wrong:
+            misfit = (
+                f"the header holds {len(wrong)} names for {cells} columns ('{wrong[0][:20]}' ... "
+                f"'{wrong[-1][:20]}'), so that none was taken"
+            )
+    padded = [
+        (names[i] if i < len(names) else "", words[i] if i < len(words) else None, content)
+        for i, content in enumerate(dialect.contents)
+    ]
+    return Header(
+        tuple(_column(name, word, content) for name, word, content in padded),
+        tuple(vocabulary.clock_order(word or part_unit(name)[1] or "") for name, word, _ in padded),
+        misfit,
     )
-    columns = []
-    for i, content in enumerate(dialect.contents):
-        name = names[i] if i < len(names) else ""
-        word = words[i] if i < len(words) else None
-        columns.append(_column(name, word, content))
-    return tuple(columns)
+
+
+def _whole(lines: Sequence[str]) -> list[str]:
+    """The lines without the overlong, each quoted cell that runs over line ends in one."""
+    whole: list[str] = []
+    for line in lines:
+        unclosed = whole and whole[-1].count('"') % 2 == 1 and _OPENS.search(whole[-1])
+        if unclosed and len(whole[-1]) + len(line) < LONGEST:
+            whole[-1] += " " + line
+        elif len(line) <= LONGEST:
+            whole.append(line)
+    return whole
 
 
 def _column(name: str, word: str | None, content: Content) -> Column:
     if content == "clock":  # read as seconds, whatever "hh:mm:ss" stands over it
         return Column(part_unit(name)[0], "s", content)
-    if word is not None and word.strip(" -[]()<>{}"):
-        stem, inner = part_unit(name)
-        same = inner is not None and units.find(inner) == units.find(_strip(word))
-        return Column(stem if same else name, _strip(word), content)
-    stem, unit = part_unit(name)
-    return Column(stem, unit, content)
+    stem, inner = part_unit(name)
+    if word is None or not word.strip(" -[]()<>{}"):
+        return Column(stem, inner, content)
+    unit = _strip(word)
+    if inner is None or units.find(inner) == units.find(unit):
+        return Column(name if inner is None else stem, unit, content)
+    if units.find(unit) is not None and set(units.dimensions(inner)) & set(units.dimensions(unit)):
+        return Column(stem, _either(inner, unit), content)
+    return Column(name, unit, content)
+
+
+def _either(first: str, second: str) -> str:
+    """Two units for one column: no unit that anyone knows, so that it is asked for."""
+    return f"{first} or {second}"
 
 
 def _strip(word: str) -> str:
@@ -74,7 +118,7 @@ def _cells(line: str, dialect: Dialect) -> list[str]:
     if len(found) == width + 1 and (not found[0] or found[0].endswith(":")):
         return found[1:]  # a label stands before the row: "Interval data:"
     fixed = dialect.delimiter.startswith("fixed")  # headings need not keep to the columns
-    if abs(len(found) - width) <= 1 and len(found) > 1 and not fixed:
+    if len(found) > 1 and not fixed and _fits(found, dialect):
         return found
     cuts = _other_cuts(text, dialect.delimiter)
     return next((again for again in cuts if len(again) == width), found)
@@ -85,10 +129,12 @@ def _other_cuts(text: str, delimiter: str) -> Iterator[list[str]]:
     for other in ("\t", ";", ",", "|"):
         if other in text and other != delimiter:
             yield cell.split(text, other)
-    bracketed = re.findall(r"[^\[\]()]+?\s*(?:\[[^\]]*\]|\([^)]*\))", text)
-    yield [part.strip(" \t,;|") for part in bracketed]
+    yield [part.strip(" \t,;|") for part in _UNIT_LAST.findall(text)]
     yield [part.strip() for part in re.split(r"\s{2,}|\t", text.strip())]
     yield re.findall(r'"([^"]*)"', text)
+    words = [] if any(other in text for other in "\t;,|") else text.split()
+    meant = sum(bool(vocabulary.matches(word)) or units.find(word) is not None for word in words)
+    yield words if 2 * meant >= len(words) else []  # else a sentence
 
 
 _LABELS = {
@@ -111,28 +157,46 @@ def _labelled(lines: Sequence[str], dialect: Dialect, what: str) -> list[str]:
     return []
 
 
-def _pick(rows: Sequence[list[str]], width: int) -> tuple[list[str], list[str]]:
+def _pick(rows: Sequence[list[str]], dialect: Dialect) -> tuple[list[str], list[str]]:
     """The row of names and the row of units among the last lines above the table."""
+    width = len(dialect.contents)
     words: list[str] = []
     for i in range(len(rows) - 1, -1, -1):
         row, above = rows[i], rows[i - 1] if i else []
-        if not words and _is_units(row, width):
-            words = row
-        elif _is_names(row, width):
-            beside = not words and len(above) == len(row) and _is_units(above, width)
+        if _is_units(row, dialect):
+            words = _both(row, words) if words else row
+        elif _is_names(row, dialect):
+            beside = not words and len(above) == len(row) and _is_units(above, dialect)
             return row, above if beside else words
         elif any(row) and (words or len(row) >= max(2, width - 1)):
             break
     return [], words
 
 
-def _is_units(row: Sequence[str], width: int) -> bool:
-    """Whether a row holds units: most filled cells are unit words, and it is about as wide."""
+def _both(above: Sequence[str], below: Sequence[str]) -> list[str]:
+    """Two rows of units as one: where they differ, what both say."""
+    merged = []
+    for i in range(max(len(above), len(below))):
+        upper, lower = (_strip(row[i]) if i < len(row) else "" for row in (above, below))
+        same = not upper or not lower or units.find(upper) == units.find(lower)
+        merged.append((lower or upper) if same else _either(upper, lower))
+    return merged
+
+
+def _fits(row: Sequence[str], dialect: Dialect) -> bool:
+    """Whether a row has a cell for each column, but for words at the end."""
+    count = len(row)
+    while count and not row[count - 1].strip(" -[]()"):
+        count -= 1
+    least = dialect.numbers[-1] + 1 if dialect.numbers else len(dialect.contents)
+    return count <= max(dialect.cells, len(dialect.contents)) and len(row) >= least
+
+
+def _is_units(row: Sequence[str], dialect: Dialect) -> bool:
+    """Whether a row as wide as the table holds units: most filled cells are unit words."""
     filled = [_strip(text) for text in row if text.strip(" -[]()")]
-    if not filled:
+    if not filled or not _fits(row, dialect):
         return False
-    if not width - 1 <= len(row) <= width + 2:  # a shorter row must hold nothing else
-        return 2 <= len(row) == len(filled) <= width and all(map(units.find, filled))
     known = sum(units.find(word) is not None or _unit_shape(word) for word in filled)
     named = any(vocabulary.plain(word) in vocabulary.FIRST for word in filled)
     bracketed = sum(map(_is_bracketed, row)) == len(filled)
@@ -149,12 +213,41 @@ def _unit_shape(word: str) -> bool:
     return bool(parts) and len(parts) > 1 and all(units.find(part) for part in parts)
 
 
-def _is_names(row: Sequence[str], width: int) -> bool:
+def _is_names(row: Sequence[str], dialect: Dialect) -> bool:
+    """Whether a row as wide as the table holds words."""
     filled = [text for text in row if text]
-    if not filled or len(row) > width + 2 or len(row) < min(width, max(1, width - 2)):
-        return False
     letters = sum(re.search(r"[^\W\d_]", text) is not None for text in filled)
-    return letters >= 0.6 * len(filled) and len(filled) >= 0.5 * width
+    many = letters >= 0.6 * len(filled) and len(filled) >= 0.5 * len(dialect.contents)
+    return bool(filled) and many and _fits(row, dialect)
+
+
+def _misfits(row: Sequence[str], dialect: Dialect) -> bool:
+    """Whether a row would name columns if it were as wide as the table."""
+    named = [text for text in row if vocabulary.matches(part_unit(text)[0])]
+    return len(named) > 1 and not _fits(row, dialect)
+
+
+def changed(
+    lines: Sequence[str], dialect: Dialect, columns: Sequence[Column], indexes: Sequence[int]
+) -> str:
+    """Return what a header inside the table says otherwise than the first, or ""."""
+    again = read_header(lines, dialect)
+    if again.misfit:
+        return again.misfit
+    spoken = [c for c in again.columns if vocabulary.matches(c.name) or units.find(c.unit or "")]
+    if 2 * len(spoken) < len([c for c in again.columns if c.name or c.unit]):
+        return ""  # a sentence, not a row of names
+    for i in indexes:
+        old, new = columns[i], again.columns[i]
+        named = old.name and new.name and vocabulary.plain(old.name) != vocabulary.plain(new.name)
+        rated = old.unit and new.unit and units.find(old.unit) != units.find(new.unit)
+        if named or rated:
+            return f"{_written(new)} where the first says {_written(old)}"
+    return ""
+
+
+def _written(column: Column) -> str:
+    return f"'{column.name}" + (f" [{column.unit}]'" if column.unit else "'")
 
 
 def part_unit(name: str) -> tuple[str, str | None]:

@@ -2,23 +2,34 @@
 
 from __future__ import annotations
 
-import io
 import re
-import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
-from dashpot.io.table import Loaded
+from dashpot.io.table import Column, Loaded, Question
 from dashpot.io.text import cells as cell
-from dashpot.io.text.dialect import Dialect
+from dashpot.io.text import marks
+from dashpot.io.text.clock import ClockColumn
+from dashpot.io.text.dialect import LONGEST, Dialect
+from dashpot.io.text.header import changed
+from dashpot.io.text.plain import PlainRows
 
 _PATIENT = 64
 _MENTIONED = 50
 _HEADING = 2000
+
+
+@dataclass(frozen=True)
+class Heading:
+    """What stands over the first segment: the columns, how their clock times are written."""
+
+    columns: tuple[Column, ...] = ()
+    clocks: tuple[str, ...] = ()
+    title: str = ""
 
 
 @dataclass
@@ -32,6 +43,8 @@ class _Gathered:
     lines: list[tuple[int, int]] = field(default_factory=list)
     words: dict[str, list[int]] = field(default_factory=dict)
     between: list[tuple[int, str]] = field(default_factory=list)
+    remarks: list[tuple[int, str]] = field(default_factory=list)
+    doubts: list[tuple[int | None, Question]] = field(default_factory=list)
 
     def note(self, word: str, line: int) -> None:
         """Count a word in the place of a number; a few are enough to tell."""
@@ -43,42 +56,72 @@ class _Gathered:
             places.append(line)
 
     def add(self, values: FloatArray, line: int) -> None:
-        if self.rows and not _remark(self.between):
-            self.starts.append(self.rows)
-            self.segments.append(title([text for _, text in self.between]))
-        self.between.clear()
+        """Add rows that stand on one line after the other, from this line on."""
         known = self.lines[-1] if self.lines else (0, line)
         if not self.lines or known[1] + self.rows - known[0] != line:
             self.lines.append((self.rows, line))
         self.parts.append(values)
         self.rows += len(values)
 
+    def part(self, *, odd: str) -> None:
+        """End a segment where lines stand between the rows, unless they are but one remark."""
+        texts = [text for _, text in self.between]
+        if odd or not _remark(texts):
+            self.starts.append(self.rows)
+            self.segments.append(title(texts))
+        else:
+            self.remarks += self.between
+        self.between.clear()
 
-def _remark(between: Sequence[tuple[int, str]]) -> bool:
-    """Whether there is nothing between two rows, or but one comment: no new segment."""
-    lines = [text for _, text in between]
-    return not lines or (
-        len(lines) == 1 and re.match(r"\s*[#%$!]", lines[0]) is not None and not title(lines)
-    )
+    def notes(self) -> list[str]:
+        """What was passed over, and where."""
+        notes = []
+        for token, (count, *places) in self.words.items():
+            at = ", ".join(f"line {line}" for line in places)
+            many = f" and {count - len(places)} more" if count > len(places) else ""
+            notes.append(f"'{token}' stands for a missing number at {at}{many}")
+        if self.remarks:
+            number, words = self.remarks[0]
+            more = f" ({len(self.remarks)} such lines)" if len(self.remarks) > 1 else ""
+            notes.append(f"line {number} is a remark between rows{more}: '{words.strip()[:60]}'")
+        if self.between and self.rows:
+            number, words = self.between[0]
+            notes.append(
+                f"what follows the table is no row and was passed over ({len(self.between)} "
+                f"lines) from line {number}: '{words.strip()[:40]}'"
+            )
+        return notes
+
+
+def _remark(lines: Sequence[str]) -> bool:
+    """Whether lines between two rows are but one comment: no new segment."""
+    comment = len(lines) == 1 and re.match(r"\s*[#%$!]", lines[0]) is not None
+    return comment and not title(lines)
 
 
 def load_rows(
-    blocks: Iterator[str], dialect: Dialect, indexes: Sequence[int], *, first: str = ""
+    blocks: Callable[[], Iterator[str]],
+    dialect: Dialect,
+    indexes: Sequence[int],
+    heading: Heading | None = None,
+    *,
+    sure: bool = True,
 ) -> Loaded:
     """Return the columns `indexes` of the table, from blocks of whole lines.
 
-    `first` is the name of the first segment.
+    Unless the decimal mark is `sure`, what can be read two ways is left as a doubt.
 
     Raises
     ------
     ReadError
-        If a line holds more numbers than there are columns.
+        If a line between the rows holds numbers as they do, but more or fewer.
     """
-    got = _Gathered(segments=[first])
-    reader = _Reader(dialect, tuple(indexes))
+    heading = heading or Heading()
+    got = _Gathered(segments=[heading.title])
+    reader = _Reader(dialect, tuple(indexes), heading, got)
     line = 1
     skipped = dialect.first
-    for block in blocks:
+    for block in blocks():
         text = block
         if skipped:
             cut = _after_lines(text, skipped)
@@ -87,21 +130,16 @@ def load_rows(
             line += passed
             text = text[cut:]
         if text:
-            reader.read(text, line, got)
+            reader.read(text, line)
             line += text.count("\n")
     values = _assembled(got, len(indexes))
-    notes = []
-    for token, (count, *places) in got.words.items():
-        at = ", ".join(f"line {line}" for line in places)
-        many = f" and {count - len(places)} more" if count > len(places) else ""
-        notes.append(f"'{token}' stands for a missing number at {at}{many}")
-    if got.between and got.rows:
-        number, words = got.between[0]
-        notes.append(
-            f"what follows the table is no row and was passed over ({len(got.between)} lines) "
-            f"from line {number}: '{words.strip()[:40]}'"
-        )
-    return Loaded(values, tuple(got.starts), tuple(got.segments), tuple(got.lines), tuple(notes))
+    notes = [*got.notes(), *reader.finish(values)]
+    if not sure:
+        places = marks.open_columns(values) | reader.grouped
+        asked = marks.ambiguous(blocks(), dialect, indexes, places)
+        got.doubts += [(None, question) for question in asked]
+    starts, names = tuple(got.starts), tuple(got.segments)
+    return Loaded(values, starts, names, tuple(got.lines), tuple(notes), tuple(got.doubts))
 
 
 def _assembled(got: _Gathered, width: int) -> FloatArray:
@@ -125,7 +163,8 @@ def _after_lines(text: str, count: int) -> int:
 
 
 _TITLE = re.compile(
-    r"\W*(?:segment|step|schritt|stage|test|run|block|record|interval)(?:\s*(?:name|no|nr))?\W*\s*[:=\t]\s*(.+)",
+    r"\A\W{0,80}(?:segment|step|schritt|stage|test|run|block|record|interval)"
+    r"(?:\s{0,9}(?:name|no|nr))?\W{0,80}?[:=\t]\s*+(.+)",
     re.IGNORECASE,
 )
 
@@ -137,127 +176,130 @@ def title(lines: Sequence[str]) -> str:
 
 
 class _Reader:
-    """Reads blocks of lines for one dialect and one choice of columns."""
+    """Reads blocks of lines for one dialect and one choice of columns into what is gathered."""
 
-    def __init__(self, dialect: Dialect, indexes: tuple[int, ...]) -> None:
+    def __init__(
+        self, dialect: Dialect, indexes: tuple[int, ...], heading: Heading, got: _Gathered
+    ) -> None:
         self.dialect = dialect
         self.indexes = indexes
-        sign = dialect.delimiter
-        self.plain = not sign.startswith("fixed") and not any(
-            dialect.contents[i] == "clock" for i in indexes
-        )
-        self.blanks = sign == " "
-        self.swaps_comma = dialect.mark != "."
-        if self.swaps_comma and sign == ",":
-            self.plain = False
-        if len(sign) == 1 and not self.blanks:
-            s = re.escape(sign)
-            # a blank cell becomes nan, whether alone, quoted or padded
-            self.blank = re.compile(rf"(?:(?<={s})|(?<=\n)|\A)[ ]*(?={s}|\n)")
+        self.heading = heading
+        self.got = got
+        self.plain = PlainRows(dialect, indexes)
+        self.clocks = {
+            i: ClockColumn(heading.clocks[i] if heading.clocks else "")
+            for i in indexes
+            if dialect.contents[i] == "clock"
+        }
+        self.grouped: set[int] = set()
+        self.like = ""
 
-    def read(self, text: str, line: int, got: _Gathered) -> None:
+    def read(self, text: str, line: int) -> None:
         """Read whole lines; a block that is not plain is halved until the odd lines are alone."""
-        values = self._fast(text) if self.plain else None
+        values = self.plain.read(text) if self.plain.possible else None
         if values is not None:
-            got.add(values, line)
+            self._add(values, line)
             return
         count = text.count("\n")
-        if self.plain and count > _PATIENT:
+        if self.plain.possible and count > _PATIENT:
             cut = _after_lines(text, count // 2)
-            self.read(text[:cut], line, got)
-            self.read(text[cut:], line + count // 2, got)
+            self.read(text[:cut], line)
+            self.read(text[cut:], line + count // 2)
             return
         run: list[list[float]] = []
-        for number, text_line in enumerate(text.split("\n")[:-1], start=line):
-            found = self._patient(text_line, number, got, begun=bool(run))
-            if found is not None:
-                run.append(found)
+        lines = text.split("\n")[:-1]
+        self._find_like(lines)
+        for number, text_line in enumerate(lines, start=line):
+            row = self._row(text_line, begun=bool(run))
+            if row is not None:
+                run.append(self._numbers(row, number))
                 continue
             if run:
-                got.add(np.array(run), number - len(run))
+                self._add(np.array(run), number - len(run))
                 run = []
-            self._between(text_line, number, got)
+            self._between(text_line, number)
         if run:
-            got.add(np.array(run), line + text.count("\n") - len(run))
+            self._add(np.array(run), line + len(lines) - len(run))
 
-    def _fast(self, text: str) -> FloatArray | None:
-        plain = self._plain(text)
-        if plain is None or self.blanks:
-            return None if plain is None else self._parse(plain)
-        if not self._same_width(plain):
-            return None
-        values = self._parse(plain)
-        if values is None and self.blank.search(plain):
-            values = self._parse(self.blank.sub("nan", plain))
-        return values
+    def finish(self, values: FloatArray) -> list[str]:
+        """Judge the end of the file and the clocks; return notes."""
+        between = self.got.between
+        if self.got.rows and between and self._odd(between[0]):
+            number, text = between[0]
+            found = cell.split(text, self.dialect.delimiter)
+            cut_off = len(between) == 1 and len(found) < len(self.dialect.contents)
+            if not found[0][:1].isalpha() and not cut_off:  # else a summary, or a cut-off row
+                self._refuse(number, text)
+        notes = []
+        for place, i in enumerate(self.indexes):
+            if i not in self.clocks:
+                continue
+            nights, asked = self.clocks[i].settled(values[:, place])
+            self.got.doubts += [(None, question) for question in asked]
+            notes += [f"the clock passes midnight at row {row + 1}" for row in nights[:3]]
+        return notes
 
-    def _plain(self, text: str) -> str | None:
-        """The text without quotes and with decimal points, None if that is not surely the same."""
-        if '"' in text:
-            if self.blanks or (self.swaps_comma and self.dialect.delimiter == ","):
-                return None
-            text = text.replace('"', "")
-        if self.swaps_comma:
-            if "." in text and self.dialect.mark == ",":  # points group the thousands
-                return None
-            text = text.replace(",", ".")
-        return text
-
-    def _same_width(self, text: str) -> bool:
-        """Whether every line has as many delimiters as the table needs, or one at its end."""
-        codes = np.frombuffer(text.encode("latin-1", "replace"), dtype=np.uint8)
-        ends = np.flatnonzero(codes == 10)
-        signs = np.flatnonzero(codes == ord(self.dialect.delimiter))
-        counts = np.diff(np.searchsorted(signs, ends), prepend=0)
-        return (
-            len(counts) > 0
-            and bool((counts == counts[0]).all())
-            and counts[0] >= len(self.dialect.contents) - 1
-        )
-
-    def _parse(self, text: str) -> FloatArray | None:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # "no data": a block of blank lines
-            try:
-                values = np.loadtxt(
-                    io.StringIO(text),
-                    delimiter=None if self.blanks else self.dialect.delimiter,
-                    comments=None,
-                    ndmin=2,
-                    usecols=None if self.blanks else self.indexes,
+    def _add(self, values: FloatArray, line: int) -> None:
+        """Add rows, once what stands before them is judged."""
+        got = self.got
+        if got.rows and got.between:
+            for one in (got.between[0], got.between[-1]):
+                if self._odd(one):
+                    self._refuse(*one)
+            odd = self._changed()
+            got.part(odd=odd)
+            if odd:
+                says = (
+                    f"{odd}; split the file there, or read what stands before it with "
+                    f"--segment {len(got.starts) - 1}"
                 )
-            except (ValueError, IndexError, OverflowError):
-                return None
-        if len(values) != text.count("\n"):  # blank lines: the line numbers would be wrong
-            return None
-        if self.blanks:
-            if values.shape[1] != len(self.dialect.contents):
-                return None
-            values = values[:, list(self.indexes)]
-        return values
+                got.doubts.append((len(got.starts) - 1, Question(says, "--segment N")))
+        got.between.clear()
+        got.add(values, line)
 
-    def _patient(
-        self, line: str, number: int, got: _Gathered, *, begun: bool
-    ) -> list[float] | None:
-        """The numbers of one line, None if it is no row; `begun` if the line before was one."""
-        row = self.dialect.row(line)
-        below = got.rows and got.between and not begun
+    def _changed(self) -> str:
+        """What a second header says otherwise than the first."""
+        if not self.heading.columns:
+            return ""
+        texts = [text for _, text in self.got.between]
+        odd = changed(texts, self.dialect, self.heading.columns, self.indexes)
+        number = self.got.between[-1][0]
+        return odd and f"line {number} ends a second header, {odd}"
+
+    def _find_like(self, lines: Sequence[str]) -> None:
+        """A row that lacks nothing, from which the places of blank cells can be told."""
+        if self.dialect.delimiter == " ":
+            full = (line for line in lines if len(line.split()) == self.dialect.cells)
+            self.like = next(full, self.like)
+
+    def _row(self, line: str, *, begun: bool) -> list[str] | None:
+        """The cells of a line, None if it is no row; `begun` if the line before was one."""
+        row = self.dialect.row(line, self.like)
+        below = self.got.rows and self.got.between and not begun
         if row is None or (below and not self._full(row)):  # "Maximum;8.0;1.9" below the table
             return None
+        return row
+
+    def _numbers(self, row: Sequence[str], number: int) -> list[float]:
+        """The numbers wanted of a row."""
         values = []
-        for i in self.indexes:
-            value = self.dialect.value(row[i], i)
+        for place, i in enumerate(self.indexes):
+            clock = self.clocks.get(i)
+            value = clock.seconds(row[i]) if clock else self.dialect.value(row[i], i)
             values.append(np.nan if value is None else value)
             if value is None and row[i]:
-                got.note(row[i][:20], number)
+                self.got.note(row[i][:20], number)
+            if self.dialect.mark == "." and "," in row[i] and value is not None and not clock:
+                self.grouped.add(place)
         return values
 
-    def _between(self, line: str, number: int, got: _Gathered) -> None:
+    def _between(self, line: str, number: int) -> None:
         """Keep a line that is no row: a heading of the next segment, or what ends the file."""
+        between = self.got.between
         if re.search(r"\w", line):
-            self._refuse_wide(line, number, got)
-            if len(got.between) < _HEADING:
-                got.between.append((number, line[:200]))
+            if len(between) >= _HEADING:
+                between.pop()
+            between.append((number, line[:LONGEST]))
 
     def _full(self, row: Sequence[str]) -> bool:
         """Whether no word stands where a number is expected."""
@@ -266,12 +308,16 @@ class _Reader:
             for i in self.dialect.numbers
         )
 
-    def _refuse_wide(self, line: str, number: int, got: _Gathered) -> None:
-        cells = cell.split(line, self.dialect.delimiter)
-        width = len(self.dialect.contents)
-        found = cell.numeric(cells, self.dialect.mark)
-        if got.rows and len(cells) > width and sum(found) > len(self.dialect.numbers):
-            raise ReadError(
-                f"line {number} has {len(cells)} cells where the table has {width}: "
-                f"'{line.strip()[:60]}'; the table changes there, split the file at that line"
-            )
+    def _odd(self, one: tuple[int, str]) -> bool:
+        """Whether a line beside rows holds numbers as they do, and is none."""
+        comment = re.match(r"\s*[#%$!]", one[1]) is not None
+        return not comment and self.dialect.resembles_row(one[1])
+
+    def _refuse(self, number: int, line: str) -> None:
+        count = len(cell.split(line, self.dialect.delimiter))
+        width = self.dialect.cells or len(self.dialect.contents)
+        raise ReadError(
+            f"line {number} has {count} cell{'s' * (count != 1)} where the table has {width}: "
+            f"'{line.strip()[:60]}'; which one is missing, added or not parted cannot be known: "
+            "correct that line or take it out, or split the file there"
+        )

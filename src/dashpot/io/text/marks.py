@@ -1,0 +1,109 @@
+"""Whether ``1.600`` is one and a bit or a thousand and six hundred: the whole column tells."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.io.table import Question
+from dashpot.io.text import cells as cell
+from dashpot.io.text.dialect import Dialect
+
+_SMALL = re.compile(r"[+-]?[1-9]\d{0,2}\Z")
+_ROWS = 1 << 14
+
+
+def open_columns(values: FloatArray) -> set[int]:
+    """Return the columns whose points could part thousands, as far as their values tell.
+
+    A number below one, above a thousand or with more than three decimals was printed with a
+    decimal point, or without any mark; so was a column of nothing but whole or nothing but
+    broken numbers. Hardly a column is left.
+    """
+    found = set()
+    for j, column in enumerate(values.T):
+        broken = whole = False
+        for start in range(0, len(column), _ROWS):
+            part = np.abs(column[start : start + _ROWS])
+            part = part[np.isfinite(part) & (part > 0)]
+            thousandths = part * 1e3
+            if (
+                (part < 1) | (part >= 1e3) | (abs(thousandths - np.round(thousandths)) > 0.01)
+            ).any():
+                break
+            fraction = part != np.floor(part)
+            broken, whole = broken or bool(fraction.any()), whole or not fraction.all()
+        else:
+            found |= {j} if broken and whole else set()
+    return found
+
+
+@dataclass
+class _Marks:
+    """How the numbers of one column are written, as far as they have been read."""
+
+    decimal: str
+    own: str = ""
+    foreign: str = ""
+    small: bool = False
+    broken: bool = False
+    grouped: bool = False
+
+    def add(self, text: str) -> None:
+        match = cell.EITHER_WAY.match(text)
+        if match and match[1] in self.decimal:
+            self.own = self.own or text
+        elif match:
+            self.foreign = self.foreign or text
+        elif _SMALL.match(text):
+            self.small = True
+        else:  # 1,234.5 shows what groups; 1.6, and 1600 without any mark, what does not
+            marks = sum(c in ".," for c in text)
+            self.grouped |= marks > 1
+            self.broken |= marks == 1 or len(text) > 3
+
+    def doubt(self) -> str:
+        """A cell that can be read two ways, or ""."""
+        if self.grouped:
+            return ""
+        if self.foreign and (self.decimal == "." or not (self.own or self.small or self.broken)):
+            return self.foreign
+        # beside 800, 1.600 was hardly printed with three decimals
+        return self.own if self.small and not self.broken else ""
+
+
+def ambiguous(
+    blocks: Iterator[str], dialect: Dialect, indexes: Sequence[int], places: Collection[int]
+) -> list[Question]:
+    """Return what to ask of the columns at some `places` of `indexes`, from the text itself."""
+    columns = {indexes[place]: _Marks(dialect.mark) for place in places}
+    skip = dialect.first
+    for block in blocks if columns else ():
+        lines = block.split("\n")[:-1]
+        for line in lines[skip:]:
+            row = dialect.row(line)
+            for i, marks in columns.items() if row else ():
+                if row and cell.number(row[i], dialect.mark) is not None:
+                    marks.add(row[i])
+        skip = max(0, skip - len(lines))
+        if all(
+            marks.grouped or (marks.broken and dialect.mark != ".") for marks in columns.values()
+        ):
+            break
+    return [_which_mark(text) for marks in columns.values() if (text := marks.doubt())]
+
+
+def _which_mark(example: str) -> Question:
+    digits = re.sub("[.,]", "", example)
+    mark = "," if "," in example else "."
+    other = "." if mark == "," else ","
+    value = example.replace(",", ".")
+    says = (
+        f"numbers such as '{example}' can mean {value} or {digits}; say which with "
+        f'--decimal "{mark}" ({value}) or --decimal "{other}" ({digits})'
+    )
+    return Question(says, "--decimal MARK")

@@ -1,0 +1,299 @@
+"""Files that look sound and are easily read wrong: one ramp and hold, the look-alikes' truth.
+
+A case says what must come of it: the truth, with a note where a row was left out, or a refusal
+that holds some words and, where an option answers it, the truth with that option. The odd line stands late in the hold, where a lost sample does no harm.
+"""
+
+# ruff: noqa: E501 - a file of a lab stands on one line
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from kit.look_alikes import ROWS, truth
+
+HEAD = "Time (s);Temp (C);Position (mm);Load (N);Count"
+THREE = "Time (s);Position (mm);Load (N)"
+ODD = 50
+LINE = ODD + 2
+"""The line of the odd row under one line of header."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """One file, and what must come of it.
+
+    Attributes
+    ----------
+    refused : tuple of str
+        Words that the refusal holds; none if the truth must be read.
+    noted : str
+        A word of the notes.
+    without : tuple of int
+        Rows of the truth that are left out.
+    """
+
+    name: str
+    content: bytes
+    refused: tuple[str, ...] = ()
+    noted: str = ""
+    without: tuple[int, ...] = ()
+    answer: dict[str, object] = field(default_factory=dict)
+    """Options with which a refused file is read right."""
+    coarse: float = 1e-9
+    """How far the force, N, may be from the truth, for the digits printed."""
+    slow: float = 1.0
+    """How much longer the record lasts."""
+
+
+def five() -> list[list[str]]:
+    """Cells of the truth with a temperature inside and a counter behind."""
+    return [
+        [f"{t:.5f}", f"{20 + 0.01 * i:.2f}", f"{x:.5f}", f"{f:.5f}", str(i % 7)]
+        for i, (t, x, f) in enumerate(zip(*truth(), strict=True))
+    ]
+
+
+def three() -> list[list[str]]:
+    """Cells of the truth."""
+    return [[f"{v:.5f}" for v in row] for row in zip(*truth(), strict=True)]
+
+
+def joined(
+    rows: Sequence[Sequence[str]], head: str = THREE, sign: str = ";", end: str = "\n"
+) -> str:
+    """A file of the rows."""
+    return end.join([head, *(sign.join(row) for row in rows)]) + end
+
+
+def changed(rows: list[list[str]], at: int, row: list[str]) -> list[list[str]]:
+    """The rows with one of them replaced."""
+    return [*rows[:at], row, *rows[at + 1 :]]
+
+
+def put(text: str, line: int, *others: str) -> str:
+    """The text with lines put in before a line, counted from 1."""
+    lines = text.split("\n")
+    return "\n".join([*lines[: line - 1], *others, *lines[line - 1 :]])
+
+
+def scaled(rows: list[list[str]], first: int, column: int, factor: float) -> list[list[str]]:
+    """The rows, one column in another unit from some row on."""
+    return [
+        [*row[:column], f"{float(row[column]) * factor:.8f}", *row[column + 1 :]]
+        if i >= first
+        else row
+        for i, row in enumerate(rows)
+    ]
+
+
+def swapped(rows: list[list[str]], first: int, a: int, b: int) -> list[list[str]]:
+    """The rows, two columns exchanged from some row on."""
+    order = {a: b, b: a}
+    return [
+        [row[order.get(j, j)] for j in range(len(row))] if i >= first else row
+        for i, row in enumerate(rows)
+    ]
+
+
+def _quoted() -> list[Case]:
+    labelled = [[r[0], f'"run A, {i}"', *r[2:4]] for i, r in enumerate(five())]
+    once = [[r[0], '"run A, 5"' if i == ODD else "run A", *r[2:4]] for i, r in enumerate(five())]
+    head = "Time (s),Note,Position (mm),Load (N)"
+    number = [[r[0], f'"1,{i:03d}.50"', *r[2:4]] for i, r in enumerate(five())]
+    inch = [[r[0], '5" pipe', *r[2:4]] for r in five()]
+    broken = [[r[0], '"line\nbreak"' if i == ODD else "ok", *r[2:4]] for i, r in enumerate(five())]
+    wide = [[r[0], *r[2:4], f'"a,b {i}"'] for i, r in enumerate(five())]
+    return [
+        Case("a comma inside every quoted cell", joined(labelled, head, ",").encode()),
+        Case("a comma inside one quoted cell", joined(once, head, ",").encode()),
+        Case("a semicolon inside a quoted cell", joined(changed(five(), ODD, [five()[ODD][0], '"1;2"', *five()[ODD][2:]]), HEAD).encode(), noted="" ),
+        Case("grouped thousands in quotes", joined(number, "Time (s),Microstrain,Position (mm),Load (N)", ",").encode()),
+        Case("an inch mark in a cell", joined(inch, head, ",").encode()),
+        Case("a line break inside a quoted cell", joined(broken, head, ",").encode(), (f"line {LINE}",)),
+        Case("quoted commas in the last column", joined(wide, "Time (s),Position (mm),Load (N),Note", ",").encode()),
+        Case("a line break in quoted names", joined(three(), '"Time\n(s)","Position\n(mm)","Load\n(N)"', ",").encode()),
+        Case("a quoted comma in a name", joined(three(), '"Time (s)","Position, top (mm)","Load (N)"', ",").encode()),
+    ]  # fmt: skip
+
+
+def _ragged() -> list[Case]:
+    rows = five()
+    grown = [[*r[:1], "1", *r[1:]] if i >= ODD else r for i, r in enumerate(rows)]
+    marked = [[*r, "9"] if i >= ODD else r for i, r in enumerate(rows)]
+    shrunk = [[r[0], *r[2:]] if i >= ODD else r for i, r in enumerate(rows)]
+    half = [[r[0], *r[2:]] if i >= 20 else r for i, r in enumerate(rows)]
+    one = changed(rows, ODD, [rows[ODD][0], *rows[ODD][2:]])
+    words = [[*r, "contact"] if i == ODD else r for i, r in enumerate(three())]
+    inside = changed(three(), ODD, [three()[ODD][0], "M1", *three()[ODD][1:]])
+    front = changed(three(), ODD, ["M1", *three()[ODD]])
+    glued = [
+        *three()[:ODD],
+        [*three()[ODD][:2], three()[ODD][2] + three()[ODD + 1][0], *three()[ODD + 1][1:]],
+        *three()[ODD + 2 :],
+    ]
+    trailing = joined(one, HEAD).replace("\n", ";;\n")
+    last = changed(rows, ROWS - 1, rows[-1][:2])
+    other = joined(three()).split("\n")
+    other[LINE - 1] = other[LINE - 1].replace(";", ",")
+    return [
+        Case("a column appears inside", joined(grown, HEAD).encode(), (f"line {LINE}", "6 cells")),
+        Case("a marker column appears behind", joined(marked, HEAD).encode(), (f"line {LINE}", "6 cells")),
+        Case("a column is lost", joined(shrunk, HEAD).encode(), (f"line {LINE}", "4 cells")),
+        Case("a column is lost early", joined(half, HEAD).encode(), ("line 2 has 5 cells", "4 from line 22")),
+        Case("one row lost a cell", joined(one, HEAD).encode(), (f"line {LINE}", "4 cells")),
+        Case("one row lost a cell before trailing delimiters", trailing.encode(), (f"line {LINE}",)),
+        Case("one row lost a cell, tabs", joined(one, HEAD.replace(";", "\t"), "\t").encode(), (f"line {LINE}",)),
+        Case("a word behind one row", joined(words).encode()),
+        Case("a word inside one row", joined(inside).encode(), (f"line {LINE}",)),
+        Case("a word before one row", joined(front).encode(), (f"line {LINE}",)),
+        Case("two rows on one line", joined(glued).encode(), (f"line {LINE}",)),
+        Case("the last row is cut off", joined(last, HEAD).encode(), noted="passed over", without=(ROWS - 1,)),
+        Case("one row has another delimiter", "\n".join(other).encode(), (f"line {LINE}",)),
+        Case("every cell of a row is NaN", joined(changed(three(), ODD, ["NaN"] * 3)).encode(), (f"line {LINE} lacks time",)),
+    ]  # fmt: skip
+
+
+def _blanks() -> list[Case]:
+    def aligned(hole: int | None, left: bool = False, count: int = 1) -> str:
+        lines = ["Time (s)    Temp (C)    Position (mm)   Load (N)   Count"]
+        for i, r in enumerate(five()):
+            cells = ["" if j == hole and ODD <= i < ODD + count else c for j, c in enumerate(r)]
+            lines.append("".join(c.ljust(12) if left else c.rjust(12) for c in cells).rstrip())
+        return "\n".join(lines) + "\n"
+
+    loose = joined(
+        changed(five(), ODD, [five()[ODD][0], *five()[ODD][2:]]), HEAD.replace(";", "  "), " "
+    )
+    wide = [
+        [
+            f"{float(r[0]):8.3f}",
+            f"{float(r[1]) * (1000 if i >= ODD else 1):8.2f}",
+            f"{float(r[2]):10.3f}",
+            r[3].rjust(10),
+        ]
+        for i, r in enumerate(five())
+    ]
+    names = "Time (s)  Temp (C)  Position (mm)  Load (N)"
+    return [
+        Case("a blank cell in aligned rows", aligned(1).encode()),
+        Case("a blank cell in rows aligned to the left", aligned(1, left=True).encode()),
+        Case("blank cells in many aligned rows", aligned(1, count=9).encode()),
+        Case("a blank last cell in aligned rows", aligned(4).encode(), (f"line {LINE}", "4 cells")),
+        Case("a blank force in aligned rows", aligned(3).encode(), (f"line {LINE} lacks force",)),
+        Case("a lost cell in loose rows", loose.encode(), (f"line {LINE}", "4 cells")),
+        Case("numbers grow over their field", joined(wide, names, "").encode(), (f"line {LINE}",)),
+    ]  # fmt: skip
+
+
+def _headers() -> list[Case]:
+    text = joined(scaled(three(), ODD, 2, 1e-3))
+    milli = "Time (s);Position (mm);Load (kN)"
+    order = "Time (s);Load (N);Position (mm)"
+    swap = joined(swapped(three(), ODD, 1, 2))
+    units = "Time;Position;Load\ns;mm;N"
+    pause = put(joined(three()), LINE, "", "Pause", THREE)
+    two = joined(three(), "Time;Position;Load\ns;mm;N\ns;mm;kN")
+    return [
+        Case("a second header in another unit", put(text, LINE, milli).encode(), (f"line {LINE}", "kN"), without=tuple(range(ODD, ROWS)), answer={"segment": 1}),
+        Case("a second header after a pause", put(text, LINE, "", "Pause", milli).encode(), (f"line {LINE + 2}", "kN")),
+        Case("a second header in another order", put(swap, LINE, order).encode(), (f"line {LINE}", "Load")),
+        Case("a second header with a row of units", put(joined(scaled(three(), ODD, 2, 1e-3), units), LINE + 1, "Time;Position;Load", "s;mm;kN").encode(), ("line 54", "kN")),
+        Case("a second row of units alone", put(joined(scaled(three(), ODD, 2, 1e-3), units), LINE + 1, "s;mm;kN").encode(), ("line 53", "kN")),
+        Case("a commented second header", put(text, LINE, "# " + milli).encode(), (f"line {LINE}", "kN")),
+        Case("the same header again", pause.encode(), noted="2 segments"),
+        Case("two rows of units", two.encode(), ("N", "kN", "--units"), answer={"units": {"force": "N"}}),
+        Case("a unit in the name and another below", joined(three(), "Time (s);Position (mm);Load (kN)\ns;mm;N").encode(), ("kN", "--units"), answer={"units": {"force": "N"}}),
+        Case("a remark inside", put(joined(three()), LINE, "# a lorry passed").encode(), noted="remark"),
+        Case("a header that takes the table over", joined(three(), "Sensor;Cell 1;Cell 2\nTime;Position;Load\ns;mm;N").encode()),
+        Case("merged cells over the names", joined(three(), "Bench;;Cell\nTime;Position;Load\ns;mm;N").encode()),
+        Case("fewer names than columns", "\n".join([THREE, *(f"{i + 1};" + ";".join(r) for i, r in enumerate(three()))]).encode(), ("3 names", "4 columns")),
+        Case("row names as R writes them", "\n".join(['"Time" "Position" "Load"', *(f'"{i + 1}" ' + " ".join(r) for i, r in enumerate(three()))]).encode(), ("3 names", "4 columns")),
+        Case("more names than columns", joined(three(), "Time (s);Temp (C);Position (mm);Load (N)").encode(), ("4 names", "3 columns")),
+        Case("units fewer than names", joined(five(), "Time;Temp;Position;Load;Count\ns;mm;N").encode(), ("unit",)),
+    ]  # fmt: skip
+
+
+def _marks() -> list[Case]:
+    time, moved, force = truth()
+    rows = list(zip(time, moved, force, strict=True))
+
+    def micro(text: str) -> str:
+        return f"Time (s);Position (um);Load (N)\n{text}"
+
+    grouped = "Zeit [ms];Weg [um];Kraft [mN]\n" + "".join(
+        f"{1e3 * t:,.0f};{1e3 * x:,.0f};{1e3 * f:,.0f}\n" for t, x, f in rows
+    )
+    late = "".join(f"{round(t * 1e3):,};{x:.5f};{f:.5f}\n".replace(",", "'") for t, x, f in rows)
+    german = "".join(
+        f"{t:.1f};{x * 1e3:,.1f};{f:.5f}\n".translate(str.maketrans(",.", ".,")) for t, x, f in rows
+    )
+    cut = "".join(
+        f"{t:.5f},{x:.5f},{f:.5f}\n".replace(".", ",").replace(",00000", ",0") for t, x, f in rows
+    )
+    seconds = "".join(
+        f"{i},{x:.5f},{f:.5f}\n".replace(".", ",") for i, (_, x, f) in enumerate(rows)
+    )
+    return [
+        Case("points group the thousands beside small numbers", grouped.replace(",", ".").encode(), ("--decimal",), answer={"decimal": ","}, coarse=1e-3),
+        Case("commas group the thousands beside small numbers", grouped.encode(), ("--decimal",), answer={"decimal": "."}, coarse=1e-3),
+        Case("points group thousands and millions", grouped.replace(",", ".").replace("Kraft [mN]", "Kraft [mN];Hits").replace("\n", ";1.234.567\n").replace("Hits;1.234.567", "Hits").encode(), coarse=1e-3),
+        Case("apostrophes group the thousands", ("Time (ms);Position (mm);Load (N)\n" + late).encode()),
+        Case("German thousands with decimals", micro(german).encode()),
+        Case("decimal commas parted by commas", ("Time (s),Position (mm),Load (N)\n" + cut).encode(), ("3 names", "6 columns")),
+        Case("decimal commas parted by commas, whole seconds", ("Time (s),Position (mm),Load (N)\n" + seconds).encode(), ("3 names", "5 columns")),
+        Case("one decimal comma in a file of points", joined(changed(three(), ODD, [three()[ODD][0], "8,000", three()[ODD][2]])).encode(), ("8,000",)),
+        Case("a number with its unit", joined(changed(three(), ODD, [*three()[ODD][:2], three()[ODD][2] + " N"])).encode(), (f"line {LINE} lacks force",)),
+        Case("blanks group the thousands", micro("".join(f"{t:.1f};{x * 1e3:,.1f};{f:.5f}\n".replace(",", "\u202f") for t, x, f in rows)).encode()),
+    ]  # fmt: skip
+
+
+def _clocks() -> list[Case]:
+    time, moved, force = truth()
+
+    def clocked(head: str, cells: Sequence[str]) -> bytes:
+        rows = zip(cells, moved, force, strict=True)
+        return (
+            head
+            + ";Position (mm);Load (N)\n"
+            + "".join(f"{c};{x:.5f};{f:.5f}\n" for c, x, f in rows)
+        ).encode()
+
+    def hms(day: str, start: float, next_day: str = "") -> list[str]:
+        out = []
+        for t in time:
+            s = start + t
+            over = s >= 86400
+            s -= 86400 * over
+            out.append(
+                f"{next_day if over else day} {int(s // 3600):02d}:{int(s // 60) % 60:02d}:{s % 60:06.3f}".strip()
+            )
+        return out
+
+    night = 86400 - 3.05
+    minutes = [f"{int(600 * t) // 60:02d}:{int(600 * t) % 60:02d}" for t in time]
+    return [
+        Case("US dates on one day", clocked("Timestamp", hms("04/05/2024", 3600))),
+        Case("US dates across midnight, both possible", clocked("Timestamp", hms("04/05/2024", night, "04/06/2024")), ("04/05/2024", "m/d/y"), answer={"units": {"time": "m/d/y"}}),
+        Case("European dates across midnight, both possible", clocked("Timestamp", hms("05/04/2024", night, "06/04/2024")), ("05/04/2024", "d/m/y"), answer={"units": {"time": "d/m/y"}}),
+        Case("US dates across midnight at the end of a month", clocked("Timestamp", hms("01/31/2024", night, "02/01/2024"))),
+        Case("US dates that show late which is the day", clocked("Timestamp", hms("01/12/2024", night, "01/13/2024"))),
+        Case("European dates at the end of a month", clocked("Timestamp", hms("31/01/2024", night, "01/02/2024"))),
+        Case("German dates across midnight", clocked("Zeit", hms("05.04.2024", night, "06.04.2024"))),
+        Case("ISO dates across midnight", clocked("Time", hms("2024-04-05", night, "2024-04-06"))),
+        Case("a clock across midnight", clocked("Time", hms("", night)), noted="midnight"),
+        Case("dates that are none", clocked("Time", hms("45/45/2024", 3600)), ("45/45/2024",)),
+        Case("am and pm", clocked("Time", [f"01/05/2024 {'11:59' if t < 3.95 else '12:00'}:{(56 + t) % 60:06.3f} {'AM' if t < 3.95 else 'PM'}" for t in time])),
+        Case("minutes and tenths as Excel shows them", clocked("Time", [f"00:{t:04.1f}" for t in time])),
+        Case("a colon before the milliseconds", clocked("Time", [f"00:00:{int(t):02d}:{round(t % 1 * 1000):03d}" for t in time])),
+    ] + [
+        Case(f"minutes and seconds as the header says: {word}", clocked(word, minutes), slow=600.0)
+        for word in ("Time [mm:ss]", "Time (min:s)", "Time (m:s)")
+    ] + [
+        Case("hours or minutes", clocked("Time", minutes), ("mm:ss", "hh:mm"), answer={"units": {"time": "mm:ss"}}, slow=600.0),
+        Case("hours on request", clocked("Time", minutes), ("mm:ss", "hh:mm"), answer={"units": {"time": "hh:mm"}}, slow=36000.0),
+    ]  # fmt: skip
+
+
+CASES = [*_quoted(), *_ragged(), *_blanks(), *_headers(), *_marks(), *_clocks()]
