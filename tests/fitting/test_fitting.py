@@ -14,8 +14,11 @@ from hypothesis import strategies as st
 from dashpot.base.errors import DataError, FitError
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.uncertainty.bootstrap import bootstrap
+from dashpot.preparation.prepare import prepare
+from dashpot.records.estimate import Profile, profile_interval
 from dashpot.records.fit import Fit, Status
 from dashpot.records.relaxation import RampHold, RelaxationTest
+from dashpot.simulation import simulate_relaxation
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 TRUTH = (196.5, 117.5, 17.8, 59.0 / 117.5, 292.2 / 17.8)
@@ -316,6 +319,24 @@ def test_a_doubtful_arm_gets_a_profile() -> None:
     assert low < 150.0 < high
     assert k_low < 50.0 < k_high
     assert high / found.model.tau[0] > found.model.tau[0] / low  # the slow side is the open one
+
+
+def test_a_spare_arm_can_at_most_take_the_place_of_another(paper_seal: GeneralizedMaxwell) -> None:
+    """Three arms of a seal that has two: its ends are those of the arms it may stand for."""
+    test = simulate_relaxation(paper_seal, seed=1).test
+    found = fit(prepare(test), arms=3).intervals()
+    spare = found["tau"].index((0.0, np.inf))
+    assert found["k"][spare][0] == 0.0
+    for name in ("k", "b"):
+        others = [high for j, (_, high) in enumerate(found[name]) if j != spare]
+        assert found[name][spare][1] < 1.1 * max(others)
+
+
+def test_beyond_a_hill_the_interval_goes_on() -> None:
+    profile = Profile("k_1", np.arange(6.0), np.array([1.0, 6.0, 2.0, 0.0, 2.0, 6.0]))
+    assert profile_interval(profile, deviance_limit=4.0)[0] == -np.inf
+    assert 4.0 < profile_interval(profile, deviance_limit=4.0)[1] < 5.0
+    assert profile_interval(profile, deviance_limit=0.5)[0] > 2.0
 
 
 def test_profile_and_covariance_agree_where_both_hold() -> None:

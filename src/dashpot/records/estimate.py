@@ -225,10 +225,11 @@ class ParameterEstimate(ByValue):
 
 
 def profile_interval(profile: Profile, *, deviance_limit: float) -> Interval:
-    """Return where the deviance crosses `deviance_limit`; an end that it never reaches is open.
+    """Return where the deviance crosses `deviance_limit` for good; an end it never reaches is open.
 
     The crossing is interpolated on the square root of the deviance, which is straight where the
-    likelihood is Gaussian.
+    likelihood is Gaussian. Beyond a hill there may be another solution that the data do not reject,
+    two arms having changed places: the interval reaches there.
     """
     value, root = profile.value, np.sqrt(np.maximum(profile.deviance, 0.0))
     limit = sqrt(deviance_limit)
@@ -240,10 +241,10 @@ def profile_interval(profile: Profile, *, deviance_limit: float) -> Interval:
 
 
 def _crossing(value: FloatArray, root: FloatArray, limit: float, open_end: float) -> float:
-    beyond = np.flatnonzero(root >= limit)
-    if not beyond.size:
+    within = np.flatnonzero(root < limit)
+    i = int(within[-1]) + 1 if within.size else 0
+    if i == len(root):
         return open_end
-    i = int(beyond[0])
     if i == 0:
         return float(value[0])
     share = (limit - root[i - 1]) / (root[i] - root[i - 1])

@@ -11,24 +11,36 @@ The noise of a correlated record has its own gain for each change of the model, 
 bends walks from one kind of change to another: with :math:`d(v)` the change of the model on
 the way from the optimum to v, :math:`\kappa s^2` grows as :math:`d'\Gamma d / d'd`. In a linear
 model that is constant, and the deviance is the square of (v - optimum) / SE by the sandwich.
+
+Everything else is fitted by variable projection: the linear parameters are solved exactly at each
+trial of the relaxation times. Both sides of every profile asked for walk together, so that one
+trial of all of them costs about what one of one costs; their columns are interpolated from a table.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
+from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 from dashpot.engine.solver.descent import Stack
 
 #: a relaxation time is walked so far, as a factor, out of the window
 BEYOND = 20.0
-_POINTS = 40
+#: a stiffness so many times that of the whole solid, or a b so many folds from the optimum, is open
+_OPEN_STIFFNESS, _OPEN_FOLDS = 1e4, 16.0
+#: ln tau between nodes of the table; cubics through columns and slopes are right to 1e-7
+_NODES_APART = 0.08
+_POINTS = 20
 _ITERATIONS = 30
-_RISE = 0.7
+#: the walk steps by a rise of the root of the deviance over which interpolation is good
+_RISE, _RISES = 0.7, 5.0
+_FARTHEST = 1.5
+_RIDGE = 1e-13
 
 
 class Coordinate(Enum):
@@ -46,24 +58,12 @@ class Optimum(NamedTuple):
     log_tau: FloatArray
 
 
-def profile(
-    stack: Stack,
-    optimum: Optimum,
-    coordinate: Coordinate,
-    index: int,
-    *,
-    step: float,
-    scale: float,
-    limit: float,
-    relative_gain: Callable[[FloatArray, FloatArray], float] | None = None,
-) -> tuple[FloatArray, FloatArray]:
-    """Return trial values, ascending, and the deviance of each; the optimum is among them.
+@dataclass(frozen=True)
+class Asked:
+    """Whose profile is asked for.
 
-    Parameters
+    Attributes
     ----------
-    stack : Stack
-        The data of the fit.
-    optimum : Optimum
     coordinate, index
         Which parameter: of the linear ones for ``LINEAR``, of the relaxation times for
         ``LOG_TAU``, of the arms' stiffnesses, group by group, for ``LOG_B``; from 0.
@@ -71,169 +71,304 @@ def profile(
         First distance from the optimum, about half a standard error.
     scale : float
         kappa s^2, what one unit of deviance costs in SSE.
-    limit : float
-        The walk ends where the deviance exceeds this, or where the window of the data ends.
     relative_gain : callable, optional
         How many times the noise at the optimum meets the way from there to linear parameters
         and ln tau; once, if left out.
     """
-    held = _Held(stack, coordinate, index, len(optimum.beta))
-    start = np.concatenate((optimum.beta, optimum.log_tau))
-    best = held.sse(start)
 
-    def deviance_at(point: FloatArray) -> float:
-        times = (
-            1.0
-            if relative_gain is None
-            else relative_gain(point[: held.linear], point[held.linear :])
-        )
-        return max(held.sse(point) - best, 0.0) / (scale * times)
+    coordinate: Coordinate
+    index: int
+    step: float
+    scale: float
+    relative_gain: Callable[[FloatArray, FloatArray], float] | None = None
 
-    sides = [
-        _walk(held, start, deviance_at, step=sign * step, tolerance=1e-4 * scale, limit=limit)
+
+def profiles(
+    stack: Stack, optimum: Optimum, asked: Sequence[Asked], *, limit: float
+) -> list[tuple[FloatArray, FloatArray]]:
+    """Return of each profile the trial values, ascending, the optimum among them, and deviances.
+
+    Parameters
+    ----------
+    stack : Stack
+        The data of the fit, in rows that do not depend on tau.
+    optimum : Optimum
+    asked : sequence of Asked
+    limit : float
+        A walk ends where the deviance exceeds this, or where the data say no more: at the edge
+        of their window, or where a stiffness has grown out of all proportion.
+    """
+    together = _Together(stack, optimum)
+    walks = [
+        _Walk(one, together.value(one), sign, limit, together.range(one))
+        for one in asked
         for sign in (-1.0, 1.0)
     ]
-    values = [*reversed(sides[0]), (held.value(start), 0.0), *sides[1]]
-    value, deviance = np.array(values).T
-    return value, deviance
+    together.walk(walks)
+    found = []
+    for low, high in zip(walks[::2], walks[1::2], strict=True):
+        points = [*reversed(low.points), (low.start, 0.0), *high.points]
+        value, deviance = np.array(points).T
+        found.append((value, deviance))
+    return found
 
 
-def _walk(
-    held: _Held,
-    start: FloatArray,
-    deviance_at: Callable[[FloatArray], float],
-    *,
-    step: float,
-    tolerance: float,
-    limit: float,
-) -> list[tuple[float, float]]:
-    low, high = held.range
-    point, value, root = start.copy(), held.value(start), 0.0
-    walked: list[tuple[float, float]] = []
-    leapt: list[tuple[float, float]] = []
-    for _ in range(_POINTS):
-        nearest = min(max(value + step, low), high)
-        if nearest == value:
-            break
-        step = nearest - value
-        there = held.fitted(point, nearest, tolerance=tolerance)
-        deviance = deviance_at(there)
-        rise = float(np.sqrt(deviance)) - root
-        # aim at a rise in the root of the deviance over which interpolation is good
-        step *= float(np.clip(_RISE / max(rise, 1e-3), 0.1, 2.0))
-        if rise > 2.0 * _RISE:
+class _Walk:
+    """One side of one profile: where it stands and where it goes next."""
+
+    def __init__(
+        self, asked: Asked, start: float, sign: float, limit: float, ends: tuple[float, float]
+    ) -> None:
+        self.asked, self.start, self.limit, self.ends = asked, start, limit, ends
+        self.rise = max(_RISE, float(np.sqrt(limit)) / _RISES)
+        self.step, self.root, self.at = sign * asked.step, 0.0, start
+        self.walked: list[tuple[float, float]] = []
+        self.leapt: list[tuple[float, float]] = []
+        self.trials = 0
+        self.ended = False
+        self.goal = start
+        self._aim()
+
+    @property
+    def points(self) -> list[tuple[float, float]]:
+        """Values and deviances on the way out."""
+        if not self.leapt or self.root > np.sqrt(self.limit):
+            return self.walked
+        # a leap that the walk has passed says nothing of the way
+        passed = self.walked and (self.leapt[0][0] - self.walked[-1][0]) * self.step <= 0
+        return self.walked if passed else self.walked + self.leapt
+
+    def arrived(self, deviance: float) -> bool:
+        """Take note of the deviance at the goal; True if the walk goes on from there."""
+        rise = float(np.sqrt(deviance)) - self.root
+        self.step *= float(np.clip(self.rise / max(rise, 1e-3), 0.1, 3.0))
+        near = rise <= 2.0 * self.rise
+        if near:
+            self.walked.append((self.goal, deviance))
+            self.at, self.root = self.goal, self.root + rise
+        else:
             # too far to interpolate to: walk towards it in smaller steps
-            leapt = [(nearest, deviance)]
-            continue
-        walked.append((nearest, deviance))
-        point, value, root = there, nearest, root + rise
-        if deviance > limit:
-            return walked
-    passed = bool(walked) and bool(leapt) and (leapt[0][0] - walked[-1][0]) * step <= 0
-    return walked if passed else walked + leapt
+            self.leapt = [(self.goal, deviance)]
+        self.ended = near and deviance > self.limit
+        self._aim()
+        return near
+
+    def _aim(self) -> None:
+        self.goal = min(max(self.at + self.step, self.ends[0]), self.ends[1])
+        self.step = self.goal - self.at
+        self.ended = self.ended or self.trials >= _POINTS or self.step == 0.0
+        self.trials += 1
+
+
+class _Solved(NamedTuple):
+    """Trials of ln tau with everything linear solved, the held coordinate at its value.
+
+    SSE (A,), linear parameters (A, p), gradient J'r (A, N) and curvature J'J (A, N, N) of the
+    reduced residual by the free ln tau.
+    """
+
+    sse: FloatArray
+    beta: FloatArray
+    gradient: FloatArray
+    curvature: FloatArray
+
+
+class _Together:
+    """The least-squares problems of many profiles, each with one coordinate held."""
+
+    def __init__(self, stack: Stack, optimum: Optimum) -> None:
+        self.optimum, self.fixed = optimum, len(stack.names)
+        self.arms, self.groups = len(optimum.log_tau), len(stack.groups)
+        outside = float(np.log(BEYOND))
+        self.window = stack.bounds
+        self.restricted = stack.restricted(self.arms, signed=False)
+        self.reach = stack.bounds[0] - outside, stack.bounds[1] + outside
+        count = int(np.ceil((self.reach[1] - self.reach[0]) / _NODES_APART)) + 1
+        self.nodes, self.apart = np.linspace(*self.reach, count, retstep=True)
+        rows = stack.evaluate(self.nodes)
+        self.target, self.still = rows.target, rows.phi[:, : self.fixed].T
+
+        def by_node(columns: FloatArray) -> FloatArray:
+            shape = (len(self.target), self.groups, count)
+            return np.ascontiguousarray(columns.reshape(shape).transpose(2, 1, 0))
+
+        # node, group, row
+        self.columns = by_node(rows.phi[:, self.fixed :])
+        self.slopes = by_node(rows.slope)
+        start = self._phi(optimum.log_tau[None])[0][0]
+        self.best = float(np.square(self.target - optimum.beta @ start).sum())
+
+    def value(self, asked: Asked) -> float:
+        """The held coordinate at the optimum."""
+        beta, log_tau = self.optimum
+        if asked.coordinate is Coordinate.LINEAR:
+            return float(beta[asked.index])
+        arm = asked.index % self.arms
+        if asked.coordinate is Coordinate.LOG_TAU:
+            return float(log_tau[arm])
+        return float(log_tau[arm] + np.log(beta[self.fixed + asked.index]))
+
+    def range(self, asked: Asked) -> tuple[float, float]:
+        """How far the held coordinate goes."""
+        if asked.coordinate is Coordinate.LOG_TAU:
+            return self.window
+        if asked.coordinate is Coordinate.LINEAR:
+            return 0.0, _OPEN_STIFFNESS * float(np.abs(self.optimum.beta).max())
+        start = self.value(asked)
+        return start - _OPEN_FOLDS, start + _OPEN_FOLDS
+
+    def walk(self, walks: Sequence[_Walk]) -> None:
+        """Walk every side to its end."""
+        count = len(walks)
+        held = _Held(walks, self.fixed, self.arms, len(self.optimum.beta))
+        here = np.tile(self.optimum.log_tau, (count, 1))
+        left, move = here.copy(), np.zeros_like(here)
+        goal = np.array([walk.goal for walk in walks])
+        tolerance = np.array([1e-3 * walk.asked.scale for walk in walks])
+        sse, damping, tried = np.full(count, np.inf), np.full(count, 1e-6), np.zeros(count, int)
+        known = _Solved(
+            sse,
+            np.zeros((count, len(self.optimum.beta))),
+            np.zeros_like(here),
+            np.zeros((count, self.arms, self.arms)),
+        )
+        while (on := np.flatnonzero([not walk.ended for walk in walks])).size:
+            trial = held.placed(np.clip(here[on] + move[on], *self.reach), goal, on)
+            found = self._solved(trial, goal[on], held, on)
+            gain = known.sse[on] - found.sse
+            better = gain > 0
+            kept = on[better]
+            here[kept] = trial[better]
+            for mine, new in zip(known, found, strict=True):
+                mine[kept] = new[better]
+            damping[on] = np.where(better, np.maximum(0.1 * damping[on], 1e-9), 10 * damping[on])
+            tried[on] += 1
+            move[on], promised = _step(known, damping, on)
+            done = (
+                (np.abs(gain) < tolerance[on])
+                | (promised < 0.1 * tolerance[on])
+                | (damping[on] > 1e6)
+                | (tried[on] >= _ITERATIONS)
+            )
+            for i in on[done]:
+                if walks[i].arrived(self._deviance(walks[i], known.beta[i], here[i], sse[i])):
+                    left[i] = here[i]
+                here[i], goal[i] = left[i], walks[i].goal
+                sse[i], damping[i], tried[i], move[i] = np.inf, 1e-6, 0, 0.0
+
+    def _deviance(self, walk: _Walk, beta: FloatArray, log_tau: FloatArray, sse: float) -> float:
+        gain = walk.asked.relative_gain
+        times = 1.0 if gain is None else gain(beta, log_tau)
+        return max(float(sse) - self.best, 0.0) / (walk.asked.scale * times)
+
+    def _phi(self, log_tau: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Design matrix (A, p, n) and its slopes by ln tau (A, G, N, n), from the table."""
+        place = (log_tau.ravel() - self.reach[0]) / self.apart
+        node = np.clip(place.astype(int), 0, len(self.nodes) - 2)
+        u = (place - node)[:, None, None]
+        below, above = self.columns[node], self.columns[node + 1]
+        rise, fall = self.apart * self.slopes[node], self.apart * self.slopes[node + 1]
+        change = above - below
+        bend, twist = 3 * change - 2 * rise - fall, rise + fall - 2 * change
+        column = below + u * (rise + u * (bend + u * twist))
+        slope = (rise + u * (2 * bend + 3 * u * twist)) / self.apart
+        shape = (*log_tau.shape, self.groups, len(self.target))
+        arms, slopes = (part.reshape(shape).swapaxes(1, 2) for part in (column, slope))
+        trials = len(log_tau)
+        still = np.broadcast_to(self.still, (trials, *self.still.shape))
+        return np.concatenate((still, arms.reshape(trials, -1, len(self.target))), axis=1), slopes
+
+    def _solved(
+        self, log_tau: FloatArray, goal: FloatArray, held: _Held, on: IndexArray
+    ) -> _Solved:
+        phi, slopes = self._phi(log_tau)
+        each, arm, column = np.arange(len(on)), held.arm[on], held.column[on]
+        amount = held.amount(log_tau, goal, on)
+        target = self.target - amount[:, None] * phi[each, column]
+        normal = _Normal(phi, held.free[on])
+        beta = normal.solved(phi @ target[:, :, None])[..., 0]
+        # what must not be negative rests at zero, the worst first
+        while (beta[:, self.restricted] < 0).any():
+            worst = np.where(self.restricted, beta, 0.0).argmin(axis=1)
+            negative = np.where(self.restricted, beta, 0.0).min(axis=1) < 0
+            normal.free[each[negative], worst[negative]] = False
+            beta = normal.solved(phi @ target[:, :, None])[..., 0]
+        residual = target - (beta[:, None, :] @ phi)[:, 0]
+        beta[each, column] += amount
+        stiffness = beta[:, self.fixed :].reshape(len(on), self.groups, self.arms)
+        turned = (slopes * stiffness[..., None]).sum(axis=1)
+        # k = exp(ln b - ln tau): the stiffness of an arm whose b is held falls as its ln tau rises
+        turned[each, arm] -= (amount * held.log_b[on])[:, None] * phi[each, column]
+        bent = turned - normal.solved(phi @ turned.swapaxes(1, 2)).swapaxes(1, 2) @ phi
+        gradient = np.vecdot(bent, residual[:, None, :])
+        curvature = bent @ bent.swapaxes(1, 2)
+        moves = np.ones(log_tau.shape)
+        moves[each, arm] = ~held.log_tau[on]
+        return _Solved(
+            np.vecdot(residual, residual),
+            beta,
+            gradient * moves,
+            curvature * moves[:, :, None] * moves[:, None, :],
+        )
+
+
+class _Normal:
+    """Normal equations of many design matrices (A, p, n), some columns left out of each."""
+
+    def __init__(self, phi: FloatArray, free: BoolArray) -> None:
+        gram = phi @ phi.swapaxes(1, 2)
+        length = np.sqrt(np.diagonal(gram, axis1=1, axis2=2))
+        self.length = np.where(length > 0, length, 1.0)
+        self.gram = gram / (self.length[:, :, None] * self.length[:, None, :])
+        self.free = free.copy()
+
+    def solved(self, moment: FloatArray) -> FloatArray:
+        """Coefficients (A, p, r) that answer moments of that shape; zero of what is left out."""
+        free = self.free[:, :, None]
+        gram = np.where(free & self.free[:, None, :], self.gram, 0.0)
+        place = np.arange(gram.shape[1])
+        gram[:, place, place] = 1.0 + _RIDGE
+        scaled = np.where(free, moment / self.length[:, :, None], 0.0)
+        return np.asarray(np.linalg.solve(gram, scaled) / self.length[:, :, None])
 
 
 class _Held:
-    """The least-squares problem with one coordinate held: p = (beta, ln tau), one number fixed."""
+    """Which coordinate each side holds."""
 
-    def __init__(self, stack: Stack, coordinate: Coordinate, index: int, linear: int) -> None:
-        self.stack = stack
-        self.coordinate = coordinate
-        self.index = index
-        self.linear = linear
-        self.first_arm = len(stack.names)
-        arms = (linear - self.first_arm) // len(stack.groups)
-        self.arm = index % arms if coordinate is Coordinate.LOG_B else index
-        low, high = stack.bounds
-        self.range = {
-            Coordinate.LINEAR: (0.0, np.inf),
-            Coordinate.LOG_TAU: (low, high),
-            Coordinate.LOG_B: (-np.inf, np.inf),
-        }[coordinate]
+    def __init__(self, walks: Sequence[_Walk], fixed: int, arms: int, linear: int) -> None:
+        kinds = [walk.asked.coordinate for walk in walks]
+        index = np.array([walk.asked.index for walk in walks])
+        self.log_tau = np.array([kind is Coordinate.LOG_TAU for kind in kinds])
+        self.log_b = np.array([kind is Coordinate.LOG_B for kind in kinds])
+        # where a relaxation time is held no coefficient is, and the column named stays free
+        self.column: IndexArray = np.where(self.log_b | self.log_tau, fixed + index, index)
+        self.arm: IndexArray = np.where(self.column >= fixed, (self.column - fixed) % arms, 0)
+        self.free: BoolArray = np.ones((len(walks), linear), dtype=bool)
+        self.free[np.arange(len(walks)), self.column] = self.log_tau
 
-    def value(self, point: FloatArray) -> float:
-        if self.coordinate is Coordinate.LINEAR:
-            return float(point[self.index])
-        log_tau = float(point[self.linear + self.arm])
-        if self.coordinate is Coordinate.LOG_TAU:
-            return log_tau
-        return log_tau + float(np.log(point[self.first_arm + self.index]))
+    def placed(self, log_tau: FloatArray, goal: FloatArray, on: IndexArray) -> FloatArray:
+        """The trials with a held relaxation time at its goal."""
+        there = np.flatnonzero(self.log_tau[on])
+        log_tau[there, self.arm[on][there]] = goal[on][there]
+        return log_tau
 
-    def placed(self, point: FloatArray, value: float) -> FloatArray:
-        """Return the point moved so that the held coordinate has `value`."""
-        point = point.copy()
-        if self.coordinate is Coordinate.LINEAR:
-            point[self.index] = value
-        elif self.coordinate is Coordinate.LOG_TAU:
-            point[self.linear + self.index] = value
-        else:
-            log_tau = point[self.linear + self.arm]
-            point[self.first_arm + self.index] = np.exp(min(value - log_tau, 600.0))
-        return point
+    def amount(self, log_tau: FloatArray, goal: FloatArray, on: IndexArray) -> FloatArray:
+        """The coefficient that is held, zero where none is."""
+        own = log_tau[np.arange(len(on)), self.arm[on]]
+        of_b = np.exp(np.minimum(np.where(self.log_b[on], goal - own, 0.0), 600.0))
+        return np.where(self.log_b[on], of_b, np.where(self.log_tau[on], 0.0, goal))
 
-    def sse(self, point: FloatArray) -> float:
-        residual, _ = self._evaluate(point, derivative=False)
-        return float(residual @ residual)
 
-    def fitted(self, point: FloatArray, value: float, *, tolerance: float) -> FloatArray:
-        """Return the best point with the held coordinate at `value`, by Levenberg-Marquardt."""
-        here = self.placed(point, value)
-        residual, jacobian = self._evaluate(here)
-        sse = float(residual @ residual)
-        damping = 1e-6
-        for _ in range(_ITERATIONS):
-            norm = np.sqrt((jacobian * jacobian).sum(axis=0))
-            norm = np.where(norm > 0, norm, 1.0)
-            scaled = jacobian / norm
-            normal = scaled.T @ scaled
-            normal[np.diag_indices_from(normal)] += damping
-            move = np.linalg.solve(normal, scaled.T @ residual) / norm
-            trial = self._moved(here, move, value)
-            new_residual, new_jacobian = self._evaluate(trial)
-            new = float(new_residual @ new_residual)
-            gain = sse - new
-            if gain > 0:
-                here, residual, jacobian, sse = trial, new_residual, new_jacobian, new
-                damping = max(0.1 * damping, 1e-12)
-            else:
-                damping = 10.0 * damping
-            if abs(gain) < tolerance or damping > 1e6:
-                break
-        return here
-
-    def _moved(self, here: FloatArray, move: FloatArray, value: float) -> FloatArray:
-        trial = here.copy()
-        free = np.delete(np.arange(len(here)), self._dropped)
-        trial[free] += move
-        low, high = self.stack.bounds
-        outside = float(np.log(BEYOND))
-        trial[self.linear :] = np.clip(trial[self.linear :], low - outside, high + outside)
-        return self.placed(trial, value)
-
-    @property
-    def _dropped(self) -> int:
-        """The entry of the point that follows from the held value."""
-        if self.coordinate is Coordinate.LINEAR:
-            return self.index
-        if self.coordinate is Coordinate.LOG_TAU:
-            return self.linear + self.index
-        return self.first_arm + self.index
-
-    def _evaluate(
-        self, point: FloatArray, *, derivative: bool = True
-    ) -> tuple[FloatArray, FloatArray]:
-        """Return the residual and the Jacobian of the model by the free entries."""
-        beta, log_tau = point[: self.linear], point[self.linear :]
-        rows = self.stack.evaluate(log_tau, derivative=derivative)
-        residual = rows.target - rows.phi @ beta
-        if not derivative:
-            return residual, rows.phi
-        arms = len(log_tau)
-        bent = rows.slope * beta[self.first_arm :]
-        by_tau = bent.reshape(len(residual), -1, arms).sum(axis=1)
-        if self.coordinate is Coordinate.LOG_B:
-            # k = exp(ln b - ln tau): the arm's stiffness falls as its ln tau rises
-            column = self.first_arm + self.index
-            by_tau[:, self.arm] -= rows.phi[:, column] * beta[column]
-        jacobian = np.concatenate((rows.phi, by_tau), axis=1)
-        return residual, np.delete(jacobian, self._dropped, axis=1)
+def _step(known: _Solved, damping: FloatArray, on: IndexArray) -> tuple[FloatArray, FloatArray]:
+    """The next move of ln tau (A, N), and by how much the SSE would fall if it were parabolic."""
+    curvature, gradient = known.curvature[on].copy(), known.gradient[on]
+    if not curvature.shape[1]:
+        return gradient, np.zeros(len(on))
+    arms = np.arange(curvature.shape[1])
+    size = curvature[:, arms, arms]
+    stretch = np.where(size > 0, size, 1.0)
+    curvature[:, arms, arms] = size + stretch * (damping[on][:, None] + _RIDGE) + (size <= 0)
+    move = np.linalg.solve(curvature, gradient[:, :, None])[..., 0]
+    longest = np.abs(move).max(axis=1, keepdims=True)
+    move = move * np.minimum(1.0, _FARTHEST / np.maximum(longest, 1e-300))
+    return move, np.vecdot(move, gradient)

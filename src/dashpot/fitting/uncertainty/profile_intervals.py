@@ -12,7 +12,8 @@ from dashpot.base.student_t import t_quantile
 from dashpot.engine.blocks.block import Block
 from dashpot.engine.blocks.kernels import compact_block
 from dashpot.engine.inference.covariance import nearly_white, noise_gain_differs
-from dashpot.engine.inference.profile_likelihood import BEYOND, Coordinate, Optimum, profile
+from dashpot.engine.inference.profile_likelihood import BEYOND, Asked, Coordinate, Optimum
+from dashpot.engine.inference.profile_likelihood import profiles as walked
 from dashpot.engine.solver.descent import Stack
 from dashpot.engine.solver.variable_projection import full_jacobian
 from dashpot.fitting.uncertainty.estimate import Estimate, by_record
@@ -59,18 +60,27 @@ def profiles(
     if not doubtful:
         return ()
     noise_gain = None if every_sample is None else _noise_gain(every_sample, estimate)
-    walk = _Walk(blocks, estimate, noise_gain)
-    found = []
+    scaling = _Scaling(estimate, noise_gain)
+    fixed = len(solution.fixed_names)
+    asked = {}
     if solution.coefficient(f"k_inf{suffix}") > 0:
-        found.append(Profile("k_inf", *walk.linear(f"k_inf{suffix}")))
+        asked["k_inf"] = scaling.linear(f"k_inf{suffix}")
     for number, j in doubtful:
         row = f"k_{j + 1}{suffix}"
-        found += [
-            Profile(f"k_{number}", *walk.linear(row)),
-            Profile(f"ln_tau_{number}", *walk.log_tau(j)),
-            Profile(f"ln_b_{number}", *walk.log_b(j, row, float(k[j]))),
+        asked[f"k_{number}"] = scaling.linear(row)
+        asked[f"ln_tau_{number}"] = scaling.log_tau(j)
+        asked[f"ln_b_{number}"] = scaling.log_b(j, row, float(k[j]), fixed=fixed)
+    # a prior is a few rows already
+    stack = Stack(
+        [
+            compact_block(block, beyond=BEYOND) if block.variance is None else block
+            for block in blocks
         ]
-    return tuple(found)
+    )
+    optimum = Optimum(np.concatenate((solution.fixed, solution.arms.ravel())), solution.log_tau)
+    limit = t_quantile(_WIDEST_LEVEL, estimate.dof) ** 2
+    found = walked(stack, optimum, list(asked.values()), limit=limit)
+    return tuple(Profile(name, *one) for name, one in zip(asked, found, strict=True))
 
 
 def _noise_gain(every_sample: Sequence[Block], estimate: Estimate) -> NoiseGain | None:
@@ -85,55 +95,39 @@ def _noise_gain(every_sample: Sequence[Block], estimate: Estimate) -> NoiseGain 
     return NoiseGain(every_sample, estimate.noises, estimate.solution)
 
 
-class _Walk:
-    """Profiles of one estimate, each scaled so that it begins as its own covariance says."""
+class _Scaling:
+    """Steps and scales of profiles, so that each begins as its own covariance says."""
 
-    def __init__(
-        self, blocks: Sequence[Block], estimate: Estimate, noise_gain: NoiseGain | None
-    ) -> None:
+    def __init__(self, estimate: Estimate, noise_gain: NoiseGain | None) -> None:
         self.estimate = estimate
         self.noise_gain = noise_gain
-        # a prior is a few rows already
-        self.stack = Stack(
-            [
-                compact_block(block, beyond=BEYOND) if block.variance is None else block
-                for block in blocks
-            ]
-        )
-        solution = estimate.solution
-        self.optimum = Optimum(
-            np.concatenate((solution.fixed, solution.arms.ravel())), solution.log_tau
-        )
-        self.limit = t_quantile(_WIDEST_LEVEL, estimate.dof) ** 2
         norm = np.sqrt(np.diag(estimate.information))
         norm = np.where(norm > 0, norm, 1.0)
         self.inverse = np.linalg.pinv(
             estimate.information / np.outer(norm, norm), rcond=1e-13, hermitian=True
         ) / np.outer(norm, norm)
 
-    def linear(self, row: str) -> tuple[FloatArray, FloatArray]:
+    def linear(self, row: str) -> Asked:
         index = self.estimate.names.index(row)
         return self._along(Coordinate.LINEAR, index, self._unit(index))
 
-    def log_tau(self, arm: int) -> tuple[FloatArray, FloatArray]:
+    def log_tau(self, arm: int) -> Asked:
         index = self.estimate.names.index(f"ln_tau_{arm + 1}")
         return self._along(Coordinate.LOG_TAU, arm, self._unit(index))
 
-    def log_b(self, arm: int, row: str, k: float) -> tuple[FloatArray, FloatArray]:
+    def log_b(self, arm: int, row: str, k: float, *, fixed: int) -> Asked:
         gradient = self._unit(self.estimate.names.index(f"ln_tau_{arm + 1}"))
         index = self.estimate.names.index(row)
         gradient[index] = 1.0 / k
         # the profile counts linear parameters, and b holds the arm's stiffness
-        return self._along(Coordinate.LOG_B, index - len(self.stack.names), gradient)
+        return self._along(Coordinate.LOG_B, index - fixed, gradient)
 
     def _unit(self, index: int) -> FloatArray:
         unit = np.zeros(len(self.estimate.names))
         unit[index] = 1.0
         return unit
 
-    def _along(
-        self, coordinate: Coordinate, index: int, gradient: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
+    def _along(self, coordinate: Coordinate, index: int, gradient: FloatArray) -> Asked:
         used = gradient != 0.0
         block = self.estimate.covariance[np.ix_(used, used)]
         wide = float(gradient @ self.inverse @ gradient)
@@ -146,11 +140,13 @@ class _Walk:
         step = 0.7 * error
         if coordinate is not Coordinate.LINEAR:
             step = min(step, 0.5)
-        return profile(
-            self.stack, self.optimum, coordinate, index,
-            step=max(step, 1e-9), scale=max(scale, 1e-300), limit=self.limit,
+        return Asked(
+            coordinate,
+            index,
+            step=max(step, 1e-9),
+            scale=max(scale, 1e-300),
             relative_gain=self._relative_gain(self.inverse @ gradient),
-        )  # fmt: skip
+        )
 
     def _relative_gain(self, first: FloatArray) -> Callable[[FloatArray, FloatArray], float] | None:
         noise_gain = self.noise_gain
