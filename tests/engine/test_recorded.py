@@ -171,8 +171,8 @@ def test_any_grid_and_weights_take_the_recursion() -> None:
     np.testing.assert_allclose(found.tau, [0.5021, 16.416], rtol=0.1)
     assert found.sse == pytest.approx(len(time), rel=0.15)
     orders = solve_orders([block], 2)
-    assert [order.order for order in orders] == [1, 2]
-    assert orders[1].sse == pytest.approx(found.sse, rel=1e-9)
+    assert [order.order for order in orders] == [0, 1, 2]
+    assert orders[2].sse == pytest.approx(found.sse, rel=1e-9)
 
 
 def jittered(count: int, history: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -221,9 +221,9 @@ def test_a_record_that_starts_loaded_is_reduced_too() -> None:
     block = recorded_block(TIME, x, force_of(x, 2))
     assert not block.rotated_basis
     orders = solve_orders([block], 2)
-    np.testing.assert_allclose(orders[1].tau, [0.5021, 16.416], rtol=0.1)
-    full = solve([block.exact], 2, log_tau_start=orders[1].log_tau)
-    assert orders[1].sse == pytest.approx(full.sse, rel=1e-10)
+    np.testing.assert_allclose(orders[2].tau, [0.5021, 16.416], rtol=0.1)
+    full = solve([block.exact], 2, log_tau_start=orders[2].log_tau)
+    assert orders[2].sse == pytest.approx(full.sse, rel=1e-10)
 
 
 def test_exact_data_come_back_to_ten_digits_and_no_further_arm() -> None:
@@ -239,12 +239,12 @@ def test_orders_and_certificate_work_in_turning_coordinates() -> None:
     x = HISTORIES["steps and chirp"]
     block = recorded_block(TIME, x, force_of(x, 3), offset="offset")
     orders = solve_orders([block], 4)
-    assert [order.order for order in orders][:3] == [1, 2, 3]
-    for order in orders[:3]:
+    assert [order.order for order in orders][:4] == [0, 1, 2, 3]
+    for order in orders[1:4]:
         gap = certificate([block], order).gap
         direct = certificate([block.exact], order).gap
         assert gap == pytest.approx(direct, rel=1e-3, abs=1e-6)
-    assert certificate([block], orders[0]).gap > certificate([block], orders[2]).gap
+    assert certificate([block], orders[1]).gap > certificate([block], orders[3]).gap
 
 
 def test_refusals_say_what_was_expected() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -129,7 +131,7 @@ def test_no_junk_arm_on_clean_data() -> None:
         np.testing.assert_allclose(found.tau, [3.0], rtol=1e-10)
         np.testing.assert_allclose(found.arms, [[2.0]], rtol=1e-10)
     orders = solve_orders([decay_block(TIME, clean)], 4)
-    assert [order.order for order in orders] == [1]
+    assert [order.order for order in orders] == [0, 1]
 
 
 @pytest.mark.parametrize("tau", [2e-3, 3000.0])
@@ -169,10 +171,14 @@ def test_no_order_left_out_could_have_gained(seed: int, sd: float) -> None:
     block = decay_block(TIME, decay(list(tau), [1.0, 0.3, 0.5]) + noise(seed, sd))
     every = solve_orders([block], 6)
     some = solve_orders([block], 6, negligible=20.0)
-    assert [s.sse for s in some] == [s.sse for s in every[: len(some)]]
+    assert [s.sse for s in some[:-1]] == [s.sse for s in every[: len(some) - 1]]
     spare = len(TIME) - len(every)
-    for left_out in every[len(some) :]:
+    for left_out in every[len(some) - 1 :]:
         assert some[-2].sse - left_out.sse < 20.0 * some[-2].sse / spare
+    # the orders beyond are there for the asking, from one start each
+    beyond = solve_orders([block], 6, negligible=20.0, every=True)
+    assert [s.sse for s in beyond[: len(some)]] == [s.sse for s in some]
+    assert all(b.sse < a.sse for a, b in pairwise(beyond))
     # it is not stopped for nothing, nor late
     before = [some[i].sse - some[i + 1].sse for i in range(len(some) - 2)]
     assert all(gain > 20.0 * some[i + 1].sse / len(TIME) for i, gain in enumerate(before[:-1]))
@@ -182,13 +188,13 @@ def test_orders_share_one_chain_and_agree_with_single_solves() -> None:
     data = decay([0.3, 2.0, 15.0], [1.0, 1.0, 1.0]) + noise(4, 1e-3)
     block = decay_block(TIME, data)
     orders = solve_orders([block], 3)
-    assert [order.order for order in orders] == [1, 2, 3]
-    assert orders[0].sse > orders[1].sse > orders[2].sse
+    assert [order.order for order in orders] == [0, 1, 2, 3]
+    assert all(b.sse < a.sse for a, b in pairwise(orders))
     for order in orders:
         single = solve([block], order.order)
         assert single.sse == pytest.approx(order.sse, rel=1e-12)
         np.testing.assert_allclose(single.log_tau, order.log_tau, atol=1e-9)
-    np.testing.assert_allclose(orders[2].tau, [0.3, 2.0, 15.0], rtol=0.02)
+    np.testing.assert_allclose(orders[3].tau, [0.3, 2.0, 15.0], rtol=0.02)
 
 
 @given(force=st.floats(-6, 6), clock=st.floats(-3, 3))

@@ -10,6 +10,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Finding, criterion
+from dashpot.engine.blocks.correlation import fast_length
 from dashpot.engine.inference.order import MAX_SE_LN_TAU, MIN_K_OVER_SE, Choice
 from dashpot.fitting.repeats import SAME_DEPTH, EndStiffness
 from dashpot.preparation.filters import Filter
@@ -878,9 +879,15 @@ def _believable(
 
 def wander(residual: FloatArray) -> float:
     """Return the mean power at 6 to 24 cycles per record over that at 60 to 240."""
-    power = np.abs(np.fft.rfft(residual - residual.mean())) ** 2
-    medium = float(power[60:241].mean())
-    return float(power[6:25].mean()) / medium if medium > 0 else 1.0
+    n = len(residual)
+    size = fast_length(n)
+    power = np.abs(np.fft.rfft(residual - residual.mean(), size)) ** 2
+    cycles = np.arange(len(power)) * n / size
+    slow, medium = (
+        float(power[(cycles >= low) & (cycles <= high)].mean())
+        for low, high in ((6, 24), (60, 240))
+    )
+    return slow / medium if medium > 0 else 1.0
 
 
 def worst_misfit(test: RampHold, residual: FloatArray) -> tuple[float, str]:

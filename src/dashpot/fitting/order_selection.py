@@ -10,7 +10,7 @@ import numpy as np
 from dashpot.engine.blocks.block import Block
 from dashpot.engine.inference.order import bic_of_deviance, needed
 from dashpot.engine.inference.whitening import whitened_block
-from dashpot.engine.solver.variable_projection import Jacobian, Solution, solve, solve_orders
+from dashpot.engine.solver.variable_projection import Jacobian, Solution, solve_orders
 from dashpot.fitting.uncertainty.estimate import Score, by_record, noises_of, rounding
 
 
@@ -51,8 +51,7 @@ def in_noise_metric(
     ]
     # in the metric of the noise a row is worth one
     blocks += [block.weighted(1 / np.sqrt(block.variance)) for block in priors if block.variance]
-    refitted = [solve(blocks, 0)]
-    refitted += [s for s in solve_orders(blocks, len(solutions) - 1, thorough=thorough) if s.order]
+    refitted = [*solve_orders(blocks, len(solutions) - 1, thorough=thorough)]
     # where a further arm with k > 0 does not help, its number leaves what the last one left
     refitted += [refitted[-1]] * (len(solutions) - len(refitted))
     effective = sum(noise.effective for noise in noises)

@@ -21,7 +21,6 @@ from dashpot.engine.solver.variable_projection import (
     Jacobian,
     Solution,
     full_jacobian,
-    solve,
     solve_orders,
 )
 from dashpot.fitting.checks import optimum_found
@@ -132,25 +131,34 @@ class First(NamedTuple):
     residuals: tuple[FloatArray, ...]
     noises: tuple[Noise, ...]
 
-    def up_to(self, most: int, *, auto: bool, thorough: bool) -> Sequence[Solution]:
-        """The solutions from none up to so many arms."""
-        if (auto and not thorough) or most < len(self.solutions):
-            return self.solutions[: most + 1]
-        return solved(self.data.rows, most, every=True, thorough=thorough)
 
+def weighed(data: FitData, most: int, *, auto: bool = True, thorough: bool = False) -> First:
+    """Solve up to `most` arms, with priors that weigh as the noise does that is left.
 
-def weighed(data: FitData, most: int, *, every: bool = False, thorough: bool = False) -> First:
-    """Solve up to `most` arms, with priors that weigh as the noise does that is left."""
+    Where ``auto`` chooses the number, records in time need no more arms than one beyond those
+    that could gain what BIC asks for one.
+    """
     data = data.bound()
-    solutions = solved(data.rows, most, every=every, thorough=thorough)
+
+    def solved() -> Sequence[Solution]:
+        stack = Stack(data.rows)
+        one_more = (1 + len(stack.groups)) * float(np.log(stack.samples))
+        return solve_orders(
+            data.rows,
+            most,
+            negligible=one_more if data.in_time else 0.0,
+            every=not auto,
+            thorough=thorough,
+        )
+
+    solutions = solved()
     residuals = tuple(residual_of(solutions[-1], block) for block in data.samples)
     noises = tuple(noise_of(one, rounding=rounding(data.peak)) for one in residuals)
     spreads = [float(np.sqrt(noise.autocovariance[0] * noise.kappa)) for noise in noises]
     if all(_WEIGHED[0] < a / b < _WEIGHED[1] for a, b in zip(spreads, data.units, strict=False)):
         return First(data, solutions, residuals, noises)
     data = data.bound(spreads)
-    anew = solved(data.rows, most, every=every, thorough=thorough)
-    return First(data, anew, residuals, noises)
+    return First(data, solved(), residuals, noises)
 
 
 @dataclass(frozen=True, eq=False)
@@ -271,11 +279,10 @@ def chosen_arms(
     auto, most = arms == "auto", asked_arms(arms, max_arms)
     if auto:
         most = min(most, determinable_arms(data.blocks))
-    first = first or weighed(data, most, every=not (auto and data.in_time), thorough=thorough)
+    first = first or weighed(data, most, auto=auto, thorough=thorough)
     data, noises = first.data, first.noises
     samples, peak, in_time = data.samples, data.peak, data.in_time
-    solutions = first.up_to(most, auto=auto, thorough=thorough)
-    scores = _scored(solutions, data, noises)
+    scores = _scored(first.solutions[: most + 1], data, noises)
     exhausted = len(scores) - 1 < most or not in_time
     choice = _choice(scores, exhausted=exhausted, decisive=DECISIVE if in_time else np.inf)
 
@@ -415,23 +422,6 @@ def determinable_arms(blocks: Sequence[Block]) -> int:
 
 
 # -- orders ---------------------------------------------------------------------------------------
-
-
-def solved(
-    blocks: Sequence[Block], most: int, *, every: bool = False, thorough: bool = False
-) -> list[Solution]:
-    """Return the optimum of each number of arms from none up.
-
-    Unless `every` number is asked for, only one more is tried where all further arms together
-    would gain less than BIC asks for one.
-    """
-    solutions = [solve(blocks, 0)]
-    if most:
-        stack = Stack(blocks)
-        one_more = 0.0 if every else (1 + len(stack.groups)) * float(np.log(stack.samples))
-        found = solve_orders(blocks, most, negligible=one_more, thorough=thorough)
-        solutions += [solution for solution in found if solution.order]
-    return solutions
 
 
 def _scored(
@@ -583,7 +573,7 @@ class Alone(NamedTuple):
 def alone(blocks: Sequence[Block], samples: Sequence[Block], most: int) -> Alone:
     """Fit one test with as many arms as it bears, up to `most`."""
     most = min(most, determinable_arms(blocks))
-    best = solve_orders(blocks, most)[-1] if most else solve(blocks, 0)
+    best = solve_orders(blocks, most)[-1]
     peaks = [_largest(block) for block in samples]
     estimate = estimated(best, samples, peak=max(peaks))
     spreads = [

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
+from functools import cached_property, partial
 from typing import Literal
 
 import numpy as np
@@ -13,6 +13,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import DashpotError, FitError
 from dashpot.base.provenance import Step
+from dashpot.engine.blocks.block import Block
 from dashpot.engine.solver.variable_projection import solve
 from dashpot.fitting import checks
 from dashpot.fitting.design import (
@@ -145,27 +146,27 @@ def fit(
     count = None if arms == "auto" else most
     if law == "nonlinear":
         return _by_ramp(records, ramp_law(records, law=law, arms=count), count)
-    data, first = _data(records, design), None
+    data, first, holds = _data(records, design), None, _Holds(records)
     if method == "full" and not depth_law and design.nuisance == NUISANCE:
-        first = weighed(data, min(max_arms, determinable_arms(data.blocks)))
-        if not _sound(records, first):
+        first, sound = _gated(holds, data, count, max_arms=max_arms, thorough=thorough)
+        if not sound:
             bent = ramp_law(records, law=law, arms=count)
             if not bent.sound:
                 return _by_ramp(records, bent, count)
     if not intervals and count is not None:
-        return _point(records, first or weighed(data, count), design, count)
+        return _point(records, first or weighed(data, count, auto=False), design, count)
     found = chosen_arms(data, arms, max_arms=max_arms, thorough=thorough, first=first)
     if method == "hold":
         doubts = [record.depth_doubt for record in records]
         found = replace(
             found, estimate=found.estimate.with_depth_doubt(doubts, shared=not depth_law)
         )
-    return _assembled(records, found, design, thorough=thorough)
+    return _assembled(holds, found, design, thorough=thorough)
 
 
 def _point(records: Sequence[RampHold], first: First, design: Design, arms: int) -> Fit:
     """Return the optimum alone, as a fit of which nothing more is known."""
-    solutions = first.up_to(arms, auto=False, thorough=False)
+    solutions = first.solutions[: arms + 1]
     deepest = max(records, key=lambda record: record.depth)
     provenance = Provenance(
         design.method,
@@ -174,7 +175,7 @@ def _point(records: Sequence[RampHold], first: First, design: Design, arms: int)
         deepest.specimen,
     )
     return point_estimate(
-        solutions[min(arms, len(solutions) - 1)],
+        solutions[-1],
         first.data,
         arms,
         checks=(checks.uncertainty_estimated(made=False),),
@@ -184,11 +185,10 @@ def _point(records: Sequence[RampHold], first: First, design: Design, arms: int)
     )
 
 
-def _assembled(
-    records: Sequence[RampHold], found: Chosen, design: Design, *, thorough: bool
-) -> Fit:
+def _assembled(holds: _Holds, found: Chosen, design: Design, *, thorough: bool) -> Fit:
     """Return the fit of a linear solid, with everything needed to judge it."""
-    depth_law, deepest = design.depth_law, max(records, key=lambda record: record.depth)
+    records, depth_law = holds.records, design.depth_law
+    deepest = max(records, key=lambda record: record.depth)
     band = informed_band(
         records,
         found.data.rows,
@@ -199,7 +199,7 @@ def _assembled(
     return assembled(
         found,
         band=band,
-        checks=(*_checks(records, found, design, end), checks.frequencies_informed(band)),
+        checks=(*_checks(holds, found, design, end), checks.frequencies_informed(band)),
         noticed=[check for record in records for check in record.checks],
         provenance=Provenance(
             design.method,
@@ -218,27 +218,64 @@ def _assembled(
     )
 
 
-def _sound(records: Sequence[RampHold], first: First) -> bool:
+class _Holds:
+    """The holds of some records alone, compressed once for all that asks them."""
+
+    def __init__(self, records: Sequence[RampHold]) -> None:
+        self.records = records
+
+    @cached_property
+    def blocks(self) -> tuple[Block, ...]:
+        """By eq. 5, or, where the plate creeps, as the answer to the recorded motion."""
+        return tuple(
+            compressed([record], Design("hold"))[0]
+            if eq5_obstacle(record) is None
+            else after_ramp(record)
+            for record in self.records
+        )
+
+    def left(self, i: int, start: FloatArray) -> FloatArray:
+        """What as many arms as `start` has, or as many as it bears, leave of one hold alone."""
+        block = self.blocks[i]
+        arms = min(max(len(start), _FEW), determinable_arms([block]))
+        near = start if len(start) == arms else None
+        return residual_of(solve([block], arms, log_tau_start=near), block.exact)
+
+    def by_eq5(self, arms: int) -> GeneralizedMaxwell | None:
+        """What eq. 5 on all holds says with as many arms, where it applies."""
+        held = sum(len(record.time[record.hold]) for record in self.records)
+        if held <= 1 + 2 * arms or any(eq5_obstacle(record) for record in self.records):
+            return None
+        return solid_of(solve(self.blocks, arms))
+
+
+def _gated(
+    holds: _Holds, data: FitData, count: int | None, *, max_arms: int, thorough: bool
+) -> tuple[First, bool]:
+    """Return the linear solid of the number of arms asked for, and whether any is sound."""
+    enough = min(max_arms, determinable_arms(data.blocks))
+    most = enough if count is None else count
+    first = weighed(data, most, auto=count is None, thorough=thorough)
+    sound = _sound(holds, first)
+    if not sound and most < enough:
+        # too few arms are no reason to bend the law
+        first = weighed(data, enough, thorough=thorough)
+        sound = _sound(holds, first)
+    return first, sound
+
+
+def _sound(holds: _Holds, first: First) -> bool:
     """True if a linear solid explains every record to its noise, ramp and hold alike.
 
     A record without one ramp and one hold to speak of shows no elastic law.
     """
-    for record, residual in zip(records, first.residuals, strict=True):
+    for i, (record, residual) in enumerate(zip(holds.records, first.residuals, strict=True)):
         if moves_on(record) or ramp_obstacle(record) is not None:
             continue
-        alone = _hold_alone(record, max(first.solutions[-1].order, _FEW))
+        alone = holds.left(i, first.solutions[-1].log_tau)
         if not linear_soundness(record, residual, alone).sound:
             return False
     return True
-
-
-def _hold_alone(record: RampHold, arms: int) -> FloatArray:
-    """Return what as many arms, or as many as it bears, leave of the hold alone."""
-    if eq5_obstacle(record) is None:
-        block = compressed([record], Design("hold"))[0]
-    else:  # it creeps: the recorded motion is answered
-        block = after_ramp(record)
-    return residual_of(solve([block], min(arms, determinable_arms([block]))), block.exact)
 
 
 def _by_ramp(records: Sequence[RampHold], found: RampLaw, arms: int | None) -> Fit:
@@ -338,10 +375,11 @@ def _checked_nuisance(nuisance: Sequence[str]) -> tuple[str, ...]:
 
 
 def _checks(
-    records: Sequence[RampHold], found: Chosen, design: Design, end: EndOfHold | None
+    holds: _Holds, found: Chosen, design: Design, end: EndOfHold | None
 ) -> tuple[Check, ...]:
     """Return every check of the records and of the fit."""
-    model, estimate, choice, error = found.model, found.estimate, found.choice, found.error
+    records, model, estimate = holds.records, found.model, found.estimate
+    choice, error = found.choice, found.error
     answers = [
         *(filter_bias(record) for record in records if record.unfiltered is not None),
         *solid_checks(
@@ -359,7 +397,7 @@ def _checks(
     if choice is not None:
         answers.append(checks.order_agreed(choice))
     if design.method == "full" and not design.depth_law:
-        answers.append(checks.hold_and_full_agree(model, _by_eq5(records, model.arms), error))
+        answers.append(checks.hold_and_full_agree(model, holds.by_eq5(model.arms), error))
     return tuple(answers)
 
 
@@ -451,14 +489,6 @@ def _solved(record: RampHold, arms: int, method: Method) -> dict[str, float]:
     for j, (k, tau) in enumerate(zip(model.k, model.tau, strict=True), start=1):
         named |= {f"k_{j}": k, f"tau_{j}": tau}
     return named
-
-
-def _by_eq5(records: Sequence[RampHold], arms: int) -> GeneralizedMaxwell | None:
-    """Return what eq. 5 on the holds says with as many arms, where it applies."""
-    held = sum(len(record.time[record.hold]) for record in records)
-    if held <= 1 + 2 * arms or any(eq5_obstacle(record) is not None for record in records):
-        return None
-    return solid_of(solve(compressed(records, Design("hold")), arms), "")
 
 
 def _drift_correlation(estimate: Estimate) -> float | None:

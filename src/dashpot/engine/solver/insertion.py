@@ -116,28 +116,39 @@ class Chain:
             return best_set(Grid(self.stack, size))
         return next(iter(partitioned(self.grid, *self.peaks, arms, count=1)), None)
 
-    def extend(self, arms: int, *, negligible: float = 0.0) -> None:
+    def extend(self, arms: int, *, negligible: float = 0.0, every: bool = True) -> None:
         """Add orders up to `arms`, or until none is better.
 
         Where no positive spectrum whatever would lower the SSE by `negligible` noise variances
-        any more, one further order is enough.
+        any more, one start is enough for a further order; unless `every` one is wanted, the first
+        such order is the last.
         """
-        enough = False
         if not self.best:
             self.best.append(Local(_without_arms(self.stack, signed=self.signed), 1, True))
-        while self.reached < arms and not enough:
-            last = self.best[-1].point
+        while self.reached < arms:
+            last, count = self.best[-1].point, self.reached + 1
             if last.sse <= self.stack.nothing:
                 return
-            found = self._undoubted(self.reached + 1) or self._best_with(self.reached + 1)
+            enough = self._leaves_less_than(negligible)
+            if enough:
+                found = self._best_with(count, starts=self._inserted(count=1))
+            else:
+                found = self._undoubted(count) or self._best_with(count)
             worth = last.sse - 1e-10 * (self.stack.floor + last.sse) - self.stack.nothing
             if found is None or found.point.sse >= worth:
                 return
-            if not self.signed:
-                spare = max(self.stack.samples - len(last.beta) - len(last.log_tau), 1)
-                least = negligible * (self.stack.floor + last.sse) / spare
-                enough = last.sse - found.point.sse < least and last.sse - self._any() < least
             self.best.append(found)
+            if enough and not every:
+                return
+
+    def _leaves_less_than(self, negligible: float) -> bool:
+        """True if no positive spectrum gains so many noise variances on the last order."""
+        if self.signed or self.thorough or negligible <= 0:
+            return False
+        last = self.best[-1].point
+        spare = max(self.stack.samples - len(last.beta) - len(last.log_tau), 1)
+        least = negligible * (self.stack.floor + last.sse) / spare
+        return bool(last.sse - self.grid.left < least and last.sse - self._any() < least)
 
     def _any(self) -> float:
         """The SSE of the best positive spectrum on the grid and beside the last arms."""
@@ -147,10 +158,13 @@ class Chain:
         loose = ~(self.stack.restricted(0, signed=False) & (fixed == 0))
         return Grid(self.stack, log_tau=together, loose=loose).left
 
-    def _best_with(self, arms: int) -> Local | None:
-        """The best of the optima next to every start, finished; None if no arms carry as many."""
+    def _best_with(self, arms: int, *, starts: list[FloatArray] | None = None) -> Local | None:
+        """The best of the optima next to all starts, finished; None if no arms carry as many."""
         restricted = self.stack.restricted(arms, signed=self.signed)
-        allowed = self._optima(arms, restricted)
+        if starts is None:
+            allowed = self._optima(self._starts(arms), self._attempt(arms), restricted)
+        else:
+            allowed = self._optima(starts, None, restricted)
         full = [local for local in allowed if _carries(local.point, self.stack)]
         if not full:
             return None
@@ -167,16 +181,20 @@ class Chain:
         return polished
 
     def _starts(self, arms: int) -> list[FloatArray]:
-        starts = inserted(self.grid, self.best[-1].point, signed=self.signed)
+        starts = self._inserted(count=2)
         if not self.signed:
             starts = partitioned(self.grid, *self.peaks, arms) + starts
         if self.thorough:
             starts += scattered(self.stack, arms, EXTRA_STARTS, self.seed)
         return starts
 
-    def _optima(self, arms: int, restricted: BoolArray) -> list[Local]:
+    def _inserted(self, *, count: int) -> list[FloatArray]:
+        return inserted(self.grid, self.best[-1].point, signed=self.signed, count=count)
+
+    def _optima(
+        self, starts: Sequence[FloatArray], first: Local | None, restricted: BoolArray
+    ) -> list[Local]:
         """The optima without a coefficient below zero that the starts lead to."""
-        starts, first = self._starts(arms), self._attempt(arms)
         found = [] if first is None else [first]
         for start in starts:
             local = self._descend(start, [np.sort(rival.point.log_tau) for rival in found])
@@ -189,7 +207,7 @@ class Chain:
         # what is better but not allowed is pushed back to where it is
         better = ~feasible & (sse < sse[feasible].min(initial=np.inf))
         pushed = [local.point.log_tau for local in compress(found, better)]
-        return allowed + self._pushed(pushed + ([] if allowed else starts[-2:]), restricted)
+        return allowed + self._pushed([*pushed, *([] if allowed else starts[-2:])], restricted)
 
     def _pushed(self, starts: Sequence[FloatArray], restricted: BoolArray) -> list[Local]:
         """The optima next to the starts with no restricted coefficient below zero."""

@@ -269,7 +269,7 @@ def _triples(size: int) -> IndexArray:
     return COARSE * np.array(np.nonzero((i[:, None, None] < i[:, None]) & (i[:, None] < i)))
 
 
-def inserted(grid: Grid, point: Point, *, signed: bool, count: int = 2) -> list[FloatArray]:
+def inserted(grid: Grid, point: Point, *, signed: bool, count: int) -> list[FloatArray]:
     """Starts with one arm more than the point, at the highest maxima of its dual gradient."""
     dual_gradient = grid.dual_gradient(point, signed=signed)
     padded = np.concatenate(([-np.inf], dual_gradient, [-np.inf]))

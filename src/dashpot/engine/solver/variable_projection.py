@@ -156,22 +156,22 @@ def solve_orders(
     max_arms: int,
     *,
     negligible: float = 0.0,
+    every: bool = False,
     thorough: bool = False,
     signed: bool = False,
     seed: int = 0,
 ) -> tuple[Solution, ...]:
-    """Return the optimum for 1, 2, ... `max_arms` exponentials, from one chain.
+    """Return the optimum for none, 1, 2, ... `max_arms` exponentials, from one chain.
 
-    The tuple ends where a further arm with k > 0 no longer lowers the SSE; if not even one
-    does, it holds the solution without arms. With `negligible` it also ends one order after the
-    first that is within so many noise variances of the best positive spectrum with any number
-    of arms, so that no order left out could gain more.
+    The tuple ends where a further arm with k > 0 no longer lowers the SSE. With `negligible` it
+    also ends one order after the first that is within so many noise variances of the best
+    positive spectrum with any number of arms, so that no order left out could gain more; unless
+    `every` one is wanted, which is then found from a single start.
     """
     stack = _checked(blocks, max_arms)
     chain = Chain(stack, thorough=thorough, signed=signed, seed=seed)
-    chain.extend(max_arms, negligible=negligible)
-    orders = range(min(1, chain.reached), chain.reached + 1)
-    return tuple(_of(chain, n, requested=n) for n in orders)
+    chain.extend(max_arms, negligible=negligible, every=every)
+    return tuple(_of(chain, n, requested=n) for n in range(chain.reached + 1))
 
 
 def full_jacobian(blocks: Sequence[Block], solution: Solution) -> Jacobian:

@@ -11,7 +11,7 @@ import numpy as np
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError
 from dashpot.engine.inference.order import DECISIVE, choose
-from dashpot.engine.solver.variable_projection import solve, solve_orders
+from dashpot.engine.solver.variable_projection import solve_orders
 from dashpot.fitting.identification.checks import dashpot_not_missed
 from dashpot.fitting.identification.explanations import disagreement
 from dashpot.fitting.identification.fit_assembly import assembled
@@ -257,7 +257,7 @@ def _linear(problem: Problem, most: int) -> list[Parameters]:
     felt = replace(problem.frf_data, seals=problem.frf_data.seals * problem.priors.factor.value)
     blocks.append(felt.stiffness_block(known, dashpot=problem.dashpot))
     starts = []
-    for solution in (solve(blocks, 0), *solve_orders(blocks, most)):
+    for solution in solve_orders(blocks, most):
         k = solution.arms[0]
         model = GeneralizedMaxwell(
             max(solution.coefficient("k_inf"), 0.0),

@@ -24,7 +24,6 @@ from dashpot.engine.inference.covariance import noise_of, white
 from dashpot.engine.solver.variable_projection import (
     Solution,
     full_jacobian,
-    solve,
     solve_orders,
 )
 from dashpot.fitting.nonlinear_ramp.projection import Nuisances, Point, Weighted
@@ -114,10 +113,8 @@ def hold_alone(rows: Rows, arms: int | None = None, max_arms: int = MAX_ARMS) ->
     blocks = [_hold_block(rows, i, bounds) for i in range(len(rows.depths))]
     fewest = min(block.samples for block in blocks)
     most = max(min(max_arms if arms is None else arms, (fewest - 3) // 2), 0)
-    solutions = [solve(blocks, 0)]
-    if most:
-        one_more = (1 + len(blocks)) * float(np.log(fewest)) if arms is None else 0.0
-        solutions += [s for s in solve_orders(blocks, most, negligible=one_more) if s.order]
+    one_more = (1 + len(blocks)) * float(np.log(fewest)) if arms is None else 0.0
+    solutions = solve_orders(blocks, most, negligible=one_more)
     chosen = _supported(rows, blocks, solutions) if arms is None else solutions[-1]
     return _described(rows, blocks, chosen)
 
