@@ -62,6 +62,8 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # arms that a hold alone is given at least: what it leaves is noise
 _FEW = 2
+# an arm that lowers the sum of squares by less than this is none that the hold alone needs
+_AS_GOOD = 1.01
 
 
 def fit(
@@ -269,10 +271,12 @@ def _sound(holds: _Holds, first: First) -> bool:
 
     A record without one ramp and one hold to speak of shows no elastic law.
     """
+    least = _AS_GOOD * first.solutions[-1].sse
+    near = next(one for one in first.solutions if one.sse <= least)
     for i, (record, residual) in enumerate(zip(holds.records, first.residuals, strict=True)):
         if moves_on(record) or ramp_obstacle(record) is not None:
             continue
-        alone = holds.left(i, first.solutions[-1].log_tau)
+        alone = holds.left(i, near.log_tau)
         if not linear_soundness(record, residual, alone).sound:
             return False
     return True

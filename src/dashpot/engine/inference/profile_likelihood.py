@@ -36,7 +36,7 @@ _OPEN_STIFFNESS, _OPEN_FOLDS = 1e4, 16.0
 #: ln tau between nodes of the table; cubics through columns and slopes are right to 1e-7
 _NODES_APART = 0.08
 _POINTS = 20
-_ITERATIONS = 30
+_ITERATIONS = 15
 #: the walk steps by a rise of the root of the deviance over which interpolation is good
 _RISE, _RISES = 0.7, 5.0
 _FARTHEST = 1.5
