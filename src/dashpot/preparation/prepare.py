@@ -10,6 +10,7 @@ from dashpot.base.arrays import FloatArray, median
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
 from dashpot.preparation import checks
+from dashpot.preparation.averaging import averaged
 from dashpot.preparation.contact import Baseline, Touch, baseline_of, touch_of, zeroed
 from dashpot.preparation.filters import filtered, parse_filter
 from dashpot.preparation.hum import hum_lines, hum_step
@@ -118,7 +119,7 @@ def prepare(
         answers.append(checks.range_used(rise, force_range))
     steps = [_turned(motion.sign, turn), _kept(motion, record), _met(touch), tared]
     steps += [*_known(record.machine), _ramped(record, motion), *hum_step(record.hum)]
-    record = replace(record, steps=tuple(steps), checks=tuple(answers))
+    record = averaged(replace(record, steps=tuple(steps), checks=tuple(answers)))
     return record if by is None else filtered(record, by)
 
 

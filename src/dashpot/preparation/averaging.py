@@ -1,0 +1,71 @@
+"""Long records: neighbouring samples averaged, in both channels alike."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.provenance import Step
+from dashpot.preparation.noise import scatter
+from dashpot.records.relaxation import RampHold
+
+# samples that no fit needs more of
+ENOUGH = 200_000
+# and of them at least so many on the ramp
+ON_THE_RAMP = 500
+# steps of a clock that differ by less than this part are even but for rounding
+_EVEN = 0.2
+
+
+def averaged(record: RampHold) -> RampHold:
+    r"""Average neighbouring samples of a record that is longer than any fit needs.
+
+    A mean over m samples is a filter that commutes with every linear solid,
+    :math:`\bar F = K * \bar x`, so the same solid answers the averaged motion with the averaged
+    force. Displacement in counts is read at the middle sample instead, where it stays in counts:
+    the mean differs from it by :math:`(m h)^2 \ddot x / 24`, h the sampling interval. Arms faster
+    than m h are out of reach; no ramp of 500 m samples or more shows them.
+    """
+    count = _neighbours(record)
+    if count == 1:
+        return record
+    used = len(record.time) // count * count
+    counted = record.encoder_step > 0
+
+    def mean(values: FloatArray) -> FloatArray:
+        return np.asarray(values[:used].reshape(-1, count).mean(axis=1))
+
+    time, force = mean(record.time), mean(record.force)
+    displacement = record.displacement[count // 2 : used : count]
+    noise = record.displacement_noise
+    late = slice(int(np.searchsorted(time, record.ramp_end + record.hold_time / 10)), None)
+    if not counted:
+        displacement = mean(record.displacement)
+        noise = scatter(time[late], displacement[late])
+    says = (
+        f"averaged each {count} of {len(record.time)} samples, force and displacement alike: "
+        "more than a fit needs, and any linear solid answers a mean with a mean"
+    )
+    return replace(
+        record,
+        time=time,
+        displacement=displacement,
+        force=force,
+        hold_end=min(record.hold_end, float(time[-1])),
+        force_noise=scatter(time[late], force[late]),
+        displacement_noise=noise,
+        steps=(*record.steps, Step("average", (("samples", str(count)),), says)),
+    )
+
+
+def _neighbours(record: RampHold) -> int:
+    """How many samples become one, an odd number; one where averaging is no help or no mean."""
+    steps = np.diff(record.time)
+    most = int(record.ramp_time / float(steps.mean()) / ON_THE_RAMP)
+    count = min(len(record.time) // ENOUGH, most)
+    in_counts_of_force = record.machine.compliance > 0 and record.encoder_step > 0
+    if count < 2 or np.ptp(steps) > _EVEN * steps.mean() or in_counts_of_force:
+        return 1
+    return count - 1 + count % 2
