@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from dashpot.base.errors import DataError, FitError
 from dashpot.fitting.fit_many import fit_many
+from dashpot.fitting.relaxation import fit
+from dashpot.preparation.prepare import prepare
 from dashpot.records.fit import Status
+from dashpot.records.relaxation import RelaxationTest
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 TIME = np.arange(4101) / 100
@@ -69,6 +73,51 @@ def test_each_failure_has_its_status() -> None:
     assert np.isnan(many.k_inf[1])
     assert many.k_inf[3] == pytest.approx(100.0)
     assert np.isnan(many.k[3]).all()
+
+
+@pytest.mark.parametrize("choice", [{"ramp": (8e-3, 1.0)}, {"displacement": X}])
+@pytest.mark.parametrize("method", ["full", "hold"])
+@pytest.mark.parametrize("memory", [0.0, 0.02])
+def test_errors_are_the_scatter_of_the_estimates(
+    choice: dict[str, object], method: str, memory: float
+) -> None:
+    """White noise, and noise that remembers 20 ms: two samples, where the record has 4101."""
+    seal, count = SEALS[0], 200
+    noise = np.random.default_rng(8).standard_normal((count, len(TIME)))
+    if memory:
+        kept = np.exp(-0.01 / memory)
+        noise = lfilter([np.sqrt(1 - kept**2)], [1.0, -kept], noise, axis=1)
+    data = seal.force(TIME, X) + 1e-3 * noise
+    many = fit_many(TIME, data, arms=2, method=method, errors=True, **choice)
+    assert many.errors is not None
+    for found, error, truth in (
+        (many.k_inf, many.errors.k_inf, seal.k_inf),
+        *zip(many.k.T, many.errors.k.T, seal.k, strict=True),
+        *zip(many.tau.T, many.errors.tau.T, seal.tau, strict=True),
+    ):
+        assert np.std((found - truth) / error) == pytest.approx(1.0, abs=0.2)
+
+
+def test_errors_are_those_of_the_single_fit() -> None:
+    data = forces("recorded")
+    many = fit_many(TIME, data, displacement=X, arms=2, method="hold", errors=True)
+    assert many.errors is not None
+    for row in range(2):
+        test = RelaxationTest(time=TIME, displacement=X, force=data[row])
+        alone = fit(prepare(test), arms=2, method="hold").standard_error
+        assert many.errors.k_inf[row] == pytest.approx(alone["k_inf"], rel=0.25)
+        np.testing.assert_allclose(many.errors.k[row], alone["k"], rtol=0.25)
+        np.testing.assert_allclose(many.errors.tau[row], alone["tau"], rtol=0.25)
+
+
+def test_no_arm_no_error_and_no_knowledge_no_end() -> None:
+    data = np.array([100.0 * X, np.full(len(TIME), np.nan)])
+    many = fit_many(TIME, data, displacement=X, arms=1, errors=True)
+    assert many.errors is not None
+    assert np.isfinite(many.errors.k_inf[0])
+    assert np.isnan(many.errors.tau[0]).all()
+    assert np.isnan(many.errors.k_inf[1])
+    assert fit_many(TIME, data, displacement=X, arms=1).errors is None
 
 
 def test_refusals_say_what_was_expected() -> None:

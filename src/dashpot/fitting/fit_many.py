@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from functools import partial
+from typing import Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -12,14 +14,41 @@ from dashpot.base.arrays import ByValue, FloatArray, frozen, increasing, samples
 from dashpot.base.errors import DataError
 from dashpot.engine.blocks.block import Block
 from dashpot.engine.blocks.families import (
+    Family,
     hold_family,
     ramp_hold_family,
     recorded_family,
     shares_correlation,
 )
+from dashpot.engine.blocks.hold import hold_block, ramp_hold_block
 from dashpot.engine.blocks.recorded import recorded_block
 from dashpot.engine.solver.many_records import ManySolutions, solve_each, solve_many
+from dashpot.fitting.uncertainty.many_errors import many_errors
 from dashpot.records.fit import Status
+
+# fewer records than this are done sooner one by one than what they share is made
+_STACK = 4
+
+
+@dataclass(frozen=True, eq=False)
+class ManyErrors(ByValue):
+    """Standard errors of many solids; NaN where there is no arm, infinite where nothing is known.
+
+    Attributes
+    ----------
+    k_inf : array, shape (R,)
+        N/m.
+    k, tau : array, shape (R, N)
+        N/m and s.
+    """
+
+    k_inf: FloatArray
+    k: FloatArray
+    tau: FloatArray
+
+    def __post_init__(self) -> None:
+        for name in ("k_inf", "k", "tau"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +64,8 @@ class Many(ByValue):
     sse : array, shape (R,)
         Sum of squared residuals, N^2.
     status : tuple of Status, length R
+    errors : ManyErrors or None
+        Standard errors, where they were asked for.
     """
 
     k_inf: FloatArray
@@ -42,6 +73,7 @@ class Many(ByValue):
     tau: FloatArray
     sse: FloatArray
     status: tuple[Status, ...]
+    errors: ManyErrors | None = None
 
     def __post_init__(self) -> None:
         for name in ("k_inf", "k", "tau", "sse"):
@@ -60,6 +92,7 @@ def fit_many(
     ramp: tuple[float, float] | None = None,
     arms: int = 2,
     method: Literal["full", "hold"] = "full",
+    errors: bool = False,
 ) -> Many:
     r"""Fit every record of a stack that was taken on one clock under one displacement.
 
@@ -82,6 +115,11 @@ def fit_many(
     method : {"full", "hold"}
         Fit the whole record, or only its hold: from the end of the ramp, or from the first
         sample within 1 % of the largest displacement.
+    errors : bool
+        Also give standard errors, :math:`S\,(J'J)^{-1}` with S the power of the residuals where
+        arms are told apart: their variance times the samples that say the same thing. Both come
+        from means over a few samples, about 1000 in all, which change neither for arms slower
+        than such a mean.
 
     Returns
     -------
@@ -121,50 +159,92 @@ def fit_many(
             "the history must be given once: displacement= as recorded, or ramp=(depth, ramp_time)"
         )
     if ramp is not None:
-        found = _ideal(clock, records, ramp, arms, method=method)
+        history = _ideal(clock, ramp, method=method)
     else:
         x = samples("displacement", displacement if displacement is not None else ())
-        found = _recorded(clock, records, x, arms, method=method)
+        history = _recorded(clock, x, method=method)
+    found = history.solved(records, arms)
     return Many(
         k_inf=found.fixed[:, 0],
         k=found.arms,
         tau=np.exp(found.log_tau),
         sse=found.sse,
         status=tuple(_status(found, row, arms) for row in range(len(records))),
+        errors=_errors(clock, records, history, found) if errors else None,
     )
 
 
-def _ideal(
-    clock: FloatArray, records: FloatArray, ramp: tuple[float, float], arms: int, *, method: str
-) -> ManySolutions:
+class _History(NamedTuple):
+    """The motion that all records answer to.
+
+    Attributes
+    ----------
+    x : array, shape (M,)
+        m, from zero on.
+    first : int
+        The first sample that is fitted.
+    given : slice
+        The samples that `block` and `family` take.
+    block : callable
+        Makes the block of one record.
+    family : callable or None
+        Makes what a stack of records shares; None if nothing can be shared.
+    """
+
+    x: FloatArray
+    first: int
+    given: slice
+    block: Callable[[FloatArray], Block]
+    family: Callable[[], Family] | None
+
+    def solved(self, records: FloatArray, arms: int) -> ManySolutions:
+        """Fit every record, side by side where there are enough of them."""
+        given = records[:, self.given]
+        if self.family is None or len(given) < _STACK:
+            return solve_each(self.block, given, arms, fixed_count=1)
+        return solve_many(self.family(), given, arms)
+
+
+def _ideal(clock: FloatArray, ramp: tuple[float, float], *, method: str) -> _History:
     depth, ramp_time = ramp
     if not (depth > 0 and ramp_time >= 0):
         raise DataError(f"ramp = {ramp!r}; expected (depth > 0 in m, ramp_time >= 0 in s)")
     since = clock - clock[0]
+    x = depth * np.minimum(since / ramp_time, 1.0) if ramp_time else np.full(len(since), depth)
     if method == "full" and ramp_time > 0:
-        return solve_many(ramp_hold_family(since, depth=depth, ramp_time=ramp_time), records, arms)
+        return _History(
+            x,
+            0,
+            slice(None),
+            partial(ramp_hold_block, since, depth=depth, ramp_time=ramp_time),
+            partial(ramp_hold_family, since, depth=depth, ramp_time=ramp_time),
+        )
     first = int(np.searchsorted(since, ramp_time))
     held = since[first:] - ramp_time
-    family = hold_family(held, depth=depth, ramp_time=ramp_time)
-    return solve_many(family, records[:, first:], arms)
+    return _History(
+        x,
+        first,
+        slice(first, None),
+        partial(hold_block, held, depth=depth, ramp_time=ramp_time),
+        partial(hold_family, held, depth=depth, ramp_time=ramp_time),
+    )
 
 
-def _recorded(
-    clock: FloatArray, records: FloatArray, x: FloatArray, arms: int, *, method: str
-) -> ManySolutions:
+def _recorded(clock: FloatArray, x: FloatArray, *, method: str) -> _History:
     if len(x) != len(clock):
         raise DataError(f"displacement has {len(x)} samples, time has {len(clock)}")
     if not x.max() > 0:
         raise DataError("the displacement is never positive; expected compression in m, > 0")
     first = int(np.argmax(x >= 0.99 * x.max())) if method == "hold" else 0
     window = slice(first, len(clock))
-    if shares_correlation(clock, x):
-        return solve_many(recorded_family(clock, x, window=window), records, arms)
-
-    def block(force: FloatArray) -> Block:
-        return recorded_block(clock, x, force, window=window)
-
-    return solve_each(block, records, arms, fixed_count=1)
+    shared = shares_correlation(clock, x)
+    return _History(
+        x,
+        first,
+        slice(None),
+        partial(recorded_block, clock, x, window=window),
+        partial(recorded_family, clock, x, window=window) if shared else None,
+    )
 
 
 def _status(found: ManySolutions, row: int, arms: int) -> Status:
@@ -177,3 +257,13 @@ def _status(found: ManySolutions, row: int, arms: int) -> Status:
     if found.order[row] < arms:
         return Status.FEWER_ARMS
     return Status.CONVERGED if found.converged[row] else Status.NOT_CONVERGED
+
+
+def _errors(
+    clock: FloatArray, records: FloatArray, history: _History, found: ManySolutions
+) -> ManyErrors:
+    error = many_errors(clock, history.x, records, history.first, found)
+    arms = found.arms.shape[1]
+    return ManyErrors(
+        error[:, 0], error[:, 1 : 1 + arms], error[:, 1 + arms :] * np.exp(found.log_tau)
+    )

@@ -106,12 +106,12 @@ def _taken(jacobian: FloatArray) -> FloatArray:
 
 
 def autocovariance(residual: FloatArray) -> FloatArray:
-    r"""Return :math:`\gamma_l = \frac1n \sum_i r_i r_{i+l}`, l = 0 .. n - 1, by one FFT."""
-    n = len(residual)
+    r"""Return :math:`\gamma_l = \frac1n \sum_i r_i r_{i+l}`, l = 0 .. n - 1, by one FFT each."""
+    n = residual.shape[-1]
     size = fast_length(2 * n)
     spectrum = np.fft.rfft(residual, size)
     power = spectrum.real**2 + spectrum.imag**2
-    return np.asarray(np.fft.irfft(power, size)[:n] / n)
+    return np.asarray(np.fft.irfft(power, size)[..., :n] / n)
 
 
 def geyer_cut(gamma: FloatArray) -> int:

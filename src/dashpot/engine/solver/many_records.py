@@ -63,13 +63,7 @@ def solve_many(family: Family, records: FloatArray, arms: int) -> ManySolutions:
 
     Nothing is raised by a bad row: it comes back without a solution.
     """
-    if arms < 1:
-        raise FitError(f"arms = {arms}; expected at least one")
-    if family.template.samples < family.fixed_count + 2 * arms:
-        raise FitError(
-            f"{family.template.samples} samples cannot determine {family.fixed_count + 2 * arms} "
-            "parameters; use fewer arms or longer records"
-        )
+    _refuse(family.template.samples, family.fixed_count, arms)
     count = len(records)
     out = _empty(count, arms, family.fixed_count)
     search = GridSearch(family, arms) if arms in POINTS else None
@@ -97,11 +91,23 @@ def solve_each(
     make: Callable[[FloatArray], Block], records: FloatArray, arms: int, *, fixed_count: int
 ) -> ManySolutions:
     """Fit every row by itself, where nothing can be shared: `make` turns a row into a block."""
+    _refuse(records.shape[1], fixed_count, arms)
     out = _empty(len(records), arms, fixed_count)
     out.finite[:] = _usable(records)
     for i in np.flatnonzero(out.finite):
         _alone(make, records[i], arms, int(i), out)
     return out
+
+
+def _refuse(samples: int, fixed_count: int, arms: int) -> None:
+    if arms < 1:
+        raise FitError(f"arms = {arms}; expected at least one")
+    unknown = fixed_count + 2 * arms
+    if samples < unknown:
+        raise FitError(
+            f"{samples} samples cannot determine {unknown} parameters; "
+            "use fewer arms or longer records"
+        )
 
 
 def _usable(records: FloatArray) -> BoolArray:
