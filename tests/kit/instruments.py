@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 import zipfile
 from pathlib import Path
 
@@ -59,8 +60,10 @@ def tdms(path: Path, offsets: tuple[float, float] = (0.0, 0.0), hits: int = 1) -
             writer.write_segment(channels)
 
 
-def workbook(path: Path, sheets: dict[str, list[list[object]]]) -> None:
-    """A small xlsx file, written by hand."""
+def workbook(
+    path: Path, sheets: dict[str, list[list[object]]], *, body: str = "", strings: str = ""
+) -> None:
+    """A small xlsx file, written by hand; `body` is XML at the end of every sheet."""
     space = "http://schemas.openxmlformats.org"
     kinds = "".join(
         f'<Override PartName="/xl/worksheets/sheet{i + 1}.xml" ContentType="application/'
@@ -77,7 +80,8 @@ def workbook(path: Path, sheets: dict[str, list[list[object]]]) -> None:
     )
     relations = f'<Relationships xmlns="{space}/package/2006/relationships">'
     main = f'xmlns="{space}/spreadsheetml/2006/main"'
-    with zipfile.ZipFile(path, "w") as file:
+    more = body
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as file:
         file.writestr(
             "[Content_Types].xml",
             f'<Types xmlns="{space}/package/2006/content-types"><Default Extension="rels" '
@@ -107,8 +111,102 @@ def workbook(path: Path, sheets: dict[str, list[list[object]]]) -> None:
             )  # fmt: skip
             file.writestr(
                 f"xl/worksheets/sheet{i + 1}.xml",
-                f"<worksheet {main}><sheetData>{body}</sheetData></worksheet>",
+                f"<worksheet {main}><sheetData>{body}{more}</sheetData></worksheet>",
             )
+        if strings:
+            file.writestr("xl/sharedStrings.xml", f"<sst {main}>{strings}</sst>")
+
+
+def ods(path: Path, rows: str) -> None:
+    """An OpenDocument workbook of one sheet, its rows as XML."""
+    names = "".join(
+        f' xmlns:{name}="urn:oasis:names:tc:opendocument:xmlns:{name}:1.0"'
+        for name in ("office", "table", "text")
+    )
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as file:
+        kind = "application/vnd.oasis.opendocument.spreadsheet"
+        file.writestr("mimetype", kind, zipfile.ZIP_STORED)
+        file.writestr(
+            "META-INF/manifest.xml",
+            '<manifest:manifest xmlns:manifest="urn:oasis:names:tc:opendocument:xmlns:manifest:1.0"'
+            f'><manifest:file-entry manifest:full-path="/" manifest:media-type="{kind}"/>'
+            "</manifest:manifest>",
+        )
+        file.writestr(
+            "content.xml",
+            f"<office:document-content{names}><office:body><office:spreadsheet><table:table "
+            f'table:name="One">{rows}</table:table></office:spreadsheet></office:body>'
+            "</office:document-content>",
+        )
+
+
+def ods_rows(rows: list[list[object]]) -> str:
+    """Rows as OpenDocument writes them."""
+    out = []
+    for row in rows:
+        cells = (
+            f'<table:table-cell office:value-type="string"><text:p>{cell}</text:p>'
+            "</table:table-cell>"
+            if isinstance(cell, str)
+            else f'<table:table-cell office:value-type="float" office:value="{cell!r}">'
+            f"<text:p>{cell!r}</text:p></table:table-cell>"
+            for cell in row
+        )
+        out.append(f"<table:table-row>{''.join(cells)}</table:table-row>")
+    return "".join(out)
+
+
+def xls(path: Path, rows: list[list[object]], *, more: bytes = b"") -> None:
+    """A workbook of one sheet as Excel 97 wrote it: BIFF8 records in a compound file.
+
+    `more` is further records of the sheet.
+    """
+
+    def record(kind: int, data: bytes) -> bytes:
+        return struct.pack("<HH", kind, len(data)) + data
+
+    def begin(what: int) -> bytes:
+        return record(0x809, struct.pack("<HHHHII", 0x600, what, 0, 1997, 0, 6))
+
+    cells = b""
+    for i, row in enumerate(rows):
+        for j, cell in enumerate(row):
+            if isinstance(cell, str):
+                text = struct.pack("<HB", len(cell), 1) + cell.encode("utf-16-le")
+                cells += record(0x204, struct.pack("<HHH", i, j, 0) + text)
+            else:
+                cells += record(0x203, struct.pack("<HHHd", i, j, 0, float(str(cell))))
+    name = struct.pack("<BB", 3, 0) + b"One"
+    end = record(0x0A, b"")
+    book = begin(5)
+    place = len(book) + 4 + 6 + len(name) + len(end)
+    book += record(0x85, struct.pack("<IBB", place, 0, 0) + name) + end
+    book += begin(0x10) + cells + more + end
+    path.write_bytes(_compound(book.ljust(4096, b"\0")))
+
+
+def _compound(stream: bytes) -> bytes:
+    """A compound file with one stream, "Workbook", of at least 4096 bytes."""
+    free, end, fat_mark, size = 0xFFFFFFFF, 0xFFFFFFFE, 0xFFFFFFFD, 512
+    count = -(-len(stream) // size)
+    fats = -(-(count + 2) // 126)
+    chain = [*range(1, count), end, end, *[fat_mark] * fats]  # the stream, the folder, the table
+    chain += [free] * (fats * 128 - len(chain))
+    header = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(16)
+    header += struct.pack("<HHHHH6xIIIIIIIII", 0x3E, 3, 0xFFFE, 9, 6, 0, fats, count, 0, 4096,
+                          end, 0, end, 0)  # fmt: skip
+    places = [*range(count + 1, count + 1 + fats)]
+    header += struct.pack("<109I", *places, *[free] * (109 - fats))
+
+    def entry(name: str, kind: int, child: int, start: int, length: int) -> bytes:
+        text = name.encode("utf-16-le") + b"\0\0"
+        return text.ljust(64, b"\0") + struct.pack(
+            "<HBBIII16xI8x8xIQ", len(text), kind, 1, free, free, child, 0, start, length
+        )
+
+    folder = entry("Root Entry", 5, 1, end, 0) + entry("Workbook", 2, free, 0, len(stream))
+    table = struct.pack(f"<{len(chain)}I", *chain)
+    return header + stream.ljust(count * size, b"\0") + folder.ljust(size, b"\0") + table
 
 
 def sheet() -> list[list[object]]:

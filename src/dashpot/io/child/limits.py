@@ -31,8 +31,8 @@ def within(count: int, what: str) -> None:
     """
     if count > VALUES:
         raise ReadError(
-            f"{what} {count} numbers in all, and at most {VALUES} are read; choose a part with "
-            "--sheet, or export fewer channels or a lower rate"
+            f"{what} {count} numbers in all, and at most {VALUES} are read; export fewer channels, "
+            "a part of the test or a lower rate"
         )
 
 

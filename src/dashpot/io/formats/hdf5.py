@@ -27,9 +27,9 @@ _FOREIGN = "it is data of another file, which this file's hash does not cover; s
 
 @dataclass
 class _Found:
-    """What a walk has gathered, and the objects it has been to: links may lead in circles."""
+    """What a walk has found, and the objects it has been to: links may lead in circles."""
 
-    arrays: list[Named] = field(default_factory=list)
+    datasets: list[tuple[Any, str]] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     visited: set[tuple[int, int]] = field(default_factory=set)
     numbers: int = 0
@@ -60,14 +60,16 @@ def read(raw: Raw, options: ReadOptions) -> Table:
                 )
             group = inner
         _walk(group, "", found)
+        limits.within(found.numbers, "the datasets hold")
+        arrays = [array for node, name in found.datasets for array in _dataset(node, name)]
     matlab = raw.head(10) == b"MATLAB 7.3"
-    return gather(found.arrays, format_="MAT 7.3" if matlab else "HDF5", notes=found.notes)
+    return gather(arrays, format_="MAT 7.3" if matlab else "HDF5", notes=found.notes)
 
 
 def _linked(group: Any, key: str) -> Any:
     """The member of a group, or None; what a soft link names has a place of its own."""
     h5py = extra("h5py", "h5py", "HDF5 files")
-    link = group.get(key, getlink=True)
+    link = group.get(key, getlink=True) if isinstance(group, h5py.Group) else None
     if isinstance(link, h5py.ExternalLink):
         raise ReadError(f"'{key}' is a link into '{link.filename}': {_FOREIGN}")
     return group[key] if isinstance(link, h5py.HardLink) else None
@@ -81,7 +83,7 @@ def _walk(node: Any, name: str, found: _Found) -> None:
         return
     found.visited.add((info.fileno, info.addr))
     if isinstance(node, Dataset):
-        found.arrays += _dataset(node, name) if _readable(node, name, found) else []
+        _take(node, name, found)
     elif isinstance(node, Group):
         for key in node:
             if not key.startswith("#") and key not in _UNIT:
@@ -90,12 +92,12 @@ def _walk(node: Any, name: str, found: _Found) -> None:
                     _walk(inner, f"{name}.{key}".strip("."), found)
 
 
-def _readable(node: Any, name: str, found: _Found) -> bool:
-    """Whether a dataset holds numbers of its own, no more than may be read."""
+def _take(node: Any, name: str, found: _Found) -> None:
+    """Keep a dataset that holds numbers of its own, no more than may be read."""
     if node.is_virtual or node.external:
         raise ReadError(f"'{name}' is a virtual or external dataset: {_FOREIGN}")
     if node.dtype.kind not in _NUMERIC or not node.size:
-        return False
+        return
     size = max(node.size, node.size * node.dtype.itemsize // 8)
     if size > limits.VALUES:
         found.notes.append(f"'{name}' with {node.size} values was passed over")
@@ -103,9 +105,7 @@ def _readable(node: Any, name: str, found: _Found) -> bool:
         found.notes.append(f"'{name}' was never written and was passed over")
     else:
         found.numbers += size
-        limits.within(found.numbers, "the datasets hold")
-        return True
-    return False
+        found.datasets.append((node, name))
 
 
 def _dataset(node: Any, name: str) -> list[Named]:
