@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 
 from dashpot.io.write import write_relaxation
@@ -41,6 +43,22 @@ def test_layers():
 
 def test_import_loads_nothing_heavy():
     assert not modules_after("import dashpot; dashpot.GeneralizedMaxwell") & HEAVY
+
+
+def test_what_a_noun_offers_is_found_by_its_name_and_in_one_way():
+    """A room that names one above it does so through `verb`; such names are no imports."""
+    offered = {}
+    for file in (ROOT / "src").rglob("*.py"):
+        for module, name in re.findall(r'verb\("([\w.]+)", "(\w+)"\)', file.read_text("utf-8")):
+            offered[module, name] = file.relative_to(ROOT / "src" / "dashpot").as_posix()
+            assert callable(getattr(import_module(f"dashpot.{module}"), name))
+    assert set(offered.values()) == {"base/offered.py", "records/frf.py", "plot/picture.py"}
+    by_word = {
+        file.relative_to(ROOT / "src" / "dashpot").as_posix()
+        for file in (ROOT / "src").rglob("*.py")
+        if 'import_module(f"dashpot.' in file.read_text("utf-8")
+    }
+    assert by_word == {"base/offered.py", "cli/__init__.py", "io/formats/__init__.py"}
 
 
 def test_help_loads_click_and_no_numbers():

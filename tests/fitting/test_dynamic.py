@@ -336,7 +336,7 @@ def test_what_makes_no_sense_is_refused() -> None:
         fit_dynamic(sweep(ZENER, unit="Pa"), tests=held)
     with pytest.raises(FitError, match="a parallel dashpot is fitted to a sweep alone"):
         fit_dynamic(data, tests=held, dashpot=True)
-    with pytest.raises(FitError, match="found a float; call prepare"):
+    with pytest.raises(FitError, match="relaxation tests, prepared or as read, found a float"):
         fit_dynamic(data, tests=[1.0])  # type: ignore[list-item]
     with pytest.raises(FitError, match="weights = 'equal'; expected 'relative' or 'modulus'"):
         fit_dynamic(data, weights="equal")  # type: ignore[arg-type]

@@ -17,7 +17,7 @@ from dashpot.fitting.uncertainty.bootstrap import bootstrap
 from dashpot.preparation.prepare import prepare
 from dashpot.records.estimate import Profile, profile_interval
 from dashpot.records.fit import Fit, Status
-from dashpot.records.relaxation import RampHold, RelaxationTest
+from dashpot.records.relaxation import RampHold
 from dashpot.simulation import simulate_relaxation
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -419,11 +419,9 @@ def test_options_that_make_no_sense(
         fit(ideal(paper_seal, hold=5.0), **options)  # type: ignore[arg-type]
 
 
-def test_an_unprepared_test_is_refused(paper_seal: GeneralizedMaxwell) -> None:
-    test = ideal(paper_seal)
-    raw = RelaxationTest(test.time, test.displacement, test.force)
-    with pytest.raises(FitError, match=r"found a RelaxationTest; call prepare\(test\)"):
-        fit([raw])  # type: ignore[list-item]
+def test_what_is_no_relaxation_test_is_refused(paper_seal: GeneralizedMaxwell) -> None:
+    with pytest.raises(FitError, match="relaxation tests, prepared or as read, found a str"):
+        fit(["seal.csv"])  # type: ignore[list-item]
     with pytest.raises(FitError, match="there is no test to fit"):
         fit([])
 

@@ -33,6 +33,13 @@ class Source:
     simulated: bool = False
 
 
+def of_file(source: Source | None, samples: int) -> str:
+    """Return which record it is, for people: its file, how many samples, and whether simulated."""
+    if source is None:
+        return f"{samples} samples in memory"
+    return f"{source.file}{', SIMULATED' * source.simulated}, {samples} samples"
+
+
 @dataclass(frozen=True)
 class Step:
     """One processing step: its name, its parameters as text, what it did in a sentence."""

@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import lru_cache
 from types import MappingProxyType
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias, overload
 
 from dashpot.base.errors import DataError
+
+Quantity: TypeAlias = float | str
+"""A number in SI units, or one with its unit: ``0.104`` or ``"104g"``."""
+
+Range: TypeAlias = tuple[Quantity, Quantity] | str
+"""Two of them, or both with one unit: ``"5:40Hz"``."""
 
 Dimension: TypeAlias = Literal[
     "time", "length", "force", "mass", "acceleration", "velocity", "frequency",
@@ -237,6 +243,55 @@ def parse_quantity(text: str, dimension: Dimension) -> float:
             f"{MOST:g}: check the number and its unit"
         )
     return scaled + unit.offset
+
+
+@overload
+def si(value: Quantity, dimension: Dimension) -> float: ...
+@overload
+def si(value: Quantity | None, dimension: Dimension) -> float | None: ...
+def si(value: Quantity | None, dimension: Dimension) -> float | None:
+    """Return a quantity in SI units; a number is in SI already, None stays None.
+
+    >>> si("104g", "mass"), si(0.104, "mass"), si(None, "mass")
+    (0.104, 0.104, None)
+
+    Raises
+    ------
+    DataError
+        If a text is no quantity of that dimension.
+    """
+    return parse_quantity(value, dimension) if isinstance(value, str) else value
+
+
+def si_fields(noun: Any) -> None:
+    """Put those fields of a frozen dataclass into SI that name their unit and hold a text."""
+    for one in fields(noun):
+        if "unit" in one.metadata:
+            value = si(getattr(noun, one.name), one.metadata["unit"])
+            object.__setattr__(noun, one.name, value)
+
+
+@overload
+def si_range(value: Range, dimension: Dimension) -> tuple[float, float]: ...
+@overload
+def si_range(value: Range | None, dimension: Dimension) -> tuple[float, float] | None: ...
+def si_range(value: Range | None, dimension: Dimension) -> tuple[float, float] | None:
+    """Return both ends of a range in SI units.
+
+    >>> si_range("5:40Hz", "frequency"), si_range(("8mm", 0.01), "length")
+    ((5.0, 40.0), (0.008, 0.01))
+
+    Raises
+    ------
+    DataError
+        If a text is no quantity, or no range, of that dimension.
+    """
+    if value is None:
+        return None
+    if isinstance(value, str):
+        return parse_range(value, dimension)
+    low, high = value
+    return si(low, dimension), si(high, dimension)
 
 
 def parse_range(text: str, dimension: Dimension) -> tuple[float, float]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
+from dashpot.base.units import Range, si_range
 from dashpot.export.deck import Deck, DeckText, Exportable, open_deck
 from dashpot.export.notation import text
 from dashpot.records.specimen import Specimen
@@ -18,7 +19,7 @@ def abaqus(
     specimen: Specimen | None = None,
     allow: Collection[str] = (),
     form: str = "arms",
-    frequency_range: tuple[float, float] = (1.0, 100.0),
+    frequency_range: Range = (1.0, 100.0),
     tolerance: float = 1e-3,
 ) -> DeckText:
     r"""Abaqus keywords of a solid.
@@ -30,6 +31,7 @@ def abaqus(
 
     Parameters are those of :func:`dashpot.export.nastran.nastran`.
     """
+    frequency_range = si_range(frequency_range, "frequency")
     deck = open_deck(solid, "abaqus", form, FORMS, units=units, specimen=specimen, allow=allow)
     if form == "arms":
         return _arms(deck)

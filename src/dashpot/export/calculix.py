@@ -7,6 +7,7 @@ from collections.abc import Collection
 import numpy as np
 
 from dashpot.base.errors import ExportError
+from dashpot.base.units import Quantity, Range, si, si_range
 from dashpot.export.abaqus import spring_dashpot_network
 from dashpot.export.deck import Deck, DeckText, Exportable, open_deck
 from dashpot.export.notation import text
@@ -28,8 +29,8 @@ def calculix(
     specimen: Specimen | None = None,
     allow: Collection[str] = (),
     form: str = "arms",
-    mass: float | None = None,
-    frequency_range: tuple[float, float] = (1.0, 100.0),
+    mass: Quantity | None = None,
+    frequency_range: Range = (1.0, 100.0),
     points: int = 400,
 ) -> DeckText:
     r"""CalculiX keywords: the exact network of SPRINGA and DASHPOTA elements.
@@ -56,6 +57,7 @@ def calculix(
     points : int
         Frequencies in it, evenly spaced.
     """
+    mass, frequency_range = si(mass, "mass"), si_range(frequency_range, "frequency")
     deck = open_deck(solid, "calculix", form, FORMS, units=units, specimen=specimen, allow=allow)
     low, high = frequency_range
     if not 0 < low < high:

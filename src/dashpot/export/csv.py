@@ -6,6 +6,7 @@ from collections.abc import Collection
 
 import numpy as np
 
+from dashpot.base.units import Range, si_range
 from dashpot.export.deck import Deck, DeckText, Exportable, open_deck
 from dashpot.export.notation import text
 from dashpot.records.specimen import Specimen
@@ -21,7 +22,7 @@ def csv(
     specimen: Specimen | None = None,
     allow: Collection[str] = (),
     form: str = "frequency",
-    frequency_range: tuple[float, float] = (1.0, 100.0),
+    frequency_range: Range = (1.0, 100.0),
     tolerance: float = 1e-3,
 ) -> DeckText:
     """Comma-separated text: dynamic stiffness against frequency, or the arms.
@@ -32,6 +33,7 @@ def csv(
 
     Parameters are those of :func:`dashpot.export.nastran.nastran`.
     """
+    frequency_range = si_range(frequency_range, "frequency")
     deck = open_deck(solid, "csv", form, FORMS, units=units, specimen=specimen, allow=allow)
     return _arms(deck) if form == "arms" else _frequency(deck, frequency_range, tolerance)
 

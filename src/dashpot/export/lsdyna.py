@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 
 from dashpot.base.errors import ExportError
+from dashpot.base.units import Quantity, si
 from dashpot.export.deck import Deck, DeckText, Exportable, open_deck
 from dashpot.export.notation import packed
 from dashpot.records.specimen import Specimen
@@ -20,8 +21,8 @@ def lsdyna(
     specimen: Specimen | None = None,
     allow: Collection[str] = (),
     form: str = "arms",
-    modulus: float | None = None,
-    bulk_modulus: float | None = None,
+    modulus: Quantity | None = None,
+    bulk_modulus: Quantity | None = None,
     density: float | None = None,
 ) -> DeckText:
     r"""LS-DYNA keywords of a solid.
@@ -42,6 +43,7 @@ def lsdyna(
     density : float, optional
         kg/m^3; only and always for ``"prony"``.
     """
+    modulus, bulk_modulus = si(modulus, "stress"), si(bulk_modulus, "stress")
     deck = open_deck(solid, "lsdyna", form, FORMS, units=units, specimen=specimen, allow=allow)
     if form == "prony":
         return _prony(deck, modulus, bulk_modulus, density)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dashpot.base.errors import ExportError
+from dashpot.base.units import Quantity, Range, si, si_range
 from dashpot.export.deck import Deck, DeckText, Exportable, open_deck
 from dashpot.export.frequency_tables import Damping, Table
 from dashpot.export.notation import packed
@@ -29,9 +30,9 @@ def nastran(
     specimen: Specimen | None = None,
     allow: Collection[str] = (),
     form: str = "table",
-    frequency_range: tuple[float, float] = (1.0, 100.0),
+    frequency_range: Range = (1.0, 100.0),
     tolerance: float = 1e-3,
-    nominal: float | None = None,
+    nominal: Quantity | None = None,
     line: SealLine | None = None,
     first_id: int = 1,
 ) -> DeckText:
@@ -68,6 +69,7 @@ def nastran(
     ExportError
         If the deck must not be written.
     """
+    frequency_range, nominal = si_range(frequency_range, "frequency"), si(nominal, "frequency")
     deck = open_deck(solid, "nastran", form, FORMS, units=units, specimen=specimen, allow=allow)
     row = _row_of(deck, line)
     if form == "arms":

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
+from dashpot.base.units import Quantity, si
 from dashpot.export.deck import DeckText, Exportable, open_deck
 from dashpot.export.notation import text
 from dashpot.records.specimen import Specimen
@@ -18,7 +19,7 @@ def radioss(
     specimen: Specimen | None = None,
     allow: Collection[str] = (),
     form: str = "prony",
-    modulus: float | None = None,
+    modulus: Quantity | None = None,
 ) -> DeckText:
     r"""Radioss ``/VISC/PRONY`` card: G_j = G_0 k_j/k_0 and beta_j = 1/tau_j.
 
@@ -31,6 +32,7 @@ def radioss(
     modulus : float
         Instantaneous shear modulus G_0 of the rubber, Pa: a part's stiffness does not tell it.
     """
+    modulus = si(modulus, "stress")
     deck = open_deck(solid, "radioss", form, FORMS, units=units, specimen=specimen, allow=allow)
     long_term, terms = deck.shear(modulus, "Radioss")
     return deck.written(

@@ -13,7 +13,6 @@ Source: Y. C. Fung, *Biomechanics* (1993), ch. 7.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
@@ -28,8 +27,8 @@ from dashpot.fitting.nonlinear_ramp.hold_first import MAX_ARMS, follow
 from dashpot.fitting.nonlinear_ramp.ladder import ramp_law
 from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw, covariance_of
 from dashpot.fitting.pipeline import asked_arms
+from dashpot.preparation.ramp_holds import Tests, ramp_holds
 from dashpot.records.fit import AtDepth, Fit
-from dashpot.records.relaxation import RampHold, listed
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -67,13 +66,13 @@ class DepthLaw:
 
 
 def fit_depths(
-    tests: Sequence[RampHold], *, arms: int | Literal["auto"] = "auto", max_arms: int = MAX_ARMS
+    tests: Tests, *, arms: int | Literal["auto"] = "auto", max_arms: int = MAX_ARMS
 ) -> DepthLaw:
     """Fit tests at two or more depths: elastic law, separability, one quasi-linear solid.
 
     Parameters
     ----------
-    tests : sequence of RampHold
+    tests : sequence of RampHold or RelaxationTest
         At different depths.
     arms : int or "auto"
         ``"auto"`` takes as many as the holds support by BIC, up to `max_arms`.
@@ -84,7 +83,7 @@ def fit_depths(
         If there are fewer than two tests, two share a depth, or a test has no equilibrium
         stiffness.
     """
-    records = listed(tests)
+    records = ramp_holds(tests)
     if len(records) < 2:
         raise FitError(f"found {len(records)} test; a depth law needs at least two depths")
     ordered = sorted(records, key=lambda test: test.depth)

@@ -11,6 +11,7 @@ from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
 from dashpot.base.provenance import Source, Step
+from dashpot.base.units import Quantity, si
 from dashpot.engine.blocks.block import Block, frequency_block
 from dashpot.fitting import checks
 from dashpot.fitting.design import Design, compressed
@@ -30,9 +31,10 @@ from dashpot.fitting.spectrum import (
     relative_scale,
 )
 from dashpot.fitting.uncertainty.informed_band import informed_band
+from dashpot.preparation.ramp_holds import Tests, ramp_holds
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import Fit, Provenance
-from dashpot.records.relaxation import RampHold, listed
+from dashpot.records.relaxation import RampHold
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 Weights: TypeAlias = Literal["relative", "modulus"]
@@ -49,10 +51,10 @@ def fit_dynamic(
     data: DynamicTest,
     *,
     arms: int | Literal["auto"] = "auto",
-    tests: RampHold | Sequence[RampHold] = (),
+    tests: Tests = (),
     weights: Weights = "relative",
     dashpot: bool = False,
-    temperature: float | None = None,
+    temperature: Quantity | None = None,
     thorough: bool = False,
     max_arms: int = 6,
 ) -> Fit:
@@ -73,7 +75,7 @@ def fit_dynamic(
     arms : int or "auto"
         Number of Maxwell arms; ``"auto"`` takes the number that BIC with the effective sample
         size and the significance of every arm both support.
-    tests : RampHold or sequence of RampHold
+    tests : RampHold, RelaxationTest or sequence of them
         Prepared relaxation tests of the same part, fitted in the same stack by their recorded
         motion, each with its own tare and drift. `data` must then be in N/m.
     weights : "relative" or "modulus"
@@ -101,6 +103,7 @@ def fit_dynamic(
         If sweeps at several temperatures come without `temperature`, a storage is not above
         0, or an option makes no sense.
     """
+    temperature = si(temperature, "temperature")
     data = _at_temperature(data, temperature)
     records = _records(tests, data, dashpot=dashpot)
     most = asked_arms(arms, max_arms)
@@ -185,10 +188,8 @@ def _at_temperature(data: DynamicTest, temperature: float | None) -> DynamicTest
     return data.only(np.argsort(data.frequency, kind="stable"))
 
 
-def _records(
-    tests: RampHold | Sequence[RampHold], data: DynamicTest, *, dashpot: bool
-) -> tuple[RampHold, ...]:
-    records = listed(tests)
+def _records(tests: Tests, data: DynamicTest, *, dashpot: bool) -> tuple[RampHold, ...]:
+    records = ramp_holds(tests)
     refuse_copies(records)
     if records and data.unit != "N/m":
         raise FitError(

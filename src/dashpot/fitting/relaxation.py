@@ -53,10 +53,11 @@ from dashpot.fitting.uncertainty.estimate import Estimate, residual_of
 from dashpot.fitting.uncertainty.informed_band import informed_band
 from dashpot.fitting.uncertainty.left_open import end_of_hold
 from dashpot.preparation.filters import Filter, filter_of, filtered
+from dashpot.preparation.ramp_holds import Tests, ramp_holds
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.fit import Fit, Provenance
 from dashpot.records.machine import Machine
-from dashpot.records.relaxation import RampHold, listed
+from dashpot.records.relaxation import RampHold
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -67,7 +68,7 @@ _AS_GOOD = 1.01
 
 
 def fit(
-    tests: RampHold | Sequence[RampHold],
+    tests: Tests,
     *,
     arms: int | Literal["auto"] = "auto",
     method: Method = "full",
@@ -98,7 +99,7 @@ def fit(
 
     Parameters
     ----------
-    tests : RampHold or sequence of RampHold
+    tests : RampHold, RelaxationTest or sequence of them
         What :func:`~dashpot.preparation.prepare.prepare` returns. Several tests share their
         relaxation times, and their stiffnesses unless `depth_law`; each has its own tare and
         drift.
@@ -137,7 +138,7 @@ def fit(
         If an option makes no sense, a test is not prepared, or eq. (5) does not apply to the
         recorded history.
     """
-    records = listed(tests)
+    records = ramp_holds(tests)
     if not records:
         raise FitError("there is no test to fit; expected at least one prepared test")
     refuse_copies(records)

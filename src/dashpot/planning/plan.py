@@ -10,6 +10,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, sample_count
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
+from dashpot.base.units import Quantity, si
 from dashpot.planning import checks
 from dashpot.planning.checks import percent
 from dashpot.planning.expected import (
@@ -89,22 +90,22 @@ class Plan:
 
 def plan(
     *,
-    depth: float,
-    ramp_time: float,
-    hold_time: float,
-    rate: float,
-    noise: float,
-    at: float,
+    depth: Quantity,
+    ramp_time: Quantity,
+    hold_time: Quantity,
+    rate: Quantity,
+    noise: Quantity,
+    at: Quantity,
     model: GeneralizedMaxwell | None = None,
     method: str = "full",
-    arm: tuple[float, float] | None = None,
-    baseline: float = 1.0,
-    sync: float | None = None,
-    drift: float | None = None,
-    mass: float | None = None,
+    arm: tuple[Quantity, Quantity] | None = None,
+    baseline: Quantity = 1.0,
+    sync: Quantity | None = None,
+    drift: Quantity | None = None,
+    mass: Quantity | None = None,
     seals: float = 1.0,
-    record: float | None = None,
-    pulse: float | None = None,
+    record: Quantity | None = None,
+    pulse: Quantity | None = None,
     hits: int = 5,
     coherence: float = 0.99,
     wanted: float = WANTED,
@@ -158,6 +159,10 @@ def plan(
     DataError
         If a number is not positive or the method unknown.
     """
+    depth, ramp_time, hold_time = si(depth, "length"), si(ramp_time, "time"), si(hold_time, "time")
+    rate, noise, at = si(rate, "frequency"), si(noise, "force"), si(at, "frequency")
+    baseline, sync, drift = si(baseline, "time"), si(sync, "time"), si(drift, "force rate")
+    mass, record, pulse = si(mass, "mass"), si(record, "time"), si(pulse, "time")
     _positive(depth=depth, ramp_time=ramp_time, hold_time=hold_time, rate=rate, noise=noise, at=at)
     _positive(
         baseline=baseline,
@@ -219,14 +224,15 @@ def _positive(**named: float | None) -> None:
 
 
 def _with_arm(
-    model: GeneralizedMaxwell, arm: tuple[float, float] | None, at: float
+    model: GeneralizedMaxwell, arm: tuple[Quantity, Quantity] | None, at: float
 ) -> tuple[GeneralizedMaxwell, tuple[float, float] | None]:
     if arm is None:
         tau = 1 / (2 * np.pi * at)
         if any(1 / NEAR < own / tau < NEAR for own in model.tau):
             return model, None
         arm = (USUAL_PART * model.k_0, tau)
-    return model + GeneralizedMaxwell(0.0, (arm[0],), (arm[1],)), arm
+    known = si(arm[0], "stiffness"), si(arm[1], "time")
+    return model + GeneralizedMaxwell(0.0, known[:1], known[1:]), known
 
 
 def _others(bench: Bench) -> list[Bench]:

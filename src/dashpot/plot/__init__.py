@@ -6,6 +6,7 @@ A :class:`~dashpot.plot.picture.Picture` is a frozen value, what is drawn before
 """
 
 from dashpot.plot.bitmap import to_figure
+from dashpot.plot.columns import columns
 from dashpot.plot.files import rendered, save
 from dashpot.plot.impact import hits
 from dashpot.plot.modulus import modulus
@@ -19,6 +20,7 @@ from dashpot.plot.vibration import comparison, frf, nyquist, resonance
 
 __all__ = [
     "Picture",
+    "columns",
     "comparison",
     "dynamic_stiffness",
     "elastic_law",

@@ -12,6 +12,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.offered import verb
 
 
 @dataclass(frozen=True)
@@ -197,9 +198,8 @@ class Picture:
 
     def _repr_html_(self) -> str:
         """Show itself in a notebook."""
-        from dashpot.plot.svg import whole
-
-        return whole(self)
+        text: str = verb("plot.svg", "whole")(self)
+        return text
 
 
 def unit_of(values: FloatArray, unit: Literal["N", "m"]) -> tuple[str, float]:

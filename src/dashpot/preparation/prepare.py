@@ -9,6 +9,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, median
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
+from dashpot.base.units import Quantity, si
 from dashpot.preparation import checks
 from dashpot.preparation.averaging import averaged
 from dashpot.preparation.contact import Baseline, Touch, baseline_of, touch_of, zeroed
@@ -27,14 +28,14 @@ def prepare(
     test: RelaxationTest,
     *,
     sign: int | None = None,
-    contact: float | None = None,
-    onset: float | None = None,
-    ramp_end: float | None = None,
-    hold_end: float | None = None,
+    contact: Quantity | None = None,
+    onset: Quantity | None = None,
+    ramp_end: Quantity | None = None,
+    hold_end: Quantity | None = None,
     cycle: int | None = None,
     filter: str | None = None,
     drift: float | str | None = None,
-    force_range: float | None = None,
+    force_range: Quantity | None = None,
     machine: Machine | None = None,
 ) -> RampHold:
     r"""Find the ramp and the hold, the contact and the tare; change nothing else.
@@ -79,6 +80,8 @@ def prepare(
         If there is no ramp, no hold, a force on both sides of zero, a saturated or an
         unresolved force, or times out of order.
     """
+    contact, onset, ramp_end = si(contact, "length"), si(onset, "time"), si(ramp_end, "time")
+    hold_end, force_range = si(hold_end, "time"), si(force_range, "force")
     where = test.source.file if test.source is not None else "the record"
     by = None if filter is None else parse_filter(filter)
     _refuse_choices(sign=sign, drift=drift, force_range=force_range)

@@ -16,12 +16,13 @@ from dashpot.base.arrays import (
     same_length,
 )
 from dashpot.base.errors import DataError
-from dashpot.base.provenance import Source
+from dashpot.base.offered import Described
+from dashpot.base.provenance import Source, of_file
 from dashpot.records.specimen import Specimen
 
 
-@dataclass(frozen=True, eq=False)
-class DynamicTest(ByValue):
+@dataclass(frozen=True, eq=False, repr=False)
+class DynamicTest(ByValue, Described):
     r"""Storage and loss as a machine measured them under a harmonic motion.
 
     :math:`K^*(\omega) = K'(\omega) + j K''(\omega)` with x(t) = Re X e^{+j omega t}: a positive
@@ -71,6 +72,20 @@ class DynamicTest(ByValue):
             raise DataError(f"frequency[{i}] = {self.frequency[i]:g} Hz; expected > 0")
         if self.unit not in {"Pa", "N/m"}:
             raise DataError(f"unit '{self.unit}' of storage and loss; expected 'Pa' or 'N/m'")
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """Which sweep it is, and what it covers."""
+        warm = ""
+        if self.temperature is not None:
+            warm = f", {self.temperature.min():.5g} to {self.temperature.max():.5g} K"
+        return (
+            of_file(self.source, len(self.frequency)),
+            (
+                f"storage and loss in {self.unit}, {self.frequency.min():.4g} to "
+                f"{self.frequency.max():.4g} Hz{warm}"
+            ),
+        )
 
     def only(self, chosen: BoolArray | IndexArray) -> DynamicTest:
         """The chosen samples, in the order given."""

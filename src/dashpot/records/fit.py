@@ -11,7 +11,9 @@ import numpy as np
 from dashpot.base.arrays import ByValue, FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import DataError
+from dashpot.base.offered import Pictured
 from dashpot.base.provenance import Source, Step
+from dashpot.base.units import Quantity, si
 from dashpot.records.bounds import EndOfHold, LeftOpen
 from dashpot.records.estimate import (
     Intervals,
@@ -217,8 +219,8 @@ class Provenance:
     specimen: Specimen = field(default_factory=Specimen)
 
 
-@dataclass(frozen=True, eq=False)
-class Fit(ByValue):
+@dataclass(frozen=True, eq=False, repr=False)
+class Fit(ByValue, Pictured):
     """A fitted solid, how well each parameter is known, and what the test cannot tell.
 
     Attributes
@@ -264,7 +266,7 @@ class Fit(ByValue):
             "beyond, the solid is an extrapolation",
         )
 
-    def model_at(self, compression: float, *, secant: bool = False) -> GeneralizedMaxwell:
+    def model_at(self, compression: Quantity, *, secant: bool = False) -> GeneralizedMaxwell:
         """The solid that small vibration about a compression, m, feels: its tangent.
 
         Parameters
@@ -279,6 +281,7 @@ class Fit(ByValue):
         DataError
             If the compression is not a number > 0.
         """
+        compression = si(compression, "length")
         if not (np.isfinite(compression) and compression > 0):
             raise DataError(f"compression = {compression!r} m; expected a number > 0")
         law = self.elastic_law
@@ -429,15 +432,17 @@ class Fit(ByValue):
         )
         return hashlib.sha256(repr(stands_for).encode()).hexdigest()[:16]
 
-    def __str__(self) -> str:
+    @property
+    def described(self) -> tuple[str, ...]:
         """The verdict, the solid, and how the optimiser ended."""
-        return "\n".join(
-            (
-                f"{self.verdict.use}: {self.verdict.says}",
-                f"{self.model} ({self.unit}, s), method {self.method}",
-                f"optimiser: {self.status.value}",
-            )
+        return (
+            f"{self.verdict.use}: {self.verdict.says}",
+            f"{self.model} ({self.unit}, s), method {self.method}",
+            f"optimiser: {self.status.value}",
         )
+
+    def __str__(self) -> str:
+        return "\n".join(self.described)
 
     def in_parallel(self, count: float) -> Fit:
         """The fit of `count` such parts side by side: stiffnesses, errors and length scale alike.
@@ -454,7 +459,7 @@ class Fit(ByValue):
         specimen = replace(self.specimen, length=length)
         return replace(scaled, provenance=replace(scaled.provenance, specimen=specimen))
 
-    def at_compression(self, compression: float) -> Fit:
+    def at_compression(self, compression: Quantity) -> Fit:
         """The fit as small vibration about a compression, m, feels it: every stiffness the tangent.
 
         With a straight elastic law that is the fit itself.
@@ -464,6 +469,7 @@ class Fit(ByValue):
         DataError
             If the compression is not a number > 0.
         """
+        compression = si(compression, "length")
         tangent = self.model_at(compression)
         if self.elastic_law is None or self.elastic_law.kind == "linear":
             return self

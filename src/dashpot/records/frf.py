@@ -19,6 +19,7 @@ from dashpot.base.arrays import (
 )
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
+from dashpot.base.offered import Pictured, verb
 from dashpot.base.provenance import Source, Step
 
 
@@ -75,8 +76,8 @@ class Hit:
     duration: float = 0.0
 
 
-@dataclass(frozen=True, eq=False)
-class FRF(ByValue):
+@dataclass(frozen=True, eq=False, repr=False)
+class FRF(ByValue, Pictured):
     r"""A frequency response function, measured or predicted.
 
     Sign convention: x(t) = Re X e^{+j omega t}; the receptance of a passive system has a
@@ -150,6 +151,21 @@ class FRF(ByValue):
         """The FRF, of any kind, whose receptance at `frequency`, Hz, is this."""
         kind, s = Kind(kind), np.asarray(2j * np.pi * frequency + shift)
         return cls(frequency, _as_kind(receptance, s, kind), kind, shift=shift)
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """What it relates, where, and its highest line."""
+        size = np.abs(self.value)
+        top = int(size.argmax())
+        made = f"{self.averages} averages" if self.averages else "predicted, or of unknown averages"
+        files = ", ".join(one.file for one in self.source)
+        return (
+            (
+                f"{self.kind}, {self.unit}, {len(self.value)} lines, {self.frequency[0]:.6g} to "
+                f"{self.frequency[-1]:.6g} Hz, {made}{f', {files}' if files else ''}"
+            ),
+            f"highest line: {size[top]:.5g} {self.unit} at {self.frequency[top]:.6g} Hz",
+        )
 
     @property
     def omega(self) -> FloatArray:
@@ -303,10 +319,10 @@ class FRF(ByValue):
         FitError
             If the lines cannot support the method: fewer than 5 in the half-power band.
         """
-        from dashpot.vibration.modal.modes import find_modes
-
         measured = self.to(Kind.ACCELERANCE)  # what was recorded, and cut at its end
-        return find_modes(measured, method=method, band=band, count=count)
+        find_modes = verb("vibration.modal.modes", "find_modes")
+        found: tuple[Mode, ...] = find_modes(measured, method=method, band=band, count=count)
+        return found
 
 
 def _as_kind(receptance: ComplexArray, s: ComplexArray, kind: Kind) -> ComplexArray:

@@ -9,11 +9,12 @@ import numpy as np
 
 from dashpot.base.arrays import ByValue, FloatArray, frozen, measured, same_length
 from dashpot.base.errors import DataError
-from dashpot.base.provenance import Source
+from dashpot.base.offered import Described
+from dashpot.base.provenance import Source, of_file
 
 
-@dataclass(frozen=True, eq=False)
-class ImpactTest(ByValue):
+@dataclass(frozen=True, eq=False, repr=False)
+class ImpactTest(ByValue, Described):
     """Hammer force and one or more accelerations, sampled together, in SI units.
 
     Attributes
@@ -65,6 +66,19 @@ class ImpactTest(ByValue):
         object.__setattr__(self, "starts", starts)
         for record in self.records():
             _uniform(time[record])
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """Which records they are, and what was measured."""
+        one = self.source[0] if len(self.source) == 1 else None
+        files = ", ".join(source.file for source in self.source)
+        return (
+            of_file(one, len(self.time)) + (f" of {files}" if one is None and files else ""),
+            (
+                f"{len(self.starts)} record{'s' * (len(self.starts) != 1)} at {self.rate:.6g} Hz, "
+                f"hammer to {np.abs(self.force).max():.4g} N, {', '.join(self.channels)}"
+            ),
+        )
 
     def records(self) -> tuple[slice, ...]:
         """The continuous records, as slices of the samples."""

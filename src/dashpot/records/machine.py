@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from dashpot.base.errors import DataError
 from dashpot.base.options import option
+from dashpot.base.units import si_fields
 
 # a load cell of which nothing is known drifts by this part of the final force over the record
 UNKNOWN_DRIFT = 5e-3
@@ -53,6 +54,7 @@ class Machine:
         return UNKNOWN_DRIFT * final / duration if self.drift is None else self.drift
 
     def __post_init__(self) -> None:
+        si_fields(self)
         for name in ("sync", "drift", "compliance"):
             value = getattr(self, name)
             if value is not None and not (math.isfinite(value) and value >= 0):

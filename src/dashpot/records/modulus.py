@@ -6,12 +6,13 @@ from dataclasses import dataclass, field
 
 from dashpot.base.arrays import ByValue, FloatArray, increasing, measured, same_length
 from dashpot.base.errors import DataError
-from dashpot.base.provenance import Source
+from dashpot.base.offered import Described
+from dashpot.base.provenance import Source, of_file
 from dashpot.records.specimen import Specimen
 
 
-@dataclass(frozen=True, eq=False)
-class RelaxationModulus(ByValue):
+@dataclass(frozen=True, eq=False, repr=False)
+class RelaxationModulus(ByValue, Described):
     r"""A curve :math:`E(t)`, measured or shifted together, after a step at t = 0.
 
     Attributes
@@ -45,3 +46,14 @@ class RelaxationModulus(ByValue):
             raise DataError(f"time[0] = {self.time[0]:g} s; expected the time since the step, >= 0")
         if self.unit not in {"Pa", "N/m"}:
             raise DataError(f"unit '{self.unit}' of the modulus; expected 'Pa' or 'N/m'")
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """Which curve it is, and what it covers."""
+        return (
+            of_file(self.source, len(self.time)),
+            (
+                f"{self.modulus[0]:.5g} to {self.modulus[-1]:.5g} {self.unit} over "
+                f"{self.time[0]:.4g} to {self.time[-1]:.5g} s"
+            ),
+        )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
@@ -11,8 +10,9 @@ import numpy as np
 
 from dashpot.base.arrays import ByValue, FloatArray, increasing, measured, same_length
 from dashpot.base.checks import Check
-from dashpot.base.errors import DataError, FitError
-from dashpot.base.provenance import Source, Step
+from dashpot.base.errors import DataError
+from dashpot.base.offered import Described, Pictured
+from dashpot.base.provenance import Source, Step, of_file
 from dashpot.records.machine import Machine
 from dashpot.records.specimen import Specimen
 
@@ -23,8 +23,8 @@ SETTLING = 0.2
 MAX_CREEP = 0.01
 
 
-@dataclass(frozen=True, eq=False)
-class RelaxationTest(ByValue):
+@dataclass(frozen=True, eq=False, repr=False)
+class RelaxationTest(ByValue, Described):
     """A relaxation test as the machine wrote it, in SI units.
 
     Attributes
@@ -57,6 +57,17 @@ class RelaxationTest(ByValue):
         same_length(time=self.time, displacement=self.displacement, force=self.force)
         increasing("time", self.time)
 
+    @property
+    def described(self) -> tuple[str, ...]:
+        """Which record it is, and how far it reaches."""
+        return (
+            of_file(self.source, len(self.time)),
+            (
+                f"{np.ptp(self.time):.5g} s; displacement spans "
+                f"{1e3 * np.ptp(self.displacement):.4g} mm, force {np.ptp(self.force):.4g} N"
+            ),
+        )
+
 
 @dataclass(frozen=True)
 class Hum:
@@ -88,11 +99,11 @@ class Hum:
         return np.asarray(self.cosine * np.cos(phase) + self.sine * np.sin(phase))
 
 
-@dataclass(frozen=True, eq=False)
-class RampHold(ByValue):
+@dataclass(frozen=True, eq=False, repr=False)
+class RampHold(ByValue, Pictured):
     """A prepared relaxation test: the ramp and the hold known, compression positive, tared.
 
-    Made by :func:`dashpot.preparation.prepare.prepare`; `fit` takes nothing else.
+    Made by :func:`dashpot.preparation.prepare.prepare`; what every fit works on.
 
     Attributes
     ----------
@@ -161,6 +172,20 @@ class RampHold(ByValue):
             )
         if not (np.isfinite(self.depth) and self.depth > 0):
             raise DataError(f"depth = {self.depth!r} m; expected a compression > 0")
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """Which record it is, its ramp and hold, and what preparation noticed."""
+        failed = (f"  {check.name}: {check.says}" for check in self.checks if check.failed)
+        return (
+            of_file(self.source, len(self.time)),
+            (
+                f"ramp of {1e3 * self.depth:.4g} mm in {self.ramp_time:.4g} s from "
+                f"{self.onset:.5g} s, held {self.hold_time:.5g} s"
+            ),
+            f"noise {1e3 * self.force_noise:.3g} mN and {1e6 * self.displacement_noise:.3g} um",
+            *failed,
+        )
 
     @property
     def ramp_time(self) -> float:
@@ -246,23 +271,6 @@ class RampHold(ByValue):
         # what is left of the swing dies away in as long again
         late = 2 * (int(off[-1]) + 1) if off.size else 0
         return slice(min(hold.start + late, early.stop), hold.stop)
-
-
-def listed(tests: RampHold | Sequence[RampHold]) -> tuple[RampHold, ...]:
-    """Return one or several prepared tests as a tuple.
-
-    Raises
-    ------
-    FitError
-        If one of them is not prepared.
-    """
-    records = (tests,) if isinstance(tests, RampHold) else tuple(tests)
-    for record in records:
-        if not isinstance(record, RampHold):
-            raise FitError(
-                f"a fit takes prepared tests, found a {type(record).__name__}; call prepare(test)"
-            )
-    return records
 
 
 def quantum(values: FloatArray) -> float:

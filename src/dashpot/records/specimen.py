@@ -8,11 +8,12 @@ from dataclasses import dataclass
 
 from dashpot.base.errors import DataError
 from dashpot.base.options import option
+from dashpot.base.units import si_fields
 
 
 @dataclass(frozen=True)
 class Specimen:
-    """What was tested.
+    """What was tested; a length or a temperature may be given with its unit, ``"100mm"``.
 
     Attributes
     ----------
@@ -42,6 +43,7 @@ class Specimen:
     date: str = option("", "Of the test, e.g. 2026-11-21.")
 
     def __post_init__(self) -> None:
+        si_fields(self)
         if self.date:
             try:
                 dt.date.fromisoformat(self.date)

@@ -9,6 +9,7 @@ import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray, sample_count
 from dashpot.base.errors import DataError
+from dashpot.base.units import Quantity, si
 from dashpot.records.impact import ImpactTest
 from dashpot.simulation.relaxation import in_steps
 from dashpot.solids.maxwell import GeneralizedMaxwell, arm_response
@@ -268,7 +269,7 @@ class SimulatedImpact:
 def simulate_impact(
     model: GeneralizedMaxwell,
     *,
-    mass: float,
+    mass: Quantity,
     seals: float = 2,
     hits: int = 5,
     rig: Hammer | None = None,
@@ -295,6 +296,7 @@ def simulate_impact(
     DataError
         If the mass, the seals or the hits are not positive, or the seal has no k_inf.
     """
+    mass = si(mass, "mass")
     rig = Hammer() if rig is None else rig
     for name, value in (("mass", mass), ("seals", seals), ("hits", hits)):
         if not (np.isfinite(value) and value > 0):

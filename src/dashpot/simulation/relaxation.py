@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import ByValue, FloatArray, sample_count, samples
 from dashpot.base.errors import DataError
+from dashpot.base.units import Quantity, si
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.records.specimen import Specimen
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -276,9 +277,9 @@ class SimulatedRelaxation:
 def simulate_relaxation(
     model: GeneralizedMaxwell,
     *,
-    depth: float = 8e-3,
-    ramp_time: float = 1.0,
-    hold_time: float = 40.0,
+    depth: Quantity = 8e-3,
+    ramp_time: Quantity = 1.0,
+    hold_time: Quantity = 40.0,
     rig: Rig | None = None,
     seed: int = 0,
 ) -> SimulatedRelaxation:
@@ -303,6 +304,7 @@ def simulate_relaxation(
     DataError
         If depth or a time is not positive.
     """
+    depth, ramp_time, hold_time = si(depth, "length"), si(ramp_time, "time"), si(hold_time, "time")
     rig = Rig() if rig is None else rig
     for name, value in (("depth", depth), ("ramp_time", ramp_time), ("hold_time", hold_time)):
         if not (np.isfinite(value) and value > 0):

@@ -10,7 +10,9 @@ import numpy as np
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.numbers import hertz
+from dashpot.base.offered import Pictured
 from dashpot.base.progress import doing
+from dashpot.base.units import Quantity, Range, si, si_range
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.uncertainty.prediction_bounds import parameter_band, unseen_arm_band
@@ -44,8 +46,8 @@ BAND_LINES, PEAK_LINES = 121, 181
 """Lines of the predicted FRF's limits: over the whole band, and about the peak."""
 
 
-@dataclass(frozen=True)
-class Study:
+@dataclass(frozen=True, repr=False)
+class Study(Pictured):
     """Everything the main job found, as values: what the report shows.
 
     Attributes
@@ -111,6 +113,25 @@ class Study:
     checks: tuple[Check, ...] = ()
 
     @property
+    def described(self) -> tuple[str, ...]:
+        """The verdict, the mass, the solid, and the peaks."""
+        solid = self.fit if self.joint is None else self.joint
+        agreed = self.comparison if self.joint is None else self.joint_comparison
+        mass = "no mass" if self.mass is None else f"{1e3 * self.mass:.6g} g"
+        return (
+            f"{self.verdict.use}: {self.verdict.says}",
+            f"{mass} on {self.seals:g} seals; {solid.model} ({solid.unit}, s), {solid.method}",
+            *(
+                ()
+                if agreed is None
+                else (
+                    f"{what} {by_model}, measured {measured}, {difference}"
+                    for what, by_model, measured, difference in agreed.rows
+                )
+            ),
+        )
+
+    @property
     def every_check(self) -> tuple[Check, ...]:
         """The checks of the bench, of the hammer, of their comparison, and of the story."""
         hammer = () if self.measured is None else self.measured.checks
@@ -149,15 +170,15 @@ def characterise(
     measured: FRF | None = None,
     *,
     impact: ImpactTest | None = None,
-    mass: float | None = None,
+    mass: Quantity | None = None,
     seals: float = 1.0,
     arms: int | Literal["auto"] = "auto",
-    band: tuple[float, float] | None = None,
+    band: Range | None = None,
     filter: str | None = None,
     cycle: int | None = None,
     machine: Machine | None = None,
     joint: bool = True,
-    compression: float | None = None,
+    compression: Quantity | None = None,
 ) -> Study:
     """The main job: prepare, fit, predict, compare, and mend with a joint fit.
 
@@ -188,6 +209,8 @@ def characterise(
     DataError, FitError
         If a test cannot be prepared, fitted or compared.
     """
+    mass, band = si(mass, "mass"), si_range(band, "frequency")
+    compression = si(compression, "length")
     doing("fitting the relaxation test")
     prepared = prepare(test, filter=filter, machine=machine, cycle=cycle)
     chosen = fit(prepared, arms=arms)

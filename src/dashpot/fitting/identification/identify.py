@@ -10,6 +10,7 @@ import numpy as np
 
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError
+from dashpot.base.units import Dimension, Quantity, Range, si, si_range
 from dashpot.engine.inference.order import DECISIVE, choose
 from dashpot.engine.solver.variable_projection import solve_orders
 from dashpot.fitting.identification.checks import dashpot_not_missed
@@ -29,13 +30,14 @@ from dashpot.fitting.identification.likelihood import (
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.fitting.relaxation_data import RelaxationData, relaxation_data
 from dashpot.fitting.repeats import refuse_copies
+from dashpot.preparation.ramp_holds import Tests, ramp_holds
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
-from dashpot.records.relaxation import RampHold, listed
+from dashpot.records.relaxation import RampHold
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.systems.operating_point import OperatingPoint, operating_point
 
-Given: TypeAlias = float | tuple[float, float] | None
+Given: TypeAlias = Quantity | tuple[Quantity, Quantity] | None
 
 # a block on a workshop balance: 0.1 g of 100 g
 USUAL_MASS_SD = 0.001
@@ -53,20 +55,20 @@ LOOSE, TIGHT = 1e-9, 1e-13
 def identify(
     frf: FRF,
     *,
-    tests: RampHold | Sequence[RampHold] = (),
+    tests: Tests = (),
     fit: Fit | None = None,
-    mass: float | None = None,
+    mass: Quantity | None = None,
     seals: float = 1.0,
     arms: int | Literal["auto"] = "auto",
     parallel_dashpot: bool | Literal["auto"] = False,
     static_stiffness: Given = None,
     natural_frequency: Given = None,
     damping_ratio: Given = None,
-    mass_sd: float | None = None,
+    mass_sd: Quantity | None = None,
     gain_sd: float = USUAL_GAIN_SD,
-    delay_sd: float = USUAL_DELAY_SD,
-    band: tuple[float, float] | None = None,
-    compression: float | None = None,
+    delay_sd: Quantity = USUAL_DELAY_SD,
+    band: Range | None = None,
+    compression: Quantity | None = None,
 ) -> Fit:
     r"""Find the solid of one seal from the FRF of a mass on `seals` of them.
 
@@ -80,7 +82,7 @@ def identify(
     ----------
     frf : FRF
         Measured, any kind.
-    tests : RampHold or sequence of RampHold
+    tests : RampHold, RelaxationTest or sequence of them
         Relaxation tests of the same seal, prepared.
     fit : Fit, optional
         An earlier fit. With `tests` it is what they were fitted to; without, its parameters and
@@ -121,7 +123,9 @@ def identify(
     FitError
         If there are fewer arms than the earlier fit has.
     """
-    records = listed(tests)
+    mass, mass_sd, delay_sd = si(mass, "mass"), si(mass_sd, "mass"), si(delay_sd, "time")
+    band, compression = si_range(band, "frequency"), si(compression, "length")
+    records = ramp_holds(tests)
     refuse_copies(records)
     frf_data = frf_data_of(frf, seals=_seals(seals), band=band)
     before, relaxations = _relaxations(records, fit)
@@ -133,9 +137,9 @@ def identify(
         factor=UNCHANGED if point is None else Prior(point.factor, point.factor_se),
     )
     constraints = Constraints(
-        _known("static_stiffness", static_stiffness),
-        _known("natural_frequency", natural_frequency),
-        _known("damping_ratio", damping_ratio),
+        _known("static_stiffness", static_stiffness, "stiffness"),
+        _known("natural_frequency", natural_frequency, "frequency"),
+        _known("damping_ratio", damping_ratio, "strain"),
         before if before is not None and not relaxations else None,
     )
     whole = Problem(relaxations, frf_data, priors, constraints)
@@ -368,10 +372,10 @@ def _sd(name: str, value: float) -> float:
     return float(value)
 
 
-def _known(name: str, given: Given) -> Prior | None:
+def _known(name: str, given: Given, dimension: Dimension) -> Prior | None:
     if given is None:
         return None
-    value, sd = given if isinstance(given, tuple) else (given, 0.0)
+    value, sd = si_range(given if isinstance(given, tuple) else (given, 0.0), dimension)
     if not (np.isfinite(value) and value > 0):
         raise DataError(f"{name} = {value!r}; expected a number > 0")
     return Prior(float(value), _sd(name, sd))

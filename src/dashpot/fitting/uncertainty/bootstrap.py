@@ -7,7 +7,6 @@ Source: H. R. Kunsch, Annals of Statistics 17 (1989) 1217; circular blocks.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import repeat
 from typing import Literal, cast
@@ -21,9 +20,10 @@ from dashpot.engine.inference.covariance import noise_of
 from dashpot.engine.solver.variable_projection import Solution, solve
 from dashpot.fitting.design import Design, bound, fitted_samples, nuisanced
 from dashpot.fitting.uncertainty.estimate import estimated
+from dashpot.preparation.ramp_holds import Tests, ramp_holds
 from dashpot.records.estimate import parameter_names
 from dashpot.records.fit import Fit
-from dashpot.records.relaxation import RampHold, listed
+from dashpot.records.relaxation import RampHold
 
 # blocks this many correlation lengths long keep what correlation there is
 _LENGTHS = 5.0
@@ -60,7 +60,7 @@ class Bootstrap(ByValue):
 
 
 def bootstrap(
-    tests: RampHold | Sequence[RampHold],
+    tests: Tests,
     fit: Fit,
     *,
     repeats: int = 200,
@@ -71,7 +71,7 @@ def bootstrap(
 
     Parameters
     ----------
-    tests : RampHold or sequence of RampHold
+    tests : RampHold, RelaxationTest or sequence of them
         The tests that `fit` was made from, which share their stiffnesses.
     fit : Fit
     repeats : int
@@ -85,7 +85,7 @@ def bootstrap(
     FitError
         If `repeats` is below 2, or the fit is not of relaxation tests that share a solid.
     """
-    records = listed(tests)
+    records = ramp_holds(tests)
     if repeats < 2:
         raise FitError(f"repeats = {repeats}; a spread needs at least 2")
     if fit.method not in {"full", "hold"} or fit.by_depth:

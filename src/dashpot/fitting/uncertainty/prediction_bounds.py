@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -10,12 +10,13 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import ComplexArray, FloatArray, samples
 from dashpot.base.errors import DataError
+from dashpot.base.units import Quantity, si
 from dashpot.fitting.relaxation_data import relaxation_data
 from dashpot.fitting.uncertainty.admissible_spectra import Spectra, deviance_limit
+from dashpot.preparation.ramp_holds import Tests, ramp_holds
 from dashpot.records.bounds import FRFBounds, StiffnessBounds
 from dashpot.records.estimate import parameter_names
 from dashpot.records.fit import Fit
-from dashpot.records.relaxation import RampHold, listed
 
 DRAWS = 400
 SEED = 20061
@@ -66,7 +67,7 @@ def parameter_band(fit: Fit, frequency: npt.ArrayLike, *, level: float = 0.95) -
 
 def unseen_arm_band(
     fit: Fit,
-    tests: RampHold | Sequence[RampHold],
+    tests: Tests,
     frequency: npt.ArrayLike,
     *,
     level: float = 0.95,
@@ -84,7 +85,7 @@ def unseen_arm_band(
     ----------
     fit : Fit
         Of these tests: gives their noise.
-    tests : RampHold or sequence of RampHold
+    tests : RampHold, RelaxationTest or sequence of them
     frequency : array_like, shape (n,)
         Hz, > 0.
     level : float
@@ -109,9 +110,9 @@ def unseen_arm_band(
 
 def frf_band(
     fit: Fit,
-    tests: RampHold | Sequence[RampHold],
+    tests: Tests,
     *,
-    mass: float,
+    mass: Quantity,
     frequency: npt.ArrayLike,
     seals: float = 1.0,
     level: float = 0.95,
@@ -128,7 +129,7 @@ def frf_band(
     ----------
     fit : Fit
         Of one seal.
-    tests : RampHold or sequence of RampHold
+    tests : RampHold, RelaxationTest or sequence of them
         What it was fitted to.
     mass : float
         kg.
@@ -136,6 +137,7 @@ def frf_band(
         Hz, > 0.
     seals, level : float
     """
+    mass = si(mass, "mass")
     f = _frequencies(frequency)
     own, formal = _formal(fit, 2 * np.pi * f, mass=mass, seals=seals, level=level)
     resonance = np.sqrt(seals * fit.model.k_0 / mass) / (2 * np.pi)
@@ -247,11 +249,9 @@ def _quantiles(values: FloatArray, own: FloatArray, level: float) -> FloatArray:
 # -- spectra ----------------------------------------------------------------------------------
 
 
-def _spectra(
-    fit: Fit, tests: RampHold | Sequence[RampHold], *, fastest: float, level: float
-) -> Spectra:
+def _spectra(fit: Fit, tests: Tests, *, fastest: float, level: float) -> Spectra:
     _level(level)
-    records = listed(tests)
+    records = ramp_holds(tests)
     if not records:
         raise DataError("no relaxation test: the unseen arms are those that such a test misses")
     if fit.method not in {"full", "hold"}:

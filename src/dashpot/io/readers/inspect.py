@@ -10,6 +10,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
+from dashpot.base.offered import Pictured
 from dashpot.io.columns.kinds import FileKind, kind_of
 from dashpot.io.columns.roles import Assigned, accelerations, assign, unit_for
 from dashpot.io.columns.vocabulary import Role
@@ -25,6 +26,10 @@ _ROLES: dict[str, tuple[Role, ...]] = {
     "dma": ("frequency", "storage", "loss", "temperature"),
     "frf": ("frequency", "real", "imaginary", "magnitude", "phase", "coherence"),
 }
+COURSE_ROWS = 400
+"""Rows that an inspection keeps for a picture."""
+
+_COURSE = "_course"
 _WELCOME = {"temperature", "real", "imaginary", "magnitude", "phase", "coherence"}
 """Roles that are shown where they are found, and not asked for."""
 
@@ -55,8 +60,8 @@ class Segment:
     end: float | None = None
 
 
-@dataclass(frozen=True)
-class Inspection:
+@dataclass(frozen=True, repr=False)
+class Inspection(Pictured):
     """What a file holds and what it leaves open.
 
     Attributes
@@ -100,6 +105,28 @@ class Inspection:
     questions: tuple[Question, ...] = ()
     simulated: bool = False
 
+    @property
+    def described(self) -> tuple[str, ...]:
+        """What the file is, its columns, and what is to be answered."""
+        return (
+            f"{self.file}: {self.kind} ({self.reason}), {self.rows} rows",
+            *(
+                f"  {one.number}  {one.name or '(no name)'} [{one.unit or '?'}]  {one.role or '-'}"
+                for one in self.columns
+            ),
+            *(f"  ASK {question.says}" for question in self.questions),
+        )
+
+    @property
+    def course(self) -> FloatArray | None:
+        """A few hundred rows of every column, in the file's units; None if they were not kept.
+
+        Shape (rows, columns), NaN where there is no number. For a picture: it is no part of the
+        inspection's value, nor of its document.
+        """
+        kept: FloatArray | None = vars(self).get(_COURSE)
+        return kept
+
 
 def inspect_file(path: str | Path, *, options: ReadOptions | None = None) -> Inspection:
     """Return what is in a file: columns with roles and reasons, sampling, open questions.
@@ -129,7 +156,7 @@ def _inspected(file: Opened) -> Inspection:
     if kind == "relaxation" and not questions:
         found = {role: by_index[i] for i, (role, _) in roles.items()}
         warnings += cleaning.swapped(found["displacement"], found["force"])
-    return Inspection(
+    inspection = Inspection(
         file=raw.name, sha256=raw.sha256, format=table.format, kind=kind, reason=reason,
         encoding=table.encoding, delimiter=table.delimiter, decimal=table.decimal,
         header=table.header, columns=_columns(table, by_index, roles), rows=len(loaded.values),
@@ -137,6 +164,18 @@ def _inspected(file: Opened) -> Inspection:
         warnings=tuple(warnings), questions=(*table.doubts, *doubts, *questions),
         simulated=table.simulated,
     )  # fmt: skip
+    vars(inspection)[_COURSE] = _course(len(table.columns), by_index)
+    return inspection
+
+
+def _course(columns: int, by_index: dict[int, FloatArray]) -> FloatArray:
+    """Return rows spread evenly over the record, of every column."""
+    rows = max((len(values) for values in by_index.values()), default=0)
+    at = np.unique(np.linspace(0, rows - 1, min(rows, COURSE_ROWS)).astype(int))
+    course = np.full((len(at), columns), np.nan)
+    for i, values in by_index.items():
+        course[:, i] = values[at]
+    return course
 
 
 def _columns(

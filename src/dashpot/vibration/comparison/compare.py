@@ -8,6 +8,7 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray
 from dashpot.base.errors import DashpotError, DataError
+from dashpot.base.units import Quantity, Range, si, si_range
 from dashpot.engine.inference.order import significant
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF, Kind, Mode
@@ -33,10 +34,10 @@ def compare(
     *,
     model: Solid | None = None,
     fit: Fit | None = None,
-    mass: float | None = None,
+    mass: Quantity | None = None,
     seals: float = 1.0,
-    band: tuple[float, float] | None = None,
-    compression: float | None = None,
+    band: Range | None = None,
+    compression: Quantity | None = None,
 ) -> Comparison:
     r"""Hold a predicted FRF against a measured one, on the measured lines.
 
@@ -79,6 +80,8 @@ def compare(
         If the prediction is on other lines, or was made for another window and no solid is
         given to make it anew; or the fit's elastic law is not straight and no mass is given.
     """
+    mass, band = si(mass, "mass"), si_range(band, "frequency")
+    compression = si(compression, "length")
     measured = measured.to(Kind.ACCELERANCE)
     measured = measured if band is None else measured.band(*band)
     given = _on_lines(predicted.to(Kind.ACCELERANCE), measured)

@@ -8,6 +8,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.offered import Pictured
 from dashpot.records.frf import FRF
 
 
@@ -37,8 +38,8 @@ class ArmEvidence:
         )
 
 
-@dataclass(frozen=True)
-class Comparison:
+@dataclass(frozen=True, repr=False)
+class Comparison(Pictured):
     """A predicted FRF held against a measured one, on the measured lines.
 
     Attributes
@@ -155,17 +156,19 @@ class Comparison:
             f"FRAC {self.frac:.4f}, rms {self.rms_db:.2f} dB{z}"
         )
 
-    def __str__(self) -> str:
+    @property
+    def described(self) -> tuple[str, ...]:
+        """The verdict and the peaks."""
         rows = [("", "predicted", "measured", "difference"), *self.rows]
-        return "\n".join(
-            [
-                f"{self.verdict.use}: {self.says}",
-                *(f"{a:<20}{b:>12}{c:>12}{d:>13}" for a, b, c, d in rows),
-                self.lines,
-                *(str(arm) for arm in self.arms),
-                *(f"[{check.name}] {check.says}" for check in self.checks if check.failed),
-            ]
+        return (
+            f"{self.verdict.use}: {self.says}",
+            *(f"{a:<20}{b:>12}{c:>12}{d:>13}" for a, b, c, d in rows),
+            self.lines,
         )
+
+    def __str__(self) -> str:
+        failed = (f"[{check.name}] {check.says}" for check in self.checks if check.failed)
+        return "\n".join((*self.described, *map(str, self.arms), *failed))
 
 
 def _ratio(value: float | None) -> str:

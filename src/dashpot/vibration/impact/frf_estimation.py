@@ -10,6 +10,7 @@ import numpy as np
 from dashpot.base.arrays import BoolArray
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
+from dashpot.base.units import Quantity, Range, si, si_range
 from dashpot.records.frf import FRF, Hit
 from dashpot.records.impact import ImpactTest
 from dashpot.vibration.impact.averaging import Average, Choices, Window, average_hits
@@ -28,13 +29,13 @@ def estimate_frf(
     window: str = "none",
     accept: Sequence[str] = (),
     reject: Sequence[str] = (),
-    record: float | None = None,
-    pretrigger: float | None = None,
+    record: Quantity | None = None,
+    pretrigger: Quantity | None = None,
     combine: str = "mean",
-    mass: float | None = None,
+    mass: Quantity | None = None,
     polarity: Sequence[int] | None = None,
-    band: tuple[float, float] | None = None,
-    resonance_band: tuple[float, float] | None = None,
+    band: Range | None = None,
+    resonance_band: Range | None = None,
 ) -> FRF:
     r"""Estimate the accelerance a/F from hammer hits.
 
@@ -89,6 +90,8 @@ def estimate_frf(
     ----------
     ISO 7626-5:2019; D. J. Ewins, *Modal Testing*; paper, "Experimental setup".
     """
+    record, pretrigger, mass = si(record, "time"), si(pretrigger, "time"), si(mass, "mass")
+    band, resonance_band = si_range(band, "frequency"), si_range(resonance_band, "frequency")
     tests = (tests,) if isinstance(tests, ImpactTest) else tuple(tests)
     if mass is not None and not (np.isfinite(mass) and mass > 0):
         raise DataError(f"mass = {mass!r} kg; expected a number > 0")

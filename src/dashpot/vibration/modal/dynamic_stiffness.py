@@ -9,6 +9,7 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, ByValue, FloatArray, frozen
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
+from dashpot.base.units import Quantity, Range, si, si_range
 from dashpot.records.frf import FRF, Kind
 from dashpot.vibration.checks import causal
 from dashpot.vibration.modal.peaks import find_peak, run_about
@@ -89,12 +90,12 @@ class DynamicStiffness(ByValue):
 
 def dynamic_stiffness(
     frf: FRF,
-    mass: float,
+    mass: Quantity,
     *,
     seals: float = 1.0,
-    mass_sd: float | None = None,
+    mass_sd: Quantity | None = None,
     phase_sd: float = DEGREE,
-    band: tuple[float, float] | None = None,
+    band: Range | None = None,
 ) -> DynamicStiffness:
     r"""Stiffness and damping of one seal, line by line, from the FRF of a mass on `seals` of them.
 
@@ -127,6 +128,7 @@ def dynamic_stiffness(
     DataError
         If mass or seals cannot be, or too few lines are left.
     """
+    mass, mass_sd, band = si(mass, "mass"), si(mass_sd, "mass"), si_range(band, "frequency")
     for name, given in (("mass", mass), ("seals", seals)):
         if not (np.isfinite(given) and given > 0):
             raise DataError(f"{name} = {given!r}; expected a number > 0")

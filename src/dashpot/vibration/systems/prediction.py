@@ -8,6 +8,7 @@ import numpy.typing as npt
 from dashpot.base.arrays import ComplexArray, FloatArray, samples
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
+from dashpot.base.units import Quantity, si
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF, Kind, Mode
 from dashpot.solids.maxwell import Solid
@@ -21,12 +22,12 @@ LINES, REACH = 4001, 10.0
 def predict_frf(
     model: Solid | Fit,
     *,
-    mass: float,
+    mass: Quantity,
     frequency: npt.ArrayLike | None = None,
     kind: Kind | str = Kind.ACCELERANCE,
     shift: float = 0.0,
     seals: float | None = None,
-    compression: float | None = None,
+    compression: Quantity | None = None,
 ) -> FRF:
     r"""FRF of a rigid mass on a solid that is fixed to ground (paper eqs. 6 and 7).
 
@@ -58,6 +59,7 @@ def predict_frf(
         If the mass or a frequency cannot be, the response is infinite at a line, or seals or a
         compression were given with a solid.
     """
+    mass, compression = si(mass, "mass"), si(compression, "length")
     _checked(mass)
     model = _assembled(model, mass, seals, compression)
     f = _lines(model.k_0, mass) if frequency is None else samples("frequency", frequency)

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import ComplexArray, FloatArray, samples
 from dashpot.base.errors import DataError
+from dashpot.base.units import Quantity, si
 from dashpot.records.frf import FRF, Kind
 from dashpot.solids.maxwell import Solid
 
@@ -71,15 +72,17 @@ class Body:
         return full[np.ix_(rows, rows)]
 
 
-def point_mass(name: str, mass: float) -> Body:
+def point_mass(name: str, mass: Quantity) -> Body:
     """A mass that bounces along z."""
+    mass = si(mass, "mass")
     return Body(name, mass)
 
 
 def planar_body(
-    name: str, mass: float, inertia: float, *, at: tuple[float, float] = (0.0, 0.0)
+    name: str, mass: Quantity, inertia: float, *, at: tuple[float, float] = (0.0, 0.0)
 ) -> Body:
     """A rigid body in the x-y plane: x, y and the rotation rz, with its inertia about z."""
+    mass = si(mass, "mass")
     return Body(name, mass, inertia=(0.0, 0.0, inertia), at=(*at, 0.0), free=("x", "y", "rz"))
 
 

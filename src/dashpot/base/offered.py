@@ -1,0 +1,70 @@
+"""What a noun offers to whoever looks at it: verbs of rooms above its own, found when called.
+
+This is the one place where a lower room names a higher one, by words and not by an import, so that
+a noun loads nothing that it is not asked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib import import_module
+from typing import Any
+
+LINES = 15
+"""Of a noun in a shell."""
+
+
+def verb(module: str, name: str) -> Callable[..., Any]:
+    """Return a function of a room above: ``verb("report.notebook", "picture")``."""
+    found: Callable[..., Any] = getattr(import_module(f"dashpot.{module}"), name)
+    return found
+
+
+class Described:
+    """A noun that says in a few lines what it is, and gives its numbers as a table.
+
+    The dataclass that inherits it is declared ``repr=False`` and has `described`.
+    """
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """What a shell prints of it, line by line."""
+        raise NotImplementedError
+
+    def __repr__(self) -> str:
+        lines = "\n".join(self.described).split("\n")
+        cut = [*lines[: LINES - 1], "..."] if len(lines) > LINES else lines
+        return "\n".join((f"{type(self).__name__}: {cut[0]}", *cut[1:]))
+
+    def to_pandas(self) -> Any:
+        """The numbers as a :class:`pandas.DataFrame`; units stand in its ``attrs``.
+
+        Raises
+        ------
+        DataError
+            If pandas is not installed (``pip install "dashpot[frames]"``).
+        """
+        return verb("workflow.frames", "to_pandas")(self)
+
+    def to_xarray(self) -> Any:
+        """The numbers as an :class:`xarray.Dataset`; each variable carries its unit.
+
+        Raises
+        ------
+        DataError
+            If xarray is not installed (``pip install "dashpot[frames]"``).
+        """
+        return verb("workflow.frames", "to_xarray")(self)
+
+
+class Pictured(Described):
+    """One that has a picture, too: in a notebook it shows itself."""
+
+    def plot(self) -> Any:
+        """Its :class:`~dashpot.plot.picture.Picture`, which :func:`dashpot.plot.save` writes."""
+        return verb("report.notebook", "picture")(self)
+
+    def _repr_html_(self) -> str:
+        """Its picture and its words, for a notebook."""
+        page: str = verb("report.notebook", "html")(self)
+        return page

@@ -1,0 +1,76 @@
+"""Where a function takes a number in SI it takes a quantity with its unit, and means the same."""
+
+from __future__ import annotations
+
+import pytest
+from kit import handmade
+
+import dashpot as dp
+from dashpot.base.units import si, si_range
+from dashpot.solids.table_1 import BROAD_MASS, PAPER
+
+
+def test_a_number_is_in_si_and_a_text_has_its_unit():
+    assert si("104g", "mass") == si(0.104, "mass") == 0.104
+    assert si(None, "mass") is None
+    assert si_range(("5Hz", 40.0), "frequency") == si_range("5:40Hz", "frequency") == (5.0, 40.0)
+    assert si_range(None, "frequency") is None
+
+
+SOLID = PAPER.complex_stiffness
+CALLS = {
+    "predict": lambda m, x, f: dp.predict_frf(handmade.two_arms(), mass=m, compression=x),
+    "compare": lambda m, x, f: dp.compare(
+        handmade.study().prediction, handmade.measured(), fit=handmade.two_arms(), mass=m, band=f
+    ),
+    "identify": lambda m, x, f: (
+        dp.identify(handmade.measured(), mass=m, seals=2, arms=1, band=f).model
+    ),
+    "stiffness": lambda m, x, f: dp.dynamic_stiffness(handmade.measured(), m, band=f).storage[0],
+    "model_at": lambda m, x, f: handmade.two_arms().model_at(x),
+    "body": lambda m, x, f: (dp.point_mass("block", m), dp.planar_body("block", m, 1e-4)),
+    "specimen": lambda m, x, f: dp.Specimen(length=x),
+    "deck": lambda m, x, f: dp.export.calculix(PAPER, units="SI", mass=m, frequency_range=f),
+    "table": lambda m, x, f: dp.export.csv(PAPER, units="SI", frequency_range=f),
+}
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_quantities_and_numbers_give_the_same(name):
+    call = CALLS[name]
+    assert call(f"{BROAD_MASS} kg", "2.6mm", "6:30Hz") == call(BROAD_MASS, 2.6e-3, (6.0, 30.0))
+
+
+def test_a_plan_in_the_words_of_the_bench():
+    words = dp.plan(depth="8mm", ramp_time="1s", hold_time="40s", rate="1kHz", noise="5mN",
+                    at="12.71Hz", arm=("0.05N/mm", "12ms"), sync="0.5ms")  # fmt: skip
+    numbers = dp.plan(depth=8e-3, ramp_time=1.0, hold_time=40.0, rate=1e3, noise=5e-3, at=12.71,
+                      arm=(50.0, 0.012), sync=5e-4)  # fmt: skip
+    assert str(words) == str(numbers)
+    assert words.arm == pytest.approx(numbers.arm, rel=1e-12)
+
+
+def test_a_bench_and_a_machine_in_their_words():
+    assert dp.Machine(sync="0.5ms", drift="0.2mN/s", force_filter="10Hz") == dp.Machine(
+        sync=5e-4, drift=2e-4, force_filter=10.0
+    )
+    assert dp.Specimen(temperature="23degC").temperature == pytest.approx(296.15)
+    made = dp.simulation.simulate_relaxation(PAPER, depth="8mm", ramp_time="1s", hold_time="2s")
+    assert made.truth.depth == 8e-3
+    test = made.test
+    assert dp.prepare(test, contact="0.1mm").depth == dp.prepare(test, contact=1e-4).depth
+
+
+@pytest.mark.parametrize(
+    ("call", "says"),
+    [
+        (lambda: dp.predict_frf(PAPER, mass="104"), "has no unit"),
+        (lambda: dp.predict_frf(PAPER, mass="104mm"), "is a unit of length"),
+        (lambda: dp.plan(depth="8s", ramp_time=1, hold_time=9, rate=9, noise=1, at=1), "of time"),
+        (lambda: dp.compare(handmade.measured(), handmade.measured(), band="5Hz"), "low:high"),
+        (lambda: dp.Specimen(length="long"), "length|number"),
+    ],
+)
+def test_a_wrong_quantity_is_refused_in_words(call, says):
+    with pytest.raises(dp.DataError, match=says):
+        call()
