@@ -2,6 +2,9 @@
 
 Run: OMP_NUM_THREADS=1 python benchmarks/engine.py
 
+The doors are `dashpot.fit` and `dashpot.fit_many` as a user calls them, on a record of the virtual
+rig with hum, drift, encoder and delay: gate, priors, order, intervals, checks and bounds included.
+
 Times are medians of thread CPU seconds. The rival is `scipy.optimize.least_squares` as it is
 mostly used (trf, 2-point Jacobian, bounds >= 0, parameters k and tau in N/mm and s), twice: from
 good starts (the truth, each parameter off by a random factor up to two) and from blind ones (k
@@ -14,12 +17,14 @@ from __future__ import annotations
 import time
 import warnings
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import curve_fit, least_squares
 from scipy.signal import lfilter
 
+import dashpot
 from dashpot.engine.blocks import compression
 from dashpot.engine.blocks.families import hold_family, recorded_family
 from dashpot.engine.blocks.hold import hold_block
@@ -224,9 +229,71 @@ def others(starts: int = 20) -> None:
                 )
 
 
+def doors() -> None:
+    """The public functions, beside scipy's optimum alone, from good starts, on the same record."""
+    seal = dashpot.GeneralizedMaxwell(1e3 * K_INF, tuple(1e3 * np.array(TRUTH[2][0])), TRUTH[2][1])
+    test = dashpot.simulation.simulate_relaxation(seal, seed=1).test
+    record = dashpot.prepare(test)
+    rows, since = len(record.time), record.time - record.time[0]
+    x = 1e3 * record.displacement
+
+    def whole(p: np.ndarray) -> np.ndarray:
+        q, _ = arm_columns(since, x, p[3:], derivative=False)
+        return p[0] * x + q @ p[1:3] - record.force
+
+    theirs = rival(whole, 2, 3)
+    held = record.force[record.settled]
+    after = record.time[record.settled] - record.ramp_end
+    of_hold = rival(lambda p: hold(after, p) - held, 2, 5)
+    for method, target, other in (("hold", (5, 25), of_hold), ("full", (10, 45), theirs)):
+        call = partial(dashpot.fit, record, method=method)
+        point = cpu(lambda call=call: call(arms=2, intervals=False), 9)
+        door(f"fit {method}, {rows} rows, N = 2, no intervals", point, other, target[0])
+        for arms in (2, 1, 3, 4, 6, "auto"):
+            label = f"fit {method}, N = {arms}, intervals and checks"
+            door(label, cpu(lambda call=call, n=arms: call(arms=n), 5), other, target[1])
+    many_doors()
+    rows = 3_000_000
+    seconds = np.linspace(0, 41, rows)
+    motion = 8e-3 * np.clip(seconds - 0.5, 0, 1)
+    force = seal.force(seconds, motion) + 3e-3 * GENERATOR.standard_normal(rows)
+    test = dashpot.RelaxationTest(time=seconds, displacement=motion, force=force)
+    print(f"{'prepare, 3 M rows':44s} {1e3 * cpu(lambda: dashpot.prepare(test), 1):8.0f}")
+    record = dashpot.prepare(test)
+    print(f"{'fit full, the same':44s} {1e3 * cpu(lambda: dashpot.fit(record, arms=2), 3):8.0f}")
+
+
+def many_doors() -> None:
+    seconds = np.arange(41_001) / 1000
+    clean = hold(seconds, np.array((K_INF, *TRUTH[2][0], *TRUTH[2][1])))
+    forces = clean + NOISE * GENERATOR.standard_normal((200, len(clean)))
+    theirs = rival(lambda p: hold(seconds, p) - forces[0], 2, 5)
+    time = np.concatenate(([0.0], 1 + seconds))
+    forces = np.concatenate((np.zeros((200, 1)), forces), axis=1)
+    for count, target in ((1, 2.0), (200, 0.12)):
+        for errors in (False, True):
+
+            def call(count: int = count, errors: bool = errors) -> object:
+                return dashpot.fit_many(
+                    time, forces[:count], ramp=(8e-3, 1.0), method="hold", errors=errors
+                )
+
+            label = f"fit_many hold, R = {count}, {'errors' if errors else 'no errors'}, per record"
+            door(label, cpu(call, 9) / count, theirs, target * (1 + errors))
+
+
+def door(name: str, ours: float, theirs: Rival, target: float) -> None:
+    verdict = "reached" if 1e3 * ours <= target else "not reached"
+    print(
+        f"{name:52s} {1e3 * ours:8.2f} ms (target {target:g}: {verdict})"
+        f"   scipy's optimum alone {1e3 * theirs.good:7.1f} ms, {theirs.good / ours:5.1f}x"
+    )
+
+
 if __name__ == "__main__":
     print(f"{'':44s} {'ours ms':>8s} {'good ms':>9s} {'ratio':>7s} {'blind ms':>9s} {'ratio':>7s}")
     single_holds()
     batch()
     recorded()
     others()
+    doors()
