@@ -21,6 +21,7 @@ from dashpot.engine.solver.variable_projection import (
     Jacobian,
     Solution,
     full_jacobian,
+    solve,
     solve_orders,
 )
 from dashpot.fitting.checks import optimum_found
@@ -53,6 +54,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 # a step that would remove less of the residual than this is rounding, whatever it does to tau
 _STATIONARY = 1e-6
 _NUISANCE_UNITS = {"offset": "N", "drift": "N/s", "delay": "s"}
+_MISFIT = 0.5
 # a prior whose assumed noise is within this factor of what the fit shows weighs what it should
 _WEIGHED = (2 / 3, 3 / 2)
 
@@ -120,7 +122,7 @@ class First(NamedTuple):
     ----------
     data : FitData
     solutions : sequence of Solution
-        Every number of arms from none up.
+        Every number of arms from none up, or the last alone.
     residuals : tuple of array
         What the last of them leaves of each record, N.
     noises : tuple of Noise
@@ -132,15 +134,19 @@ class First(NamedTuple):
     noises: tuple[Noise, ...]
 
 
-def weighed(data: FitData, most: int, *, auto: bool = True, thorough: bool = False) -> First:
+def weighed(
+    data: FitData, most: int, *, auto: bool = True, thorough: bool = False, only: bool = False
+) -> First:
     """Solve up to `most` arms, with priors that weigh as the noise does that is left.
 
     Where ``auto`` chooses the number, records in time need no more arms than one beyond those
-    that could gain what BIC asks for one.
+    that could gain what BIC asks for one. ``only`` leaves out all but the last.
     """
     data = data.bound()
 
     def solved() -> Sequence[Solution]:
+        if only:
+            return (solve(data.rows, most, thorough=thorough),)
         stack = Stack(data.rows)
         one_more = (1 + len(stack.groups)) * float(np.log(stack.samples))
         return solve_orders(
@@ -351,6 +357,9 @@ def assembled(
     """
     data, estimate = found.data, found.estimate
     checks = (optimum_found(stationary=_stationary(found.solution)), *checks)
+    certified = _certificate(data.rows, found.solution)
+    # where another spectrum leaves half as much, what is left is no noise
+    in_order_of_time = data.in_time and certified.gap < _MISFIT
     return Fit(
         solid=found.model,
         status=_status(found.solution, found.asked, checks),
@@ -363,14 +372,14 @@ def assembled(
                 data.rows,
                 estimate,
                 suffix=data.suffix,
-                every_sample=data.samples if data.in_time else None,
+                every_sample=data.samples if in_order_of_time else None,
             ),
             nuisance=_nuisance(estimate, tests=tests),
         ),
         evidence=Evidence(
             band=band,
             orders=found.orders,
-            certificate=_certificate(data.rows, found.solution),
+            certificate=certified,
             checks=(*noticed, *checks),
             by_depth=by_depth,
             end_of_hold=end_of_hold,

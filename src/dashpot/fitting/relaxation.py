@@ -150,14 +150,15 @@ def fit(
     if law == "nonlinear":
         return _by_ramp(records, ramp_law(records, law=law, arms=count), count)
     data, first, holds = _data(records, design), None, _Holds(records)
+    point = not intervals and count is not None
     if method == "full" and not depth_law and design.nuisance == NUISANCE:
-        first, sound = _gated(holds, data, count, max_arms=max_arms, thorough=thorough)
+        first, sound = _gated(holds, data, count, max_arms=max_arms, thorough=thorough, only=point)
         if not sound:
             bent = ramp_law(records, law=law, arms=count)
             if not bent.sound:
                 return _by_ramp(records, bent, count)
-    if not intervals and count is not None:
-        return _point(records, first or weighed(data, count, auto=False), design, count)
+    if point and count is not None:
+        return _point(records, first or weighed(data, count, only=True), design, count)
     found = chosen_arms(data, arms, max_arms=max_arms, thorough=thorough, first=first)
     if method == "hold":
         doubts = [record.depth_doubt for record in records]
@@ -253,12 +254,18 @@ class _Holds:
 
 
 def _gated(
-    holds: _Holds, data: FitData, count: int | None, *, max_arms: int, thorough: bool
+    holds: _Holds,
+    data: FitData,
+    count: int | None,
+    *,
+    max_arms: int,
+    thorough: bool,
+    only: bool,
 ) -> tuple[First, bool]:
     """Return the linear solid of the number of arms asked for, and whether any is sound."""
     enough = min(max_arms, determinable_arms(data.blocks))
     most = enough if count is None else count
-    first = weighed(data, most, auto=count is None, thorough=thorough)
+    first = weighed(data, most, auto=count is None, thorough=thorough, only=only)
     sound = _sound(holds, first)
     if not sound and most < enough:
         # too few arms are no reason to bend the law

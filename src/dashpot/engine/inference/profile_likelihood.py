@@ -35,7 +35,8 @@ BEYOND = 20.0
 _OPEN_STIFFNESS, _OPEN_FOLDS = 1e4, 16.0
 #: ln tau between nodes of the table; cubics through columns and slopes are right to 1e-7
 _NODES_APART = 0.08
-_POINTS = 20
+#: points of a walk, and how many of them may be too far: beyond there is a cliff
+_POINTS, _LEAPS = 20, 5
 _ITERATIONS = 15
 #: the walk steps by a rise of the root of the deviance over which interpolation is good
 _RISE, _RISES = 0.7, 5.0
@@ -124,7 +125,7 @@ class _Walk:
         self.step, self.root, self.at = sign * asked.step, 0.0, start
         self.walked: list[tuple[float, float]] = []
         self.leapt: list[tuple[float, float]] = []
-        self.trials = 0
+        self.trials = self.leaps = 0
         self.ended = False
         self.goal = start
         self._aim()
@@ -149,7 +150,8 @@ class _Walk:
         else:
             # too far to interpolate to: walk towards it in smaller steps
             self.leapt = [(self.goal, deviance)]
-        self.ended = near and deviance > self.limit
+            self.leaps += 1
+        self.ended = (near and deviance > self.limit) or self.leaps > _LEAPS
         self._aim()
         return near
 
