@@ -764,7 +764,18 @@ WORKFLOW = [
         1.001,
     ),
     Case("hold_fit_possible", lambda _: workflow.hold_fit_possible("two ramps"), None, 0),
-    Case("history_complete", lambda _: workflow.history_complete(), 0, None),
+    Case("history_present", workflow.history_present, 1, 0),
+    Case("history_complete", lambda x: workflow.history_complete(1, torn=bool(x)), 0, 1),
+    Case("history_whole", lambda x: workflow.history_whole(1, 1, shortened=bool(x)), 0, 1),
+    Case(
+        "history_expected",
+        lambda x: workflow.history_expected("0" * 64, None if x else 0, 1),
+        0,
+        1,
+    ),
+    Case("inputs_listed", lambda _: workflow.inputs_listed(["raw.csv"], 1), None, 0),
+    Case("files_listed", lambda x: workflow.files_listed(["raw.csv"] * int(x)), 0, 1),
+    Case("page_redrawn", lambda x: workflow.page_redrawn(1, same=not x, alike=True), 0, 1),
     Case("history_unchanged", lambda x: workflow.history_unchanged(1, whole=bool(x)), 1, 0),
     Case("file_present", lambda _: workflow.file_present("raw.csv", 1), None, 0),
     Case("file_unchanged", lambda x: workflow.file_unchanged("raw.csv", 1, same=bool(x)), 1, 0),
@@ -822,7 +833,10 @@ LIMITS = {
         "hits_agree": 0.1, "amplitude_linear": 1, "rocking_cancelled": 0.05, "hits_centred": 0.25,
         "mass_line": 0.05,
     },
-    "workflow": {"result_recomputed": 1e-7, "prediction_informed": 1},
+    "workflow": {
+        "result_recomputed": 1e-7, "prediction_informed": 1, "history_present": 1,
+        "files_listed": 0, "page_redrawn": 0,
+    },
 }  # fmt: skip
 #: what a failure means; of every other check, that the result is to be used with care
 GRADES = {
@@ -837,7 +851,7 @@ GRADES = {
             "clocks_agree", "offset_believable", "drift_believable",
         },
         "fitting/identification": {"dashpot_not_missed"},
-        "workflow": {"hold_fit_possible", "history_complete"},
+        "workflow": {"hold_fit_possible", "history_complete", "files_listed"},
     },
     "stop": {
         "preparation": {
@@ -849,7 +863,11 @@ GRADES = {
         "fitting/identification": {"tests_agree"},
         "vibration/comparison": {"no_unit_slip"},
         "vibration/impact": {"resonance"},
-        "workflow": {"history_unchanged", "file_present", "file_unchanged", "result_recomputed"},
+        "workflow": {
+            "history_present", "history_whole", "history_expected", "history_unchanged",
+            "file_present", "file_unchanged", "inputs_listed", "result_recomputed",
+            "page_redrawn",
+        },
     },
 }  # fmt: skip
 

@@ -5,23 +5,61 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import subprocess
+import sys
+from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
+from kit.gauges import cal
 
 from dashpot.base.errors import DataError, ReadError
 from dashpot.cli import main
+from dashpot.io.formats.ati import AXES
 from dashpot.io.options import ReadOptions, load_profile
 from dashpot.io.write import write_relaxation
 from dashpot.simulation.relaxation import Rig, simulate_relaxation
 from dashpot.solids.table_1 import PAPER
+from dashpot.workflow import history, verification
 from dashpot.workflow import project as folder
+from dashpot.workflow.archive import to_json
 from dashpot.workflow.job import Job
+from dashpot.workflow.study import run
+from dashpot.workflow.verification import same_page, verify
+
+WRITES = 9
+"""How often a run writes to the disk or moves a file: three results, a line, its head."""
 
 
 def page(study) -> str:
     """A report that takes no time: what a project keeps of it is that it is there."""
     return f"<title>{study.fit.identity}</title>"
+
+
+STUDIES = {}
+
+
+@pytest.fixture(autouse=True)
+def remembered(request, monkeypatch):
+    """One study for one job on the same bytes: what is tested here is what is kept of it."""
+    if "work_done_again" in request.fixturenames:
+        return
+
+    def once(job):
+        named = folder.with_paths(job, lambda path: history.sha256(Path(path).read_bytes()))
+        key = (Path(job.relaxation).name, to_json(named))
+        if key not in STUDIES:
+            STUDIES[key] = run(job)
+        return STUDIES[key]
+
+    monkeypatch.setattr(folder, "run", once)
+    monkeypatch.setattr(verification, "run", once)
+
+
+@pytest.fixture
+def work_done_again():
+    """The real work, both times."""
 
 
 @pytest.fixture(scope="module")
@@ -47,12 +85,16 @@ def kept(made, tmp_path):
     return folder.open_project(shutil.copytree(made.folder, tmp_path / "door"))
 
 
-def failures(project):
-    return [check.name for check in folder.verify(project) if check.failed]
+def verified(project, expect=None):
+    return verify(project, page=page, expect=expect)
 
 
-def test_a_project_recomputes_itself(kept, raw):
-    checks = folder.verify(kept)
+def failures(project, expect=None):
+    return [check.name for check in verified(project, expect) if check.failed]
+
+
+def test_a_project_recomputes_itself(kept, raw, work_done_again):
+    checks = verified(kept)
     assert all(check.passed for check in checks), checks
     assert sum(check.name == "result_recomputed" for check in checks) == 2
     assert (kept.folder / "raw" / "seal.csv").read_bytes() == raw.read_bytes()
@@ -107,49 +149,270 @@ def test_a_changed_history_is_noticed(kept, change):
     assert "history_unchanged" in failures(kept)
 
 
-def test_a_forged_result_with_right_hashes_is_recomputed_and_found(kept):
-    """Hashes can be made to match; the raw file cannot be made to say something else."""
-    line = json.loads(kept.history_file.read_text().splitlines()[0])
-    listed = next(item for item in line["outputs"] if item["file"].startswith("records/"))
-    place = kept.folder / listed["file"]
-    found = json.loads(place.read_text())
-    found["fit"]["model"]["k_inf"] *= 1.001
-    place.write_text(json.dumps(found))
-    listed["sha256"] = folder._sha256(place.read_bytes())
-    line["hash"] = folder._chained(line)
-    kept.history_file.write_text(json.dumps(line) + "\n")
-    assert failures(kept) == ["result_recomputed"]
+def rewritten(project, entries):
+    """Write lines whose hashes fit, as who knows how they are made can."""
+    before, lines = history.GENESIS, []
+    for number, entry in enumerate(entries, start=1):
+        entry |= {"previous": before, "line": number}
+        entry["hash"] = before = history.chained(entry)
+        lines.append(json.dumps(entry) + "\n")
+    project.history_file.write_text("".join(lines))
+    (project.folder / "history.head").write_text(f"{len(lines)} {before}\n")
 
 
-@pytest.mark.parametrize("cut", [1, 40, 400])
-def test_a_half_written_line_never_happened(kept, raw, cut):
+def entries(project):
+    return [json.loads(line) for line in project.history_file.read_text().splitlines()]
+
+
+def test_the_last_line_survives_the_loss_of_its_line_end(kept, raw):
     whole = kept.history_file.read_bytes()
-    kept.history_file.write_bytes(whole[:-cut])
+    kept.history_file.write_bytes(whole[:-1])
     assert not failures(kept)
     folder.record(kept, Job(str(raw), arms=1), page=page)
-    lines = kept.history_file.read_bytes().splitlines()
-    assert len(lines) == 2
+    assert kept.history_file.read_bytes().startswith(whole)
+    assert len(entries(kept)) == 3
     assert not failures(kept)
 
 
-def test_killed_before_the_history_leaves_a_consistent_project(kept, raw, monkeypatch):
-    def killed(*_):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(folder, "_append", killed)
-    with pytest.raises(KeyboardInterrupt):
-        folder.record(kept, Job(str(raw), arms=2), page=page)
+@pytest.mark.parametrize("kept_of_it", [1, 40, -40])
+def test_a_half_written_line_never_happened(kept, raw, kept_of_it):
+    """Killed in the middle of the one write: the head still speaks of the line before."""
+    whole = kept.history_file.read_bytes()
+    first, second, _ = whole.split(b"\n")
+    kept.history_file.write_bytes(first + b"\n" + second[:kept_of_it])
+    (kept.folder / "history.head").write_text(f"1 {json.loads(first)['hash']}\n")
+    assert failures(kept) == ["history_complete", "files_listed"]
+    folder.record(kept, Job(str(raw), arms=1), page=page)
+    assert kept.history_file.read_bytes().startswith(first + b"\n{")
+    assert len(entries(kept)) == 2
     assert not failures(kept)
 
 
-def test_a_lock_of_the_living_holds_and_of_the_dead_does_not(kept, raw):
+@pytest.mark.parametrize("loss", ["last", "half", "all", "file", "first"])
+def test_what_is_cut_off_the_history_is_missed(kept, raw, loss):
+    first, second = kept.history_file.read_bytes().splitlines(keepends=True)
+    left = {"last": first, "half": first + second[:99], "all": b"", "first": second}.get(loss)
+    if left is None:
+        kept.history_file.unlink()
+    else:
+        kept.history_file.write_bytes(left)
+    missed = failures(kept)
+    assert ("history_unchanged" if loss == "first" else "history_whole") in missed
+    assert ("history_present" in missed) == (loss in {"all", "file"})
+    if loss != "first":
+        with pytest.raises(DataError, match="lines where 2 were written; put the file back"):
+            folder.record(kept, Job(str(raw), arms=1), page=page)
+        assert (kept.history_file.read_bytes() if left is not None else None) == left
+
+
+def test_who_notes_the_head_misses_even_a_forged_end(kept, raw):
+    noted = kept.head
+    assert not failures(kept, expect=noted)
+    folder.record(kept, Job(str(raw), arms=1, seals=2), page=page)
+    (check,) = [one for one in verified(kept, noted) if one.name == "history_expected"]
+    assert check.passed
+    assert "1 lines were added since" in check.says
+    rewritten(kept, entries(kept)[:1])
+    assert failures(kept) == ["files_listed"]  # nothing inside tells
+    assert "history_expected" in failures(kept, expect=noted)
+
+
+def test_a_project_without_history_proves_nothing(tmp_path):
+    assert failures(folder.create(tmp_path / "new")) == ["history_present"]
+
+
+@pytest.mark.parametrize("kind", ["fit.json", "json", "html"])
+def test_a_result_that_was_changed_and_hashed_again_is_found(kept, kind):
+    """From the fit's file decks are made; the page is what people read."""
+    lines = entries(kept)
+    listed = next(one for one in lines[0]["outputs"] if one["file"].split(".", 1)[1] == kind)
+    place = kept.folder / listed["file"]
+    if kind == "html":
+        place.write_text(place.read_text().replace("</title>", "!</title>"))
+    else:
+        found = json.loads(place.read_text())
+        solid = (found if kind == "fit.json" else found["fit"])["model"]
+        solid["k_inf"] *= 1.001
+        place.write_text(json.dumps(found))
+    listed["sha256"] = history.sha256(place.read_bytes())
+    rewritten(kept, lines)
+    assert failures(kept) == ["page_redrawn" if kind == "html" else "result_recomputed"]
+
+
+def test_another_version_may_draw_another_page(kept):
+    lines = entries(kept)
+    for line in lines:
+        line["software"]["numpy"] = "0.0.1"
+    rewritten(kept, lines)
+    checks = verify(kept, page=lambda study: page(study).replace("title", "b"))
+    judged = [one for one in checks if one.name == "page_redrawn"]
+    assert [one.passed for one in judged] == [None, None]
+
+
+@pytest.mark.parametrize(
+    ("kept_text", "again", "same"),
+    [
+        ("f = 12.710 Hz", "f = 12.711 Hz", True),
+        ("f = 12.71 Hz", "f = 12.75 Hz", False),
+        ("use", "do not use", False),
+        ('<svg d="M 1.00 2.00"></svg>', '<svg d="M 1.01 2.00"></svg>', True),
+        ('<svg d="M 1.00 2.00"></svg>', '<svg d="M 1.05 2.00"></svg>', False),
+        ("0.01 <svg></svg>", "0.02 <svg></svg>", False),
+        ("href=data:x;base64,MC4xMDAw", "href=data:x;base64,MC4xMDAwMQ==", True),
+        ("href=data:x;base64,MC4xMDAw", "href=data:x;base64,MC4yMDAw", False),
+    ],
+)
+def test_pages_are_the_same_but_for_a_last_digit(kept_text, again, same):
+    assert same_page(kept_text.encode(), again.encode()) == same
+
+
+def test_files_that_no_line_lists_are_named(kept):
+    (kept.folder / "records" / "planted.fit.json").write_text("{}")
+    (kept.folder / "records" / ".0123.part").write_text("half")
+    (check,) = [one for one in verified(kept) if one.name == "files_listed"]
+    assert check.failed
+    assert check.says.endswith(": records/planted.fit.json")
+
+
+@pytest.mark.parametrize("at", range(WRITES + 1))
+def test_killed_at_any_write_nothing_is_lost(kept, raw, at):
+    """The process ends, without a word to anyone, at the n-th time that it writes or moves."""
+    before = kept.history_file.read_bytes()
+    child = os.fork()
+    if not child:
+        killed_at(at)
+        folder.record(kept, Job(str(raw), arms=1, seals=3), page=page)
+        os._exit(0)
+    _, status = os.waitpid(child, 0)
+    assert os.waitstatus_to_exitcode(status) == (9 if at < WRITES else 0)
+    assert kept.history_file.read_bytes().startswith(before)
+    assert set(failures(kept)) <= {"files_listed"}
+    lines = len(entries(kept))
+    folder.record(kept, Job(str(raw), arms=1, seals=3), page=page)
+    assert len(entries(kept)) == lines + 1
+    assert not failures(kept)
+    assert not list(kept.folder.rglob("*.part"))
+
+
+def killed_at(number):
+    """End this process at the n-th of its writes, before and after which a kill may fall."""
+    left = [number]
+
+    def counted(function):
+        def called(*args, **how):
+            if left[0] == 0:
+                os._exit(9)
+            left[0] -= 1
+            return function(*args, **how)
+
+        return called
+
+    os.fsync = counted(os.fsync)
+    Path.replace = counted(Path.replace)
+
+
+def test_the_lock_is_of_the_process_and_not_of_the_file(kept, raw):
+    """A file that a dead dashpot left, whatever stands in it, locks nothing."""
     lock = kept.folder / ".lock"
-    lock.write_text(str(os.getpid()))
-    with pytest.raises(DataError, match="in use by process"):
+    for text in ("", str(os.getpid()), "999999999"):
+        lock.write_text(text)
+        folder.record(kept, Job(str(raw), arms=1), page=page)
+    code = (
+        "import sys; from pathlib import Path; from dashpot.base.lock import alone\n"
+        "with alone(Path(sys.argv[1]), 'x'): print('held', flush=True); sys.stdin.read()"
+    )
+    other = subprocess.Popen(
+        [sys.executable, "-c", code, lock], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    )
+    assert other.stdout.readline().strip() == b"held"
+    with pytest.raises(DataError, match="in use by another dashpot; try again"):
         folder.record(kept, Job(str(raw)), page=page)
-    lock.write_text("999999999")
+    other.kill()
+    other.communicate()
     folder.record(kept, Job(str(raw), arms=1), page=page)
-    assert not lock.exists()
+
+
+def test_a_copy_that_was_damaged_is_not_analysed_instead(kept, raw, tmp_path):
+    other = tmp_path / "seal.csv"
+    other.write_bytes(raw.read_bytes() + b"\n")
+    folder.record(kept, Job(str(other), arms=1), page=page)
+    (copy,) = [one for one in (kept.folder / "raw").iterdir() if one.name != "seal.csv"]
+    whole = copy.read_bytes()
+    copy.write_bytes(whole.replace(b"0.0", b"0.1", 1))
+    with pytest.raises(DataError, match="is no longer the copy of"):
+        folder.record(kept, Job(str(other), arms=1), page=page)
+    copy.write_bytes(whole)
+    damaged = kept.folder / "raw" / "seal.csv"
+    damaged.write_bytes(b"time [s],displacement [mm],force [N]\n")
+    study, _ = folder.record(kept, Job(str(raw), arms=1), page=page)
+    assert study.test.source.sha256 == history.sha256(raw.read_bytes())
+
+
+def test_a_calibration_is_an_input_like_any_other(tmp_path):
+    project = folder.create(tmp_path / "door")
+    matrix = cal(tmp_path / "nano.cal", version="1.1")
+    made = simulate_relaxation(PAPER, hold_time=10.0, rig=Rig(rate=200.0)).test
+    loads = np.zeros((6, len(made.time)))
+    loads[AXES.index("Fz")] = made.force
+    columns = [made.time, 1e3 * made.displacement, *np.linalg.solve(matrix, loads)]
+    head = ["time [s]", "displacement [mm]", *(f"G{number} [V]" for number in range(6))]
+    rows = [",".join(map(repr, row)) for row in np.transpose(columns).tolist()]
+    (tmp_path / "seal.csv").write_text("\n".join([",".join(head), *rows]) + "\n")
+    reading = ReadOptions(calibration=str(tmp_path / "nano.cal"))
+    folder.record(project, Job(str(tmp_path / "seal.csv"), arms=1, reading=reading), page=page)
+    (tmp_path / "nano.cal").unlink()
+    (line,) = entries(project)
+    assert line["job"]["reading"]["calibration"] == "raw/nano.cal"
+    *copies, profile = [one["file"] for one in line["inputs"]]
+    assert copies == ["raw/nano.cal", "raw/seal.csv"]
+    assert profile.startswith("profiles/")
+    assert not failures(project)
+    copy = project.folder / "raw" / "nano.cal"
+    copy.write_text(copy.read_text() + " ")
+    assert failures(project) == ["file_unchanged"]
+
+
+@pytest.mark.parametrize("path", ["/etc/passwd", "../secret.cal", "raw/link.cal"])
+def test_a_foreign_project_opens_no_file_outside_as_calibration(kept, tmp_path, path):
+    (tmp_path / "secret.cal").write_text("top secret")
+    (kept.folder / "raw" / "link.cal").symlink_to(tmp_path / "secret.cal")
+    lines = entries(kept)
+    lines[0]["job"]["reading"]["calibration"] = path
+    lines[0]["inputs"].append({"file": "raw/seal.csv", "sha256": "0"})
+    rewritten(kept, lines[:1])
+    assert "file_unchanged" in failures(kept)
+    lines[0]["inputs"][-1:] = [{"file": path, "sha256": history.sha256(b"top secret")}]
+    rewritten(kept, lines[:1])
+    with pytest.raises(ReadError, match="leads out of the project"):
+        verified(kept)
+
+
+def test_leftovers_are_cleaned(kept, raw):
+    left = kept.folder / "records" / ".0123456789abcdef.part"
+    left.write_text("half")
+    folder.record(kept, Job(str(raw), arms=1), page=page)
+    assert not left.exists()
+
+
+def test_a_folder_that_was_killed_while_it_was_made_is_no_obstacle(tmp_path):
+    (tmp_path / ".0123456789abcdef.part").write_text("half")
+    assert folder.create(tmp_path).folder == tmp_path
+
+
+@pytest.mark.parametrize(
+    "text", [b"[]", b"{}", b"5", b"\xff", b'{"line": 1}', b"[" * 5000, b'{"hash": {"a": 1}}']
+)
+def test_a_line_of_another_kind_is_refused(kept, text):
+    kept.history_file.write_bytes(text + b"\n")
+    with pytest.raises(ReadError, match=r"line 1 of history.jsonl is none that dashpot writes"):
+        verified(kept)
+
+
+def test_a_job_that_reads_what_is_not_listed_is_found(kept):
+    lines = entries(kept)
+    lines[0]["inputs"] = []
+    rewritten(kept, lines)
+    assert failures(kept) == ["inputs_listed"]
 
 
 def test_a_file_of_the_same_name_does_not_replace_the_first(kept, raw, tmp_path):
@@ -161,12 +424,11 @@ def test_a_file_of_the_same_name_does_not_replace_the_first(kept, raw, tmp_path)
 
 
 def test_paths_that_lead_out_of_the_project_are_refused(kept):
-    line = json.loads(kept.history_file.read_text().splitlines()[0])
-    line["inputs"][0]["file"] = "../../secret"
-    line["hash"] = folder._chained(line)
-    kept.history_file.write_text(json.dumps(line) + "\n")
+    lines = entries(kept)
+    lines[0]["inputs"][0]["file"] = "../../secret"
+    rewritten(kept, lines)
     with pytest.raises(ReadError, match="leads out of the project"):
-        folder.verify(kept)
+        verified(kept)
 
 
 def test_a_full_folder_is_not_taken_over(tmp_path):
@@ -175,12 +437,17 @@ def test_a_full_folder_is_not_taken_over(tmp_path):
         folder.create(tmp_path)
 
 
-def test_on_the_command_line(raw, tmp_path):
+def test_on_the_command_line(raw, tmp_path, work_done_again):
     place = str(tmp_path / "door")
     runner = CliRunner()
     made = runner.invoke(main, ["report", str(raw), "--mass", "104g", "--project", place])
     assert made.exit_code == 0, made.output
-    assert runner.invoke(main, ["verify", place]).exit_code == 0
+    head = folder.open_project(place).head
+    assert f"--expect {head}" in made.stderr
+    told = runner.invoke(main, ["verify", place, "--expect", head])
+    assert told.exit_code == 0, told.output
+    assert head in told.stdout
+    assert runner.invoke(main, ["verify", place, "--expect", "0" * 64]).exit_code == 1
     copied = tmp_path / "door" / "raw" / "seal.csv"
     copied.write_bytes(copied.read_bytes() + b"0,0,0\n")
     found = runner.invoke(main, ["verify", place, "--json"])

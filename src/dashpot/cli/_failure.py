@@ -18,7 +18,7 @@ from dashpot.cli._echo import to_stderr, to_stdout
 BAD, FAULT, INTERRUPTED = 2, 3, 130
 """Exit codes: bad input or usage, a fault of dashpot's own, stopped by the user."""
 
-WHERE = "the dashpot developers, as SECURITY.md and CONTRIBUTING.md of the source say"
+WHERE = "the maintainers of the repository that dashpot came from (SECURITY.md there)"
 """Where a fault is reported."""
 
 

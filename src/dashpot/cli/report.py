@@ -66,9 +66,12 @@ def command(
         output = "report.html"
         claim([output])
     written: list[str] = []
+    more: dict[str, str] = {}
     if project:
-        study, place = workflow.record(workflow.create(project), job, page=dp.report.html)
+        home = workflow.create(project)
+        study, place = workflow.record(home, job, page=dp.report.html)
         note_written(place)
+        more = {"history": home.head}
         written.append(str(place))
     else:
         study = workflow.run(job)
@@ -80,7 +83,9 @@ def command(
         study,
         None if output == "-" else _text.study(study),
         study.every_check,
-        {"report": written[-1]},
+        {"report": written[-1], **more},
         verdict=study.verdict,
-        follow=typed("verify", project, why="recomputes it") if project else "",
+        follow=typed("verify", project, "--expect", more["history"], why="recomputes it")
+        if project
+        else "",
     )

@@ -6,6 +6,7 @@ from dataclasses import asdict
 
 import click
 
+import dashpot as dp
 from dashpot import workflow
 from dashpot.base.checks import verdict
 from dashpot.cli._shell import Outcome, reports
@@ -14,27 +15,32 @@ from dashpot.cli._terminal import Text
 
 @click.command("verify")
 @click.argument("project")
+@click.option("--expect", metavar="HASH", help="A line of its history, noted when it was the last.")
 @reports
-def command(*, project: str) -> Outcome:
+def command(*, project: str, expect: str | None) -> Outcome:
     """Recompute every result of PROJECT from its raw files and check every hash.
 
-    A project is made by 'dashpot report ... --project DIR'. Leaves with 1 if anything differs.
+    A project is made by 'dashpot report ... --project DIR', which prints the hash of its history.
+    Leaves with 1 if anything differs.
 
     \b
     dashpot verify door-seal/
+    dashpot verify door-seal/ --expect 5f0c...
     """
-    checks = workflow.verify(workflow.open_project(project))
+    place = workflow.open_project(project)
+    checks = workflow.verify(place, page=dp.report.html, expect=expect)
     bad = [check for check in checks if check.failed]
     document = {
         "schema": "dashpot/verification@1",
         "project": project,
         "ok": not bad,
+        "head": place.head,
         "checks": [asdict(check) for check in checks],
     }
     every = [f"  ok  {check.says}" for check in checks if not check.failed]
     return Outcome(
         document,
-        Text((), every),
+        Text([f"history {place.head}"], every),
         checks,
         must_pass=True,
         verdict=verdict(checks, sound="every result follows again from its raw files"),

@@ -17,7 +17,7 @@ from .predictions import predict_files as predict_files
 from .project import create as create
 from .project import open_project as open_project
 from .project import record as record
-from .project import verify as verify
 from .resting import AtRest as AtRest
 from .resting import at_rest as at_rest
 from .study import run as run
+from .verification import verify as verify

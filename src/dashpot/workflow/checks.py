@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from dashpot.base.checks import Finding, criterion
+
+LISTED = 20
+"""Files that a sentence names before it counts the rest."""
 
 
 @criterion(source="the paper's eq. (5) needs one ideal ramp", grade="note")
@@ -27,10 +31,49 @@ def prediction_informed(peak: float, band: tuple[float, float]) -> Finding:
     )
 
 
+@criterion("lines of history", ">=", 1, "by definition", grade="stop")
+def history_present(lines: int) -> Finding:
+    """There is a history, without which nothing is proven."""
+    return Finding(
+        f"the history has {lines} lines",
+        lines,
+        instead="the history is empty or missing: nothing says what this folder should hold; put "
+        "history.jsonl back from a copy",
+    )
+
+
 @criterion(source="a note: what was cut short did not happen", grade="note")
-def history_complete() -> Finding:
+def history_complete(lines: int, *, torn: bool) -> Finding:
     """The history ends with a whole line."""
-    return Finding("the last line of history was cut short: that operation did not happen")
+    return Finding(
+        f"the history ends with line {lines}, whole",
+        instead=f"a line after line {lines} of the history was cut short: that operation did not "
+        "happen",
+        faulted=torn,
+    )
+
+
+@criterion(source="the count and the hash in history.head", grade="stop")
+def history_whole(lines: int, written: int, *, shortened: bool) -> Finding:
+    """No line was cut off the end of the history."""
+    return Finding(
+        "no line is missing at the end of the history",
+        instead=f"the history has {lines} lines where {written} were written, or others: put "
+        "history.jsonl back from a copy",
+        faulted=shortened,
+    )
+
+
+@criterion(source="the hash that was noted when that line was the last", grade="stop")
+def history_expected(expected: str, place: int | None, lines: int) -> Finding:
+    """The history holds the line whose hash was noted."""
+    since = "" if place is None else f"; {lines - 1 - place} lines were added since"
+    return Finding(
+        f"the history holds the line {expected[:16]}... that is expected{since}",
+        instead=f"the history holds no line {expected[:16]}...: it was shortened or rewritten, or "
+        "the hash is of another project",
+        faulted=place is None,
+    )
 
 
 @criterion(source="SHA-256 of the line, and of the line before it", grade="stop")
@@ -48,6 +91,26 @@ def history_unchanged(number: int, *, whole: bool) -> Finding:
 def file_present(file: str, number: int) -> Finding:
     """Every recorded file is there."""
     return Finding(f"{file} (line {number}) is missing", faulted=True)
+
+
+@criterion(source="by definition", grade="stop")
+def inputs_listed(files: Sequence[str], number: int) -> Finding:
+    """Every file that a job reads is recorded with its hash."""
+    return Finding(
+        f"line {number} reads {', '.join(files)}, of which it records no hash", faulted=True
+    )
+
+
+@criterion("files", "<=", 0, "a note: a run that was killed leaves some", grade="note")
+def files_listed(added: Sequence[str]) -> Finding:
+    """Every file in the project's folder is in its history."""
+    more = "" if len(added) <= LISTED else f" and {len(added) - LISTED} more"
+    return Finding(
+        "every file is in the history",
+        len(added),
+        instead=f"in no line of the history, so nothing is said of them: "
+        f"{', '.join(added[:LISTED])}{more}",
+    )
 
 
 @criterion(source="SHA-256 of its bytes", grade="stop")
@@ -68,4 +131,17 @@ def result_recomputed(worst: float, where: str, number: int) -> Finding:
         f"{result}is the same (largest relative difference {worst:.2g})",
         worst,
         instead=f"{result}differs: {where}",
+    )
+
+
+@criterion("parts that differ", "<=", 0, "by definition", grade="stop")
+def page_redrawn(number: int, *, same: bool, alike: bool) -> Finding:
+    """Every report says and shows what its result does."""
+    page = f"the report of line {number}"
+    if not alike:
+        return Finding(f"{page} was made by other versions than these: its words are not judged")
+    return Finding(
+        f"{page}, drawn again, is the same",
+        0 if same else 1,
+        instead=f"{page} does not say what its result does: it was changed",
     )

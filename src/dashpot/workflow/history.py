@@ -1,0 +1,230 @@
+"""The history of a project: one line per operation, each with the hash of the line before it.
+
+``history.jsonl`` only grows, by one write for each line. ``history.head`` says how many lines were
+written and the hash of the last: what was cut off the end is missed.
+"""
+
+from __future__ import annotations
+
+import getpass
+import hashlib
+import json
+import os
+import platform
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from dashpot.base.atomic import write_whole
+from dashpot.base.errors import DataError, ReadError
+from dashpot.base.version import __version__
+
+GENESIS = "0" * 64
+"""What the first line names as the hash of the line before it."""
+
+
+@dataclass(frozen=True)
+class Listed:
+    """A file of the project as a line names it: its place, and the SHA-256 of its bytes."""
+
+    file: str
+    sha256: str
+
+
+@dataclass(frozen=True)
+class Line:
+    """One operation.
+
+    Attributes
+    ----------
+    operation, time, user : str
+        What was done, when (UTC), by whom.
+    job : dict
+        The document of the :class:`~dashpot.workflow.job.Job`.
+    inputs, outputs : tuple of Listed
+    software : dict
+        Version by name.
+    previous, hash : str
+        Of the line before, and of this one without its hash.
+    line : int
+        Counted from 1.
+    """
+
+    operation: str
+    time: str
+    user: str
+    job: dict[str, Any]
+    inputs: tuple[Listed, ...]
+    outputs: tuple[Listed, ...]
+    software: dict[str, str]
+    previous: str
+    hash: str
+    line: int
+
+
+@dataclass(frozen=True)
+class History:
+    """What ``history.jsonl`` holds.
+
+    Attributes
+    ----------
+    lines : tuple of Line
+        The whole ones.
+    intact : tuple of bool
+        Whether each is as it was written, in its place.
+    torn : bytes
+        What follows them: a line that was cut short.
+    written : int
+        How many lines there once were, by ``history.head``.
+    head : str
+        The hash of the last line there was, by ``history.head``; empty if it says nothing.
+    """
+
+    lines: tuple[Line, ...] = ()
+    intact: tuple[bool, ...] = ()
+    torn: bytes = b""
+    written: int = 0
+    head: str = ""
+    raw: tuple[bytes, ...] = field(default=(), repr=False)
+
+    @property
+    def last(self) -> str:
+        """The hash of the last line."""
+        return self.lines[-1].hash if self.lines else GENESIS
+
+    @property
+    def shortened(self) -> bool:
+        """Whether lines were cut off its end."""
+        kept = self.written <= len(self.lines)
+        return not (kept and self.head in {"", *(line.hash for line in self.lines)})
+
+
+def file_of(folder: Path) -> Path:
+    """The append-only log."""
+    return folder / "history.jsonl"
+
+
+def head_of(folder: Path) -> Path:
+    """The file that says how many lines were written, and the hash of the last."""
+    return folder / "history.head"
+
+
+def read_history(folder: Path) -> History:
+    """Return the history of the project in `folder`; an empty one if there is no file.
+
+    Raises
+    ------
+    ReadError
+        If a line is not one that dashpot writes.
+    """
+    try:
+        *raw, rest = file_of(folder).read_bytes().split(b"\n")
+    except FileNotFoundError:
+        raw, rest = [], b""
+    if rest and _is_whole(rest, raw):  # only its line end is lost
+        raw, rest = [*raw, rest], b""
+    lines = [_line(text, number) for number, text in enumerate(raw, start=1)]
+    before = [GENESIS, *(line.hash for line in lines)]
+    intact = tuple(
+        line.hash == chained(json.loads(text)) and (line.previous, line.line) == (previous, number)
+        for number, (line, text, previous) in enumerate(zip(lines, raw, before, strict=False), 1)
+    )
+    return History(tuple(lines), intact, rest, *_head(folder), tuple(raw))
+
+
+def append(folder: Path, content: dict[str, Any]) -> str:
+    """Add one line, with the hash of the line before it, in one write; return its hash.
+
+    Raises
+    ------
+    DataError
+        If lines were cut off the end of the history.
+    """
+    history = read_history(folder)
+    if history.shortened:
+        raise DataError(
+            f"{file_of(folder)} has {len(history.lines)} lines where {history.written} were "
+            "written; put the file back from a copy before anything is added to it"
+        )
+    file = file_of(folder)
+    whole = b"".join(line + b"\n" for line in history.raw)
+    # an operation that was cut short never happened; its half line must not stay
+    if file.exists() and file.read_bytes() != whole:
+        write_whole(file, whole)
+    entry = {
+        "line": len(history.lines) + 1,
+        "time": datetime.now(UTC).isoformat(timespec="seconds"),
+        "user": _user(),
+        **content,
+        "software": software(),
+        "previous": history.last,
+    }
+    entry["hash"] = chained(entry)
+    with file.open("ab") as log:
+        log.write(json.dumps(entry).encode() + b"\n")
+        log.flush()
+        os.fsync(log.fileno())
+    write_whole(head_of(folder), f"{entry['line']} {entry['hash']}\n".encode())
+    return str(entry["hash"])
+
+
+def chained(entry: dict[str, Any]) -> str:
+    """Return the hash of a line's content but its hash."""
+    without = {key: value for key, value in entry.items() if key != "hash"}
+    text = json.dumps(without, sort_keys=True, ensure_ascii=False)
+    return sha256(text.encode("utf-8", "surrogatepass"))
+
+
+def sha256(content: bytes) -> str:
+    """Return the SHA-256 of bytes, hexadecimal."""
+    return hashlib.sha256(content).hexdigest()
+
+
+def software() -> dict[str, str]:
+    """Return what computes here: version by name."""
+    import numpy as np
+    import scipy
+
+    return {
+        "dashpot": __version__,
+        "numpy": np.__version__,
+        "scipy": scipy.__version__,
+        "python": platform.python_version(),
+    }
+
+
+def _is_whole(text: bytes, before: list[bytes]) -> bool:
+    try:
+        entry, last = json.loads(text), json.loads(before[-1]) if before else {"hash": GENESIS}
+        return bool(entry["hash"] == chained(entry) and entry["previous"] == last["hash"])
+    except (ValueError, TypeError, KeyError, RecursionError):
+        return False
+
+
+def _line(text: bytes, number: int) -> Line:
+    import msgspec
+
+    try:
+        return msgspec.convert(json.loads(text), type=Line)
+    except (msgspec.ValidationError, ValueError, RecursionError) as error:
+        raise ReadError(
+            f"line {number} of history.jsonl is none that dashpot writes: it was changed ({error})"
+        ) from None
+
+
+def _head(folder: Path) -> tuple[int, str]:
+    try:
+        count, head = head_of(folder).read_text(encoding="ascii").split()
+        return int(count), head
+    except FileNotFoundError:  # of a project made before there was one
+        return 0, ""
+    except ValueError:
+        raise ReadError(f"{head_of(folder)} is not as dashpot writes it: it was changed") from None
+
+
+def _user() -> str:
+    try:
+        return getpass.getuser()
+    except (KeyError, OSError):
+        return "unknown"

@@ -1,0 +1,206 @@
+"""A project held against itself: every hash, every line of history, every result again."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+from collections.abc import Callable
+from typing import Any
+
+from dashpot.base.atomic import PART
+from dashpot.base.checks import Check
+from dashpot.base.errors import ReadError
+from dashpot.workflow import checks
+from dashpot.workflow.archive import from_json
+from dashpot.workflow.history import History, Line, Listed, read_history, sha256, software
+from dashpot.workflow.job import Job
+from dashpot.workflow.project import (
+    NAME,
+    OWN,
+    Project,
+    contents,
+    inside,
+    numbers,
+    paths_of,
+    profiles,
+    within,
+)
+from dashpot.workflow.study import Study, run
+
+_PRINTED = 1e-3
+"""Relative difference of two printed numbers that are one number rounded twice."""
+
+_COORDINATE = 0.02
+"""The same of a coordinate in a picture, pt."""
+
+
+def verify(
+    project: Project, *, page: Callable[[Study], str], expect: str | None = None
+) -> tuple[Check, ...]:
+    """Check every hash and the chain of history, and make every result again from its raw files.
+
+    Parameters
+    ----------
+    project : Project
+    page : function
+        Makes the HTML report of a study.
+    expect : str, optional
+        The hash of a line that the history must hold, noted when that was its last.
+
+    Raises
+    ------
+    ReadError
+        If a line of the history is none that dashpot writes, or names a file outside.
+    """
+    history = read_history(project.folder)
+    found = [
+        checks.history_present(len(history.lines)),
+        checks.history_complete(len(history.lines), torn=bool(history.torn)),
+        checks.history_whole(len(history.lines), history.written, shortened=history.shortened),
+    ]
+    if expect is not None:
+        found.append(_expected(history, expect))
+    for line, intact in zip(history.lines, history.intact, strict=True):
+        found.append(checks.history_unchanged(line.line, whole=intact))
+        files = [_file(project, one, line.line) for one in (*line.inputs, *line.outputs)]
+        found += files
+        if not any(check.failed for check in files):
+            found += _again(project, line, page)
+    found.append(checks.files_listed(_added(project, history)))
+    return tuple(found)
+
+
+def _expected(history: History, expect: str) -> Check:
+    hashes = [line.hash for line in history.lines]
+    place = hashes.index(expect) if expect in hashes else None
+    return checks.history_expected(expect, place, len(hashes))
+
+
+def _file(project: Project, listed: Listed, number: int) -> Check:
+    path = within(project, listed.file)
+    if not path.is_file():
+        return checks.file_present(listed.file, number)
+    same = sha256(path.read_bytes()) == listed.sha256
+    return checks.file_unchanged(listed.file, number, same=same)
+
+
+def _added(project: Project, history: History) -> list[str]:
+    """The files of the project's folder that no line lists."""
+    known = {*OWN} | {one.file for line in history.lines for one in (*line.inputs, *line.outputs)}
+    files = (path for path in project.folder.rglob("*") if path.is_file() or path.is_symlink())
+    places = {path.relative_to(project.folder).as_posix() for path in files}
+    return sorted(place for place in places - known if not place.endswith(PART))
+
+
+# -- the work, done again -------------------------------------------------------------------------
+
+
+def _again(project: Project, line: Line, page: Callable[[Study], str]) -> list[Check]:
+    job = from_json(json.dumps(line.job))
+    if not isinstance(job, Job):
+        raise ReadError(f"line {line.line} of history.jsonl holds no job: it was changed")
+    needed = {*paths_of(job), *profiles(job)}
+    unlisted = sorted(needed - {one.file for one in (*line.inputs, *line.outputs)})
+    if unlisted:
+        return [checks.inputs_listed(unlisted, line.line)]
+    made = contents(run(inside(project, job)), page)
+    kept = {
+        _kind(one.file): within(project, one.file).read_bytes()
+        for one in line.outputs
+        if not one.file.startswith("profiles/")
+    }
+    if kept.keys() != made.keys():
+        return [checks.result_recomputed(float("inf"), "it keeps other files", line.line)]
+    # another version may word and draw the same numbers otherwise
+    alike = line.software == software()
+    worst, where = max(
+        _json_difference(kept[place], made[place], place, words=alike)
+        for place in kept
+        if place.endswith(".json")
+    )
+    same = alike and same_page(kept["reports/.html"], made["reports/.html"])
+    return [
+        checks.result_recomputed(worst, where, line.line),
+        checks.page_redrawn(line.line, same=same, alike=alike),
+    ]
+
+
+def _kind(place: str) -> str:
+    """A place without the name of the result: ``records/0123456789abcdef.fit.json``."""
+    return re.sub(rf"/[0-9a-f]{{{NAME}}}\.", "/.", place)
+
+
+def _json_difference(kept: bytes, again: bytes, place: str, *, words: bool) -> tuple[float, str]:
+    try:
+        before, after = json.loads(kept), json.loads(again)
+    except (ValueError, RecursionError):
+        return float("inf"), f"{place} is no JSON"
+    if not words and isinstance(before, dict):
+        before, after = numbers(before), numbers(after)
+    return difference(before, after, place)
+
+
+def difference(kept: Any, again: Any, where: str = "") -> tuple[float, str]:
+    """Return the largest relative difference between two documents, and its place."""
+    if isinstance(kept, dict) and isinstance(again, dict):
+        if kept.keys() != again.keys():
+            return float("inf"), f"{where or 'the document'} has other keys"
+        pairs = [(kept[key], again[key], f"{where}.{key}".lstrip(".")) for key in kept]
+    elif isinstance(kept, list) and isinstance(again, list):
+        if len(kept) != len(again):
+            return float("inf"), f"{where} has another length"
+        pairs = [(a, b, f"{where}[{i}]") for i, (a, b) in enumerate(zip(kept, again, strict=True))]
+    elif _is_number(kept) and _is_number(again):
+        scale = max(abs(kept), abs(again))
+        relative = abs(kept - again) / scale if scale > 0 else 0.0
+        return relative, f"{where} was {kept!r} and is {again!r}"
+    elif isinstance(kept, str) and isinstance(again, str):
+        same = _same_words(kept, again, _PRINTED)
+        return (0.0 if same else float("inf")), f"{where} was {kept!r} and is {again!r}"
+    else:
+        return (0.0 if kept == again else float("inf")), f"{where} was {kept!r} and is {again!r}"
+    return max((difference(*pair) for pair in pairs), default=(0.0, ""), key=lambda item: item[0])
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def same_page(kept: bytes, again: bytes) -> bool:
+    """Tell whether two pages say and show the same, but for how a last digit is rounded.
+
+    The files inside a page are compared as what they are.
+    """
+    if kept == again:
+        return True
+    try:
+        before, after = (_opened(text.decode()) for text in (kept, again))
+    except ValueError:
+        return False
+    parts = [re.split(r"(<svg.*?</svg>)", text, flags=re.DOTALL) for text in (before, after)]
+    return len(parts[0]) == len(parts[1]) and all(
+        _same_words(a, b, _PRINTED, _COORDINATE if a.startswith("<svg") else 0.0)
+        for a, b in zip(*parts, strict=True)
+    )
+
+
+def _opened(page: str) -> str:
+    """A page with the files that its links hold as text."""
+    return re.sub(
+        r"(?<=;base64,)[A-Za-z0-9+/=]+", lambda link: base64.b64decode(link[0]).decode(), page
+    )
+
+
+_NUMBER = re.compile(r"(-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?)")
+
+
+def _same_words(kept: str, again: str, relative: float, absolute: float = 0.0) -> bool:
+    """Tell whether two texts differ in nothing but numbers, and those by no more than rounding."""
+    if kept == again:
+        return True
+    before, after = _NUMBER.split(kept), _NUMBER.split(again)
+    if before[::2] != after[::2]:
+        return False
+    pairs = ((float(a), float(b)) for a, b in zip(before[1::2], after[1::2], strict=True))
+    return all(abs(a - b) <= max(absolute, relative * max(abs(a), abs(b))) for a, b in pairs)
