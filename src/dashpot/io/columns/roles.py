@@ -30,7 +30,8 @@ _LESS = (
 """Words that speak against a column, by how much, and if they do so of time or of the rest."""
 _WEIGHTS = {"g": "gf", "kg": "kgf", "lb": "lbf"}
 _SENSITIVITY = re.compile(
-    r"([\d.]+(?:e[+-]?\d+)?)\s*(m|u|µ)?V\s*/\s*\(?([^()]+)\)?\Z", re.IGNORECASE
+    r"\A(\d++\.?\d*+(?:e[+-]?\d{1,3})?|\.\d++)\s*+(m|u|µ)?V\s*+/\s*+\(?([^()]++)\)?\Z",
+    re.IGNORECASE,
 )
 _SAME = 0.25
 _ROUNDED = 1e-3

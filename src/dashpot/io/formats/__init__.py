@@ -31,7 +31,7 @@ def format_of(raw: Raw) -> str:
     for mark, name in _MAGIC:
         if bare.startswith(mark):
             return name
-    if re.match(rb"\s*-1\s*[\r\n]+\s*\d+b?(\s|$)", bare):
+    if re.match(rb"\A\s*+-1[ \t]*+[\r\n]\s*+\d++b?(\s|\Z)", bare):
         return "uff"
     return "trios" if bare.lstrip().startswith((b"{", b"[{")) else "text"
 

@@ -20,7 +20,7 @@ from dashpot.io.table import Column, Loaded, Table
 AXES = ("Fx", "Fy", "Fz", "Tx", "Ty", "Tz")
 _NEAR = 0.9
 _LARGEST = 1 << 20
-_GAUGE = re.compile(r"(?:.*\b|.*_|)(?:sg|g|gauge|gage|ch|ai|v|volt|voltage)[\s_]*(\d)\b.*", re.I)
+_GAUGE = re.compile(r"(?:\b|_)(?:sg|g|gauge|gage|ch|ai|v|volt|voltage)[\s_]{0,9}(\d)\b", re.I)
 _REST = 0.02
 """Share of the record, from its start, whose median is taken as the unloaded voltages."""
 
@@ -225,7 +225,7 @@ def _numbered(table: Table) -> list[int]:
     """The six columns that are called gauges by number, in that order; none if not six."""
     found: dict[int, int] = {}
     for i, column in enumerate(table.columns):
-        match = _GAUGE.fullmatch(column.name)
-        if match and column.content == "number":
-            found.setdefault(int(match[1]), i)
+        numbers = _GAUGE.findall(column.name)
+        if numbers and column.content == "number":
+            found.setdefault(int(numbers[-1]), i)
     return [found[number] for number in sorted(found)] if len(found) == 6 else []

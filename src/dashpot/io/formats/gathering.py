@@ -10,8 +10,8 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
+from dashpot.io.columns.names import part_unit
 from dashpot.io.table import Column, Table, in_memory
-from dashpot.io.text.header import part_unit
 
 _RATES = {"fs", "rate", "samplerate", "samplingrate", "samplefrequency", "samplingfrequency", "sr"}
 _STEPS = {"dt", "ts", "deltat", "timestep", "sampletime", "deltax", "increment"}

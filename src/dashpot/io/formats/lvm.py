@@ -12,6 +12,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
+from dashpot.io.columns.names import part_unit
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw
 from dashpot.io.table import Column, Content, Loaded, Question, Table
@@ -19,7 +20,6 @@ from dashpot.io.text import cells as cell
 from dashpot.io.text.cells import Mark
 from dashpot.io.text.dialect import Dialect
 from dashpot.io.text.encoding import decoded, find_encoding
-from dashpot.io.text.header import part_unit
 from dashpot.io.text.rows import load_rows
 
 _HEAD = 1 << 20

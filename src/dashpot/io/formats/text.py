@@ -110,7 +110,7 @@ def _table(
         header=tuple(header),
         notes=tuple(notes),
         simulated=any(
-            "simulated" in line.casefold() for line in header if re.match(r"\s*[#%$!/*;]", line)
+            "simulated" in line.casefold() for line in header if re.match(r"\A\s*+[#%$!/*;]", line)
         ),
         doubts=tuple(doubts),
         hints=(*filter(None, [found.misfit]), *_hints(header)),
@@ -140,8 +140,9 @@ def _clock_orders(found: Header, options: ReadOptions) -> tuple[str, ...]:
 
 
 _RATE = re.compile(
-    r"(?:sampl\w*|abtast\w*|scan\w*|acquisition|messrate|data|częstotliwość|采样)\W*(?:rate|freq\w*|"
-    r"frequenz|频率|próbkowania)?[^\d\n]{0,12}?(\d+(?:[.,]\d+)?)\W{0,3}(k?Hz|1/s)",
+    r"(?:sampl\w{0,20}|abtast\w{0,20}|scan\w{0,20}|acquisition|messrate|data|częstotliwość|采样)"
+    r"\W{0,20}(?:rate|freq\w{0,20}|frequenz|频率|próbkowania)?"
+    r"[^\d\n]{0,12}?(\d{1,12}(?:[.,]\d{1,12})?)\W{0,3}(k?Hz|1/s)",
     re.IGNORECASE,
 )
 

@@ -27,7 +27,7 @@ _KINDS: tuple[tuple[Dimension, Dimension, Kind], ...] = (
 )
 _SPECIAL = {"1/kg": Kind.ACCELERANCE, "m/(N*s)": Kind.MOBILITY, "m/(N·s)": Kind.MOBILITY}
 _FRF_ROLES: tuple[Role, ...] = ("frequency", "real", "imaginary", "magnitude", "phase", "coherence")
-_STATED = re.compile(r"\W*kind\s*:\s*(\w+)")
+_STATED = re.compile(r"\A\W*+kind\s*+:\s*+(\w+)")
 
 
 def read_frf(path: str | Path, *, options: ReadOptions | None = None) -> FRF:
@@ -84,7 +84,7 @@ def _comments(header: tuple[str, ...]) -> dict[str, float]:
     found = {}
     for line in header:
         match = re.match(
-            r"\W*(shift|record|averages)\s*(?:\[[^\]]*\])?\s*:\s*([-+.\deE]+)\s*$", line
+            r"\A\W*+(shift|record|averages)\s*+(?:\[[^\]]*+\])?\s*+:\s*+([-+.\deE]++)\s*+\Z", line
         )
         if match:
             try:

@@ -12,19 +12,19 @@ Mark: TypeAlias = Literal[".", ",", ".,"]
 
 _EXPONENT = r"(?:[eEdD][+-]?\d{1,4})?\Z"
 _PLAIN = {
-    ".": re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)" + _EXPONENT),
-    ",": re.compile(r"[+-]?(?:\d+(?:,\d+)?|,\d+)" + _EXPONENT),
-    ".,": re.compile(r"[+-]?(?:\d+[.,]?\d*|[.,]\d+)" + _EXPONENT),
+    ".": re.compile(r"\A[+-]?(?:\d++\.?\d*+|\.\d++)" + _EXPONENT),
+    ",": re.compile(r"\A[+-]?(?:\d++(?:,\d++)?|,\d++)" + _EXPONENT),
+    ".,": re.compile(r"\A[+-]?(?:\d++[.,]?\d*+|[.,]\d++)" + _EXPONENT),
 }
 _GROUPED = {
-    ".": re.compile(r"[+-]?[1-9]\d{0,2}(?:[,' \u00a0\u202f]\d{3})+(?:\.\d*)?\Z"),
-    ",": re.compile(r"[+-]?[1-9]\d{0,2}(?:[.' \u00a0\u202f]\d{3})+(?:,\d*)?\Z"),
+    ".": re.compile(r"\A[+-]?[1-9]\d{0,2}(?:[,' \u00a0\u202f]\d{3})++(?:\.\d*+)?\Z"),
+    ",": re.compile(r"\A[+-]?[1-9]\d{0,2}(?:[.' \u00a0\u202f]\d{3})++(?:,\d*+)?\Z"),
 }
-EITHER_WAY = re.compile(r"[+-]?[1-9]\d{0,2}([.,])\d{3}\Z")
+EITHER_WAY = re.compile(r"\A[+-]?[1-9]\d{0,2}([.,])\d{3}\Z")
 """``1,234``: a thousand or one and a bit."""
 
 MISSING = re.compile(
-    r"(?:nan|n\.?/?a\.?|na|null|nil|none|-+|\.+|_+|\*+|\?+|#.*|[<>]+|—|–|[+-]?inf(?:inity)?"
+    r"\A(?:nan|n\.?/?a\.?|na|null|nil|none|-+|\.+|_+|\*+|\?+|#.*|[<>]+|—|–|[+-]?inf(?:inity)?"
     r"|[+-]?(?:over|under)\w*|[+-]?ov[rfl]\w*|[+-]?ol|sat\w*|[+-]?1[.,]#\w+|nv|err\w*|invalid|bad)\Z",
     re.IGNORECASE,
 )

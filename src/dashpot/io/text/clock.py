@@ -14,7 +14,7 @@ _DAY = 86400.0
 _STEP = 60.0
 """The longest step, s, over which a fall of the clock is midnight and not another start."""
 _CLOCK = re.compile(
-    r"(?:(\d{4}-\d\d?-\d\d?|\d\d?[./-]\d\d?[./-]\d{4}|\d{4}[./]\d\d?[./]\d\d?)[ T_]\s{0,9})?"
+    r"\A(?:(\d{4}-\d\d?-\d\d?|\d\d?[./-]\d\d?[./-]\d{4}|\d{4}[./]\d\d?[./]\d\d?)[ T_]\s{0,9})?"
     r"(\d{1,4}):(\d\d)(?::(\d\d)(?:[.,](\d{1,12})|:(\d{3}))?|([.,]\d{1,12}))?"
     r"Z?(?:\s{0,3}([AaPp])\.?[Mm]\.?)?\Z"
 )

@@ -122,4 +122,4 @@ def _ends(text: str) -> str:
         text = text.replace("\u2212", "-")  # a typeset minus
     if "\r" not in text:
         return text
-    return re.sub(r"\r+\n", "\n", text).replace("\r", "\n")
+    return re.sub(r"(?<!\r)\r+\n", "\n", text).replace("\r", "\n")

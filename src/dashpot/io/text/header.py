@@ -3,27 +3,18 @@
 from __future__ import annotations
 
 import re
-import unicodedata
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from dashpot.base import units
 from dashpot.io.columns import vocabulary
+from dashpot.io.columns.names import part_unit
 from dashpot.io.table import Column, Content
 from dashpot.io.text import cells as cell
 from dashpot.io.text.dialect import LONGEST, Dialect
 
-_COMMENT = re.compile(r"^\s*(?:#+|%+|//+|\$+|!+|\*+|'+|--+|>+|@+)\s*")
-_OF_TIME = re.compile(r"[A-Za-z]\(t\)")  # E(t): no tonnes
-_BRACKETS = re.compile(
-    r"^(.*?)\s*[\[(<{]\s*([^\[\](){}<>]*(?:\([^()]*\))?[^\[\](){}<>]*?)\s*[\])>}]\s*$", re.DOTALL
-)
-_UNIT_LAST = re.compile(r"[^\[\]()]+(?:\[[^\]]*\]|\([^)]*\))")
-_OPENS = re.compile(r'(?:\A|[\t;,|])\s*"[^"]*\Z')
-_UNIT_FIRST = re.compile(r"^[\[(]([^\[\]()]+)[\])]\s*([^\[\]()]+)$")
-_MANGLED = re.compile(r"^(.*?)_+([^\W_]+(?:_[^\W_]+)?)_+$")
-_SIGNS = re.compile(r"\s*[,/:]\s*|\s+in\s+|[\s_.\-]+")
-_PLAIN_TAIL = re.compile(r"^(.*\S)(?:\s+in\s+|\s*,\s+|\s+/\s+)([^\s,:_]+)$")
+_COMMENT = re.compile(r"\A\s*+(?:#++|%++|//++|\$++|!++|\*++|'++|--++|>++|@++)\s*+")
+_CLOSED = re.compile(r"(?<=[\])])")
 _REACH = 6
 
 
@@ -79,12 +70,17 @@ def _whole(lines: Sequence[str]) -> list[str]:
     """The lines without the overlong, each quoted cell that runs over line ends in one."""
     whole: list[str] = []
     for line in lines:
-        unclosed = whole and whole[-1].count('"') % 2 == 1 and _OPENS.search(whole[-1])
-        if unclosed and len(whole[-1]) + len(line) < LONGEST:
+        if whole and _is_open(whole[-1]) and len(whole[-1]) + len(line) < LONGEST:
             whole[-1] += " " + line
         elif len(line) <= LONGEST:
             whole.append(line)
     return whole
+
+
+def _is_open(line: str) -> bool:
+    """Whether a quoted cell begins in a line and does not end in it."""
+    before = line.rpartition('"')[0].rstrip(" ")
+    return line.count('"') % 2 == 1 and (not before or before[-1] in "\t;,|")
 
 
 def _column(name: str, word: str | None, content: Content) -> Column:
@@ -129,7 +125,8 @@ def _other_cuts(text: str, delimiter: str) -> Iterator[list[str]]:
     for other in ("\t", ";", ",", "|"):
         if other in text and other != delimiter:
             yield cell.split(text, other)
-    yield [part.strip(" \t,;|") for part in _UNIT_LAST.findall(text)]
+    closed = (part.strip(" \t,;|") for part in _CLOSED.split(text))
+    yield [part for part in closed if part[-1:] in {"]", ")"} and re.search(r"[\[(]", part)]
     yield [part.strip() for part in re.split(r"\s{2,}|\t", text.strip())]
     yield re.findall(r'"([^"]*)"', text)
     words = [] if any(other in text for other in "\t;,|") else text.split()
@@ -139,9 +136,9 @@ def _other_cuts(text: str, delimiter: str) -> Iterator[list[str]]:
 
 _LABELS = {
     "name": re.compile(
-        r"(?:columns?|column[ _]names?|names?|fields?|channels?|variables?)\s*[:=]\s*", re.I
+        r"\A(?:columns?|column[ _]names?|names?|fields?|channels?|variables?)\s*[:=]\s*", re.I
     ),
-    "unit": re.compile(r"(?:column[ _])?units?\s*[:=]\s*", re.I),
+    "unit": re.compile(r"\A(?:column[ _])?units?\s*[:=]\s*", re.I),
 }
 
 
@@ -204,7 +201,8 @@ def _is_units(row: Sequence[str], dialect: Dialect) -> bool:
 
 
 def _is_bracketed(text: str) -> bool:
-    return re.fullmatch(r"[\[(].*[\])]", text.strip(), re.DOTALL) is not None
+    bare = text.strip()
+    return len(bare) > 1 and bare[0] in "[(" and bare[-1] in "])"
 
 
 def _unit_shape(word: str) -> bool:
@@ -248,67 +246,3 @@ def changed(
 
 def _written(column: Column) -> str:
     return f"'{column.name}" + (f" [{column.unit}]'" if column.unit else "'")
-
-
-def part_unit(name: str) -> tuple[str, str | None]:
-    """Return a header cell as its name and its unit, None if it has none.
-
-    >>> part_unit("Force (N)"), part_unit("Load__kN_"), part_unit("Kraft_N"), part_unit("time")
-    (('Force', 'N'), ('Load', 'kN'), ('Kraft', 'N'), ('time', None))
-    """
-    text = unicodedata.normalize("NFKC", name.replace("²", "^2")).strip().strip("\"'").strip()
-    if _OF_TIME.fullmatch(text):
-        return text, None
-    for shape in _SHAPES:
-        found = shape(text)
-        if found is not None:
-            return found
-    return text, None
-
-
-def _unit_before(text: str) -> tuple[str, str] | None:
-    match = _UNIT_FIRST.match(text)
-    known = match is not None and units.find(match[1])
-    return (match[2].strip(), match[1].strip()) if match and known else None
-
-
-def _bracketed(text: str) -> tuple[str, str | None] | None:
-    match = _BRACKETS.match(text)
-    if match is None:
-        return None
-    name, word = match[1].strip(), match[2].strip()
-    return (name or text, word) if word else (name, None)
-
-
-def _mangled(text: str) -> tuple[str, str] | None:
-    match = _MANGLED.match(text)
-    word = match[2].replace("_", "/") if match else ""
-    return (match[1].strip("_ "), word) if match and _is_unit_of(match[1], word) else None
-
-
-def _after_sign(text: str) -> tuple[str, str] | None:
-    match = _PLAIN_TAIL.match(text)
-    if match and match[2] != "1" and units.find(match[2]):
-        return match[1].strip(), match[2]
-    for sign in list(_SIGNS.finditer(text))[:-4:-1]:  # the last few places to cut, last first
-        stem, word = text[: sign.start()], text[sign.end() :]
-        if stem and word and _is_unit_of(stem, word):
-            return stem.strip(" _,/:"), word
-    return None
-
-
-_SHAPES: tuple[Callable[[str], tuple[str, str | None] | None], ...] = (
-    _unit_before, _bracketed, _mangled, _after_sign,
-)  # fmt: skip
-"""The ways to write a unit into a name, the surest first."""
-
-
-def _is_unit_of(stem: str, word: str) -> bool:
-    """Whether a trailing word is the unit of what the stem names: Kraft_N, not Channel_1."""
-    for role in vocabulary.matches(stem):
-        dimension = vocabulary.DIMENSION.get(role)
-        if dimension is not None:
-            unit = units.find(word, dimension)
-            if unit is not None and unit.word != "1":
-                return True
-    return False

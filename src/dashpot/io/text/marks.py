@@ -13,7 +13,7 @@ from dashpot.io.table import Question
 from dashpot.io.text import cells as cell
 from dashpot.io.text.dialect import Dialect
 
-_SMALL = re.compile(r"[+-]?[1-9]\d{0,2}\Z")
+_SMALL = re.compile(r"\A[+-]?[1-9]\d{0,2}\Z")
 _ROWS = 1 << 14
 
 

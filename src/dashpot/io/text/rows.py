@@ -95,7 +95,7 @@ class _Gathered:
 
 def _remark(lines: Sequence[str]) -> bool:
     """Whether lines between two rows are but one comment: no new segment."""
-    comment = len(lines) == 1 and re.match(r"\s*[#%$!]", lines[0]) is not None
+    comment = len(lines) == 1 and re.match(r"\A\s*+[#%$!]", lines[0]) is not None
     return comment and not title(lines)
 
 
@@ -310,7 +310,7 @@ class _Reader:
 
     def _odd(self, one: tuple[int, str]) -> bool:
         """Whether a line beside rows holds numbers as they do, and is none."""
-        comment = re.match(r"\s*[#%$!]", one[1]) is not None
+        comment = re.match(r"\A\s*+[#%$!]", one[1]) is not None
         return not comment and self.dialect.resembles_row(one[1])
 
     def _refuse(self, number: int, line: str) -> None:
