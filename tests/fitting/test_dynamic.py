@@ -319,9 +319,13 @@ def test_an_arm_beyond_the_sweep_is_an_extrapolation() -> None:
 def test_sweeps_at_several_temperatures_need_a_choice() -> None:
     data = sweep(ZENER)
     hot = replace(data, temperature=np.where(data.frequency > 10, 350.0, 300.0))
-    with pytest.raises(FitError, match=r"between 300\.0 K and 350\.0 K.*temperature="):
+    with pytest.raises(
+        FitError, match=r"between 26\.85degC and 76\.85degC.*--temperature (26|76)\.85"
+    ):
         fit_dynamic(hot)
-    with pytest.raises(FitError, match=r"no sample within 1 K of 320 K; the test has 300, 350 K"):
+    with pytest.raises(
+        FitError, match=r"no sample within 1 K of 46\.85degC; the test has 27degC, 77"
+    ):
         fit_dynamic(hot, temperature=320.0)
     with pytest.raises(FitError, match="the test has no temperatures"):
         fit_dynamic(data, temperature=320.0)
@@ -355,7 +359,7 @@ def test_what_makes_no_sense_is_refused() -> None:
 
 def test_one_isotherm_of_a_real_machine(shared_data: Path) -> None:
     data = read_dynamic(shared_data / "pyvisco-master-curves" / "freq_user_raw.csv")
-    with pytest.raises(FitError, match=r"the sweeps were made between 223\.2 K and 373\.2 K"):
+    with pytest.raises(FitError, match=r"the sweeps were made between -49\.99degC and 100degC"):
         fit_dynamic(data)
     found = fit_dynamic(data, temperature=343.0)
     value = found.model.complex_stiffness(2 * np.pi * data.frequency)

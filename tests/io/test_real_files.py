@@ -140,16 +140,31 @@ def test_dma_records(shared_data: Path) -> None:
     ("name", "reason"),
     [
         ("formats/rheometer_dma/flow_ramp.txt", "flow curve"),
-        ("formats/rheometer_dma/relaxation_test.csv", "relaxation modulus"),
-        ("formats/rheometer_dma/stressrelaxation_hdpe_data.csv", "relaxation modulus"),
-        ("formats/rheometer_dma/relaxation.json", "relaxation modulus"),
-        ("pyvisco-master-curves/time_user_master.csv", "relaxation modulus"),
         ("formats/uff/sample_dataset58_psd.uff", "power spectral density"),
     ],
 )
 def test_what_is_no_test_is_refused(shared_data: Path, name: str, reason: str) -> None:
     assert inspect_file(shared_data / name).kind == "not-a-test"
     with pytest.raises(ReadError, match=f"is not a test: .*{reason}"):
+        read_relaxation(shared_data / name)
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        ("formats/rheometer_dma/relaxation_test.csv", ""),
+        ("formats/rheometer_dma/stressrelaxation_hdpe_data.csv", ""),
+        ("formats/rheometer_dma/relaxation.json", ""),
+        ("pyvisco-master-curves/time_user_master.csv", ", over [0-9]+ decades"),
+    ],
+)
+def test_a_modulus_over_time_is_sent_to_its_command(
+    shared_data: Path, name: str, reason: str
+) -> None:
+    assert inspect_file(shared_data / name).kind == "modulus"
+    with pytest.raises(
+        ReadError, match=f"a relaxation modulus over time .*{reason}.*: use dashpot fit FILE --mod"
+    ):
         read_relaxation(shared_data / name)
 
 

@@ -313,7 +313,7 @@ def test_a_staircase_keeps_its_first_ramp_and_its_last_hold():
     assert found.hold_end == pytest.approx(43.5)
     assert found.depth == pytest.approx(8e-3, abs=QUANTUM)
     says = check(found, "single_loading").says
-    assert "2 ramps belong to it: method='full' follows them all" in says
+    assert "2 ramps belong to it: the fit of ramp and hold follows them all" in says
     first = prepare(test, hold_end=12.0)
     assert first.depth == pytest.approx(4e-3, abs=QUANTUM)
     assert "ramps belong" not in check(first, "single_loading").says
@@ -378,7 +378,7 @@ def test_no_hold_is_an_error_that_shows_the_motion():
     with pytest.raises(
         DataError,
         match=r"no hold after a ramp was found: the displacement shows hold 0 to .*, ramp .*"
-        r"unloading .*say where it is with onset, ramp_end and hold_end",
+        r"unloading .*check the columns and the units",
     ):
         prepare(test)
 
@@ -523,7 +523,7 @@ def test_a_dozen_rows_are_enough():
 
 
 def test_times_given_out_of_order_are_refused(raw: RelaxationTest):
-    with pytest.raises(DataError, match=r"are out of order; give onset, ramp_end and hold_end"):
+    with pytest.raises(DataError, match=r"are out of order; expected them in this order"):
         prepare(raw, ramp_end=1.2)
 
 

@@ -70,6 +70,7 @@ def _text(found: InspectedFile) -> list[str]:
     )
     lines = [
         f"{found.file}: {found.kind} ({found.reason})",
+        *([f"  next      {found.use}"] if found.use else []),
         f"  format    {', '.join(part for part in how if part)}",
     ]
     if found.simulated:

@@ -7,7 +7,7 @@ from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
-from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.arrays import ComplexArray, FloatArray, median
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
 from dashpot.base.provenance import Source, Step
@@ -32,15 +32,13 @@ from dashpot.fitting.spectrum import (
 )
 from dashpot.fitting.uncertainty.informed_band import informed_band
 from dashpot.preparation.ramp_holds import Tests, ramp_holds
-from dashpot.records.dynamic import DynamicTest
+from dashpot.records.dynamic import ONE_TEMPERATURE, DynamicTest
 from dashpot.records.fit import Fit, Provenance
 from dashpot.records.relaxation import RampHold
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 Weights: TypeAlias = Literal["relative", "modulus"]
 
-# sweeps this far apart in temperature are not one solid, K
-_ONE_TEMPERATURE = 2.0
 # half a decade: an arm farther out than this shows only its tail
 _BEYOND = float(np.sqrt(10.0))
 # a fit that expects less than this part of a value does not follow it: no ground for a weight
@@ -171,21 +169,33 @@ def _at_temperature(data: DynamicTest, temperature: float | None) -> DynamicTest
                 f"temperature = {temperature:g} K was asked for, but the test has no temperatures; "
                 "leave it out"
             )
-        near = np.abs(data.temperature - temperature) <= _ONE_TEMPERATURE / 2
+        near = np.abs(data.temperature - temperature) <= ONE_TEMPERATURE / 2
         if not near.any():
-            listed = ", ".join(f"{value:.0f}" for value in np.unique(np.round(data.temperature)))
+            listed = ", ".join(f"{value:.0f}degC" for value in _temperatures(data.temperature))
             raise FitError(
-                f"no sample within {_ONE_TEMPERATURE / 2:g} K of {temperature:g} K; the test has "
-                f"{listed} K"
+                f"no sample within {ONE_TEMPERATURE / 2:g} K of {_celsius(temperature)}; the test "
+                f"has {listed}"
             )
         data = data.only(near)
-    elif data.temperature is not None and np.ptp(data.temperature) > _ONE_TEMPERATURE:
+    elif data.temperature is not None and data.several_temperatures:
+        low, high = data.temperature.min(), data.temperature.max()
+        typical = int(np.argmin(np.abs(data.temperature - median(data.temperature))))
+        middle = _celsius(float(data.temperature[typical]))
         raise FitError(
-            f"the sweeps were made between {data.temperature.min():.1f} K and "
-            f"{data.temperature.max():.1f} K, and one solid has one temperature: say which with "
-            "temperature=, or shift the sweeps to a master curve first"
+            f"the sweeps were made between {_celsius(low)} and {_celsius(high)}, and one solid has "
+            f"one temperature: choose it, for example --temperature {middle}, or shift the "
+            "sweeps to a master curve first"
         )
     return data.only(np.argsort(data.frequency, kind="stable"))
+
+
+def _temperatures(kelvin: FloatArray) -> FloatArray:
+    """The temperatures of several sweeps, to a degree Celsius."""
+    return np.unique(np.round(kelvin - 273.15))
+
+
+def _celsius(temperature: float) -> str:
+    return f"{temperature - 273.15:.4g}degC"
 
 
 def _records(tests: Tests, data: DynamicTest, *, dashpot: bool) -> tuple[RampHold, ...]:

@@ -15,11 +15,24 @@ Content: TypeAlias = Literal["number", "clock", "text", "blank"]
 
 @dataclass(frozen=True)
 class Question:
-    """What a file leaves open, and the option that answers it; how many answers are offered."""
+    """What a file leaves open.
+
+    Attributes
+    ----------
+    says : str
+    option : str
+        The option that answers it.
+    choices : int
+        Columns that could be meant; 0 if none shows itself.
+    role, example : str
+        What no column was found for, and an answer as it is typed.
+    """
 
     says: str
     option: str
     choices: int = 0
+    role: str = ""
+    example: str = ""
 
 
 @dataclass(frozen=True)

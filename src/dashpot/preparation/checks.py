@@ -17,8 +17,10 @@ from dashpot.preparation.noise import median_of_three, spikes, usual_scatter
 from dashpot.preparation.segments import Cycle, listed
 from dashpot.records.relaxation import MAX_CREEP, RampHold, quantum
 
+LAW = "by law; a tenth for noise and drift"
 MIN_QUANTA = 20.0
 MAX_PRELOAD = 0.05
+LATE_START = 0.2
 MAX_OVERSHOOT = 0.05
 MIN_HOLD_OVER_RAMP = 10.0
 MIN_RAMP_SAMPLES = 10.0
@@ -60,12 +62,17 @@ def contact_found(touch: Touch, depth: float, *, given: bool) -> Finding:
         "there",
         doubt,
         f"; that leaves the depth uncertain by {100 * doubt:.2g} %, and every stiffness with "
-        "it: start in light contact, or give contact",
+        "it: start in light contact",
     )
 
 
-@criterion("preload / rise of the force", "<=", MAX_PRELOAD)
-def preload_absent(carried: float, rise: float) -> Finding:
+@criterion(
+    "preload / rise of the force",
+    "<=",
+    MAX_PRELOAD,
+    otherwise=f"stop beyond {LATE_START} where the plate moves already",
+)
+def preload_absent(carried: float, rise: float, *, moving: bool = False) -> Finding:
     """The load cell reads zero, near enough, before the ramp."""
     share = abs(carried) / rise
     says = "no preload shows before the ramp"
@@ -74,13 +81,38 @@ def preload_absent(carried: float, rise: float) -> Finding:
             f"the load cell reads {carried:.3g} N as the ramp starts, {100 * share:.2g} % of the "
             "rise"
         )
+    late = moving and share > LATE_START
     return Finding(
         says,
         share,
-        "; if that is its offset, the tare removes it rightly; if the seal was already "
+        "; the plate moves already at the first sample: the record begins within its ramp, or the "
+        "load cell was not tared: record from a second before the ramp"
+        if late
+        else "; if that is its offset, the tare removes it rightly; if the seal was already "
         "pressed, the stiffnesses are those about that preload, and what it still relaxes is "
         "taken for drift: tare in air, or start from rest",
+        grade="stop" if late else None,
     )
+
+
+@criterion("its change in the hold / its rise in the ramp", "<=", 1.1, LAW, grade="stop")
+def ramp_recorded(rise: float, change: float) -> Finding:
+    """The record begins before its ramp: what the ramp raises is more than what relaxes."""
+    return Finding(
+        "the force that relaxes is raised by the ramp",
+        abs(change) / max(abs(rise), 1e-300),
+        instead=f"the force changes by {1e3 * rise:.3g} mN in what looks like the ramp and by "
+        f"{1e3 * change:.3g} mN in the hold, and no solid relaxes more than it was loaded: the "
+        "record begins after its ramp, or within it. The whole ramp and the force before it are "
+        "needed: start recording a second before the ramp",
+    )
+
+
+def refuse_late_start(where: str, rise: float, change: float) -> None:
+    """Raise DataError if the record begins after its ramp: nothing in a fit of it would be true."""
+    answer = ramp_recorded(rise, change)
+    if answer.failed:
+        raise DataError(f"{where}: {answer.says}")
 
 
 @criterion("loadings in the record", "<=", 1.0, "by definition; or `cycle` chooses", grade="note")
@@ -91,11 +123,11 @@ def single_loading(index: int, cycles: tuple[Cycle, ...], *, asked: bool) -> Fin
     if len(cycles) > 1:
         says = f"the record holds {listed(cycles)}; cycle {index + 1} is used"
         if not asked:
-            says += ", which has the longest hold: choose with cycle=1, 2, ..."
+            says += ", which has the longest hold: --cycle N chooses another"
     if cycle.moves > 1:
         says += (
-            f"; {cycle.moves} ramps belong to it: method='full' follows them all, eq. 5 "
-            "(method='hold') does not apply; give hold_end to keep the first alone"
+            f"; {cycle.moves} ramps belong to it: the fit of ramp and hold follows them all, the "
+            "fit of the hold alone (eq. 5) does not apply"
         )
     return Finding(says, float(len(cycles)), excused=asked)
 
@@ -110,8 +142,8 @@ def overshoot_small(test: RampHold, *, moves: int) -> Finding:
     return Finding(
         f"the plate overshoots the held depth by {100 * share:.2g} %",
         share,
-        "; method='full' follows it, eq. 5 (method='hold') does not, and a seal that has been "
-        "pressed deeper answers more softly: slow the last part of the ramp",
+        "; the fit of ramp and hold follows it, that of the hold alone (eq. 5) does not, and a "
+        "seal that has been pressed deeper answers more softly: slow the last part of the ramp",
     )
 
 
@@ -142,8 +174,8 @@ def spikes_absent(test: RampHold) -> Finding:
     first = test.time[min(np.concatenate((force, plate)))]
     return Finding(
         f"{len(force)} samples of the force and {len(plate)} of the displacement stand apart "
-        f"from both neighbours, the first at t = {first:.6g} s; mend them in the file, or use "
-        "filter='median:3'",
+        f"from both neighbours, the first at t = {first:.6g} s; mend them in the file, or fit "
+        "with --filter median:3",
         float(count),
     )
 
@@ -348,7 +380,7 @@ def hold_is_still(test: RampHold, *, method: str) -> Finding:
     return Finding(
         says,
         abs(creep),
-        f", more than the {100 * MAX_CREEP:.0f} % that eq. 5 can bear; use method='full'",
+        f", more than the {100 * MAX_CREEP:.0f} % that eq. 5 can bear; use --method full",
         excused=full,
     )
 

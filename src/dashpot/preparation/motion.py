@@ -12,13 +12,20 @@ from dashpot.base.arrays import FloatArray, median
 from dashpot.base.errors import DataError
 from dashpot.preparation.segments import (
     Cycle,
+    Loading,
     Segment,
     choose_cycle,
     cycles_of,
     find_segments,
+    loading_of,
     nothing_held,
     resolution_of,
 )
+
+STEADY = 0.01
+"""Part of its rise by which a held signal may change."""
+CREPT = 0.02
+"""Part of its travel by which a displacement goes on under a force that is held."""
 
 
 class IdealRamp(NamedTuple):
@@ -150,16 +157,35 @@ def find_motion(
     DataError
         If nothing is held.
     """
-    turn = sign or 1
-    segments = find_segments(time, turn * displacement)
-    if sign is None and _falls_first(segments):
-        turn = -1
-        segments = find_segments(time, -displacement)
+    turn, segments = _turned(time, displacement, sign)
     x = turn * displacement
+    if _creeps(time, x, force, cycles_of(segments)):
+        raise DataError(
+            f"{where}: this is a creep test: the force is held while the displacement goes on; "
+            "creep is not fitted yet: hold the compression and record how the force falls"
+        )
     if not cycles_of(segments):
         raise DataError(nothing_held(segments, where, _advice(time, x, force)))
     index, cycles = choose_cycle(segments, number, where=where)
     return _of_cycle(time, x, turn, cycles, index)
+
+
+def loading_in(time: FloatArray, displacement: FloatArray, force: FloatArray) -> Loading:
+    """What a record shows, whether or not it can be prepared: a ramp and a hold, or what else."""
+    turn, segments = _turned(time, displacement, None)
+    if _creeps(time, turn * displacement, force, cycles_of(segments)):
+        return "creep"
+    return loading_of(segments)
+
+
+def _turned(
+    time: FloatArray, displacement: FloatArray, sign: int | None
+) -> tuple[int, tuple[Segment, ...]]:
+    """The sign that makes the first ramp rise, unless it is given, and what then is found."""
+    segments = find_segments(time, (sign or 1) * displacement)
+    if sign is None and _falls_first(segments):
+        return -1, find_segments(time, -displacement)
+    return sign or 1, segments
 
 
 def given_motion(
@@ -251,26 +277,60 @@ def _falls_first(segments: Sequence[Segment]) -> bool:
 
 def _advice(time: FloatArray, x: FloatArray, force: FloatArray) -> str:
     """What may be wrong with a displacement that is never held."""
+    moves = any(part.kind != "hold" for part in find_segments(time, x))
     if cycles_of(find_segments(time, -x)):
         return "turned round it would ramp and rest: leave out sign, or give the other"
-    moves = any(part.kind != "hold" for part in find_segments(time, x))
+    if not moves and _relaxes(force):
+        return (
+            "yet the force relaxes: the record begins after its ramp. Its speed and the force "
+            "before it are needed: start recording a second before the ramp"
+        )
     if moves and any(_held_by_plate(time, turn * force) for turn in (1, -1)):
         return "the force column ramps and rests instead: are force and displacement swapped?"
-    return (
-        "expected a ramp and then a displacement that rests; check the columns and the units, or "
-        "say where it is with onset, ramp_end and hold_end"
-    )
+    return "expected a ramp and then a displacement that rests; check the columns and the units"
 
 
 def _held_by_plate(time: FloatArray, force: FloatArray) -> bool:
     """True if the force ramps and then stands as still as a plate does."""
-    for cycle in cycles_of(find_segments(time, force)):
-        held = force[cycle.hold.first : cycle.hold.last + 1]
-        tenth = max(len(held) // 10, 1)
-        eased = abs(float(held[:tenth].mean() - held[-tenth:].mean()))
-        if eased < 0.01 * (cycle.hold.level - cycle.ramp.origin):
-            return True
+    return any(_stands(force, cycle) for cycle in cycles_of(find_segments(time, force)))
+
+
+def _stands(values: FloatArray, cycle: Cycle) -> bool:
+    """Whether a signal stays where it was ramped to, whatever the displacement does."""
+    rise = cycle.hold.level - cycle.ramp.origin
+    return abs(_change(values, cycle.hold)) < STEADY * rise
+
+
+def _change(values: FloatArray, hold: Segment) -> float:
+    """How far a signal goes from the first tenth of a hold to the last."""
+    held = values[hold.first : hold.last + 1]
+    tenth = max(len(held) // 10, 1)
+    return float(held[-tenth:].mean() - held[:tenth].mean())
+
+
+def _creeps(time: FloatArray, x: FloatArray, force: FloatArray, held: Sequence[Cycle]) -> bool:
+    """True if it is the force that is ramped and held, while the displacement goes on.
+
+    Only a displacement that is not `held` is worth the search.
+    """
+    far = CREPT * float(np.ptp(x))
+    if held and all(abs(_change(x, cycle.hold)) <= far for cycle in held):
+        return False
+    for turn in (1, -1):
+        for cycle in cycles_of(find_segments(time, turn * force)):
+            ramped = float(x[cycle.ramp.last] - x[cycle.ramp.first])
+            onward = _change(x, cycle.hold) * np.sign(ramped)
+            if onward > far and _stands(turn * force, cycle):
+                return True
     return False
+
+
+def _relaxes(force: FloatArray) -> bool:
+    """True if a force falls, from its first tenth to its last, by more than it scatters."""
+    tenth = max(len(force) // 10, 1)
+    first, last = force[:tenth], force[-tenth:]
+    fell = abs(float(first.mean())) - abs(float(last.mean()))
+    return fell > max(STEADY * abs(float(first.mean())), 4 * float(last.std()))
 
 
 def _resting(x: FloatArray, rest: Segment | None, ramp: Segment) -> float:

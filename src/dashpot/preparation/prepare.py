@@ -12,7 +12,14 @@ from dashpot.base.provenance import Step
 from dashpot.base.units import Quantity, si
 from dashpot.preparation import checks
 from dashpot.preparation.averaging import averaged
-from dashpot.preparation.contact import Baseline, Touch, baseline_of, touch_of, zeroed
+from dashpot.preparation.contact import (
+    MIN_BASELINE,
+    Baseline,
+    Touch,
+    baseline_of,
+    touch_of,
+    zeroed,
+)
 from dashpot.preparation.filters import filtered, parse_filter
 from dashpot.preparation.hum import hum_lines, hum_step
 from dashpot.preparation.motion import Motion, find_motion, from_contact, given_motion
@@ -87,6 +94,8 @@ def prepare(
     _refuse_choices(sign=sign, drift=drift, force_range=force_range)
     motion = _motion(test, where, sign, cycle, (onset, ramp_end, hold_end))
     clean = without_spikes(test.time, test.force)
+    if motion.departure - motion.start < MIN_BASELINE:
+        checks.refuse_late_start(where, *_loaded_and_relaxed(clean, motion))
     turn = _force_sign(clean, motion) if sign is None else sign
     x, force = motion.sign * test.displacement, turn * test.force
     count = quantum(x)
@@ -110,7 +119,7 @@ def prepare(
         checks.single_loading(motion.index, motion.cycles, asked=cycle is not None),
         checks.baseline_recorded(before),
         checks.contact_found(touch, record.depth, given=contact is not None),
-        checks.preload_absent(preload, rise),
+        checks.preload_absent(preload, rise, moving=motion.cycle.rest is None),
         checks.overshoot_small(record, moves=motion.cycle.moves),
         checks.samples_unbroken(record),
         checks.spikes_absent(record),
@@ -160,6 +169,15 @@ def _motion(
         test.time[:until], test.displacement[:until], test.force[:until],
         where=where, sign=sign, number=cycle,
     )  # fmt: skip
+
+
+def _loaded_and_relaxed(force: FloatArray, motion: Motion) -> tuple[float, float]:
+    """How far the force goes from its first value in the ramps, and on from there in the hold."""
+    loaded, held = force[motion.start : motion.cycle.hold.first + 1], force[: motion.stop + 1]
+    first = median(loaded[:3])
+    furthest = float(loaded[np.argmax(np.abs(loaded - first))])
+    last = median(held[-max((motion.stop - motion.cycle.hold.first) // 10, 1) :])
+    return furthest - first, last - furthest
 
 
 def _force_sign(force: FloatArray, motion: Motion) -> int:
@@ -256,7 +274,7 @@ def _record(
     if not onset < ramp_end < hold_end:
         raise DataError(
             f"onset {onset:.6g} s, ramp end {ramp_end:.6g} s and hold end {hold_end:.6g} s are out "
-            "of order; give onset, ramp_end and hold_end, all three, in this order"
+            "of order; expected them in this order"
         )
     kept = slice(motion.start, motion.stop + 1)
     compression = np.maximum(x - touch.displacement, 0.0)
@@ -325,8 +343,7 @@ def _risen(record: RampHold, before: Baseline, where: str) -> float:
         raise DataError(
             f"{where}: the force has mixed signs: between onset and hold end it rises to "
             f"{peak:.4g} N above its baseline and falls to {-least:.4g} N below it; a pressed seal "
-            "only pushes. Check the tare, the sign and the columns, or end the record before that "
-            "with hold_end"
+            "only pushes. Check the tare, the sign and the columns, or cut the file before that"
         )
     return peak
 

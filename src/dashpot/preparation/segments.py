@@ -176,6 +176,8 @@ def _rung_out(sides: list[_Side], x: FloatArray) -> list[_Side]:
     return settled
 
 
+_LISTED = 3
+"""As many loadings are listed one by one."""
 _LEAST_HOLD = 0.2
 """A stop shorter than this part of the ramp before it is a turning point, not a hold."""
 
@@ -270,19 +272,43 @@ def choose_cycle(
 def listed(cycles: tuple[Cycle, ...]) -> str:
     """The choices, in words."""
     parts = [f"cycle {i}: {cycle.words()}" for i, cycle in enumerate(cycles, start=1)]
+    if len(parts) > _LISTED:
+        parts = [*parts[: _LISTED - 1], "...", parts[-1]]
     count = f"{len(cycles)} loading{'s' * (len(cycles) > 1)}"
     return f"{count} ({'; '.join(parts)})"
 
 
 def nothing_held(segments: tuple[Segment, ...], where: str, advice: str) -> str:
     """The sentence for a record without a ramp and a hold."""
-    if len(segments) == 1 and segments[0].kind == "hold":
+    found = loading_of(segments)
+    if found == "still":
         return f"{where}: the displacement never moves by more than its own scatter; {advice}"
-    shown = ", ".join(_in_words(segment) for segment in segments[:8])
-    more = ", ..." if len(segments) > 8 else ""
+    shown = ", ".join(_in_words(segment) for segment in segments[:4])
+    more = f", and {len(segments) - 4} more" if len(segments) > 4 else ""
+    names = {"triangle": "a triangle, a ramp up and down", "cyclic": "a cyclic (fatigue) run"}
+    if found in names:
+        return (
+            f"{where}: this is {names[found]} without a hold ({shown}{more}); expected a ramp and "
+            "then a displacement that rests: it is the hold that tells the relaxation times"
+        )
     return (
         f"{where}: no hold after a ramp was found: the displacement shows {shown}{more}; {advice}"
     )
+
+
+Loading: TypeAlias = Literal["relaxation", "creep", "triangle", "cyclic", "still", "other"]
+
+
+def loading_of(segments: tuple[Segment, ...]) -> Loading:
+    """What a displacement does: a ramp and a hold, one triangle, cycles, nothing, or else."""
+    if cycles_of(segments):
+        return "relaxation"
+    moves = [segment.kind for segment in segments if segment.kind != "hold"]
+    if not moves:
+        return "still"
+    if {"load", "unload"} == set(moves):
+        return "triangle" if len(moves) == 2 else "cyclic" if len(moves) > 3 else "other"
+    return "other"
 
 
 def _closed(rest: Segment | None, parts: list[Segment]) -> list[Cycle]:

@@ -20,6 +20,9 @@ from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, of_file
 from dashpot.records.specimen import Specimen
 
+ONE_TEMPERATURE = 2.0
+"""Sweeps this far apart in temperature are not one solid, K."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DynamicTest(ByValue, Described):
@@ -96,6 +99,11 @@ class DynamicTest(ByValue, Described):
             loss=self.loss[chosen],
             temperature=None if self.temperature is None else self.temperature[chosen],
         )
+
+    @property
+    def several_temperatures(self) -> bool:
+        """Whether the sweeps are too far apart in temperature to be of one solid."""
+        return self.temperature is not None and bool(np.ptp(self.temperature) > ONE_TEMPERATURE)
 
     @property
     def omega(self) -> FloatArray:

@@ -103,5 +103,8 @@ def fit_files(
             "a dynamic sweep is fitted one at a time, alone or with relaxation tests of the "
             "same part, without --depth-law and --method hold"
         )
-    found = dp.fit_dynamic(sweeps[0], arms=arms, tests=prepared, thorough=thorough)
+    asked = specimen.temperature if specimen and sweeps[0].several_temperatures else None
+    found = dp.fit_dynamic(
+        sweeps[0], arms=arms, tests=prepared, thorough=thorough, temperature=asked
+    )
     return found, (*sweeps, *prepared)

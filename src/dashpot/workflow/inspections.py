@@ -9,9 +9,11 @@ from pathlib import Path
 from dashpot.base.checks import Check
 from dashpot.base.errors import DashpotError
 from dashpot.base.provenance import Step
+from dashpot.io.columns.kinds import WANTED_BY
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.inspect import Inspection, inspect_file
 from dashpot.io.readers.relaxation import read_relaxation
+from dashpot.preparation.motion import loading_in
 from dashpot.preparation.prepare import prepare
 
 
@@ -75,7 +77,11 @@ def _inspected(path: str | Path, options: ReadOptions) -> InspectedFile:
     if found.kind != "relaxation" or found.questions:
         return InspectedFile(**plain)
     try:
-        test = prepare(read_relaxation(path, options=options), cycle=options.cycle)
+        record = read_relaxation(path, options=options)
+        loading = loading_in(record.time, record.displacement, record.force)
+        if loading in {"creep", "triangle", "cyclic"}:
+            plain |= {"kind": loading, "reason": f"it is {WANTED_BY[loading][0]}"}
+        test = prepare(record, cycle=options.cycle)
     except DashpotError as error:
         return InspectedFile(**plain, refusal=str(error))
     ready = Preparation(**{one.name: getattr(test, one.name) for one in fields(Preparation)})

@@ -2,17 +2,57 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Literal, TypeAlias
 
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import ReadError
 from dashpot.io.columns import vocabulary
-from dashpot.io.columns.roles import accelerations, score
+from dashpot.io.columns.roles import accelerations, find_column, score
 from dashpot.io.columns.vocabulary import Role
-from dashpot.io.options import ReadOptions
+from dashpot.io.options import ReadOptions, flag
 from dashpot.io.table import Table
 
-FileKind: TypeAlias = Literal["relaxation", "impact", "frf", "dma", "not-a-test", "unclear"]
+FileKind: TypeAlias = Literal[
+    "relaxation", "impact", "frf", "transmissibility", "dma", "master-curve", "strain-sweep",
+    "temperature-sweep", "one-frequency", "modulus", "creep", "triangle", "cyclic", "not-a-test",
+    "unclear",
+]  # fmt: skip
+
+_NO_TIMES = "it tells no relaxation times; sweep the frequency"
+_FIT_TAKES = "dashpot fit takes a ramp and the hold after it"
+WANTED_BY: MappingProxyType[str, tuple[str, str]] = MappingProxyType({
+    "relaxation": ("a relaxation test", "use dashpot fit or dashpot report"),
+    "impact": ("a hammer file", "use dashpot impact"),
+    "frf": ("an FRF", "use dashpot compare or dashpot identify"),
+    "transmissibility": (
+        "a transmissibility",
+        "dashpot fits none yet; measure the force too, which makes it an FRF",
+    ),
+    "dma": ("a dynamic (DMA) sweep", "use dashpot fit"),
+    "master-curve": ("a master curve of storage and loss", "use dashpot fit"),
+    "strain-sweep": ("a strain sweep at one frequency", _NO_TIMES),
+    "temperature-sweep": ("a temperature sweep at one frequency", _NO_TIMES),
+    "one-frequency": ("a dynamic test at one frequency", _NO_TIMES),
+    "modulus": ("a relaxation modulus over time", "use dashpot fit FILE --modulus COLUMN"),
+    "creep": (
+        "a creep test",
+        "creep is not fitted yet; hold the compression and record how the force falls",
+    ),
+    "triangle": ("a triangle, a ramp up and down without a hold", _FIT_TAKES),
+    "cyclic": ("a cyclic (fatigue) run without a hold", _FIT_TAKES),
+})  # fmt: skip
+"""What each kind of file is called, and which command wants it or why none does."""
+
+SWEEPS: tuple[FileKind, ...] = (
+    "dma", "master-curve", "strain-sweep", "temperature-sweep", "one-frequency",
+)  # fmt: skip
+"""The kinds of a table of storage and loss."""
 
 _SIGNALS = {"force", "displacement", "stress", "strain"}
 
@@ -38,6 +78,24 @@ class _NamedColumns:
     def accelerated(self) -> bool:
         return bool(accelerations(self.table, (), self.options))
 
+    def response(self) -> bool:
+        return self.has("frequency", "real", "imaginary") or self.has(
+            "frequency", "magnitude", "phase"
+        )
+
+    def of_motions(self) -> bool:
+        """Whether a response is of a motion to the same motion, as under base excitation."""
+        return any(
+            "transmissib" in column.name.casefold() or _same_over_same(column.unit or "")
+            for column in self.table.columns
+        )
+
+    def crept(self) -> bool:
+        names = [column.name.casefold() for column in self.table.columns]
+        header = " ".join(self.table.header).casefold()
+        named = any("compliance" in name and "machine" not in name for name in names)
+        return named or ("creep" in header and "relax" not in header)
+
     def spectral(self) -> bool:
         return any(
             "spectral density" in c.name.casefold() or "psd" in vocabulary.tokens(c.name)
@@ -47,12 +105,11 @@ class _NamedColumns:
 
 _RULES: tuple[tuple[FileKind, str, Callable[[_NamedColumns], bool]], ...] = (
     (
-        "frf",
-        "it has frequency, and a complex value",
-        lambda s: (
-            s.has("frequency", "real", "imaginary") or s.has("frequency", "magnitude", "phase")
-        ),
+        "transmissibility",
+        "it has frequency, and a motion over the same motion",
+        lambda s: s.response() and s.of_motions(),
     ),
+    ("frf", "it has frequency, and a complex value", _NamedColumns.response),
     (
         "dma",
         "it has frequency, storage and loss",
@@ -65,16 +122,18 @@ _RULES: tuple[tuple[FileKind, str, Callable[[_NamedColumns], bool]], ...] = (
         lambda s: s.timed() and s.accelerated() and not s.has("displacement", least=2.5),
     ),
     (
+        "creep",
+        "it has a creep compliance, or its header says creep",
+        lambda s: s.timed() and s.crept(),
+    ),
+    (
         "relaxation",
         "it has time, displacement and force",
         lambda s: s.timed() and s.has("force", "displacement", least=1.0),
     ),
     (
-        "not-a-test",
-        (
-            "it is a relaxation modulus over time, a curve derived from a test, with no "
-            "displacement and force; dashpot fit --modulus COLUMN fits the curve itself"
-        ),
+        "modulus",
+        "it has time and a modulus, a curve derived from a test",
         lambda s: s.has("modulus") and s.timed(),
     ),
     (
@@ -96,12 +155,90 @@ _RULES: tuple[tuple[FileKind, str, Callable[[_NamedColumns], bool]], ...] = (
 
 
 def kind_of(table: Table, options: ReadOptions) -> tuple[FileKind, str]:
-    """Return the kind of record and the reason, from the names and units alone."""
+    """Return the kind of record and why, from names and units, and of a sweep from its range."""
     peaks = cycle_peaks(table)
     if peaks:
         return "not-a-test", peaks
     named = _NamedColumns(table, options)
-    return next((kind, reason) for kind, reason, holds in _RULES if holds(named))
+    kind, reason = next((kind, reason) for kind, reason, holds in _RULES if holds(named))
+    if kind == "dma":
+        return _swept(table, options, reason)
+    if kind == "modulus":
+        decades = _decades(table, "time", options)
+        return kind, reason + (f", over {decades:.0f} decades" if decades >= MASTER else "")
+    return kind, reason
+
+
+MASTER = 7.0
+"""Decades of frequency or time that no machine sweeps in one test: they were shifted together."""
+ONE_FREQUENCY = 0.02
+"""Decades within which a sweep stays at one frequency."""
+
+
+def _same_over_same(unit: str) -> bool:
+    """Whether a unit is a ratio of one unit to itself, such as g/g."""
+    middle = len(unit) // 2
+    top, bottom = unit[:middle].strip("() "), unit[middle + 1 :].strip("() ")
+    return bool(top) and top == bottom and unit[middle] == "/"
+
+
+def _numbers(table: Table, role: Role, options: ReadOptions) -> FloatArray:
+    """The numbers of the column likeliest in a role; none if there is no such column."""
+    named = getattr(options, role, None)
+    scores = [score(column, role, options) for column in table.columns]
+    if named is None and not max(scores, default=0.0) >= 1.0:
+        return np.empty(0)
+    index = scores.index(max(scores))
+    if named is not None:
+        index = find_column(table.columns, named, flag(role))
+    values = table.load([index]).values[:, 0]
+    return values[np.isfinite(values)]
+
+
+def _decades(table: Table, role: Role, options: ReadOptions) -> float:
+    """Over how many decades a column runs; NaN without three values above zero."""
+    values = _numbers(table, role, options)
+    values = values[values > 0]
+    return float(np.ptp(np.log10(values))) if len(values) > 2 else math.nan
+
+
+def _varies(table: Table, role: Role, options: ReadOptions) -> bool:
+    values = _numbers(table, role, options)
+    return bool(len(values) and np.ptp(values) > 0.05 * np.abs(values).max())
+
+
+def _swept(table: Table, options: ReadOptions, reason: str) -> tuple[FileKind, str]:
+    """What a table of storage and loss was swept over."""
+    decades = _decades(table, "frequency", options)
+    if decades >= MASTER:
+        return "master-curve", f"{reason}, over {decades:.0f} decades"
+    if not decades <= ONE_FREQUENCY:
+        return "dma", reason
+    reason += ", and the frequency never changes"
+    if any(_varies(table, role, options) for role in _AMPLITUDES):
+        return "strain-sweep", reason
+    warmed = _varies(table, "temperature", options)
+    return "temperature-sweep" if warmed else "one-frequency", reason
+
+
+_AMPLITUDES: tuple[Role, ...] = ("strain", "stress", "displacement", "force")
+
+
+def refuse_kind(
+    table: Table, options: ReadOptions, accepted: Sequence[FileKind], want: str
+) -> None:
+    """Refuse a table that is surely not what `want` says, with the command that takes it.
+
+    A user who names columns of what is wanted knows better: the caller does not ask then.
+
+    Raises
+    ------
+    ReadError
+    """
+    kind, reason = kind_of(table, options)
+    if kind in WANTED_BY and kind not in accepted:
+        what, command = WANTED_BY[kind]
+        raise ReadError(f"this is {what} ({reason}), where {want} expected: {command}")
 
 
 def cycle_peaks(table: Table) -> str | None:

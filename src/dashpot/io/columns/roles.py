@@ -33,6 +33,10 @@ _SENSITIVITY = re.compile(
     r"\A(\d++\.?\d*+(?:e[+-]?\d{1,3})?|\.\d++)\s*+(m|u|µ)?V\s*+/\s*+\(?([^()]++)\)?\Z",
     re.IGNORECASE,
 )
+_PLACE = {
+    "displacement": 1, "force": 2, "hammer": 1, "storage": 1, "loss": 2, "modulus": 1,
+}  # fmt: skip
+"""Where a role stands in a table that says nothing, counted from 0."""
 _SAME = 0.25
 _ROUNDED = 1e-3
 """Part of their range by which columns that are written to a few digits may differ."""
@@ -63,12 +67,12 @@ def assign(table: Table, role: Role, options: ReadOptions) -> Assigned | Questio
         return Assigned(role, index, f"named by {flag(asked)}")
     suited = _suited(table, role, options)
     if not suited:
-        return Question(_nothing(table, role), f"{flag(role)} NAME")
+        return _nothing(table, role)
     (top, index), *others = suited
     equals = [index, *(i for value, i in others if value > top - _SAME)]
     reason = _reason(table.columns[index], role)
     if len(equals) > 1:
-        listed = _and([quoted(table.columns, i) for i in sorted(equals)])
+        listed = _listed([quoted(table.columns, i) for i in sorted(equals)])
         if not _same_numbers(table, equals, role, options):
             says = (
                 f"{listed} could each be the {_word(role)}; say which, for example "
@@ -80,13 +84,13 @@ def assign(table: Table, role: Role, options: ReadOptions) -> Assigned | Questio
     return Assigned(role, index, reason, rest)
 
 
-def _and(words: Sequence[str]) -> str:
-    return " and ".join(filter(None, [", ".join(words[:-1]), words[-1]]))
+def _listed(words: Sequence[str], last: str = "and") -> str:
+    return f" {last} ".join(filter(None, [", ".join(words[:-1]), words[-1]]))
 
 
 def _word(role: Role) -> str:
     """A role as people say it."""
-    return {"hammer": "hammer's force"}.get(role, role.replace("_", " "))
+    return {"hammer": "hammer force"}.get(role, role.replace("_", " "))
 
 
 def _same_numbers(table: Table, indexes: Sequence[int], role: Role, options: ReadOptions) -> bool:
@@ -203,21 +207,53 @@ def _reason(column: Column, role: Role) -> str:
     return f"the only column in a unit of {dimension} ({column.unit})"
 
 
-def _nothing(table: Table, role: Role) -> str:
-    """Why no column was found for a role: a wrong label is worth naming."""
+def acceleration_question(table: Table) -> Question:
+    """Ask for the accelerations where no column shows itself as one."""
+    numbers = [i for i, c in enumerate(table.columns) if c.content == "number"]
+    named = [f'--acceleration "{handle(table.columns, i)}"' for i in numbers[2:4] or numbers[-1:]]
+    says = (
+        "no column is recognised as acceleration; the columns are "
+        f"{list_columns(table.columns)}; name each by its name or number, for example "
+        f"{' '.join(named)}"
+    )
+    return Question(says, "--acceleration NAME", role="acceleration", example=" ".join(named))
+
+
+def _says(column: Column) -> bool:
+    """Whether a name surely says something."""
+    return max(vocabulary.matches(column.name).values(), default=0.0) >= 2.0
+
+
+def _nothing(table: Table, role: Role) -> Question:
+    """Ask for the column of a role that none was found for: a wrong label is worth naming."""
+    answer = f"{flag(role)} NAME"
     for column in table.columns:
         if _is_mislabelled(column, role):
-            return mislabelled(column, role)
-    more = ""
+            return Question(mislabelled(column, role), answer)
+    kind = f" (a unit of {DIMENSION[role]} would show it)" if role in DIMENSION else ""
+    example = f'{flag(role)} "{_example(table, role)}"'
     if role == "time":
         guess = "or --rate 1000Hz if the rows are evenly spaced in time"
-        more = "; " + "; ".join(table.hints) if table.hints else f", {guess}"
-    kind = f" (a unit of {DIMENSION[role]} would show it)" if role in DIMENSION else ""
-    return (
+        example += "; " + "; ".join(table.hints) if table.hints else f", {guess}"
+    says = (
         f"no column is recognised as {_word(role)}{kind}; the columns are "
-        f"{list_columns(table.columns)}; name it by its name or number, for example "
-        f'{flag(role)} "{_example(table, role)}"{more}'
+        f"{list_columns(table.columns)}; name it by its name or number, for example {example}"
     )
+    return Question(says, answer, role=_word(role), example=example)
+
+
+def ask(table: Table, questions: Sequence[Question]) -> str:
+    """All questions in one sentence each; what no column was found for, in one for all."""
+    lacking = [one for one in questions if one.role]
+    if len(lacking) < 2:
+        return "; ".join(one.says for one in questions)
+    examples = " ".join(one.example for one in reversed(lacking))
+    says = (
+        f"no column is recognised as {_listed([one.role for one in lacking], 'or')}; the columns "
+        f"are {list_columns(table.columns)}; name each by its name or number, for example "
+        f"{examples}"
+    )
+    return "; ".join([says, *(one.says for one in questions if not one.role)])
 
 
 def _is_mislabelled(column: Column, role: Role) -> bool:
@@ -231,11 +267,10 @@ def _is_mislabelled(column: Column, role: Role) -> bool:
 def _example(table: Table, role: Role) -> str:
     """A column that could be meant: one whose name says nothing else."""
     numbers = [i for i, c in enumerate(table.columns) if c.content == "number"] or [0]
-    free = [i for i in numbers if not vocabulary.matches(table.columns[i].name)]
-    place = {"displacement": 1, "force": 2}.get(role, 0)
-    if not any(table.columns[i].name for i in free):
-        free = free[place:] or free[-1:]
-    return handle(table.columns, (free or numbers)[0])
+    free = [i for i in numbers if not _says(table.columns[i])]
+    place = _PLACE.get(role, 0)
+    at = numbers[min(place, len(numbers) - 1)]
+    return handle(table.columns, at if at in free or not free else free[0])
 
 
 def mislabelled(column: Column, role: Role) -> str:

@@ -56,9 +56,9 @@ _FIRST: dict[Role, str] = {
         hőmérséklet температура 温度 溫度 온도""",
     "real": "real re realteil",
     "imaginary": "imaginary imag im imaginärteil",
-    "magnitude": "magnitude mag amplitude betrag",
+    "magnitude": "magnitude mag amplitude betrag transmissibility",
     "phase": "phase phasenwinkel winkel faza 相位",
-    "coherence": "coherence coh kohärenz koherencja cohérence 相干",
+    "coherence": "coherence coh kohärenz koherencja cohérence gamma2 γ2 相干",
     "stress": """stress spannung naprężenie contrainte tensión tensione gerilme 应力 應力 応力 응력
         schubspannung""",
     "strain": """strain dehnung odkształcenie déformation deformación deformazione gerinim 应变

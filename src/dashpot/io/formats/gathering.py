@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
+from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.io.columns.names import part_unit
 from dashpot.io.table import Column, Table, in_memory
@@ -22,12 +23,14 @@ class Named:
     """One array with its name and unit as found."""
 
     name: str
-    values: FloatArray
+    values: FloatArray | ComplexArray
     unit: str | None = None
 
 
 def gather(arrays: Sequence[Named], *, format_: str, notes: Sequence[str] = ()) -> Table:
     """Return the arrays of the commonest length as one table; single numbers become hints.
+
+    A complex array becomes two columns, named after it: its real and its imaginary part.
 
     Raises
     ------
@@ -60,8 +63,8 @@ def _column(array: Named) -> Column:
 def _vectors(arrays: Sequence[Named]) -> list[Named]:
     """Vectors as they are; a matrix as one vector for each of its columns."""
     out = []
-    for array in arrays:
-        values = np.squeeze(np.asarray(array.values))
+    for array in chain.from_iterable(map(_parts, arrays)):
+        values = np.squeeze(np.asarray(array.values, dtype=float))
         if values.ndim == 1:
             out.append(Named(array.name, values, array.unit))
         elif values.ndim == 2 and min(values.shape) <= 64:
@@ -72,11 +75,22 @@ def _vectors(arrays: Sequence[Named]) -> list[Named]:
     return [array for array in out if array.values.size >= 2]
 
 
+def _parts(array: Named) -> tuple[Named, ...]:
+    if not np.iscomplexobj(array.values):
+        return (array,)
+    real = np.asarray(np.real(array.values), dtype=float)
+    imaginary = np.asarray(np.imag(array.values), dtype=float)
+    return (
+        Named(f"{array.name} real", real, array.unit),
+        Named(f"{array.name} imaginary", imaginary, array.unit),
+    )
+
+
 def _hints(arrays: Sequence[Named]) -> list[str]:
     """What single numbers say about the sampling rate."""
     hints = []
     for array in arrays:
-        if np.size(array.values) != 1:
+        if np.size(array.values) != 1 or np.iscomplexobj(array.values):
             continue
         value = float(np.squeeze(array.values))
         word = "".join(c for c in array.name.split(".")[-1].casefold() if c.isalpha())
@@ -89,9 +103,9 @@ def _hints(arrays: Sequence[Named]) -> list[str]:
     return hints
 
 
-def real(values: object) -> FloatArray | None:
-    """Return an array of numbers as floats, or None if it holds anything else."""
+def numbers(values: object) -> FloatArray | ComplexArray | None:
+    """Return an array of numbers as floats, complex ones as such, or None for anything else."""
     array = np.asarray(values)
-    if array.dtype.kind not in "iufb":
-        return None
-    return array.astype(float)
+    if array.dtype.kind == "c":
+        return array.astype(complex)
+    return array.astype(float) if array.dtype.kind in "iufb" else None

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
+from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.io.child import limits
-from dashpot.io.formats.gathering import Named, gather, real
+from dashpot.io.formats.gathering import Named, gather, numbers
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw, extra
 from dashpot.io.table import Table
@@ -19,8 +19,10 @@ from dashpot.io.table import Table
 _UNIT = ("unit", "units", "Unit", "Units", "unit_string", "UNIT")
 _NAMES = ("columns", "names", "channels", "column_names", "fields")
 _INNER = {"data", "values"}
+_COMPLEX = ("real", "imag")
+"""The fields that MATLAB writes a complex number in."""
 _TEXT = 1000
-_NUMERIC = "iufbV"
+_NUMERIC = "iufbcV"
 """Kinds of NumPy types that may hold numbers, records among them."""
 _FOREIGN = "it is data of another file, which this file's hash does not cover; save both as one"
 
@@ -110,24 +112,27 @@ def _take(node: Any, name: str, found: _Found) -> None:
 
 def _dataset(node: Any, name: str) -> list[Named]:
     """The numbers of one dataset, parted where its columns or fields have names."""
+    if node.dtype.names == _COMPLEX:
+        whole = node[()]
+        return [Named(name, whole["real"] + 1j * whole["imag"], _unit(node))]
     if node.dtype.names:
         whole = node[()]
-        fields = ((field, real(whole[field])) for field in node.dtype.names)
-        return [Named(field, numbers) for field, numbers in fields if numbers is not None]
+        fields = ((field, numbers(whole[field])) for field in node.dtype.names)
+        return [Named(field, found) for field, found in fields if found is not None]
     text = _word(node.attrs.get("MATLAB_class")) == "char"
-    numbers = None if text else real(node[()])
-    if numbers is None:
+    values = None if text else numbers(node[()])
+    if values is None:
         return []
     unit = _unit(node)
-    return _parted(node, name, numbers) or [Named(_stem(name) if unit else name, numbers, unit)]
+    return _parted(node, name, values) or [Named(_stem(name) if unit else name, values, unit)]
 
 
-def _parted(node: Any, name: str, numbers: FloatArray) -> list[Named]:
+def _parted(node: Any, name: str, values: FloatArray | ComplexArray) -> list[Named]:
     """The columns of a matrix by the names in an attribute, if it has one for each."""
     names: Any = next((node.attrs[key] for key in _NAMES if key in node.attrs), None)
-    if np.ndim(names) != 1 or numbers.ndim != 2 or len(names) not in numbers.shape:
+    if np.ndim(names) != 1 or values.ndim != 2 or len(names) not in values.shape:
         return []
-    tall = numbers if numbers.shape[1] == len(names) else numbers.T
+    tall = values if values.shape[1] == len(names) else values.T
     return [Named(_word(n) or name, tall[:, i]) for i, n in enumerate(names)]
 
 

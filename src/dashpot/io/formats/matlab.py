@@ -18,7 +18,7 @@ import numpy as np
 
 from dashpot.base.errors import ReadError
 from dashpot.io.child import limits
-from dashpot.io.formats.gathering import Named, gather, real
+from dashpot.io.formats.gathering import Named, gather, numbers
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw
 from dashpot.io.table import Table
@@ -68,10 +68,10 @@ def _flatten(name: str, value: Any, arrays: list[Named], depth: int = 0) -> None
         inner = value.items() if isinstance(value, dict) else enumerate(value, start=1)
         for key, entry in inner:
             _flatten(f"{name}.{key}", entry, arrays, depth + 1)
-    elif isinstance(value, int | float | np.ndarray | np.number):
-        numbers = real(value)
-        if numbers is not None:
-            arrays.append(Named(name, numbers))
+    elif isinstance(value, int | float | complex | np.ndarray | np.number):
+        found = numbers(value)
+        if found is not None:
+            arrays.append(Named(name, found))
 
 
 def _measured(name: str, fields: dict[str, Any]) -> Named | None:
@@ -79,8 +79,8 @@ def _measured(name: str, fields: dict[str, Any]) -> Named | None:
     folded = {str(key).casefold(): value for key, value in fields.items()}
     data = next((folded[key] for key in _DATA if key in folded), None)
     unit = next((folded[key] for key in _UNITS if key in folded), None)
-    numbers = None if data is None else real(data)
-    return Named(name, numbers, unit) if numbers is not None and isinstance(unit, str) else None
+    found = None if data is None else numbers(data)
+    return Named(name, found, unit) if found is not None and isinstance(unit, str) else None
 
 
 def check_elements(stream: BinaryIO) -> None:

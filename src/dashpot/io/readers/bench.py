@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dashpot.base.errors import ReadError
-from dashpot.io.columns.kinds import kind_of
+from dashpot.io.columns.kinds import SWEEPS, kind_of
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels
 from dashpot.io.readers.channels import Opened
@@ -40,7 +40,7 @@ def read_bench(
 
 
 def _is_sweep(file: Opened) -> bool:
-    if kind_of(file.table, file.options)[0] != "dma":
+    if kind_of(file.table, file.options)[0] not in SWEEPS:
         return False
     try:
         channels.choose(file, roles(file.options))

@@ -13,8 +13,8 @@ from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Source
 from dashpot.base.units import Unit
-from dashpot.io.columns.kinds import cycle_peaks, kind_of
-from dashpot.io.columns.roles import Assigned, assign, list_columns, quoted, unit_for
+from dashpot.io.columns.kinds import FileKind, cycle_peaks, kind_of, refuse_kind
+from dashpot.io.columns.roles import Assigned, ask, assign, list_columns, quoted, unit_for
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.formats import read_table
 from dashpot.io.options import ReadOptions, flag
@@ -70,37 +70,63 @@ def refuse_summary(file: Opened) -> None:
         raise ReadError(f"is not a test: {peaks}")
 
 
+def expect(file: Opened, accepted: Sequence[FileKind], want: str, *, named: Sequence[str]) -> None:
+    """Refuse a file that is surely of another kind, with the command that takes it.
+
+    A user who has named a column of the roles `named` knows what the file is.
+
+    Raises
+    ------
+    ReadError
+    """
+    if not any(getattr(file.options, name) for name in named):
+        refuse_kind(file.table, file.options, accepted, want)
+
+
 def choose(file: Opened, roles: Sequence[Role]) -> list[Channel]:
-    """Return the columns that play the roles.
+    """Return the columns that play the roles, with their units.
 
     Raises
     ------
     ReadError
         With every question that the file leaves open, in one sentence each.
     """
-    found = [assign(file.table, role, file.options) for role in roles]
+    return with_units(file, chosen(file, roles))
+
+
+def chosen(
+    file: Opened, roles: Sequence[Role], *, besides: Sequence[Question] = ()
+) -> list[Assigned]:
+    """Return the columns that play the roles; `besides` is asked with what they leave open.
+
+    Raises
+    ------
+    ReadError
+        With every question that the file leaves open, in one sentence each.
+    """
+    found = [*(assign(file.table, role, file.options) for role in roles), *besides]
     if any(isinstance(answer, Question) for answer in found):
         kind, reason = kind_of(file.table, file.options)
         if kind == "not-a-test":
             raise ReadError(f"is not a test: {reason}")
-    chosen = answered(found)
+    columns = answered(file, found)
     roles_of: dict[int, Role] = {}
-    for one in chosen:
+    for one in columns:
         other = roles_of.setdefault(one.index, one.role)
         if other != one.role:
-            columns = file.table.columns
+            every = file.table.columns
             raise ReadError(
-                f"{quoted(columns, one.index)} would be both {other} and {one.role}; name the "
-                f"columns with {flag(other)} and {flag(one.role)}; they are {list_columns(columns)}"
+                f"{quoted(every, one.index)} would be both {other} and {one.role}; name the "
+                f"columns with {flag(other)} and {flag(one.role)}; they are {list_columns(every)}"
             )
-    return with_units(file, chosen)
+    return columns
 
 
-def answered(found: Sequence[Assigned | Question], hint: str = "") -> list[Assigned]:
+def answered(file: Opened, found: Sequence[Assigned | Question], hint: str = "") -> list[Assigned]:
     """Return the columns found, or raise every question in one sentence with the hint."""
-    asked = [answer.says for answer in found if isinstance(answer, Question)]
+    asked = [answer for answer in found if isinstance(answer, Question)]
     if asked:
-        raise ReadError("; ".join(asked) + hint)
+        raise ReadError(ask(file.table, asked) + hint)
     return [answer for answer in found if isinstance(answer, Assigned)]
 
 

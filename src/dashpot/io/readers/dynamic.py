@@ -37,6 +37,7 @@ def read_dynamic(
 
 def dynamic_in(file: Opened, specimen: Specimen) -> DynamicTest:
     """Return the dynamic test in an opened file."""
+    channels.expect(file, ["dma", "master-curve"], "a sweep of frequency is", named=["storage"])
     wanted, ratio = _columns(file)
     chosen = channels.with_units(file, wanted)
     indexes = [c.index for c in chosen] + ([] if ratio is None else [ratio])
@@ -78,6 +79,6 @@ def _columns(file: Opened) -> tuple[list[Assigned], int | None]:
     if any(isinstance(answer, Question) for answer in found.values()):
         kind, reason = kind_of(table, options)
         hint = "" if kind in {"dma", "unclear"} else f" (it is not a DMA test: {reason})"
-    columns = channels.answered(list(found.values()), hint)
+    columns = channels.answered(file, list(found.values()), hint)
     temperature = assign(table, "temperature", options)
     return columns + ([temperature] if isinstance(temperature, Assigned) else []), ratio

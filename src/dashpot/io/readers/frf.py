@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels
 from dashpot.io.readers.channels import Opened
-from dashpot.io.table import Table
+from dashpot.io.table import Question
 from dashpot.records.frf import FRF, Kind
 
 _KINDS: tuple[tuple[Dimension, Dimension, Kind], ...] = (
@@ -42,21 +43,20 @@ def read_frf(path: str | Path, *, options: ReadOptions | None = None) -> FRF:
         If there is no FRF in the file, or its kind or unit is left open.
     """
     with channels.opened(path, options) as file:
-        index = _columns(file)
+        channels.expect(file, ["frf"], "an FRF is", named=["real", "magnitude"])
+        index, kind, factor, hertz, radian = settled(file)
         loaded = channels.load(file.table, range(len(file.table.columns)), None)
         column = {role: loaded.values[:, i] for role, i in index.items()}
-        main: Role = "real" if "real" in index else "magnitude"
-        kind, factor = _kind(file, main, index[main])
         value: ComplexArray = np.asarray(
             column["real"] + 1j * column["imaginary"]
-            if main == "real"
-            else _polar(file.table, index, column)
+            if "real" in index
+            else _polar(file, index, column, radian)
         )
         sd = next((i for i, c in enumerate(file.table.columns) if c.name.casefold() == "sd"), None)
         stated = _comments(file.table.header)
         names = [c.name for c in file.table.columns]
         return FRF(
-            column["frequency"] * _hertz(file, index["frequency"]), value * factor, kind,
+            column["frequency"] * hertz, value * factor, kind,
             coherence=column.get("coherence"),
             sd=None if sd is None else loaded.values[:, sd] * factor,
             shift=stated.get("shift", 0.0), record=stated.get("record"),
@@ -65,13 +65,56 @@ def read_frf(path: str | Path, *, options: ReadOptions | None = None) -> FRF:
         )  # fmt: skip
 
 
+class Settled(NamedTuple):
+    """Which columns an FRF stands in, its kind, and the factors of its units to SI."""
+
+    columns: dict[Role, int]
+    kind: Kind
+    factor: float
+    hertz: float
+    radian: float
+
+
+def settled(file: Opened) -> Settled:
+    """Return what must be known before the numbers of an FRF are read.
+
+    Raises
+    ------
+    ReadError
+        If a column, its unit or the kind of the FRF is left open.
+    """
+    index = _columns(file)
+    main: Role = "real" if "real" in index else "magnitude"
+    asked, factors = [], {"phase": 1.0}
+    kind, size = None, 1.0
+    try:
+        kind, size = _kind(file, main, index[main])
+    except ReadError as error:
+        asked.append(str(error))
+    roles: tuple[Role, ...] = ("frequency", "phase")
+    for role in roles if main == "magnitude" else roles[:1]:
+        try:
+            column = file.table.columns[index[role]]
+            factors[role] = unit_for(column, index[role] + 1, role, file.options).factor
+        except ReadError as error:
+            asked.append(str(error))
+    if kind is None or asked:
+        raise ReadError("; ".join(asked))
+    return Settled(index, kind, size, factors["frequency"], factors["phase"])
+
+
 def _columns(file: Opened) -> dict[Role, int]:
     """The columns of frequency and of one complex value, Cartesian or else polar, and coherence."""
     answers = {role: assign(file.table, role, file.options) for role in _FRF_ROLES}
     index = {role: one.index for role, one in answers.items() if isinstance(one, Assigned)}
+    asked = {
+        role: one.says for role, one in answers.items() if isinstance(one, Question) and one.choices
+    }
     for pair in (("real", "imaginary"), ("magnitude", "phase")):
-        if {"frequency", *pair} <= index.keys():
+        if {"frequency", *pair} <= index.keys() and "coherence" not in asked:
             return {r: i for r, i in index.items() if r in {"frequency", "coherence", *pair}}
+    if asked:
+        raise ReadError("; ".join(asked.values()))
     raise ReadError(
         "no frequency response found; expected columns such as 'frequency [Hz], "
         "real [(m/s^2)/N], imaginary [(m/s^2)/N]' (or magnitude and phase); the columns are "
@@ -102,8 +145,9 @@ def _kind(file: Opened, role: Role, index: int) -> tuple[Kind, float]:
     word = file.options.unit_of(role, column.name) or column.unit or ""
     ratio = _ratio(word)
     if ratio is None:
+        unit = f"the unit '{word}', which" if word else "no unit, and so"
         raise ReadError(
-            f"'{column.name}' has the unit '{word}', which tells no FRF; "
+            f"'{column.name}' has {unit} tells no FRF; "
             "expected motion per force such as (m/s^2)/N, g/N, m/N, or force per motion such as "
             f'N/m; add --units "{role}=(m/s^2)/N", or write it into the header'
         )
@@ -130,15 +174,10 @@ def _ratio(word: str) -> tuple[Kind, float] | None:
     return None
 
 
-def _polar(table: Table, index: dict[Role, int], column: dict[Role, FloatArray]) -> ComplexArray:
-    angle = units.find(table.columns[index["phase"]].unit or "", "angle")
-    if angle is None:
-        raise ReadError("the phase has no unit; write 'phase [deg]' or 'phase [rad]' in the header")
+def _polar(
+    file: Opened, index: dict[Role, int], column: dict[Role, FloatArray], radian: float
+) -> ComplexArray:
     magnitude = column["magnitude"]
-    if (table.columns[index["magnitude"]].unit or "").casefold().startswith("db"):
+    if (file.table.columns[index["magnitude"]].unit or "").casefold().startswith("db"):
         magnitude = 10 ** (magnitude / 20)  # dB re 1 of the unit given by --units
-    return np.asarray(magnitude * np.exp(1j * column["phase"] * angle.factor))
-
-
-def _hertz(file: Opened, index: int) -> float:
-    return unit_for(file.table.columns[index], index + 1, "frequency", file.options).factor
+    return np.asarray(magnitude * np.exp(1j * column["phase"] * radian))

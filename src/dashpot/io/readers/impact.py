@@ -9,13 +9,15 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError, ReadError
-from dashpot.io.columns.roles import Assigned, accelerations, list_columns
+from dashpot.io.columns.roles import Assigned, acceleration_question, accelerations
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels
 from dashpot.io.readers.channels import Channel, Opened
 from dashpot.io.table import Loaded
 from dashpot.records.impact import ImpactTest
+
+_WANT = "hits, a hammer force and an acceleration, are"
 
 
 def read_impact(
@@ -66,6 +68,7 @@ def _joined(tests: Sequence[ImpactTest]) -> ImpactTest:
 def _one(path: str | Path, options: ReadOptions | None) -> ImpactTest:
     with channels.opened(path, options) as file:
         channels.refuse_summary(file)
+        channels.expect(file, ["impact"], _WANT, named=["acceleration", "hammer"])
         chosen = _channels(file)
         loaded = channels.load_test(file, chosen)
         _whole(loaded)
@@ -100,16 +103,15 @@ def _names(file: Opened, chosen: Sequence[Channel]) -> tuple[str, ...]:
 def _channels(file: Opened) -> list[Channel]:
     """Time unless a rate is given, the hammer, and every acceleration."""
     wanted: list[Role] = ["hammer"] if file.options.rate is not None else ["time", "hammer"]
-    chosen = channels.choose(file, wanted)
+    shown = accelerations(file.table, (), file.options)
+    asked = [] if shown else [acceleration_question(file.table)]
+    chosen = channels.chosen(file, wanted, besides=asked)
     found = accelerations(file.table, [c.index for c in chosen], file.options)
     if not found:
-        raise ReadError(
-            "no column is recognised as acceleration; the columns are "
-            f"{list_columns(file.table.columns)}; name each by its name or number with "
-            "--acceleration"
-        )
+        raise ReadError(acceleration_question(file.table).says)
     says = "named by --acceleration" if file.options.acceleration else ""
-    return chosen + channels.with_units(file, [Assigned("acceleration", i, says) for i in found])
+    responses = [Assigned("acceleration", i, says) for i in found]
+    return channels.with_units(file, [*chosen, *responses])
 
 
 def _whole(loaded: Loaded) -> None:

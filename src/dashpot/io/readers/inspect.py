@@ -11,20 +11,24 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.base.offered import Pictured
-from dashpot.io.columns.kinds import FileKind, kind_of
+from dashpot.io.columns.kinds import SWEEPS, WANTED_BY, FileKind, kind_of
 from dashpot.io.columns.roles import Assigned, accelerations, assign, unit_for
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels, cleaning
 from dashpot.io.readers.channels import Opened
+from dashpot.io.readers.frf import settled
 from dashpot.io.table import Loaded, Question, Table
 
+_RESPONSE: tuple[Role, ...] = ("frequency", "real", "imaginary", "magnitude", "phase", "coherence")
 _ROLES: dict[str, tuple[Role, ...]] = {
     "relaxation": ("time", "displacement", "force"),
     "unclear": ("time", "displacement", "force"),
     "impact": ("time", "hammer"),
-    "dma": ("frequency", "storage", "loss", "temperature"),
-    "frf": ("frequency", "real", "imaginary", "magnitude", "phase", "coherence"),
+    "frf": _RESPONSE,
+    "transmissibility": _RESPONSE,
+    "modulus": ("time", "modulus"),
+    **dict.fromkeys(SWEEPS, ("frequency", "storage", "loss", "temperature")),
 }
 COURSE_ROWS = 400
 """Rows that an inspection keeps for a picture."""
@@ -127,6 +131,11 @@ class Inspection(Pictured):
         kept: FloatArray | None = vars(self).get(_COURSE)
         return kept
 
+    @property
+    def use(self) -> str:
+        """Which command wants such a file, or why none does; empty where that is not known."""
+        return WANTED_BY.get(self.kind, ("", ""))[1]
+
 
 def inspect_file(path: str | Path, *, options: ReadOptions | None = None) -> Inspection:
     """Return what is in a file: columns with roles and reasons, sampling, open questions.
@@ -143,7 +152,7 @@ def inspect_file(path: str | Path, *, options: ReadOptions | None = None) -> Ins
 def _inspected(file: Opened) -> Inspection:
     raw, table, options = file.raw, file.table, file.options
     kind, reason = kind_of(table, options)
-    roles, questions = _proposal(table, kind, options)
+    roles, questions = _proposal(file, kind)
     numbers = [i for i, c in enumerate(table.columns) if c.content in {"number", "clock"}]
     loaded = channels.load(table, numbers, options.segment, sure=False)
     by_index = {i: loaded.values[:, j] for j, i in enumerate(numbers)}
@@ -190,10 +199,9 @@ def _columns(
     return tuple(columns)
 
 
-def _proposal(
-    table: Table, kind: str, options: ReadOptions
-) -> tuple[dict[int, tuple[Role, str]], list[Question]]:
+def _proposal(file: Opened, kind: str) -> tuple[dict[int, tuple[Role, str]], list[Question]]:
     """Role and reason by column, and the questions left."""
+    table, options = file.table, file.options
     roles: dict[int, tuple[Role, str]] = {}
     questions: list[Question] = []
     for role in _ROLES.get(kind, ()):
@@ -208,12 +216,22 @@ def _proposal(
             continue
         roles[answer.index] = (role, answer.reason)
         questions += [] if role in _WELCOME else _unit_question(table, answer, options)
+    if kind == "frf":
+        questions = _frf_questions(file)
     if kind == "impact":
         for i in accelerations(table, list(roles), options):
             found = Assigned("acceleration", i, "its name or unit says acceleration")
             roles[i] = (found.role, found.reason)
             questions += _unit_question(table, found, options)
     return roles, questions
+
+
+def _frf_questions(file: Opened) -> list[Question]:
+    try:
+        settled(file)
+    except ReadError as error:
+        return [Question(str(error), '--units "ROLE=UNIT"')]
+    return []
 
 
 def _unit_question(table: Table, one: Assigned, options: ReadOptions) -> list[Question]:

@@ -28,7 +28,7 @@ def read_modulus(
     """
     with channels.opened(path, options) as file:
         found = [assign(file.table, role, file.options) for role in _ROLES]
-        chosen = channels.with_units(file, channels.answered(found))
+        chosen = channels.with_units(file, channels.answered(file, found))
         indexes = [one.index for one in chosen]
         rows, notes = channels.whole_rows(channels.load(file.table, indexes, file.options.segment))
         time, modulus = (channels.si(rows[:, j].copy(), c.unit) for j, c in enumerate(chosen))

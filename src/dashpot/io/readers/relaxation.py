@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
+from dashpot.io.columns.kinds import SWEEPS, FileKind
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels, cleaning
@@ -49,7 +51,12 @@ def roles(options: ReadOptions) -> list[Role]:
 def relaxation_in(file: Opened, specimen: Specimen) -> RelaxationTest:
     """Return the relaxation test in an opened file."""
     channels.refuse_summary(file)
-    chosen = channels.choose(file, roles(file.options))
+    _expected(file, SWEEPS)
+    try:
+        chosen = channels.choose(file, roles(file.options))
+    except ReadError:
+        _expected(file)
+        raise
     loaded = channels.load_test(file, chosen)
     values = {c.role: channels.si(loaded.values[:, j], c.unit) for j, c in enumerate(chosen)}
     notes = [*file.table.notes, *channels.rivals(file, chosen), *loaded.notes]
@@ -74,6 +81,13 @@ def relaxation_in(file: Opened, specimen: Specimen) -> RelaxationTest:
     notes += [*cleaning.clock_notes(time), *cleaning.swapped(moved, force)]
     source = channels.source(file, [c.says for c in chosen], notes)
     return RelaxationTest(time, moved, force, specimen, source)
+
+
+def _expected(file: Opened, besides: Sequence[FileKind] = ()) -> None:
+    """Refuse another kind of file; a sweep may hold the columns of a relaxation test too."""
+    channels.expect(
+        file, ["relaxation", *besides], "a ramp and a hold is", named=["displacement", "force"]
+    )
 
 
 def _joined(time: FloatArray, loaded: Loaded) -> str:

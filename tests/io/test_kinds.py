@@ -1,0 +1,156 @@
+"""What a file is, whatever it is called; and what can be read of it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from dashpot.base.errors import ReadError
+from dashpot.io.columns.kinds import MASTER, ONE_FREQUENCY, WANTED_BY, kind_of
+from dashpot.io.options import ReadOptions
+from dashpot.io.readers.dynamic import read_dynamic
+from dashpot.io.readers.frf import read_frf
+from dashpot.io.readers.impact import read_impact
+from dashpot.io.readers.inspect import inspect_file
+from dashpot.io.readers.relaxation import read_relaxation
+from dashpot.io.table import Column, Table, in_memory
+from dashpot.records.frf import Kind
+from dashpot.workflow.inspections import inspect_files
+from tests.kit.kinds import csv, files, hammer, late, response
+
+FILES = files()
+READERS = {
+    read_relaxation: {"relaxation", "triangle", "cyclic"},
+    read_impact: {"impact"},
+    read_frf: {"frf"},
+    read_dynamic: {"dma", "master-curve"},
+}
+
+
+def written(folder: Path, name: str) -> Path:
+    path = folder / name
+    path.write_text(FILES[name][0], encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_each_kind_is_named(tmp_path: Path, name: str) -> None:
+    kind = FILES[name][1]
+    (found,) = inspect_files([written(tmp_path, name)]).files
+    assert found.kind == kind
+    assert found.use == WANTED_BY[kind][1]
+    assert not found.questions
+
+
+def test_every_kind_has_a_file() -> None:
+    assert {kind for _, kind in FILES.values()} == set(WANTED_BY)
+
+
+@pytest.mark.parametrize("name", FILES)
+@pytest.mark.parametrize("read", READERS)
+def test_a_reader_takes_its_kind_and_says_of_others_what_they_are(
+    tmp_path: Path, read, name: str
+) -> None:
+    kind = FILES[name][1]
+    path = written(tmp_path, name)
+    by_numbers = name == "creep.csv" and read is read_relaxation  # prepare() tells it
+    if kind in READERS[read] or by_numbers:
+        read(path)
+        return
+    with pytest.raises(ReadError) as caught:
+        read(path)
+    seen = "relaxation" if name in {"creep.csv", "triangle.csv", "fatigue.csv"} else kind
+    what, command = WANTED_BY[seen]
+    says = str(caught.value)
+    assert says.startswith(f"{name}: this is {what} (")
+    assert says.endswith(command)
+
+
+def test_who_names_the_columns_knows_what_the_file_is(tmp_path: Path) -> None:
+    path = tmp_path / "both.csv"
+    path.write_text(hammer("force [N],c [mm],acceleration [m/s^2]"))
+    with pytest.raises(ReadError, match="this is a hammer file"):
+        read_relaxation(path)
+    found = read_relaxation(path, options=ReadOptions(displacement="c"))
+    assert len(found.time) == 6000
+
+
+@pytest.mark.parametrize(
+    ("decades", "kind"),
+    [(ONE_FREQUENCY - 1e-6, "one-frequency"), (ONE_FREQUENCY + 1e-6, "dma"),
+     (MASTER - 1e-6, "dma"), (MASTER + 1e-6, "master-curve")],
+)  # fmt: skip
+def test_a_sweep_is_told_by_its_decades(decades: float, kind: str) -> None:
+    frequency = 10 ** np.linspace(0, decades, 9)
+    columns = tuple(Column(name, "MPa") for name in ("storage", "loss"))
+    values = np.column_stack([frequency, frequency, frequency])
+    table = Table("", (Column("frequency", "Hz"), *columns), in_memory(values))
+    assert kind_of(table, ReadOptions())[0] == kind
+
+
+@pytest.mark.parametrize("suffix", [".mat", ".h5", "7.3.h5"])
+def test_a_complex_response_of_a_binary_file_is_an_frf(tmp_path: Path, suffix: str) -> None:
+    lines, value = response()
+    coherence = np.linspace(0.5, 1, len(lines))
+    path = tmp_path / f"a{suffix}"
+    if suffix == ".mat":
+        from scipy.io import savemat
+
+        content = {"f": lines, "H": value, "coh": coherence, "psd": abs(value)}
+        savemat(path, content)
+    else:
+        h5py = pytest.importorskip("h5py")
+        pair = np.empty(len(lines), dtype=[("real", float), ("imag", float)])
+        pair["real"], pair["imag"] = value.real, value.imag
+        with h5py.File(path, "w") as file:
+            file["f"], file["coh"] = lines, coherence
+            file["H"] = pair if suffix.startswith("7.3") else value
+    with pytest.raises(ReadError, match=r'--units "real=\(m/s\^2\)/N".*--units "frequency=Hz"'):
+        read_frf(path)
+    units = {"frequency": "Hz", "real": "(m/s^2)/N"}
+    found = read_frf(path, options=ReadOptions(units=units))
+    assert found.kind is Kind.ACCELERANCE
+    np.testing.assert_allclose(found.value, value)
+    np.testing.assert_allclose(found.coherence, coherence)
+
+
+def test_of_two_responses_or_coherences_one_is_asked_for(tmp_path: Path) -> None:
+    lines, value = response()
+    path = tmp_path / "a.csv"
+    head = "f [Hz],H1 real [g/N],H1 imag [g/N],H2 real [g/N],H2 imag [g/N],coh 1,coh 2"
+    half = value / 2
+    columns = (value.real, value.imag, half.real, half.imag, 0 * lines + 1, 0 * lines + 0.9)
+    path.write_text(csv(head, lines, *columns))
+    with pytest.raises(ReadError, match=r"--real .*--imaginary .*--coherence "):
+        read_frf(path)
+    named = {"real": "H2 real", "imaginary": "H2 imag"}
+    with pytest.raises(ReadError, match="'coh 1' and 'coh 2' could each be the coherence"):
+        read_frf(path, options=ReadOptions(**named))
+    found = read_frf(path, options=ReadOptions(**named, coherence="7"))
+    np.testing.assert_allclose(found.value, half * 9.80665, rtol=1e-6)
+    assert found.coherence is not None
+    assert found.coherence[0] == pytest.approx(0.9)
+
+
+def test_a_record_without_its_ramp_says_so(tmp_path: Path) -> None:
+    path = tmp_path / "late.csv"
+    for settling in (0.0, 1e-5):
+        path.write_text(late(settling))
+        (found,) = inspect_files([path]).files
+        assert "the record begins after its ramp" in found.refusal
+        assert "start recording a second before the ramp" in found.refusal
+
+
+def test_inspect_asks_for_all_that_a_hammer_file_leaves_open(tmp_path: Path) -> None:
+    path = tmp_path / "ch.csv"
+    path.write_text(hammer("ch1,ch2,ch3"))
+    with pytest.raises(ReadError) as caught:
+        read_impact(path)
+    says = str(caught.value)
+    assert '--acceleration "ch2" --acceleration "ch3" --hammer "ch1"' in says
+    named = ReadOptions(hammer="2", acceleration=("ch2", "ch3"))
+    with pytest.raises(ReadError, match=r'"hammer=N".*"acceleration=m/s'):
+        read_impact(path, options=named)
+    assert inspect_file(path, options=named).kind == "impact"
