@@ -269,6 +269,7 @@ PREPARATION = [
         0.01001,
     ),
     Case("preload_absent", lambda x: preparation.preload_absent(-2 * x, 2.0), 0.0499, 0.0501),
+    Case("ramp_recorded", lambda x: preparation.ramp_recorded(-2.0, 2 * x), 1.0999, 1.1001),
     Case(
         "single_loading",
         whole(lambda n: preparation.single_loading(0, loadings(n), asked=False)),
@@ -800,6 +801,7 @@ LIMITS = {
     "export": {"rows_informed": 0},
     "preparation": {
         "baseline_recorded": 5, "contact_found": 0.01, "preload_absent": 0.05, "single_loading": 1,
+        "ramp_recorded": 1.1,
         "overshoot_small": 0.05, "samples_unbroken": 0.2, "spikes_absent": 0,
         "columns_plausible": 0.03, "motion_resolved": 0.125, "motion_measured": 0,
         "range_used": 0.05, "force_not_clipped": 5, "force_resolved": 20,
@@ -856,6 +858,7 @@ GRADES = {
     "stop": {
         "preparation": {
             "columns_plausible", "force_not_clipped", "force_resolved", "force_relaxes",
+            "ramp_recorded",
         },
         "fitting": {
             "optimum_found", "arms_where_force_relaxes", "frequencies_informed", "same_specimen",
@@ -1108,6 +1111,12 @@ def test_what_the_method_bears_is_excused() -> None:
     creeping = plate(np.where((TIME > 1) & (TIME < 2), 0.9, 1.0))
     assert preparation.hold_is_still(creeping, method="full").passed
     assert preparation.single_loading(0, loadings(3), asked=True).passed
+    for share, moving, grade in (
+        (0.199, True, "limit"),
+        (0.201, True, "stop"),
+        (9, False, "limit"),
+    ):
+        assert preparation.preload_absent(share, 1.0, moving=moving).grade == grade
     even = replace(RECORD, time=np.arange(len(TIME)) * 0.3, onset=30.0, ramp_end=31.0, hold_end=999)
     assert preparation.samples_unbroken(even).value == pytest.approx(0.3)
     assert preparation.samples_unbroken(even).passed

@@ -115,7 +115,7 @@ def refuse_late_start(where: str, rise: float, change: float) -> None:
         raise DataError(f"{where}: {answer.says}")
 
 
-@criterion("loadings in the record", "<=", 1.0, "by definition; or `cycle` chooses", grade="note")
+@criterion("loadings in the record", "<=", 1.0, "by definition; or `--cycle` chooses", grade="note")
 def single_loading(index: int, cycles: tuple[Cycle, ...], *, asked: bool) -> Finding:
     """The record leaves no choice of loadings that the user has not made."""
     cycle = cycles[index]
