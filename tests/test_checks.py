@@ -22,6 +22,7 @@ from dashpot.engine.inference.order import DECISIVE, Choice, choose
 from dashpot.export import checks as export
 from dashpot.fitting import checks as fitting
 from dashpot.fitting.identification import checks as identification
+from dashpot.fitting.nonlinear_ramp import checks as ramp
 from dashpot.fitting.repeats import EndStiffness
 from dashpot.planning import checks as planning
 from dashpot.planning.expected import Pulse, RecordNeed
@@ -324,7 +325,6 @@ PREPARATION = [
 
 FITTING = [
     Case("uncertainty_estimated", lambda x: fitting.uncertainty_estimated(made=bool(x)), 1, 0),
-    Case("clocks_agree", lambda x: fitting.clocks_agree([(x, 1.0, 1e9)]), 2.99, 3.01),
     Case("optimum_found", lambda x: fitting.optimum_found(stationary=bool(x)), 1, 0),
     Case("k_inf_known", known, 0.499, 0.501),
     Case(
@@ -445,34 +445,6 @@ FITTING = [
         0.0999,
         0.1001,
     ),
-    Case(
-        "ramp_followed",
-        lambda x: fitting.ramp_followed(x, 0.0, 3.0, "piecewise"),
-        0.01,
-        0.0101,
-    ),
-    Case("ramp_followed", lambda x: fitting.ramp_followed(0.03, x, 3.0, "linear"), 0.0201, 0.0199),
-    Case("hold_followed", lambda x: fitting.hold_followed([1.0, x], [1.0, 1.0]), 1.249, 1.251),
-    Case("hold_followed", lambda x: fitting.hold_followed([9.0], [x]), 0.005, 0.0051),
-    Case("tangent_told", lambda x: fitting.tangent_told("piecewise", int(x)), 2, 1),
-    Case(
-        "k_inf_believable",
-        lambda x: fitting.k_inf_believable(GeneralizedMaxwell(1.0, (), ()), 0.0, 1 / (1 - x), 1.0),
-        0.0499,
-        0.0501,
-    ),
-    Case(
-        "k_inf_believable",
-        lambda x: fitting.k_inf_believable(GeneralizedMaxwell(1.0, (), ()), x, 2.0, 1.0),
-        0.334,
-        0.333,
-    ),
-    Case(
-        "offset_believable", lambda x: fitting.offset_believable([(x, 0.0, 1.0, 9.0)]), 2.999, 3.001
-    ),
-    Case(
-        "drift_believable", lambda x: fitting.drift_believable([(x, 0.0, 1.0, 9.0)]), 2.999, 3.001
-    ),
     Case("frequencies_informed", lambda x: fitting.frequencies_informed((1.0, x)), 1.001, 1.0),
     Case("filter_bias", biased, 0.00999, 0.01001),
     Case("filter_bias", cut_off, 5.0, 4.99),
@@ -496,6 +468,34 @@ FITTING = [
     ),
     Case("data_agree", lambda x: fitting.data_agree([1.0, x], ["storage", "loss"]), 1.299, 1.301),
     Case("bands_meet", lambda x: fitting.bands_meet((x, 100.0), (0.1, 1.0)), 9.99, 10.01),
+]
+
+RAMP = [
+    Case("clocks_agree", lambda x: ramp.clocks_agree([(x, 1.0, 1e9)]), 2.99, 3.01),
+    Case(
+        "ramp_followed",
+        lambda x: ramp.ramp_followed(x, 0.0, 3.0, "piecewise"),
+        0.01,
+        0.0101,
+    ),
+    Case("ramp_followed", lambda x: ramp.ramp_followed(0.03, x, 3.0, "linear"), 0.0201, 0.0199),
+    Case("hold_followed", lambda x: ramp.hold_followed([1.0, x], [1.0, 1.0]), 1.249, 1.251),
+    Case("hold_followed", lambda x: ramp.hold_followed([9.0], [x]), 0.005, 0.0051),
+    Case("tangent_told", lambda x: ramp.tangent_told("piecewise", int(x)), 2, 1),
+    Case(
+        "k_inf_believable",
+        lambda x: ramp.k_inf_believable(GeneralizedMaxwell(1.0, (), ()), 0.0, 1 / (1 - x), 1.0),
+        0.0499,
+        0.0501,
+    ),
+    Case(
+        "k_inf_believable",
+        lambda x: ramp.k_inf_believable(GeneralizedMaxwell(1.0, (), ()), x, 2.0, 1.0),
+        0.334,
+        0.333,
+    ),
+    Case("offset_believable", lambda x: ramp.offset_believable([(x, 0.0, 1.0, 9.0)]), 2.999, 3.001),
+    Case("drift_believable", lambda x: ramp.drift_believable([(x, 0.0, 1.0, 9.0)]), 2.999, 3.001),
 ]
 
 IDENTIFICATION = [
@@ -790,6 +790,7 @@ STAGES = {
     "preparation": PREPARATION,
     "fitting": FITTING,
     "fitting/identification": IDENTIFICATION,
+    "fitting/nonlinear_ramp": RAMP,
     "planning": PLANNING,
     "vibration": VIBRATION,
     "vibration/comparison": COMPARISON,
@@ -809,15 +810,17 @@ LIMITS = {
         "ramp_sampled": 10, "strain_small": 0.2,
     },
     "fitting": {
-        "same_specimen": 3, "clocks_agree": 3,
+        "same_specimen": 3,
         "hold_long_enough": 0.03, "arms_distinct": 1.5, "arms_supported": 3, "residuals_random": 20,
         "fast_arm_visible": 0.1, "drift_told_from_arm": 0.1, "residuals_steady": 4,
         "hold_and_full_agree": 0.1, "filter_bias": 0.01, "separable": 0.01,
         "few_arms_suffice": 0.05, "kramers_kronig": 0.05, "loss_positive": 0, "storage_rises": 0.05,
         "data_agree": 1.3, "bands_meet": 10, "k_inf_known": 0.5, "force_followed": 1.75,
-        "arms_where_force_relaxes": 0.02, "ramp_followed": 0.01, "tangent_told": 2,
-        "hold_followed": 1.25,
-        "k_inf_believable": 0.05, "offset_believable": 3, "drift_believable": 3,
+        "arms_where_force_relaxes": 0.02,
+    },
+    "fitting/nonlinear_ramp": {
+        "ramp_followed": 0.01, "tangent_told": 2, "hold_followed": 1.25, "k_inf_believable": 0.05,
+        "offset_believable": 3, "drift_believable": 3, "clocks_agree": 3,
     },
     "fitting/identification": {
         "lines_explained": 2, "relaxation_still_explained": 1.3, "mass_believable": 2.5,
@@ -850,9 +853,9 @@ GRADES = {
         "fitting": {
             "hold_long_enough", "tau_inside_window", "residuals_random", "step_bias",
             "fast_arm_visible", "drift_told_from_arm", "order_agreed", "hold_and_full_agree",
-            "clocks_agree", "offset_believable", "drift_believable",
         },
         "fitting/identification": {"dashpot_not_missed"},
+        "fitting/nonlinear_ramp": {"clocks_agree", "offset_believable", "drift_believable"},
         "workflow": {"hold_fit_possible", "history_complete", "files_listed"},
     },
     "stop": {
@@ -981,8 +984,8 @@ def test_what_another_condition_makes_harmless_is_a_note() -> None:
     short = replace(RECORD, hold_end=1 + 5.0)
     assert preparation.hold_outlasts_ramp(short).grade == "note"
     assert preparation.hold_outlasts_ramp(replace(RECORD, hold_end=1 + 3.0)).grade == "limit"
-    assert fitting.offset_believable([(8.9, 0.0, 1.0, 9.0)]).grade == "note"
-    assert fitting.drift_believable([(0.0, 0.0, 1.0, 9.0), (9.1, 0.0, 1.0, 9.0)]).grade == "limit"
+    assert ramp.offset_believable([(8.9, 0.0, 1.0, 9.0)]).grade == "note"
+    assert ramp.drift_believable([(0.0, 0.0, 1.0, 9.0), (9.1, 0.0, 1.0, 9.0)]).grade == "limit"
     other = GeneralizedMaxwell(1.0, (2.0,), (1.0,))
     assert fitting.hold_and_full_agree(arm(), other, np.zeros(3)).grade == "note"
     other = GeneralizedMaxwell(2.0, (1.0,), (1.0,))
@@ -1052,7 +1055,7 @@ def test_what_cannot_be_judged_neither_passes_nor_fails() -> None:
         preparation.force_resolved(RECORD.force),
         preparation.strain_small(RECORD),
         fitting.hold_long_enough(None),
-        fitting.clocks_agree([]),
+        ramp.clocks_agree([]),
         fitting.arms_distinct(arm()),
         fitting.arms_supported(spring, np.zeros(1)),
         fitting.step_bias(spring, [RECORD]),
@@ -1061,13 +1064,13 @@ def test_what_cannot_be_judged_neither_passes_nor_fails() -> None:
         fitting.drift_told_from_arm(arm(), None, 9.0),
         fitting.residuals_steady([np.zeros(799)]),
         fitting.hold_and_full_agree(arm(), None, np.zeros(3)),
-        fitting.clocks_agree([]),
+        ramp.clocks_agree([]),
         fitting.residuals_steady([np.full(1000, 1e-9)], rounding=1e-6),
         fitting.arms_where_force_relaxes(spring, replace(RECORD, hold_end=1.1)),
         fitting.tau_inside_window(spring, (0.1, 1.0), "it"),
-        fitting.tangent_told("linear", 1),
-        fitting.offset_believable([]),
-        fitting.drift_believable([]),
+        ramp.tangent_told("linear", 1),
+        ramp.offset_believable([]),
+        ramp.drift_believable([]),
         fitting.separable(None, None),
         fitting.separable(None, 0.5),
         fitting.filter_bias(None),

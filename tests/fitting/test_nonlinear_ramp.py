@@ -14,8 +14,8 @@ from kit import ramps
 from kit.ramps import DEPTH, LAWS, Bench, cubic, foam_block, linear, motion, qlv, recorded, tape
 
 from dashpot.base.errors import FitError
-from dashpot.fitting.checks import k_inf_believable
 from dashpot.fitting.nonlinear_ramp.assembly import ramp_checks, ramp_fit
+from dashpot.fitting.nonlinear_ramp.checks import k_inf_believable
 from dashpot.fitting.nonlinear_ramp.hold_first import nuisances
 from dashpot.fitting.nonlinear_ramp.ladder import LADDER, ramp_law
 from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw

@@ -22,8 +22,8 @@ Method: TypeAlias = Literal["full", "hold"]
 
 NUISANCE = ("offset", "drift", "delay")
 
-# beyond this part of the depth, motion after the ramp is another ramp
-_SECOND_RAMP = 0.05
+# motion after the ramp, as a part of the depth, that eq. 5 can bear
+_MOST_BY_EQ_5 = 0.05
 # and beyond this it leads to another hold
 _ANOTHER_DEPTH = 0.25
 _FEWEST = 8
@@ -143,7 +143,7 @@ def eq5_obstacle(test: RampHold) -> str | None:
             "method='full', or sample faster"
         )
     moved = _moved(test)
-    if moved > _SECOND_RAMP:
+    if moved > _MOST_BY_EQ_5:
         return (
             f"the displacement moves by {100 * moved:.0f} % of the depth after the first ramp, so "
             "this is no single ramp and hold; eq. 5 does not apply: use method='full', or cut "

@@ -28,6 +28,7 @@ from dashpot.fitting.design import (
     nuisanced,
     solid_of,
 )
+from dashpot.fitting.nonlinear_ramp import checks as ramp_checks
 from dashpot.fitting.nonlinear_ramp.assembly import ramp_fit
 from dashpot.fitting.nonlinear_ramp.ladder import LawName, ramp_law
 from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw
@@ -417,8 +418,8 @@ def _load_cells(records: Sequence[RampHold], found: Chosen) -> list[Check]:
     """Return how far offset, drift and clocks had to go from what was known of them."""
     estimate = found.estimate
     believable = {
-        "offset": checks.offset_believable,
-        "drift": checks.drift_believable,
+        "offset": ramp_checks.offset_believable,
+        "drift": ramp_checks.drift_believable,
     }
     answers = []
     for kind, judge in believable.items():
@@ -441,7 +442,7 @@ def _load_cells(records: Sequence[RampHold], found: Chosen) -> list[Check]:
         for name, record in ((f"delay@{i}", record) for i, record in enumerate(records))
         if name in solution.fixed_names
     ]
-    return [*answers, checks.clocks_agree(late)]
+    return [*answers, ramp_checks.clocks_agree(late)]
 
 
 def filter_bias(test: RampHold) -> Check:

@@ -9,8 +9,9 @@ import numpy as np
 
 from dashpot.base.checks import Check
 from dashpot.base.provenance import Step
-from dashpot.fitting import checks
+from dashpot.fitting.checks import frequencies_informed
 from dashpot.fitting.design import Design, compressed
+from dashpot.fitting.nonlinear_ramp import checks
 from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw
 from dashpot.fitting.nuisance import delay_prior, last_of_hold, material
 from dashpot.fitting.pipeline import ended
@@ -55,7 +56,7 @@ def ramp_fit(
         stiffness=max(model.k_0, 1e-300),
         noise=max(residual.rms * np.sqrt(residual.kappa), 1e-300),
     )
-    answers = (*law_checks(tests, found, end), *further, checks.frequencies_informed(band))
+    answers = (*law_checks(tests, found, end), *further, frequencies_informed(band))
     failed = {check.name for check in answers if check.failed}
     return Fit(
         solid=model,

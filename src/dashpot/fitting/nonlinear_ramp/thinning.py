@@ -25,8 +25,8 @@ from dashpot.records.relaxation import RampHold
 _IN_RAMP, _IN_HOLD = 64, 26
 # the fewest samples that can show a ramp and a hold
 _FEWEST_ON_RAMP, _FEWEST = 3, 8
-# beyond this part of the depth, motion after the ramp is another ramp
-_SECOND_RAMP = 0.15
+# motion after the ramp, as a part of the depth, that a law of the ramp can bear
+_MOST_BY_RAMP_LAW = 0.15
 # a force that peaks this part of the hold late, by so many times its scatter and this part of
 # itself, had not seen the end of the ramp
 _SOON, _CLEAR, _RISEN = 0.1, 6.0, 0.005
@@ -131,7 +131,7 @@ def ramp_obstacle(test: RampHold) -> str | None:
             "faster"
         )
     moved = float(np.ptp(test.displacement[corner:end])) / test.depth
-    if moved > _SECOND_RAMP:
+    if moved > _MOST_BY_RAMP_LAW:
         return (
             f"the displacement moves by {100 * moved:.0f} % of the depth after the first ramp; an "
             "elastic law from the ramp needs one ramp and its hold: cut the record to them"

@@ -1,0 +1,182 @@
+"""Whether a solid follows the ramp, and its load cell and clocks are believed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from dashpot.base.checks import Finding, criterion
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+# a hold that leaves so many times more beside others than alone is not of the same seal
+_CONTRADICTED = 2.0
+_MATTERS = 0.005
+# an equilibrium stiffness this far from the end force is not one
+_BEYOND_BELIEF = 0.25
+# a delay so many times what was thought possible is another fault
+_TOO_LATE = 4.0
+
+
+@criterion("ramp residual / peak", "<=", 0.01, "our choice; or 1.5 times the noise")
+def ramp_followed(missed: float, noise: float, discrepancy: float, kind: str) -> Finding:
+    """The solid follows the ramp.
+
+    `missed` and `noise` are parts of the largest force, `discrepancy` what one independent
+    residual of the ramp is worth over one of the hold, `kind` that of the elastic law.
+    """
+    return Finding(
+        f"with a {kind} elastic law the ramp is followed within {100 * missed:.2g} % of the peak; "
+        f"its rows count with {discrepancy:.3g} times the noise of the hold",
+        missed,
+        ": no law tried follows the ramp, so k_inf and the slow arms come from the hold, and "
+        "fast arms and the tangent are in doubt; is the motion recorded on the seal itself, "
+        "without slip, and does the force not lag?",
+        excused=missed <= 1.5 * noise,
+    )
+
+
+@criterion("hold residual / hold alone", "<=", 1.25, "our choice; or 0.5 % of the peak")
+def hold_followed(rho: Sequence[float], missed: Sequence[float]) -> Finding:
+    """The solid follows each hold as well as the hold alone can be followed.
+
+    `missed` is the residual in each hold as a part of the largest force: below 0.5 % it matters
+    to no use.
+    """
+    worst = int(np.argmax(np.where(np.array(missed) > _MATTERS, rho, 0.0) + 1e-9 * np.array(rho)))
+    of = f" of test {worst + 1}" if len(rho) > 1 else ""
+    return Finding(
+        f"the hold{of} is followed within {rho[worst]:.3g} times what it leaves alone",
+        float(rho[worst]),
+        ": the tests contradict each other; are they one piece, at one temperature, and does its "
+        "shape of relaxation not change with depth? fit each alone"
+        if len(rho) > 1
+        else ": the ramp bends what the hold says; trust the hold",
+        excused=missed[worst] <= _MATTERS,
+        grade="stop" if rho[worst] > _CONTRADICTED else "limit",
+    )
+
+
+@criterion("ramps of different rate or depth", ">=", 2.0, "simulation: see the question")
+def tangent_told(kind: str, ramps: int) -> Finding:
+    """The tangent inside the ramp rests on more than one ramp.
+
+    One ramp tells the tangent within 5 % if all arms share one elastic law. A law of its own for
+    each arm, friction or a motion commanded and not measured puts it 11 to 46 % off though the
+    ramp is followed to the noise.
+    """
+    if kind == "linear":
+        return Finding("the elastic law is linear: its tangent is its secant")
+    many = f"{ramps} ramps of different rate or depth" if ramps > 1 else "one ramp"
+    return Finding(
+        f"the tangent stiffness rests on {many}",
+        float(ramps),
+        ": it is right to 5 % only if all arms share one elastic law and the motion is that of "
+        "the seal; a law per arm, friction or a commanded motion can put it 11 to 46 % off "
+        "unseen. Test a second ramp rate or depth; the secant at the depth is not concerned",
+    )
+
+
+@criterion("k_inf off, of F_end/x", "<=", 0.05, "our choice; or 3 SE")
+def k_inf_believable(model: GeneralizedMaxwell, se: float, end: float, hold: float) -> Finding:
+    r"""The equilibrium stiffness fits the force that was left at the end.
+
+    Of the force at the end over the depth, `end` in N/m, the arms still carry
+    :math:`\sum_j k_j e^{-T/\tau_j}` after a `hold` T, s; the rest is k_inf.
+    """
+    left = sum(k * np.exp(-hold / tau) for k, tau in zip(model.k, model.tau, strict=True))
+    off = abs(model.k_inf - (end - float(left)))
+    share = off / max(abs(end), 1e-300)
+    # a plateau that is not told from zero claims nothing
+    wrong = share > _BEYOND_BELIEF and model.k_inf > 3.0 * se
+    return Finding(
+        f"k_inf = {1e-3 * model.k_inf:.4g} N/mm and the arms' rest of {1e-3 * left:.2g} meet the "
+        f"{1e-3 * end:.4g} N/mm at the end of the hold within {100 * share:.2g} %",
+        share,
+        ": offset or drift of the load cell took what is stiffness, or the other way round; "
+        "record a baseline before contact, or name the drift of the cell",
+        excused=off <= 3.0 * se,
+        grade="stop" if wrong else "limit",
+    )
+
+
+@criterion(
+    "offset less baseline, SE", "<=", 3.0, grade="note", otherwise="limit from 1 % of the force on"
+)
+def offset_believable(found: Sequence[tuple[float, float, float, float]]) -> Finding:
+    """The offset of the load cell is what the record shows before contact.
+
+    `found` holds of each test the fitted offset, its mean and its standard deviation before the
+    fit, and the departure that matters, N.
+    """
+    return _believable(found, "offset", 1e3, "mN", "the force at rest")
+
+
+@criterion(
+    "drift less baseline, SE",
+    "<=",
+    3.0,
+    grade="note",
+    otherwise="limit from 1 % of the force over the record on",
+)
+def drift_believable(found: Sequence[tuple[float, float, float, float]]) -> Finding:
+    """The drift of the load cell is what its baseline or data sheet allows.
+
+    `found` as for the offset, N/s.
+    """
+    return _believable(found, "drift", 1e3, "mN/s", "what is known of the cell")
+
+
+@criterion(
+    "delay / its error",
+    "<=",
+    3.0,
+    "3 standard errors",
+    grade="note",
+    otherwise="limit where the delay is far beyond what was thought possible",
+)
+def clocks_agree(found: Sequence[tuple[float, float, float]]) -> Finding:
+    """The force is read at the time of the displacement.
+
+    `found` holds the fitted delay of the force, its standard error and its standard deviation
+    before the fit of each test, s. The fit takes the delay into account.
+    """
+    if not found:
+        return Finding("no delay between force and displacement is fitted")
+    late = [abs(value) / error if error > 0 else 0.0 for value, error, _ in found]
+    worst = int(np.argmax(late))
+    value, error, prior = found[worst]
+    of = f" of test {worst + 1}" if len(found) > 1 else ""
+    return Finding(
+        f"the force{of} lags the displacement by {1e3 * value:.3g} +- {1e3 * error:.2g} ms",
+        late[worst],
+        "; the fit takes that into account, but a late force looks like less damping: read both "
+        "channels at one time, name a filter with --force-filter, or widen --sync",
+        grade="limit" if abs(value) > _TOO_LATE * prior else None,
+    )
+
+
+def _believable(
+    found: Sequence[tuple[float, float, float, float]],
+    what: str,
+    scale: float,
+    unit: str,
+    known: str,
+) -> Finding:
+    if not found:
+        return Finding(f"no {what} is fitted")
+    away = [abs(value - mean) / sd if sd > 0 else 0.0 for value, mean, sd, _ in found]
+    worst = int(np.argmax(away))
+    value, mean, sd, _ = found[worst]
+    matters = any(
+        abs(value - mean) > max(3 * sd, departure) for value, mean, sd, departure in found
+    )
+    of = f" of test {worst + 1}" if len(found) > 1 else ""
+    return Finding(
+        f"the {what}{of} of {scale * value:.3g} {unit} lies {away[worst]:.2g} standard deviations "
+        f"({scale * sd:.2g} {unit}) from {known}, {scale * mean:.3g}",
+        away[worst],
+        ": it takes what the model misses; look at the ramp's residual, record a longer baseline "
+        "or let the cell warm up",
+        grade="limit" if matters else None,
+    )
