@@ -24,7 +24,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.engine.blocks.block import Block, Columns, design_rows
+from dashpot.engine.blocks.block import Block, Columns, Rows, design_rows
 from dashpot.engine.blocks.compression import ACCURACY
 
 LAGS = 300
@@ -89,6 +89,12 @@ class Kernels(NamedTuple):
 
         return columns
 
+    def rows(self, factor: FloatArray) -> Rows:
+        """Rows from the triangular factor of columns in this space, fixed columns and target."""
+        rank = self.right.shape[1]
+        columns = self.columns(factor[:-1, :rank])
+        return design_rows(factor[:-1, -1], factor[:-1, rank:-1], columns)
+
 
 @lru_cache(maxsize=8)
 def _from_one(folds: float, per_fold: float, rank: float) -> Kernels:
@@ -119,12 +125,9 @@ def reduced_block(exact: Block, *, reach: tuple[float, float] | None = None) -> 
     for first in range(0, len(every), ROWS_AT_ONCE):
         rows = np.concatenate((factor, every[first : first + ROWS_AT_ONCE]))
         factor = np.asarray(np.linalg.qr(rows, mode="r"))
-    rank = kernels.right.shape[1]
     return replace(
         exact,
-        rows=design_rows(
-            factor[:-1, -1], factor[:-1, rank:-1], kernels.columns(factor[:-1, :rank])
-        ),
+        rows=kernels.rows(factor),
         floor=float(factor[-1, -1] ** 2),
         accuracy=ACCURACY,
         full=lambda: exact,
@@ -150,14 +153,11 @@ def compact_block(block: Block, *, beyond: float) -> Block:
         (shortest / beyond, longest * beyond), per_fold=FEW_TIMES_PER_FOLD, rank=FEW_RANK
     )
     found = block.evaluate(np.log(kernels.tau), False)
-    rank = kernels.right.shape[1]
     every = (found.arms @ kernels.right, found.fixed, found.target[:, None])
     factor = np.asarray(np.linalg.qr(np.concatenate(every, axis=1), mode="r"))
     return replace(
         block,
-        rows=design_rows(
-            factor[:-1, -1], factor[:-1, rank:-1], kernels.columns(factor[:-1, :rank])
-        ),
+        rows=kernels.rows(factor),
         floor=block.floor + float(factor[-1, -1] ** 2),
         accuracy=FEW_DIGITS,
         rotated_basis=False,
