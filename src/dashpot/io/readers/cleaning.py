@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -52,6 +53,39 @@ def drop_missing(
     return keep, [
         f"{rows.size} of {len(keep)} rows lack a number and were left out: {places}{more}"
     ]
+
+
+def without_padding(loaded: Loaded) -> Loaded:
+    """Return the rows, time first, without those at the end that only fill a buffer.
+
+    That is the last row again and again, or rows of one number (0, -1, NaN) or all alike at which
+    the clock does not rise.
+    """
+    values = loaded.values
+    if len(values) < 3 or values[-1, 0] > values[-2, 0]:
+        return loaded
+    alike = np.all((values == values[-1]) | np.isnan(values) & np.isnan(values[-1]), axis=1)
+    first = int(np.flatnonzero(~alike)[-1]) + 1 if not alike.all() else 0
+    if not first:
+        return loaded
+    if values[first, 0] > values[first - 1, 0]:
+        first += 1  # the last sample, and its copies
+    elif len(values) - first == 1 and len(set(np.nan_to_num(values[-1]).tolist())) > 1:
+        return loaded  # one odd row is a fault of the clock
+    kept = [start < first for start in loaded.starts]
+    numbers = ", ".join(f"{value:.6g}" for value in values[-1])
+    count = len(values) - first
+    note = (
+        f"rows at the end that only fill the file were left out: {count}, from "
+        f"{loaded.where(first)} on ({numbers})"
+    )
+    return replace(
+        loaded,
+        values=values[:first],
+        starts=loaded.starts[: sum(kept)],
+        segments=loaded.segments[: sum(kept)],
+        notes=(*loaded.notes, note),
+    )
 
 
 def ramp_window(time: FloatArray, displacement: FloatArray) -> BoolArray:

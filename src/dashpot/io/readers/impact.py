@@ -12,7 +12,7 @@ from dashpot.base.errors import DataError, ReadError
 from dashpot.io.columns.roles import Assigned, acceleration_question, accelerations
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
-from dashpot.io.readers import channels
+from dashpot.io.readers import channels, cleaning
 from dashpot.io.readers.channels import Channel, Opened
 from dashpot.io.table import Loaded
 from dashpot.records.impact import ImpactTest
@@ -71,6 +71,8 @@ def _one(path: str | Path, options: ReadOptions | None) -> ImpactTest:
         channels.expect(file, ["impact"], _WANT, named=["acceleration", "hammer"])
         chosen = _channels(file)
         loaded = channels.load_test(file, chosen)
+        if file.options.rate is None:
+            loaded = cleaning.without_padding(loaded)
         _whole(loaded)
         columns = [channels.si(loaded.values[:, j], c.unit) for j, c in enumerate(chosen)]
         notes = [*file.table.notes, *channels.rivals(file, chosen[:-1]), *loaded.notes]

@@ -17,6 +17,7 @@ from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels, cleaning
 from dashpot.io.readers.channels import Opened
+from dashpot.io.readers.clocks import own_clocks
 from dashpot.io.readers.frf import settled
 from dashpot.io.table import Loaded, Question, Table
 
@@ -202,10 +203,11 @@ def _columns(
 def _proposal(file: Opened, kind: str) -> tuple[dict[int, tuple[Role, str]], list[Question]]:
     """Role and reason by column, and the questions left."""
     table, options = file.table, file.options
-    roles: dict[int, tuple[Role, str]] = {}
+    clocks = own_clocks(table, options) if "displacement" in _ROLES.get(kind, ()) else ()
+    roles = {clock.index: (clock.role, clock.reason) for clock in clocks}
     questions: list[Question] = []
     for role in _ROLES.get(kind, ()):
-        if role == "time" and options.rate is not None:
+        if role == "time" and (clocks or options.rate is not None):
             continue
         answer = assign(table, role, options)
         if isinstance(answer, Question):

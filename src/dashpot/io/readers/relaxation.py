@@ -13,7 +13,8 @@ from dashpot.io.columns.kinds import SWEEPS, FileKind
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels, cleaning
-from dashpot.io.readers.channels import Opened
+from dashpot.io.readers.channels import Channel, Opened
+from dashpot.io.readers.clocks import on_one_clock, own_clocks
 from dashpot.io.table import Loaded
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.records.specimen import Specimen
@@ -53,11 +54,15 @@ def relaxation_in(file: Opened, specimen: Specimen) -> RelaxationTest:
     channels.refuse_summary(file)
     _expected(file, SWEEPS)
     try:
-        chosen = channels.choose(file, roles(file.options))
+        chosen, clocks = _chosen(file)
     except ReadError:
         _expected(file)
         raise
-    loaded = channels.load_test(file, chosen)
+    loaded = channels.load_test(file, [*chosen, *clocks])
+    if clocks:
+        loaded = on_one_clock(loaded, clocks[0].unit.factor / chosen[0].unit.factor)
+    elif not file.options.rate:
+        loaded = cleaning.without_padding(loaded)
     values = {c.role: channels.si(loaded.values[:, j], c.unit) for j, c in enumerate(chosen)}
     notes = [*file.table.notes, *channels.rivals(file, chosen), *loaded.notes]
     rate = file.options.rate
@@ -88,6 +93,16 @@ def _expected(file: Opened, besides: Sequence[FileKind] = ()) -> None:
     channels.expect(
         file, ["relaxation", *besides], "a ramp and a hold is", named=["displacement", "force"]
     )
+
+
+def _chosen(file: Opened) -> tuple[list[Channel], list[Channel]]:
+    """The columns of the roles, and the clock of the displacement where it has its own."""
+    clocks = own_clocks(file.table, file.options)
+    if not clocks:
+        return channels.choose(file, roles(file.options)), []
+    of_displacement, of_force = channels.with_units(file, clocks)
+    signals = channels.choose(file, ["displacement", "force"])
+    return [of_force, *signals], [of_displacement]
 
 
 def _joined(time: FloatArray, loaded: Loaded) -> str:
