@@ -25,3 +25,20 @@ docs:
 # speed and accuracy, side by side with what a user would use instead
 bench:
     for script in benchmarks/*.py; do echo "== $script"; python "$script"; done
+
+# wheel, sdist and a bill of materials of what was tested, in dist/
+release:
+    #!/usr/bin/env bash
+    set -euo pipefail
+    rm -rf dist
+    python -m build --outdir dist
+    room="$(mktemp -d)"
+    trap 'rm -rf "$room"' EXIT
+    python -m venv --without-pip "$room"
+    wheel="$(echo dist/*.whl)"
+    python -m pip --python "$room/bin/python" install -q -c constraints.txt "$wheel[io]"
+    bill="${wheel%-py3-none-any.whl}"
+    sed "s|^dynamic = .*|version = \"${bill#dist/dashpot-}\"|" pyproject.toml > "$room/pyproject.toml"
+    cyclonedx-py environment --pyproject "$room/pyproject.toml" --mc-type library \
+        --output-reproducible --of JSON -o "$bill.cdx.json" "$room/bin/python"
+    cd dist && sha256sum -- * > SHA256SUMS

@@ -4,7 +4,16 @@ from __future__ import annotations
 
 import re
 
-__version__ = "0.1.0"
+
+def _installed() -> str:
+    try:  # the build writes it, from the last tag
+        from dashpot.base._version import __version__ as found
+    except ImportError:  # the sources were not installed
+        return "0.0.0+unknown"
+    return str(found)
+
+
+__version__ = _installed()
 
 # a document in JSON names its schema first; every other file holds `byline`
 _BYLINE = re.compile(rb"\bdashpot \d+\.\d+\.[\w.+]+: [a-zA-Z]")
