@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from kit.fits import a_fit
 
@@ -71,6 +71,7 @@ def test_what_others_wrote_stays(mine):
 
 @given(st.binary(max_size=60))
 def test_no_chance_bytes_are_taken_for_dashpots(content):
+    assume(b"dashpot" not in content)  # hypothesis tries the constants of the source, too
     assert not is_ours(content)
 
 

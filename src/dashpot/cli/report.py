@@ -30,6 +30,8 @@ from dashpot.workflow.job import Job
 @options.filtered
 @click.option("--no-joint", is_flag=True, help="Leave out the joint fit.")
 @click.option("--project", metavar="DIR", help="Keep raw files, results and history there.")
+@click.option("--title", metavar="TEXT", default="", help="Of the report [default: the specimen].")
+@click.option("--logo", metavar="FILE", help="PNG, JPEG or SVG for its head, up to 100 kB.")
 @options.output("The report [default: report.html].")
 @options.overwrite
 @opens

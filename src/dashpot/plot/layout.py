@@ -39,6 +39,9 @@ RIGHT, GAP = 14.0, 10.0
 
 TINT_OF_HATCH = 0.1
 
+STRAIGHT = 0.03
+"""A point so near to the line between its neighbours is left out, px; at most eight times so."""
+
 MARGIN, BETWEEN = 12.0, 20.0
 """About a file's drawing, and between its stacks, px."""
 
@@ -258,17 +261,44 @@ def _points(panel: Panel, box: Box, x: FloatArray, y: FloatArray) -> FloatArray:
     return np.column_stack([np.clip(across, -far, far), np.clip(down, -far, far)])
 
 
+def _in_sight(panel: Panel, x: FloatArray, *rows: FloatArray) -> tuple[FloatArray, ...]:
+    """The part of a curve that runs between the limits of its axis, and one point beyond."""
+    low, high = panel.x.limits
+    if len(x) < 2 or not np.all(np.diff(x) > 0):
+        return (x, *rows)
+    start, stop = np.searchsorted(x, low) - 1, np.searchsorted(x, high, "right") + 1
+    seen = slice(max(int(start), 0), int(stop))
+    return (x[seen], *(row[seen] for row in rows))
+
+
 def _parts(points: FloatArray) -> tuple[FloatArray, ...]:
     """The unbroken parts of a curve, each of two points or more."""
     known = np.isfinite(points).all(axis=1)
     edges = np.flatnonzero(np.diff(np.concatenate(([False], known, [False])).astype(np.int8)))
     pairs = zip(edges[::2], edges[1::2], strict=True)
-    return tuple(points[start:stop] for start, stop in pairs if stop - start > 1)
+    return tuple(straightened(points[start:stop]) for start, stop in pairs if stop - start > 1)
+
+
+def straightened(points: FloatArray) -> FloatArray:
+    """A curve less the points that lie on the line between their neighbours, to `STRAIGHT`."""
+    for first in (1, 2) * 4:
+        i = np.arange(first, len(points) - 1, 2)
+        if not len(i):
+            break
+        chord, off = points[i + 1] - points[i - 1], points[i] - points[i - 1]
+        size = np.hypot(*chord.T)
+        cross = np.abs(chord[:, 0] * off[:, 1] - chord[:, 1] * off[:, 0])
+        # between its neighbours, not beyond them: a spike has a short chord
+        along = (chord * off).sum(axis=1)
+        on = (cross <= STRAIGHT * size) & (along >= 0) & (along <= size**2)
+        points = np.delete(points, i[on], axis=0)
+    return points
 
 
 def _inner(mark: Mark, panel: Panel, box: Box) -> list[Stroke | Fill | Disc]:
     if isinstance(mark, Line):
-        return [Stroke(_parts(_points(panel, box, mark.x, mark.y)), mark.pen, mark.label)]
+        points = _points(panel, box, *_in_sight(panel, mark.x, mark.y))
+        return [Stroke(_parts(points), mark.pen, mark.label)]
     if isinstance(mark, Dots):
         return _dots(mark, panel, box)
     if isinstance(mark, Area):
@@ -306,15 +336,17 @@ def _dots(mark: Dots, panel: Panel, box: Box) -> list[Stroke | Fill | Disc]:
 
 
 def _area(mark: Area, panel: Panel, box: Box) -> list[Stroke | Fill | Disc]:
-    low, high = (_points(panel, box, mark.x, edge) for edge in (mark.low, mark.high))
-    known = np.isfinite(low).all(axis=1) & np.isfinite(high).all(axis=1)
-    ring = np.concatenate([low[known], high[known][::-1]])
+    x, *edges = _in_sight(panel, mark.x, mark.low, mark.high)
+    places = [_points(panel, box, x, edge) for edge in edges]
+    known = np.isfinite(places).all(axis=(0, 2))
+    low, high = (straightened(edge[known]) for edge in places)
+    ring = np.concatenate([low, high[::-1]])
     tint = TINT_OF_HATCH if mark.hatched else mark.tint
     made: list[Stroke | Fill | Disc] = [Fill((ring,), mark.colour, tint, mark.hatched)]
     if mark.label:
         thin = Pen(mark.colour, 0.8 if mark.hatched else 0.4)
         made += [
-            Stroke((edge[known],), thin, mark.label, which)
+            Stroke((edge,), thin, mark.label, which)
             for edge, which in ((low, "low"), (high, "high"))
         ]
     return made

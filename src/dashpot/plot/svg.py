@@ -34,12 +34,12 @@ FINE = 20
 """Units of the inner drawing in a px."""
 
 
-def stack(panels: tuple[Panel, ...], *, name: str, width: float, label: str = "") -> str:
-    """One stack of panels as an ``svg`` element of a page; ids begin with `name`."""
+def stack(panels: tuple[Panel, ...], *, name: str, width: float, kind: str = "wide") -> str:
+    """One stack of panels as an ``svg`` of a page, of class `kind`; ids begin with `name`."""
     laid = lay_out(panels, width)
-    says = f' role="img" aria-label="{_text(label)}"' if label else ' aria-hidden="true"'
+    size = f"{laid.width:.0f} {laid.height:.0f}"
     return (
-        f'<svg class="w{width:.0f}" viewBox="0 0 {laid.width:.0f} {laid.height:.0f}"{says}>'
+        f'<svg class="{kind}" viewBox="0 0 {size}" aria-hidden="true">'
         f"{_patterns(laid.frames, name)}{''.join(_frame(one, name) for one in laid.frames)}</svg>"
     )
 

@@ -356,8 +356,8 @@ def _peaks(curves: Sequence[Curve], unit: str) -> list[Tag]:
     for one in sorted(named, key=lambda one: one.pen is not MEASURED):
         hz, height = one.peak or (math.nan, math.nan)
         measured = one.pen is MEASURED
-        if one.pen is JOINT:
-            continue  # it lies on the measured one
+        if not measured and one.pen is not PREDICTED:
+            continue  # a joint solid lies on the measured one, or has failed
         name = one.label.partition(" from")[0]
         text = f"{name} {rounded(hz, digits=4)} Hz, {rounded(height)} {unit}"
         dot = "filled" if measured else "hollow"

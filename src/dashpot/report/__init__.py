@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import base64
+import hashlib
 import platform
-from importlib import metadata
-from typing import Any, NamedTuple
+from functools import cache
+from importlib import metadata, resources
+from typing import Any
 
 from dashpot.base import numbers
 from dashpot.base.checks import Use
 from dashpot.base.provenance import Step
 from dashpot.base.version import __version__, byline
-from dashpot.report import summary, tables
-from dashpot.report.pictures import pictures
-from dashpot.vibration.comparison.comparison import Comparison
-from dashpot.workflow.archive import to_json
+from dashpot.plot import tokens
+from dashpot.report import answer, summary, tables
+from dashpot.report.figures import figures_of
+from dashpot.workflow.recommendation import recommendation
 from dashpot.workflow.study import Study
 
 __all__ = ["html"]
@@ -26,9 +28,11 @@ COLOURS: dict[Use, str] = {"use": "good", "use with care": "care", "do not use":
 def html(study: Study) -> str:
     """Return the report as one self-contained HTML file.
 
-    No network, no script: pictures are inline SVG, and a strict content security policy says so.
-    It prints on A4. Whatever came from a file is escaped. Parts that the study cannot fill, for
-    want of a mass or a hammer test, are left out, and the page says so.
+    The first screen holds the verdict, the figure that answers, and the solid to take; then test,
+    fit and the checks that matter; all else is folded. No network: figures are inline SVG, files
+    to take along are links that hold them. One small script lets figures be zoomed and read off;
+    without it the page is whole. A strict content security policy names the hash of that script
+    and of the style, and allows nothing else. Whatever came from a file is escaped.
 
     Parameters
     ----------
@@ -39,6 +43,11 @@ def html(study: Study) -> str:
     str
         The text of the file; the same study gives the same text.
     """
+    return str(_template().render(_contents(study)))
+
+
+@cache
+def _template() -> Any:
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     environment = Environment(
@@ -56,26 +65,54 @@ def html(study: Study) -> str:
         rounded=numbers.rounded,
         hertz=numbers.hertz,
     )
-    return environment.get_template("report.html").render(_contents(study))
+    return environment.get_template("report.html")
+
+
+@cache
+def _part(name: str) -> str:
+    """A part of the page that is no HTML, as it stands in its file."""
+    return resources.files("dashpot.report").joinpath("templates", name).read_text("utf-8").strip()
+
+
+def _hash(text: str) -> str:
+    """What a content security policy calls the one script or style that may stand in a page."""
+    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
 
 
 def _contents(study: Study) -> dict[str, Any]:
     length = study.prepared.specimen.length
+    stages = summary.stages(study)
+    style, script = f"{tokens.css()}\n{_part('report.css')}", _part("report.js")
+    found = recommendation(study)
     return {
         "study": study,
         "byline": byline("report"),
+        "style": style,
+        "script": script,
+        "policy": f"default-src 'none'; img-src data:; style-src {_hash(style)}; "
+        f"script-src {_hash(script)}; base-uri 'none'; form-action 'none'",
         "title": summary.title(study),
+        "header": answer.header(study),
         "verdict": study.verdict,
         "colour": COLOURS[study.verdict.use],
+        "lights": answer.lights(study),
+        "found": found,
+        "heading": answer.heading(found),
+        "under_mass": answer.under_mass(study, found),
+        "one_seal": answer.rows(found.one_seal),
+        "files": answer.files(study, found),
         "sentences": summary.sentences(study),
+        "weighty": summary.weighty(study),
         "simulated": summary.simulated(study),
         "straight": summary.straight(study),
         "inferred": summary.inferred_mass(study),
-        "checks": tables.checks(summary.stages(study)),
-        "pictures": pictures(study),
-        "key": tables.key_numbers(study),
+        "tallies": {
+            stage: answer.tally(checks, study.weighed) for stage, checks in summary.parts(stages)
+        },
+        "checks": tables.checks(stages, study.weighed),
+        "figures": figures_of(study),
         "peaks": tables.peaks(study),
-        "facts": tables.halves(tables.test_facts(study.prepared)),
+        "facts": tables.test_facts(study.prepared),
         "coefficients": tables.coefficients(study.fit, length),
         "orders": tables.orders(study),
         "routes": tables.two_routes(study),
@@ -92,7 +129,6 @@ def _contents(study: Study) -> dict[str, Any]:
         "assumptions": tables.assumptions(study),
         "sources": summary.sources(study),
         "steps": _steps(study),
-        "attachments": attachments(study),
         "versions": versions(),
     }
 
@@ -108,56 +144,6 @@ def versions() -> tuple[tuple[str, str], ...]:
     """What computed this page."""
     return (
         ("dashpot", __version__),
-        *((name, metadata.version(name)) for name in ("numpy", "scipy", "matplotlib")),
+        *((name, metadata.version(name)) for name in ("numpy", "scipy")),
         ("Python", platform.python_version()),
     )
-
-
-# -- the numbers behind the page, to be saved from it ---------------------------------------------
-
-
-class Attachment(NamedTuple):
-    """A file inside the page.
-
-    Attributes
-    ----------
-    name : str
-        What it is saved as.
-    about : str
-        What is in it.
-    link : str
-        Its bytes as a data URI: no server, a link that holds its file.
-    """
-
-    name: str
-    about: str
-    link: str
-
-
-def attachments(study: Study) -> tuple[Attachment, ...]:
-    """The fits in full precision, and the lines of the FRFs if there are any."""
-    json, csv = "application/json", "text/csv"
-    files = [("fit.json", "the fit, SI units, full precision", json, to_json(study.fit))]
-    if study.joint is not None:
-        files.append(("joint.json", "the joint fit", json, to_json(study.joint)))
-    if study.comparison is not None:
-        lines = _lines(study.comparison, study.joint_comparison)
-        files.append(("frf.csv", "measured and predicted accelerance", csv, lines))
-    return tuple(
-        Attachment(name, about, f"data:{kind};base64,{base64.b64encode(text.encode()).decode()}")
-        for name, about, kind, text in files
-    )
-
-
-def _lines(c: Comparison, joint: Comparison | None) -> str:
-    curves = {"measured": c.measured, "predicted": c.predicted}
-    if joint is not None and len(joint.predicted.frequency) == len(c.measured.frequency):
-        curves["joint"] = joint.predicted
-    columns = {"frequency [Hz]": c.measured.frequency}
-    for name, frf in curves.items():
-        columns[f"{name} real [(m/s^2)/N]"] = frf.value.real
-        columns[f"{name} imaginary [(m/s^2)/N]"] = frf.value.imag
-    if c.measured.coherence is not None:
-        columns["coherence [1]"] = c.measured.coherence
-    rows = (",".join(f"{v:.7g}" for v in row) for row in zip(*columns.values(), strict=True))
-    return "\n".join((",".join(columns), *rows, ""))

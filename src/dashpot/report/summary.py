@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
-from dashpot.base.checks import Check
+from dashpot.base.checks import GRADES, Check
 from dashpot.base.numbers import counted, hertz, readable, rounded
 from dashpot.base.provenance import Source
 from dashpot.records.fit import Fit
@@ -15,7 +16,12 @@ from dashpot.workflow.study import Study
 
 
 def title(study: Study) -> str:
-    """What the report is about."""
+    """What the report is about: as it was said, or the specimen and its lot, or the file."""
+    if study.title:
+        return study.title
+    specimen = study.prepared.specimen
+    if specimen.name:
+        return specimen.name + (f", lot {specimen.lot}" if specimen.lot else "")
     source = study.test.source or study.prepared.source
     return source.file if source is not None else "relaxation test"
 
@@ -137,6 +143,30 @@ def sources(study: Study) -> tuple[Source, ...]:
     for frf in (study.measured, study.impact):
         found += list(frf.source) if frf is not None else []
     return tuple(dict.fromkeys(source for source in found if source is not None))
+
+
+def weighty(study: Study) -> tuple[Check, ...]:
+    """The failed checks behind the verdict, the gravest first, less the one that it quotes."""
+    quoted = study.verdict.because[:1]
+    failed = [check for check in study.weighed if check.failed and check not in quoted]
+    return tuple(sorted(failed, key=lambda check: -GRADES.index(check.grade)))
+
+
+def parts(stages: Iterable[tuple[str, tuple[Check, ...]]]) -> list[tuple[str, list[Check]]]:
+    """The checks of each folded part of the page, and of all."""
+    of_part = {
+        "test": ("relaxation",),
+        "fit": ("fit",),
+        "hammer": ("comparison", "FRF"),
+        "joint": ("joint fit", "after joint fit"),
+        "hits": ("hammer",),
+    }
+    found = dict(stages)
+    named = [
+        (part, [check for stage in names for check in found.get(stage, ())])
+        for part, names in of_part.items()
+    ]
+    return [*named, ("checks", [check for checks in found.values() for check in checks])]
 
 
 def stages(study: Study) -> list[tuple[str, tuple[Check, ...]]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -15,7 +15,6 @@ from dashpot.base.errors import DashpotError
 from dashpot.base.numbers import (
     decibels,
     duration,
-    hertz,
     interval,
     percent,
     readable,
@@ -36,6 +35,7 @@ from dashpot.workflow.study import Study
 
 STATES = {True: "passed", None: "not judged"}
 MEANS = {"stop": "failed: do not use", "limit": "failed: use with care", "note": "failed: a note"}
+MENDED = "failed: mended by the joint fit"
 VALUE = ("", "value ± standard error", "unit")
 
 # the unit that people read, and its size in the SI unit before it
@@ -70,38 +70,39 @@ def assumptions(study: Study) -> Table:
     return Table(head, rows, tuple("bad" if state == "doubted" else "" for _, state in told))
 
 
-def halves(table: Table) -> tuple[Table, Table]:
-    """A long narrow table as two, to stand side by side."""
-    middle = (len(table.rows) + 1) // 2
-    return Table(table.head, table.rows[:middle]), Table(table.head, table.rows[middle:])
+def checks(groups: Sequence[tuple[str, Sequence[Check]]], weighed: Collection[Check]) -> Table:
+    """Every check in words, failed ones first; a sentence that two stages share stands once.
 
-
-def checks(groups: Sequence[tuple[str, Sequence[Check]]]) -> Table:
-    """Every check in words, failed ones first; a sentence that two stages share stands once."""
+    One that the verdict does not weigh, such as what a joint fit has mended, says so.
+    """
     distinct: dict[tuple[str, str], tuple[str, Check]] = {}
     for stage, found in groups:
         for check in found:
             distinct.setdefault((check.name, check.says), (stage, check))
-    ordered = sorted(distinct.values(), key=lambda pair: _gravity(pair[1]))
-    rows = tuple((_state(check), stage, words(check.name), readable(check.says))
+    ordered = sorted(distinct.values(), key=lambda pair: _gravity(pair[1], weighed))
+    rows = tuple((_state(check, weighed), stage, words(check.name), readable(check.says))
                  for stage, check in ordered)  # fmt: skip
-    marks = tuple(_mark(check) for _, check in ordered)
+    marks = tuple(_mark(check, weighed) for _, check in ordered)
     return Table(("", "stage", "question", "answer"), rows, marks)
 
 
-def _gravity(check: Check) -> int:
-    """Order of a check: failed by grade, then not judged, then passed."""
+def _gravity(check: Check, weighed: Collection[Check]) -> int:
+    """Order of a check: failed by grade, mended, then not judged, then passed."""
     if check.failed:
-        return -GRADES.index(check.grade)
-    return 2 if check.passed else 1
+        return -GRADES.index(check.grade) if check in weighed else 1
+    return 3 if check.passed else 2
 
 
-def _state(check: Check) -> str:
-    return MEANS[check.grade] if check.failed else STATES[check.passed]
+def _state(check: Check, weighed: Collection[Check]) -> str:
+    if check.failed:
+        return MEANS[check.grade] if check in weighed else MENDED
+    return STATES[check.passed]
 
 
-def _mark(check: Check) -> str:
-    return "bad" if check.failed else "good" if check.passed else "doubt"
+def _mark(check: Check, weighed: Collection[Check]) -> str:
+    if check.failed and check in weighed:
+        return {"stop": "bad", "limit": "care", "note": "doubt"}[check.grade]
+    return "good" if check.passed else "doubt"
 
 
 # -- the relaxation test and its fits -------------------------------------------------------------
@@ -132,48 +133,6 @@ def _parameters(fit: Fit) -> Iterator[_Parameter]:
     for name, si, value, se, (low, high) in every:
         unit, f = READ.get(si, (si, 1.0))
         yield _Parameter(symbol(name), f * value, f * se, (f * low, f * high), unit)
-
-
-def key_numbers(study: Study) -> Table:
-    """The numbers a reader came for."""
-    fit, comparison, unseen = study.fit, study.comparison, study.unseen
-    k_inf, *others = _parameters(fit)
-    rows = [
-        *_end_of_hold(fit),
-        ("stiffness at rest, k∞, one seal", with_error(k_inf.value, k_inf.error), "N/mm"),
-        ("stiffness at once, k₀, one seal", rounded(1e-3 * fit.model.k_0), "N/mm"),
-        *(
-            (f"relaxation time {one.name}", with_error(one.value, one.error), "s")
-            for one in others
-            if one.unit == "s"
-        ),
-        ("what the relaxation test can tell", hertz(fit.band).removesuffix(" Hz"), "Hz"),
-    ]
-    if comparison is not None:
-        f = comparison.measured_hz
-        factor = f / fit.band[1]
-        far = f" (extrapolated ×{rounded(factor, digits=2)})" if factor > 1 else ""
-        eta = rounded(float(fit.solid.loss_factor(2 * np.pi * f)))
-        if unseen is not None:
-            eta += f", left open {_range_at(unseen, unseen.loss_factor, f)}"
-        rows.append((f"loss factor at {rounded(f)} Hz{far}", eta, "–"))
-    elif study.prediction is not None and study.mass is not None:
-        peak = int(np.argmax(np.abs(study.prediction.value)))
-        rows.append(("predicted peak", rounded(study.prediction.frequency[peak], digits=4), "Hz"))
-    return Table(VALUE, tuple(rows))
-
-
-def _end_of_hold(fit: Fit) -> list[tuple[str, str, str]]:
-    """What the test knows of the stiffness when it ends, and what it leaves open of k∞."""
-    end = fit.end_of_hold
-    if end is None:
-        return []
-    (low, high), most = (1e-3 * limit for limit in end.k_end), 1e-3 * end.k_inf[1]
-    known, left = interval(low, high), f"0 to {rounded(most, (high - low) / 4)}"
-    return [
-        (f"stiffness at the end of the hold, {duration(end.time)}", known, "N/mm"),
-        ("k∞ by every positive spectrum; a longer hold or a known drift narrows it", left, "N/mm"),
-    ]
 
 
 def test_facts(prepared: RampHold) -> Table:

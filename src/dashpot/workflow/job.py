@@ -84,6 +84,10 @@ class Job:
     reading, reading_impact : ReadOptions
         What the user said of the relaxation file and of the impact files.
     hammer : HammerChoices
+    title : str
+        Of the report; by default the specimen, or the file.
+    logo : str or None
+        File of an image for its head.
     """
 
     relaxation: str
@@ -101,3 +105,5 @@ class Job:
     reading: ReadOptions = field(default_factory=ReadOptions)
     reading_impact: ReadOptions = field(default_factory=ReadOptions)
     hammer: HammerChoices = field(default_factory=HammerChoices)
+    title: str = ""
+    logo: str | None = None

@@ -193,14 +193,15 @@ def profiles(job: Job) -> dict[str, bytes]:
 
 
 def with_paths(job: Job, found: Callable[[str], str]) -> Job:
-    """Return the job with every path in it replaced: raw files, and calibrations."""
+    """Return the job with every path in it replaced: raw files, calibrations, the logo."""
     calibrated = {
         name: replace(options, calibration=found(options.calibration))
         for name in ("reading", "reading_impact")
         if (options := getattr(job, name)).calibration is not None
     }
     relaxation, impact = found(job.relaxation), tuple(map(found, job.impact))
-    return replace(job, relaxation=relaxation, impact=impact, **calibrated)
+    logo = None if job.logo is None else found(job.logo)
+    return replace(job, relaxation=relaxation, impact=impact, logo=logo, **calibrated)
 
 
 def paths_of(job: Job) -> tuple[str, ...]:

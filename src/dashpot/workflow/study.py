@@ -16,6 +16,7 @@ from dashpot.base.units import Quantity, Range, si, si_range
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.uncertainty.prediction_bounds import parameter_band, unseen_arm_band
+from dashpot.io.logo import read_logo
 from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.preparation.prepare import prepare
 from dashpot.records.bounds import FRFBounds, StiffnessBounds
@@ -88,6 +89,8 @@ class Study(Pictured):
         Both kinds of ignorance as limits of the predicted accelerance.
     checks : tuple of Check
         What only the whole story shows.
+    title, logo : str
+        What heads its report: words, and an image as a data URI.
     """
 
     test: RelaxationTest
@@ -111,6 +114,8 @@ class Study(Pictured):
     frf_band: FRFBounds | None = None
     at_rest: AtRest | None = None
     checks: tuple[Check, ...] = ()
+    title: str = ""
+    logo: str = ""
 
     @property
     def described(self) -> tuple[str, ...]:
@@ -145,15 +150,18 @@ class Study(Pictured):
         A prediction from the relaxation test alone that misses the hammer is no fault of the
         joint fit, which is made to mend it.
         """
+        return verdict(self.weighed, sound=self._sound)
+
+    @property
+    def weighed(self) -> tuple[Check, ...]:
+        """The checks behind the verdict, each once."""
         hammer = () if self.measured is None else self.measured.checks
         solid, held = self.fit, self.comparison
         if self.joint is not None:
             solid, held = self.joint, self.joint_comparison
         agreed = () if held is None else held.checks
-        return verdict(
-            dict.fromkeys((*self.fit.checks, *hammer, *solid.checks, *agreed, *self.checks)),
-            sound=self._sound,
-        )
+        every = (*self.fit.checks, *hammer, *solid.checks, *agreed, *self.checks)
+        return tuple(dict.fromkeys(every))
 
     @property
     def _sound(self) -> str:
@@ -301,7 +309,8 @@ def run(job: Job) -> Study:
         joint=job.joint,
         compression=job.compression,
     )
-    return replace(study, checks=(*study.checks, *noted))
+    logo = "" if job.logo is None else read_logo(job.logo)
+    return replace(study, checks=(*study.checks, *noted), title=job.title, logo=logo)
 
 
 def _predicted(

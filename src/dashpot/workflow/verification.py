@@ -31,8 +31,8 @@ from dashpot.workflow.study import Study, run
 _PRINTED = 1e-3
 """Relative difference of two printed numbers that are one number rounded twice."""
 
-_COORDINATE = 0.02
-"""The same of a coordinate in a picture, pt."""
+_COORDINATE = 1.0
+"""The same of a coordinate in a picture: inside the axes a twentieth of a px."""
 
 
 def verify(
@@ -188,7 +188,9 @@ def same_page(kept: bytes, again: bytes) -> bool:
 def _opened(page: str) -> str:
     """A page with the files that its links hold as text."""
     return re.sub(
-        r"(?<=;base64,)[A-Za-z0-9+/=]+", lambda link: base64.b64decode(link[0]).decode(), page
+        r"(?<=;base64,)[A-Za-z0-9+/=]+",
+        lambda link: base64.b64decode(link[0]).decode(errors="backslashreplace"),
+        page,
     )
 
 

@@ -1,0 +1,267 @@
+"""The first screen in words: who and what, three lights, the numbers, the files to take."""
+
+from __future__ import annotations
+
+import base64
+import math
+from collections.abc import Collection, Iterable
+from typing import NamedTuple
+
+from dashpot import export
+from dashpot.base.checks import Check
+from dashpot.base.errors import ExportError
+from dashpot.base.numbers import counted, decibels, duration, percent, rounded
+from dashpot.vibration.comparison.comparison import Comparison
+from dashpot.workflow.archive import to_json
+from dashpot.workflow.recommendation import Answer, Recommendation
+from dashpot.workflow.study import Study
+
+NOT_GIVEN = "not given"
+
+GRADES = {"stop": "bad", "limit": "care", "note": "note"}
+"""How a failed check of each grade looks."""
+
+LOPSIDED = 0.1
+"""A range whose one end is that much nearer to the value than the other."""
+
+ORDER = ("good", "note", "care", "bad")
+
+# the unit that people read, and its size in SI
+UNITS = {
+    "frequency": ("Hz", 1.0), "damping": ("%", 100.0), "end of hold": ("N/mm", 1e-3),
+    "dynamic stiffness": ("N/mm", 1e-3), "loss factor": ("", 1.0),
+}  # fmt: skip
+
+
+class Light(NamedTuple):
+    """One of the three lights: its mark, and two or three words."""
+
+    name: str
+    mark: str
+    says: str
+
+
+class Row(NamedTuple):
+    """A number of the first table as cells; `bound` puts the hatched mark beside its name."""
+
+    name: str
+    value: str
+    low: str
+    high: str
+    unit: str
+    measured: str
+    bound: bool
+
+
+class File(NamedTuple):
+    """A file inside the page.
+
+    Attributes
+    ----------
+    name : str
+        What it is saved as.
+    label : str
+        What its link says.
+    about : str
+        What is in it.
+    link : str
+        Its bytes as a data URI: no server, a link that holds its file.
+    """
+
+    name: str
+    label: str
+    about: str
+    link: str
+
+
+def header(study: Study) -> tuple[tuple[str, str], ...]:
+    """What was tested, where it comes from, by whom, when, and under what."""
+    specimen = study.prepared.specimen
+    length = "" if specimen.length is None else f"{rounded(1e3 * specimen.length)} mm long"
+    what = ", ".join(part for part in (specimen.name, length) if part)
+    kelvin = specimen.temperature
+    mass = "" if study.mass is None else f"{rounded(1e3 * study.mass, digits=4)} g"
+    inferred = " (inferred)" if study.mass_inferred else ""
+    rows = (
+        ("Specimen", what),
+        ("Lot", specimen.lot),
+        ("Operator", specimen.operator),
+        ("Date", specimen.date),
+        ("Temperature", "" if kelvin is None else f"{kelvin - 273.15:.1f} °C"),
+        ("Mass", mass + inferred),
+        ("Seals", "" if study.mass is None else f"{study.seals:g}"),
+        ("Compression", f"{rounded(1e3 * study.prepared.depth)} mm"),
+    )
+    return tuple((name, value or NOT_GIVEN) for name, value in rows)
+
+
+# -- marks ----------------------------------------------------------------------------------------
+
+
+def mark_of(checks: Iterable[Check]) -> str:
+    """The mark of the gravest check that failed: bad, care, note; good if none did."""
+    marks = [GRADES[check.grade] for check in checks if check.failed]
+    return max(marks, key=ORDER.index, default="good")
+
+
+def tally(checks: Iterable[Check], weighed: Collection[Check]) -> tuple[str, str]:
+    """The mark of some checks, and how many of those judged passed.
+
+    What the verdict does not weigh, for the joint fit has mended it, is a note.
+    """
+    judged = [check for check in checks if check.passed is not None]
+    if not judged:
+        return "note", "nothing judged"
+    failed = [check for check in judged if check.failed]
+    notes = sum(check.grade == "note" for check in failed)
+    said = f"{len(judged) - len(failed)} of {len(judged)}"
+    if notes and notes == len(failed):
+        said += f", {counted(notes, 'note')}"
+    heavy = mark_of(check for check in judged if check in weighed)
+    return ("note" if failed and heavy == "good" else heavy), said
+
+
+def lights(study: Study) -> tuple[Light, Light, Light]:
+    """Whether the test is sound, and whether stiffness and damping are borne out by the hammer."""
+    hammer = () if study.measured is None else study.measured.checks
+    mark = mark_of((*study.fit.checks, *hammer))
+    says = {"good": "sound", "note": "sound, with notes", "care": "with limits", "bad": "unsound"}
+    held = study.joint_comparison or study.comparison
+    if held is None:
+        untested = "no hammer test"
+        return (
+            Light("Test", mark, says[mark]),
+            Light("Stiffness", "note", untested),
+            Light("Damping", "note", untested),
+        )
+    return (
+        Light("Test", mark, says[mark]),
+        _light("Stiffness", held, {"stiffness_agrees"}, percent(held.frequency_error)),
+        _light("Damping", held, {"peak_agrees", "damping_agrees"}, decibels(held.ratio_db)),
+    )
+
+
+def _light(name: str, held: Comparison, asked: set[str], off: str) -> Light:
+    mark = mark_of(check for check in held.checks if check.name in asked)
+    said = "agrees" if mark in {"good", "note"} else "misses"
+    return Light(name, mark, f"{said}, {off}")
+
+
+# -- numbers --------------------------------------------------------------------------------------
+
+
+def heading(found: Recommendation) -> str:
+    """Which solid to take, or that none is recommended."""
+    if not found.recommended:
+        return "No solid is recommended"
+    which = "both tests" if found.joint else "the relaxation test"
+    return f"Recommended: solid of {which}, {counted(found.solid.model.arms, 'arm')}"
+
+
+def under_mass(study: Study, found: Recommendation) -> tuple[str, tuple[Row, ...]]:
+    """What the mass does on its seals; nothing without a mass."""
+    if study.mass is None or not found.under_mass:
+        return "", ()
+    grams, seals = rounded(1e3 * study.mass, digits=4), study.seals
+    said = f"{grams} g on {seals:g} seal{'' if seals == 1 else 's'}"
+    return said + (", as given" if not found.recommended else ""), rows(found.under_mass)
+
+
+def rows(answers: Iterable[Answer]) -> tuple[Row, ...]:
+    """Numbers to as many digits as their ends know."""
+    return tuple(_row(one) for one in answers)
+
+
+def _row(one: Answer) -> Row:
+    unit, factor = UNITS[one.quantity]
+    value, low, high = (factor * v for v in (one.value, one.low, one.high))
+    below, above = value - low, high - value
+    # of a lopsided range each end has the digits of its own distance
+    if not min(below, above) > LOPSIDED * max(below, above):
+        below, above = below or above, above or below
+    else:
+        below = above = (high - low) / 2
+    known = [size for size in (below, above) if math.isfinite(size)]
+    measured = ""
+    if one.measured is not None:
+        error = None if one.measured_se is None else factor * one.measured_se
+        measured = rounded(factor * one.measured, error, digits=4)
+    return Row(
+        _name(one),
+        rounded(value, min(known, default=None)),
+        "unknown" if math.isnan(low) else rounded(low, below),
+        "no limit" if math.isinf(high) else rounded(high, above),
+        unit,
+        measured,
+        one.bound,
+    )
+
+
+def _name(one: Answer) -> str:
+    where = "" if one.at is None else f"{rounded(one.at)} Hz"
+    return {
+        "frequency": "Natural frequency",
+        "damping": "Damping ratio",
+        "end of hold": f"Stiffness at end of hold, {duration(one.at or 0.0)}",
+        "dynamic stiffness": f"Dynamic stiffness, {where}",
+        "loss factor": f"Loss factor, {where}",
+    }[one.quantity]
+
+
+# -- files ----------------------------------------------------------------------------------------
+
+
+def files(study: Study, found: Recommendation) -> tuple[File, ...]:
+    """What can be taken along, the recommended solid and its decks first."""
+    fits = {"fit.json": (study.fit, "the fit of the relaxation test")}
+    if study.joint is not None:
+        fits["joint.json"] = (study.joint, "the fit of both tests")
+    name = "joint.json" if found.joint else "fit.json"
+    solid, about = fits.pop(name)
+    label = "Download this solid" if found.recommended else "Download anyway"
+    made = [_json(name, label, about if found.recommended else f"DO NOT USE: {about}", solid)]
+    made += _decks(found) if found.recommended else ()
+    if study.comparison is not None:
+        lines = _lines(study.comparison, study.joint_comparison)
+        about = "measured and predicted accelerance, line by line"
+        made.append(_file("frf.csv", "frf.csv", about, "text/csv", lines))
+    return (*made, *(_json(name, name, about, one) for name, (one, about) in fits.items()))
+
+
+def _decks(found: Recommendation) -> list[File]:
+    """Decks of the solid at the compression tested; what is not known of the seal is marked."""
+    made = []
+    for target, label, suffix in (("nastran", "Deck: Nastran", "nas"), ("abaqus", "Abaqus", "inp")):
+        try:
+            deck = export.TARGETS[target](
+                found.solid, units="mm-t-s", allow=("temperature", "length")
+            )
+        except ExportError:
+            continue  # the list of checks says what is not identified
+        about = f"{target} deck of one seal, mm-t-s"
+        made.append(_file(f"solid.{suffix}", label, about, "text/plain", deck))
+    return made
+
+
+def _json(name: str, label: str, about: str, noun: object) -> File:
+    about += ", SI units, full precision"
+    return _file(name, label, about, "application/json", to_json(noun))
+
+
+def _file(name: str, label: str, about: str, kind: str, text: str) -> File:
+    link = f"data:{kind};base64,{base64.b64encode(text.encode()).decode()}"
+    return File(name, label, about, link)
+
+
+def _lines(c: Comparison, joint: Comparison | None) -> str:
+    curves = {"measured": c.measured, "predicted": c.predicted}
+    if joint is not None and len(joint.predicted.frequency) == len(c.measured.frequency):
+        curves["joint"] = joint.predicted
+    columns = {"frequency [Hz]": c.measured.frequency}
+    for name, frf in curves.items():
+        columns[f"{name} real [(m/s^2)/N]"] = frf.value.real
+        columns[f"{name} imaginary [(m/s^2)/N]"] = frf.value.imag
+    if c.measured.coherence is not None:
+        columns["coherence [1]"] = c.measured.coherence
+    rows = (",".join(f"{v:.7g}" for v in row) for row in zip(*columns.values(), strict=True))
+    return "\n".join((",".join(columns), *rows, ""))

@@ -1,0 +1,135 @@
+"""The figures of the report: inline SVG in two widths, a key, a caption."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from dashpot import plot
+from dashpot.plot.svg import checked, stack, swatch
+from dashpot.vibration.systems.prediction import predict_frf
+from dashpot.workflow.study import Study
+
+PHONE, PAGE = 350.0, 1232.0
+"""Widths of the drawing for a phone, and of all the columns on a screen, px."""
+
+LEAD = 728.0
+"""Width of the figure on the first screen, px."""
+
+LABELS = ("measured", "predicted", "joint solid")
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """One figure as a page has it.
+
+    Attributes
+    ----------
+    name, caption, stamp : str
+    wide, narrow : tuple of str
+        Its stacks as SVG text, for a screen and for a phone; the same where they are narrow.
+    key : tuple of (str, str)
+        A sample as SVG text, and its name.
+    columns : int
+    """
+
+    name: str
+    caption: str
+    stamp: str
+    wide: tuple[str, ...]
+    narrow: tuple[str, ...]
+    key: tuple[tuple[str, str], ...]
+    columns: int
+
+
+def drawn(picture: plot.Picture, *, width: float | None = None) -> Drawn:
+    """Draw a picture for a page: `width` px wide, by default what its columns leave."""
+    name = checked(picture.name)
+    columns = min(picture.columns, len(picture.stacks))
+    each = width or min(picture.width, (PAGE - 24 * (columns - 1)) / columns)
+
+    def stacks(each: float, kind: str) -> tuple[str, ...]:
+        return tuple(
+            stack(one, name=f"{name}-{kind}-{i}", width=each, kind=kind)
+            for i, one in enumerate(picture.stacks)
+        )
+
+    key = tuple(
+        (swatch(mark, name=f"{name}-key{i}"), mark.label) for i, mark in enumerate(picture.key)
+    )
+    both = stacks(each, "wide"), stacks(PHONE, "narrow")
+    return Drawn(name, picture.caption, picture.stamp, *both, key, columns)
+
+
+def figures_of(study: Study) -> dict[str, Drawn]:
+    """Every figure that this study can fill, by name; "lead" is that of the first screen."""
+    every = (*_of_relaxation(study), *_of_vibration(study))
+    found = {one.name: drawn(replace(one, stamp=stamp(study))) for one in every}
+    return found | {"lead": drawn(replace(lead(study), name="lead"), width=LEAD)}
+
+
+def stamp(study: Study) -> str:
+    """What every figure says of its origin."""
+    sources = list(study.fit.source)
+    if study.measured is not None:
+        sources += study.measured.source
+    specimen = study.prepared.specimen
+    seals = None if study.mass is None else study.seals
+    return plot.stamp(sources, specimen, mass=study.mass, seals=seals)
+
+
+def lead(study: Study) -> plot.Picture:
+    """The figure that answers: the FRF of the mass on its seals; without a mass the fit."""
+    said = stamp(study)
+    if study.prediction is None or study.mass is None:
+        one = plot.fit(study.fit, study.prepared, stamp=said)
+        return replace(one, width=LEAD)
+    predicted = study.prediction
+    if study.comparison is not None:
+        # on lines of its own: its peak may lie beyond the measured ones
+        given = study.at_rest.point if study.at_rest is not None else None
+        compression = given.compression if given is not None and given.given else None
+        predicted = predict_frf(
+            study.fit, mass=study.mass, seals=study.seals, compression=compression
+        )
+    return plot.resonance(
+        study.comparison, predicted, joint=study.joint_comparison, band=study.frf_band, stamp=said
+    )
+
+
+def _of_relaxation(study: Study) -> Iterator[plot.Picture]:
+    yield plot.segments(study.prepared)
+    yield plot.fit(study.fit, study.prepared, alternatives=study.alternatives)
+    law = study.fit.elastic_law
+    if law is not None and law.kind != "linear":
+        at = None if study.at_rest is None else study.at_rest.point.compression
+        yield plot.elastic_law(study.fit, compression=at)
+    yield plot.spectrum(study.fit, joint=study.joint)
+    yield plot.stiffness(
+        study.fit,
+        parameters=study.parameters,
+        unseen=study.unseen,
+        joint=study.joint,
+        measured=study.direct,
+        mark=None if study.comparison is None else study.comparison.measured_hz,
+    )
+
+
+def _of_vibration(study: Study) -> Iterator[plot.Picture]:
+    alone = study.measured or study.prediction
+    if study.comparison is not None:
+        c, joint = study.comparison, study.joint_comparison
+        yield plot.comparison(c, joint=joint, band=study.frf_band)
+        after = () if joint is None else (joint.predicted,)
+        yield plot.nyquist(c.measured, c.predicted, *after, labels=LABELS)
+    elif alone is not None:
+        measured = alone is study.measured
+        yield plot.frf(
+            alone,
+            labels=("measured" if measured else "predicted, untested",),
+            band=None if measured else study.frf_band,
+        )
+    if study.direct is not None:
+        yield plot.dynamic_stiffness(study.direct, fit=study.fit, joint=study.joint)
+    if study.impact is not None and study.measured is not None:
+        yield plot.hits(study.impact, study.measured)

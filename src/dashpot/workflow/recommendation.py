@@ -1,0 +1,170 @@
+"""The answer of a study: which solid to take, and the numbers one came for, with their ends."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.fitting.uncertainty.prediction_bounds import parameter_band
+from dashpot.records.bounds import StiffnessBounds
+from dashpot.records.fit import Fit
+from dashpot.vibration.systems.operating_point import OperatingPoint, operating_point
+from dashpot.vibration.systems.prediction import model_modes
+from dashpot.workflow.study import Study
+
+# the natural frequency goes with the root of the stiffness, the damping ratio with the loss factor
+Quantity = Literal["frequency", "damping", "end of hold", "dynamic stiffness", "loss factor"]
+
+
+@dataclass(frozen=True)
+class Answer:
+    """One number with the ends between which it lies.
+
+    Attributes
+    ----------
+    quantity : str
+    value, low, high : float
+        SI; nan ends where none are known, infinite ones where nothing limits it.
+    at : float or None
+        The frequency, Hz, or the time, s, that it holds for.
+    bound : bool
+        The ends are those of every non-negative spectrum that the test does not reject, not of a
+        confidence interval of the parameters.
+    measured, measured_se : float or None
+        The same by the hammer, and its standard error.
+    """
+
+    quantity: Quantity
+    value: float
+    low: float = float("nan")
+    high: float = float("nan")
+    at: float | None = None
+    bound: bool = False
+    measured: float | None = None
+    measured_se: float | None = None
+
+
+@dataclass(frozen=True)
+class Recommendation:
+    """What to take from a study.
+
+    Attributes
+    ----------
+    recommended : bool
+        False where the verdict is "do not use": `solid` is then what the relaxation test gave.
+    joint : bool
+        True if the solid is that of both tests.
+    solid : Fit
+        Of one seal.
+    point : OperatingPoint or None
+        Where the mass rests on it; None without a mass.
+    under_mass, one_seal : tuple of Answer
+        Of the mass on its seals, none without a mass; and of one seal.
+    """
+
+    recommended: bool
+    joint: bool
+    solid: Fit
+    point: OperatingPoint | None
+    under_mass: tuple[Answer, ...]
+    one_seal: tuple[Answer, ...]
+
+
+def recommendation(study: Study) -> Recommendation:
+    """Return the solid to take, and what it says, each with its interval or bound.
+
+    The joint fit where there is one and the verdict allows it; else that of the relaxation test.
+    Ends of the joint fit are 95 % intervals of its parameters; those of the relaxation test are
+    bounds over unresolved arms wherever they were computed.
+    """
+    usable = study.verdict.use != "do not use"
+    joint = study.joint is not None and usable
+    solid = study.joint if joint and study.joint is not None else study.fit
+    mass = _mass(study, solid)
+    point = mode = None
+    if mass is not None:
+        given = study.at_rest.point if study.at_rest is not None else None
+        compression = given.compression if given is not None and given.given else None
+        point = operating_point(solid, mass=mass, seals=study.seals, compression=compression)
+        mode = next(iter(model_modes(study.seals * point.solid(solid), mass)), None)
+    at = solid.band[1] if mode is None else mode.frequency
+    bounds, bound = _bounds(study, solid, at, joint=joint)
+    factor = 1.0 if point is None else point.factor
+    stiffness = _between(solid, bounds, "storage", at, bound=bound)
+    loss = _between(solid, bounds, "loss_factor", at, bound=bound)
+    under = () if mode is None else _under_mass(study, mode.frequency, mode.damping_ratio,
+                                                stiffness, loss, joint=joint)  # fmt: skip
+    scaled = [factor * v for v in (stiffness.value, stiffness.low, stiffness.high)]
+    dynamic = replace(stiffness, value=scaled[0], low=scaled[1], high=scaled[2])
+    return Recommendation(
+        usable, joint, solid, point, under, (*_end_of_hold(study, solid), dynamic, loss)
+    )
+
+
+def _mass(study: Study, solid: Fit) -> float | None:
+    """What vibrates on the solid: the joint fit has settled on a mass of its own."""
+    told = (item.value for item in solid.nuisance if item.name == "mass")
+    return next(told, study.mass) if study.mass is not None else None
+
+
+def _bounds(
+    study: Study, solid: Fit, at: float, *, joint: bool
+) -> tuple[StiffnessBounds | None, bool]:
+    """The limits that hold at a frequency, and whether they are over unresolved arms."""
+    wide = study.unseen
+    if not joint and wide is not None and wide.frequency[0] <= at <= wide.frequency[-1]:
+        return wide, True
+    if not solid.parameters:
+        return None, False
+    return parameter_band(solid, [at]), False
+
+
+def _between(
+    solid: Fit, bounds: StiffnessBounds | None, name: str, at: float, *, bound: bool
+) -> Answer:
+    """Stiffness or loss factor at a frequency, Hz; the ends hold the value itself."""
+    value = float(getattr(solid.solid, name)(2 * np.pi * at))
+    quantity: Quantity = "dynamic stiffness" if name == "storage" else "loss factor"
+    if bounds is None:
+        return Answer(quantity, value, at=at)
+    edges: FloatArray = getattr(bounds, name)
+    low, high = (float(np.interp(np.log(at), np.log(bounds.frequency), e)) for e in edges)
+    return Answer(quantity, value, min(low, value), max(high, value), at, bound)
+
+
+def _under_mass(
+    study: Study, frequency: float, damping: float, stiffness: Answer, loss: Answer, *, joint: bool
+) -> tuple[Answer, ...]:
+    """Natural frequency and damping ratio, with the ends that stiffness and loss factor give."""
+    c = study.comparison
+    ends = [frequency * np.sqrt(end / stiffness.value) for end in (stiffness.low, stiffness.high)]
+    sought = None if study.frf_band is None else study.frf_band.peak_frequency
+    if not joint and sought is not None:
+        ends = [min(sought[0], frequency), max(sought[1], frequency)]
+    share = damping / loss.value if loss.value > 0 else 0.5
+    bound = stiffness.bound
+    return (
+        Answer(
+            "frequency", frequency, float(ends[0]), float(ends[1]), bound=bound,
+            measured=None if c is None else c.measured_hz,
+            measured_se=None if c is None else c.measured_hz_se,
+        ),
+        Answer(
+            "damping", damping, share * loss.low, share * loss.high, bound=bound,
+            measured=None if c is None else c.measured_damping,
+            measured_se=None if c is None else c.measured_damping_se,
+        ),
+    )  # fmt: skip
+
+
+def _end_of_hold(study: Study, solid: Fit) -> tuple[Answer, ...]:
+    """The stiffness that the relaxation test knows best."""
+    end = solid.end_of_hold or study.fit.end_of_hold
+    if end is None:
+        return ()
+    value = float(solid.solid.relaxation(end.time))
+    low, high = min(end.k_end[0], value), max(end.k_end[1], value)
+    return (Answer("end of hold", value, low, high, end.time, bound=True),)

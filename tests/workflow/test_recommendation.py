@@ -1,0 +1,102 @@
+"""The answer of a study: which solid, and numbers between ends that hold the truth."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from kit import handmade
+from kit.fits import altered
+
+from dashpot.base.checks import Check
+from dashpot.records.bounds import EndOfHold
+from dashpot.solids.table_1 import BROAD, BROAD_MASS
+from dashpot.vibration.systems.prediction import model_modes
+from dashpot.workflow.recommendation import recommendation
+
+S = handmade.study()
+ALONE = replace(S, joint=None, joint_prediction=None, joint_comparison=None)
+STOP = Check("force_followed", False, "the solid misses the force", grade="stop")
+
+
+def by_name(answers):
+    return {one.quantity: one for one in answers}
+
+
+def test_the_joint_solid_is_recommended_where_the_verdict_allows_it():
+    found = recommendation(S)
+    assert (found.recommended, found.joint) == (True, True)
+    assert found.solid is S.joint
+
+
+def test_without_a_joint_fit_it_is_that_of_the_relaxation_test():
+    sound = replace(ALONE, comparison=None, measured=None)
+    found = recommendation(sound)
+    assert (found.recommended, found.joint) == (True, False)
+    assert found.solid is S.fit
+
+
+def test_nothing_is_recommended_where_the_verdict_says_do_not_use():
+    failed = replace(S, joint=altered(S.joint, checks=(STOP,)))
+    found = recommendation(failed)
+    assert (found.recommended, found.joint) == (False, False)
+    assert found.solid is S.fit
+
+
+def test_frequency_and_damping_are_the_exact_pole_of_the_mass_on_the_solid():
+    found = recommendation(S)
+    mass = next((n.value for n in S.joint.nuisance if n.name == "mass"), S.mass)
+    (mode,) = model_modes(S.seals * S.joint.model, mass)
+    under = by_name(found.under_mass)
+    assert under["frequency"].value == pytest.approx(mode.frequency)
+    assert under["damping"].value == pytest.approx(mode.damping_ratio)
+    assert under["frequency"].measured == S.comparison.measured_hz
+    assert under["damping"].measured == S.comparison.measured_damping
+
+
+@pytest.mark.parametrize("study", [S, ALONE], ids=["joint", "relaxation"])
+def test_every_value_lies_between_its_ends(study):
+    found = recommendation(study)
+    for one in (*found.under_mass, *found.one_seal):
+        assert one.low <= one.value <= one.high
+
+
+def test_what_relaxation_alone_leaves_open_holds_the_truth_of_what_it_did_not_see():
+    """The broad seal's fast arms are out of its reach: the bound knows, an interval does not."""
+    found = recommendation(ALONE)
+    (truth,) = model_modes(2 * BROAD, BROAD_MASS)
+    under, seal = by_name(found.under_mass), by_name(found.one_seal)
+    omega = 2 * np.pi * under["frequency"].value
+    for one, value in (
+        (under["damping"], truth.damping_ratio),
+        (seal["dynamic stiffness"], BROAD.storage(omega)),
+        (seal["loss factor"], BROAD.loss_factor(omega)),
+    ):
+        assert one.bound
+        assert one.low <= value <= one.high
+    assert not any(one.bound for one in recommendation(S).under_mass)
+
+
+def test_the_stiffness_at_the_end_of_the_hold_is_that_of_the_test():
+    end = EndOfHold(40.0, (190.0, 210.0), (180.0, 210.0), (0.0, 211.0), 1.0)
+    known = replace(ALONE, fit=altered(S.fit, end_of_hold=end))
+    one = by_name(recommendation(known).one_seal)["end of hold"]
+    assert one.value == pytest.approx(S.fit.model.relaxation(40.0))
+    assert (one.low, one.high, one.at, one.bound) == (190.0, 210.0, 40.0, True)
+    assert "end of hold" not in by_name(recommendation(ALONE).one_seal)
+
+
+def test_a_peak_that_nothing_limits_has_no_upper_end():
+    open_ended = replace(S.frf_band, peak_frequency=(12.0, math.inf))
+    one = by_name(recommendation(replace(ALONE, frf_band=open_ended)).under_mass)["frequency"]
+    assert (one.low, one.high) == (12.0, math.inf)
+
+
+def test_without_a_mass_the_answers_are_those_of_the_seal_at_the_edge_of_its_band():
+    found = recommendation(handmade.bench_only())
+    assert found.under_mass == ()
+    one = by_name(found.one_seal)["dynamic stiffness"]
+    assert one.at == S.fit.band[1]
+    assert one.value == pytest.approx(S.fit.model.storage(2 * np.pi * S.fit.band[1]))
