@@ -24,6 +24,7 @@ from dashpot.fitting import checks as fitting
 from dashpot.fitting.identification import checks as identification
 from dashpot.fitting.nonlinear_ramp import checks as ramp
 from dashpot.fitting.repeats import EndStiffness
+from dashpot.io.readers import checks as reading
 from dashpot.planning import checks as planning
 from dashpot.planning.expected import Pulse, RecordNeed
 from dashpot.preparation import checks as preparation
@@ -783,10 +784,17 @@ WORKFLOW = [
     Case("result_recomputed", lambda x: workflow.result_recomputed(x, "k", 1), 0.99e-7, 1.01e-7),
 ]
 
+READING = [
+    Case("travel_of_a_seal", lambda x: reading.travel_of_a_seal(x, "m"), 0.999, 1.001),
+    Case("force_of_a_seal", lambda x: reading.force_of_a_seal(x, "kN"), 999, 1001),
+    Case("time_of_a_test", lambda x: reading.time_of_a_test(x, "ms"), 0.1001, 0.0999),
+]
+
 EXPORT = [Case("rows_informed", lambda x: export.rows_informed(x, 69, 1.0, 100.0), 0, 1)]
 
 STAGES = {
     "export": EXPORT,
+    "io/readers": READING,
     "preparation": PREPARATION,
     "fitting": FITTING,
     "fitting/identification": IDENTIFICATION,
@@ -800,6 +808,7 @@ STAGES = {
 #: what each value that the cases give is held against, where the criterion itself sets the limit
 LIMITS = {
     "export": {"rows_informed": 0},
+    "io/readers": {"travel_of_a_seal": 1, "force_of_a_seal": 1000, "time_of_a_test": 0.1},
     "preparation": {
         "baseline_recorded": 5, "contact_found": 0.01, "preload_absent": 0.05, "single_loading": 1,
         "ramp_recorded": 1.1,
@@ -863,6 +872,7 @@ GRADES = {
             "columns_plausible", "force_not_clipped", "force_resolved", "force_relaxes",
             "ramp_recorded",
         },
+        "io/readers": {"travel_of_a_seal", "force_of_a_seal", "time_of_a_test"},
         "fitting": {
             "optimum_found", "arms_where_force_relaxes", "frequencies_informed", "same_specimen",
         },

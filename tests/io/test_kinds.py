@@ -18,7 +18,7 @@ from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.io.table import Column, Table, in_memory
 from dashpot.records.frf import Kind
 from dashpot.workflow.inspections import inspect_files
-from tests.kit.kinds import csv, files, hammer, late, response
+from tests.kit.kinds import bench, csv, files, hammer, late, ramp_and_hold, response
 
 FILES = files()
 READERS = {
@@ -73,7 +73,7 @@ def test_who_names_the_columns_knows_what_the_file_is(tmp_path: Path) -> None:
     path.write_text(hammer("force [N],c [mm],acceleration [m/s^2]"))
     with pytest.raises(ReadError, match="this is a hammer file"):
         read_relaxation(path)
-    found = read_relaxation(path, options=ReadOptions(displacement="c"))
+    found = read_relaxation(path, options=ReadOptions(displacement="c", units={"c": "mm"}))
     assert len(found.time) == 6000
 
 
@@ -141,6 +141,37 @@ def test_a_record_without_its_ramp_says_so(tmp_path: Path) -> None:
         (found,) = inspect_files([path]).files
         assert "the record begins after its ramp" in found.refusal
         assert "start recording a second before the ramp" in found.refusal
+
+
+@pytest.mark.parametrize(
+    ("head", "asked", "likelier", "meant"),
+    [
+        ("time [s],x [m],force [N]", r"goes over 8 m", "displacement=mm", "displacement=m"),
+        ("time [s],x [mm],force [kN]", r"goes over 2\.\d+ kN", "force=N", "force=kN"),
+        ("time [ms],x [mm],force [N]", r"lasts 20 ms", "time=s", "time=ms"),
+    ],
+)
+def test_a_size_that_no_seal_has_is_asked_about(
+    tmp_path: Path, head: str, asked: str, likelier: str, meant: str
+) -> None:
+    path = tmp_path / "seal.csv"
+    path.write_text(bench(ramp_and_hold(), head=head))
+    with pytest.raises(ReadError, match=rf'{asked}.*Then add --units "{likelier}";.*"{meant}"'):
+        read_relaxation(path)
+    for unit in (likelier, meant):
+        role, _, word = unit.partition("=")
+        found = read_relaxation(path, options=ReadOptions(units={role: word}))
+        assert len(found.time) == 500
+    with pytest.raises(ReadError, match=asked):
+        read_relaxation(path, options=ReadOptions(units={"stress": "MPa"}))
+
+
+@pytest.mark.parametrize("unit", ["nN", "pN", "mN"])
+@pytest.mark.parametrize("length", ["um", "nm"])
+def test_small_sizes_are_no_question(tmp_path: Path, unit: str, length: str) -> None:
+    path = tmp_path / "cell.csv"
+    path.write_text(bench(ramp_and_hold(), head=f"time [s],x [{length}],force [{unit}]"))
+    assert len(read_relaxation(path).time) == 500
 
 
 def test_inspect_asks_for_all_that_a_hammer_file_leaves_open(tmp_path: Path) -> None:

@@ -36,7 +36,8 @@ def test_relaxation_round_trip(tmp_path_factory: pytest.TempPathFactory, pairs) 
     text = write_relaxation(test, path)
     assert text == path.read_text()
     assert text.splitlines()[0] == "time [s],displacement [mm],force [N]"
-    back = read_relaxation(path)
+    sizes = ReadOptions(units={"displacement": "mm", "force": "N"})
+    back = read_relaxation(path, options=sizes)
     np.testing.assert_array_equal(back.time, test.time)
     np.testing.assert_array_equal(back.force, test.force)
     # millimetres and back: one unit in the last place
@@ -162,7 +163,7 @@ def test_several_frfs_are_asked(tmp_path: Path) -> None:
 def test_the_stamp_stays(tmp_path: Path) -> None:
     source = Source("x", "0" * 64, simulated=True)
     time = np.arange(10.0)
-    relaxation = RelaxationTest(time, time, time, source=source)
+    relaxation = RelaxationTest(time, 1e-3 * time, time, source=source)
     assert write_relaxation(relaxation).startswith("# simulated\n")
     stamped = write_relaxation(relaxation, comments=["simulated by the virtual rig"])
     assert stamped.count("simulated") == 1
@@ -181,7 +182,7 @@ def test_formulas_are_neutralised(cell: str) -> None:
 
 def test_stdin_can_be_looked_at_twice(monkeypatch: pytest.MonkeyPatch) -> None:
     time = np.arange(10.0)
-    text = write_relaxation(RelaxationTest(time, time, time))
+    text = write_relaxation(RelaxationTest(time, 1e-3 * time, time))
     monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(text.encode())))
     assert inspect_file("-").kind == "relaxation"
     assert read_relaxation("-").source.file == "stdin"

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 _COMMANDS = {
     "relaxation": ("fit",),
     "dma": ("fit",),
+    "master-curve": ("fit",),
     "impact": ("impact",),
     "frf": ("compare", "fit.json"),
 }
@@ -54,7 +55,7 @@ def command(*, files: tuple[str, ...], save_profile: str | None, options: ReadOp
 
 def _follow(paths: tuple[str, ...], found: tuple[InspectedFile, ...]) -> str:
     """Return the command for such files, once no question is open."""
-    if any(each.questions for each in found):
+    if any(each.questions or each.refusal for each in found):
         return typed("inspect", *paths, why="with the option that answers")
     words = _COMMANDS.get(found[0].kind)
     return typed(*words, *paths) if words else ""
@@ -70,7 +71,7 @@ def _text(found: InspectedFile) -> list[str]:
     )
     lines = [
         f"{found.file}: {found.kind} ({found.reason})",
-        *([f"  next      {found.use}"] if found.use else []),
+        *([f"  for       {found.use}"] if found.use and not _COMMANDS.get(found.kind) else []),
         f"  format    {', '.join(part for part in how if part)}",
     ]
     if found.simulated:

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check
 from dashpot.base.errors import ReadError
 from dashpot.io.columns.kinds import SWEEPS, FileKind
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
-from dashpot.io.readers import channels, cleaning
+from dashpot.io.readers import channels, checks, cleaning
 from dashpot.io.readers.channels import Channel, Opened
 from dashpot.io.readers.clocks import on_one_clock, own_clocks
 from dashpot.io.table import Loaded
@@ -84,8 +85,30 @@ def relaxation_in(file: Opened, specimen: Specimen) -> RelaxationTest:
         for role in ("time", "displacement", "force")
     )
     notes += [*cleaning.clock_notes(time), *cleaning.swapped(moved, force)]
+    _refuse_sizes(file, chosen, {"time": time, "displacement": moved, "force": force})
     source = channels.source(file, [c.says for c in chosen], notes)
     return RelaxationTest(time, moved, force, specimen, source)
+
+
+_SIZES: dict[str, Callable[[float, str], Check]] = {
+    "displacement": checks.travel_of_a_seal,
+    "force": checks.force_of_a_seal,
+    "time": checks.time_of_a_test,
+}
+
+
+def _refuse_sizes(
+    file: Opened, chosen: Sequence[Channel], values: Mapping[str, FloatArray]
+) -> None:
+    """Ask for the units again that make a size no seal has, unless the user has said them."""
+    answers = [
+        _SIZES[one.role](float(np.ptp(values[one.role])), one.unit.word)
+        for one in chosen
+        if file.options.unit_of(one.role, file.table.columns[one.index].name) is None
+    ]
+    asked = [answer.says for answer in answers if answer.failed]
+    if asked:
+        raise ReadError("; ".join(asked))
 
 
 def _expected(file: Opened, besides: Sequence[FileKind] = ()) -> None:
