@@ -7,12 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from kit.look_alikes import truth
-from kit.treacherous import CASES, Case
+from kit.treacherous import CASES, Case, joined, three
 
 from dashpot.base.errors import ReadError
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.readers.relaxation import read_relaxation
+from dashpot.io.text import marks
+from dashpot.io.text.dialect import Dialect
 
 
 def is_the_truth(path: Path, case: Case, **answer: object) -> None:
@@ -43,3 +45,72 @@ def test_case(tmp_path: Path, case: Case) -> None:
 
 def test_there_are_enough() -> None:
     assert len({case.name for case in CASES}) == len(CASES) >= 55
+
+
+def with_force(tmp_path: Path, *force: str) -> Path:
+    """A file of the truth with these forces in its first rows."""
+    path = tmp_path / "force.csv"
+    rows = [[*row[:2], force[i] if i < len(force) else "1.00000"] for i, row in enumerate(three())]
+    path.write_text(joined(rows))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("mark", "beside", "left_out"),
+    [("9999", "1999.80000", True), ("9999", "1999.90000", False), ("-999.99", "1.00000", True),
+     ("99.9", "1.00000", False), ("9989", "1.00000", False)],
+)  # fmt: skip
+def test_a_mark_of_no_reading_is_nines_far_away(
+    tmp_path: Path, mark: str, beside: str, left_out: bool
+) -> None:
+    test = read_relaxation(with_force(tmp_path, "1.00000", mark, beside))
+    assert (len(test.time) == len(truth()[0]) - 1) is left_out
+    assert any("a mark of no reading" in note for note in test.source.notes) is left_out
+
+
+@pytest.mark.parametrize(("second", "joined_up"), [("30.0", True), ("31.0", False)])
+def test_midnight_is_a_fall_of_a_day_less_a_minute(
+    tmp_path: Path, second: str, joined_up: bool
+) -> None:
+    path = tmp_path / "night.csv"
+    clock = [f"23:59:{i:02d}.0" for i in range(21, 31)] + [f"00:00:{second}"]
+    path.write_text(joined([[c, *row[1:]] for c, row in zip(clock, three(), strict=False)]))
+    if joined_up:
+        assert np.diff(read_relaxation(path).time)[-1] == 60.0
+    else:
+        with pytest.raises(ReadError, match="time falls"):
+            read_relaxation(path)
+
+
+@pytest.mark.parametrize(("rows", "cut"), [(4, True), (3, False)])
+def test_a_cut_off_number_is_known_by_four_rows(rows: int, cut: bool) -> None:
+    dialect = Dialect(";", ".", ("number", "number"))
+    assert dialect.is_cut_off(["1.5;2.25"] * rows + ["1.5;2.2"]) is cut
+    assert not dialect.is_cut_off(["1.5;2.25"] * rows + ["1.5;2.25"])
+    assert not dialect.is_cut_off(["1.5;2.25"] * rows + ["1;2.2"])  # printed otherwise, not cut
+
+
+@pytest.mark.parametrize(
+    ("values", "left"),
+    [([1.6, 800.0], True), ([1.6, 1000.0], False), ([1.6, 0.9], False), ([1.6, 2.5], False),
+     ([800.0, 2.0], False), ([1.6, 800.0, 1.0625], False), ([1.625, 999.0, 0.0, np.nan], True)],
+)  # fmt: skip
+def test_only_numbers_that_thousands_marks_could_make_are_looked_at(
+    values: list[float], left: bool
+) -> None:
+    assert (marks.open_columns(np.array([values]).T) == {0}) is left
+
+
+def test_marks_are_judged_by_every_row(tmp_path: Path) -> None:
+    """The cell that settles it, or raises the question, stands far below the first megabyte."""
+    head, rows = "Time (ms);Position (mm);Load (N)\n", 90_000
+    text = [f"{100 + i / 10:.1f};{i % 8};{100 + i % 800}.00" for i in range(rows)]
+    path = tmp_path / "long.csv"
+    for last, asked in (("1.250", True), ("1.25", False)):
+        path.write_text(head + "\n".join([*text, f"99999.5;{last};1.25"]) + "\n")
+        assert path.stat().st_size > 1 << 20
+        if asked:
+            with pytest.raises(ReadError, match=r"'1\.250' can mean 1\.250 or 1250"):
+                read_relaxation(path)
+        else:
+            assert len(read_relaxation(path).time) == rows + 1

@@ -296,4 +296,40 @@ def _clocks() -> list[Case]:
     ]  # fmt: skip
 
 
-CASES = [*_quoted(), *_ragged(), *_blanks(), *_headers(), *_marks(), *_clocks()]
+def _printed() -> list[Case]:
+    rows = three()
+    tenfold = [[*row[:2], f"{10 * float(row[2]):.5f}"] for row in rows]
+    later = [[f"{float(row[0]) + 2:.5f}", *row[1:]] for row in rows]
+    marked = [[*row[:2], "-9999" if i in {1, 2} else row[2]] for i, row in enumerate(rows)]
+    halves = joined(rows[:ODD]), joined(rows[ODD:])
+    odd = [[*row[:2], "(" + row[2] + ")" if i == ODD else row[2]] for i, row in enumerate(rows)]
+    wrapped = "\n".join(
+        [
+            "Time (s) Temp (C) Position (mm)",
+            "Load (N) Count",
+            *(" ".join(part) for row in five() for part in (row[:3], row[3:])),
+        ]
+    )
+    tail = joined(rows).rstrip("\n")
+    return [
+        Case("the last number is cut off behind the mark", tail[:-3].encode(), noted="cut off", without=(ROWS - 1,)),
+        Case("the last number is cut off before the mark", tail[:-6].encode(), noted="cut off", without=(ROWS - 1,)),
+        Case("no line end behind the last row", tail.encode()),
+        Case("a mark for no reading", joined(marked).encode(), noted="mark of no reading", without=(1, 2)),
+        Case("a factor in the name", joined(tenfold, "Time (s);Position (mm);Load*10 (N)").encode(), ("*10 N",)),
+        Case("a factor in the name over a row of units", joined(tenfold, "Time;Position;Load x 10^1\ns;mm;N").encode(), ("x 10^1 N",)),
+        Case("units that belong to other names", joined(rows, "Time (s);Load (N);Position (mm)\ns;mm;N").encode(), ("N or mm",)),
+        Case("two files joined, with their byte-order marks", (halves[0] + "\ufeff" + halves[1]).encode(), noted="2 segments"),
+        Case("rows joined behind a byte-order mark", (halves[0] + "\ufeff" + halves[1].split("\n", 1)[1]).encode()),
+        Case("a row that numbers the columns", joined([["1", "2", "3"], *later]).encode(), noted="'1;2;3'"),
+        Case("a row of blank cells", put(joined(rows), LINE, ";;").encode()),
+        Case("rows of blank cells at the end", (joined(rows) + ";;\n" * 9).encode()),
+        Case("a negative number as an accountant writes it", joined(odd).encode(), (f"line {LINE} lacks force",)),
+        Case("rows wrapped over two lines", wrapped.encode(), ("--time",)),
+        Case("a sentence about units", put(joined(rows), LINE, "Load still in N").encode(), noted="Load still in N"),
+        Case("full-width digits", joined(rows).translate({48 + i: 0xFF10 + i for i in range(10)}).encode()),
+        Case("a pause of another delimiter", (joined(rows[:ODD]) + joined(rows[ODD:], "", "\t")[1:]).encode(), ("line",)),
+    ]  # fmt: skip
+
+
+CASES = [*_quoted(), *_ragged(), *_blanks(), *_headers(), *_marks(), *_clocks(), *_printed()]

@@ -17,6 +17,7 @@ _IN_BRACKETS = re.compile(
 )
 _UNIT_FIRST = re.compile(r"\A[\[(]([^\[\]()]++)[\])]\s*+([^\[\]()]++)\Z")
 _SIGNS = re.compile(r"\s*[,/:]\s*|\s+in\s+|[\s_.\-]+")
+_FACTOR = re.compile(r"[*x×·/]\s{0,3}10{1,9}\s{0,3}\^?\s{0,3}[-+]?\d{0,2}\Z|\b1[eE][-+]?\d{1,2}\Z")
 _PLAIN_TAIL = re.compile(r"\A(.*\S)(?:\s+in\s+|\s*,\s+|\s+/\s+)([^\s,:_]+)\Z")
 
 
@@ -41,6 +42,12 @@ def part_unit(name: str) -> tuple[str, str | None]:
     return text, None
 
 
+def scaled(name: str, unit: str | None) -> str | None:
+    """Return the unit with the factor of a name such as ``Load x 10^3``: no unit that is known."""
+    factor = _FACTOR.search(name[:_LONGEST].strip()) if unit else None
+    return f"{factor[0]} {unit}" if factor else unit
+
+
 def _unit_before(text: str) -> tuple[str, str] | None:
     match = _UNIT_FIRST.match(text)
     known = match is not None and units.find(match[1])
@@ -60,7 +67,7 @@ def _mangled(text: str) -> tuple[str, str] | None:
     parts = text.rstrip("_").split("_") if text.endswith("_") else []
     for count in (2, 1):
         stem, word = "_".join(parts[:-count]).strip("_ "), "/".join(parts[-count:])
-        if stem and _is_unit_of(stem, word):
+        if stem and is_unit_of(stem, word):
             return stem, word
     return None
 
@@ -71,7 +78,7 @@ def _after_sign(text: str) -> tuple[str, str] | None:
         return match[1].strip(), match[2]
     for sign in list(_SIGNS.finditer(text))[:-4:-1]:  # the last few places to cut, last first
         stem, word = text[: sign.start()], text[sign.end() :]
-        if stem and word and _is_unit_of(stem, word):
+        if stem and word and is_unit_of(stem, word):
             return stem.strip(" _,/:"), word
     return None
 
@@ -82,7 +89,7 @@ _SHAPES: tuple[Callable[[str], tuple[str, str | None] | None], ...] = (
 """The ways to write a unit into a name, the surest first."""
 
 
-def _is_unit_of(stem: str, word: str) -> bool:
+def is_unit_of(stem: str, word: str) -> bool:
     """Whether a trailing word is the unit of what the stem names: Kraft_N, not Channel_1."""
     for role in vocabulary.matches(stem):
         dimension = vocabulary.DIMENSION.get(role)

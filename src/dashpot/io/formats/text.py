@@ -80,7 +80,8 @@ def _table(
     header = [line for line in above if line.strip()]
     found = read_header(above, dialect)
     notes = [found.misfit] if found.misfit else []
-    doubts = _rows_above(above, dialect)
+    remarks, doubts = _rows_above(above, dialect)
+    notes += remarks
     if dialect.mark == ".,":
         notes.append("decimal points and decimal commas are mixed; both are read as decimal marks")
     if raw.size > _LARGE:
@@ -117,20 +118,22 @@ def _table(
     )
 
 
-def _rows_above(above: Sequence[str], dialect: Dialect) -> list[Question]:
-    """Ask about rows of numbers that stand right above the table and are not like its rows."""
+def _rows_above(above: Sequence[str], dialect: Dialect) -> tuple[list[str], list[Question]]:
+    """Note a row of numbers right above the table that is not like its rows; ask about several."""
     filled = [(number, line) for number, line in enumerate(above, start=1) if line.strip()]
     odd = list(takewhile(lambda one: dialect.resembles_row(one[1]), reversed(filled)))
-    if len(odd) < 2:  # one may well count the rows and columns below
-        return []
+    if not odd:
+        return [], []
     number, line = odd[-1]
+    if len(odd) == 1:  # it may well count the rows or columns
+        return [f"line {number} above the table is no row of it: '{line.strip()[:60]}'"], []
     cells_above, width = len(cells.split(line, dialect.delimiter)), dialect.cells
     says = (
         f"line {number} has {cells_above} cells where the table has {width} from line "
         f"{dialect.first + 1} on: '{line.strip()[:60]}'; split the file there, or read what stands "
         f"below with --skip-rows {dialect.first}"
     )
-    return [Question(says, "--skip-rows N")]
+    return [], [Question(says, "--skip-rows N")]
 
 
 def _clock_orders(found: Header, options: ReadOptions) -> tuple[str, ...]:

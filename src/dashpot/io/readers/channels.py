@@ -23,6 +23,10 @@ from dashpot.io.table import Loaded, Question, Table
 
 _OVERLOAD = 9.9e37
 """What SCPI instruments send for an infinite or an invalid reading."""
+_NINES = 999.0
+"""The least number of nines alone that loggers write for no reading: 999, -9999, 999.99."""
+_FAR = 5.0
+"""How far beyond all other numbers of its column it then stands."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,16 +204,27 @@ def load(table: Table, indexes: Sequence[int], segment: int | None, *, sure: boo
     loaded = part(table.load(indexes), segment)
     if sure and loaded.doubts:
         raise ReadError(loaded.doubts[0][1].says)
-    marks = 0
-    for j in range(loaded.values.shape[1]):
-        beyond = np.abs(loaded.values[:, j]) >= _OVERLOAD
-        if beyond.any():
-            marks += int(beyond.sum())
-            loaded.values[beyond, j] = np.nan
-    if marks:
-        note = f"{marks} values of 9.9e37 or more are an instrument's overload mark, not numbers"
-        loaded = replace(loaded, notes=(*loaded.notes, note))
-    return loaded
+    notes = [note for column in loaded.values.T for note in _without_marks(column)]
+    return replace(loaded, notes=(*loaded.notes, *notes)) if notes else loaded
+
+
+def _without_marks(column: FloatArray) -> list[str]:
+    """Take the marks of no reading out of a column, with a note."""
+    size = np.abs(column)
+    top = float(np.fmax.reduce(size, initial=0.0))
+    if top >= _OVERLOAD:
+        marks = size >= _OVERLOAD
+        says = "values of 9.9e37 or more are an instrument's overload mark, not numbers"
+    elif top >= _NINES and set(f"{top:.10g}") <= set("9."):
+        marks = size == top
+        rest = float(np.fmax.reduce(size[~marks], initial=0.0))
+        if not marks.any() or rest * _FAR > top:
+            return []
+        says = f"values of {column[marks][0]:.10g}, far beyond all others, are a mark of no reading"
+    else:
+        return []
+    column[marks] = np.nan
+    return [f"{marks.sum()} {says}"]
 
 
 def load_test(file: Opened, chosen: Sequence[Channel], least: int = 8) -> Loaded:

@@ -20,6 +20,8 @@ _SAMPLE = 60
 LONGEST = 1 << 15
 """Characters in a row or a heading; a longer line is neither."""
 _DIGITS = set("0123456789+-.,:eE")
+_STEADY = 5
+"""Rows that show how many digits all are printed with."""
 _PARTS = re.compile(r"[\t;,| ]+")
 
 
@@ -107,6 +109,22 @@ class Dialect:
         first, *others = cell.split(line, self.delimiter)
         return self.delimiter != " " and bool(others) and _like_number(first)
 
+    def is_cut_off(self, lines: Sequence[str]) -> bool:
+        """Whether the last line is a row whose last number alone has too few decimals.
+
+        Too few are fewer than all rows before it have, at least four.
+        """
+        rows = [cell.split(line, self.delimiter) for line in lines if line.strip()]
+        digits = [[_decimals(text, self.mark) for text in row] for row in rows]
+        if len(digits) < _STEADY or any(not row or row[-1] is None for row in digits):
+            return False
+        *before, last = digits
+        return (
+            len({row[-1] for row in before}) == 1
+            and last[:-1] == before[-1][:-1]
+            and (last[-1] or 0) < (before[-1][-1] or 0)
+        )
+
     def value(self, text: str, column: int) -> float | None:
         """The number in a cell of a column, or None."""
         if self.contents[column] == "clock":
@@ -186,6 +204,14 @@ def _best_run(
     return best
 
 
+def _decimals(text: str, mark: Mark) -> int | None:
+    """Characters behind the decimal mark of a number, None if the cell is none."""
+    if cell.number(text, mark) is None:
+        return None
+    place = max(map(text.rfind, mark))
+    return len(text) - place - 1 if place >= 0 else 0
+
+
 def _like_number(text: str) -> bool:
     """Whether a cell is made of digits and their marks: a number, a time, two glued numbers."""
     return not text.isalpha() and set(text) <= _DIGITS and any(map(str.isdigit, text))
@@ -247,8 +273,9 @@ def _from_the_top(lines: Sequence[str], dialect: Dialect) -> Dialect | None:
     for i, line in enumerate(lines):
         if not line.strip():
             continue
-        if dialect.row(line) is None:
-            first, steady = -1, 0
+        row = dialect.row(line)
+        if row is None or (not steady and row == [str(i + 1) for i in range(len(row))]):
+            first, steady = -1, 0  # 1;2;3 numbers the columns
             continue
         if steady == 0:
             first = i

@@ -120,6 +120,8 @@ def decoded(blocks: Iterable[bytes], encoding: str, *, found: bool = False) -> I
 def _ends(text: str) -> str:
     if "\u2212" in text:
         text = text.replace("\u2212", "-")  # a typeset minus
+    if "\ufeff" in text:
+        text = text.replace("\ufeff", "")  # where files were joined
     if "\r" not in text:
         return text
     return re.sub(r"(?<!\r)\r+\n", "\n", text).replace("\r", "\n")

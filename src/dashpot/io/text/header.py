@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from dashpot.base import units
 from dashpot.io.columns import vocabulary
-from dashpot.io.columns.names import part_unit
+from dashpot.io.columns.names import is_unit_of, part_unit, scaled
 from dashpot.io.table import Column, Content
 from dashpot.io.text import cells as cell
 from dashpot.io.text.dialect import LONGEST, Dialect
@@ -40,9 +40,9 @@ class Header:
 
 def read_header(lines: Sequence[str], dialect: Dialect) -> Header:
     """Return the names and units found in the lines above the table."""
-    rows = [_cells(line, dialect) for line in _whole(lines) if re.search(r"\w|%|\"", line)][
-        -_REACH:
-    ]
+    # a row of numbers alone counts columns or rows, and names none
+    spoken = [line for line in _whole(lines) if re.search(r"[^\W\d]|%|\"|°", line)]
+    rows = [_cells(line, dialect) for line in spoken[-_REACH:]]
     names, words = _pick(rows, dialect)
     names = _labelled(lines, dialect, "name") or names
     words = _labelled(lines, dialect, "unit") or words
@@ -59,8 +59,9 @@ def read_header(lines: Sequence[str], dialect: Dialect) -> Header:
         (names[i] if i < len(names) else "", words[i] if i < len(words) else None, content)
         for i, content in enumerate(dialect.contents)
     ]
+    columns = (_column(name, word, content) for name, word, content in padded)
     return Header(
-        tuple(_column(name, word, content) for name, word, content in padded),
+        tuple(replace(column, unit=scaled(column.name, column.unit)) for column in columns),
         tuple(vocabulary.clock_order(word or part_unit(name)[1] or "") for name, word, _ in padded),
         misfit,
     )
@@ -92,7 +93,8 @@ def _column(name: str, word: str | None, content: Content) -> Column:
     unit = _strip(word)
     if inner is None or units.find(inner) == units.find(unit):
         return Column(name if inner is None else stem, unit, content)
-    if units.find(unit) is not None and set(units.dimensions(inner)) & set(units.dimensions(unit)):
+    shared = set(units.dimensions(inner)) & set(units.dimensions(unit))
+    if units.find(unit) is not None and (shared or is_unit_of(stem, inner)):
         return Column(stem, _either(inner, unit), content)
     return Column(name, unit, content)
 
@@ -227,14 +229,14 @@ def _misfits(row: Sequence[str], dialect: Dialect) -> bool:
 
 def changed(
     lines: Sequence[str], dialect: Dialect, columns: Sequence[Column], indexes: Sequence[int]
-) -> str:
-    """Return what a header inside the table says otherwise than the first, or ""."""
+) -> str | None:
+    """Return what a header inside the table says otherwise than the first, None if it is none."""
     again = read_header(lines, dialect)
     if again.misfit:
         return again.misfit
     spoken = [c for c in again.columns if vocabulary.matches(c.name) or units.find(c.unit or "")]
-    if 2 * len(spoken) < len([c for c in again.columns if c.name or c.unit]):
-        return ""  # a sentence, not a row of names
+    if not spoken or 2 * len(spoken) < len([c for c in again.columns if c.name or c.unit]):
+        return None  # a sentence, not a row of names
     for i in indexes:
         old, new = columns[i], again.columns[i]
         named = old.name and new.name and vocabulary.plain(old.name) != vocabulary.plain(new.name)

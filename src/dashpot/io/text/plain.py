@@ -48,6 +48,8 @@ class PlainRows:
         values = self._parse(text)
         if values is None and self.blank.search(text):
             values = self._parse(self.blank.sub("nan", text))
+            if values is not None and np.isnan(values).all(axis=1).any():  # a blank line, perhaps
+                return None
         return values
 
     def _quotes_hold_no_sign(self, text: str) -> bool:

@@ -21,6 +21,7 @@ from dashpot.io.text.plain import PlainRows
 _PATIENT = 64
 _MENTIONED = 50
 _HEADING = 2000
+_TAIL = 4096
 
 
 @dataclass(frozen=True)
@@ -63,14 +64,17 @@ class _Gathered:
         self.parts.append(values)
         self.rows += len(values)
 
-    def part(self, *, odd: str) -> None:
-        """End a segment where lines stand between the rows, unless they are but one remark."""
+    def part(self, odd: str | None) -> None:
+        """End a segment where lines stand between the rows, unless they are but one remark.
+
+        `odd` is what is wrong with a header there, None if there is none.
+        """
         texts = [text for _, text in self.between]
         if odd or not _remark(texts):
             self.starts.append(self.rows)
             self.segments.append(title(texts))
-        else:
-            self.remarks += self.between
+        if odd is None:
+            self.remarks.append(self.between[-1])
         self.between.clear()
 
     def notes(self) -> list[str]:
@@ -121,6 +125,7 @@ def load_rows(
     reader = _Reader(dialect, tuple(indexes), heading, got)
     line = 1
     skipped = dialect.first
+    tail = ""
     for block in blocks():
         text = block
         if skipped:
@@ -132,8 +137,13 @@ def load_rows(
         if text:
             reader.read(text, line)
             line += text.count("\n")
+            tail = (tail + text[-_TAIL:])[-_TAIL:]
     values = _assembled(got, len(indexes))
     notes = [*got.notes(), *reader.finish(values)]
+    complete = got.between or got.rows - got.starts[-1] < 2
+    if not complete and dialect.is_cut_off(tail.rstrip().split("\n")[1:]):
+        values = values[:-1]
+        notes.append("the last row is cut off within its last number and was left out")
     if not sure:
         places = marks.open_columns(values) | reader.grouped
         asked = marks.ambiguous(blocks(), dialect, indexes, places)
@@ -247,7 +257,7 @@ class _Reader:
                 if self._odd(one):
                     self._refuse(*one)
             odd = self._changed()
-            got.part(odd=odd)
+            got.part(odd)
             if odd:
                 says = (
                     f"{odd}; split the file there, or read what stands before it with "
@@ -257,8 +267,8 @@ class _Reader:
         got.between.clear()
         got.add(values, line)
 
-    def _changed(self) -> str:
-        """What a second header says otherwise than the first."""
+    def _changed(self) -> str | None:
+        """What a second header says otherwise than the first; None if there is no header."""
         if not self.heading.columns:
             return ""
         texts = [text for _, text in self.got.between]
