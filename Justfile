@@ -18,6 +18,10 @@ test *args:
 slow *args:
     pytest -m slow {{args}}
 
+# mutants of every format: many times those of the gate, and others each time
+fuzz times="20" *args:
+    DASHPOT_FUZZ={{times}} pytest -m fuzz {{args}}
+
 # the documentation, warnings as errors
 docs:
     sphinx-build -W --keep-going -q docs docs/_build/html

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -11,6 +13,8 @@ from hypothesis import settings
 # one worker per core already: threads of BLAS beside them only wait for each other
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(name, "1")
+
+from kit.fuzzing import Fuzzer  # noqa: E402
 
 from dashpot.fitting.relaxation import fit  # noqa: E402
 from dashpot.preparation.prepare import prepare  # noqa: E402
@@ -35,6 +39,13 @@ def shared_data() -> Path:
     if not folder.is_dir():
         pytest.skip(f"real measurements not found at {folder}; they are not part of the project")
     return folder
+
+
+@pytest.fixture(scope="module")
+def fuzzer() -> Iterator[Fuzzer]:
+    """The process that mutants are given to."""
+    with closing(Fuzzer()) as one:
+        yield one
 
 
 @pytest.fixture(scope="session")

@@ -1,164 +1,129 @@
-"""Whatever the bytes: a record or a ReadError, and soon."""
+"""Whatever the bytes: a record or a refusal, and soon; the same mutants every time.
+
+``just fuzz`` tries more of them, and others each time.
+"""
 
 from __future__ import annotations
 
-import contextlib
-import time
+import json
 from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
+from kit.fuzzing import Fuzzer
 from kit.look_alikes import DIALECTS
+from kit.mutants import altered, repacked, texts, tries, wounded
 
-from dashpot.base.errors import ReadError
-from dashpot.io.formats import ati
-from dashpot.io.options import ReadOptions
-from dashpot.io.readers.dynamic import read_dynamic
-from dashpot.io.readers.frf import read_frf
-from dashpot.io.readers.impact import read_impact
-from dashpot.io.readers.inspect import inspect_file
-from dashpot.io.readers.modulus import read_modulus
-from dashpot.io.readers.relaxation import read_relaxation
-
-READERS = (inspect_file, read_relaxation, read_impact, read_frf, read_dynamic, read_modulus)
-NAMED = ReadOptions(
-    time="1", displacement="2", force="3", acceleration=("2",), frequency="1", storage="2",
-    loss="3", modulus="2",
-    units={
-        "time": "s", "displacement": "mm", "force": "N", "acceleration": "g", "frequency": "Hz",
-        "storage": "Pa", "loss": "Pa", "modulus": "Pa",
-    },
-)  # fmt: skip
-QUICK = settings(
-    max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
-LONG = settings(QUICK, max_examples=3000)
+pytestmark = pytest.mark.fuzz
 
 
-def survives(path: Path, content: bytes) -> None:
-    """Every reader gives a value or a ReadError within seconds."""
-    path.write_bytes(content)
-    start = time.process_time()
-    for reader in READERS:
-        for options in (ReadOptions(), NAMED):
-            with contextlib.suppress(ReadError):
-                reader(path, options=options)
-    assert time.process_time() - start < 10.0
-
-
-CELL = st.one_of(
-    st.floats().map(repr),
-    st.integers(-(10**6), 10**6).map(str),
-    st.sampled_from([
-        "", "NaN", "OVER", "1,234", "1.234,5", "-", '"', '"1,5"', "1_0", "0x1", "1e999", "=1", "٣",
-        "12:30:01", "2024-01-02", "s", "[N]", "time", "Kraft", "#", "\x00",
-    ]),
-    st.text(max_size=4),
-)  # fmt: skip
-LINES = st.lists(st.lists(CELL, max_size=5), max_size=40)
-
-
-@st.composite
-def texts(draw: st.DrawFn) -> bytes:
-    """Tables with faults, in some delimiter, line end and encoding."""
-    sign = draw(st.sampled_from([",", ";", "\t", " ", "|", ", ", ":"]))
-    end = draw(st.sampled_from(["\n", "\r\n", "\r", "\r\r\n"]))
-    lines = [sign.join(cells) for cells in draw(LINES)]
-    if draw(st.booleans()):
-        steady = sign.join(draw(st.lists(CELL, min_size=3, max_size=4)))
-        lines += [steady] * draw(st.integers(1, 30))
-    code = draw(st.sampled_from(["utf-8", "utf-16", "cp1252", "gb18030", "utf-32"]))
-    return end.join(lines).encode(code, "replace")
-
-
-@st.composite
-def wounded(draw: st.DrawFn, files: list[bytes]) -> bytes:
-    """A good file with bytes changed, cut out or doubled."""
-    content = bytearray(draw(st.sampled_from(files)))
-    for _ in range(draw(st.integers(1, 6))):
-        at = draw(st.integers(0, max(0, len(content) - 1)))
-        kind = draw(st.sampled_from(["set", "cut", "double", "end", "flip"]))
-        length = draw(st.integers(1, 64))
-        if kind == "set":
-            content[at : at + 1] = draw(st.binary(min_size=1, max_size=4))
-        elif kind == "cut":
-            del content[at : at + length]
-        elif kind == "double":
-            content[at:at] = content[at : at + length]
-        elif kind == "flip" and content:
-            content[at] ^= 1 << (length % 8)
-        else:
-            del content[at:]
-        if not content:
-            break
-    return bytes(content)
-
-
-def instruments(folder: Path) -> list[bytes]:
-    """One small file of each binary format."""
+def instruments(folder: Path) -> dict[str, bytes]:
+    """One small file of each format that is not delimited text."""
     import h5py
-    from kit.instruments import frf, lvm, sheet, tdms, workbook
+    from kit import instruments as made
     from scipy.io import savemat
 
     from dashpot.io.write import write_frf_uff
 
-    tdms(folder / "a.tdms", hits=2)
-    write_frf_uff(frf(n=10), folder / "a.uff")
-    workbook(folder / "a.xlsx", {"One": sheet()[:12]})
-    savemat(folder / "a.mat", {"time_s": np.arange(9.0), "force_N": np.arange(9.0)})
-    with h5py.File(folder / "a.h5", "w") as file:
-        file["time_s"] = np.arange(9.0)
-    (folder / "a.lvm").write_text(lvm(segments=2))
-    (folder / "a.json").write_text(
-        '{"Results": [{"columns": [{"name": "Time", "unit": "s"}], "values": [[1], [2], [3]]}]}'
-    )
-    return [path.read_bytes() for path in sorted(folder.iterdir())]
+    made.tdms(folder / "tdms", hits=2)
+    write_frf_uff(made.frf(n=10), folder / "uff frf")
+    made.uff(folder / "uff", labels=("N", "g"), length=1000.0)
+    made.workbook(folder / "xlsx", {"One": made.sheet()[:12], "Two": [["a", 1.0]]})
+    made.ods(folder / "ods", made.ods_rows(made.sheet()[:12]))
+    made.xls(folder / "xls", made.sheet()[:12])
+    arrays = {"time_s": np.arange(9.0), "force_N": np.arange(9.0)}
+    savemat(folder / "mat", {**arrays, "s": {"data": np.eye(3), "unit": "mm"}, "c": [1j, "a"]})
+    savemat(folder / "mat packed", arrays, do_compression=True)
+    with h5py.File(folder / "hdf5", "w") as file:
+        for name, values in arrays.items():
+            file.create_dataset(f"run/{name}", data=values, compression=1).attrs["unit"] = "s"
+        file["run"].attrs["columns"] = ["a", "b"]
+    with h5py.File(folder / "hdf5 links", "w") as file:
+        file["run/data"] = np.eye(3)
+        file["run/data"].attrs["names"] = ["a", "b", "c"]
+        file["run/unit"] = "mm"
+        file["run/self"] = file
+        file["run/soft"] = h5py.SoftLink("/run/data")
+        file["run/other"] = h5py.ExternalLink("other.h5", "/a")
+        file["records"] = np.array([(1, 2.0)] * 3, [("a", "i4"), ("b", "f8")])
+    (folder / "lvm").write_text(made.lvm(segments=2))
+    (folder / "lvm clocks").write_text(made.lvm(x_columns="Multi", decimal=","))
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
 
 
-@QUICK
-@given(st.binary(max_size=400))
+FORMATS = (
+    "hdf5", "hdf5 links", "lvm", "lvm clocks", "mat", "mat packed", "ods", "tdms", "uff",
+    "uff frf", "xls", "xlsx",
+)  # fmt: skip
+TRIOS = {"Properties": {"Name": "a"}, "Results": [
+    {"columns": [{"name": "Time", "unit": "s"}, {"name": "Gap"}], "values": [[1, 2], [2, 3], [3]]},
+]}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def good(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    found = instruments(tmp_path_factory.mktemp("good"))
+    assert set(found) == set(FORMATS)
+    return found
+
+
+@tries(100)
+@given(content=st.binary(max_size=400))
 @example(b"\xff\xfe")
 @example(b"\xff\xfe\x00")
 @example(b"\n    -1\n    58\n")
 @example(b"{" * 5000)
 @example(b"TDSm")
 @example(b"LabVIEW Measurement\n***End_of_Header***\n***End_of_Header***\nX_Value\n")
-def test_any_bytes(tmp_path: Path, content: bytes) -> None:
-    survives(tmp_path / "fuzz", content)
+def test_any_bytes(fuzzer: Fuzzer, content: bytes) -> None:
+    fuzzer.survives("read_all", content)
 
 
-@QUICK
-@given(texts())
-def test_any_text(tmp_path: Path, content: bytes) -> None:
-    survives(tmp_path / "fuzz.csv", content)
+@tries(250)
+@given(content=texts())
+def test_any_text(fuzzer: Fuzzer, content: bytes) -> None:
+    fuzzer.survives("read_all", content)
 
 
-@QUICK
-@given(wounded([dialect.content for dialect in DIALECTS]))
-def test_wounded_text(tmp_path: Path, content: bytes) -> None:
-    survives(tmp_path / "fuzz.csv", content)
+@tries(250)
+@given(content=st.sampled_from(DIALECTS).flatmap(lambda one: wounded(one.content)))
+def test_wounded_text(fuzzer: Fuzzer, content: bytes) -> None:
+    fuzzer.survives("read_all", content)
 
 
-@pytest.fixture(scope="module")
-def good(tmp_path_factory: pytest.TempPathFactory) -> list[bytes]:
-    return instruments(tmp_path_factory.mktemp("good"))
+@pytest.mark.parametrize("name", FORMATS)
+def test_wounded_instruments(fuzzer: Fuzzer, good: dict[str, bytes], name: str) -> None:
+    @tries(150)
+    @given(content=wounded(good[name]))
+    def mutants(content: bytes) -> None:
+        fuzzer.survives("read_all", content)
+
+    mutants()
 
 
-@QUICK
-@given(data=st.data())
-def test_wounded_instruments(tmp_path: Path, good: list[bytes], data: st.DataObject) -> None:
-    survives(tmp_path / "fuzz", data.draw(wounded(good)))
+@pytest.mark.parametrize("name", ["xlsx", "ods"])
+def test_workbooks_of_wounded_parts(fuzzer: Fuzzer, good: dict[str, bytes], name: str) -> None:
+    @tries(150)
+    @given(content=repacked(good[name]))
+    def mutants(content: bytes) -> None:
+        fuzzer.survives("read_all", content)
+
+    mutants()
 
 
-@QUICK
-@given(st.text(max_size=300))
-def test_any_calibration(tmp_path: Path, content: str) -> None:
-    path = tmp_path / "a.cal"
-    path.write_text(f"<FTSensor><Calibration>{content}</Calibration></FTSensor>", encoding="utf-8")
-    with pytest.raises(ReadError):
-        ati.read_calibration(path)
+@tries(200)
+@given(content=altered(TRIOS) | wounded(json.dumps(TRIOS).encode()))
+def test_any_trios(fuzzer: Fuzzer, content: bytes) -> None:
+    fuzzer.survives("read_all", content)
+
+
+@tries(100)
+@given(content=st.text(max_size=300))
+def test_any_calibration(fuzzer: Fuzzer, content: str) -> None:
+    text = f"<FTSensor><Calibration>{content}</Calibration></FTSensor>"
+    fuzzer.survives("calibrate", text.encode(errors="replace"))
 
 
 @pytest.mark.parametrize(
@@ -188,13 +153,5 @@ def test_any_calibration(tmp_path: Path, content: str) -> None:
         "wide",
     ],
 )
-def test_long_and_strange(tmp_path: Path, content: bytes) -> None:
-    survives(tmp_path / "fuzz.csv", content)
-
-
-@pytest.mark.slow
-@LONG
-@given(data=st.data())
-def test_long_fuzz(tmp_path: Path, good: list[bytes], data: st.DataObject) -> None:
-    files = [*good, *(dialect.content for dialect in DIALECTS)]
-    survives(tmp_path / "fuzz", data.draw(st.one_of(wounded(files), texts())))
+def test_long_and_strange(fuzzer: Fuzzer, content: bytes) -> None:
+    fuzzer.survives("read_all", content)

@@ -93,8 +93,9 @@ def from_json(text: str | bytes) -> Any:
             f"{', '.join(sorted(SCHEMAS))}"
         )
     try:
-        noun: Any = msgspec.convert(_restored(found), type=SCHEMAS[name], dec_hook=_decoded)
-        strange = _strange(found, document(noun))
+        with np.errstate(divide="raise", over="raise", invalid="raise"):
+            noun: Any = msgspec.convert(_restored(found), type=SCHEMAS[name], dec_hook=_decoded)
+            strange = _strange(found, document(noun))
     except KeyError as error:
         raise ReadError(f"the {name} document is not valid: {error} is missing") from None
     except (msgspec.ValidationError, TypeError, ValueError, ArithmeticError) as error:

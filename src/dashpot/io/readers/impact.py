@@ -129,7 +129,7 @@ def _whole(loaded: Loaded) -> None:
 def _starts(time: FloatArray, loaded: Loaded) -> tuple[tuple[int, ...], list[str]]:
     """First samples of the records: the segments, and wherever an even clock jumps."""
     steps = np.diff(time)
-    step = float(np.median(steps))
+    step = float(np.median(steps)) if steps.size else 0.0
     if step <= 0:
         return loaded.starts, []
     jumps = [int(i) + 1 for i in np.flatnonzero(np.abs(steps - step) > 0.5 * step)]

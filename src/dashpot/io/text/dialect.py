@@ -106,8 +106,8 @@ class Dialect:
         words = sum(not cell.is_missing(part) for part in parts) - numbers
         if numbers > words and (numbers >= len(self.numbers) or words == 0 < numbers - 1):
             return True
-        first, *others = cell.split(line, self.delimiter)
-        return self.delimiter != " " and bool(others) and _like_number(first)
+        cells = cell.split(line, self.delimiter)
+        return self.delimiter != " " and len(cells) > 1 and _like_number(cells[0])
 
     def is_cut_off(self, lines: Sequence[str]) -> bool:
         """Whether the last line is a row whose last number alone has too few decimals.

@@ -30,10 +30,10 @@ def open_columns(values: FloatArray) -> set[int]:
         for start in range(0, len(column), _ROWS):
             part = np.abs(column[start : start + _ROWS])
             part = part[np.isfinite(part) & (part > 0)]
+            if ((part < 1) | (part >= 1e3)).any():
+                break
             thousandths = part * 1e3
-            if (
-                (part < 1) | (part >= 1e3) | (abs(thousandths - np.round(thousandths)) > 0.01)
-            ).any():
+            if (abs(thousandths - np.round(thousandths)) > 0.01).any():
                 break
             fraction = part != np.floor(part)
             broken, whole = broken or bool(fraction.any()), whole or not fraction.all()

@@ -1,0 +1,205 @@
+"""Every reader on whatever bytes, in a process of its own: it may die, and is asked why.
+
+Run as a program this is that process. There foreign parsers run without a child of their own, which
+would cost a hundred times the parsing; a mutant at which the process dies is tried again with one,
+and must then be a sentence.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import struct
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import traceback
+import zlib
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import BinaryIO
+
+from dashpot.base.errors import DashpotError, ReadError
+from dashpot.io.options import ReadOptions
+
+SECONDS = 10.0
+"""Processor time that no mutant may cost."""
+NAMED = ReadOptions(
+    time="1", displacement="2", force="3", acceleration=("2",), frequency="1", storage="2",
+    loss="3", modulus="2",
+    units={
+        "time": "s", "displacement": "mm", "force": "N", "acceleration": "g", "frequency": "Hz",
+        "storage": "Pa", "loss": "Pa", "modulus": "Pa",
+    },
+)  # fmt: skip
+
+
+def read_all(path: Path) -> None:
+    """Give a file to every reader, without a word and with all of them."""
+    from dashpot.io.readers.dynamic import read_dynamic
+    from dashpot.io.readers.frf import read_frf
+    from dashpot.io.readers.impact import read_impact
+    from dashpot.io.readers.inspect import inspect_file
+    from dashpot.io.readers.modulus import read_modulus
+    from dashpot.io.readers.relaxation import read_relaxation
+
+    for reader in (
+        inspect_file, read_relaxation, read_impact, read_frf, read_dynamic, read_modulus,
+    ):  # fmt: skip
+        for options in (ReadOptions(), NAMED):
+            with contextlib.suppress(ReadError):
+                reader(path, options=options)
+
+
+def calibrate(path: Path) -> None:
+    from dashpot.io.formats.ati import read_calibration
+
+    with contextlib.suppress(ReadError):
+        read_calibration(path)
+
+
+def profile(path: Path) -> None:
+    from dashpot.io.options import load_profile
+
+    with contextlib.suppress(ReadError):
+        load_profile(path)
+
+
+def unpack(path: Path) -> None:
+    from dashpot.workflow.archive import from_json, to_json
+
+    with contextlib.suppress(DashpotError):
+        to_json(from_json(path.read_bytes()))
+
+
+TASKS: dict[str, Callable[[Path], None]] = {
+    task.__name__: task for task in (read_all, calibrate, profile, unpack)
+}
+
+
+class Fuzzer:
+    """The process that reads, begun again whenever it has died; `deaths` counts."""
+
+    def __init__(self) -> None:
+        self.deaths = 0
+        self._process: subprocess.Popen[bytes] | None = None
+
+    def survives(self, task: str, content: bytes) -> None:
+        """Fail unless a task ends in a value or a refusal, and soon."""
+        says = self._tried(task, content, apart=False)
+        if says is None:
+            self.deaths += 1
+            says = self._tried(task, content, apart=True)
+        if says != "":
+            place = Path(tempfile.gettempdir()) / f"dashpot-{task}-{zlib.crc32(content):08x}"
+            place.write_bytes(content)
+            raise AssertionError(f"{says or 'the process died, or was ended'}\n{place}")
+
+    def close(self) -> None:
+        if self._process is not None:
+            self._process.kill()
+            self._process.communicate()
+            self._process = None
+
+    def _tried(self, task: str, content: bytes, *, apart: bool) -> str | None:
+        if self._process is None:
+            self._process = subprocess.Popen(
+                [sys.executable, "-W", "error", "-m", "kit.fuzzing"], stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+                env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+            )  # fmt: skip
+        clock = threading.Timer(12 * SECONDS if apart else 3 * SECONDS, self._process.kill)
+        clock.start()
+        try:
+            with contextlib.suppress(OSError):
+                _put(self._process.stdin, task.encode(), b"apart" * apart, content)
+            found = _got(self._process.stdout, 1)
+        finally:
+            clock.cancel()
+        if found is None:
+            self.close()
+            return None
+        return found[0].decode()
+
+
+def _put(stream: BinaryIO, *parts: bytes) -> None:
+    for part in parts:
+        stream.write(struct.pack("<Q", len(part)) + part)
+    stream.flush()
+
+
+def _got(stream: BinaryIO, count: int) -> list[bytes] | None:
+    parts = []
+    for _ in range(count):
+        size = stream.read(8)
+        parts.append(stream.read(struct.unpack("<Q", size)[0]) if len(size) == 8 else b"")
+        if len(size) < 8:
+            return None
+    return parts
+
+
+@dataclass
+class _Parsers:
+    """What stands in for a child: the parsers in this process or, if `apart`, in one of theirs.
+
+    Each file is parsed once, for all readers.
+    """
+
+    child: Callable[..., object]
+    apart: bool = False
+    kept: dict[object, object] = field(default_factory=dict)
+
+    def __call__(self, what, function, raw, options):
+        key = function, options.sheet, options.segment
+        if key not in self.kept:
+            self.kept[key] = self._parsed(what, function, raw, options)
+        if isinstance(self.kept[key], ReadError):
+            raise self.kept[key]
+        return self.kept[key]
+
+    def _parsed(self, what, function, raw, options):
+        from dashpot.io.child import messages, serve
+
+        try:
+            if self.apart:
+                return self.child(what, function, raw, options)
+            narrow = ReadOptions(sheet=options.sheet, segment=options.segment)
+            found = serve.parsed(what, function, raw, narrow)
+            with Path(os.devnull).open("wb") as out:
+                messages.send_answer(out, found)
+        except DashpotError as error:
+            return ReadError(str(error))
+        return found
+
+
+def main() -> None:
+    """Answer each file with nothing, or with how it went wrong."""
+    import resource
+
+    from dashpot.io.child import limits, process
+    from dashpot.io.formats import workbook
+
+    parsers = process.in_child = workbook.in_child = _Parsers(process.in_child)
+    resource.setrlimit(resource.RLIMIT_AS, (limits.MEMORY, limits.MEMORY))
+    out = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "fuzz"
+        while (asked := _got(sys.stdin.buffer, 3)) is not None:
+            path.write_bytes(asked[2])
+            parsers.apart = bool(asked[1])
+            parsers.kept.clear()
+            before, says = time.process_time(), ""
+            try:
+                TASKS[asked[0].decode()](path)
+            except BaseException:  # noqa: BLE001
+                says = traceback.format_exc()
+            spent = time.process_time() - before
+            _put(out, (says or (f"took {spent:.0f} s" if spent > SECONDS else "")).encode())
+
+
+if __name__ == "__main__":
+    main()
