@@ -83,5 +83,5 @@ def _figure(found: dp.Fit, records: tuple[Any, ...]) -> dp.plot.Picture:
     if len(records) > 1:
         return dp.plot.fit(found, first)
     method: Literal["full", "hold"] = "hold" if found.method == "hold" else "full"
-    others = [dp.fit(records, arms=n, method=method) for n in (1, 2)]  # the paper's Fig. 4
+    others = [dp.fit(records, arms=n, method=method, intervals=False) for n in (1, 2)]  # Fig. 4
     return dp.plot.fit(found, first, alternatives=others)

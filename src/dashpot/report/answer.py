@@ -16,7 +16,7 @@ from dashpot.workflow.archive import to_json
 from dashpot.workflow.recommendation import Answer, Recommendation
 from dashpot.workflow.study import Study
 
-NOT_GIVEN = "not given"
+NOT_GIVEN, NBSP = "not given", "\N{NO-BREAK SPACE}"
 
 GRADES = {"stop": "bad", "limit": "care", "note": "note"}
 """How a failed check of each grade looks."""
@@ -198,11 +198,11 @@ def _row(one: Answer) -> Row:
 
 
 def _name(one: Answer) -> str:
-    where = "" if one.at is None else f"{rounded(one.at)} Hz"
+    where = "" if one.at is None else f"{rounded(one.at)}{NBSP}Hz"
     return {
         "frequency": "Natural frequency",
         "damping": "Damping ratio",
-        "end of hold": f"Stiffness at end of hold, {duration(one.at or 0.0)}",
+        "end of hold": f"Stiffness at end of hold, {duration(one.at or 0.0).replace(' ', NBSP)}",
         "dynamic stiffness": f"Dynamic stiffness, {where}",
         "loss factor": f"Loss factor, {where}",
     }[one.quantity]

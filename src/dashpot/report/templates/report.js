@@ -73,11 +73,10 @@
       this.box = group.dataset.box.split(" ").map(Number);
       this.named = [...this.ticks.querySelectorAll("text")]
         .some((t) => t.getAttribute("text-anchor") === "middle");
-      const [, , w, h] = this.box;
-      this.whole = [0, 0, FINE * w, FINE * h];
+      this.whole = this.plot.getAttribute("viewBox").split(" ").map(Number);
       this.view = [...this.whole];
-      this.x = new Axis(group.dataset.x, FINE * w, false);
-      this.y = new Axis(group.dataset.y, FINE * h, true);
+      this.x = new Axis(group.dataset.x, this.whole[2], false);
+      this.y = new Axis(group.dataset.y, this.whole[3], true);
       [this.xName, this.yName] = group.dataset.label.split("|");
       this.curves = [...this.plot.querySelectorAll("[data-name]")].map((path) => {
         const at = points(path.getAttribute("d"));

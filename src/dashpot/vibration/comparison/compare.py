@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, ComplexArray
+from dashpot.base.arrays import BoolArray, ComplexArray, kept
 from dashpot.base.errors import DashpotError, DataError
 from dashpot.base.units import Quantity, Range, si, si_range
 from dashpot.engine.inference.order import significant
@@ -90,9 +90,10 @@ def compare(
     )
     given = _as_tested(given, measured, model, mass)
     keep = _compared(measured, find_peak(measured), explicit=band is not None)
+    modes = _modes(measured.only(keep)) if band is not None else _modes_compared(measured)
     measured, given = measured.only(keep), given.only(keep)
     measured_peak, predicted_peak = find_peak(measured), find_peak(given)
-    mode = _known(_nearest(_modes(measured), measured_peak.frequency))
+    mode = _known(_nearest(modes, measured_peak.frequency))
     comparison = Comparison(
         predicted=given,
         measured=measured,
@@ -273,6 +274,12 @@ def _predicted_damping(
     modes = _modes(predicted) if model is None or mass is None else model_modes(model, mass)
     mode = _nearest(modes, peak.frequency)
     return None if mode is None else mode.damping_ratio
+
+
+@kept
+def _modes_compared(measured: FRF) -> tuple[Mode, ...]:
+    """Modes of the lines that are compared by default: several solids are held against one FRF."""
+    return _modes(measured.only(_compared(measured, find_peak(measured), explicit=False)))
 
 
 def _modes(frf: FRF) -> tuple[Mode, ...]:

@@ -1,0 +1,178 @@
+"""The report as a reader sees it: first screen, phone, dark, paper, pointer and keyboard."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from html import unescape
+
+import numpy as np
+import pytest
+from kit import browser, handmade
+from kit.browser import DARK, needs_browser
+
+from dashpot.plot import tokens
+from dashpot.report import html
+
+pytestmark = needs_browser
+
+S = handmade.study()
+
+
+@pytest.fixture(scope="module")
+def page() -> str:
+    return html(S)
+
+
+@pytest.fixture(scope="module")
+def bench() -> str:
+    return html(handmade.bench_only())
+
+
+PLACES = """
+    const bottom = (what) => document.querySelector(what).getBoundingClientRect().bottom;
+    return [".who", ".verdict", "#figure-lead .stacks", "#figure-lead .key", ".answer",
+            ".take"].map(bottom);
+"""
+
+
+@pytest.mark.parametrize("which", ["page", "bench"])
+def test_the_first_screen_holds_verdict_figure_table_and_files(tmp_path, which, request):
+    text = request.getfixturevalue(which)
+    bottoms = browser.probe(tmp_path, text, PLACES, width=1366, height=768)
+    assert max(bottoms) <= 768
+
+
+@pytest.mark.parametrize("which", ["page", "bench"])
+def test_a_phone_shows_all_of_it_in_letters_that_can_be_read(tmp_path, which, request):
+    script = """
+        const seen = [...document.querySelectorAll("figure text, p, td, dd, dt, li")]
+            .filter((one) => one.getClientRects().length && one.textContent.trim());
+        const size = (one) => {
+            const svg = one.closest("svg[viewBox]");
+            const scale = svg ? svg.getBoundingClientRect().width / svg.viewBox.baseVal.width : 1;
+            return parseFloat(getComputedStyle(one).fontSize) * scale;
+        };
+        return {
+            wide: document.documentElement.scrollWidth,
+            least: Math.min(...seen.map(size)),
+            figures: document.querySelectorAll("svg.narrow").length,
+        };
+    """
+    text = request.getfixturevalue(which)
+    found = browser.probe(tmp_path, text, script, width=390, height=844)
+    assert found["wide"] <= 390
+    assert found["least"] >= 12
+    assert found["figures"] > 0
+
+
+COLOURS = """
+    const style = (what, name) => getComputedStyle(document.querySelector(what))[name];
+    return [style("body", "backgroundColor"), style("body", "color"),
+            style("#figure-lead .panel path[data-name=measured]", "stroke")];
+"""
+
+
+@pytest.mark.parametrize(("flags", "theme"), [((), 0), ((DARK,), 1)], ids=["light", "dark"])
+def test_page_and_figures_follow_the_theme_that_the_reader_prefers(tmp_path, page, flags, theme):
+    found = browser.probe(tmp_path, page, COLOURS, width=1366, height=768, flags=flags)
+    expected = [tokens.COLOURS[name][theme] for name in ("panel", "ink", "measured")]
+    numbers = [[int(n) for n in re.findall(r"\d+", colour)] for colour in found]
+    assert numbers == [[int(c[i : i + 2], 16) for i in (1, 3, 5)] for c in expected]
+
+
+def test_the_policy_lets_the_page_work_and_nothing_complains(tmp_path, page):
+    (tmp_path / "page.html").write_text(page, encoding="utf-8")
+    said = browser.run(
+        tmp_path, "--virtual-time-budget=3000", "--dump-dom", f"file://{tmp_path / 'page.html'}"
+    )
+    assert 'class="read"' in said.stdout  # the script has run
+    assert not re.search(r"CONSOLE|Content Security Policy", said.stderr)
+    changed = page.replace('"use strict";', '"use strict"; ', 1)
+    (tmp_path / "page.html").write_text(changed, encoding="utf-8")
+    said = browser.run(
+        tmp_path, "--virtual-time-budget=3000", "--dump-dom", f"file://{tmp_path / 'page.html'}"
+    )
+    assert 'class="read"' not in said.stdout  # another script has not
+
+
+READ = """
+    const svg = document.querySelector("#figure-lead svg.wide");
+    const out = document.querySelector("#figure-lead .read");
+    const panel = svg.querySelector(".panel");
+    const key = (key, shiftKey = false) =>
+        svg.dispatchEvent(new KeyboardEvent("keydown", {key, shiftKey}));
+    const view = () => svg.querySelector(".plot").getAttribute("viewBox");
+    const at = (x, y) => {
+        const box = svg.getBoundingClientRect(), scale = box.width / svg.viewBox.baseVal.width;
+        const [bx, by, w, h] = panel.dataset.box.split(" ").map(Number);
+        return {clientX: box.left + scale * (bx + x * w), clientY: box.top + scale * (by + y * h),
+                bubbles: true, pointerId: 1, pointerType: "pen", button: 0};
+    };
+    const pointer = (kind, x, y) => svg.dispatchEvent(new PointerEvent(kind, at(x, y)));
+    const said = [], views = [view()];
+    pointer("pointermove", 0.25, 0.5); said.push(out.textContent);
+    pointer("pointerdown", 0.2, 0.5);
+    pointer("pointermove", 0.6, 0.52);
+    pointer("pointerup", 0.6, 0.52);
+    views.push(view());
+    const ticks = [...svg.querySelectorAll(".ticks text[text-anchor=middle]")]
+        .map((one) => one.textContent);
+    svg.dispatchEvent(new MouseEvent("dblclick")); views.push(view());
+    key("Home"); said.push(out.textContent);
+    key("ArrowRight", true); said.push(out.textContent);
+    key("+"); views.push(view());
+    key("0"); views.push(view());
+    return {said, views, ticks, axis: panel.dataset.x};
+"""
+
+
+def test_the_frf_is_zoomed_and_read_off_by_pointer_and_keyboard(tmp_path, page):
+    found = browser.probe(tmp_path, page, READ, width=1366, height=768)
+    _, low, high = found["axis"].split()
+    low, high = float(low), float(high)
+    for said, part in zip(found["said"], (0.25, 0.0, 0.05), strict=True):
+        f = low * (high / low) ** part
+        match = re.match(r"frequency ([\d.]+) Hz; accelerance, 1/kg: (.*)", said)
+        assert float(match[1]) == pytest.approx(f, rel=2e-3)
+        values = dict(re.findall(r"(measured|joint solid) ([\d.]+)", match[2]))
+        measured = np.interp(f, S.measured.frequency, np.abs(S.measured.value))
+        assert float(values["measured"]) == pytest.approx(measured, rel=0.02)
+        limits = re.search(r"bound over unresolved arms ([\d.]+) to ([\d.]+)", match[2])
+        assert float(limits[1]) < float(limits[2])
+    whole, dragged, back, nearer, again = found["views"]
+    _, y0, wide, tall = map(float, whole.split())
+    left, top, part, height = map(float, dragged.split())
+    # a flat drag zooms the frequency alone
+    assert (left, part) == (pytest.approx(0.2 * wide, abs=30), pytest.approx(0.4 * wide, abs=30))
+    assert (top, height) == (y0, tall)
+    assert [float(tick) for tick in found["ticks"]] == sorted(float(t) for t in found["ticks"])
+    assert len(found["ticks"]) >= 3
+    assert low < float(found["ticks"][0]) < float(found["ticks"][-1]) < high
+    assert float(nearer.split()[2]) == pytest.approx(wide / 2, rel=0.01)
+    assert whole == back == again
+
+
+def test_paper_has_all_that_is_folded(tmp_path, page):
+    reader = shutil.which("pdftotext")
+    if reader is None:
+        pytest.skip("no pdftotext on this machine (apt-get install poppler-utils)")
+    # without the script, which opens the folds, too
+    bare = re.sub(r"<script>.*</script>", "", page, flags=re.DOTALL)
+    for name, text in (("with", page), ("without", bare)):
+        (tmp_path / f"{name}.html").write_text(text, encoding="utf-8")
+        browser.run(tmp_path, "--no-pdf-header-footer", f"--print-to-pdf={tmp_path / name}.pdf",
+                    f"file://{tmp_path / name}.html")  # fmt: skip
+        printed = subprocess.run(
+            [reader, "-layout", f"{tmp_path / name}.pdf", "-"], check=True, capture_output=True,
+            text=True,
+        ).stdout  # fmt: skip
+        words = re.sub(r"\s+", " ", printed)
+        for part in ("Use with care", "Recommended: solid of both tests", "Tested by, date",
+                     "How many arms", "The numbers to take along", "residual of two arms, mN",
+                     "measured 12.71"):  # fmt: skip
+            assert part in words, (name, part)
+        assert handmade.SHA[:20] in re.sub(r"\s+", "", printed)
+        for check in S.every_check:
+            assert unescape(check.says).split()[0] in words
