@@ -63,7 +63,8 @@ def with_force(tmp_path: Path, *force: str) -> Path:
 def test_a_mark_of_no_reading_is_nines_far_away(
     tmp_path: Path, mark: str, beside: str, left_out: bool
 ) -> None:
-    test = read_relaxation(with_force(tmp_path, "1.00000", mark, beside))
+    sure = ReadOptions(units={"force": "N"})  # kilonewtons are meant
+    test = read_relaxation(with_force(tmp_path, "1.00000", mark, beside), options=sure)
     assert (len(test.time) == len(truth()[0]) - 1) is left_out
     assert any("a mark of no reading" in note for note in test.source.notes) is left_out
 
