@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from dashpot.base.student_t import central_probability, t_quantile
 from dashpot.engine.inference.covariance import (
@@ -47,6 +48,29 @@ def test_kappa_of_white_and_of_autoregressive_noise() -> None:
     assert noise.kappa == pytest.approx((1 + rho) / (1 - rho), rel=0.15)
     assert noise.durbin_watson == pytest.approx(2 * (1 - rho), rel=0.05)
     assert noise.effective == pytest.approx(100_000 / noise.kappa)
+
+
+def test_a_wander_lost_in_the_scatter_shows_in_means() -> None:
+    """A tenth of the scatter that remembers 500 samples: eleven times the power at slow arms."""
+    n, memory, share = 20_000, 500, 0.1
+    found, white_found = [], []
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        scatter, kept = rng.standard_normal(n), np.exp(-1 / memory)
+        steps = rng.standard_normal(2 * n) * np.sqrt(1 - kept**2)
+        wander = lfilter([1.0], [1.0, -kept], steps)[n:]
+        found.append(noise_of(scatter + share * wander).power)
+        white_found.append(noise_of(scatter).power)
+    assert np.median(found) == pytest.approx(1 + 2 * share**2 * memory, rel=0.35)
+    assert np.min(found) > 3
+    assert np.max(white_found) < 1.3
+
+
+def test_means_that_show_nothing_leave_the_correlations_of_neighbours() -> None:
+    rng = np.random.default_rng(3)
+    alone = noise_of(autoregressive(rng, 5000, 0.6))
+    assert len(alone.autocovariance) < 100
+    assert alone.kappa == pytest.approx(4.0, rel=0.25)
 
 
 def test_white_noise_scales_by_n_less_p() -> None:

@@ -30,7 +30,7 @@ def test_what_is_known_before_the_fit() -> None:
     assert known.offset.sd == pytest.approx(4e-3 / np.sqrt(1500), rel=0.2)
     assert known.drift_from == "unknown"
     # what a cell of which nothing is known may drift: half a per cent of 1.57 N in 41 s
-    assert known.drift.sd == pytest.approx(5e-3 * 1.573 / 41, rel=0.02)
+    assert known.drift.sd == pytest.approx(3.5e-3 * 1.573 / 41, rel=0.02)
     assert known.delay == (0.0, pytest.approx(1e-3))
     assert 1400 < known.first < 1530
 

@@ -72,7 +72,7 @@ def priors(record: RampHold) -> Priors:
     :math:`s\sqrt{\kappa/n}`; of a record that begins on the ramp it is the first reading, with
     the force that the first compression may have given. The drift is the slope of those samples
     where they tell it to 1e-3 of the final force over the record; else 0 with the standard
-    deviation of the data sheet (`Machine.drift`), or with 5e-3 of the final force over the record.
+    deviation of the data sheet (`Machine.drift`), or 3.5e-3 of the final force over the record.
     The delay is 0 with the larger of one sample, `Machine.sync` and 1/(2 pi f) of a named filter.
     """
     time, force = record.time - record.time[0], record.force

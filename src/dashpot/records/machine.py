@@ -10,7 +10,7 @@ from dashpot.base.options import option
 from dashpot.base.units import si_fields
 
 # a load cell of which nothing is known drifts by this part of the final force over the record
-UNKNOWN_DRIFT = 5e-3
+UNKNOWN_DRIFT = 3.5e-3
 # a baseline tells the drift if it leaves less than this part of the final force over the record
 TOLD_DRIFT = 1e-3
 
@@ -49,7 +49,7 @@ class Machine:
     def drift_sd(self, final: float, duration: float) -> float:
         """Standard deviation of the drift, N/s; of a cell not described, from the final force, N.
 
-        It may drift by half a per cent of that over a record of `duration`, s.
+        It may drift by 0.35 % of that over a record of `duration`, s.
         """
         return UNKNOWN_DRIFT * final / duration if self.drift is None else self.drift
 

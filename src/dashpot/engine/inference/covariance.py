@@ -29,6 +29,9 @@ _EVEN_GAIN = 2.0
 # parameters per effective residual beyond which the fit's own part is given back lag by lag
 _WORTH_GIVING_BACK = 0.005
 _ROUNDS = 3
+# means over a few samples, about so many to a record and never of fewer samples, are asked for slow
+# noise; so much more power than every sample shows is no chance
+_MEANS, _FEWEST, _HIDDEN = (1024, 256), 4, 1.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +61,11 @@ class Noise:
         """Effective number of independent residuals, n / kappa."""
         return self.samples / self.kappa
 
+    @property
+    def power(self) -> float:
+        """Sum of the autocovariance over all lags: what means over very many samples scatter by."""
+        return float(self.autocovariance[0] * self.kappa)
+
 
 def noise_of(
     residual: FloatArray, jacobian: FloatArray | None = None, *, rounding: float = 0.0
@@ -70,8 +78,42 @@ def noise_of(
     .. math:: E[\hat\gamma_l] = \gamma_l - \frac Sn \sum_k \sum_i Q_{ik} Q_{i+l,k}
 
     to first order, which is given back; for white noise that is the usual n/(n - p).
+
+    A slow wander much smaller than the scatter of the samples is lost among their correlations,
+    though a sum of many lags of it is what the slow arms meet. So means over many samples, which
+    scatter less, are asked as well, and the scale that shows the most power decides.
+
     Residuals of rms below `rounding` are rounding errors, not noise: their pattern says nothing.
     """
+    fine = _seen(residual, jacobian, rounding=rounding)
+    worst, power, apart = fine, fine.power, 1
+    for means in _MEANS:
+        few = len(residual) // means
+        if few < _FEWEST or fine.autocovariance[0] <= rounding**2:
+            continue
+        coarse = _seen(_means(residual, few), None if jacobian is None else _means(jacobian, few))
+        if few * coarse.power > max(_HIDDEN * fine.power, power):
+            worst, power, apart = coarse, few * coarse.power, few
+    return fine if worst is fine else _joined(fine, worst.autocovariance, apart)
+
+
+def _joined(fine: Noise, slow: FloatArray, few: int) -> Noise:
+    """The noise whose autocovariance beyond what every sample shows is that of means over a few."""
+    gamma, cut = fine.autocovariance, len(fine.autocovariance)
+    lag = np.arange(cut, max(few * len(slow), cut))
+    # between one mean and its neighbour it is at least what neighbours share
+    beyond = np.interp(lag / few, np.arange(1, len(slow) + 1), np.append(slow[1:], 0.0))
+    kept = np.concatenate((gamma, beyond))
+    return Noise(fine.samples, kept, _kappa(kept), fine.durbin_watson)
+
+
+def _means(values: FloatArray, few: int) -> FloatArray:
+    whole = len(values) // few * few
+    return np.asarray(values[:whole].reshape(-1, few, *values.shape[1:]).mean(axis=1))
+
+
+def _seen(residual: FloatArray, jacobian: FloatArray | None, *, rounding: float = 0.0) -> Noise:
+    """What the correlations of neighbours say, up to the lag at which chance takes over."""
     n = len(residual)
     gamma = autocovariance(residual)
     parameters = 0 if jacobian is None else jacobian.shape[1]
