@@ -29,9 +29,9 @@ _EVEN_GAIN = 2.0
 # parameters per effective residual beyond which the fit's own part is given back lag by lag
 _WORTH_GIVING_BACK = 0.005
 _ROUNDS = 3
-# means over a few samples, about so many to a record and never of fewer samples, are asked for slow
-# noise; so much more power than every sample shows is no chance
-_MEANS, _FEWEST, _HIDDEN = (1024, 256), 4, 1.5
+# slow noise is sought in about so many means to a record, never of fewer samples than that; so many
+# times the scatter of its power under white noise is no chance: one white record in 100 has more
+_MEANS, _FEWEST, _BY_CHANCE = 1024, 4, 6.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,20 +81,20 @@ def noise_of(
 
     A slow wander much smaller than the scatter of the samples is lost among their correlations,
     though a sum of many lags of it is what the slow arms meet. So means over many samples, which
-    scatter less, are asked as well, and the scale that shows the most power decides.
+    scatter less, are asked as well.
 
     Residuals of rms below `rounding` are rounding errors, not noise: their pattern says nothing.
     """
     fine = _seen(residual, jacobian, rounding=rounding)
-    worst, power, apart = fine, fine.power, 1
-    for means in _MEANS:
-        few = len(residual) // means
-        if few < _FEWEST or fine.autocovariance[0] <= rounding**2:
-            continue
-        coarse = _seen(_means(residual, few), None if jacobian is None else _means(jacobian, few))
-        if few * coarse.power > max(_HIDDEN * fine.power, power):
-            worst, power, apart = coarse, few * coarse.power, few
-    return fine if worst is fine else _joined(fine, worst.autocovariance, apart)
+    few = len(residual) // _MEANS
+    if few < _FEWEST or fine.autocovariance[0] <= rounding**2:
+        return fine
+    coarse = _seen(_means(residual, few), None if jacobian is None else _means(jacobian, few))
+    # a sum over so many lags of white means scatters by that
+    chance = np.sqrt(len(coarse.autocovariance) / _MEANS)
+    if few * coarse.power <= (1 + _BY_CHANCE * chance) * fine.power:
+        return fine
+    return _joined(fine, coarse.autocovariance, few)
 
 
 def _joined(fine: Noise, slow: FloatArray, few: int) -> Noise:
