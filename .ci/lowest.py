@@ -4,5 +4,6 @@ import tomllib
 from pathlib import Path
 
 project = tomllib.loads(Path("pyproject.toml").read_text("utf-8"))["project"]
-for dependency in project["dependencies"] + project["optional-dependencies"]["io"]:
+extras = project["optional-dependencies"]
+for dependency in project["dependencies"] + extras["io"] + extras["frames"]:
     print(dependency.replace(">=", "=="))

@@ -1,13 +1,17 @@
-"""Draw the pictures of the README: the paper's result on the simulated broad seal."""
+"""Draw the picture of the README, and the gallery of the documentation."""
 
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import dashpot as dp
+from dashpot import workflow
 from dashpot.simulation.impact import simulate_impact
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.table_1 import BROAD, BROAD_MASS
 
-FOLDER = Path(__file__).parent / "pictures"
+DOCS = Path(__file__).parent
+HERO = DOCS / "pictures" / "hero.png"
+GALLERY = DOCS / "_pictures"
 
 
 def main() -> None:
@@ -18,8 +22,42 @@ def main() -> None:
     study = dp.characterise(
         bench.test, frf, impact=hammer.test, mass=BROAD_MASS, seals=2, arms=2, band=(4.0, 40.0)
     )
-    FOLDER.mkdir(exist_ok=True)
-    dp.plot.save(dp.plot.hero(study), FOLDER / "hero.png")
+    HERO.parent.mkdir(exist_ok=True)
+    dp.plot.save(dp.plot.hero(study), HERO)
+
+
+def gallery() -> None:
+    """Draw one picture of every kind, of the example files."""
+    with TemporaryDirectory() as place:
+        files = {name: Path(place) / name for name in workflow.EXAMPLES}
+        for name, path in files.items():
+            path.write_text(workflow.EXAMPLES[name](), encoding="utf-8")
+        made = _drawn(files)
+    GALLERY.mkdir(exist_ok=True)
+    for name, picture in made.items():
+        dp.plot.save(picture, GALLERY / f"{name}.svg")
+
+
+def _drawn(files: dict[str, Path]) -> dict[str, dp.plot.Picture]:
+    hits = dp.read_impact(files["hammer.csv"])
+    frf = dp.estimate_frf(hits, mass=workflow.MASS)
+    test = dp.read_relaxation(files["seal_8mm.csv"])
+    study = dp.characterise(test, frf, impact=hits, mass=workflow.MASS, seals=2)
+    depths = dp.fit([dp.read_relaxation(files[f"depth_{d}mm.csv"]) for d in (4, 6, 8)])
+    return {
+        "hero": study.plot(),
+        "segments": study.prepared.plot(),
+        "fit": dp.plot.fit(study.fit, study.prepared),
+        "stiffness": dp.plot.stiffness(study.fit, parameters=study.parameters, unseen=study.unseen),
+        "spectrum": dp.plot.spectrum(study.fit, joint=study.joint),
+        "hits": dp.plot.hits(hits, frf),
+        "frf": frf.plot(),
+        "nyquist": dp.plot.nyquist(frf),
+        "dynamic_stiffness": dp.plot.dynamic_stiffness(study.direct, joint=study.joint),
+        "comparison": dp.plot.comparison(study.comparison, joint=study.joint_comparison),
+        "elastic_law": dp.plot.elastic_law(depths),
+        "columns": dp.inspect_file(files["seal_8mm.csv"]).plot(),
+    }
 
 
 if __name__ == "__main__":

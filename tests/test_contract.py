@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,7 +15,6 @@ from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.table_1 import BROAD, BROAD_MASS
 
-README = Path(__file__).resolve().parents[1] / "README.md"
 MASS = ["--mass", f"{BROAD_MASS} kg", "--seals", "2"]
 
 
@@ -40,16 +37,6 @@ def run(*words, expect=0):
 
 def document(*words, expect=0):
     return json.loads(run(*words, "--json", expect=expect).stdout)
-
-
-def test_the_readme_runs_as_written(folder, monkeypatch, capsys):
-    monkeypatch.chdir(folder)
-    (code,) = re.findall(r"```python\n(.*?)```", README.read_text(encoding="utf-8"), re.DOTALL)
-    names = {}
-    exec(compile(code, "README.md", "exec"), names)  # noqa: S102
-    assert "peak frequency" in capsys.readouterr().out
-    assert names["fit"].model.arms == 2
-    assert "CBUSH" in names["deck"]
 
 
 def test_python_contract(folder):

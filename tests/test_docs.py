@@ -1,21 +1,118 @@
-"""What the documents say is there, is there."""
+"""What the documents say is there, is there; and every command in them runs as it stands."""
 
 from __future__ import annotations
 
+import doctest
 import re
 import shlex
+import shutil
 import tomllib
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 from click.testing import CliRunner
 
+import dashpot as dp
+from dashpot import workflow
 from dashpot.cli import COMMANDS, main
 from dashpot.cli.export import TARGETS as OFFERED
 from dashpot.export import TARGETS
 
 ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+PAGES = sorted(
+    path.relative_to(ROOT).as_posix()
+    for path in (ROOT / "README.md", *(ROOT / "docs").rglob("*.md"))
+    if "_build" not in path.parts
+)
+ELSEWHERE = {"demo": ".ci/run"}
+"""Commands that another place runs: they take long."""
+
+
+class Typed(NamedTuple):
+    """A command of a page, and what the page says it prints; None if it does not."""
+
+    line: str
+    prints: str | None
+
+
+def typed(text: str) -> list[Typed]:
+    """Every line of a page's shell blocks that calls dashpot."""
+    found = []
+    for kind, block in re.findall(r"^```(sh|console)\n(.*?)^```", text, flags=re.DOTALL | re.M):
+        if kind == "sh":
+            found += [
+                Typed(line, None) for line in block.splitlines() if line.startswith("dashpot ")
+            ]
+            continue
+        for part in re.split(r"^\$ ", block, flags=re.M)[1:]:
+            line, _, prints = part.partition("\n")
+            found.append(Typed(line, prints))
+    return found
+
+
+def commands(page: str) -> list[Typed]:
+    return typed((ROOT / page).read_text("utf-8"))
+
+
+@pytest.fixture(scope="session")
+def example(tmp_path_factory):
+    """The example files and the fit of the first, written once."""
+    folder = tmp_path_factory.mktemp("example")
+    for name, made in workflow.EXAMPLES.items():
+        (folder / name).write_text(made(), encoding="utf-8")
+    fit = dp.fit(dp.read_relaxation(folder / "seal_8mm.csv"))
+    (folder / "fit.json").write_text(dp.to_json(fit), encoding="utf-8")
+    return folder
+
+
+@pytest.fixture
+def bench(example, tmp_path, monkeypatch):
+    """A folder with the example files, to work in."""
+    for path in example.iterdir():
+        shutil.copy(path, tmp_path)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def agree(wanted: str, got: str) -> bool:
+    how = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
+    return doctest.OutputChecker().check_output(wanted, got, how)
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if commands(page)])
+def test_every_command_runs_as_it_stands(page, bench):
+    """In the page's order, in a folder with the example files."""
+    for line, prints in commands(page):
+        _, name, *words = shlex.split(line, comments=True)
+        if name in ELSEWHERE:
+            assert f"dashpot {name}" in (ROOT / ELSEWHERE[name]).read_text("utf-8")
+            continue
+        result = CliRunner().invoke(main, [name, *words])
+        refused = prints is not None and prints.startswith("dashpot: ")
+        assert result.exit_code == 2 * refused, f"{line}\n{result.output}"
+        if prints is not None:
+            assert agree(prints, result.output), f"{line}\n{prints}\n--- printed\n{result.output}"
+
+
+def test_commands_are_found_and_output_is_compared():
+    page = (
+        "```sh\ndashpot fit a # b\npip install x\n```\n```console\n$ dashpot plan\nuse: x\n...\n```"
+    )
+    assert typed(page) == [Typed("dashpot fit a # b", None), Typed("dashpot plan", "use: x\n...\n")]
+    assert agree("use: 1.2...  N\n", "use: 1.234 N\n")
+    assert not agree("use: 1.3... N\n", "use: 1.234 N\n")
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/first_seal.md", "docs/howto/own_file.md",
+                                  "docs/howto/joint.md"])  # fmt: skip
+def test_the_python_of_a_page_runs_as_it_stands(page, bench):
+    (code,) = re.findall(r"```python\n(.*?)```", (ROOT / page).read_text("utf-8"), re.DOTALL)
+    names = {}
+    exec(compile(code, page, "exec"), names)  # noqa: S102
+    if "deck" in names:
+        assert "CBUSH" in names["deck"]
 
 
 @pytest.mark.parametrize("name", COMMANDS)
@@ -26,15 +123,36 @@ def test_every_command_is_documented(name):
     assert f"dashpot {name} " in help_text.output or f"dashpot {name}\n" in help_text.output
 
 
-def test_every_option_in_the_readme_exists():
-    for line in re.findall(r"^(dashpot .*)$", README, flags=re.MULTILINE):
-        words = shlex.split(line.split("#")[0])
-        if len(words) < 2 or words[1] not in COMMANDS:
-            continue
-        known = CliRunner().invoke(main, [words[1], "--help"]).output
-        for word in words[2:]:
-            if word.startswith("-") and word != "-":
-                assert re.search(rf"(?<![\w-]){re.escape(word)}(?![\w-])", known), line
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_completion_is_made_as_the_page_says(shell):
+    page = (ROOT / "docs" / "howto" / "shell.md").read_text("utf-8")
+    assert f"_DASHPOT_COMPLETE={shell}_source dashpot" in page
+    done = CliRunner(env={"_DASHPOT_COMPLETE": f"{shell}_source"}).invoke(main, prog_name="dashpot")
+    assert done.exit_code == 0
+    assert "_DASHPOT_COMPLETE" in done.output
+
+
+def completed(*words):
+    """What the shell offers after those words."""
+    env = {
+        "_DASHPOT_COMPLETE": "bash_complete",
+        "COMP_WORDS": " ".join(["dashpot", *words]),
+        "COMP_CWORD": str(len(words)),
+    }
+    return CliRunner(env=env).invoke(main, prog_name="dashpot").output.split()
+
+
+def test_commands_options_and_files_are_completed():
+    assert completed("rep") == ["plain,report"]
+    assert "plain,--strict" in completed("fit", "--st")
+    for words in (("fit", "seal"), ("predict", "f"), ("report", "s"), ("compare", "fit.json", "h"),
+                  ("fit", "seal.csv", "-o", "f"), ("fit", "a.csv", "--plot", "p"),
+                  ("report", "a.csv", "--impact", "h"), ("identify", "h", "--with", "s"),
+                  ("fit", "a.csv", "--profile", "l"), ("verify", "d"),
+                  ("report", "a.csv", "--project", "d"), ("demo", "-o", "d")):  # fmt: skip
+        offered = completed(*words)
+        assert offered
+        assert {one.split(",")[0] for one in offered} <= {"file", "dir"}, words
 
 
 def test_the_command_line_offers_every_deck():

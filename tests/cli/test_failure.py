@@ -145,11 +145,11 @@ def outputs(name):
 def test_every_command_that_writes_can_be_told_to_replace(name):
     command, written = outputs(name)
     known = {option for one in command.params for option in one.opts}
-    assert ("--overwrite" in known) == bool(written or name == "demo")
+    assert ("--overwrite" in known) == bool(written or name in {"demo", "example"})
     # no option names a file to write without saying so
     assert {"-o", "--plot", "--save-profile", "--direct"} & known <= {
         option for one in written for option in one.opts
-    } | ({"-o"} if name == "demo" else set())
+    } | ({"-o"} if name in {"demo", "example"} else set())
 
 
 def test_pictures_are_those_that_are_drawn():

@@ -29,6 +29,7 @@ COMMANDS = {
     "simulate": "The virtual rig and hammer, stamped 'simulated'.",
     "plan": "What a test can and cannot tell, before it is run.",
     "verify": "Check a project's hashes and recompute its results.",
+    "example": "Two simulated tests to learn on.",
     "demo": "The whole story on two simulated seals.",
 }
 
@@ -70,7 +71,7 @@ def main() -> None:
     """From the relaxation test of a seal to a validated vibration model.
 
     \b
-    dashpot demo                                       see the whole story on simulated tests
+    dashpot example                                    two simulated tests to learn on
     dashpot inspect seal.csv                           what is in a file
     dashpot fit seal.csv                               the solid, and how well it is known
     dashpot report seal.csv --impact hammer.csv --mass 104g --seals 2 -o report.html

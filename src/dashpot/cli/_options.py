@@ -13,7 +13,7 @@ import click
 from dashpot.base.errors import DashpotError
 from dashpot.base.options import flag_of
 from dashpot.base.units import Dimension, parse_quantity, parse_range
-from dashpot.cli._shell import Output, opens, reads
+from dashpot.cli._shell import File, Output, opens, reads
 from dashpot.io.options import ReadOptions
 from dashpot.records.machine import Machine
 from dashpot.records.specimen import Specimen
@@ -123,6 +123,8 @@ def _type(one: Field[Any]) -> click.ParamType[Any] | None:
         return Quantity(asked["unit"])
     if "choices" in asked:
         return click.Choice(asked["choices"])
+    if asked.get("metavar") == "FILE":
+        return File()
     return click.IntRange(asked["least"]) if "least" in asked else None
 
 
@@ -150,7 +152,9 @@ def hammer(function: Callable[..., T]) -> Callable[..., T]:
 def reading(function: Callable[..., T]) -> Callable[..., T]:
     """Give a command the reading options and ``--profile``; it receives one ``options``."""
 
-    @click.option("--profile", metavar="FILE", help="Saved answers, TOML; options win over it.")
+    @click.option(
+        "--profile", type=File(), metavar="FILE", help="Saved answers, TOML; options win over it."
+    )
     @functools.wraps(function)
     def command(*, options: ReadOptions, profile: str | None, **given: Any) -> T:
         return function(options=over_profile(options, profile), **given)

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import click
+from click.shell_completion import CompletionItem
 
 import dashpot as dp
 from dashpot.base.errors import ReadError
@@ -123,13 +124,28 @@ def printed(found: object, more: Mapping[str, Any] | None = None) -> str:
     return escaped_json(json.dumps(whole, indent=2, ensure_ascii=False, allow_nan=False))
 
 
-class Output(click.ParamType[str]):
-    """A file that the command writes; ``-`` is stdout."""
+class File(click.ParamType[str]):
+    """A file that the command reads; the shell completes it."""
 
     name = "file"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
         return str(value)
+
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
+        return [CompletionItem(incomplete, type=self.name)]
+
+
+class Folder(File):
+    """A folder."""
+
+    name = "dir"
+
+
+class Output(File):
+    """A file that the command writes; ``-`` is stdout."""
 
 
 def _outputs(context: click.Context, *, may_replace: bool) -> Outputs:

@@ -67,7 +67,7 @@ def fit(found: Fit) -> Text:
         lines.append(f"  elastic law {_law(found.elastic_law)}")
     if found.end_of_hold:
         lines.append(f"  left open   {ascii_only(found.end_of_hold.says)}")
-    lines += [*_explained(found), *_moved(found)]
+    lines += [*_by_depth(found), *_explained(found), *_moved(found)]
     details = [f"  optimiser   {found.status.value}"]
     if found.certificate:
         details.append(f"  certificate {found.certificate.says}")
@@ -129,6 +129,21 @@ def _parameters(found: Fit) -> list[str]:
     return table(rows)
 
 
+def _by_depth(found: Fit) -> list[str]:
+    """Return the stiffnesses of each depth, where each has its own."""
+    if not found.by_depth:
+        return []
+    unit, _, scale = _SHOWN.get(found.unit, (found.unit, "", 1.0))
+    names = ["k_inf", *(f"k_{j + 1}" for j in range(found.model.arms))]
+    rows = [[f"  by depth, {unit}", *names]]
+    for one in found.by_depth:
+        known = zip((one.k_inf, *one.k), (one.k_inf_se, *one.k_se), strict=True)
+        rows.append(
+            [f"  {1e3 * one.depth:.4g} mm", *(with_error(k, se, scale=scale) for k, se in known)]
+        )
+    return table(rows)
+
+
 def _moved(found: Fit) -> list[str]:
     """Return what a further test changed, one parameter a row."""
     if not found.moved:
@@ -151,7 +166,7 @@ def _explained(found: Fit) -> list[str]:
     """Return what would explain two tests that disagree, the best first."""
     return [
         ascii_only(
-            f"  {'explained by' if one.explains else 'not by     '} {one.says} "
+            f"  explained?  {'yes' if one.explains else 'no'}: {one.says} "
             f"(chi2 falls by {one.fall:.4g})"
         )
         for one in found.explanations

@@ -12,13 +12,13 @@ from dashpot import workflow
 from dashpot.base.checks import verdict
 from dashpot.cli import _options as options
 from dashpot.cli import _text
-from dashpot.cli._shell import Outcome, grams, read_fit, reports, typed, write_figure
+from dashpot.cli._shell import File, Outcome, grams, read_fit, reports, typed, write_figure
 from dashpot.cli._terminal import Text
 
 
 @click.command("compare")
-@click.argument("fit")
-@click.argument("measured", nargs=-1, required=True, metavar="IMPACT|FRF...")
+@click.argument("fit", type=File())
+@click.argument("measured", type=File(), nargs=-1, required=True, metavar="IMPACT|FRF...")
 @options.mass_if_known
 @options.seal_mass
 @options.seals

@@ -12,7 +12,7 @@ from dashpot import workflow
 from dashpot.base.progress import doing
 from dashpot.cli import _options as options
 from dashpot.cli import _text
-from dashpot.cli._shell import Outcome, claim, reports, typed, write
+from dashpot.cli._shell import Folder, Outcome, claim, reports, typed, write
 from dashpot.cli._terminal import Text
 from dashpot.cli.simulate import impact, relaxation, seal
 
@@ -28,7 +28,9 @@ FILES = (
 
 
 @click.command("demo")
-@click.option("-o", "--output", metavar="DIR", default="dashpot-demo", show_default=True)
+@click.option(
+    "-o", "--output", type=Folder(), metavar="DIR", default="dashpot-demo", show_default=True
+)
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the noise.")
 @options.force
 @reports
@@ -58,7 +60,7 @@ def command(*, output: str, seed: int) -> Outcome:
         "seed": seed,
         "seals": {name: _numbers(story, folder, name) for name, story in stories.items()},
     }
-    follow = typed("inspect", folder / "broad_relaxation.csv")
+    follow = typed("example", why="two files to try by hand")
     return Outcome(document, Text(lines, details), follow=follow)
 
 

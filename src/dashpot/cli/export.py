@@ -13,7 +13,7 @@ from dashpot.base.errors import ExportError
 from dashpot.cli import _options as options
 from dashpot.cli._echo import to_stderr
 from dashpot.cli._options import Quantity, Range
-from dashpot.cli._shell import Outcome, read_fit, reports, write
+from dashpot.cli._shell import File, Outcome, read_fit, reports, write
 from dashpot.cli._terminal import Text
 from dashpot.records.specimen import Specimen
 
@@ -25,7 +25,7 @@ TARGETS = (
 
 
 @click.command("export")
-@click.argument("fit")
+@click.argument("fit", type=File())
 @click.option("--to", "target", type=click.Choice(TARGETS), required=True)
 @click.option("--units", metavar="SI|mm-t-s|mm-kg-ms", help="The deck's unit system; required.")
 @click.option("--form", help="E.g. arms, table, prony; each target has its own.")
@@ -33,7 +33,10 @@ TARGETS = (
 @click.option("--tolerance", type=float, help="Largest relative FRF error of a table, e.g. 1e-3.")
 @click.option("--mass", type=Quantity("mass"), help="CalculiX: a complete deck with this mass.")
 @click.option(
-    "--line", metavar="FILE", help="Nastran: seal line, CSV with x, y, z columns in units."
+    "--line",
+    type=File(),
+    metavar="FILE",
+    help="Nastran: seal line, CSV with x, y, z columns in units.",
 )
 @click.option("--pitch", type=Quantity("length"), help="Distance of elements along the line.")
 @click.option(

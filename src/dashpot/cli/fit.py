@@ -10,11 +10,11 @@ import dashpot as dp
 from dashpot import workflow
 from dashpot.cli import _options as options
 from dashpot.cli import _text
-from dashpot.cli._shell import Outcome, printed, reports, typed, write, write_figure
+from dashpot.cli._shell import File, Outcome, printed, reports, typed, write, write_figure
 
 
 @click.command("fit")
-@click.argument("files", nargs=-1, required=True, metavar="FILE...")
+@click.argument("files", type=File(), nargs=-1, required=True, metavar="FILE...")
 @options.arms
 @click.option(
     "--method",
@@ -71,7 +71,7 @@ def command(
 def _follow(files: tuple[str, ...], output: str | None) -> str:
     if not output:
         return typed("fit", *files, "-o", "fit.json", why="keeps it for predict, compare, export")
-    return "" if output == "-" else typed("predict", output, "--mass", "104g", "--seals", 2)
+    return "" if output == "-" else typed("predict", output, "--mass", "MASS", "--seals", 2)
 
 
 def _figure(found: dp.Fit, records: tuple[Any, ...]) -> dp.plot.Picture:

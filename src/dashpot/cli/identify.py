@@ -12,6 +12,7 @@ from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._options import Quantity, Range, over_profile
 from dashpot.cli._shell import (
+    File,
     Outcome,
     Output,
     is_json,
@@ -28,9 +29,13 @@ _A_DECK = ("--to", "nastran", "--units", "mm-t-s", "-o", "seal.bdf")
 
 
 @click.command("identify")
-@click.argument("measured", nargs=-1, required=True, metavar="IMPACT|FRF...")
-@click.option("--with", "together", metavar="FIT|RELAXATION", multiple=True, help="Fit together.")
-@click.option("--with-profile", metavar="FILE", help="Saved answers for the relaxation tests.")
+@click.argument("measured", type=File(), nargs=-1, required=True, metavar="IMPACT|FRF...")
+@click.option(
+    "--with", "together", type=File(), metavar="FIT|RELAXATION", multiple=True, help="Fit together."
+)
+@click.option(
+    "--with-profile", type=File(), metavar="FILE", help="Saved answers for the relaxation tests."
+)
 @options.mass
 @click.option("--mass-sd", type=Quantity("mass"), help="How well the mass is known.")
 @options.seal_mass

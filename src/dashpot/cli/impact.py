@@ -13,11 +13,11 @@ from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._echo import to_stderr
 from dashpot.cli._options import Quantity, Range
-from dashpot.cli._shell import Outcome, reports, typed, write, write_figure
+from dashpot.cli._shell import File, Outcome, grams, reports, typed, write, write_figure
 
 
 @click.command("impact")
-@click.argument("files", nargs=-1, required=True, metavar="FILE...")
+@click.argument("files", type=File(), nargs=-1, required=True, metavar="FILE...")
 @click.option("--mass", type=Quantity("mass"), help="Block mass: checks the mass line.")
 @click.option("--band", type=Range("frequency"), help="Where to look for modes, e.g. 5:40Hz.")
 @options.picture
@@ -48,8 +48,12 @@ def command(
         None if output == "-" else _text.impact(found),
         found.frf.checks,
         verdict=verdict(found.frf.checks),
-        follow=typed("compare", "fit.json", *files, "--mass", "104g", "--seals", 2),
+        follow=typed("compare", "fit.json", *files, "--mass", _mass(choices), "--seals", 2),
     )
+
+
+def _mass(choices: dict[str, Any]) -> str:
+    return "MASS" if choices["mass"] is None else grams(choices["mass"])
 
 
 def _write(frf: dp.FRF, path: str) -> None:

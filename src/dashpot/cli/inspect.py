@@ -8,7 +8,7 @@ import click
 
 from dashpot import workflow
 from dashpot.cli._options import overwrite, reading
-from dashpot.cli._shell import Outcome, Output, reports, typed, write
+from dashpot.cli._shell import File, Outcome, Output, reports, typed, write
 from dashpot.cli._terminal import Text
 from dashpot.cli._text import table
 from dashpot.io.options import ReadOptions
@@ -27,7 +27,7 @@ _COMMANDS = {
 
 
 @click.command("inspect")
-@click.argument("files", nargs=-1, required=True, metavar="FILE...")
+@click.argument("files", type=File(), nargs=-1, required=True, metavar="FILE...")
 @click.option(
     "--save-profile",
     type=Output(),

@@ -12,11 +12,11 @@ from dashpot.base.checks import verdict
 from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._options import Range
-from dashpot.cli._shell import Outcome, grams, read_fit, reports, typed, write, write_figure
+from dashpot.cli._shell import File, Outcome, grams, read_fit, reports, typed, write, write_figure
 
 
 @click.command("predict")
-@click.argument("fit")
+@click.argument("fit", type=File())
 @options.mass
 @options.seal_mass
 @options.seals
@@ -31,7 +31,14 @@ from dashpot.cli._shell import Outcome, grams, read_fit, reports, typed, write, 
     default="accelerance",
     show_default=True,
 )
-@click.option("--with", "records", metavar="FILE", multiple=True, help="The relaxation record(s).")
+@click.option(
+    "--with",
+    "records",
+    type=File(),
+    metavar="FILE",
+    multiple=True,
+    help="The relaxation record(s).",
+)
 @options.picture
 @options.output("Write the FRF as CSV; - is stdout.")
 @options.overwrite

@@ -12,16 +12,30 @@ from dashpot.base.progress import doing
 from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._options import over_profile
-from dashpot.cli._shell import Outcome, claim, note_written, opens, reports, typed, write
+from dashpot.cli._shell import (
+    File,
+    Folder,
+    Outcome,
+    claim,
+    note_written,
+    opens,
+    reports,
+    typed,
+    write,
+)
 from dashpot.io.options import OF_HAMMER, ReadOptions
 from dashpot.workflow.job import Job
 
 
 @click.command("report")
-@click.argument("relaxation")
-@click.option("--impact", multiple=True, metavar="FILE", help="Hits, or an FRF; repeat for more.")
+@click.argument("relaxation", type=File())
+@click.option(
+    "--impact", type=File(), multiple=True, metavar="FILE", help="Hits, or an FRF; repeat for more."
+)
 @options.mass_if_known
-@click.option("--impact-profile", metavar="FILE", help="Saved answers for the impact files.")
+@click.option(
+    "--impact-profile", type=File(), metavar="FILE", help="Saved answers for the impact files."
+)
 @options.seal_mass
 @options.seals
 @options.compression
@@ -29,9 +43,13 @@ from dashpot.workflow.job import Job
 @options.compared
 @options.filtered
 @click.option("--no-joint", is_flag=True, help="Leave out the joint fit.")
-@click.option("--project", metavar="DIR", help="Keep raw files, results and history there.")
+@click.option(
+    "--project", type=Folder(), metavar="DIR", help="Keep raw files, results and history there."
+)
 @click.option("--title", metavar="TEXT", default="", help="Of the report [default: the specimen].")
-@click.option("--logo", metavar="FILE", help="PNG, JPEG or SVG for its head, up to 100 kB.")
+@click.option(
+    "--logo", type=File(), metavar="FILE", help="PNG, JPEG or SVG for its head, up to 100 kB."
+)
 @options.output("The report [default: report.html].")
 @options.overwrite
 @opens

@@ -9,12 +9,12 @@ import click
 import dashpot as dp
 from dashpot import workflow
 from dashpot.base.checks import verdict
-from dashpot.cli._shell import Outcome, reports
+from dashpot.cli._shell import Folder, Outcome, reports
 from dashpot.cli._terminal import Text
 
 
 @click.command("verify")
-@click.argument("project")
+@click.argument("project", type=Folder())
 @click.option("--expect", metavar="HASH", help="A line of its history, noted when it was the last.")
 @reports
 def command(*, project: str, expect: str | None) -> Outcome:

@@ -29,7 +29,7 @@ def abaqus(
     frequency, for direct and subspace steady-state dynamics; ``"prony"`` a material card
     ``*VISCOELASTIC, TIME=PRONY`` with g_j = k_j/k_0 on the instantaneous modulus.
 
-    Parameters are those of :func:`dashpot.export.nastran.nastran`.
+    Parameters are those of :func:`dashpot.export.nastran`.
     """
     frequency_range = si_range(frequency_range, "frequency")
     deck = open_deck(solid, "abaqus", form, FORMS, units=units, specimen=specimen, allow=allow)

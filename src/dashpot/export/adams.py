@@ -37,7 +37,7 @@ def adams(
     without a root of a polynomial. Both the factors and the coefficients are written: keep the
     factors where the times span many decades.
 
-    Parameters are those of :func:`dashpot.export.nastran.nastran`.
+    Parameters are those of :func:`dashpot.export.nastran`.
 
     Raises
     ------

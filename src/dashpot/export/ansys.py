@@ -25,7 +25,7 @@ def ansys(
     analysis; ``"prony"`` a TB,PRONY table of relative shear moduli alpha_j = k_j/k_0 and times,
     for transient and full harmonic analyses.
 
-    Parameters are those of :func:`dashpot.export.nastran.nastran`.
+    Parameters are those of :func:`dashpot.export.nastran`.
     """
     deck = open_deck(solid, "ansys", form, FORMS, units=units, specimen=specimen, allow=allow)
     return _prony(deck) if form == "prony" else _arms(deck)

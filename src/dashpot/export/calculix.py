@@ -47,7 +47,7 @@ def calculix(
     Parameters
     ----------
     solid, units, specimen, allow
-        As in :func:`dashpot.export.nastran.nastran`.
+        As in :func:`dashpot.export.nastran`.
     form : str
         ``"arms"``.
     mass : float, optional

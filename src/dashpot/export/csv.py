@@ -31,7 +31,7 @@ def csv(
     equivalent, and 1 where the row is extrapolated; ``"arms"`` one row per element. Comments
     stand behind ``#``, so that no cell of the file's own can be taken for a formula.
 
-    Parameters are those of :func:`dashpot.export.nastran.nastran`.
+    Parameters are those of :func:`dashpot.export.nastran`.
     """
     frequency_range = si_range(frequency_range, "frequency")
     deck = open_deck(solid, "csv", form, FORMS, units=units, specimen=specimen, allow=allow)

@@ -35,7 +35,7 @@ def lsdyna(
     Parameters
     ----------
     solid, units, specimen, allow
-        As in :func:`dashpot.export.nastran.nastran`.
+        As in :func:`dashpot.export.nastran`.
     form : str
     modulus, bulk_modulus : float, optional
         Instantaneous shear modulus and elastic bulk modulus of the rubber, Pa; only and always

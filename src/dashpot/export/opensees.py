@@ -32,7 +32,7 @@ def opensees(
     Parameters
     ----------
     solid, units, specimen, allow
-        As in :func:`dashpot.export.nastran.nastran`.
+        As in :func:`dashpot.export.nastran`.
     form : str
         ``"python"`` for OpenSeesPy, ``"tcl"`` for the interpreter.
     first_tag : int

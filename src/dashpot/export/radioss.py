@@ -26,7 +26,7 @@ def radioss(
     Parameters
     ----------
     solid, units, specimen, allow
-        As in :func:`dashpot.export.nastran.nastran`.
+        As in :func:`dashpot.export.nastran`.
     form : str
         ``"prony"``.
     modulus : float

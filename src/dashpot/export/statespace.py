@@ -28,7 +28,7 @@ def statespace(
     with one state per arm, the elongation of its dashpot: A = -diag(1/tau), B = 1/tau,
     C = -k, D = k_inf + sum k, E = b.
 
-    Parameters are those of :func:`dashpot.export.nastran.nastran`.
+    Parameters are those of :func:`dashpot.export.nastran`.
     """
     deck = open_deck(solid, "statespace", form, FORMS, units=units, specimen=specimen, allow=allow)
     rates = [text(1 / tau) for _, tau, _ in deck.arms]

@@ -30,7 +30,7 @@ def columns(
     ----------
     names : sequence of str
     roles : sequence of str or None
-    values : array, shape (rows, columns)
+    values : array, shape (n, m)
         In the file's units; a column without numbers is left out.
     stamp : str
         What the figure says of its origin.

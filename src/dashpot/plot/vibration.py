@@ -110,8 +110,8 @@ def frf(
         One per FRF.
     band : FRFBounds, optional
         Between which limits a relaxation test predicts.
-    interval : (frequency, limits), optional
-        Limits of the accelerance by standard errors alone, 1/kg, shape (2, n), where no band is
+    interval : (array, array), optional
+        Lines, Hz, and limits of the accelerance by standard errors alone, 1/kg, where no band is
         known.
     stamp : str
         What the figure says of its origin; by default the files of the first FRF.

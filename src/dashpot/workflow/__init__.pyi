@@ -1,4 +1,7 @@
 from .archive import document as document
+from .examples import EXAMPLES as EXAMPLES
+from .examples import FIRST as FIRST
+from .examples import MASS as MASS
 from .fits import fit_files as fit_files
 from .impacts import Agreement as Agreement
 from .impacts import ImpactResult as ImpactResult

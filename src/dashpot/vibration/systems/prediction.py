@@ -109,6 +109,8 @@ def model_modes(model: Solid, mass: float) -> tuple[Mode, ...]:
     DataError
         If the mass cannot be.
 
+    Examples
+    --------
     >>> from dashpot.solids.maxwell import GeneralizedMaxwell
     >>> seal = GeneralizedMaxwell(196.5, k=(117.5, 17.8), tau=(59 / 117.5, 292.2 / 17.8))
     >>> (mode,) = model_modes(2 * seal, mass=0.1040426)

@@ -1,0 +1,101 @@
+"""Example files to learn on: simulated, stamped as such, the same every time.
+
+The virtual rig and hammer write them when asked. A package that carried them would carry megabytes
+of numbers that the code makes in a second, and they would be those of an older version.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from types import MappingProxyType
+
+import numpy as np
+
+from dashpot.base.version import byline
+from dashpot.io.write import write_impact, write_relaxation
+from dashpot.simulation.impact import Hammer, simulate_impact
+from dashpot.simulation.relaxation import Rig, simulate_relaxation
+from dashpot.simulation.truth import stamp
+from dashpot.solids.table_1 import BROAD
+
+MASS = 0.1148
+"""Of the block under the hammer, kg: 114.8 g on two seals."""
+
+_RIG = replace(Rig(), rate=200.0)
+# a seal that is a quarter stiffer at 8 mm than at first contact
+_STIFFENING = replace(Rig(), rate=250.0, bias=0.02, stiffening=4000.0)
+_HAMMER = replace(Hammer(), rate=512.0, record=6.0)
+
+
+def _seal(
+    seed: int, *, depth: float = 8e-3, hold: float = 40.0, rig: Rig = _RIG
+) -> Callable[[], str]:
+    def made() -> str:
+        found = simulate_relaxation(BROAD, depth=depth, hold_time=hold, rig=rig, seed=seed)
+        return write_relaxation(found.test, comments=stamp(found.truth)[:1])
+
+    return made
+
+
+def _clipped() -> str:
+    """A load cell whose range ends at three quarters of the force."""
+    found = simulate_relaxation(BROAD, rig=_RIG, seed=7)
+    most = 0.75 * float(found.test.force.max())
+    spoilt = replace(found.test, force=np.minimum(found.test.force, most))
+    return write_relaxation(
+        spoilt, comments=(*stamp(found.truth)[:1], "spoilt: the load cell clips")
+    )
+
+
+def _hammer() -> str:
+    found = simulate_impact(BROAD, mass=MASS, seals=2, hits=5, rig=_HAMMER, seed=1)
+    return write_impact(found.test, comments=stamp(found.truth)[:1])
+
+
+def _sweep() -> str:
+    """Storage and loss of one seal as a dynamic testing machine writes them, 0.5 % noisy."""
+    frequency = np.geomspace(0.01, 100.0, 41)
+    stiffness = BROAD.complex_stiffness(2 * np.pi * frequency) * 1e-3
+    noise = 1 + 0.005 * np.random.default_rng(1).standard_normal((2, len(frequency)))
+    rows = zip(frequency, stiffness.real * noise[0], stiffness.imag * noise[1], strict=True)
+    head = "frequency [Hz],storage stiffness [N/mm],loss stiffness [N/mm]"
+    lines = [f"# {byline('simulated dynamic test')}", "# simulated", head]
+    return "\n".join([*lines, *(",".join(f"{value:.6g}" for value in row) for row in rows), ""])
+
+
+def _curve() -> str:
+    """A relaxation modulus of rubber over time, MPa, 0.2 % noisy."""
+    time = np.geomspace(1e-3, 100.0, 61)
+    modulus = BROAD.relaxation(time) * 1e-2
+    noise = 1 + 0.002 * np.random.default_rng(1).standard_normal(len(time))
+    rows = (f"{t:.6g},{e:.6g}" for t, e in zip(time, modulus * noise, strict=True))
+    head = [f"# {byline('simulated relaxation modulus')}", "# simulated", "time [s],E(t) [MPa]"]
+    return "\n".join([*head, *rows, ""])
+
+
+def _line() -> str:
+    """A quarter of a door: x, y, z, mm."""
+    angle = np.linspace(0.0, np.pi / 2, 13)
+    rows = (f"{400 * np.cos(a):.3f},{400 * np.sin(a):.3f},0" for a in angle)
+    return "\n".join([f"# {byline('simulated seal line')}", "x,y,z", *rows, ""])
+
+
+FIRST = ("seal_8mm.csv", "hammer.csv")
+"""The two files of the first seal."""
+
+EXAMPLES: Mapping[str, Callable[[], str]] = MappingProxyType(
+    {
+        "seal_8mm.csv": _seal(1),
+        "hammer.csv": _hammer,
+        "depth_4mm.csv": _seal(3, depth=4e-3, rig=_STIFFENING),
+        "depth_6mm.csv": _seal(2, depth=6e-3, rig=_STIFFENING),
+        "depth_8mm.csv": _seal(1, depth=8e-3, rig=_STIFFENING),
+        "short_hold.csv": _seal(4, hold=3.0),
+        "clipped.csv": _clipped,
+        "sweep.csv": _sweep,
+        "curve.csv": _curve,
+        "line.csv": _line,
+    }
+)
+"""Every example file and what writes it."""
