@@ -212,6 +212,13 @@ def parse_unit(word: str, dimension: Dimension) -> Unit:
     raise DataError(f"'{word}' {found}; expected a unit of {dimension}, one of: {known}")
 
 
+_USUAL: dict[Dimension, str] = {
+    "mass": "g", "length": "mm", "temperature": "degC", "stiffness": "N/mm", "stress": "MPa",
+    "compliance": "um/N", "velocity": "mm/s",
+}  # fmt: skip
+"""What a seal is measured in, where that is not the first unit of the table."""
+
+
 def parse_quantity(text: str, dimension: Dimension) -> float:
     """Return the SI value of a quantity such as ``"104g"``, ``"12.71 Hz"`` or ``"8mm"``.
 
@@ -230,7 +237,7 @@ def parse_quantity(text: str, dimension: Dimension) -> float:
         known = ", ".join(entry.word for entry in TABLE.values() if entry.dimension == dimension)
         raise DataError(
             f"'{text}' has no unit; add a unit of {dimension} to it, for example '{text.strip()}"
-            f"{known.split(', ')[0]}' (known: {known})"
+            f"{_USUAL.get(dimension, known.split(', ')[0])}' (known: {known})"
         )
     unit = parse_unit(match[2], dimension)
     value = float(match[1])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from dashpot.base import numbers
@@ -13,6 +13,7 @@ from dashpot.cli._terminal import Text
 if TYPE_CHECKING:
     from dashpot import Comparison
     from dashpot.records.fit import Fit
+    from dashpot.records.frf import Mode
     from dashpot.solids.elastic import ElasticLaw
     from dashpot.workflow.impacts import ImpactResult
     from dashpot.workflow.predictions import Prediction
@@ -48,14 +49,16 @@ def table(rows: Sequence[Sequence[str]], *, left: bool = False) -> list[str]:
     return lines
 
 
+_RESIDUAL = {"N": (1e3, "mN rms"), "1": (100.0, "% rms"), "sd": (1.0, "of the noise")}
+
+
 def fit(found: Fit) -> Text:
     """Return a fit as the paper's Table 1 with intervals, and what it must not be asked."""
     files = ", ".join(source.file for source in found.source) or "arrays in memory"
     arms = f"{found.model.arms} Maxwell arm{'s' * (found.model.arms != 1)}"
     residual = found.residual
-    in_force, relative = found.method in {"full", "hold"}, found.method in {"dynamic", "modulus"}
-    size = f"{residual.rms * 1e3:.3g} mN rms" if in_force else f"{residual.rms:.3g} of the noise"
-    size = f"{100 * residual.rms:.3g} % rms" if relative else size
+    scale, unit = _RESIDUAL.get(residual.unit, (1.0, residual.unit))
+    size = f"{scale * residual.rms:.3g} {unit}"
     lines = [
         f"{files}: {arms}, method {found.method}",
         *_parameters(found),
@@ -76,7 +79,7 @@ def fit(found: Fit) -> Text:
             f"{item.name} {with_error(item.value, item.standard_error)} {item.unit}"
             for item in found.nuisance
         )
-        (details if in_force else lines).append(f"  nuisance    {listed}")
+        (details if residual.unit == "N" else lines).append(f"  nuisance    {listed}")
     return Text(lines, [*details, *_orders(found)])
 
 
@@ -251,7 +254,10 @@ def prediction(found: Prediction, *, mass: float, seals: float) -> Text:
     """Return a prediction's peak, modes and limits."""
     hz, height = found.peak
     on = f"{mass * 1e3:.6g} g on {seals:g} seal{'s' * (seals != 1)}"
-    lines = [f"{on}: {found.frf.kind} peaks at {hz:.5g} Hz with {height:.5g} {found.frf.unit}"]
+    does = "is largest" if found.at_edge else "peaks"
+    lines = [f"{on}: {found.frf.kind} {does} at {hz:.5g} Hz with {height:.5g} {found.frf.unit}"]
+    if found.at_edge:
+        lines.append(f"  that is the end of the band, and no peak{_wider(found.modes)}")
     for mode in found.modes:
         ratio = f"{100 * mode.damping_ratio:.4g} %"
         lines.append(f"  mode  {mode.frequency:.6g} Hz, damping ratio {ratio}")
@@ -260,6 +266,15 @@ def prediction(found: Prediction, *, mass: float, seals: float) -> Text:
     if found.limits is not None:
         lines.append(f"  {ascii_only(found.limits.peak_says)}")
     return Text(lines)
+
+
+def _wider(modes: Iterable[Mode]) -> str:
+    """The band in which the lowest mode shows its peak."""
+    lowest = min((mode.frequency for mode in modes), default=0.0)
+    if not lowest > 0:
+        return ""
+    low, high = (rounded(end, digits=2) for end in (lowest / 4, 4 * lowest))
+    return f": add --band {low}:{high}Hz, about the mode at {lowest:.4g} Hz"
 
 
 def _law(law: ElasticLaw) -> str:

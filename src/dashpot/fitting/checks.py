@@ -666,6 +666,21 @@ def storage_rises(data: DynamicTest) -> Finding:
     )
 
 
+@criterion("last third / first third", "<=", 1.25, "our choice: scatter", grade="stop")
+def modulus_falls(modulus: FloatArray) -> Finding:
+    """The modulus falls, as that of every relaxing solid does."""
+    third = max(len(modulus) // 3, 1)
+    first, last = float(modulus[:third].mean()), float(modulus[-third:].mean())
+    ratio = last / first if first > 0 else None
+    return Finding(
+        "the modulus falls with time",
+        ratio,
+        instead=f"it rises with time, from {first:.3g} in its first third to {last:.3g} in its "
+        "last, where a relaxation modulus falls: a creep compliance rises so, and creep is not "
+        "fitted yet",
+    )
+
+
 @criterion("scatter jointly / alone", "<=", 1.3, otherwise=f"stop beyond {CONTRADICTED:g}")
 def data_agree(spread: Sequence[float], names: Sequence[str]) -> Finding:
     """One solid explains every data set about as well as a solid of its own does.

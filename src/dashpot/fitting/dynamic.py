@@ -22,6 +22,7 @@ from dashpot.fitting.pipeline import (
     asked_arms,
     assembled,
     chosen_arms,
+    measured_in,
 )
 from dashpot.fitting.repeats import refuse_copies
 from dashpot.fitting.spectrum import (
@@ -91,7 +92,8 @@ def fit_dynamic(
     Returns
     -------
     Fit
-        `method` is ``"dynamic"``, `unit` that of the data, the residuals in units of scatter.
+        `method` is ``"dynamic"``, `unit` that of the data; the residual is relative, with `tests`
+        in units of scatter.
         `band` is the measured frequencies, Hz, and with tests also what they inform, unless
         more than a decade between the two was not measured.
 
@@ -142,9 +144,10 @@ def fit_dynamic(
         tests=len(records),
         unit=data.unit,
     )
+    error = _relative_error(few.model, data)
+    few = measured_in(few, "sd") if records else measured_in(few, "1", error)
     if arms != "auto" or records or dashpot:
         return few
-    error = _relative_error(few.model, data)
     return dense_where_few_fail(few, error, lambda: dynamic_master_curve(data))
 
 

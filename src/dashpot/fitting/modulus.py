@@ -14,7 +14,14 @@ from dashpot.base.provenance import Source, Step
 from dashpot.engine.blocks.block import Block
 from dashpot.engine.blocks.hold import decay_block
 from dashpot.fitting import checks
-from dashpot.fitting.pipeline import FitData, alone, asked_arms, assembled, chosen_arms
+from dashpot.fitting.pipeline import (
+    FitData,
+    alone,
+    asked_arms,
+    assembled,
+    chosen_arms,
+    measured_in,
+)
 from dashpot.fitting.spectrum import dense_where_few_fail, master_curve
 from dashpot.records.fit import Fit, Provenance
 from dashpot.records.specimen import Specimen
@@ -84,6 +91,9 @@ def fit_modulus(
         raise DataError(f"time[0] = {t[0]:g} s; expected the time since the step, >= 0")
     if unit not in {"Pa", "N/m"}:
         raise FitError(f"unit = {unit!r}; expected 'Pa' or 'N/m'")
+    falls = checks.modulus_falls(values)
+    if falls.failed:
+        raise DataError(f"this is no relaxation modulus: {falls.says}")
     most = asked_arms(arms, max_arms)
     window = _window(t)
     weight = _weights(values, weights)
@@ -119,6 +129,7 @@ def fit_modulus(
         ),
         unit=unit,
     )
+    few = measured_in(few, "1" if weights == "relative" else unit)
     later = t > 0
     if arms != "auto" or weights != "relative" or later.sum() < _LEAST:
         return few

@@ -520,6 +520,15 @@ def _residual(estimate: Estimate) -> Residual:
     )
 
 
+def measured_in(found: Fit, unit: str, error: FloatArray | None = None) -> Fit:
+    """Return a fit whose residual says its unit, and is that of these errors if any are given."""
+    residual = replace(found.residual, unit=unit)
+    if error is not None:
+        rms = float(np.sqrt(np.mean(error**2)))
+        residual = replace(residual, n=len(error), sse=float(error @ error), rms=rms)
+    return replace(found, estimate=replace(found.estimate, residual=residual))
+
+
 def _nuisances(solution: Solution) -> list[tuple[str, str]]:
     """Offset, drift and delay of each relaxation test, and their units."""
     found = ((name, _NUISANCE_UNITS.get(name.partition("@")[0])) for name in solution.fixed_names)

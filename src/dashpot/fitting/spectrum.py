@@ -273,7 +273,7 @@ def dense_where_few_fail(few: Fit, error: FloatArray, spectrum: Callable[[], Mas
         max(order.arms for order in few.orders),
         (dense.model.arms, dense.rms),
     )
-    residual = Residual(values, values * dense.rms**2, dense.rms)
+    residual = Residual(values, values * dense.rms**2, dense.rms, unit="1")
     return replace(
         few,
         solid=dense.model,

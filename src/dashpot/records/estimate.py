@@ -62,13 +62,16 @@ class Residual:
     n : int
         Samples fitted.
     sse : float
-        Sum of squared residuals, N^2 (dimensionless when weighted).
+        Sum of squared residuals, in the square of `unit`.
     rms : float
-        Root mean square residual, N.
+        Root mean square residual, in `unit`.
     kappa : float
         n / effective n: how many neighbouring residuals say the same thing (1 if white).
     durbin_watson : float
         About 2 for white residuals, towards 0 for correlated ones.
+    unit : str
+        ``"N"``; ``"1"`` where each is relative to its own value; ``"sd"`` in standard deviations of
+        the scatter of each set; else that of the modulus.
     """
 
     n: int
@@ -76,6 +79,7 @@ class Residual:
     rms: float
     kappa: float = 1.0
     durbin_watson: float = 2.0
+    unit: str = "N"
 
 
 @dataclass(frozen=True, eq=False)

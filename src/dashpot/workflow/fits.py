@@ -9,6 +9,7 @@ from typing import Literal, TypeAlias
 import dashpot as dp
 from dashpot.base.errors import FitError
 from dashpot.io.options import ReadOptions
+from dashpot.io.source import about
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import Fit
 from dashpot.records.machine import Machine
@@ -72,15 +73,16 @@ def fit_files(
                 "and --filter: it is the answer to a step already"
             )
         curve = dp.read_modulus(files[0], options=options, specimen=specimen)
-        found = dp.fit_modulus(
-            curve.time,
-            curve.modulus,
-            arms=arms,
-            thorough=thorough,
-            unit=curve.unit,
-            source=curve.source,
-            specimen=curve.specimen,
-        )
+        with about(Path(files[0]).name):
+            found = dp.fit_modulus(
+                curve.time,
+                curve.modulus,
+                arms=arms,
+                thorough=thorough,
+                unit=curve.unit,
+                source=curve.source,
+                specimen=curve.specimen,
+            )
         return found, (curve,)
     tests = [dp.read_bench(path, options=options, specimen=specimen) for path in files]
     sweeps = [test for test in tests if not isinstance(test, RelaxationTest)]

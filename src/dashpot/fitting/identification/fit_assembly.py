@@ -104,7 +104,8 @@ def _residual(best: Candidate) -> tuple[Residual, float]:
     effective = lines + sum(relaxation.samples for relaxation in relaxations)
     n = lines + sum(relaxation.block.samples for relaxation in relaxations)
     rms = float(np.sqrt(best.chi2 / effective))
-    return Residual(n=n, sse=best.chi2, rms=rms, kappa=float(n / effective)), float(effective)
+    kappa = float(n / effective)
+    return Residual(n=n, sse=best.chi2, rms=rms, kappa=kappa, unit="sd"), float(effective)
 
 
 def _score(candidate: Candidate) -> OrderScore:
