@@ -226,7 +226,7 @@ def test_a_prony_series_cannot_hold_a_dashpot(paper_seal, target, extra):
 @every_deck
 def test_bad_choices(paper_seal, target, form, extra):
     choices = {
-        "no unit system is given; add units= one of SI, mm-t-s, mm-kg-ms": {"units": None},
+        "no unit system is given; add --units, one of SI, mm-t-s, mm-kg-ms": {"units": None},
         "'inch' is no unit system": {"units": "inch"},
         "'everything' is nothing that could be allowed": {"allow": ("everything",)},
         "has no form 'poem'; expected one of": {"form": "poem"},
@@ -249,7 +249,7 @@ def test_nothing_is_nothing_to_write(target, form, extra):
         (lambda s: export.lsdyna(s, units="SI", form="prony"), "needs the instantaneous shear"),
         (
             lambda s: export.lsdyna(s, units="SI", form="prony", modulus=1e6),
-            "needs bulk_modulus= in Pa and density=",
+            "needs --bulk-modulus, such as 2000MPa, and --density",
         ),
         (lambda s: export.lsdyna(s, units="SI", modulus=1e6), "belong to the material card"),
         (

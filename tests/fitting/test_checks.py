@@ -246,7 +246,7 @@ def test_rules_that_disagree_say_so() -> None:
 def test_a_choice_at_the_end_of_what_was_tried_says_so(test: RampHold) -> None:
     check = named(fit(test, max_arms=1), "order_agreed")
     assert check.failed
-    assert "that is the most that was tried: raise max_arms above 1" in check.says
+    assert "that is the most that was tried: ask for more than 1" in check.says
     assert named(fit(test), "order_agreed").passed
 
 

@@ -445,7 +445,9 @@ def test_auto_tries_no_more_than_a_short_record_can_determine(
 def test_eq_5_is_refused_on_a_hold_that_drifts(paper_seal: GeneralizedMaxwell) -> None:
     test = ideal(paper_seal)
     creeping = replace(test, displacement=test.displacement * (1 + 5e-4 * test.time.clip(0)))
-    with pytest.raises(FitError, match=r"drifts by .* use method='full', which takes the recorded"):
+    with pytest.raises(
+        FitError, match=r"drifts by .* fit ramp and hold instead, which takes the recorded"
+    ):
         fit(creeping, method="hold")
     with pytest.raises(FitError, match="test 2 of 2: the displacement drifts"):
         fit([replace(test, force=0.5 * test.force), creeping], method="hold")

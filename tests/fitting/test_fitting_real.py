@@ -83,7 +83,7 @@ def afm_test(shared_data: Path) -> RampHold:
 
 
 def test_the_afm_hold_creeps_and_eq_5_is_refused(afm_test: RampHold) -> None:
-    with pytest.raises(FitError, match=r"use method='full'"):
+    with pytest.raises(FitError, match="fit ramp and hold instead"):
         fit(afm_test, arms=1, method="hold")
 
 

@@ -141,7 +141,7 @@ def test_a_hammer_at_the_masss_own_compression_agrees_with_the_tangent_and_not_t
 
 def test_a_comparison_needs_the_mass_where_the_stiffness_depends_on_it() -> None:
     frf = predict_frf(hard(), mass=MASS, seals=SEALS, frequency=LINES)
-    with pytest.raises(DataError, match="give mass="):
+    with pytest.raises(DataError, match="give --mass"):
         compare(frf, frf, fit=hard(), seals=SEALS)
     given_point = predict_frf(hard(), mass=MASS, seals=SEALS, frequency=LINES, compression=2.6e-3)
     told = compare(given_point, frf, fit=hard(), seals=SEALS, compression=2.6e-3)

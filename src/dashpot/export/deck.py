@@ -36,8 +36,8 @@ PROBLEMS = MappingProxyType(
 """What a deck is refused for; each can be overridden by name and then leaves a mark."""
 
 _REMEDIES = {
-    "temperature": "give specimen=Specimen(temperature=...) in K, or --temperature 23degC",
-    "length": "give specimen=Specimen(length=...) in m, or --length 100mm",
+    "temperature": "give --temperature 23degC (Python: Specimen(temperature=...), K)",
+    "length": "give --length 100mm (Python: Specimen(length=...), m)",
     "not_identified": "fit fewer arms, or test for longer and faster",
     "prony_sum": "export the arms, or fit with k_inf > 0",
 }
@@ -128,7 +128,7 @@ class Deck:
             raise ExportError(
                 f"a {target} material needs the instantaneous shear modulus of the rubber, which "
                 f"the stiffness of a part does not tell (found modulus = {modulus!r}); give "
-                "modulus= in Pa"
+                "--modulus 1MPa, the true one (Python: modulus=, Pa)"
             )
         G_0 = self.units.stress(modulus)
         terms = [(g * G_0, 1 / tau) for g, tau in self.prony]
@@ -259,7 +259,7 @@ class Deck:
         )
         meaning = (
             "  the stiffnesses above are the secant at the deepest; small vibration about a "
-            "compression feels the tangent there (export --compression)"
+            "compression feels the tangent there (dashpot export --compression)"
         )
         return [f"elastic law: not straight; its tangent k_inf is {listed}", meaning]
 
@@ -322,7 +322,7 @@ def open_deck(
         raise ExportError(f"{target} has no form '{form}'; expected one of {', '.join(forms)}")
     if units is None or units not in UNIT_SYSTEMS:
         found = "no unit system is given" if units is None else f"'{units}' is no unit system"
-        raise ExportError(f"{found}; add units= one of {', '.join(UNIT_SYSTEMS)}")
+        raise ExportError(f"{found}; add --units, one of {', '.join(UNIT_SYSTEMS)}")
     if isinstance(solid, Fit):
         deck = Deck(solid.solid, UNIT_SYSTEMS[units], specimen or solid.specimen, solid)
     else:
@@ -344,8 +344,8 @@ def _overlooked(deck: Deck, allow: Collection[str], *, prony: bool) -> tuple[str
         found = "; ".join(f"{says} ({_REMEDIES[name]})" for name, says in refused.items())
         names = ", ".join(f"'{name}'" for name in refused)
         raise ExportError(
-            f"{found}. To write the deck all the same, with a mark in its header, allow {names} "
-            "(command line: --force)"
+            f"{found}. To write the deck all the same, with a mark in its header, allow {names}: "
+            "--allow NAME for each, or --force for all"
         )
     return tuple(problems.values())
 
@@ -369,7 +369,7 @@ def _refuse_impossible(deck: Deck, *, prony: bool) -> None:
     if deck.fit and deck.fit.unit != "N/m" and not prony:
         raise ExportError(
             f"the fit is of a material, in {deck.fit.unit}, and springs and dashpots are in N/m; "
-            "write a material card (form='prony'; command line: --form prony)"
+            "write a material card: --form prony (Python: form='prony')"
         )
     if prony and model.b > 0:
         raise ExportError(

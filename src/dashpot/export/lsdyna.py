@@ -49,8 +49,8 @@ def lsdyna(
         return _prony(deck, modulus, bulk_modulus, density)
     if (modulus, bulk_modulus, density) != (None, None, None):
         raise ExportError(
-            "modulus, bulk_modulus and density belong to the material card; add form='prony', or "
-            "leave them out"
+            "modulus, bulk_modulus and density belong to the material card; add --form prony "
+            "(Python: form='prony'), or leave them out"
         )
     return _arms(deck)
 
@@ -102,7 +102,8 @@ def _prony(
     long_term, terms = deck.shear(modulus, "LS-DYNA")
     if bulk_modulus is None or density is None or not (bulk_modulus > 0 and density > 0):
         raise ExportError(
-            "*MAT_GENERAL_VISCOELASTIC needs bulk_modulus= in Pa and density= in kg/m^3, found "
+            "*MAT_GENERAL_VISCOELASTIC needs --bulk-modulus, such as 2000MPa, and --density, such "
+            "as 1200 (Python: bulk_modulus= in Pa, density= in kg/m^3); found "
             f"{bulk_modulus!r} and {density!r}"
         )
     if deck.k_inf > 0:

@@ -96,7 +96,7 @@ def _row_of(deck: Deck, line: SealLine | None) -> _Row:
     if deck.specimen.length is None:
         raise ExportError(
             "a seal line needs the contact length that the model stands for; give "
-            "specimen=Specimen(length=...) in m (command line: --length 100mm)"
+            "--length 100mm (Python: Specimen(length=...), m)"
         )
     unit, word = deck.units.length, deck.units.words[0]
     share = line.piece / deck.specimen.length

@@ -72,8 +72,8 @@ def uncertainty_estimated(*, made: bool) -> Finding:
     """Intervals and checks were asked for."""
     return Finding(
         "intervals and checks were made",
-        instead="this is a point estimate: neither intervals nor checks were made; fit with "
-        "intervals=True before use",
+        instead="this is a point estimate: neither intervals nor checks were made; fit with them "
+        "before use (Python: intervals=True)",
         faulted=not made,
     )
 
@@ -400,7 +400,7 @@ def drift_told_from_arm(
     if correlation is None:
         return Finding(
             "no drift is fitted, so a drifting sensor would be taken for the slowest arm; "
-            "method='full' fits it"
+            "the fit of ramp and hold fits it"
         )
     return Finding(
         f"the slowest tau and the drift of the sensor are correlated by {correlation:.2f}, and "
@@ -449,7 +449,7 @@ def order_agreed(choice: Choice) -> Finding:
     if choice.in_noise_metric:
         says += "; the noise is as slow as the arms, so fits in its own metric were judged"
     if choice.capped:
-        says += f"; that is the most that was tried: raise max_arms above {choice.arms}"
+        says += f"; that is the most that was tried: ask for more than {choice.arms}"
     return Finding(
         says,
         float(choice.by_bic),

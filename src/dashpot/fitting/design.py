@@ -139,22 +139,22 @@ def eq5_obstacle(test: RampHold) -> str | None:
     held = test.displacement[test.hold]
     if len(held) < _FEWEST:
         return (
-            f"the hold has {len(held)} samples, and eq. 5 needs at least {_FEWEST}: use "
-            "method='full', or sample faster"
+            f"the hold has {len(held)} samples, and eq. 5 needs at least {_FEWEST}: fit "
+            "ramp and hold instead, or sample faster"
         )
     moved = _moved(test)
     if moved > _MOST_BY_EQ_5:
         return (
             f"the displacement moves by {100 * moved:.0f} % of the depth after the first ramp, so "
-            "this is no single ramp and hold; eq. 5 does not apply: use method='full', or cut "
-            "the record to one ramp and its hold"
+            "this is no single ramp and hold; eq. 5 does not apply: fit ramp and hold instead, or "
+            "cut the record to one ramp and its hold"
         )
     creep = test.hold_creep
     if abs(creep) > MAX_CREEP:
         return (
             f"the displacement drifts by {100 * creep:.2g} % of the depth during the hold, more "
-            f"than the {100 * MAX_CREEP:.0f} % that eq. 5 can bear: use method='full', which "
-            "takes the recorded motion"
+            f"than the {100 * MAX_CREEP:.0f} % that eq. 5 can bear: fit ramp and hold instead, "
+            "which takes the recorded motion"
         )
     return None
 

@@ -159,6 +159,6 @@ def _weights(values: FloatArray, weights: str) -> FloatArray:
         i = int(bad[0])
         raise DataError(
             f"modulus[{i}] = {values[i]:g}; relative weights need values > 0: cut the curve "
-            "before it drowns in noise, or use weights='uniform'"
+            "before it drowns in noise (Python: or weights='uniform')"
         )
     return np.asarray(1 / values)

@@ -373,8 +373,8 @@ def _checked_law(law: str, method: str, *, depth_law: bool) -> None:
         raise FitError(f'law = {law!r}; expected "auto", "linear" or "nonlinear"')
     if law == "nonlinear" and (method == "hold" or depth_law):
         raise FitError(
-            "law = 'nonlinear' bends the ramp of the recorded motion; it goes with method='full' "
-            "and shared stiffnesses: leave method='hold' and depth_law out"
+            "a nonlinear law bends the ramp of the recorded motion: it goes neither with the hold "
+            "alone nor with a law of the depth; leave one of them out"
         )
 
 

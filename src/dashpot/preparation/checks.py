@@ -174,8 +174,8 @@ def spikes_absent(test: RampHold) -> Finding:
     first = test.time[min(np.concatenate((force, plate)))]
     return Finding(
         f"{len(force)} samples of the force and {len(plate)} of the displacement stand apart "
-        f"from both neighbours, the first at t = {first:.6g} s; mend them in the file, or fit "
-        "with --filter median:3",
+        f"from both neighbours, the first at t = {first:.6g} s; mend them in the file, or take "
+        "dashpot fit --filter median:3",
         float(count),
     )
 
@@ -369,7 +369,9 @@ def depth_resolved(test: RampHold) -> Finding:
     )
 
 
-@criterion("motion in the hold / depth", "<=", MAX_CREEP, "our choice; method='full' follows it")
+@criterion(
+    "motion in the hold / depth", "<=", MAX_CREEP, "our choice; the fit of ramp and hold follows it"
+)
 def hold_is_still(test: RampHold, *, method: str) -> Finding:
     """The plate stands still during the hold, or the fit follows it."""
     creep = test.hold_creep
@@ -380,7 +382,7 @@ def hold_is_still(test: RampHold, *, method: str) -> Finding:
     return Finding(
         says,
         abs(creep),
-        f", more than the {100 * MAX_CREEP:.0f} % that eq. 5 can bear; use --method full",
+        f", more than the {100 * MAX_CREEP:.0f} % that eq. 5 can bear; fit ramp and hold together",
         excused=full,
     )
 

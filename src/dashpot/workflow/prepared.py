@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import dashpot as dp
-from dashpot.base.errors import ReadError
+from dashpot.base.errors import DataError, ReadError
 from dashpot.io.options import ReadOptions
 from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold
@@ -32,7 +32,7 @@ def answered_in(option: str) -> Iterator[None]:
     """Say where a question is answered if the command's own options are for another file."""
     try:
         yield
-    except ReadError as error:
+    except (ReadError, DataError) as error:
         if "--" not in str(error):
             raise
         raise ReadError(

@@ -182,7 +182,7 @@ def _every(
         fewer -= 1
         found = [best for problem in problems for best in _candidates(problem, [fewer], before)]
     if not found:
-        raise FitError("no solid with arms of positive stiffness explains the FRF; widen band=")
+        raise FitError("no solid with arms of positive stiffness explains the FRF; widen --band")
     return found
 
 
@@ -333,7 +333,7 @@ def _point(
         return None
     if mass is None and compression is None:
         raise DataError(
-            "the stiffness of the seals depends on their compression: give mass=, or compression="
+            "the stiffness of the seals depends on their compression: give --mass, or --compression"
         )
     return operating_point(before, mass=mass or 1.0, seals=seals, compression=compression)
 

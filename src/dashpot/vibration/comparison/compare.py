@@ -154,7 +154,9 @@ def infer_mass(model: Solid, frf: FRF) -> tuple[float, float]:
     peak = find_peak(frf)
     mass = mass_for_peak(model, peak.frequency)
     if not (np.isfinite(mass) and mass > 0):
-        raise DataError(f"no mass puts a peak of this model at {peak.frequency:.4g} Hz; give mass=")
+        raise DataError(
+            f"no mass puts a peak of this model at {peak.frequency:.4g} Hz; give --mass"
+        )
     return mass, float(2 * mass * peak.frequency_se / peak.frequency)
 
 
@@ -205,7 +207,8 @@ def _assembled(
         law = fit.elastic_law
         if compression is None and law is not None and law.kind != "linear":
             raise DataError(
-                "the stiffness of this fit depends on the compression: give mass=, or compression="
+                "the stiffness of this fit depends on the compression: give --mass, or "
+                "--compression"
             )
         # with a straight law, or at a compression that is given, the stiffness needs no mass
         known = operating_point(fit, mass=1.0, seals=seals, compression=compression)
@@ -222,7 +225,7 @@ def _mass_within(predicted: FRF, model: Solid) -> float:
     if not mass > 0 or float(np.median(np.abs(ratio - mass))) > 1e-3 * mass:
         raise DataError(
             "the prediction was not made with this solid: what is left of its dynamic stiffness "
-            f"is no mass (about {mass:.4g} kg); check seals=, or give mass="
+            f"is no mass (about {mass:.4g} kg); check --seals, or give --mass"
         )
     return mass
 

@@ -93,7 +93,9 @@ def _assembled(
 def _lines(stiffness: float, mass: float) -> FloatArray:
     """Lines about the highest frequency that the peak can have."""
     if not (np.isfinite(stiffness) and stiffness > 0):
-        raise DataError("the solid has no stiffness of its own at high frequency: give frequency=")
+        raise DataError(
+            "the solid has no stiffness of its own at high frequency (Python: give frequency=)"
+        )
     top = np.sqrt(stiffness / mass) / (2 * np.pi)
     return np.geomspace(top / REACH, top * REACH, LINES)
 

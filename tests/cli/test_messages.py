@@ -1,0 +1,206 @@
+"""Every option that a message names is one of the command that speaks, or of the one it names."""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import re
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+import click
+import pytest
+
+import dashpot
+from dashpot.cli import COMMANDS, main
+from dashpot.workflow.assumptions import ASSUMPTIONS
+
+SOURCES = Path(dashpot.__file__).parent
+READING = ("inspect", "fit", "predict", "impact", "compare", "identify", "report")
+BENCH = ("inspect", "fit", "predict", "identify", "report")
+MEASURED = ("compare", "identify", "report")
+SPEAKERS: dict[str, tuple[str, ...]] = {
+    "io/": READING,
+    "preparation/": BENCH,
+    "fitting/": ("fit", "predict", "identify", "report"),
+    "fitting/dynamic.py": ("fit",),
+    "fitting/modulus.py": ("fit",),
+    "fitting/identification/": ("identify", "report"),
+    "vibration/comparison/": MEASURED,
+    "export/": ("export",),
+    "workflow/fits.py": ("fit",),
+    "workflow/job.py": ("fit", "predict", "identify", "report"),
+    "workflow/predictions.py": ("predict",),
+    "workflow/impacts.py": MEASURED,
+    "workflow/impacts.py:identify_files": ("identify",),
+    "workflow/study.py": ("report",),
+    "workflow/outputs.py": ("fit", "report", "identify", "export", "predict", "inspect"),
+    "cli/": (),
+}
+"""Which commands can print what stands in a room, a file or a function; the longest name counts."""
+OURS = {"io/child/process.py": {"--read-for-dashpot"}, "plot/svg.py": {"--panel"}}
+"""Words that look like options and reach no user."""
+PYTHON_ONLY = {
+    ("fitting/dynamic.py", "dashpot"),
+    ("fitting/fit_many.py", "displacement"),
+    ("fitting/fit_many.py", "ramp"),
+    ("preparation/contact.py", "drift"),
+    ("vibration/comparison/compare.py", "shift"),
+    ("vibration/comparison/compare.py", "model"),
+    ("vibration/comparison/compare.py", "mass"),
+    ("vibration/systems/prediction.py", "seals"),
+    ("vibration/systems/prediction.py", "compression"),
+}
+"""Arguments of functions that no command passes on, so that no command can print their names."""
+_OPTION = re.compile(
+    r"(?:dashpot (?P<command>\w+) (?:[A-Z]+ )?)?(?<![\w-])(?P<word>--[a-z][a-z-]+)"
+)
+_ARGUMENT = re.compile(r"(?<![\w\"'<-])([a-z_]+)=(?!=)")
+_PYTHON = re.compile(r"\(Python:(?:[^()]|\([^()]*\))*\)")
+_ATTRIBUTES = {"role"}
+"""What stands before an equals sign in the value of ``--units``."""
+
+
+class Message(NamedTuple):
+    """A text of the sources, and where it stands."""
+
+    file: str
+    function: str
+    line: int
+    text: str
+
+
+def _typed(call: ast.Call) -> ast.Constant:
+    """The words of another command, each with its name before it."""
+    words = [one.value for one in call.args if isinstance(one, ast.Constant)]
+    line = " ".join(f"dashpot {words[0]} {word}" for word in words[1:]) if words else ""
+    return ast.Constant(line, lineno=call.lineno)
+
+
+def _texts(node: ast.AST, function: str = "") -> Iterator[tuple[str, ast.expr]]:
+    """Strings of a tree with the function around them: no docstrings, no options' declarations."""
+    for child in ast.iter_child_nodes(node):
+        if isinstance(child, ast.Expr) and isinstance(child.value, ast.Constant):
+            continue
+        if isinstance(child, ast.Call) and ast.unparse(child.func).endswith(("option", "argument")):
+            continue
+        if isinstance(child, ast.Call) and ast.unparse(child.func) == "typed":
+            yield function, _typed(child)
+            continue
+        if isinstance(child, ast.JoinedStr | ast.Constant):
+            yield function, child
+            continue
+        named = isinstance(child, ast.FunctionDef) and not function
+        yield from _texts(child, child.name if named else function)
+
+
+@cache
+def messages() -> tuple[Message, ...]:
+    found = []
+    for path in sorted(SOURCES.rglob("*.py")):
+        file = path.relative_to(SOURCES).as_posix()
+        for function, node in _texts(ast.parse(path.read_text(encoding="utf-8"))):
+            parts = node.values if isinstance(node, ast.JoinedStr) else [node]
+            text = "".join(
+                part.value
+                if isinstance(part, ast.Constant) and isinstance(part.value, str)
+                else "{}"
+                for part in parts
+            )
+            found.append(Message(file, function, node.lineno, text))
+    return tuple(found)
+
+
+@cache
+def options(command: str) -> frozenset[str]:
+    found = main.get_command(click.Context(main), command)
+    assert found is not None
+    return frozenset(
+        word for one in found.params if isinstance(one, click.Option) for word in one.opts
+    )
+
+
+def speakers(message: Message) -> tuple[str, ...]:
+    if message.file.startswith("cli/"):
+        command = Path(message.file).stem
+        return (command,) if command in COMMANDS else ()
+    place = f"{message.file}:{message.function}"
+    rooms = [room for room in SPEAKERS if place.startswith(room)]
+    assert rooms, f"{message.file}:{message.line} names an option; say above who prints it"
+    return SPEAKERS[max(rooms, key=len)]
+
+
+def test_a_message_names_only_options_of_the_command_that_speaks() -> None:
+    wrong, seen = [], 0
+    for message in messages():
+        words = message.file.startswith("cli/") and " " not in message.text  # for `typed`
+        if words or message.file == "workflow/assumptions.py":  # below
+            continue
+        for match in _OPTION.finditer(message.text):
+            word = match["word"]
+            if word in OURS.get(message.file, ()):
+                continue
+            seen += 1
+            named = match["command"]
+            for command in (named,) if named in COMMANDS else speakers(message):
+                if word not in options(command):
+                    wrong.append(f"{message.file}:{message.line}: {command} has no {word}")
+    assert not wrong
+    assert seen > 70
+
+
+def test_no_message_of_a_command_speaks_python() -> None:
+    wrong = []
+    for message in messages():
+        plain = _PYTHON.sub("", message.text)
+        if " " not in plain or message.file.startswith(("plot/", "report/")):
+            continue  # no sentence; or the attributes of SVG and HTML
+        for word in _ARGUMENT.findall(re.sub(r"--units \S+|\"[^\"]*\"", "", plain)):
+            if word not in _ATTRIBUTES and (message.file, word) not in PYTHON_ONLY:
+                wrong.append(f"{message.file}:{message.line}: {word}= in '{plain[:80]}'")
+    assert not wrong
+
+
+@cache
+def arguments() -> frozenset[str]:
+    """Every argument of a public function, class or method."""
+    found: set[str] = set()
+    for name in dashpot.__all__:
+        public = getattr(dashpot, name)
+        modules = vars(public).values() if inspect.ismodule(public) else [public]
+        for one in modules:
+            if callable(one):
+                try:
+                    found |= set(inspect.signature(one).parameters)
+                except ValueError:
+                    continue
+    for target in dashpot.export.TARGETS.values():
+        found |= set(inspect.signature(target).parameters)
+    return frozenset(found)
+
+
+def test_what_is_said_to_python_is_an_argument() -> None:
+    said = {word for _, word in PYTHON_ONLY} - {"ramp"}
+    for message in messages():
+        for part in _PYTHON.findall(message.text):
+            said |= set(_ARGUMENT.findall(part))
+    assert said <= arguments() | {"shift"}
+    assert {"length", "parallel_dashpot"} <= said
+
+
+@pytest.mark.parametrize("one", ASSUMPTIONS, ids=lambda one: one.name)
+def test_an_assumption_names_options_that_exist(one) -> None:
+    everything = frozenset().union(*(options(command) for command in COMMANDS))
+    assert set(one.options) <= everything
+
+
+def test_every_reading_command_has_every_role() -> None:
+    roles = (
+        "--time --displacement --force --acceleration --hammer --frequency --storage --loss "
+        "--loss-factor --modulus --temperature-column --real --imaginary --magnitude --phase "
+        "--coherence --cycle --units --rate --profile"
+    )
+    for command in READING:
+        assert set(roles.split()) <= options(command)
