@@ -11,7 +11,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from kit.instruments import lvm, sheet, tdms, uff, workbook
+from kit.instruments import lvm, ods, ods_rows, sheet, tdms, uff, workbook, xls
 from kit.look_alikes import ROWS, table, truth
 from scipy.io import savemat
 
@@ -209,6 +209,13 @@ def test_workbook(tmp_path: Path) -> None:
     workbook(path, {"Info": [["Operator", "nobody"]], "Data": sheet()})
     same(read_relaxation(path))
     assert inspect_file(path).format == "workbook"
+
+
+def test_workbooks_of_other_makes(tmp_path: Path) -> None:
+    xls(tmp_path / "a.xls", sheet())
+    ods(tmp_path / "a.ods", ods_rows(sheet()))
+    for name in ("a.xls", "a.ods"):
+        same(read_relaxation(tmp_path / name))
 
 
 def test_two_sheets_are_asked(tmp_path: Path) -> None:

@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+import io
 import json
+import zipfile
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from kit import handmade
 from kit.fuzzing import Fuzzer
-from kit.mutants import altered, tries, wounded
+from kit.mutants import Mutant, altered, tries, wounded
 
 from dashpot.io.options import ReadOptions, dump_profile
 from dashpot.solids.networks import kelvin_voigt
+from dashpot.workflow import history, project
 from dashpot.workflow.archive import document
 from dashpot.workflow.job import Job
 
@@ -51,3 +58,49 @@ PROFILE = dump_profile(
 @given(content=wounded(PROFILE.encode()))
 def test_wounded_profiles(fuzzer: Fuzzer, content: bytes) -> None:
     fuzzer.survives("profile", content)
+
+
+@cache
+def kept() -> dict[str, bytes]:
+    """The files of a project, by name."""
+    with TemporaryDirectory() as place, pytest.MonkeyPatch.context() as patch:
+        folder = Path(place) / "seal"
+        (Path(place) / "a.csv").write_text("time [s],displacement [mm],force [N]\n0,0,0\n")
+        patch.setattr(project, "run", lambda _job: handmade.bench_only())
+        job = Job(str(Path(place) / "a.csv"), reading=ReadOptions(units={"force": "N"}))
+        for seals in (1.0, 2.0):
+            made, many = project.create(folder), replace(job, seals=seals)
+            project.record(made, many, page=lambda study: study.fit.identity)
+        files = (path for path in folder.rglob("*") if path.is_file())
+        return {path.relative_to(folder).as_posix(): path.read_bytes() for path in files}
+
+
+@st.composite
+def projects(draw: st.DrawFn) -> bytes:
+    """A project of which one file was altered, with the hashes of its history put right or not."""
+    files = dict(kept())
+    name = draw(st.sampled_from(["history.jsonl", *files]))
+    if name != "history.jsonl" or draw(st.booleans()):
+        files[name] = draw(wounded(files[name]))
+    else:
+        lines = [json.loads(line) for line in files[name].splitlines()]
+        at = draw(st.integers(0, len(lines) - 1))
+        lines[at] = json.loads(draw(altered(lines[at])))
+        before = history.GENESIS
+        for line in lines if draw(st.booleans()) else ():
+            if isinstance(line, dict):
+                line["previous"] = before
+                before = line["hash"] = history.chained(line)
+        files[name] = b"".join(json.dumps(line).encode() + b"\n" for line in lines)
+        files["history.head"] = f"{len(lines)} {before}\n".encode()
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w") as packed:
+        for path, content in files.items():
+            packed.writestr(path, content)
+    return Mutant(out.getvalue())
+
+
+@tries(250)
+@given(content=projects())
+def test_altered_projects(fuzzer: Fuzzer, content: bytes) -> None:
+    fuzzer.survives("hold", content)

@@ -28,9 +28,9 @@ from typing import Any
 
 from dashpot.base.atomic import PART, write_whole
 from dashpot.base.errors import DataError, ReadError
-from dashpot.base.escapes import escaped
 from dashpot.base.lock import alone
 from dashpot.io.options import ReadOptions, dump_profile
+from dashpot.io.source import open_raw
 from dashpot.workflow.archive import document, to_json
 from dashpot.workflow.history import Listed, append, file_of, read_history, sha256
 from dashpot.workflow.job import Job
@@ -233,9 +233,9 @@ def within(project: Project, path: str) -> Path:
 
 def _keep(project: Project, path: str) -> str:
     """Copy a file into ``raw/`` unless it is there; return its place inside the project."""
-    source = Path(path)
-    content = source.read_bytes()
-    named = Path(escaped(source.name))
+    source = open_raw(path)
+    content = b"".join(source.blocks())
+    named = Path(source.name)
     raw = project.folder / "raw"
     raw.mkdir(exist_ok=True)
     place = raw / named
@@ -245,7 +245,7 @@ def _keep(project: Project, path: str) -> str:
         write_whole(place, content)
     elif place.read_bytes() != content:
         raise DataError(
-            f"{place} is no longer the copy of {source} that it was: put it back, or remove it "
+            f"{place} is no longer the copy of {path} that it was: put it back, or remove it "
             "and run 'dashpot verify'"
         )
     return f"raw/{place.name}"
