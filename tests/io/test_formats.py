@@ -62,6 +62,21 @@ def test_lvm_records_stacked_under_one_header(tmp_path: Path) -> None:
     assert any("3 records of 10 samples" in note for note in test.source[0].notes)
 
 
+@pytest.mark.parametrize(
+    ("one", "other", "words"),
+    [("N\tm/s^2", "kN\tm/s^2", "units: N, m/s"), ("Hammer\tR", "R\tHammer", "names of channels")],
+)
+def test_lvm_segments_that_differ_are_refused(
+    tmp_path: Path, one: str, other: str, words: str
+) -> None:
+    path = tmp_path / "hits.lvm"
+    text = lvm(segments=2).replace("Response", "R")
+    at = text.rindex(one)
+    path.write_text(text[:at] + other + text[at + len(one) :])
+    with pytest.raises(ReadError, match=words):
+        read_impact(path)
+
+
 def test_lvm_with_a_wrong_label_asks_for_the_unit(tmp_path: Path) -> None:
     path = tmp_path / "hits.lvm"
     path.write_text(lvm(units="g\tm/s^2"))

@@ -27,7 +27,7 @@ _SURE = 1e-4
 """Relative doubt of a rate that is not worth a word."""
 _END = "***End_of_Header***"
 _KEYS = re.compile(
-    r"^(Separator|Decimal_Separator|X_Columns|Channels|Samples|Y_Unit_Label|X0|Delta_X|Notes)"
+    r"^(Separator|Decimal_Separator|X_Columns|Channels|Samples|Y_Unit_Label|X0|Delta_X|Notes|X_Value)"
     r"(?:[\t,]|$)(.*)$",
     re.MULTILINE,
 )
@@ -38,6 +38,7 @@ class _Segment:
     """The header of one segment, its cells as text."""
 
     channels: int
+    names: tuple[str, ...]
     samples: tuple[int, ...]
     units: tuple[str, ...]
     start: tuple[float, ...]
@@ -148,6 +149,16 @@ def _segments(blocks: Iterable[str], sign: str, mark: Mark) -> list[_Segment]:
     found = [_segment(header, mark) for header in _headers(blocks, sign) if "Channels" in header]
     if len({segment.channels for segment in found}) != 1:
         raise ReadError("the LVM segments differ in their channels; export them apart")
+    for what, said in (
+        ("units", {segment.units for segment in found if segment.units}),
+        ("names of channels", {segment.names for segment in found if segment.names}),
+    ):
+        if len(said) > 1:
+            first, other = sorted(said)[:2]
+            raise ReadError(
+                f"the LVM segments differ in their {what}: {', '.join(filter(None, first))} and "
+                f"{', '.join(filter(None, other))}; export them apart"
+            )
     return found
 
 
@@ -171,6 +182,7 @@ def _segment(header: dict[str, list[str]], mark: Mark) -> _Segment:
     count = numbers("Channels")
     return _Segment(
         channels=int(count[0]) if count else 0,
+        names=tuple(header.get("X_Value", [])),
         samples=tuple(int(value) for value in numbers("Samples")),
         units=tuple(header.get("Y_Unit_Label", [])),
         start=numbers("X0"),
