@@ -14,10 +14,14 @@ _DAY = 86400.0
 _STEP = 60.0
 """The longest step, s, over which a fall of the clock is midnight and not another start."""
 _CLOCK = re.compile(
-    r"\A(?:(\d{4}-\d\d?-\d\d?|\d\d?[./-]\d\d?[./-]\d{4}|\d{4}[./]\d\d?[./]\d\d?)[ T_]\s{0,9})?"
+    r"\A(?:(\d{4}([./-])\d\d?\2\d\d?|\d\d?([./-])\d\d?\3(?:\d{4}|\d\d)"
+    r"|\d\d?[-. ]{1,2}[^\W\d_]{3,9}\.?[- ]\d{4})[ T_]\s{0,9})?"
     r"(\d{1,4}):(\d\d)(?::(\d\d)(?:[.,](\d{1,12})|:(\d{3}))?|([.,]\d{1,12}))?"
-    r"Z?(?:\s{0,3}([AaPp])\.?[Mm]\.?)?\Z"
+    r"(?:\s{0,3}([AaPp])\.?[Mm]\.?)?(?:Z|([+-])(\d\d):?(\d\d))?\Z"
 )
+_ORDERS = ("dmy", "mdy", "ymd")
+_MONTHS = ["jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec"]
+_GERMAN = {"mär": "mar", "mai": "may", "okt": "oct", "dez": "dec"}
 
 
 @dataclass(frozen=True)
@@ -38,11 +42,15 @@ def moment(cell: str) -> Moment | None:
     match = _CLOCK.match(cell)
     if match is None:
         return None
-    date, first, second, third, part, thousandths, tenths, half = match.groups(default="")
+    date, _, _, first, second, third, part, thousandths, tenths, half, sign, *zone = match.groups(
+        default=""
+    )
     if tenths:  # a fraction belongs to seconds: these are minutes before them
         return Moment(date, 60.0 * int(first) + float(f"{second}.{tenths[1:]}"), "ms")
     hours = int(first) % 12 + 12 * (half in "Pp") if half else int(first)
     seconds = 60.0 * (60 * hours + int(second)) + float(f"{third or 0}.{part or thousandths or 0}")
+    east = 60.0 * (60 * int(zone[0]) + int(zone[1])) if sign else 0.0  # an hour lost in autumn
+    seconds += east if sign == "-" else -east
     return Moment(date, seconds, "hms" if third or half or date else "")
 
 
@@ -97,7 +105,7 @@ class ClockColumn:
 
     def _add_days(self, values: FloatArray) -> list[Question]:
         words = list(dict.fromkeys(date for _, date in self.dates))
-        stated = [self.order] if self.order in {"dmy", "mdy"} else ["dmy", "mdy"]
+        stated = [self.order] if self.order in _ORDERS else list(_ORDERS)
         days = {order: [_day(word, order) for word in words] for order in stated}
         possible = [order for order in stated if None not in days[order]]
         if not possible or (len(words) > 1 and len({*map(_spread, map(days.get, possible))}) > 1):
@@ -117,7 +125,8 @@ def _spread(days: list[int | None] | None) -> tuple[int, ...]:
 
 def _which_date(words: list[str], possible: list[str]) -> Question:
     if not possible:
-        wrong = next((w for w in words if _day(w, "dmy") is None), words[-1]) or "no date"
+        known = (word for word in words if any(_day(word, order) for order in _ORDERS))
+        wrong = next((word for word in words if word not in set(known)), words[-1]) or "no date"
         says = (
             f"the dates of the clock, such as '{wrong}', are not all days of one calendar; "
             "correct them, or give --rate 1000Hz (the true one) if the rows are evenly sampled"
@@ -134,13 +143,17 @@ def _day(word: str, order: str) -> int | None:
     """Days since 1970 of a date in an order; None if it is no day."""
     from datetime import date  # rare, and costs time to import
 
-    numbers = [int(part) for part in re.split(r"[-./]", word) if part]
-    if len(numbers) != 3 or ("." in word and order == "mdy" and numbers[0] <= 31):
-        return None  # nobody writes the month first with points
-    if numbers[0] > 31:
-        order = "ymd"
-    year, month, day = (numbers[order.index(letter)] for letter in "ymd")
+    parts = [part for part in re.split(r"[-./ ]", word) if part]
+    whole = [len(part) == 4 for part in parts]
+    if len(parts) != 3 or (any(whole) and not whole[order.index("y")]):
+        return None
+    if "." in word and order != "dmy" and not whole[0]:
+        return None  # with points the day comes first
+    year, month, day = (parts[order.index(letter)] for letter in "ymd")
+    short = month[:3].casefold()
     try:
-        return (date(year, month, day) - date(1970, 1, 1)).days
+        number = _MONTHS.index(_GERMAN.get(short, short)) + 1 if month.isalpha() else int(month)
+        century = 2000 * (len(year) == 2)
+        return (date(century + int(year), number, int(day)) - date(1970, 1, 1)).days
     except ValueError:
         return None
