@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from kit.instruments import workbook
 from kit.look_alikes import truth
 from kit.treacherous import CASES, Case, joined, three
 
@@ -115,3 +116,35 @@ def test_marks_are_judged_by_every_row(tmp_path: Path) -> None:
                 read_relaxation(path)
         else:
             assert len(read_relaxation(path).time) == rows + 1
+
+
+@pytest.mark.parametrize(
+    ("first", "noted"), [(("0", "1", "0.01"), True), (("0", "1", "0.01000"), False)]
+)
+def test_a_first_row_printed_otherwise_is_noted(
+    tmp_path: Path, first: tuple[str, ...], noted: bool
+) -> None:
+    path = tmp_path / "first.csv"
+    later = ([f"{float(row[0]) + 2:.5f}", *row[1:]] for row in three())
+    path.write_text(joined([first, *later]))
+    notes = read_relaxation(path).source.notes
+    assert any("line 2, the first row, is printed otherwise" in note for note in notes) is noted
+
+
+def test_a_quote_in_a_workbook_cell_is_no_quotation(tmp_path: Path) -> None:
+    path = tmp_path / "case.xlsx"
+    rows = [[float(row[0]), '"5" pipe', *map(float, row[1:])] for row in three()]
+    workbook(path, {"Data": [["Time (s)", "Note", "Position (mm)", "Load (N)"], *rows]})
+    np.testing.assert_allclose(read_relaxation(path).force, truth()[2])
+
+
+@pytest.mark.parametrize("unit", ["millimeter", "Millimeter", "mm", "m"])
+def test_a_second_header_may_spell_a_unit_otherwise(tmp_path: Path, unit: str) -> None:
+    path = tmp_path / "again.csv"
+    again = joined(three()[30:], f"Time (sec);Position ({unit});Load (Newton)")
+    path.write_text(joined(three()[:30]) + again)
+    if unit == "m":
+        with pytest.raises(ReadError, match=r"'Position \[m\]' where the first says"):
+            read_relaxation(path)
+    else:
+        np.testing.assert_allclose(read_relaxation(path).displacement, truth()[1] * 1e-3)

@@ -333,6 +333,9 @@ def _printed() -> list[Case]:
         Case("a negative number as an accountant writes it", joined(odd).encode(), (f"line {LINE} lacks force",)),
         Case("rows wrapped over two lines", wrapped.encode(), ("--time",)),
         Case("a sentence about units", put(joined(rows), LINE, "Load still in N").encode(), noted="Load still in N"),
+        Case("a gain in the header", ("Gain (Load): 0.01\n" + joined(rows)).encode(), noted="no factor is applied"),
+        Case("a gain of one", ("Scale;1;1,0;1.00\n" + joined(rows)).encode()),
+        Case("factors over the columns", ("Scale;1;1;0.01\n" + joined(rows)).encode(), noted="'Scale;1;1;0.01'"),
         Case("full-width digits", joined(rows).translate({48 + i: 0xFF10 + i for i in range(10)}).encode()),
         Case("a pause of another delimiter", (joined(rows[:ODD]) + joined(rows[ODD:], "", "\t")[1:]).encode(), ("line",)),
     ]  # fmt: skip

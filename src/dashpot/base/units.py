@@ -158,6 +158,18 @@ def find(word: str, dimension: Dimension | None = None) -> Unit | None:
     return _find(word, dimension)
 
 
+def same(first: str, second: str) -> bool:
+    """Whether two words are one unit, however spelled; two unknown words are taken for one.
+
+    >>> same("sec", "Sekunden"), same("N", "kN"), same("foo", "bar")
+    (True, False, True)
+    """
+    one, other = find(first), find(second)
+    if one is None or other is None:
+        return one is other
+    return (one.dimension, one.factor, one.offset) == (other.dimension, other.factor, other.offset)
+
+
 def dimensions(word: str) -> tuple[Dimension, ...]:
     """Return every dimension that a unit word can measure: ``g`` is a mass or an acceleration.
 

@@ -65,7 +65,7 @@ def _cell(value: Any) -> str:
         return repr(value.total_seconds())
     if isinstance(value, dt.datetime | dt.date | dt.time):
         return value.isoformat(sep=" ") if isinstance(value, dt.datetime) else value.isoformat()
-    return " ".join(str(value).split())
+    return " ".join(str(value).split()).replace('"', "''")  # a quote would open a cell
 
 
 def listed(names: Iterable[str]) -> str:

@@ -12,13 +12,15 @@ from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw
 from dashpot.io.table import Loaded, Question, Table
 from dashpot.io.text import cells
-from dashpot.io.text.dialect import Dialect, find_dialect
+from dashpot.io.text.dialect import Dialect, decimals, find_dialect
 from dashpot.io.text.encoding import decoded, find_encoding
 from dashpot.io.text.header import Header, read_header
 from dashpot.io.text.rows import Heading, load_rows, title
 
 _HEADS = (1 << 16, 1 << 20, 1 << 24)
 _LARGE = 1 << 28
+_STEADY = 6
+"""Rows from the first on that show how all are printed."""
 _NAMES = {"\t": "tab", ";": "semicolon", ",": "comma", " ": "blanks", "|": "pipe", ":": "colon"}
 _MARKS = {".": "point", ",": "comma", ".,": "point and comma, mixed"}
 
@@ -81,7 +83,7 @@ def _table(
     found = read_header(above, dialect)
     notes = [found.misfit] if found.misfit else []
     remarks, doubts = _rows_above(above, dialect)
-    notes += remarks
+    notes += [*remarks, *_factors(header), *_odd_first_row(lines[dialect.first :], dialect)]
     if dialect.mark == ".,":
         notes.append("decimal points and decimal commas are mixed; both are read as decimal marks")
     if raw.size > _LARGE:
@@ -118,6 +120,27 @@ def _table(
     )
 
 
+def _factors(header: Sequence[str]) -> list[str]:
+    """Note a line of the header that states a factor: none is applied."""
+    for line in header:
+        stated = _FACTOR.search(line[:500])
+        numbers = _NUMBER.findall(stated.string[stated.end() : 500]) if stated else []
+        if any(float(number.replace(",", ".")) != 1.0 for number in numbers):
+            return [f"the header says '{line.strip()[:60]}'; no factor is applied to the numbers"]
+    return []
+
+
+def _odd_first_row(lines: Sequence[str], dialect: Dialect) -> list[str]:
+    """Note a first row that is printed with other digits than all of the next."""
+    rows = [row for line in lines[:20] if (row := dialect.row(line))][:_STEADY]
+    printed = [[decimals(row[i], dialect.mark) for i in dialect.numbers] for row in rows]
+    steady = len(printed) == _STEADY and all(row == printed[1] for row in printed[2:])
+    if not steady or any(a == b for a, b in zip(printed[0], printed[1], strict=True)):
+        return []
+    says = f"line {dialect.first + 1}, the first row, is printed otherwise than those below it"
+    return [f"{says}: '{lines[0].strip()[:60]}'; if it is none, take it out"]
+
+
 def _rows_above(above: Sequence[str], dialect: Dialect) -> tuple[list[str], list[Question]]:
     """Note a row of numbers right above the table that is not like its rows; ask about several."""
     filled = [(number, line) for number, line in enumerate(above, start=1) if line.strip()]
@@ -142,6 +165,10 @@ def _clock_orders(found: Header, options: ReadOptions) -> tuple[str, ...]:
     return tuple(one or other for one, other in zip(stated, found.clocks, strict=True))
 
 
+_FACTOR = re.compile(
+    r"\b(?:scal(?:e|ing)|gain|factor|faktor|skalier(?:ung|faktor)|multiplier)\b", re.IGNORECASE
+)
+_NUMBER = re.compile(r"\d{1,9}(?:[.,]\d{1,9})?")
 _RATE = re.compile(
     r"(?:sampl\w{0,20}|abtast\w{0,20}|scan\w{0,20}|acquisition|messrate|data|częstotliwość|采样)"
     r"\W{0,20}(?:rate|freq\w{0,20}|frequenz|频率|próbkowania)?"

@@ -115,7 +115,7 @@ class Dialect:
         Too few are fewer than all rows before it have, at least four.
         """
         rows = [cell.split(line, self.delimiter) for line in lines if line.strip()]
-        digits = [[_decimals(text, self.mark) for text in row] for row in rows]
+        digits = [[decimals(text, self.mark) for text in row] for row in rows]
         if len(digits) < _STEADY or any(not row or row[-1] is None for row in digits):
             return False
         *before, last = digits
@@ -204,7 +204,7 @@ def _best_run(
     return best
 
 
-def _decimals(text: str, mark: Mark) -> int | None:
+def decimals(text: str, mark: Mark) -> int | None:
     """Characters behind the decimal mark of a number, None if the cell is none."""
     if cell.number(text, mark) is None:
         return None

@@ -91,7 +91,7 @@ def _column(name: str, word: str | None, content: Content) -> Column:
     if word is None or not word.strip(" -[]()<>{}"):
         return Column(stem, inner, content)
     unit = _strip(word)
-    if inner is None or units.find(inner) == units.find(unit):
+    if inner is None or units.same(inner, unit):
         return Column(name if inner is None else stem, unit, content)
     shared = set(units.dimensions(inner)) & set(units.dimensions(unit))
     if units.find(unit) is not None and (shared or is_unit_of(stem, inner)):
@@ -177,7 +177,7 @@ def _both(above: Sequence[str], below: Sequence[str]) -> list[str]:
     merged = []
     for i in range(max(len(above), len(below))):
         upper, lower = (_strip(row[i]) if i < len(row) else "" for row in (above, below))
-        same = not upper or not lower or units.find(upper) == units.find(lower)
+        same = not upper or not lower or units.same(upper, lower)
         merged.append((lower or upper) if same else _either(upper, lower))
     return merged
 
@@ -240,7 +240,7 @@ def changed(
     for i in indexes:
         old, new = columns[i], again.columns[i]
         named = old.name and new.name and vocabulary.plain(old.name) != vocabulary.plain(new.name)
-        rated = old.unit and new.unit and units.find(old.unit) != units.find(new.unit)
+        rated = old.unit and new.unit and not units.same(old.unit, new.unit)
         if named or rated:
             return f"{_written(new)} where the first says {_written(old)}"
     return ""
