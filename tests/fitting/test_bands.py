@@ -256,9 +256,10 @@ def test_the_bands_hold_the_truth(late: int) -> None:
 @pytest.mark.parametrize("solid", [PAPER, BROAD])
 def test_the_bands_cover_over_seeds(solid: GeneralizedMaxwell, late: int) -> None:
     hits = np.mean([held_at(solid, seed=seed, late=late) for seed in range(100)], axis=0)
-    assert hits.min() >= 0.9
-    assert hits[:, 4:].min() >= 0.92
-    assert hits.mean() >= 0.95
+    # of a hundred seeds a line that holds 92 % shows 85 by chance
+    assert hits.min() >= 0.85
+    assert hits[:, 4:].min() >= 0.93
+    assert hits.mean(axis=1).min() >= 0.93
 
 
 def test_what_cannot_be_is_refused(broad_fit: Fit, broad_test: RampHold) -> None:
