@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 from kit.instruments import workbook
 from kit.look_alikes import truth
-from kit.treacherous import CASES, Case, joined, three
+from kit.treacherous import CASES, Case, joined, put, three
 
 from dashpot.base.errors import ReadError
 from dashpot.io.options import ReadOptions
+from dashpot.io.readers.dynamic import read_dynamic
+from dashpot.io.readers.frf import read_frf
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.io.text import marks
@@ -148,3 +151,62 @@ def test_a_second_header_may_spell_a_unit_otherwise(tmp_path: Path, unit: str) -
             read_relaxation(path)
     else:
         np.testing.assert_allclose(read_relaxation(path).displacement, truth()[1] * 1e-3)
+
+
+CURVES = {
+    "a second header of a sweep": (
+        read_dynamic,
+        "Frequency (Hz);E' (MPa);E'' (MPa)",
+        "Frequency (Hz);E' (kPa);E'' (MPa)",
+        "line 32 ends a second header",
+    ),
+    "a second header of an FRF": (
+        read_frf,
+        "Frequency (Hz);Real ((m/s^2)/N);Imag ((m/s^2)/N)",
+        "Frequency (Hz);Real ((mm/s^2)/N);Imag ((mm/s^2)/N)",
+        "line 32 ends a second header",
+    ),
+    "a lost cell of an FRF": (
+        read_frf,
+        "Frequency (Hz);Real ((m/s^2)/N);Imag ((m/s^2)/N)",
+        "1.5;0.1",
+        "line 32 has 2 cells",
+    ),
+    "a lone number between the rows": (
+        read_dynamic,
+        "Frequency (Hz);E' (MPa);E'' (MPa)",
+        "5.09",
+        "line 32 has 1 cell",
+    ),
+}
+
+
+@pytest.mark.parametrize(("read", "head", "odd", "words"), CURVES.values(), ids=CURVES.keys())
+def test_curves_are_counted_as_records_are(
+    tmp_path: Path, read: Callable[[Path], object], head: str, odd: str, words: str
+) -> None:
+    path = tmp_path / "curve.csv"
+    rows = [[f"{i}.5", "10.0", "1.0"] for i in range(60)]
+    path.write_text(joined(rows, head))
+    read(path)
+    path.write_text(put(joined(rows, head), 32, odd))
+    with pytest.raises(ReadError, match=words):
+        read(path)
+
+
+@pytest.mark.parametrize("head", ["log E' (MPa);log E'' (MPa)", "lg(E') (MPa);lg(E'') (MPa)"])
+def test_logarithms_are_no_moduli(tmp_path: Path, head: str) -> None:
+    path = tmp_path / "log.csv"
+    path.write_text(joined([[f"{i}.5", "1.0", "0.1"] for i in range(20)], f"Frequency (Hz);{head}"))
+    with pytest.raises(ReadError, match="no column is recognised as storage or loss"):
+        read_dynamic(path)
+
+
+def test_the_parts_of_an_frf_have_one_unit(tmp_path: Path) -> None:
+    path = tmp_path / "frf.csv"
+    rows = [[f"{i + 1}.0", "1.0", "0.1"] for i in range(20)]
+    path.write_text(joined(rows, "Frequency (Hz);Real (g/N);Imag ((m/s^2)/N)"))
+    with pytest.raises(ReadError, match="the real part is in 'g/N', the imaginary part in"):
+        read_frf(path)
+    said = read_frf(path, options=ReadOptions(units={"real": "(m/s^2)/N"}))
+    np.testing.assert_allclose(said.value, 1.0 + 0.1j)

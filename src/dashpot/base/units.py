@@ -159,14 +159,14 @@ def find(word: str, dimension: Dimension | None = None) -> Unit | None:
 
 
 def same(first: str, second: str) -> bool:
-    """Whether two words are one unit, however spelled; two unknown words are taken for one.
+    """Whether two words are one unit, however spelled.
 
-    >>> same("sec", "Sekunden"), same("N", "kN"), same("foo", "bar")
+    >>> same("sec", "Sekunden"), same("N", "kN"), same("Pa.s", "pa.s")
     (True, False, True)
     """
     one, other = find(first), find(second)
     if one is None or other is None:
-        return one is other
+        return first.casefold().split() == second.casefold().split()
     return (one.dimension, one.factor, one.offset) == (other.dimension, other.factor, other.offset)
 
 

@@ -99,7 +99,7 @@ COMMANDED = (
 DERIVED = (
     "sd", "std", "stdev", "error", "fehler", "rate", "speed", "velocity", "geschwindigkeit",
     "derivative", "noise", "status", "flag", "index", "count", "counter", "filtered", "gefiltert",
-    "smoothed", "average", "mean", "avg", "variance", "quality",
+    "smoothed", "average", "mean", "avg", "variance", "quality", "log", "lg", "ln",
 )  # fmt: skip
 """Words for something computed from a signal, not the signal."""
 EXTREMES = (

@@ -91,6 +91,7 @@ def settled(file: Opened) -> Settled:
         kind, size = _kind(file, main, index[main])
     except ReadError as error:
         asked.append(str(error))
+    asked += _unlike_parts(file, index)
     roles: tuple[Role, ...] = ("frequency", "phase")
     for role in roles if main == "magnitude" else roles[:1]:
         try:
@@ -158,6 +159,20 @@ def _kind(file: Opened, role: Role, index: int) -> tuple[Kind, float]:
             f"{kind.value}; correct one of them"
         )
     return kind, factor
+
+
+def _unlike_parts(file: Opened, index: dict[Role, int]) -> list[str]:
+    """Say if real and imaginary part stand in different units."""
+    if "real" not in index:
+        return []
+    real, imaginary = (file.table.columns[index[role]] for role in ("real", "imaginary"))
+    if file.options.unit_of("real", real.name) or not (real.unit and imaginary.unit):
+        return []
+    if _ratio(real.unit) == _ratio(imaginary.unit):
+        return []
+    says = f"the real part is in '{real.unit}', the imaginary part in '{imaginary.unit}'"
+    advice = f'correct the header, or say it: --units "real={real.unit}"'
+    return [f"{says}; expected one unit: {advice}"]
 
 
 def _ratio(word: str) -> tuple[Kind, float] | None:

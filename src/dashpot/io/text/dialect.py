@@ -102,12 +102,12 @@ class Dialect:
     def resembles_row(self, line: str) -> bool:
         """Whether a line that is no row begins or is filled with numbers, however parted."""
         parts = [part.strip('"') for part in _PARTS.split(line[:LONGEST].strip())]
-        numbers = sum(map(_like_number, parts))
+        numbers = sum(map(like_number, parts))
         words = sum(not cell.is_missing(part) for part in parts) - numbers
         if numbers > words and (numbers >= len(self.numbers) or words == 0 < numbers - 1):
             return True
         cells = cell.split(line, self.delimiter)
-        return self.delimiter != " " and len(cells) > 1 and _like_number(cells[0])
+        return self.delimiter != " " and len(cells) > 1 and like_number(cells[0])
 
     def is_cut_off(self, lines: Sequence[str]) -> bool:
         """Whether the last line is a row whose last number alone has too few decimals.
@@ -212,7 +212,7 @@ def decimals(text: str, mark: Mark) -> int | None:
     return len(text) - place - 1 if place >= 0 else 0
 
 
-def _like_number(text: str) -> bool:
+def like_number(text: str) -> bool:
     """Whether a cell is made of digits and their marks: a number, a time, two glued numbers."""
     return not text.isalpha() and set(text) <= _DIGITS and any(map(str.isdigit, text))
 
@@ -220,7 +220,7 @@ def _like_number(text: str) -> bool:
 def _hides_numbers(cells: Sequence[str]) -> bool:
     """Whether most words of a column are numbers that another delimiter would part."""
     parts = [[part for part in _PARTS.split(text) if part] for text in cells]
-    glued = sum(len(part) > 1 and all(map(_like_number, part)) for part in parts)
+    glued = sum(len(part) > 1 and all(map(like_number, part)) for part in parts)
     return 2 * glued > len(cells)
 
 

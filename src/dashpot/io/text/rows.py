@@ -14,7 +14,7 @@ from dashpot.io.table import Column, Loaded, Question
 from dashpot.io.text import cells as cell
 from dashpot.io.text import marks
 from dashpot.io.text.clock import ClockColumn
-from dashpot.io.text.dialect import LONGEST, Dialect
+from dashpot.io.text.dialect import LONGEST, Dialect, like_number
 from dashpot.io.text.header import changed
 from dashpot.io.text.plain import PlainRows
 
@@ -253,8 +253,9 @@ class _Reader:
         """Add rows, once what stands before them is judged."""
         got = self.got
         if got.rows and got.between:
+            alone = len(got.between) == 1
             for one in (got.between[0], got.between[-1]):
-                if self._odd(one):
+                if self._odd(one) or (alone and like_number(one[1].strip())):
                     self._refuse(*one)
             odd = self._changed()
             got.part(odd)
