@@ -62,6 +62,14 @@ def test_a_hasty_blow_does_not_shorten_the_others():
     assert frf.record > 6
 
 
+@pytest.mark.parametrize("value", [0.0, 9.81])
+def test_a_channel_that_never_moves_is_no_accelerometer(value):
+    test = record_of(1.0)
+    dead = np.vstack((test.acceleration, np.full(len(test.time), value)))
+    with pytest.raises(DataError, match=f"acceleration 2 is {value:g} m/s.2 throughout"):
+        cut_hits([ImpactTest(test.time, test.force, dead)])
+
+
 def test_a_record_that_ends_too_soon_is_said():
     frf = estimate_frf(record_of(1.0, 8.0, 15.0, 22.0, 28.5))
     assert [hit.accepted for hit in frf.hits] == [True, True, True, True, False]

@@ -400,9 +400,11 @@ def test_a_folder_that_was_killed_while_it_was_made_is_no_obstacle(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "text", [b"[]", b"{}", b"5", b"\xff", b'{"line": 1}', b"[" * 5000, b'{"hash": {"a": 1}}']
+    "text", [b"[]", b"{}", b"5", b"\xff", b'{"line": 1}', b"[" * 5000, b'{"hash": {"a": 1}}', None]
 )
 def test_a_line_of_another_kind_is_refused(kept, text):
+    if text is None:  # one thing more than a line holds
+        text = json.dumps(entries(kept)[0] | {"more": 1}).encode()
     kept.history_file.write_bytes(text + b"\n")
     with pytest.raises(ReadError, match=r"line 1 of history.jsonl is none that dashpot writes"):
         verified(kept)

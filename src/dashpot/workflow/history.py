@@ -11,7 +11,7 @@ import hashlib
 import json
 import os
 import platform
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -206,7 +206,12 @@ def _line(text: bytes, number: int) -> Line:
     import msgspec
 
     try:
-        return msgspec.convert(json.loads(text), type=Line)
+        entry = json.loads(text)
+        line = msgspec.convert(entry, type=Line)
+        strange = entry.keys() - {one.name for one in fields(Line)}
+        if strange:
+            raise ValueError(f"it has {min(strange)!r}")
+        return line
     except (msgspec.ValidationError, ValueError, RecursionError) as error:
         raise ReadError(
             f"line {number} of history.jsonl is none that dashpot writes: it was changed ({error})"

@@ -269,6 +269,11 @@ def upper_factor(gram: FloatArray) -> FloatArray:
     """Upper factors R with R'R = gram, (..., c, c), scaled to a unit diagonal first.
 
     Dependent columns leave a ridge of rounding size, never an error.
+
+    Raises
+    ------
+    FitError
+        If a number is not finite.
     """
     scale = np.sqrt(np.maximum(np.diagonal(gram, axis1=-2, axis2=-1), 1e-300))
     unit = gram / (scale[..., :, None] * scale[..., None, :])
@@ -282,7 +287,10 @@ def upper_factor(gram: FloatArray) -> FloatArray:
         except np.linalg.LinAlgError:
             ridge = max(10 * ridge, 1e-15)
             if not ridge < 1.0:
-                raise
+                raise FitError(
+                    "the terms of the fit are no finite numbers on this record: its times and "
+                    "those of the records fitted with it lie too far apart; check their units"
+                ) from None
             unit = unit + ridge * np.eye(unit.shape[-1])
         else:
             return np.asarray(np.swapaxes(lower, -1, -2) * scale[..., None, :])

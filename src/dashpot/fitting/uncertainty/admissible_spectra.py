@@ -189,7 +189,10 @@ class Spectra:
         if (above[~self.shown] > 0).any():
             return np.inf
         a, b = above / self.scale, below / self.scale
-        ratio = max(float(a @ s) / float(b @ s) for s in self.met)
+        known = [float(a @ s) / float(b @ s) for s in self.met if float(b @ s) > 0]
+        if not known:  # the record knows of no stiffness at all, and so of no ratio
+            return np.inf if (above > 0).any() else 0.0
+        ratio = max(known)
         for _ in range(STEPS):
             found = self.farthest(above - ratio * below)
             gain = float(above @ found) - ratio * float(below @ found)

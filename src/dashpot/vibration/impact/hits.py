@@ -144,9 +144,18 @@ def cut_hits(
     Raises
     ------
     DataError
-        If there is no hit, the tests do not belong together, or the times cannot be.
+        If there is no hit, a channel never moves, the tests do not belong together, or the times
+        cannot be.
     """
     _belong_together(tests)
+    for name, row in (
+        (n, r) for test in tests for n, r in zip(test.channels, test.acceleration, strict=True)
+    ):
+        if np.ptp(row) == 0:
+            raise DataError(
+                f"{name} is {row[0]:.6g} m/s^2 throughout: no accelerometer was read; leave that "
+                "column out, or look at its cable and range and hit again"
+            )
     rate = tests[0].rate
     found = [hit for test in tests for hit in _find(test)]
     before = _pretrigger(found, rate, pretrigger)
