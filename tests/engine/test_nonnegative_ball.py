@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize, nnls
 
+from dashpot.base.errors import FitError
 from dashpot.engine.solver.nonnegative_ball import farthest, nonnegative_least_squares
 
 
@@ -102,3 +103,11 @@ def test_equal_columns_do_not_turn_in_a_circle() -> None:
     found = farthest(twice, target, aim, squared, best)
     alone = farthest(columns, target, aim[: columns.shape[1]], squared, once)
     assert aim @ found == pytest.approx(alone[0], rel=1e-6)
+
+
+def test_fewer_samples_than_terms_bound_nothing() -> None:
+    """Two samples and three terms: the third could grow for ever and be taken back."""
+    columns = np.array([[1.0, 0.0, 0.6], [0.0, 1.0, 0.8]])
+    target = columns @ [1.0, 1.0, 0.0]
+    with pytest.raises(FitError, match="too few samples"):
+        farthest(columns, target, np.array([-1.0, -1.0, 5.0]), 1.0, np.array([1.0, 1.0, 0.0]))

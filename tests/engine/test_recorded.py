@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dashpot.base.errors import DataError
+from dashpot.base.errors import DataError, FitError
 from dashpot.engine.blocks.block import Evaluation
-from dashpot.engine.blocks.correlation import Force, response
+from dashpot.engine.blocks.correlation import Force, response, upper_factor
 from dashpot.engine.blocks.recorded import arm_columns, recorded_block
 from dashpot.engine.solver.certificate import certificate
 from dashpot.engine.solver.variable_projection import Solution, solve, solve_orders
@@ -255,3 +255,8 @@ def test_refusals_say_what_was_expected() -> None:
         recorded_block(TIME, x, x, window=slice(0, 2))
     with pytest.raises(DataError, match="neighbouring"):
         recorded_block(TIME, x, x, window=slice(0, 100, 2))
+
+
+def test_what_is_no_sum_of_squares_has_no_factor() -> None:
+    with pytest.raises(FitError, match="lie too far apart"):
+        upper_factor(np.array([[1.0, 5.0], [5.0, 1.0]]))

@@ -25,6 +25,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import ByValue, ComplexArray, FloatArray
+from dashpot.base.errors import FitError
 from dashpot.engine.blocks.block import Block, Evaluation, Rows
 from dashpot.engine.blocks.compression import Compression, counted
 

@@ -21,6 +21,7 @@ from __future__ import annotations
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
+from dashpot.base.errors import FitError
 
 #: a gain below this part of the data is rounding
 NOTHING = 1e-13
@@ -63,6 +64,11 @@ def farthest(
         The square of the ball's radius.
     start : array, shape (m,)
         Any point of the set.
+
+    Raises
+    ------
+    FitError
+        If there are fewer rows than the answer has terms, or no finite one.
     """
     length = float(np.linalg.norm(aim))
     if length == 0.0:
@@ -82,6 +88,11 @@ def _walked(
         goal, multiplier = _face(
             columns[:, active], target, None if aim is None else aim[active], squared
         )
+        if not np.isfinite(goal).all():
+            raise FitError(
+                "the data bound nothing: they do not follow the motion that they are fitted to; "
+                "look whether each column is what it is taken for"
+            )
         if (goal <= 0).any():
             s[active], kept = _as_far_as_allowed(s[active], goal)
             # rounding let it enter: it would leave at once for ever
@@ -95,6 +106,8 @@ def _walked(
         entered = int(np.argmax(gain))
         if not gain[entered] > nothing:
             break
+        if len(active) == len(columns):
+            raise FitError("the record has too few samples to say what it leaves open; record more")
         active = np.append(active, entered)
     return s
 

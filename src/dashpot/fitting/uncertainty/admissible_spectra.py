@@ -195,6 +195,8 @@ class Spectra:
         ratio = max(known)
         for _ in range(STEPS):
             found = self.farthest(above - ratio * below)
+            if not float(below @ found) > 0:
+                break
             gain = float(above @ found) - ratio * float(below @ found)
             larger = float(above @ found) / float(below @ found)
             if gain <= CLOSE * abs(larger - ratio) or larger <= ratio:
