@@ -104,7 +104,7 @@ def test_quantities_as_people_write_them() -> None:
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("104", "has no unit; add a unit of mass to it, for example '104kg'"),
+        ("104", "has no unit; add a unit of mass to it, for example '104g'"),
         ("g", "is not a quantity"),
         ("104N", "'N' is a unit of force"),
         ("1,5g", "is not a known unit"),

@@ -65,7 +65,7 @@ def test_a_reader_takes_its_kind_and_says_of_others_what_they_are(
     what, command = WANTED_BY[seen]
     says = str(caught.value)
     assert says.startswith(f"{name}: this is {what} (")
-    assert says.endswith(command)
+    assert says.endswith(command.replace("COLUMN", '"Relaxation modulus"'))
 
 
 def test_who_names_the_columns_knows_what_the_file_is(tmp_path: Path) -> None:
@@ -182,6 +182,6 @@ def test_inspect_asks_for_all_that_a_hammer_file_leaves_open(tmp_path: Path) -> 
     says = str(caught.value)
     assert '--acceleration "ch2" --acceleration "ch3" --hammer "ch1"' in says
     named = ReadOptions(hammer="2", acceleration=("ch2", "ch3"))
-    with pytest.raises(ReadError, match=r'"hammer=N".*"acceleration=m/s'):
+    with pytest.raises(ReadError, match=r'"hammer=N,acceleration=m/s\^2"'):
         read_impact(path, options=named)
     assert inspect_file(path, options=named).kind == "impact"

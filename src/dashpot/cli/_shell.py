@@ -252,6 +252,8 @@ def read_model(path: str) -> dp.GeneralizedMaxwell:
 
 def _read(path: str, *, hint: str = "") -> object:
     raw = open_raw(path)
+    if not _like_json(raw.head(64)):
+        raise ReadError(f"{path}: this is no document of dashpot's{hint}")
     try:
         return dp.from_json(raw.head(raw.size).decode())
     except UnicodeDecodeError:
@@ -265,4 +267,8 @@ def is_json(path: str) -> bool:
     if not Path(path).is_file():  # a look into a pipe would take its first bytes away
         return False
     with Path(path).open("rb") as file:
-        return file.read(64).lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{")
+        return _like_json(file.read(64))
+
+
+def _like_json(head: bytes) -> bool:
+    return head.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{")

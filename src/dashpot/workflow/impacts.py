@@ -14,7 +14,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.version import byline
-from dashpot.io.options import ReadOptions
+from dashpot.io.options import OF_BENCH, ReadOptions
 from dashpot.io.readers.frf import read_frf
 from dashpot.io.readers.impact import read_impact
 from dashpot.io.readers.inspect import inspect_file
@@ -348,7 +348,7 @@ def identify_files(
         raise ReadError("--with takes relaxation tests or one fit, not both: leave the fit out")
     _, frf = read_measured(measured, choices=hammer, options=options, mass=mass, band=band)
     total, noted = total_mass(mass, seal=seal_mass, seals=seals)
-    with answered_in("--with-profile"):
+    with answered_in("--with-profile", besides=("units", *OF_BENCH)):
         prepared = prepared_files(tests, machine=machine, options=options_with)
     straight = dp.dynamic_stiffness(frf, total or mass, seals=seals, band=band)
     found = dp.identify(

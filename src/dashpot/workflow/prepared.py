@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
 import dashpot as dp
 from dashpot.base.errors import DataError, ReadError
-from dashpot.io.options import ReadOptions
+from dashpot.io.options import ReadOptions, flag
 from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold
 
@@ -28,12 +29,17 @@ def prepared_files(
 
 
 @contextmanager
-def answered_in(option: str) -> Iterator[None]:
-    """Say where a question is answered if the command's own options are for another file."""
+def answered_in(option: str, *, besides: Sequence[str]) -> Iterator[None]:
+    """Say where a question is answered if the command's own options are for another file.
+
+    `besides` are the fields of the reading options that are for this file too.
+    """
+    ours = {flag(name) for name in besides}
     try:
         yield
     except (ReadError, DataError) as error:
-        if "--" not in str(error):
+        named = set(re.findall(r"(?<![\w-])--[a-z-]+", str(error)))
+        if named <= ours:
             raise
         raise ReadError(
             f"{error} (the options of this command are for its other file: keep the answer for "

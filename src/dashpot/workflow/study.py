@@ -17,6 +17,7 @@ from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.uncertainty.prediction_bounds import parameter_band, unseen_arm_band
 from dashpot.io.logo import read_logo
+from dashpot.io.options import OF_HAMMER
 from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.preparation.prepare import prepare
 from dashpot.records.bounds import FRFBounds, StiffnessBounds
@@ -293,7 +294,7 @@ def run(job: Job) -> Study:
     mass, noted = total_mass(job.mass, seal=job.seal_mass, seals=job.seals)
     if job.impact:
         doing(f"reading {', '.join(job.impact)}")
-        with answered_in("--impact-profile"):
+        with answered_in("--impact-profile", besides=("units", *OF_HAMMER)):
             impact, measured = read_measured(
                 job.impact, choices=job.hammer, options=job.reading_impact, mass=mass, band=job.band
             )

@@ -238,6 +238,10 @@ def refuse_kind(
     kind, reason = kind_of(table, options)
     if kind in WANTED_BY and kind not in accepted:
         what, command = WANTED_BY[kind]
+        if kind == "modulus":
+            scores = [score(column, "modulus", options) for column in table.columns]
+            named = table.columns[scores.index(max(scores))].name
+            command = command.replace("COLUMN", f'"{named}"')
         raise ReadError(f"this is {what} ({reason}), where {want} expected: {command}")
 
 

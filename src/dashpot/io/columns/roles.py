@@ -358,6 +358,23 @@ def _clock_unit(label: str, stated: str | None) -> Unit:
     )
 
 
+def no_units(table: Table, lacking: Sequence[Assigned]) -> str:
+    """Ask for the units of several columns that have none, in one sentence."""
+    labels = [
+        f"'{table.columns[one.index].name or f'column {one.index + 1}'}' ({one.role})"
+        for one in lacking
+    ]
+    units_ = ",".join(
+        dict.fromkeys(f"{one.role}={_EXAMPLE.get(one.role, 'UNIT')}" for one in lacking)
+    )
+    first = lacking[0]
+    header = f"{table.columns[first.index].name or first.role} [{_EXAMPLE.get(first.role, '')}]"
+    return (
+        f'{labels[0]} has no unit, nor has {_listed(labels[1:], "or")}; add --units "{units_}", '
+        f"or write them into the header, as '{header}'"
+    )
+
+
 def sensitivity(word: str, dimension: Dimension, column_unit: str | None) -> Unit | None:
     """Return the unit behind a sensitivity such as ``22.5mV/N``: volts divided by it.
 

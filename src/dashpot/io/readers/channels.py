@@ -14,7 +14,15 @@ from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Source
 from dashpot.base.units import Unit
 from dashpot.io.columns.kinds import FileKind, cycle_peaks, kind_of, refuse_kind
-from dashpot.io.columns.roles import Assigned, ask, assign, list_columns, quoted, unit_for
+from dashpot.io.columns.roles import (
+    Assigned,
+    ask,
+    assign,
+    list_columns,
+    no_units,
+    quoted,
+    unit_for,
+)
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.formats import read_table
 from dashpot.io.options import ReadOptions, flag
@@ -143,7 +151,10 @@ def with_units(file: Opened, chosen: Sequence[Assigned]) -> list[Channel]:
         With every unit that is missing, unknown or wrong, and how to give it.
     """
     found, asked = [], []
-    for one in chosen:
+    lacking = [one for one in chosen if _lacks_unit(file, one)]
+    if len(lacking) > 1:
+        asked.append(no_units(file.table, lacking))
+    for one in chosen if len(lacking) < 2 else [each for each in chosen if each not in lacking]:
         column, number = file.table.columns[one.index], one.index + 1
         try:
             unit = unit_for(column, number, one.role, file.options)
@@ -158,12 +169,19 @@ def with_units(file: Opened, chosen: Sequence[Assigned]) -> list[Channel]:
     return found
 
 
+def _lacks_unit(file: Opened, one: Assigned) -> bool:
+    column = file.table.columns[one.index]
+    return column.unit is None and file.options.unit_of(one.role, column.name) is None
+
+
 def rivals(file: Opened, chosen: Sequence[Channel]) -> list[str]:
     """Say which other columns could have played a role, where one was clearly better."""
     taken = {one.index for one in chosen}
     columns = file.table.columns
     notes = []
     for one in chosen:
+        if one.role == "acceleration":  # there may be several
+            continue
         answer = assign(file.table, one.role, file.options)
         others = [i for i in getattr(answer, "rivals", ()) if i not in taken]
         if others:

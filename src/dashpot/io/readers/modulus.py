@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from dashpot.io.columns.roles import assign
+from dashpot.base.errors import ReadError
+from dashpot.io.columns.kinds import WANTED_BY
+from dashpot.io.columns.roles import Assigned, assign, quoted
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels
+from dashpot.io.readers.channels import Opened
 from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.specimen import Specimen
 
@@ -28,7 +31,9 @@ def read_modulus(
     """
     with channels.opened(path, options) as file:
         found = [assign(file.table, role, file.options) for role in _ROLES]
-        chosen = channels.with_units(file, channels.answered(file, found))
+        columns = channels.answered(file, found)
+        _refuse_compliance(file, columns[1])
+        chosen = channels.with_units(file, columns)
         indexes = [one.index for one in chosen]
         rows, notes = channels.whole_rows(channels.load(file.table, indexes, file.options.segment))
         time, modulus = (channels.si(rows[:, j].copy(), c.unit) for j, c in enumerate(chosen))
@@ -38,4 +43,14 @@ def read_modulus(
             "N/m" if chosen[1].unit.dimension == "stiffness" else "Pa",
             specimen or Specimen(),
             channels.source(file, [one.says for one in chosen], (*file.table.notes, *notes)),
+        )
+
+
+def _refuse_compliance(file: Opened, one: Assigned) -> None:
+    """Refuse a column that is named a compliance, which rises where a modulus falls."""
+    if "compliance" in file.table.columns[one.index].name.casefold():
+        what, advice = WANTED_BY["creep"]
+        raise ReadError(
+            f"{quoted(file.table.columns, one.index)} is a compliance, of {what}, where a "
+            f"relaxation modulus is expected: {advice}"
         )

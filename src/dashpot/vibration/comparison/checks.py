@@ -158,6 +158,8 @@ def lines_resolve_the_peak(measured: Peak, predicted: Peak) -> Finding:
 def inside_identified_band(c: Comparison, fit: Fit, *, borne_out: bool = False) -> Finding:
     """The measured peak lies where the fit informs the solid, or bears out the prediction."""
     low, high = fit.band
+    if not high > 0:
+        return Finding("the fit does not say what it informs, so this is not judged")
     factor = max(c.measured_hz / high, low / c.measured_hz)
     peak, band = f"the measured peak at {c.measured_hz:.4g} Hz", f"{low:.2g} to {high:.2g} Hz"
     says = f"{peak} lies inside the band that the fit can inform, {band}"
@@ -177,6 +179,8 @@ def inside_identified_band(c: Comparison, fit: Fit, *, borne_out: bool = False) 
 def damping_tested(c: Comparison, fit: Fit, *, borne_out: bool = False) -> Finding:
     """The relaxation test can see the arms behind the loss, or the hammer bears them out."""
     low, high = fit.band
+    if not high > 0:
+        return Finding("the fit does not say what it informs, so this is not judged")
     tau = 1 / (2 * np.pi * c.measured_hz)
     if low <= c.measured_hz <= high:
         return Finding(

@@ -1,0 +1,179 @@
+"""What a new user types first, with files of every kind; and what is answered."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from kit.kinds import bench, files, hammer, late, ramp_and_hold
+
+from dashpot.cli import main
+from dashpot.io.options import load_profile
+
+FILES = files()
+FIT = {
+    "schema": "dashpot/fit@1",
+    "model": {"k_inf": 200.0, "arms": [{"k": 120.0, "tau": 0.5}, {"k": 18.0, "tau": 16.0}]},
+}
+NAMED = ("--hammer", "ch1", "--acceleration", "ch2", "--acceleration", "ch3")
+UNITS = ("--units", "time=s,hammer=N,acceleration=m/s^2")
+
+
+@pytest.fixture
+def lab(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with a file of every kind, where the commands run."""
+    monkeypatch.chdir(tmp_path)
+    for name, (text, _) in FILES.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    (tmp_path / "fit.json").write_text(json.dumps(FIT))
+    (tmp_path / "channels.csv").write_text(hammer("ch1,ch2,ch3").replace("time [s]", "t"))
+    (tmp_path / "late.csv").write_text(late(1e-5))
+    return tmp_path
+
+
+def run(*words: str, code: int = 0) -> str:
+    """What a command prints on both streams."""
+    result = CliRunner().invoke(main, list(words))
+    assert result.exit_code == code, result.output
+    return result.output
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        ("fit hammer.csv", "this is a hammer file .*: use dashpot impact"),
+        ("fit frf.csv", "this is an FRF .*: use dashpot compare or dashpot identify"),
+        ("fit base.csv", "this is a transmissibility .*: dashpot fits none yet"),
+        ("fit creep.csv", "this is a creep test: .*creep is not fitted yet"),
+        ("fit trios.txt", "this is a creep test .*creep is not fitted yet"),
+        ("fit compliance.csv", "this is a creep test .*creep is not fitted yet"),
+        ("fit triangle.csv", "this is a triangle, a ramp up and down without a hold"),
+        ("fit fatigue.csv", r"this is a cyclic \(fatigue\) run without a hold .*and \d+ more"),
+        ("fit strain.csv", "this is a strain sweep at one frequency"),
+        ("fit warming.csv", "this is a temperature sweep at one frequency"),
+        ("fit modulus.csv", 'use dashpot fit FILE --modulus "Relaxation modulus"'),
+        ("fit late.csv", "the record begins after its ramp"),
+        ('fit compliance.csv --modulus 2', "is a compliance.*creep is not fitted yet"),
+        ("impact seal.csv", "this is a relaxation test .*: use dashpot fit or dashpot report"),
+        ("impact frf.csv", "this is an FRF .*: use dashpot compare or dashpot identify"),
+        ("impact dma.csv", r"this is a dynamic \(DMA\) sweep .*: use dashpot fit"),
+        ("report hammer.csv", "this is a hammer file .*: use dashpot impact"),
+        ("report dma.csv", r"this is a dynamic \(DMA\) sweep .*: use dashpot fit"),
+        ("report seal.csv --impact seal.csv --mass 104g", "this is a relaxation test"),
+        ("compare fit.json seal.csv --mass 104g", "this is a relaxation test"),
+        ("compare hammer.csv fit.json --mass 104g", "hammer.csv: .*expected a fit, as 'dashpot f"),
+        ("identify seal.csv --mass 104g", "this is a relaxation test"),
+        ("identify base.csv --mass 104g", "this is a transmissibility"),
+        ("predict fit.json --mass 104", "for example '104g'"),
+        ("predict fit.json --mass 104g --compression 8", "for example '8mm'"),
+        ("fit seal.csv --temperature 23", "for example '23degC'"),
+    ],
+)  # fmt: skip
+def test_a_wrong_file_is_named_with_the_command_that_wants_it(
+    lab: Path, words: str, says: str
+) -> None:
+    printed = " ".join(run(*words.split(), code=2).split())
+    assert re.search(says, printed), printed
+    assert "Traceback" not in printed
+
+
+def test_two_accelerations_are_named_in_every_command_and_kept_in_a_profile(lab: Path) -> None:
+    asked = run("impact", "channels.csv", code=2)
+    assert '--acceleration "ch2" --acceleration "ch3" --hammer "ch1"' in asked
+    asked = run("impact", "channels.csv", *NAMED, code=2)
+    assert "'t' (time) has no unit, nor has 'ch1' (hammer)" in asked
+    assert '--units "time=s,hammer=N,acceleration=m/s^2"' in asked
+    run("inspect", "channels.csv", *NAMED, *UNITS, "--save-profile", "lab.toml")
+    kept = load_profile("lab.toml")
+    assert kept.acceleration == ("ch2", "ch3")
+    assert kept.hammer == "ch1"
+    by_hand = run("impact", "channels.csv", *NAMED, *UNITS)
+    by_number = run("impact", "channels.csv", "--hammer", "2", "--acceleration", "3",
+                    "--acceleration", "4", *UNITS)  # fmt: skip
+    assert by_hand == by_number == run("impact", "channels.csv", "--profile", "lab.toml")
+    weighed = ("--mass", "104g", "--seals", "2")
+    compared = [
+        run("compare", "fit.json", "channels.csv", *weighed, *how)
+        for how in ((*NAMED, *UNITS), ("--profile", "lab.toml"))
+    ]
+    assert compared[0] == compared[1]
+    how = ("--profile", "lab.toml", "--arms", "1", "--json")
+    assert json.loads(run("identify", "channels.csv", *weighed, *how))["model"]["k_inf"] > 0
+
+
+def test_the_second_file_of_a_command_has_its_own_answers(lab: Path) -> None:
+    odd = bench(ramp_and_hold(), head="a,b,c")
+    (lab / "odd.csv").write_text(odd)
+    words = ("identify", "frf.csv", "--with", "odd.csv", "--mass", "104g", "--seals", "2")
+    asked = " ".join(run(*words, code=2).split())
+    assert "keep the answer for this one with dashpot inspect --save-profile" in asked
+    assert "by --with-profile FILE" in asked
+    named = ("--time", "a", "--displacement", "b", "--force", "c")
+    units = ("--units", "time=s,displacement=mm,force=N")
+    run("inspect", "odd.csv", *named, *units, "--save-profile", "odd.toml")
+    found = json.loads(run(*words, "--with-profile", "odd.toml", "--arms", "2", "--json"))
+    assert found["model"]["k_inf"] == pytest.approx(200, rel=0.2)
+    asked = run("report", "odd.csv", "--impact", "channels.csv", "--mass", "104g",
+                *named, *units, code=2)  # fmt: skip
+    assert "channels.csv" in asked
+    assert "--impact-profile" not in asked  # --hammer and --acceleration are for it alone
+
+
+def test_predict_reads_its_record_as_it_is_told(lab: Path) -> None:
+    (lab / "odd.csv").write_text(bench(ramp_and_hold(), head="a,b,c"))
+    run("fit", "seal.csv", "--arms", "2", "-o", "fitted.json")
+    words = ("predict", "fitted.json", "--mass", "104g", "--seals", "2", "--with", "odd.csv")
+    assert "no column is recognised as time" in " ".join(run(*words, code=2).split())
+    named = ("--time", "1", "--displacement", "2", "--force", "3")
+    run(*words, *named, "--units", "time=s,displacement=mm,force=N")
+
+
+def test_a_cycle_is_chosen_by_its_number(lab: Path) -> None:
+    time = np.arange(0, 40, 0.04)
+    twice = 8e-3 * np.interp(time % 20, [0, 1, 2, 16, 17, 20], [0, 0, 1, 1, 0, 0])
+    (lab / "twice.csv").write_text(bench(twice, time=time))
+    ends = []
+    for number in (1, 2):
+        found = json.loads(run("inspect", "twice.csv", "--cycle", str(number), "--json"))
+        ends.append(found["files"][0]["preparation"]["hold_end"])
+    assert ends == pytest.approx([16, 36], abs=0.1)
+    assert "cycle 3 was asked for" in run("fit", "twice.csv", "--cycle", "3", code=2)
+    noted = " ".join(run("inspect", "twice.csv", "-v").split())
+    assert "--cycle N chooses another" in noted
+
+
+def test_a_sweep_is_chosen_by_its_temperature(lab: Path) -> None:
+    text, _ = FILES["dma.csv"]
+    head, *rows = text.splitlines()
+    both = [f"{row},{degrees}" for degrees in (20, 60) for row in rows]
+    (lab / "both.csv").write_text("\n".join([f"{head},temperature [degC]", *both]))
+    assert "--temperature 20degC" in run("fit", "both.csv", code=2)
+    found = json.loads(run("fit", "both.csv", "--temperature", "60degC", "--json"))
+    assert found["model"]["k_inf"] == pytest.approx(0.2e6, rel=1e-3)
+
+
+@pytest.mark.parametrize("noise", [0.002, 0.03])
+def test_the_residual_of_a_sweep_is_per_cent(lab: Path, noise: float) -> None:
+    head, *rows = FILES["dma.csv"][0].splitlines()
+    values = np.array([row.split(",") for row in rows], dtype=float)
+    values[:, 2:] *= 1 + noise * np.random.default_rng(5).standard_normal((len(values), 2))
+    lines = [head, *(",".join(map(repr, row)) for row in values.tolist())]
+    (lab / "noisy.csv").write_text("\n".join(lines))
+    found = json.loads(run("fit", "noisy.csv", "--json"))["residual"]
+    assert found["unit"] == "1"
+    assert found["rms"] == pytest.approx(noise, rel=0.25)
+    assert f"{100 * found['rms']:.3g} % rms" in run("fit", "noisy.csv")
+
+
+def test_the_end_of_the_band_is_no_peak(lab: Path) -> None:
+    far = run("predict", "fit.json", "--mass", "104kg")
+    assert "is largest at 1 Hz" in far
+    assert "that is the end of the band, and no peak: add --band" in far
+    band = far.partition("--band ")[2].partition(",")[0]
+    assert "peaks at" in run("predict", "fit.json", "--mass", "104kg", "--band", band)
+    found = json.loads(run("predict", "fit.json", "--mass", "104kg", "--json"))
+    assert found["peak"]["at_edge"]
