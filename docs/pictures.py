@@ -23,7 +23,7 @@ def main() -> None:
         bench.test, frf, impact=hammer.test, mass=BROAD_MASS, seals=2, arms=2, band=(4.0, 40.0)
     )
     HERO.parent.mkdir(exist_ok=True)
-    dp.plot.save(dp.plot.hero(study), HERO)
+    dp.plot.save(dp.plot.hero(study), HERO, dpi=200)
 
 
 def gallery() -> None:
@@ -53,8 +53,12 @@ def _drawn(files: dict[str, Path]) -> dict[str, dp.plot.Picture]:
         "hits": dp.plot.hits(hits, frf),
         "frf": frf.plot(),
         "nyquist": dp.plot.nyquist(frf),
-        "dynamic_stiffness": dp.plot.dynamic_stiffness(study.direct, joint=study.joint),
-        "comparison": dp.plot.comparison(study.comparison, joint=study.joint_comparison),
+        "dynamic_stiffness": dp.plot.dynamic_stiffness(
+            study.direct, joint=study.joint, stamp=dp.plot.stamp(frf.source)
+        ),
+        "comparison": dp.plot.comparison(
+            study.comparison, joint=study.joint_comparison, band=study.frf_band
+        ),
         "elastic_law": dp.plot.elastic_law(depths),
         "columns": dp.inspect_file(files["seal_8mm.csv"]).plot(),
     }

@@ -33,11 +33,13 @@ from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import AtDepth
 from dashpot.records.modulus import RelaxationModulus
 from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import BROAD, PAPER, PAPER_MASS
 from dashpot.vibration.impact.hits import HitBlock
 from dashpot.vibration.systems.prediction import predict_frf
 
 S = handmade.study()
+SPRING = GeneralizedMaxwell(0.1 * (2 * np.pi * 10.0) ** 2)
 CURVE = np.geomspace(1e-3, 1e3, 100)
 
 DRAW = {
@@ -405,6 +407,26 @@ def test_a_joint_fit_that_fails_looks_failed():
     assert curve.pen.dashes
     sound = plot.comparison(S.comparison, joint=replace(failed, checks=())).panels[0]
     assert first(sound, "joint solid").pen.colour == "joint"
+    told = plot.comparison(S.comparison, joint=S.joint_comparison, failed=True).panels[0]
+    assert first(told, "joint fit, failed").pen.colour == "bad"
+    lame = altered(S.joint, checks=(bad,))
+    for picture in (
+        plot.spectrum(S.fit, joint=lame),
+        plot.stiffness(S.fit, joint=lame),
+        plot.dynamic_stiffness(S.direct, joint=lame),
+        plot.hero(replace(S, joint=lame)),
+    ):
+        labels = {mark.label for mark in picture.key}
+        assert "joint fit, failed" in labels
+        assert "joint solid" not in labels
+
+
+def test_a_resonance_without_damping_does_not_stretch_the_axis():
+    f = np.union1d(np.geomspace(1.0, 100.0, 400), 10.0 * (1 + 1e-12))
+    free = predict_frf(SPRING, mass=0.1, frequency=f)
+    low, high = plot.frf(free).panels[0].y.limits
+    assert np.abs(free.value).max() > 1e10
+    assert high / low < 1e6
 
 
 def test_a_predicted_peak_beyond_the_measured_lines_is_in_sight():

@@ -42,6 +42,10 @@ class Story(Protocol):
         """As in a study."""
 
     @property
+    def joint(self) -> Fit | None:
+        """As in a study."""
+
+    @property
     def joint_comparison(self) -> Comparison | None:
         """As in a study."""
 
@@ -72,7 +76,8 @@ def hero(study: Story) -> Picture:
     sources = list(study.fit.source)
     if c is not None:
         sources += c.measured.source
-        curves = vibration.curves_of(c, study.joint_comparison)
+        failed = study.joint is not None and study.joint.verdict.use == "do not use"
+        curves = vibration.curves_of(c, study.joint_comparison, failed=failed)
         view = (vibration.VIEW[0] * c.measured_hz, vibration.VIEW[1] * c.measured_hz)
         bounds = vibration.spreads(study.frf_band)[:1]
         upper = vibration.magnitude_panel(curves, bounds, view=view, height=210, tagged=True)

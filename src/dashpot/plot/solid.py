@@ -11,7 +11,6 @@ from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.base.errors import DataError
 from dashpot.plot.picture import (
     FIT,
-    JOINT,
     Area,
     Axis,
     Dots,
@@ -26,7 +25,7 @@ from dashpot.plot.picture import (
     inside,
 )
 from dashpot.plot.stamps import of_fit
-from dashpot.plot.vibration import BOUND, INTERVAL
+from dashpot.plot.vibration import BOUND, INTERVAL, joint_pen
 from dashpot.records.bounds import StiffnessBounds
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import Fit
@@ -60,7 +59,7 @@ def spectrum(fit: Fit, *, joint: Fit | None = None, stamp: str = "") -> Picture:
         Rule(k_inf, SECANT, f"{words.plateau}, {words.fit}", across=True),
     ]
     if joint is not None:
-        marks += _stems(joint, JOINT, "joint solid")
+        marks += _stems(joint, *_of_joint(joint))
     marks += _stems(fit, FIT, words.fit)
     tallest = max([k_inf, *(words.scale * k for one in (fit, joint) if one for k in one.model.k)])
     axes = Axis("relaxation time τ, s", limits, log=True), Axis(words.arm, (0.0, 1.2 * tallest))
@@ -162,7 +161,7 @@ def stiffness(
                 marks.append(Area(bounds.frequency, edges[0], edges[1], "fit", what, what == BOUND))
         if joint is not None:
             own = factor * getattr(joint.solid, name)(2 * np.pi * f)
-            marks.append(Line(f, own, JOINT, "joint solid"))
+            marks.append(Line(f, own, *_of_joint(joint)))
         marks += inside(fit.band, f, curve, words.fit, beyond=f"{words.fit}, extrapolated")
         if data is not None:
             marks.append(_sweep(data, name, factor))
@@ -218,6 +217,11 @@ def _words(fit: Fit) -> _Words:
         return _Words(1e-6, "modulus E, MPa", "E∞", axes, band, name)
     axes = (LABELS["storage"], "loss stiffness K″, N/mm", LABELS["loss_factor"])
     return _Words(1e-3, "stiffness k, N/mm", "k∞", axes, band, name)
+
+
+def _of_joint(joint: Fit) -> tuple[Pen, str]:
+    name, pen = joint_pen(failed=joint.verdict.use == "do not use")
+    return pen, name
 
 
 def _stems(one: Fit, pen: Pen, label: str) -> list[Mark]:
@@ -336,6 +340,8 @@ def dynamic_stiffness(
     )
     span = _span(measured)
     dense = np.geomspace(*span, 150)
+    solids = [] if joint is None else [(joint, *_of_joint(joint))]
+    solids += [] if fit is None else [(fit, FIT, "relaxation fit")]
     panels = []
     for line in quantities(measured):
         marks: list[Mark] = []
@@ -350,9 +356,7 @@ def dynamic_stiffness(
         marks.append(Line(np.column_stack([f, f, gap]).ravel(),
                           np.column_stack([low, high, gap]).ravel(), Pen("ref", 0.8),
                           "range of the lines"))  # fmt: skip
-        for found, pen, who in ((joint, JOINT, "joint solid"), (fit, FIT, "relaxation fit")):
-            if found is not None:
-                marks.append(Line(dense, line.of(found.solid, dense), pen, who))
+        marks += [Line(dense, line.of(one.solid, dense), pen, who) for one, pen, who in solids]
         marks.append(Dots(f, one.value, "measured", "from the FRF"))
         axes = Axis(FREQUENCY, span, log=True), Axis(LABELS[line.name], _view(one, f))
         panels.append(Panel(*axes, tuple(marks), height=210))

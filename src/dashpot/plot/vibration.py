@@ -46,6 +46,9 @@ SHOWN = {
 }
 INTERVAL, BOUND = "95 % interval of the parameters", "bound over unresolved arms"
 
+# a magnitude axis ends that far above the median line at most
+HIGHEST = 1e4
+
 # about a peak, as factors of its frequency
 VIEW = (0.48, 2.3)
 
@@ -134,6 +137,7 @@ def comparison(
     comparison: Comparison,
     *,
     joint: Comparison | None = None,
+    failed: bool = False,
     band: FRFBounds | None = None,
     interval: tuple[FloatArray, FloatArray] | None = None,
     stamp: str = "",
@@ -146,13 +150,15 @@ def comparison(
         Prediction from the relaxation test against the measured FRF.
     joint : Comparison, optional
         The joint fit against the same FRF: what changes once the hammer is believed.
+    failed : bool
+        The joint fit is not to be used, even if it follows the FRF.
     band, interval : optional
         As in :func:`frf`.
     stamp : str
         What the figure says of its origin; by default the files of the measured FRF.
     """
     known = () if interval is None else (Spread(*interval),)
-    stack = _bode(curves_of(comparison, joint), spreads(band) or known)
+    stack = _bode(curves_of(comparison, joint, failed=failed), spreads(band) or known)
     caption = (
         "Accelerance of the mass on its seals, measured and predicted, with phase and coherence."
     )
@@ -164,6 +170,7 @@ def resonance(
     predicted: FRF,
     *,
     joint: Comparison | None = None,
+    failed: bool = False,
     band: FRFBounds | None = None,
     height: float = 292.0,
     stamp: str = "",
@@ -176,7 +183,7 @@ def resonance(
         None where nothing was measured.
     predicted : FRF
         Over as wide a range as is at hand: its peak may lie beyond the measured lines.
-    joint, band, stamp : optional
+    joint, failed, band, stamp : optional
         As in :func:`comparison`.
     height : float
         Of the plotted part, px.
@@ -184,7 +191,7 @@ def resonance(
     if comparison is None:
         curves = [Curve(predicted, "predicted", PREDICTED, _peak_of(predicted))]
     else:
-        curves = curves_of(comparison, joint)
+        curves = curves_of(comparison, joint, failed=failed)
         ends = comparison.measured.frequency[0], comparison.measured.frequency[-1]
         at, top = _peak_of(predicted)
         if not ends[0] < at < ends[1]:
@@ -232,7 +239,9 @@ def nyquist(measured: FRF, *others: FRF, labels: Sequence[str] = (), stamp: str 
 # -- panels ---------------------------------------------------------------------------------------
 
 
-def curves_of(comparison: Comparison, joint: Comparison | None) -> list[Curve]:
+def curves_of(
+    comparison: Comparison, joint: Comparison | None, *, failed: bool = False
+) -> list[Curve]:
     """The curves of a comparison with their peaks, measured first."""
     c = comparison
     curves = [
@@ -242,10 +251,14 @@ def curves_of(comparison: Comparison, joint: Comparison | None) -> list[Curve]:
     ]  # fmt: skip
     if joint is not None:
         # a solid of both tests that misses one of them does not look like an answer
-        failed = joint.verdict.use == "do not use"
-        name, pen = ("joint fit, failed", REJECTED) if failed else ("joint solid", JOINT)
+        name, pen = joint_pen(failed=failed or joint.verdict.use == "do not use")
         curves.append(Curve(joint.predicted, name, pen, (joint.predicted_hz, joint.predicted_peak)))
     return curves
+
+
+def joint_pen(*, failed: bool) -> tuple[str, Pen]:
+    """What a solid of both tests is called and how it is drawn: one that failed looks so."""
+    return ("joint fit, failed", REJECTED) if failed else ("joint solid", JOINT)
 
 
 def magnitude_panel(
@@ -267,9 +280,9 @@ def magnitude_panel(
         scale * np.abs(value[(at >= view[0]) & (at <= view[1])]) for at, value in drawn.values()
     ]
     every = np.concatenate(sizes)
-    # a few vanishing lines cannot stretch the axis
-    low = max(float(np.percentile(every, 1)), 1e-4 * float(every.max()))
-    limits = [0.6 * low, 1.9 * float(every.max())]
+    # neither a few vanishing lines nor a resonance without damping can stretch the axis
+    highest = min(float(every.max()), HIGHEST * float(np.median(every)))
+    limits = [0.6 * max(float(np.percentile(every, 1)), highest / HIGHEST), 1.9 * highest]
     marks: list[Mark] = []
     for limit in spread:
         area = _area(limit, kind, scale, None if predicted is None else drawn[id(predicted)])
@@ -282,14 +295,12 @@ def magnitude_panel(
     for one in curves:
         if one.frf.sd is not None:
             marks.append(_scatter(one, scale))
-    # the joint solid lies under the measurement that it follows
-    order = sorted(curves, key=lambda one: (one.pen is not JOINT, one.pen is MEASURED))
-    for one in order:
+    for one in _layered(curves):
         at, value = drawn[id(one)]
         pen = replace(one.pen, width=5.0) if one.pen is JOINT else one.pen
         marks.append(Line(at, scale * np.abs(value), pen, one.label))
     if tagged:
-        marks += _peaks(curves, unit)
+        marks += [replace(one, y=min(one.y, limits[1])) for one in _peaks(curves, unit)]
     label = f"{kind.value.replace('_', ' ')}, {unit}"
     axes = (Axis(FREQUENCY, view, log=True), Axis(label, (limits[0], limits[1]), log=True))
     return Panel(*axes, tuple(marks), height=height)
@@ -299,13 +310,18 @@ def phase_panel(curves: Sequence[Curve], view: tuple[float, float]) -> Panel:
     """Phases of FRFs, on the part of the circle that they use."""
     lowest, ticks = phase_axis(np.concatenate([one.frf.value for one in curves]))
     marks: list[Mark] = []
-    for one in curves:
+    for one in _layered(curves):
         f, value = smooth(one.frf)
         x, y = unwrapped(f, value, lowest)
         marks.append(Line(x, y, one.pen))
     axes = (Axis(FREQUENCY, view, log=True),
             Axis("phase, °", (ticks[0] - 15, ticks[-1] + 15), ticks=ticks))  # fmt: skip
     return Panel(*axes, tuple(marks), height=90)
+
+
+def _layered(curves: Sequence[Curve]) -> list[Curve]:
+    """In the order of drawing: what was measured last, over all that follows it."""
+    return sorted(curves, key=lambda one: (one.pen is not JOINT, one.pen is MEASURED))
 
 
 def _bode(curves: Sequence[Curve], spread: Sequence[Spread]) -> tuple[Panel, ...]:

@@ -95,7 +95,7 @@ def _contents(study: Study) -> dict[str, Any]:
         "header": answer.header(study),
         "verdict": study.verdict,
         "colour": COLOURS[study.verdict.use],
-        "lights": answer.lights(study),
+        "lights": answer.lights(study, found),
         "found": found,
         "heading": answer.heading(found),
         "under_mass": answer.under_mass(study, found),

@@ -121,12 +121,16 @@ def tally(checks: Iterable[Check], weighed: Collection[Check]) -> tuple[str, str
     return ("note" if failed and heavy == "good" else heavy), said
 
 
-def lights(study: Study) -> tuple[Light, Light, Light]:
-    """Whether the test is sound, and whether stiffness and damping are borne out by the hammer."""
+def lights(study: Study, found: Recommendation) -> tuple[Light, Light, Light]:
+    """Whether the test is sound, and whether the hammer bears out stiffness and damping.
+
+    Those of the joint solid if it is recommended, else those of the relaxation test alone: a joint
+    fit that failed agrees with the hammer for the wrong reason.
+    """
     hammer = () if study.measured is None else study.measured.checks
     mark = mark_of((*study.fit.checks, *hammer))
     says = {"good": "sound", "note": "sound, with notes", "care": "with limits", "bad": "unsound"}
-    held = study.joint_comparison or study.comparison
+    held = study.joint_comparison if found.joint else study.comparison
     if held is None:
         untested = "no hammer test"
         return (

@@ -93,8 +93,18 @@ def lead(study: Study) -> plot.Picture:
             study.fit, mass=study.mass, seals=study.seals, compression=compression
         )
     return plot.resonance(
-        study.comparison, predicted, joint=study.joint_comparison, band=study.frf_band, stamp=said
+        study.comparison,
+        predicted,
+        joint=study.joint_comparison,
+        failed=_failed(study),
+        band=study.frf_band,
+        stamp=said,
     )
+
+
+def _failed(study: Study) -> bool:
+    """Whether the joint fit is not to be used, however well it follows the hammer."""
+    return study.joint is not None and study.joint.verdict.use == "do not use"
 
 
 def _of_relaxation(study: Study) -> Iterator[plot.Picture]:
@@ -119,7 +129,7 @@ def _of_vibration(study: Study) -> Iterator[plot.Picture]:
     alone = study.measured or study.prediction
     if study.comparison is not None:
         c, joint = study.comparison, study.joint_comparison
-        yield plot.comparison(c, joint=joint, band=study.frf_band)
+        yield plot.comparison(c, joint=joint, failed=_failed(study), band=study.frf_band)
         after = () if joint is None else (joint.predicted,)
         yield plot.nyquist(c.measured, c.predicted, *after, labels=LABELS)
     elif alone is not None:

@@ -144,6 +144,7 @@ def _under_mass(
     sought = None if study.frf_band is None else study.frf_band.peak_frequency
     if not joint and sought is not None:
         ends = [min(sought[0], frequency), max(sought[1], frequency)]
+    damping = max(damping, 0.0) + 0.0  # of a spring, to rounding
     share = damping / loss.value if loss.value > 0 else 0.5
     bound = stiffness.bound
     return (
