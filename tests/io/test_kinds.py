@@ -185,3 +185,30 @@ def test_inspect_asks_for_all_that_a_hammer_file_leaves_open(tmp_path: Path) -> 
     with pytest.raises(ReadError, match=r'"hammer=N,acceleration=m/s\^2"'):
         read_impact(path, options=named)
     assert inspect_file(path, options=named).kind == "impact"
+
+
+@pytest.mark.parametrize(
+    "head",
+    ["T=25;CTg=14.65;\nw\tG'\tG\"\nrad/s\tPa\tPa\n", "Omega [rad/s]\tE' [Pa]\tE'' [Pa]\n"],
+)
+def test_moduli_with_primes_are_a_sweep(tmp_path: Path, head: str) -> None:
+    rows = [(0.1, 10.0, 1.0), (1.0, 12.0, 2.0), (10.0, 15.0, 1.5)]
+    path = tmp_path / "PI.osc"
+    table = "".join("\t".join(map(str, row)) + "\n" for row in rows)
+    path.write_text(head + table)
+    found = read_dynamic(path)
+    np.testing.assert_allclose(found.omega, [0.1, 1.0, 10.0])
+    np.testing.assert_allclose(found.loss, [1.0, 2.0, 1.5])
+    path.write_text(head.replace("rad/s\tPa\tPa\n", "").replace(" [rad/s]", "") + table)
+    with pytest.raises(ReadError, match="frequency=rad/s"):
+        read_dynamic(path)
+
+
+def test_a_sweep_without_names_is_read_by_numbers(tmp_path: Path) -> None:
+    path = tmp_path / "sweep.txt"
+    path.write_text("1\t10\t1\n2\t11\t1.1\n4\t12\t1.2\n")
+    units = {"frequency": "Hz", "storage": "MPa", "loss": "MPa"}
+    named = ReadOptions(frequency="1", storage="2", loss="3", units=units)
+    assert read_dynamic(path, options=named).storage[2] == pytest.approx(12e6)
+    tangent = ReadOptions(frequency="1", storage="2", loss_factor="3", units=units)
+    assert read_dynamic(path, options=tangent).loss[2] == pytest.approx(12e6 * 1.2)

@@ -15,10 +15,22 @@ _OF_TIME = re.compile(r"\A[A-Za-z]\(t\)\Z")  # E(t): no tonnes
 _IN_BRACKETS = re.compile(
     r"[\[(<{]([^\[\](){}<>]*+(?:\([^()]*+\)[^\[\](){}<>]*+)?)[\])>}][\s,;:]*+\Z"
 )
+_PRIMED = re.compile(r"[A-Za-z]['\"]{1,2}")
+"""A modulus as rheologists write it: its quotes are no quotes."""
 _UNIT_FIRST = re.compile(r"\A[\[(]([^\[\]()]++)[\])]\s*+([^\[\]()]++)\Z")
 _SIGNS = re.compile(r"\s*[,/:]\s*|\s+in\s+|[\s_.\-]+")
 _FACTOR = re.compile(r"[*x×·/]\s{0,3}10{1,9}\s{0,3}\^?\s{0,3}[-+]?\d{0,2}\Z|\b1[eE][-+]?\d{1,2}\Z")
 _PLAIN_TAIL = re.compile(r"\A(.*\S)(?:\s+in\s+|\s*,\s+|\s+/\s+)([^\s,:_]+)\Z")
+
+
+def unquoted(text: str) -> str:
+    """Return a cell without the quotes around it, or lost at one end.
+
+    >>> unquoted('"Force"'), unquoted('G"')
+    ('Force', 'G"')
+    """
+    text = text.strip()
+    return text if _PRIMED.fullmatch(text) else text.strip("\"'").strip()
 
 
 def part_unit(name: str) -> tuple[str, str | None]:
@@ -27,12 +39,7 @@ def part_unit(name: str) -> tuple[str, str | None]:
     >>> part_unit("Force (N)"), part_unit("Load__kN_"), part_unit("Kraft_N"), part_unit("time")
     (('Force', 'N'), ('Load', 'kN'), ('Kraft', 'N'), ('time', None))
     """
-    text = (
-        unicodedata.normalize("NFKC", name[:_LONGEST].replace("²", "^2"))
-        .strip()
-        .strip("\"'")
-        .strip()
-    )
+    text = unquoted(unicodedata.normalize("NFKC", name[:_LONGEST].replace("²", "^2")))
     if _OF_TIME.match(text):
         return text, None
     for shape in _SHAPES:

@@ -37,6 +37,7 @@ _PLACE = {
     "displacement": 1, "force": 2, "hammer": 1, "storage": 1, "loss": 2, "modulus": 1,
 }  # fmt: skip
 """Where a role stands in a table that says nothing, counted from 0."""
+_ANGULAR = ("w", "omega", "ω", "angular", "kreisfrequenz")
 _SAME = 0.25
 _ROUNDED = 1e-3
 """Part of their range by which columns that are written to a few digits may differ."""
@@ -330,11 +331,12 @@ def unit_for(column: Column, number: int, role: Role, options: ReadOptions) -> U
     stated = options.unit_of(role, column.name)
     word = column.unit if stated is None else stated
     label = f"'{column.name or f'column {number}'}' ({role})"
-    advice = f'add --units "{role}={_EXAMPLE.get(role, "")}"'
+    example = _unit_like(column, role)
+    advice = f'add --units "{role}={example}"'
     if column.content == "clock" and role == "time":
         return _clock_unit(label, stated)
     if word is None:
-        header = f"{column.name or role} [{_EXAMPLE.get(role, '')}]"
+        header = f"{column.name or role} [{example}]"
         raise ReadError(
             f"{label} has no unit; {advice}, or write the unit into the header as '{header}'"
         )
@@ -346,6 +348,13 @@ def unit_for(column: Column, number: int, role: Role, options: ReadOptions) -> U
         wrong = stated is None and units.find(word) is not None
         text = mislabelled(column, role) if wrong else f"{label}: {error}; {advice}"
         raise ReadError(text) from None
+
+
+def _unit_like(column: Column, role: Role) -> str:
+    """The likeliest unit of a column in a role."""
+    if role == "frequency" and vocabulary.has_word(column.name, _ANGULAR):
+        return "rad/s"
+    return _EXAMPLE.get(role, "UNIT")
 
 
 def _clock_unit(label: str, stated: str | None) -> Unit:
@@ -364,11 +373,11 @@ def no_units(table: Table, lacking: Sequence[Assigned]) -> str:
         f"'{table.columns[one.index].name or f'column {one.index + 1}'}' ({one.role})"
         for one in lacking
     ]
-    units_ = ",".join(
-        dict.fromkeys(f"{one.role}={_EXAMPLE.get(one.role, 'UNIT')}" for one in lacking)
-    )
+    examples = [_unit_like(table.columns[one.index], one.role) for one in lacking]
+    given = [f"{one.role}={unit}" for one, unit in zip(lacking, examples, strict=True)]
+    units_ = ",".join(dict.fromkeys(given))
     first = lacking[0]
-    header = f"{table.columns[first.index].name or first.role} [{_EXAMPLE.get(first.role, '')}]"
+    header = f"{table.columns[first.index].name or first.role} [{examples[0]}]"
     return (
         f'{labels[0]} has no unit, nor has {_listed(labels[1:], "or")}; add --units "{units_}", '
         f"or write them into the header, as '{header}'"

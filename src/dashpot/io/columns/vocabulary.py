@@ -83,7 +83,7 @@ _SECOND: dict[Role, str] = {
         extensometer ストローク ストロ 位置 伸长 行程量 스트로크""",
     "force": "f fx fy fz charge effort last lastzelle loadcell druckkraft input hammer_force n",
     "acceleration": "a response antwort réponse odpowiedź ответ 响应",
-    "frequency": "f hz",
+    "frequency": "f hz w",
     "storage": "gp ep",
     "loss": "gpp epp loss",
     "temperature": "t kammer",

@@ -7,6 +7,8 @@ import re
 from collections.abc import Sequence
 from typing import Literal, TypeAlias
 
+from dashpot.io.columns.names import unquoted
+
 Mark: TypeAlias = Literal[".", ",", ".,"]
 """Decimal mark; ``".,"`` is a file that uses both, one per cell."""
 
@@ -100,7 +102,7 @@ def _quoted(line: str, delimiter: str) -> list[str]:
         rows = list(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
     except csv.Error:
         rows = [line.split(delimiter)]
-    return [cell.strip().strip('"').strip() for cell in rows[0]] if rows else []
+    return [unquoted(cell) for cell in rows[0]] if rows else []
 
 
 def numeric(cells: Sequence[str], mark: Mark) -> list[bool]:
