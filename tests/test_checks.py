@@ -851,7 +851,7 @@ LIMITS = {
     },
     "workflow": {
         "result_recomputed": 1e-7, "prediction_informed": 1, "history_present": 1,
-        "files_listed": 0, "page_redrawn": 0,
+        "files_listed": 0, "page_redrawn": 0, "history_whole": 0,
     },
 }  # fmt: skip
 #: what a failure means; of every other check, that the result is to be used with care

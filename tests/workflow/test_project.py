@@ -205,6 +205,16 @@ def test_what_is_cut_off_the_history_is_missed(kept, raw, loss):
         assert (kept.history_file.read_bytes() if left is not None else None) == left
 
 
+def test_without_its_head_nobody_claims_that_a_history_is_whole(kept, raw):
+    """As of a project of an earlier dashpot; the next line brings the head."""
+    (kept.folder / "history.head").unlink()
+    judged = {check.name: check.passed for check in verified(kept)}
+    assert judged["history_whole"] is None
+    assert False not in judged.values()
+    folder.record(kept, Job(str(raw), arms=1), page=page)
+    assert {check.name: check.passed for check in verified(kept)}["history_whole"]
+
+
 def test_who_notes_the_head_misses_even_a_forged_end(kept, raw):
     noted = kept.head
     assert not failures(kept, expect=noted)

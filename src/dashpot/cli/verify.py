@@ -52,7 +52,7 @@ def command(*, project: str, expect: str | None) -> Outcome:
 
 def _sound(checks: Iterable[Check]) -> str:
     """What to say where nothing failed: no more than was judged."""
-    open_ = sum(check.passed is None for check in checks)
-    reports = "report was" if open_ == 1 else "reports were"
-    but = f"; {open_} {reports} made by other versions, and not judged" if open_ else ""
+    open_ = [check.says for check in checks if check.passed is None]
+    more = f" ({len(open_)} such)" if len(open_) > 1 else ""
+    but = f"; not judged: {open_[0]}{more}" if open_ else ""
     return f"every result follows again from its raw files{but}"

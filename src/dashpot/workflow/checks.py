@@ -53,14 +53,19 @@ def history_complete(lines: int, *, torn: bool) -> Finding:
     )
 
 
-@criterion(source="the count and the hash in history.head", grade="stop")
+@criterion("lines that differ", "<=", 0, "the count and the hash in history.head", grade="stop")
 def history_whole(lines: int, written: int, *, shortened: bool) -> Finding:
     """No line was cut off the end of the history."""
+    if not written:
+        return Finding(
+            "there is no history.head, so nothing here tells whether lines were cut off the end of "
+            "the history"
+        )
     return Finding(
         "no line is missing at the end of the history",
+        max(written - lines, 1) if shortened else 0,
         instead=f"the history has {lines} lines where {written} were written, or others: put "
         "history.jsonl back from a copy",
-        faulted=shortened,
     )
 
 
