@@ -46,6 +46,29 @@ def test_whatever_is_found_fits_a_screen_and_leads_with_its_verdict(lines, check
     assert printed[-1] == "  more with -v"
 
 
+@pytest.mark.parametrize(("rows", "more"), [(LINES - 1, False), (LINES, True)])
+def test_what_is_cut_is_said_to_be(rows, more):
+    printed = shown(Text([f"row {i}" for i in range(rows)]), None, (), verbose=False)
+    assert (printed[-1] == "  more with -v") is more
+    assert len(printed) <= LINES
+
+
+def test_what_an_inspection_asks_stands_above_the_columns(tmp_path):
+    names = ",".join(f"channel {i}" for i in range(60))
+    rows = "\n".join(",".join(f"{i * j % 7}.5" for j in range(60)) for i in range(40))
+    (tmp_path / "wide.csv").write_text(f"{names}\n{rows}\n")
+    printed = CliRunner().invoke(main, ["inspect", str(tmp_path / "wide.csv")]).stdout.splitlines()
+    assert len(printed) <= LINES
+    assert printed[-1] == "  more with -v"
+    asked = [i for i, line in enumerate(printed) if line.startswith("  ASK")]
+    assert asked
+    assert max(asked) < next(i for i, line in enumerate(printed) if line.startswith("  format"))
+    # of several files each is told
+    several = ["inspect", *[str(tmp_path / "wide.csv")] * 3]
+    printed = CliRunner().invoke(main, several).stdout.splitlines()
+    assert sum(line.startswith("wide.csv: ") for line in printed) == 3
+
+
 def test_failed_checks_outlast_the_numbers_on_a_short_screen():
     checks = (STOP, *(replace(LONG, name=f"long_{i}") for i in range(4)), NOTE)
     numbers = [f"row {i}" for i in range(80)]

@@ -61,8 +61,9 @@ def shown(
     if verbose:
         return [*head, *body, *details, *counted, *(part for each in failed for part in each)]
     tail = counted + [part for each in failed for part in _short(each)]
-    body = body[: max(LINES - 1 - len(head) - len(tail), 0)]
-    return [*head, *body, *tail][: LINES - 1] + ["  more with -v"] * bool(details)
+    kept = [*head, *body[: max(LINES - 1 - len(head) - len(tail), 0)], *tail][: LINES - 1]
+    cut = len(kept) < len(head) + len(body) + sum(map(len, failed)) + len(counted)
+    return [*kept, "  more with -v"] if cut or details else kept
 
 
 def _lines(paragraphs: Sequence[str]) -> list[str]:

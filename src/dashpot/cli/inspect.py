@@ -49,8 +49,10 @@ def command(*, files: tuple[str, ...], save_profile: str | None, options: ReadOp
         from dashpot.io.options import dump_profile
 
         write(save_profile, dump_profile(options))
-    lines = [line for one in found.files for line in (*_text(one), "")]
-    return Outcome(found, Text(lines[:-1]), found.checks, follow=_follow(files, found.files))
+    answers = [line for one in found.files for line in _answer(one)]
+    tables = [line for one in found.files for line in (one.file, *_columns(one))]
+    text = Text(answers, tables) if len(files) > 1 else Text([*answers, *tables[1:]])
+    return Outcome(found, text, found.checks, follow=_follow(files, found.files))
 
 
 def _follow(paths: tuple[str, ...], found: tuple[InspectedFile, ...]) -> str:
@@ -61,22 +63,42 @@ def _follow(paths: tuple[str, ...], found: tuple[InspectedFile, ...]) -> str:
     return typed(*words, *paths) if words else ""
 
 
-def _text(found: InspectedFile) -> list[str]:
-    """Return an inspection for people."""
+def _answer(found: InspectedFile) -> list[str]:
+    """Return what a file is, what it still asks, and the test in it."""
+    lines = [
+        f"{found.file}: {found.kind} ({found.reason})",
+        *([f"  for       {found.use}"] if found.use and not _COMMANDS.get(found.kind) else []),
+        *(f"  ASK       {question.says}" for question in found.questions),
+    ]
+    if found.refusal:
+        lines.append(f"  ! cannot be prepared: {found.refusal}")
+    if found.simulated:
+        lines.append("  SIMULATED: made by the virtual rig or hammer, not measured")
+    lines.append(f"  sampling  {_sampling(found)}")
+    if test := found.preparation:
+        lines += [
+            (
+                f"  ramp      {test.onset:.4g} to {test.ramp_end:.4g} s ({test.ramp_time:.4g} s), "
+                f"{test.depth * 1e3:.4g} mm"
+            ),
+            f"  hold      to {test.hold_end:.5g} s ({test.hold_time:.4g} s)",
+            (
+                f"  noise     force {test.force_noise * 1e3:.3g} mN, "
+                f"displacement {test.displacement_noise * 1e6:.3g} um"
+            ),
+        ]
+    return [*lines, *(f"  note      {warning}" for warning in found.warnings)]
+
+
+def _columns(found: InspectedFile) -> list[str]:
+    """Return how a file is written, and its columns with their roles."""
     how = (
         found.format,
         found.encoding,
         f"delimiter {_shown(found.delimiter)}" if found.delimiter else "",
         f"decimal {found.decimal!r}" if found.decimal else "",
     )
-    lines = [
-        f"{found.file}: {found.kind} ({found.reason})",
-        *([f"  for       {found.use}"] if found.use and not _COMMANDS.get(found.kind) else []),
-        f"  format    {', '.join(part for part in how if part)}",
-    ]
-    if found.simulated:
-        lines.append("  SIMULATED: made by the virtual rig or hammer, not measured")
-    lines.append(f"  sampling  {_sampling(found)}")
+    lines = [f"  format    {', '.join(part for part in how if part)}"]
     if found.header:
         lines.append(f"  header    {len(found.header)} lines above the table")
     rows = [["  #", "column", "unit", "role", "because"]]
@@ -90,25 +112,8 @@ def _text(found: InspectedFile) -> list[str]:
         ]
         for column in found.columns
     ]
-    lines += table(rows, left=True)
-    lines += [f"  segment   {segment.name}: {segment.rows} rows" for segment in found.segments]
-    lines += [f"  note      {warning}" for warning in found.warnings]
-    lines += [f"  ASK       {question.says}" for question in found.questions]
-    if found.refusal:
-        lines.append(f"  ! cannot be prepared: {found.refusal}")
-    if test := found.preparation:
-        lines += [
-            (
-                f"  ramp      {test.onset:.4g} to {test.ramp_end:.4g} s ({test.ramp_time:.4g} s), "
-                f"{test.depth * 1e3:.4g} mm"
-            ),
-            f"  hold      to {test.hold_end:.5g} s ({test.hold_time:.4g} s)",
-            (
-                f"  noise     force {test.force_noise * 1e3:.3g} mN, "
-                f"displacement {test.displacement_noise * 1e6:.3g} um"
-            ),
-        ]
-    return lines
+    segments = (f"  segment   {segment.name}: {segment.rows} rows" for segment in found.segments)
+    return [*lines, *table(rows, left=True), *segments]
 
 
 def _sampling(found: InspectedFile) -> str:
