@@ -454,7 +454,7 @@ def test_with_a_mass_alone_the_prediction_is_drawn_and_called_untested():
     assert 'id="figure-frf"' in text
     assert "no hammer test was given" in Page(text).text
     assert "Predicted, tested by no hammer" in Page(text).text
-    assert "Natural frequency" in Page(text).text
+    assert "Peak frequency" in Page(text).text
 
 
 def test_an_inferred_mass_is_called_inferred(sketch):

@@ -211,7 +211,8 @@ def nyquist(measured: FRF, *others: FRF, labels: Sequence[str] = (), stamp: str 
     same = [measured, *(other.to(measured.kind) for other in others)]
     marks: list[Mark] = []
     ranges = []
-    for one, pen, name in zip(same, PENS, [*labels, "", "", "", ""], strict=False):
+    # the first one, which was measured, over all others
+    for one, pen, name in reversed(list(zip(same, PENS, [*labels, *[""] * 5], strict=False))):
         f, value = smooth(one)
         value = scale * value
         ends = half_power(value)

@@ -204,7 +204,7 @@ def _row(one: Answer) -> Row:
 def _name(one: Answer) -> str:
     where = "" if one.at is None else f"{rounded(one.at)}{NBSP}Hz"
     return {
-        "frequency": "Natural frequency",
+        "frequency": "Peak frequency",
         "damping": "Damping ratio",
         "end of hold": f"Stiffness at end of hold, {duration(one.at or 0.0).replace(' ', NBSP)}",
         "dynamic stiffness": f"Dynamic stiffness, {where}",

@@ -10,11 +10,13 @@ from dashpot.plot.svg import checked, stack, swatch
 from dashpot.vibration.systems.prediction import predict_frf
 from dashpot.workflow.study import Study
 
-PHONE, PAGE = 350.0, 1232.0
+PHONE, PAGE = 350.0, 1204.0
 """Widths of the drawing for a phone, and of all the columns on a screen, px."""
 
-LEAD = 728.0
-"""Width of the figure on the first screen, px."""
+LEAD, HALF = 728.0, 590.0
+"""Widths of the figure on the first screen, and of one that stands beside words, px."""
+
+BESIDE_WORDS = {"fit", "spectrum", "nyquist"}
 
 LABELS = ("measured", "predicted", "joint solid")
 
@@ -64,7 +66,12 @@ def drawn(picture: plot.Picture, *, width: float | None = None) -> Drawn:
 def figures_of(study: Study) -> dict[str, Drawn]:
     """Every figure that this study can fill, by name; "lead" is that of the first screen."""
     every = (*_of_relaxation(study), *_of_vibration(study))
-    found = {one.name: drawn(replace(one, stamp=stamp(study))) for one in every}
+    found = {
+        one.name: drawn(
+            replace(one, stamp=stamp(study)), width=HALF if one.name in BESIDE_WORDS else None
+        )
+        for one in every
+    }
     return found | {"lead": drawn(replace(lead(study), name="lead"), width=LEAD)}
 
 

@@ -11,11 +11,13 @@ from dashpot.base.arrays import FloatArray
 from dashpot.fitting.uncertainty.prediction_bounds import parameter_band
 from dashpot.records.bounds import StiffnessBounds
 from dashpot.records.fit import Fit
+from dashpot.solids.maxwell import Solid
+from dashpot.vibration.modal.peaks import find_peak
 from dashpot.vibration.systems.operating_point import OperatingPoint, operating_point
-from dashpot.vibration.systems.prediction import model_modes
+from dashpot.vibration.systems.prediction import model_modes, predict_frf
 from dashpot.workflow.study import Study
 
-# the natural frequency goes with the root of the stiffness, the damping ratio with the loss factor
+# a frequency goes with the root of the stiffness, the damping ratio with the loss factor
 Quantity = Literal["frequency", "damping", "end of hold", "dynamic stiffness", "loss factor"]
 
 
@@ -90,13 +92,19 @@ def recommendation(study: Study) -> Recommendation:
         compression = given.compression if given is not None and given.given else None
         point = operating_point(solid, mass=mass, seals=study.seals, compression=compression)
         mode = next(iter(model_modes(study.seals * point.solid(solid), mass)), None)
-    at = solid.band[1] if mode is None else mode.frequency
+    peak = (
+        None
+        if mode is None or point is None or mass is None
+        else _peak(study.seals * point.solid(solid), mass, mode.frequency)
+    )
+    at = solid.band[1] if peak is None else peak
     bounds, bound = _bounds(study, solid, at, joint=joint)
     factor = 1.0 if point is None else point.factor
     stiffness = _between(solid, bounds, "storage", at, bound=bound)
     loss = _between(solid, bounds, "loss_factor", at, bound=bound)
-    under = () if mode is None else _under_mass(study, mode.frequency, mode.damping_ratio,
-                                                stiffness, loss, joint=joint)  # fmt: skip
+    under: tuple[Answer, ...] = ()
+    if mode is not None and peak is not None:
+        under = _under_mass(study, peak, mode.damping_ratio, stiffness, loss, joint=joint)
     scaled = [factor * v for v in (stiffness.value, stiffness.low, stiffness.high)]
     dynamic = replace(stiffness, value=scaled[0], low=scaled[1], high=scaled[2])
     return Recommendation(
@@ -108,6 +116,13 @@ def _mass(study: Study, solid: Fit) -> float | None:
     """What vibrates on the solid: the joint fit has settled on a mass of its own."""
     told = (item.value for item in solid.nuisance if item.name == "mass")
     return next(told, study.mass) if study.mass is not None else None
+
+
+def _peak(solid: Solid, mass: float, near: float) -> float:
+    """Where the accelerance peaks, Hz: what a hammer shows; the pole's own if it does not peak."""
+    about = predict_frf(solid, mass=mass, frequency=near * np.geomspace(0.9, 1.6, 401))
+    top = int(np.argmax(np.abs(about.value)))
+    return find_peak(about).frequency if 0 < top < len(about.frequency) - 1 else near
 
 
 def _bounds(
@@ -138,7 +153,7 @@ def _between(
 def _under_mass(
     study: Study, frequency: float, damping: float, stiffness: Answer, loss: Answer, *, joint: bool
 ) -> tuple[Answer, ...]:
-    """Natural frequency and damping ratio, with the ends that stiffness and loss factor give."""
+    """Peak frequency and damping ratio, with the ends that stiffness and loss factor give."""
     c = study.comparison
     ends = [frequency * np.sqrt(end / stiffness.value) for end in (stiffness.low, stiffness.high)]
     sought = None if study.frf_band is None else study.frf_band.peak_frequency

@@ -261,7 +261,9 @@
     const out = document.createElement("p");
     out.className = "read";
     out.setAttribute("aria-live", "polite");
-    out.textContent = "Point or use the arrow keys to read values; drag, + or \u2212 to zoom, double click or 0 for all.";
+    // said once: every figure works alike
+    if (figure.id === "figure-lead")
+      out.textContent = "Point or use the arrow keys to read values; drag, + or \u2212 to zoom, double click or 0 for all.";
     figure.querySelector(".stacks").after(out);
     figure.querySelector(".stacks").removeAttribute("role");
     for (const svg of figure.querySelectorAll(".stacks svg[viewBox]"))
