@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from kit.instruments import workbook
 from kit.look_alikes import truth
-from kit.treacherous import CASES, Case, joined, put, three
+from kit.treacherous import CASES, THREE, Case, joined, put, three
 
 from dashpot.base.errors import ReadError
 from dashpot.io.options import ReadOptions
@@ -98,12 +98,22 @@ def test_a_cut_off_number_is_known_by_four_rows(rows: int, cut: bool) -> None:
 @pytest.mark.parametrize(
     ("values", "left"),
     [([1.6, 800.0], True), ([1.6, 1000.0], False), ([1.6, 0.9], False), ([1.6, 2.5], False),
-     ([800.0, 2.0], False), ([1.6, 800.0, 1.0625], False), ([1.625, 999.0, 0.0, np.nan], True)],
+     ([800.0, 2.0], True), ([1.6, 800.0, 1.0625], False), ([1.625, 999.0, 0.0, np.nan], True)],
 )  # fmt: skip
 def test_only_numbers_that_thousands_marks_could_make_are_looked_at(
     values: list[float], left: bool
 ) -> None:
     assert (marks.open_columns(np.array([values]).T) == {0}) is left
+
+
+def test_whole_numbers_in_a_later_block_raise_the_question(tmp_path: Path) -> None:
+    """A megabyte in which every cell has three decimals, then numbers without any."""
+    rows = [f"{1 + i / 1000:.3f};{1 + i % 7:.3f};{2 + i % 5:.3f}" for i in range(90_000)]
+    path = tmp_path / "long.csv"
+    path.write_text("\n".join([THREE, *rows, "91.001;8;1.250"]) + "\n")
+    assert path.stat().st_size > 1 << 20
+    with pytest.raises(ReadError, match=r"'1\.000' can mean 1\.000 or 1000"):
+        read_relaxation(path)
 
 
 def test_marks_are_judged_by_every_row(tmp_path: Path) -> None:
@@ -210,3 +220,18 @@ def test_the_parts_of_an_frf_have_one_unit(tmp_path: Path) -> None:
         read_frf(path)
     said = read_frf(path, options=ReadOptions(units={"real": "(m/s^2)/N"}))
     np.testing.assert_allclose(said.value, 1.0 + 0.1j)
+
+
+def test_a_second_header_holds_until_the_next(tmp_path: Path) -> None:
+    """Segments: N, kN, kN after a pause without a header, N again."""
+    milli, rows = THREE.replace("(N)", "(kN)"), three()
+    heads = ("", milli, "Pause", THREE)
+    parts = [joined(rows[15 * k : 15 * k + 15], head) for k, head in enumerate(heads)]
+    path = tmp_path / "parts.csv"
+    path.write_text(THREE + "".join(parts))
+    for segment in (1, 4):
+        test = read_relaxation(path, options=ReadOptions(segment=segment))
+        np.testing.assert_allclose(test.force, truth()[2][15 * segment - 15 : 15 * segment])
+    for segment in (2, 3, None):
+        with pytest.raises(ReadError, match=r"'Load \[kN\]' where the first says 'Load \[N\]'"):
+            read_relaxation(path, options=ReadOptions(segment=segment))

@@ -336,6 +336,7 @@ def _printed() -> list[Case]:
         Case("a gain in the header", ("Gain (Load): 0.01\n" + joined(rows)).encode(), noted="no factor is applied"),
         Case("a gain of one", ("Scale;1;1,0;1.00\n" + joined(rows)).encode()),
         Case("factors over the columns", ("Scale;1;1;0.01\n" + joined(rows)).encode(), noted="'Scale;1;1;0.01'"),
+        Case("grouped thousands of whole millimetres", joined([[row[0], f"{round(float(row[1])) * 200:,}".replace(",", "."), row[2]] for row in rows], "Time (s);Position (um);Load (N)").encode(), ("'1.000' can mean",)),
         Case("full-width digits", joined(rows).translate({48 + i: 0xFF10 + i for i in range(10)}).encode()),
         Case("a pause of another delimiter", (joined(rows[:ODD]) + joined(rows[ODD:], "", "\t")[1:]).encode(), ("line",)),
     ]  # fmt: skip

@@ -21,24 +21,21 @@ def open_columns(values: FloatArray) -> set[int]:
     """Return the columns whose points could part thousands, as far as their values tell.
 
     A number below one, above a thousand or with more than three decimals was printed with a
-    decimal point, or without any mark; so was a column of nothing but whole or nothing but
-    broken numbers. Hardly a column is left.
+    decimal point, or without any mark; and beside a grouped 1.600 stands a whole number. Hardly
+    a column is left.
     """
     found = set()
     for j, column in enumerate(values.T):
-        broken = whole = False
+        whole = False
         for start in range(0, len(column), _ROWS):
             part = np.abs(column[start : start + _ROWS])
             part = part[np.isfinite(part) & (part > 0)]
-            if ((part < 1) | (part >= 1e3)).any():
+            digits = part * 1e3
+            if ((part < 1) | (part >= 1e3) | (np.abs(digits - np.round(digits)) > 0.01)).any():
                 break
-            thousandths = part * 1e3
-            if (abs(thousandths - np.round(thousandths)) > 0.01).any():
-                break
-            fraction = part != np.floor(part)
-            broken, whole = broken or bool(fraction.any()), whole or not fraction.all()
+            whole = whole or bool((part == np.floor(part)).any())
         else:
-            found |= {j} if broken and whole else set()
+            found |= {j} if whole else set()
     return found
 
 
@@ -77,24 +74,42 @@ class _Marks:
 
 
 def ambiguous(
-    blocks: Iterator[str], dialect: Dialect, indexes: Sequence[int], places: Collection[int]
+    blocks: Iterator[str],
+    dialect: Dialect,
+    indexes: Sequence[int],
+    commas: Collection[int],
+    points: Collection[int],
 ) -> list[Question]:
-    """Return what to ask of the columns at some `places` of `indexes`, from the text itself."""
-    columns = {indexes[place]: _Marks(dialect.mark) for place in places}
+    """Return what to ask of columns, from the text itself.
+
+    Parameters
+    ----------
+    commas, points : collection of int
+        Places in `indexes` of the columns where commas were met beside decimal points, and of
+        those whose points could part thousands.
+    """  # fmt: skip
+    columns = {place: _Marks(dialect.mark) for place in {*commas, *points}}
     skip = dialect.first
     for block in blocks if columns else ():
-        lines = block.split("\n")[:-1]
-        for line in lines[skip:]:
-            row = dialect.row(line)
-            for i, marks in columns.items() if row else ():
-                if row and cell.number(row[i], dialect.mark) is not None:
-                    marks.add(row[i])
+        cells = block.count("\n") + block.count(dialect.delimiter)
+        # where every cell has its point, or none has, one row shows how it is used
+        alike = block.count(".") in {0, cells} and not commas and not skip
+        lines = [block.partition("\n")[0]] if alike else block.split("\n")[:-1]
+        _add_rows(lines[skip:], dialect, indexes, columns)
         skip = max(0, skip - len(lines))
-        if all(
-            marks.grouped or (marks.broken and dialect.mark != ".") for marks in columns.values()
-        ):
+        if all(m.grouped or (m.broken and place not in commas) for place, m in columns.items()):
             break
     return [_which_mark(text) for marks in columns.values() if (text := marks.doubt())]
+
+
+def _add_rows(
+    lines: Sequence[str], dialect: Dialect, indexes: Sequence[int], columns: dict[int, _Marks]
+) -> None:
+    for row in filter(None, map(dialect.row, lines)):
+        for place, marks in columns.items():
+            text = row[indexes[place]]
+            if cell.number(text, dialect.mark) is not None:
+                marks.add(text)
 
 
 def _which_mark(example: str) -> Question:

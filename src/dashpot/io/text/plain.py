@@ -34,9 +34,10 @@ class PlainRows:
     def read(self, text: str) -> FloatArray | None:
         """Return the numbers of whole lines, None if one of them is not surely a plain row."""
         if '"' in text:
-            if self.blanks or not self._quotes_hold_no_sign(text):
+            unquoted = None if self.blanks else self._unquoted(text)
+            if unquoted is None:
                 return None
-            text = text.replace('"', "")
+            text = unquoted
         if self.swaps_comma:
             if "." in text and self.dialect.mark == ",":  # points group the thousands
                 return None
@@ -52,15 +53,23 @@ class PlainRows:
                 return None
         return values
 
-    def _quotes_hold_no_sign(self, text: str) -> bool:
-        """Whether every delimiter and line end stands outside of quotes."""
+    def _unquoted(self, text: str) -> str | None:
+        """The text without quotes, a blank for each delimiter in them; None if a line ends there.
+
+        Only numbers are read of it: what is no Latin letter may be lost.
+        """
         sign = self.dialect.delimiter
-        if text.count('"') == 2 * (text.count(sign) + text.count("\n")):
-            return True  # every cell is quoted, and `_same_width` counts them
-        codes = _codes(text)
-        quotes = np.flatnonzero(codes == ord('"'))
-        signs = np.flatnonzero((codes == ord(sign)) | (codes == 10))
-        return not bool((np.searchsorted(quotes, signs) % 2).any())
+        if text.count('"') != 2 * (text.count(sign) + text.count("\n")):  # else all are quoted
+            codes = _codes(text).copy()
+            quotes = np.flatnonzero(codes == ord('"'))
+            signs = np.flatnonzero((codes == ord(sign)) | (codes == 10))
+            inside = signs[np.searchsorted(quotes, signs) % 2 == 1]
+            if (codes[inside] == 10).any():
+                return None
+            if inside.size:
+                codes[inside] = 32
+                text = codes.tobytes().decode("latin-1")
+        return text.replace('"', "")
 
     def _same_width(self, text: str) -> bool:
         """Whether every line has the delimiters of the table, and only blank cells behind it."""

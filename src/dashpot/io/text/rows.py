@@ -145,8 +145,8 @@ def load_rows(
         values = values[:-1]
         notes.append("the last row is cut off within its last number and was left out")
     if not sure:
-        places = marks.open_columns(values) | reader.grouped
-        asked = marks.ambiguous(blocks(), dialect, indexes, places)
+        points = marks.open_columns(values)
+        asked = marks.ambiguous(blocks(), dialect, indexes, reader.grouped, points)
         got.doubts += [(None, question) for question in asked]
     starts, names = tuple(got.starts), tuple(got.segments)
     return Loaded(values, starts, names, tuple(got.lines), tuple(notes), tuple(got.doubts))
@@ -203,6 +203,7 @@ class _Reader:
         }
         self.grouped: set[int] = set()
         self.like = ""
+        self.changed = ""
 
     def read(self, text: str, line: int) -> None:
         """Read whole lines; a block that is not plain is halved until the odd lines are alone."""
@@ -257,14 +258,14 @@ class _Reader:
             for one in (got.between[0], got.between[-1]):
                 if self._odd(one) or (alone and like_number(one[1].strip())):
                     self._refuse(*one)
-            odd = self._changed()
-            got.part(odd)
-            if odd:
-                says = (
-                    f"{odd}; split the file there, or read what stands before it with "
-                    f"--segment {len(got.starts) - 1}"
-                )
-                got.doubts.append((len(got.starts) - 1, Question(says, "--segment N")))
+            found = self._changed()
+            self.changed = self.changed if found is None else found  # it holds until the next
+            before = len(got.starts)
+            got.part(found)
+            if self.changed and len(got.starts) > before:
+                advice = f"read what stands before it with --segment {before}"
+                says = f"{self.changed}; split the file there, or {advice}"
+                got.doubts.append((before, Question(says, "--segment N")))
         got.between.clear()
         got.add(values, line)
 
