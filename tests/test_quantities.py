@@ -7,6 +7,7 @@ from kit import handmade
 
 import dashpot as dp
 from dashpot.base.units import si, si_range
+from dashpot.io.options import ReadOptions
 from dashpot.solids.table_1 import BROAD_MASS, PAPER
 
 
@@ -55,6 +56,7 @@ def test_a_bench_and_a_machine_in_their_words():
         sync=5e-4, drift=2e-4, force_filter=10.0
     )
     assert dp.Specimen(temperature="23degC").temperature == pytest.approx(296.15)
+    assert ReadOptions(rate="1kHz").rate == 1000.0
     made = dp.simulation.simulate_relaxation(PAPER, depth="8mm", ramp_time="1s", hold_time="2s")
     assert made.truth.depth == 8e-3
     test = made.test

@@ -82,6 +82,25 @@ def test_several_tests_share_what_they_know() -> None:
     assert both["k_end"][0] < BROAD.relaxation(40.0) < both["k_end"][1]
 
 
+def test_several_depths_leave_open_what_the_deepest_feels() -> None:
+    """The stiffness of a bent law is the secant at the deepest; shallower tests feel less of it."""
+    rig = replace(Rig(), rate=250.0, bias=0.02, stiffening=4000.0)
+    tests = [
+        prepare(simulate_relaxation(BROAD, depth=depth, rig=rig, seed=seed).test)
+        for depth, seed in ((4e-3, 3), (6e-3, 2), (8e-3, 1))
+    ]
+    found = fit(tests)
+    assert found.elastic_law is not None
+    assert found.elastic_law.kind == "piecewise"
+    left, truth = found.left_open, (1 + 4000.0 * 8e-3**2) * BROAD
+    assert left is not None
+    T = found.end_of_hold.time  # type: ignore[union-attr]
+    for name, t in (("k_end", T), ("k_3end", 3 * T)):
+        for solid in (truth, found.model):
+            assert left[name][0] < solid.relaxation(t) < left[name][1]  # type: ignore[literal-required]
+    assert np.ptp(left["k_end"]) < 0.02 * left["k_end"][1]
+
+
 def test_it_is_kept_in_the_archive(broad_fit: Fit) -> None:
     again = from_json(to_json(broad_fit))
     assert again.end_of_hold == broad_fit.end_of_hold

@@ -296,7 +296,12 @@ def _by_ramp(records: Sequence[RampHold], found: RampLaw, arms: int | None) -> F
     residuals = found.residuals
     tests = zip(records, residuals, strict=True)
     data = [
-        held_data(record, found.model, residual[record.settled.start - record.hold.stop :])
+        held_data(
+            record,
+            found.model,
+            residual[record.settled.start - record.hold.stop :],
+            law=found.law,
+        )
         for record, residual in tests
     ]
     end = end_of_hold(

@@ -33,6 +33,7 @@ from dashpot.fitting.nuisance import Prior, priors
 from dashpot.preparation.denoising import rests, true_motion
 from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RampHold
+from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # a dashpot is an arm far faster than anything in the window
@@ -203,7 +204,7 @@ def relaxation_data(test: RampHold, fit: Fit, *, alone: Fit | None = None) -> Re
     """
     model, own = fit.model, (alone or fit).model
     if fit.method == "hold":
-        return held_data(test, model, _left_by(own, held(test)))
+        return held_data(test, model, _left_by(own, held(test, test.depth)))
     x, left = true_motion(test)
     x, left = _bent(fit, x - x[0], left)
     time = evened(test.time[: len(x)] - test.time[0])
@@ -231,9 +232,16 @@ def _bent(fit: Fit, x: FloatArray, left: FloatArray) -> tuple[FloatArray, FloatA
     return law.path(x), left * law.factor(x)
 
 
-def held_data(test: RampHold, answer: GeneralizedMaxwell, residual: FloatArray) -> RelaxationData:
-    """The hold after an ideal ramp, whose depth scales the force."""
-    block, since = held(test), float(test.ramp_end - test.time[0])
+def held_data(
+    test: RampHold,
+    answer: GeneralizedMaxwell,
+    residual: FloatArray,
+    *,
+    law: ElasticLaw | None = None,
+) -> RelaxationData:
+    """The hold after an ideal ramp, whose depth scales the force, by way of its elastic law."""
+    felt = test.depth if law is None else float(law.path(test.depth))
+    block, since = held(test, felt), float(test.ramp_end - test.time[0])
     return _weighed(test, block, block, answer, residual, size=test.depth_doubt, since=since)
 
 
@@ -253,12 +261,12 @@ def fitted_data(
     return replace(found, known=known, delay=0.0)
 
 
-def held(test: RampHold) -> Block:
-    """The block of the hold, with an offset and a drift of its load cell."""
+def held(test: RampHold, depth: float) -> Block:
+    """The block of the hold at a `depth`, with an offset and a drift of its load cell."""
     return hold_block(
         np.maximum(test.time[test.settled] - test.ramp_end, 0.0),
         test.force[test.settled],
-        depth=test.depth,
+        depth=depth,
         ramp_time=test.ramp_time,
         offset="offset",
         drift="drift",

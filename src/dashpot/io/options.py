@@ -10,7 +10,7 @@ from typing import Any
 
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.options import flag_of, option
-from dashpot.base.units import parse_quantity
+from dashpot.base.units import parse_quantity, si_fields
 from dashpot.io.source import open_raw
 
 _DELIMITERS = {
@@ -126,6 +126,7 @@ class ReadOptions:
     axis: str = option("Fz", "Axis of the calibrated transducer.", section="transducer")
 
     def __post_init__(self) -> None:
+        si_fields(self)
         pairs = self.units.items() if isinstance(self.units, Mapping) else self.units
         object.__setattr__(self, "units", tuple((str(name), str(unit)) for name, unit in pairs))
         object.__setattr__(self, "acceleration", tuple(self.acceleration))
