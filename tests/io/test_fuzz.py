@@ -81,13 +81,13 @@ def test_any_bytes(fuzzer: Fuzzer, content: bytes) -> None:
     fuzzer.survives("read_all", content)
 
 
-@tries(250)
+@tries(400)
 @given(content=texts())
 def test_any_text(fuzzer: Fuzzer, content: bytes) -> None:
     fuzzer.survives("read_all", content)
 
 
-@tries(250)
+@tries(400)
 @given(content=st.sampled_from(DIALECTS).flatmap(lambda one: wounded(one.content)))
 def test_wounded_text(fuzzer: Fuzzer, content: bytes) -> None:
     fuzzer.survives("read_all", content)
@@ -95,7 +95,7 @@ def test_wounded_text(fuzzer: Fuzzer, content: bytes) -> None:
 
 @pytest.mark.parametrize("name", FORMATS)
 def test_wounded_instruments(fuzzer: Fuzzer, good: dict[str, bytes], name: str) -> None:
-    @tries(150)
+    @tries(300)
     @given(content=wounded(good[name]))
     def mutants(content: bytes) -> None:
         fuzzer.survives("read_all", content)
@@ -105,7 +105,7 @@ def test_wounded_instruments(fuzzer: Fuzzer, good: dict[str, bytes], name: str) 
 
 @pytest.mark.parametrize("name", ["xlsx", "ods"])
 def test_workbooks_of_wounded_parts(fuzzer: Fuzzer, good: dict[str, bytes], name: str) -> None:
-    @tries(150)
+    @tries(300)
     @given(content=repacked(good[name]))
     def mutants(content: bytes) -> None:
         fuzzer.survives("read_all", content)
@@ -113,7 +113,7 @@ def test_workbooks_of_wounded_parts(fuzzer: Fuzzer, good: dict[str, bytes], name
     mutants()
 
 
-@tries(200)
+@tries(300)
 @given(content=altered(TRIOS) | wounded(json.dumps(TRIOS).encode()))
 def test_any_trios(fuzzer: Fuzzer, content: bytes) -> None:
     fuzzer.survives("read_all", content)

@@ -215,7 +215,7 @@ def _standard_error(fit: Fit) -> dict[str, Any]:
 def _comparison_contract(comparison: Comparison, plain: dict[str, Any]) -> dict[str, Any]:
     decibels = 20 * np.log10(comparison.predicted_peak / comparison.measured_peak)
     predicted, measured = comparison.predicted_damping, comparison.measured_damping
-    return {
+    found = {
         "peak": {
             "predicted_hz": comparison.predicted_hz,
             "measured_hz": comparison.measured_hz,
@@ -230,9 +230,8 @@ def _comparison_contract(comparison: Comparison, plain: dict[str, Any]) -> dict[
             "measured": measured,
             "ratio": predicted / measured if predicted and measured else None,
         },
-        "verdict": _verdict(comparison.verdict),
-        **plain,
     }
+    return {**_plain(found), "verdict": _verdict(comparison.verdict), **plain}
 
 
 def _study_contract(study: Study, plain: dict[str, Any]) -> dict[str, Any]:
