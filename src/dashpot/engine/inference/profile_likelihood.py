@@ -37,7 +37,7 @@ _OPEN_STIFFNESS, _OPEN_FOLDS = 1e4, 16.0
 _NODES_APART = 0.08
 #: points of a walk, and how many of them may be too far: beyond there is a cliff
 _POINTS, _LEAPS = 20, 5
-_ITERATIONS = 15
+_ITERATIONS = 8
 #: the walk steps by a rise of the root of the deviance over which interpolation is good
 _RISE, _RISES = 0.7, 5.0
 _FARTHEST = 1.5
