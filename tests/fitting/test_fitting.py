@@ -252,7 +252,7 @@ def test_any_motion_is_fitted_in_full(paper_seal: GeneralizedMaxwell) -> None:
     found = fit(test, arms=2)
     assert five(found.model) == pytest.approx(TRUTH, rel=1e-6)
     with pytest.raises(
-        FitError, match=r"no single ramp and hold; eq\. 5 does not apply: use method"
+        FitError, match=r"no single ramp and hold; eq\. 5 does not apply: fit ramp and hold"
     ):
         fit(test, arms=2, method="hold")
 
