@@ -53,7 +53,7 @@ def test_two_columns_of_labels(tmp_path: Path) -> None:
     head = "SetName,Cycle,Time_S,Size_mm,Displacement_mm,Force_N"
     path = tmp_path / "labels.csv"
     path.write_text(joined([*rows], head, ","))
-    assert is_the_truth(path) == ()
+    assert is_the_truth(path) == ("column 'Cycle' begins with '1-Compress' and ends with '1-Hold'",)
 
 
 @pytest.mark.parametrize("rows", PADDING.values(), ids=PADDING.keys())

@@ -13,6 +13,7 @@ from kit.treacherous import CASES, THREE, Case, joined, put, three
 
 from dashpot.base.errors import ReadError
 from dashpot.io.options import ReadOptions
+from dashpot.io.readers import cleaning
 from dashpot.io.readers.dynamic import read_dynamic
 from dashpot.io.readers.frf import read_frf
 from dashpot.io.readers.inspect import inspect_file
@@ -23,11 +24,12 @@ from dashpot.io.text.dialect import Dialect
 
 def is_the_truth(path: Path, case: Case, **answer: object) -> None:
     test = read_relaxation(path, options=ReadOptions(**answer))
+    stop = len(test.time) - case.extra
     keep = np.setdiff1d(np.arange(len(truth()[0])), case.without)
     time, moved, force = (values[keep] for values in truth())
-    np.testing.assert_allclose(test.time - test.time[0], case.slow * time, atol=1e-6)
-    np.testing.assert_allclose(test.displacement, moved * 1e-3, atol=1e-9)
-    np.testing.assert_allclose(test.force, force, atol=case.coarse)
+    np.testing.assert_allclose(test.time[:stop] - test.time[0], case.slow * time, atol=1e-6)
+    np.testing.assert_allclose(test.displacement[:stop], moved * 1e-3, atol=1e-9)
+    np.testing.assert_allclose(test.force[:stop], force, atol=case.coarse)
     assert case.noted in " ".join(test.source.notes)
 
 
@@ -235,3 +237,9 @@ def test_a_second_header_holds_until_the_next(tmp_path: Path) -> None:
     for segment in (2, 3, None):
         with pytest.raises(ReadError, match=r"'Load \[kN\]' where the first says 'Load \[N\]'"):
             read_relaxation(path, options=ReadOptions(segment=segment))
+
+
+@pytest.mark.parametrize(("step", "noted"), [(0.5, False), (0.51, True)])
+def test_a_last_step_beyond_five_others_is_noted(step: float, noted: bool) -> None:
+    time = np.append(np.arange(9) / 10, 0.8 + step)
+    assert bool(cleaning.clock_notes(time)) is noted

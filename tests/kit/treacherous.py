@@ -43,6 +43,8 @@ class Case:
     """Options with which a refused file is read right."""
     coarse: float = 1e-9
     """How far the force, N, may be from the truth, for the digits printed."""
+    extra: int = 0
+    """Rows at the end that are no truth, which the note is about."""
     slow: float = 1.0
     """How much longer the record lasts."""
 
@@ -337,6 +339,9 @@ def _printed() -> list[Case]:
         Case("a gain of one", ("Scale;1;1,0;1.00\n" + joined(rows)).encode()),
         Case("factors over the columns", ("Scale;1;1;0.01\n" + joined(rows)).encode(), noted="'Scale;1;1;0.01'"),
         Case("grouped thousands of whole millimetres", joined([[row[0], f"{round(float(row[1])) * 200:,}".replace(",", "."), row[2]] for row in rows], "Time (s);Position (um);Load (N)").encode(), ("'1.000' can mean",)),
+        Case("a row of statistics far behind", (joined(rows) + "\n60;5.87;1.18\n").encode(), noted="does it belong", extra=1),
+        Case("a row of statistics under labels", (joined([["A", *row] for row in rows], "Run;" + THREE) + "Max;6.00;8.00;1.90\n").encode(), noted="ends with 'Max'", extra=1),
+        Case("two runs under one header", joined([["A" if i < ODD else "B", *row] for i, row in enumerate(rows)], "Run;" + THREE).encode(), noted="begins with 'A' and ends with 'B'"),
         Case("full-width digits", joined(rows).translate({48 + i: 0xFF10 + i for i in range(10)}).encode()),
         Case("a pause of another delimiter", (joined(rows[:ODD]) + joined(rows[ODD:], "", "\t")[1:]).encode(), ("line",)),
     ]  # fmt: skip

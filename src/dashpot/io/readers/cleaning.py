@@ -11,6 +11,8 @@ from dashpot.base.arrays import BoolArray, FloatArray, median
 from dashpot.base.errors import ReadError
 from dashpot.io.table import Loaded
 
+_LAST = 5.0
+"""How much longer than all others the last step may be before it is worth a word."""
 _FEW = 1e-3
 """Share of repeated time stamps that may be dropped."""
 
@@ -149,10 +151,17 @@ def drop_repeats(time: FloatArray, loaded: Loaded) -> tuple[BoolArray, list[str]
 
 def clock_notes(time: FloatArray) -> list[str]:
     """Say if the sampling is so fast or slow that the unit of time may be wrong."""
-    step = median(np.diff(time)) if len(time) > 1 else 0.0
+    steps = np.diff(time)
+    step = median(steps) if len(time) > 1 else 0.0
     if step <= 0:
         return []
     rate = 1 / step
+    if len(steps) > 1 and steps[-1] > _LAST * steps[:-1].max():
+        says = (
+            f"the last row stands {steps[-1]:.6g} s behind the one before it, further than any "
+            f"other (up to {steps[:-1].max():.6g} s): does it belong to the record?"
+        )
+        return [says]
     if 1 <= rate <= 1e6:
         return []
     unit = "milliseconds or minutes read as seconds" if rate > 1e6 else "these milliseconds"

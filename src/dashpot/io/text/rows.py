@@ -22,6 +22,8 @@ _PATIENT = 64
 _MENTIONED = 50
 _HEADING = 2000
 _TAIL = 4096
+_DATED = 4
+"""Digits that a date has and a label has not."""
 
 
 @dataclass(frozen=True)
@@ -125,7 +127,7 @@ def load_rows(
     reader = _Reader(dialect, tuple(indexes), heading, got)
     line = 1
     skipped = dialect.first
-    tail = ""
+    first = tail = ""
     for block in blocks():
         text = block
         if skipped:
@@ -137,11 +139,15 @@ def load_rows(
         if text:
             reader.read(text, line)
             line += text.count("\n")
+            first = first or text.partition("\n")[0]
             tail = (tail + text[-_TAIL:])[-_TAIL:]
     values = _assembled(got, len(indexes))
     notes = [*got.notes(), *reader.finish(values)]
+    last = tail.rstrip().split("\n")[1:]
+    if last and not got.between:
+        notes += _labels(first, last[-1], dialect, heading)
     complete = got.between or got.rows - got.starts[-1] < 2
-    if not complete and dialect.is_cut_off(tail.rstrip().split("\n")[1:]):
+    if not complete and dialect.is_cut_off(last):
         values = values[:-1]
         notes.append("the last row is cut off within its last number and was left out")
     if not sure:
@@ -150,6 +156,19 @@ def load_rows(
         got.doubts += [(None, question) for question in asked]
     starts, names = tuple(got.starts), tuple(got.segments)
     return Loaded(values, starts, names, tuple(got.lines), tuple(notes), tuple(got.doubts))
+
+
+def _labels(first: str, last: str, dialect: Dialect, heading: Heading) -> list[str]:
+    """Note columns of labels that end otherwise than they begin: other runs, or no row at all."""
+    notes = []
+    ends = dialect.row(first), dialect.row(last)
+    for i, held in enumerate(dialect.contents if None not in ends else ()):
+        begin, end = (row[i] for row in ends if row)
+        said = begin and end and max(sum(map(str.isdigit, text)) for text in (begin, end)) < _DATED
+        if held == "text" and begin != end and said:
+            name = heading.columns[i].label(i + 1) if heading.columns else str(i + 1)
+            notes.append(f"column '{name}' begins with '{begin[:20]}' and ends with '{end[:20]}'")
+    return notes[:2]
 
 
 def _assembled(got: _Gathered, width: int) -> FloatArray:
