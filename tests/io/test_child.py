@@ -87,6 +87,7 @@ def test_more_numbers_than_a_test_has_are_refused_and_no_fewer() -> None:
 def test_one_that_takes_too_long_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
     assert limits.seconds_for(0) == limits.seconds_for(30_000_000) == 30
     assert limits.seconds_for(40_000_000) == 40
+    assert limits.seconds_for(600_000_000) == limits.seconds_for(1 << 40) == 600
     monkeypatch.setattr(limits, "seconds_for", lambda size: 0.5)
     before = children()
     with pytest.raises(ReadError, match="took more than 0 s to read as junk: it is damaged"):

@@ -12,13 +12,14 @@ LARGEST = 1 << 28
 """Bytes of all that is handed over: 33 million numbers."""
 VALUES = LARGEST // 8
 _SECONDS = 30.0
+_LONGEST = 600.0
 _PACE = 1e6
 """Bytes per second that the slowest reader of a large file makes."""
 
 
 def seconds_for(size: int) -> float:
     """Return the time that reading so many bytes may take."""
-    return max(_SECONDS, size / _PACE)
+    return min(max(_SECONDS, size / _PACE), _LONGEST)
 
 
 def within(count: int, what: str) -> None:
