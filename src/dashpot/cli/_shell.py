@@ -253,7 +253,7 @@ def read_model(path: str) -> dp.GeneralizedMaxwell:
 def _read(path: str, *, hint: str = "") -> object:
     raw = open_raw(path)
     if not _like_json(raw.head(64)):
-        raise ReadError(f"{path}: this is no document of dashpot's{hint}")
+        raise ReadError(f"{path}: this is not a JSON document{hint}")
     try:
         return dp.from_json(raw.head(raw.size).decode())
     except UnicodeDecodeError:
