@@ -12,7 +12,7 @@ from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
 from kit import handmade
-from kit.fits import altered
+from kit.fits import a_fit, altered
 
 import dashpot as dp
 from dashpot.base.checks import Check, Verdict, verdict
@@ -20,6 +20,7 @@ from dashpot.base.progress import doing
 from dashpot.cli import _shell, _terminal, _text, main
 from dashpot.cli._shell import Outcome, reports
 from dashpot.cli._terminal import COLUMNS, LINES, Text, shown, wrapped
+from dashpot.records.fit import AtDepth
 
 STOP = Check("a_stop", False, "a stop; do that", grade="stop")
 LONG = Check("long_winded", False, "so much is to be said of it that it goes on " * 12)
@@ -316,3 +317,15 @@ def test_the_arms_of_a_spoilt_fit_say_so_in_their_deck(fit_file):
     bare_solid = dp.export.csv(spoilt.model, units="mm-t-s", form="arms")
     assert bare_solid.verdict is None
     assert "USE" not in bare_solid.splitlines()[1]
+
+
+def test_an_arm_that_only_a_lesser_depth_has_is_shown_there():
+    """What is nothing at the deepest is no arm of the model, and an arm of the other depths."""
+    solid = dp.GeneralizedMaxwell(200.0, (100.0,), (0.5,))
+    depths = (
+        AtDepth(8e-3, 200.0, 1.0, (100.0, 0.0), (1.0, 1.0)),
+        AtDepth(4e-3, 150.0, 1.0, (80.0, 20.0), (1.0, 1.0)),
+    )
+    lines = "\n".join(_text.fit(a_fit(solid, by_depth=depths)).lines)
+    assert "k_2" in lines
+    assert "0.0200" in lines

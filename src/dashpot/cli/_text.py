@@ -137,7 +137,8 @@ def _by_depth(found: Fit) -> list[str]:
     if not found.by_depth:
         return []
     unit, _, scale = _SHOWN.get(found.unit, (found.unit, "", 1.0))
-    names = ["k_inf", *(f"k_{j + 1}" for j in range(found.model.arms))]
+    # an arm that is nothing at the deepest is no arm of the model
+    names = ["k_inf", *(f"k_{j + 1}" for j in range(len(found.by_depth[0].k)))]
     rows = [[f"  by depth, {unit}", *names]]
     for one in found.by_depth:
         known = zip((one.k_inf, *one.k), (one.k_inf_se, *one.k_se), strict=True)
