@@ -242,6 +242,7 @@ def _marks() -> list[Case]:
         Case("commas group the thousands beside small numbers", grouped.encode(), ("--decimal",), answer={"decimal": "."}, coarse=1e-3),
         Case("points group thousands and millions", grouped.replace(",", ".").replace("Kraft [mN]", "Kraft [mN];Hits").replace("\n", ";1.234.567\n").replace("Hits;1.234.567", "Hits").encode(), coarse=1e-3),
         Case("apostrophes group the thousands", ("Time (ms);Position (mm);Load (N)\n" + late).encode()),
+        Case("typeset apostrophes group the thousands", ("Time (ms);Position (mm);Load (N)\n" + late.replace("'", "\u2019")).encode()),
         Case("German thousands with decimals", micro(german).encode()),
         Case("decimal commas parted by commas", ("Time (s),Position (mm),Load (N)\n" + cut).encode(), ("3 names", "6 columns")),
         Case("decimal commas parted by commas, whole seconds", ("Time (s),Position (mm),Load (N)\n" + seconds).encode(), ("3 names", "5 columns")),
