@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -17,6 +17,7 @@ from dashpot.cli._shell import (
     Folder,
     Outcome,
     claim,
+    grams,
     note_written,
     opens,
     reports,
@@ -25,6 +26,9 @@ from dashpot.cli._shell import (
 )
 from dashpot.io.options import OF_HAMMER, ReadOptions
 from dashpot.workflow.job import Job
+
+if TYPE_CHECKING:
+    from dashpot import Study
 
 
 @click.command("report")
@@ -107,5 +111,14 @@ def command(
         verdict=study.verdict,
         follow=typed("verify", project, "--expect", more["history"], why="recomputes it")
         if project
-        else "",
+        else _follow(job, study),
     )
+
+
+def _follow(job: Job, study: Study) -> str:
+    """Return the command that keeps the solid which the report ends with."""
+    if study.joint is None or study.mass is None:
+        return typed("fit", job.relaxation, "-o", "fit.json", why="keeps the solid for export")
+    words = ("--mass", grams(study.mass), "--seals", f"{study.seals:g}", "-o", "joint.json")
+    together = ("identify", *job.impact, "--with", job.relaxation)
+    return typed(*together, *words, why="keeps the solid for export")

@@ -234,16 +234,11 @@ def characterise(
         rests = at_rest(chosen, mass=mass, seals=seals, compression=compression)
         bounds = _prediction_bounds(chosen, prepared, measured, rests.point, mass=mass, seals=seals)
     both = mended = agreement = None
-    if joint and measured is not None and mass is not None:
+    if joint and measured is not None and mass is not None and rests is not None:
         doing("fitting relaxation and hammer together")
+        at = rests.point.compression
         both = identify(
-            measured,
-            tests=[prepared],
-            fit=chosen,
-            mass=given,
-            seals=seals,
-            band=band,
-            compression=compression if rests is None else rests.point.compression,
+            measured, tests=prepared, fit=chosen, mass=given, seals=seals, band=band, compression=at
         )
         mended, agreement = _predicted(
             both,
