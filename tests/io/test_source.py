@@ -9,8 +9,9 @@ import sys
 import threading
 from pathlib import Path
 
+import h5py
 import pytest
-from kit.look_alikes import table
+from kit.look_alikes import table, truth
 
 from dashpot.base.errors import ReadError
 from dashpot.io import source
@@ -95,6 +96,19 @@ def test_stdin_and_process_substitution(tmp_path: Path, inward: str) -> None:
     )
     assert done.returncode == 0, done.stderr
     assert "relaxation" in done.stdout
+
+
+@pytest.mark.parametrize("name", ["a.csv", "a.h5"])
+def test_no_stdin_and_no_stderr_are_needed(tmp_path: Path, name: str) -> None:
+    (tmp_path / "a.csv").write_text(TEXT)
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        for column, values in zip(("time_s", "displacement_mm", "force_N"), truth(), strict=True):
+            file[column] = values
+    done = subprocess.run(
+        ["bash", "-c", f"{' '.join(DASHPOT)} {tmp_path / name} 0<&- 2>&-"],
+        stdout=subprocess.PIPE, text=True, check=True, env=ENVIRONMENT,
+    )  # fmt: skip
+    assert done.stdout.startswith(f"{name}: relaxation")
 
 
 def test_stdin_without_end_is_left() -> None:

@@ -134,7 +134,7 @@ def _counted(checks: Sequence[Check]) -> str:
 @contextmanager
 def progress() -> Iterator[None]:
     """Show on stderr, if that is a terminal, what takes longer than a second."""
-    if not sys.stderr.isatty():
+    if not getattr(sys.stderr, "isatty", bool)():  # None where it is closed
         yield
         return
     now, over, began = ["working"], threading.Event(), time.monotonic()

@@ -56,8 +56,8 @@ def confine(seconds: float) -> None:
         (resource.RLIMIT_CPU, whole + 5),  # both ends, should the parent be gone
         (resource.RLIMIT_CORE, 0),
     ):
-        hard = resource.getrlimit(which)[1]
-        least = most if hard == resource.RLIM_INFINITY else min(most, hard)
+        held = (one for one in resource.getrlimit(which) if one != resource.RLIM_INFINITY)
+        least = min([most, *held])
         try:
             resource.setrlimit(which, (least, least))
         except (OSError, ValueError):  # macOS refuses a limit below what is mapped
