@@ -22,12 +22,12 @@ from dashpot.base.checks import Check
 from dashpot.fitting.dynamic import fit_dynamic
 from dashpot.fitting.modulus import fit_modulus
 from dashpot.fitting.relaxation import fit
+from dashpot.plot.direct import averaged, quantities
 from dashpot.plot.impact import force_spectrum
+from dashpot.plot.lines import half_power, phase_axis, smooth, turned
 from dashpot.plot.picture import Area, Dots, Rule, Span, Tag, unit_of
 from dashpot.plot.relaxation import fits_to_show, fitted_force
-from dashpot.plot.solid import averaged, quantities
 from dashpot.plot.ticks import numbers
-from dashpot.plot.vibration import half_power, phase_axis, smooth, turned
 from dashpot.preparation.prepare import prepare
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import AtDepth
@@ -103,8 +103,8 @@ def test_figures_can_be_read_on_paper_and_on_a_phone(drawn, name):
     from dashpot.plot.layout import lay_out, text_width
 
     for width in (360.0, 660.0):
-        for stack in drawn[name].stacks:
-            for frame in lay_out(stack, width).frames:
+        for strip in drawn[name].strips:
+            for frame in lay_out(strip, width).frames:
                 assert min(word.size for word in (*frame.ticks, *frame.words)) >= 12
                 upright = [word for word in frame.ticks if word.anchor == "end"]
                 level = [word for word in frame.ticks if word.anchor == "middle"]
@@ -182,7 +182,7 @@ def test_a_record_of_a_microscope_is_drawn_in_its_own_units():
         S.prepared, displacement=1e-4 * S.prepared.displacement, depth=1e-4 * S.prepared.depth,
         force=1e-6 * S.prepared.force, force_noise=1e-6 * S.prepared.force_noise,
     )  # fmt: skip
-    moved, pushed = plot.segments(small).stacks[0]
+    moved, pushed = plot.segments(small).strips[0]
     assert [moved.y.label, pushed.y.label] == ["compression, µm", "force, µN"]
     assert max(line.y.max() for line in lines(pushed)) == pytest.approx(S.prepared.force.max())
 
@@ -493,7 +493,7 @@ def test_half_power_rings_give_the_damping():
 def test_nyquist_axes_are_equal(drawn):
     from dashpot.plot.layout import lay_out
 
-    (frame,) = lay_out(drawn["nyquist"].stacks[0], 400.0).frames
+    (frame,) = lay_out(drawn["nyquist"].strips[0], 400.0).frames
     x, y = frame.panel.x.limits, frame.panel.y.limits
     assert (x[1] - x[0]) / frame.box.width == pytest.approx((y[1] - y[0]) / frame.box.height)
 

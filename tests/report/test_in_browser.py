@@ -32,7 +32,7 @@ def bench() -> str:
 
 PLACES = """
     const bottom = (what) => document.querySelector(what).getBoundingClientRect().bottom;
-    return [".who", ".verdict", "#figure-lead .stacks", "#figure-lead .key", ".answer",
+    return [".who", ".verdict", "#figure-lead .strips", "#figure-lead .key", ".answer",
             ".take"].map(bottom);
 """
 

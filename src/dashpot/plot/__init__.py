@@ -7,13 +7,14 @@ A :class:`~dashpot.plot.picture.Picture` is a frozen value, what is drawn before
 
 from dashpot.plot.bitmap import to_figure
 from dashpot.plot.columns import columns
+from dashpot.plot.direct import dynamic_stiffness
 from dashpot.plot.files import rendered, save
 from dashpot.plot.impact import hits
 from dashpot.plot.modulus import modulus
 from dashpot.plot.overview import hero
 from dashpot.plot.picture import Picture
 from dashpot.plot.relaxation import fit, segments
-from dashpot.plot.solid import dynamic_stiffness, elastic_law, spectrum, stiffness
+from dashpot.plot.solid import elastic_law, spectrum, stiffness
 from dashpot.plot.stamps import stamp
 from dashpot.plot.svg import whole as to_svg
 from dashpot.plot.vibration import comparison, frf, nyquist, resonance

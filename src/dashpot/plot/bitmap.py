@@ -35,7 +35,7 @@ def to_figure(picture: Picture) -> Figure:
     ax.set_axis_off()
     known = set(fontManager.get_font_names())
     canvas = _Canvas(ax, [name for name in FONTS if name in known])
-    for x, y, laid in sheet.stacks:
+    for x, y, laid in sheet.strips:
         for frame in laid.frames:
             canvas.frame(frame, x, y)
     for x, y, mark in sheet.key:

@@ -69,8 +69,8 @@ def hits(impact: ImpactTest, frf: FRF, *, stamp: str = "") -> Picture:
         "The hits laid over each other: blue accepted, vermillion and dashed rejected; shaded "
         "the band that every accepted hit excites."
     )
-    stacks = tuple((panel,) for panel in panels)
-    return Picture("hits", caption, stacks, 2, stamp or of_frf(frf))
+    strips = tuple((panel,) for panel in panels)
+    return Picture("hits", caption, strips, 2, stamp or of_frf(frf))
 
 
 def force_spectrum(hit: HitBlock) -> tuple[FloatArray, FloatArray]:

@@ -1,4 +1,4 @@
-"""Where everything of a stack of panels stands, in px: arrays become strokes, words get places.
+"""Where everything of a strip of panels stands, in px: arrays become strokes, words get places.
 
 What is laid out is drawn alike by `svg` and by `bitmap`, so a figure looks alike everywhere.
 """
@@ -43,7 +43,7 @@ STRAIGHT = 0.03
 """A point so near to the line between its neighbours is left out, px; at most eight times so."""
 
 MARGIN, BETWEEN = 12.0, 20.0
-"""About a file's drawing, and between its stacks, px."""
+"""About a file's drawing, and between its strips, px."""
 
 SWATCH = 34.0
 """From a sample in the key to its words, px."""
@@ -125,7 +125,7 @@ class Frame(NamedTuple):
 
 
 class Laid(NamedTuple):
-    """A stack laid out."""
+    """A strip laid out."""
 
     width: float
     height: float
@@ -133,7 +133,7 @@ class Laid(NamedTuple):
 
 
 class Placed(NamedTuple):
-    """A stack on a sheet: its upper left corner, px."""
+    """A strip on a sheet: its upper left corner, px."""
 
     x: float
     y: float
@@ -141,10 +141,10 @@ class Placed(NamedTuple):
 
 
 class Sheet(NamedTuple):
-    """A picture as a file has it: its stacks, the samples of its key, and words."""
+    """A picture as a file has it: its strips, the samples of its key, and words."""
 
     height: float
-    stacks: tuple[Placed, ...]
+    strips: tuple[Placed, ...]
     key: tuple[tuple[float, float, Keyed], ...]
     words: tuple[Word, ...]
 
@@ -157,16 +157,16 @@ def text_width(text: str, size: float = SMALL, *, bold: bool = False) -> float:
     return size * sum(sizes.get(letter, 0.56) for letter in text) * (1.06 if bold else 1.0)
 
 
-def lay_out(stack: tuple[Panel, ...], width: float) -> Laid:
-    """Return the places of a stack `width` px wide."""
-    heights = [panel.height for panel in stack]
-    ticks = [numbers(p.y, h, 24 if h < 110 else 30) for p, h in zip(stack, heights, strict=True)]
-    words = [written(p.y, found) for p, found in zip(stack, ticks, strict=True)]
+def lay_out(strip: tuple[Panel, ...], width: float) -> Laid:
+    """Return the places of a strip `width` px wide."""
+    heights = [panel.height for panel in strip]
+    ticks = [numbers(p.y, h, 24 if h < 110 else 30) for p, h in zip(strip, heights, strict=True)]
+    words = [written(p.y, found) for p, found in zip(strip, ticks, strict=True)]
     left = GAP + max((text_width(word) for each in words for word in each), default=0.0)
     inner_width = width - left - RIGHT
     frames, y = [], 0.0
-    for i, (panel, height) in enumerate(zip(stack, heights, strict=True)):
-        last = i == len(stack) - 1
+    for i, (panel, height) in enumerate(zip(strip, heights, strict=True)):
+        last = i == len(strip) - 1
         shown = _squared(panel, inner_width, height) if panel.square else panel
         named = y + ROW * bool(panel.title) + (4.0 if panel.title else 0.0)
         box = Box(left, named + ROW + 4, inner_width, height)
@@ -179,14 +179,14 @@ def lay_out(stack: tuple[Panel, ...], width: float) -> Laid:
 
 
 def arranged(picture: Picture) -> Sheet:
-    """Return the places of everything that leaves as a file: stacks in rows, key, stamp."""
-    columns = min(picture.columns, len(picture.stacks))
+    """Return the places of everything that leaves as a file: strips in rows, key, stamp."""
+    columns = min(picture.columns, len(picture.strips))
     wide = (picture.width - 2 * MARGIN - BETWEEN * (columns - 1)) / columns
-    laid = [lay_out(one, wide) for one in picture.stacks]
-    y, stacks = MARGIN, []
+    laid = [lay_out(one, wide) for one in picture.strips]
+    y, strips = MARGIN, []
     for start in range(0, len(laid), columns):
         row = laid[start : start + columns]
-        stacks += [Placed(MARGIN + i * (wide + BETWEEN), y, one) for i, one in enumerate(row)]
+        strips += [Placed(MARGIN + i * (wide + BETWEEN), y, one) for i, one in enumerate(row)]
         y += max(one.height for one in row)
     x, y, key, words = MARGIN, y + ROW, [], []
     for mark in picture.key:
@@ -199,7 +199,7 @@ def arranged(picture: Picture) -> Sheet:
     if picture.stamp:
         y += (ROW + 6) * bool(key)
         words.append(Word(MARGIN, y, picture.stamp))
-    return Sheet(y + MARGIN, tuple(stacks), tuple(key), tuple(words))
+    return Sheet(y + MARGIN, tuple(strips), tuple(key), tuple(words))
 
 
 def _squared(panel: Panel, width: float, height: float) -> Panel:

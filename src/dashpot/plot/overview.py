@@ -67,7 +67,7 @@ def hero(study: Story) -> Picture:
         f"held {test.hold_time:.3g} s"
     )
     chosen = next(one for one in shown if one.fit is study.fit)
-    stacks = [
+    strips = [
         (
             relaxation.force_panel(shown, test, title=title),
             relaxation.residual_panel(chosen, test),
@@ -83,7 +83,7 @@ def hero(study: Story) -> Picture:
         upper = vibration.magnitude_panel(curves, bounds, view=view, height=210, tagged=True)
         mass = "" if study.mass is None else f"{1e3 * study.mass:.4g} g on "
         titled = replace(upper, title=f"Hammer test: {mass}{study.seals:g} seals")
-        stacks.append((titled, vibration.phase_panel(curves, upper.x.limits)))
+        strips.append((titled, vibration.phase_panel(curves, upper.x.limits)))
     said = stamp(sources, study.fit.specimen, mass=study.mass, seals=study.seals)
     caption = "The relaxation test and its fit, the FRF and its prediction."
-    return Picture("hero", caption, tuple(stacks), 2, said, width=900.0)
+    return Picture("hero", caption, tuple(strips), 2, said, width=900.0)

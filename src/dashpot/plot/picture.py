@@ -1,6 +1,6 @@
 """Figures as values: what is drawn, before anything draws it.
 
-A `Picture` holds stacks of panels; a panel holds marks in data coordinates, in the units that
+A `Picture` holds strips of panels; a panel holds marks in data coordinates, in the units that
 people read. `svg` writes it for a page or a file, `bitmap` gives it to matplotlib for PNG and PDF.
 """
 
@@ -41,6 +41,11 @@ JOINT = Pen("joint", 3.0)
 REF = Pen("ref", 1.2, (2, 3))
 SIMPLER = (Pen("ref", 1.8, (8, 3)), Pen("ref", 1.8, (3, 2)))
 REJECTED = Pen("bad", 1.4, (5, 3))
+
+
+def joint_pen(*, failed: bool) -> tuple[Pen, str]:
+    """How a solid of both tests is drawn and what it is called: one that failed looks so."""
+    return (REJECTED, "joint fit, failed") if failed else (JOINT, "joint solid")
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,17 +168,17 @@ class Picture:
         Letters, digits and hyphens; what ids begin with.
     caption : str
         What a reader without the figure can follow.
-    stacks : tuple of tuple of Panel
-        Panels one below the other share the horizontal axis; stacks stand side by side.
+    strips : tuple of tuple of Panel
+        Panels one below the other share the horizontal axis; strips stand side by side.
     columns : int
-        How many stacks stand in a row.
+        How many strips stand in a row.
     stamp : str
         File, specimen, date, mass, and SIMULATED if so: stands on every figure that leaves.
     """
 
     name: str
     caption: str
-    stacks: tuple[tuple[Panel, ...], ...]
+    strips: tuple[tuple[Panel, ...], ...]
     columns: int = 1
     stamp: str = ""
     width: float = 680.0
@@ -181,7 +186,7 @@ class Picture:
     @property
     def panels(self) -> tuple[Panel, ...]:
         """All panels, in order."""
-        return tuple(panel for stack in self.stacks for panel in stack)
+        return tuple(panel for strip in self.strips for panel in strip)
 
     @property
     def key(self) -> tuple[Keyed, ...]:

@@ -56,22 +56,22 @@ def segments(prepared: RampHold, *, stamp: str = "") -> Picture:
     hold = (0.5 * c, max(t[-1], end))
     held, hertz = prepared.hold_time, f"{to_length * prepared.depth:.3g} {length}"
     titles = (f"Ramp, {c:.3g} s", f"Hold, {held:.3g} s at {hertz}")
-    stacks = []
+    strips = []
     for limits, log, title in zip((ramp, hold), (False, True), titles, strict=True):
         inside = (t >= limits[0]) & (t <= limits[1])
-        stack: list[Panel] = []
+        strip: list[Panel] = []
         for values, label in rows:
             x, y = extremes(t[inside], values[inside], bins=400, log=log)
             marks: list[Mark] = [*_segments(prepared, limits)]
             marks.append(Line(x, y, MEASURED, "measured"))
             axes = (Axis(SINCE, limits, log), Axis(label, around(y)))
-            stack.append(Panel(*axes, tuple(marks), title=title * (not stack), height=130))
-        stacks.append(tuple(stack))
+            strip.append(Panel(*axes, tuple(marks), title=title * (not strip), height=130))
+        strips.append(tuple(strip))
     caption = (
         "The test as prepared: displacement and force, the ramp on linear time, the hold on "
         "logarithmic time."
     )
-    return Picture("segments", caption, tuple(stacks), 2, stamp or of_test(prepared))
+    return Picture("segments", caption, tuple(strips), 2, stamp or of_test(prepared))
 
 
 def fit(
@@ -100,8 +100,8 @@ def fit(
         "Measured force and fitted solids, and what each leaves: a good fit leaves noise and no "
         "shape."
     )
-    stack = (force_panel(shown, prepared), *residuals)
-    return Picture("fit", caption, (stack,), 1, stamp or of_fit(fit))
+    strip = (force_panel(shown, prepared), *residuals)
+    return Picture("fit", caption, (strip,), 1, stamp or of_fit(fit))
 
 
 class Fitted(NamedTuple):

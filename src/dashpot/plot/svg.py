@@ -1,4 +1,4 @@
-"""Pictures as SVG text: one drawing for each stack in a page, or one file of all.
+"""Pictures as SVG text: one drawing for each strip in a page, or one file of all.
 
 Letters stay letters. Colours are custom properties of the page (`tokens.css`), so that one drawing
 serves the light and the dark page; a file has them as they are on paper. Whatever is inside the
@@ -34,8 +34,8 @@ FINE = 20
 """Units of the inner drawing in a px."""
 
 
-def stack(panels: tuple[Panel, ...], *, name: str, width: float, kind: str = "wide") -> str:
-    """One stack of panels as an ``svg`` of a page, of class `kind`; ids begin with `name`."""
+def strip(panels: tuple[Panel, ...], *, name: str, width: float, kind: str = "wide") -> str:
+    """One strip of panels as an ``svg`` of a page, of class `kind`; ids begin with `name`."""
     laid = lay_out(panels, width)
     size = f"{laid.width:.0f} {laid.height:.0f}"
     return (
@@ -53,10 +53,10 @@ def swatch(mark: Keyed, *, name: str) -> str:
 
 
 def whole(picture: Picture) -> str:
-    """The picture as an SVG file: every stack, the key, the stamp."""
+    """The picture as an SVG file: every strip, the key, the stamp."""
     name, sheet = checked(picture.name), arranged(picture)
-    body = [_patterns([f for one in sheet.stacks for f in one.laid.frames], name)]
-    for x, y, one in sheet.stacks:
+    body = [_patterns([f for one in sheet.strips for f in one.laid.frames], name)]
+    for x, y, one in sheet.strips:
         frames = "".join(_frame(frame, name) for frame in one.frames)
         body.append(f'<g transform="translate({x:.1f} {y:.1f})">{frames}</g>')
     for i, (x, y, mark) in enumerate(sheet.key):

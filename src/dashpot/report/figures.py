@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from dashpot import plot
-from dashpot.plot.svg import checked, stack, swatch
+from dashpot.plot.svg import checked, strip, swatch
 from dashpot.vibration.systems.prediction import predict_frf
 from dashpot.workflow.study import Study
 
@@ -29,7 +29,7 @@ class Drawn:
     ----------
     name, caption, stamp : str
     wide, narrow : tuple of str
-        Its stacks as SVG text, for a screen and for a phone; the same where they are narrow.
+        Its strips as SVG text, for a screen and for a phone; the same where they are narrow.
     key : tuple of (str, str)
         A sample as SVG text, and its name.
     columns : int
@@ -47,19 +47,19 @@ class Drawn:
 def drawn(picture: plot.Picture, *, width: float | None = None) -> Drawn:
     """Draw a picture for a page: `width` px wide, by default what its columns leave."""
     name = checked(picture.name)
-    columns = min(picture.columns, len(picture.stacks))
+    columns = min(picture.columns, len(picture.strips))
     each = width or min(picture.width, (PAGE - 24 * (columns - 1)) / columns)
 
-    def stacks(each: float, kind: str) -> tuple[str, ...]:
+    def strips(each: float, kind: str) -> tuple[str, ...]:
         return tuple(
-            stack(one, name=f"{name}-{kind}-{i}", width=each, kind=kind)
-            for i, one in enumerate(picture.stacks)
+            strip(one, name=f"{name}-{kind}-{i}", width=each, kind=kind)
+            for i, one in enumerate(picture.strips)
         )
 
     key = tuple(
         (swatch(mark, name=f"{name}-key{i}"), mark.label) for i, mark in enumerate(picture.key)
     )
-    both = stacks(each, "wide"), stacks(PHONE, "narrow")
+    both = strips(each, "wide"), strips(PHONE, "narrow")
     return Drawn(name, picture.caption, picture.stamp, *both, key, columns)
 
 

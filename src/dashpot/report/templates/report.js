@@ -264,9 +264,9 @@
     // said once: every figure works alike
     if (figure.id === "figure-lead")
       out.textContent = "Point or use the arrow keys to read values; drag, + or \u2212 to zoom, double click or 0 for all.";
-    figure.querySelector(".stacks").after(out);
-    figure.querySelector(".stacks").removeAttribute("role");
-    for (const svg of figure.querySelectorAll(".stacks svg[viewBox]"))
+    figure.querySelector(".strips").after(out);
+    figure.querySelector(".strips").removeAttribute("role");
+    for (const svg of figure.querySelectorAll(".strips svg[viewBox]"))
       if (svg.querySelector(":scope > .panel")) new Figure(svg, out);
   }
 
