@@ -243,3 +243,12 @@ def test_a_second_header_holds_until_the_next(tmp_path: Path) -> None:
 def test_a_last_step_beyond_five_others_is_noted(step: float, noted: bool) -> None:
     time = np.append(np.arange(9) / 10, 0.8 + step)
     assert bool(cleaning.clock_notes(time)) is noted
+
+
+@pytest.mark.parametrize(("last", "noted"), [("run 123", True), ("run 1234", False), ("", False)])
+def test_labels_are_words_not_dates(tmp_path: Path, last: str, noted: bool) -> None:
+    path = tmp_path / "labels.csv"
+    rows = [[*row, "run 1"] for row in three()]
+    path.write_text(joined([*rows[:-1], [*rows[-1][:-1], last]], THREE + ";Note"))
+    notes = read_relaxation(path).source.notes
+    assert any("begins with 'run 1' and ends with" in note for note in notes) is noted
