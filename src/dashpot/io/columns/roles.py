@@ -347,6 +347,8 @@ def unit_for(column: Column, number: int, role: Role, options: ReadOptions) -> U
     except DataError as error:
         wrong = stated is None and units.find(word) is not None
         text = mislabelled(column, role) if wrong else f"{label}: {error}; {advice}"
+        if " or " in word:
+            text = f"{label} stands under two units, {word}: say which is right: {advice}"
         raise ReadError(text) from None
 
 

@@ -160,7 +160,7 @@ def _inspected(file: Opened) -> Inspection:
     time = _time(table, by_index, roles, options, len(loaded.values))
     rate, even, duration = _sampling(time, loaded.starts)
     warnings = [*table.notes, *loaded.notes]
-    if time is not None:
+    if time is not None and not loaded.doubts:
         warnings += cleaning.clock_notes(time[np.isfinite(time)])
     doubts = [question for _, question in loaded.doubts]
     if kind == "relaxation" and not questions:
