@@ -42,7 +42,8 @@ def command(
     if output:
         _write(found.frf, output)
     if picture:
-        write_figure(picture, dp.plot.frf(found.frf, labels=("measured",)))
+        named = dp.plot.stamp(found.frf.source, mass=choices["mass"])
+        write_figure(picture, dp.plot.frf(found.frf, labels=("measured",), stamp=named))
     return Outcome(
         found,
         None if output == "-" else _text.impact(found),

@@ -83,33 +83,39 @@ def recommendation(study: Study) -> Recommendation:
     bounds over unresolved arms wherever they were computed.
     """
     usable = study.verdict.use != "do not use"
-    joint = study.joint is not None and usable
-    solid = study.joint if joint and study.joint is not None else study.fit
-    mass = _mass(study, solid)
-    point = mode = None
-    if mass is not None:
-        given = study.at_rest.point if study.at_rest is not None else None
-        compression = given.compression if given is not None and given.given else None
-        point = operating_point(solid, mass=mass, seals=study.seals, compression=compression)
-        mode = next(iter(model_modes(study.seals * point.solid(solid), mass)), None)
-    peak = (
-        None
-        if mode is None or point is None or mass is None
-        else _peak(study.seals * point.solid(solid), mass, mode.frequency)
-    )
-    at = solid.band[1] if peak is None else peak
+    fitted = study.joint if usable else None
+    solid = study.fit if fitted is None else fitted
+    joint = fitted is not None
+    point, resonance = _resonance(study, solid)
+    at = solid.band[1] if resonance is None else resonance[0]
     bounds, bound = _bounds(study, solid, at, joint=joint)
-    factor = 1.0 if point is None else point.factor
     stiffness = _between(solid, bounds, "storage", at, bound=bound)
     loss = _between(solid, bounds, "loss_factor", at, bound=bound)
     under: tuple[Answer, ...] = ()
-    if mode is not None and peak is not None:
-        under = _under_mass(study, peak, mode.damping_ratio, stiffness, loss, joint=joint)
-    scaled = [factor * v for v in (stiffness.value, stiffness.low, stiffness.high)]
-    dynamic = replace(stiffness, value=scaled[0], low=scaled[1], high=scaled[2])
-    return Recommendation(
-        usable, joint, solid, point, under, (*_end_of_hold(study, solid), dynamic, loss)
-    )
+    if resonance is not None:
+        under = _under_mass(study, *resonance, stiffness, loss, joint=joint)
+    if point is not None:
+        ends = [point.factor * v for v in (stiffness.value, stiffness.low, stiffness.high)]
+        stiffness = replace(stiffness, value=ends[0], low=ends[1], high=ends[2])
+    seal = (*_end_of_hold(study, solid), stiffness, loss)
+    return Recommendation(usable, joint, solid, point, under, seal)
+
+
+def _resonance(
+    study: Study, solid: Fit
+) -> tuple[OperatingPoint | None, tuple[float, float] | None]:
+    """Where the mass rests; and the frequency of its peak, Hz, with the damping ratio, if any."""
+    mass = _mass(study, solid)
+    if mass is None:
+        return None, None
+    rests = study.at_rest
+    given = None if rests is None or not rests.point.given else rests.point.compression
+    point = operating_point(solid, mass=mass, seals=study.seals, compression=given)
+    seals = study.seals * point.solid(solid)
+    mode = next(iter(model_modes(seals, mass)), None)
+    if mode is None:
+        return point, None
+    return point, (_peak(seals, mass, mode.frequency), mode.damping_ratio)
 
 
 def _mass(study: Study, solid: Fit) -> float | None:
