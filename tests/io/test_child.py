@@ -147,10 +147,13 @@ def test_many_threads_read_at_once() -> None:
 def test_the_keyboard_ends_parent_and_child(tmp_path: Path) -> None:
     mark = tmp_path / "pid"
     code = (
+        "import signal\n"
         "from kit import misbehaving\n"
         "from dashpot.io.child.process import in_child\n"
         "from dashpot.io.options import ReadOptions\n"
         "from dashpot.io.source import Raw\n"
+        # what runs in the background may have been told to ignore the keyboard
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         f"options = ReadOptions(sheet={str(mark)!r})\n"
         "in_child('junk', misbehaving.hangs, Raw('a', None, b'1'), options)\n"
     )
