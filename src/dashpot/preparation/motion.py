@@ -28,6 +28,15 @@ CREPT = 0.02
 """Part of its travel by which a displacement goes on under a force that is held."""
 
 
+SETTLES = 0.05
+"""Part of its level by which a displacement may move that is held from the first sample on."""
+
+_BEGINS_LATE = (
+    "yet the force relaxes: the record begins after its ramp. Its speed and the force before it "
+    "are needed: start recording a second before the ramp"
+)
+
+
 class IdealRamp(NamedTuple):
     """A straight ramp: ``x = level + speed * (t - at)``.
 
@@ -159,12 +168,14 @@ def find_motion(
     """
     turn, segments = _turned(time, displacement, sign)
     x = turn * displacement
-    if _creeps(time, x, force, cycles_of(segments)):
+    if not _late(x, force) and _creeps(time, x, force, cycles_of(segments)):
         raise DataError(
             f"{where}: this is a creep test: the force is held while the displacement goes on; "
             "creep is not fitted yet: hold the compression and record how the force falls"
         )
     if not cycles_of(segments):
+        if _late(x, force):
+            raise DataError(f"{where}: the displacement hardly moves, {_BEGINS_LATE}")
         raise DataError(nothing_held(segments, where, _advice(time, x, force)))
     index, cycles = choose_cycle(segments, number, where=where)
     return _of_cycle(time, x, turn, cycles, index)
@@ -173,6 +184,8 @@ def find_motion(
 def loading_in(time: FloatArray, displacement: FloatArray, force: FloatArray) -> Loading:
     """What a record shows, whether or not it can be prepared: a ramp and a hold, or what else."""
     turn, segments = _turned(time, displacement, None)
+    if _late(displacement, force):
+        return "other"
     if _creeps(time, turn * displacement, force, cycles_of(segments)):
         return "creep"
     return loading_of(segments)
@@ -281,10 +294,7 @@ def _advice(time: FloatArray, x: FloatArray, force: FloatArray) -> str:
     if cycles_of(find_segments(time, -x)):
         return "turned round it would ramp and rest: leave out sign, or give the other"
     if not moves and _relaxes(force):
-        return (
-            "yet the force relaxes: the record begins after its ramp. Its speed and the force "
-            "before it are needed: start recording a second before the ramp"
-        )
+        return _BEGINS_LATE
     if moves and any(_held_by_plate(time, turn * force) for turn in (1, -1)):
         return "the force column ramps and rests instead: are force and displacement swapped?"
     return "expected a ramp and then a displacement that rests; check the columns and the units"
@@ -323,6 +333,11 @@ def _creeps(time: FloatArray, x: FloatArray, force: FloatArray, held: Sequence[C
             if onward > far and _stands(turn * force, cycle):
                 return True
     return False
+
+
+def _late(x: FloatArray, force: FloatArray) -> bool:
+    """True if a displacement only settles about where it is held, while the force relaxes."""
+    return float(np.ptp(x)) < SETTLES * abs(median(x)) and _relaxes(force)
 
 
 def _relaxes(force: FloatArray) -> bool:

@@ -174,7 +174,7 @@ def _motion(
 def _loaded_and_relaxed(force: FloatArray, motion: Motion) -> tuple[float, float]:
     """How far the force goes from its first value in the ramps, and on from there in the hold."""
     loaded, held = force[motion.start : motion.cycle.hold.first + 1], force[: motion.stop + 1]
-    first = median(loaded[:3])
+    first = median(force[motion.start : motion.departure + 1])
     furthest = float(loaded[np.argmax(np.abs(loaded - first))])
     last = median(held[-max((motion.stop - motion.cycle.hold.first) // 10, 1) :])
     return furthest - first, last - furthest
