@@ -35,13 +35,11 @@ def numbers(axis: Axis, length: float, apart: float) -> tuple[float, ...]:
         return _even(axis.limits, max(int(length / apart), 2))
     best: tuple[float, ...] = ()
     for found in (*_decades(axis.limits), _even(axis.limits, max(int(length / apart), 2))):
-        if len(found) < 2:
-            best = best or found
-            continue
-        gaps = np.diff(length * place(axis, found))
-        if gaps.min() < apart and len(best) >= 2:
+        near = len(found) > 1 and np.diff(length * place(axis, found)).min() < apart
+        if near and len(best) > 1:
             break
-        best = found if gaps.min() >= apart else best or found
+        # two numbers at least, if need be the outer ones
+        best = (found[0], found[-1]) if near else max(best, found, key=len)
     return best
 
 
@@ -93,15 +91,17 @@ def written(axis: Axis, values: Sequence[float]) -> list[str]:
         return [f"{v:.6g}" if plain else _power(v) for v in values]
     if not values:
         return []
-    size = max(abs(v) for v in values)
+    size, step = max(abs(v) for v in values), min(np.diff(values), default=1.0)
     if size >= 1e6 or 0 < size < 1e-4:
-        return [f"{v:.3g}".replace("-", MINUS) for v in values]
-    decimals = next((d for d in range(7) if all(_round(v, d, size) for v in values)), 6)
+        digits = 3 + max(0, math.ceil(math.log10(size / step)) - 2)
+        return [f"{v:.{digits}g}".replace("-", MINUS) for v in values]
+    decimals = next(d for d in range(13) if d == 12 or _round(values, d, step))
     return [f"{v + 0.0:.{decimals}f}".replace("-", MINUS) for v in values]
 
 
-def _round(value: float, decimals: int, size: float) -> bool:
-    return abs(value - round(value, decimals)) <= 1e-6 * size
+def _round(values: Sequence[float], decimals: int, step: float) -> bool:
+    """Tell whether so many decimals say each value, to a hundredth of the step."""
+    return all(abs(v - round(v, decimals)) <= 0.01 * step for v in values)
 
 
 def _power(value: float) -> str:

@@ -1,0 +1,88 @@
+"""Places: round numbers on every axis, words clear of each other, curves true to a hair."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from dashpot.plot.layout import STRAIGHT, lay_out, straightened, text_width
+from dashpot.plot.picture import FIT, Axis, Line, Panel, Tag
+from dashpot.plot.ticks import numbers, place, written
+
+LOW = st.floats(-1e6, 1e6)
+
+
+def distance(point: np.ndarray, curve: np.ndarray) -> float:
+    """Of a point from an unbroken line."""
+    a, b = curve[:-1], curve[1:]
+    chord = b - a
+    size = np.maximum((chord**2).sum(axis=1), 1e-300)
+    part = np.clip(((point - a) * chord).sum(axis=1) / size, 0, 1)
+    return float(np.hypot(*(a + part[:, None] * chord - point).T).min())
+
+
+@given(st.integers(0, 10_000), st.integers(2, 120), st.sampled_from([0.0, 0.02, 0.2, 20.0]))
+def test_a_curve_less_what_is_straight_stays_within_a_hair(seed, size, noise):
+    random = np.random.default_rng(seed)
+    x = np.cumsum(random.uniform(0.0, 3.0, size))
+    y = 40 * np.sin(x / 30) + noise * random.standard_normal(size)
+    points = np.column_stack([x, y])
+    kept = straightened(points)
+    assert np.array_equal(kept[[0, -1]], points[[0, -1]])
+    assert max(distance(point, kept) for point in points) <= 8 * STRAIGHT + 1e-9
+
+
+def test_a_straight_line_keeps_few_points_and_a_spike_stays():
+    line = np.column_stack([np.arange(1001.0), np.arange(1001.0) / 7])
+    assert len(straightened(line)) < 1001 / 2**4
+    line[500, 1] += 5.0
+    assert line[500].tolist() in straightened(line).tolist()
+
+
+@given(LOW, st.floats(1e-6, 1e6), st.floats(60, 900))
+def test_an_even_axis_has_two_round_numbers_or_more_inside_its_limits(low, span, length):
+    assume(span > 1e-6 * abs(low))
+    axis = Axis("x, s", (low, low + span))
+    found = numbers(axis, length, 40.0)
+    assert len(found) >= 2
+    assert all(low - 1e-6 * span <= v <= low + span * (1 + 1e-6) for v in found)
+    steps = np.diff(found)
+    assert steps == pytest.approx(np.full(len(steps), steps[0]), rel=1e-3)
+    mantissa = steps[0] / 10 ** math.floor(math.log10(steps[0]) + 1e-9)
+    assert min(abs(mantissa - m) for m in (1, 2, 2.5, 5, 10)) < 1e-2
+    assert len(set(written(axis, found))) == len(found)
+
+
+@given(st.floats(-9, 6), st.floats(0.05, 12), st.floats(120, 900))
+def test_a_logarithmic_axis_has_numbers_inside_its_limits_and_apart(low, decades, length):
+    axis = Axis("f, Hz", (10**low, 10 ** (low + decades)), log=True)
+    found = numbers(axis, length, 46.0)
+    assert all(axis.limits[0] * (1 - 1e-6) <= v <= axis.limits[1] * (1 + 1e-6) for v in found)
+    assert len(found) >= 2
+    assert len(found) == 2 or np.diff(length * place(axis, found)).min() >= 46.0 * (1 - 1e-9)
+
+
+def test_words_at_two_peaks_side_by_side_are_clear_of_each_other_and_inside():
+    """As a prediction that agrees: both peaks at one place, both named."""
+    x = np.geomspace(6.0, 30.0, 50)
+    tags = [Tag(12.71, 155.0, "measured 12.71 Hz, 155 1/kg", "measured", "filled", bold=True),
+            Tag(12.70, 157.0, "predicted 12.70 Hz, 157 1/kg", "fit", "hollow")]  # fmt: skip
+    axes = Axis("f, Hz", (6.0, 30.0), log=True), Axis("a, 1/kg", (2.0, 300.0), log=True)
+    for width in (350.0, 728.0):
+        (frame,) = lay_out((Panel(*axes, (Line(x, x, FIT), *tags)),), width).frames
+        boxes = []
+        for word in frame.words:
+            if word.halo:
+                wide = text_width(word.text, bold=word.bold)
+                left = word.x - (wide if word.anchor == "end" else 0)
+                boxes.append((left, left + wide, word.y - 12, word.y))
+        (a, b), (left, top, wide, _) = boxes, frame.box
+        assert a[1] < b[0] or b[1] < a[0] or a[3] < b[2] or b[3] < a[2]
+        for box in boxes:
+            assert left - 2 <= box[0]
+            assert box[1] <= left + wide + 14
+            assert box[2] >= top - 4
