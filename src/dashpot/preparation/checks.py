@@ -78,7 +78,7 @@ def preload_absent(carried: float, rise: float, *, moving: bool = False) -> Find
     says = "no preload shows before the ramp"
     if carried:
         says = (
-            f"the load cell reads {carried:.3g} N as the ramp starts, {100 * share:.2g} % of the "
+            f"the load cell reads {carried:.3g} N as the ramp starts, {rounded(100 * share, digits=2)} % of the "
             "rise"
         )
     late = moving and share > LATE_START
