@@ -78,8 +78,8 @@ def preload_absent(carried: float, rise: float, *, moving: bool = False) -> Find
     says = "no preload shows before the ramp"
     if carried:
         says = (
-            f"the load cell reads {carried:.3g} N as the ramp starts, {rounded(100 * share, digits=2)} % of the "
-            "rise"
+            f"the load cell reads {carried:.3g} N as the ramp starts, "
+            f"{rounded(100 * share, digits=2)} % of the rise"
         )
     late = moving and share > LATE_START
     return Finding(
