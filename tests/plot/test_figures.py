@@ -316,6 +316,13 @@ def test_a_very_wide_axis_has_few_numbers():
     assert 2 <= len(numbers(axis, 300.0, 46)) <= 8
 
 
+def test_an_frf_that_is_good_nowhere_draws_no_points():
+    """A range far from every line: nothing is drawn, and the figure stands."""
+    nowhere = replace(S.direct, storage_band=(0.0, 0.0), loss_band=(0.0, 0.0))
+    panels = plot.stiffness(S.fit, measured=nowhere).panels
+    assert not [m for panel in panels for m in panel.marks if isinstance(m, Dots)]
+
+
 def test_stiffness_from_the_frf_is_drawn_with_its_scatter_where_it_is_good():
     panels = plot.stiffness(S.fit, measured=S.direct).panels
     for panel, name, band in zip(

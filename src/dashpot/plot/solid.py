@@ -159,8 +159,9 @@ def stiffness(
         marks += inside(fit.band, f, curve, words.fit, beyond=f"{words.fit}, extrapolated")
         if data is not None:
             marks.append(_sweep(data, name, factor))
-        if measured is not None:
-            marks.append(_points(measured, name))
+        points = None if measured is None else _points(measured, name)
+        if points is not None and len(points.y):  # an FRF may be good nowhere
+            marks.append(points)
         if mark is not None:
             marks.append(Rule(mark, RESONANCE, f"resonance, {mark:.4g} Hz"))
         axes = (
