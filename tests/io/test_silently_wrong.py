@@ -100,7 +100,8 @@ def test_a_cut_off_number_is_known_by_four_rows(rows: int, cut: bool) -> None:
 @pytest.mark.parametrize(
     ("values", "left"),
     [([1.6, 800.0], True), ([1.6, 1000.0], False), ([1.6, 0.9], False), ([1.6, 2.5], False),
-     ([800.0, 2.0], True), ([1.6, 800.0, 1.0625], False), ([1.625, 999.0, 0.0, np.nan], True)],
+     ([800.0, 2.0], True), ([1.6, 800.0, 1.0625], False),
+     ([1e307, 8.0], False), ([1.625, 999.0, 0.0, np.nan], True)],
 )  # fmt: skip
 def test_only_numbers_that_thousands_marks_could_make_are_looked_at(
     values: list[float], left: bool

@@ -156,7 +156,7 @@ def clock_notes(time: FloatArray) -> list[str]:
     if step <= 0:
         return []
     rate = 1 / step
-    if len(steps) > 1 and steps[-1] > _LAST * steps[:-1].max():
+    if len(steps) > 1 and steps[-1] / _LAST > steps[:-1].max():
         says = (
             f"the last row stands {steps[-1]:.6g} s behind the one before it, further than any "
             f"other (up to {steps[:-1].max():.6g} s): does it belong to the record?"

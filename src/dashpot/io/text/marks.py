@@ -30,8 +30,10 @@ def open_columns(values: FloatArray) -> set[int]:
         for start in range(0, len(column), _ROWS):
             part = np.abs(column[start : start + _ROWS])
             part = part[np.isfinite(part) & (part > 0)]
+            if ((part < 1) | (part >= 1e3)).any():
+                break
             digits = part * 1e3
-            if ((part < 1) | (part >= 1e3) | (np.abs(digits - np.round(digits)) > 0.01)).any():
+            if (np.abs(digits - np.round(digits)) > 0.01).any():
                 break
             whole = whole or bool((part == np.floor(part)).any())
         else:
