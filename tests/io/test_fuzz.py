@@ -76,6 +76,9 @@ def good(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
 @example(b"\n    -1\n    58\n")
 @example(b"{" * 5000)
 @example(b"TDSm")
+@example(b"1e+308")
+@example(b'"\n0.0,0.0')
+@example(b"0.0,0.0,0.0\n" + b"0.0,0.0,1\n" * 7)
 @example(b"LabVIEW Measurement\n***End_of_Header***\n***End_of_Header***\nX_Value\n")
 def test_any_bytes(fuzzer: Fuzzer, content: bytes) -> None:
     fuzzer.survives("read_all", content)

@@ -17,7 +17,6 @@ import threading
 import time
 import traceback
 import zipfile
-import zlib
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -107,7 +106,7 @@ class Fuzzer:
             self.deaths += 1
             says = self._tried(task, content, apart=True)
         if says != "":
-            place = Path(tempfile.gettempdir()) / f"dashpot-{task}-{zlib.crc32(content):08x}"
+            place = Path(tempfile.gettempdir()) / f"dashpot-{task}-{os.getpid()}"
             place.write_bytes(content)
             raise AssertionError(f"{says or 'the process died, or was ended'}\n{place}")
 
