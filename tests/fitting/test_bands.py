@@ -23,7 +23,7 @@ from dashpot.fitting.uncertainty.prediction_bounds import (
 from dashpot.preparation.prepare import prepare
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
-from dashpot.records.relaxation import RampHold
+from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER
@@ -280,3 +280,14 @@ def test_a_seal_without_fast_arms_keeps_its_loss_within_the_band() -> None:
     band = unseen_arm_band(fit(test), test, [12.71], level=0.99)
     truth = PAPER.loss(2 * np.pi * 12.71)
     assert band.loss[0, 0] <= truth <= band.loss[1, 0]
+
+
+def test_a_spring_without_loss_bounds_its_peak_from_below_alone() -> None:
+    time = np.arange(4000) / 100
+    x = 8e-3 * np.clip(time - 1, 0, 1)
+    test = prepare(RelaxationTest(time=time, displacement=x, force=200.0 * x))
+    natural = np.sqrt(200.0 / 0.104) / (2 * np.pi)
+    band = frf_band(fit(test), test, mass=0.104, frequency=np.linspace(0.5, 1.5, 41) * natural)
+    assert band.peak_height is not None
+    assert band.peak_height[0] > 1
+    assert band.peak_height[1] == np.inf

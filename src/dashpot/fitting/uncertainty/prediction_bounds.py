@@ -288,7 +288,9 @@ def _distances(spectra: Spectra, omega: float, inertia: float) -> tuple[float, f
         nearest, inside = felt.nearest()
         gap_near = 0.0 if inside else 1 - felt.near / max(float(np.linalg.norm(nearest)), 1e-300)
         corner = felt.farthest_corner()
-        gap_far = 1 - felt.far / float(np.linalg.norm(corner))
+        reach = float(np.linalg.norm(corner))
+        # a set that is one point, where the point is, has no farther one
+        gap_far = 1 - felt.far / reach if reach > 0 else 0.0
         if max(gap_near, gap_far) <= CLOSE:
             break
         felt.towards(-nearest if gap_near > gap_far else corner)
@@ -336,7 +338,8 @@ class _Felt:
         length = np.maximum(np.vecdot(along, along), np.finfo(float).tiny)
         part = np.clip(-np.vecdot(start, along) / length, 0.0, 1.0)
         candidates = start + part[:, None] * along
-        return candidates[np.argmin(np.linalg.norm(candidates, axis=1))], inside
+        distances = np.linalg.norm(candidates, axis=1)
+        return candidates[np.argmin(distances)], inside or float(distances.min()) == 0.0
 
     def farthest_corner(self) -> FloatArray:
         """The farthest corner of the polygon that the support lines enclose."""
