@@ -74,6 +74,8 @@ def test_several_impact_files_are_records(tmp_path: Path) -> None:
         read_impact(paths)
     with pytest.raises(ReadError, match="no impact file given"):
         read_impact([])
+    with pytest.raises(ReadError, match="holds hits, no loadings"):
+        read_impact(paths[0], options=ReadOptions(cycle=2))
 
 
 def test_a_jump_of_the_clock_starts_a_record(tmp_path: Path) -> None:

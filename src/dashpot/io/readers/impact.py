@@ -38,6 +38,11 @@ def read_impact(
     listed = [paths] if isinstance(paths, str | Path) else list(paths)
     if not listed:
         raise ReadError("no impact file given")
+    if options.cycle is not None:
+        raise ReadError(
+            f"{listed[0]}: cycle {options.cycle} is asked for, but a hammer file holds hits, no "
+            "loadings; leave the cycle out"
+        )
     tests = [_one(path, options) for path in listed]
     if len(tests) == 1:
         return tests[0]
