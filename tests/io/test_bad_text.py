@@ -14,6 +14,7 @@ from dashpot.io.options import ReadOptions
 from dashpot.io.readers.impact import read_impact
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.readers.relaxation import read_relaxation
+from dashpot.records.specimen import Specimen
 
 HEAD = "Time (s);Displacement (mm);Force (N)\n"
 
@@ -356,3 +357,25 @@ def test_uneven_impact_is_refused(tmp_path: Path) -> None:
     )
     with pytest.raises(ReadError, match=r"hit\.csv: an impact record needs even sampling"):
         read_impact(path)
+
+
+def test_text_that_is_not_utf_16_is_said_to_be_none(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text("time [s],displacement [mm],force [N]\n" + "0,0,0\n" * 20)
+    with pytest.raises(ReadError, match="the text is not utf-16"):
+        read_relaxation(path, options=ReadOptions(encoding="utf-16"))
+
+
+def test_a_closed_stdin_is_said_to_be_closed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sys.stdin", None)
+    with pytest.raises(ReadError, match="stdin is closed"):
+        read_relaxation("-")
+
+
+@pytest.mark.parametrize(("kelvin", "fails"), [(99.9, True), (100.0, False), (700.1, True)])
+def test_a_temperature_that_no_rubber_has_is_asked_about(kelvin: float, fails: bool) -> None:
+    if not fails:
+        assert Specimen(temperature=kelvin).temperature == kelvin
+        return
+    with pytest.raises(DataError, match="is the unit degC"):
+        Specimen(temperature=kelvin)

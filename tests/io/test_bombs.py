@@ -50,7 +50,8 @@ def test_a_bomb_costs_a_gibibyte_and_half_a_minute_at_most(
     assert max(own, child) < 1 << 20
     expected = BOMBS[build]
     assert says.startswith("ReadError: bomb: ") if expected else not says
-    assert expected in says
+    # readers of other versions find it out later
+    assert any(one in says for one in expected.split(" | "))
 
 
 # data of other files

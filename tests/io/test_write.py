@@ -66,9 +66,12 @@ def test_several_impact_files_are_records(tmp_path: Path) -> None:
     paths = [tmp_path / "a.csv", tmp_path / "b.csv"]
     for path in paths:
         write_impact(one, path)
+        one = replace(one, force=2 * one.force)
     test = read_impact(paths)
     assert test.starts == (0, 50)
     assert [source.file for source in test.source] == ["a.csv", "b.csv"]
+    with pytest.raises(ReadError, match=r"same bytes as .*a\.csv: its hits would count twice"):
+        read_impact([paths[0], paths[0]])
     write_impact(replace(one, channels=("other",)), paths[1])
     with pytest.raises(ReadError, match="give files of one set-up"):
         read_impact(paths)

@@ -194,7 +194,9 @@ BOMBS: dict[Callable[[Path], None], str] = {
     xlsx_of_one_far_cell: "the reader of workbook files ended with SIGABRT",
     xlsx_of_many_cells: "the reader of workbook files ended with SIGABRT",
     xlsx_of_one_long_string: "the reader of workbook files ended with SIGABRT",
-    xlsx_that_lies_about_its_size: "File is larger than its declared uncompressed size",
+    xlsx_that_lies_about_its_size: (
+        "File is larger than its declared uncompressed size | damaged, or unpacks to more"
+    ),
     ods_of_repeated_cells: "the reader of workbook files ended with SIGABRT",
     ods_of_blanks: "the reader of workbook files ended with SIGABRT",
     xls_of_one_far_cell: "the reader of workbook files ended with SIGABRT",

@@ -202,7 +202,7 @@ def test_the_head_names_what_is_known_and_what_was_not_given(sketch):
     text = sketch(replace(S, prepared=replace(S.prepared, specimen=who)))
     for part in ("Specimen Door seal, 100 mm long", "Lot L24-117", "Operator not given",
                  "Date 2026-11-21", "Temperature 23.0 °C", "Mass 114.8 g", "Seals 2",
-                 "Compression 8.00 mm"):  # fmt: skip
+                 "Test depth 8.00 mm"):  # fmt: skip
         assert part in text
     assert text.strip().startswith("Door seal, lot L24-117: ")
 

@@ -65,6 +65,8 @@ def test_at_the_tested_depth_of_a_straight_piece_the_factor_is_its_tangent() -> 
     st.floats(0.0, 1.4),
 )
 def test_compression_inverts_force(shape: list[float], part: float) -> None:
+    # what is soft is soft by a part of what is stiff, or not there at all
+    shape, part = [one if one > 1e-6 else 0.0 for one in shape], part if part > 1e-6 else 0.0
     knots = np.linspace(0.0, 8e-3, len(shape))
     mean = float(np.trapezoid(shape, knots)) / 8e-3
     if mean < 0.05 or (shape[-1] < 1e-3 and part > 1):

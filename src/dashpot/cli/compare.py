@@ -15,6 +15,10 @@ from dashpot.cli import _text
 from dashpot.cli._shell import File, Outcome, grams, read_fit, reports, typed, write_figure
 from dashpot.cli._terminal import Text
 
+_UNTESTED = (
+    "the mass was inferred from the measured peak, so the stiffness is not tested: give --mass"
+)
+
 
 @click.command("compare")
 @click.argument("fit", type=File())
@@ -48,7 +52,8 @@ def command(
     lines = _text.comparison(found.comparison)
     if str(found.at_rest):
         lines.append(str(found.at_rest))
-    if found.mass_inferred:
+    inferred = found.mass_inferred
+    if inferred:
         lines.append(
             f"  mass        {found.mass * 1e3:.5g} g, inferred from the measured FRF: the "
             "agreement in frequency then proves nothing; give --mass to test it"
@@ -61,17 +66,17 @@ def command(
         checks,
         {
             "mass": found.mass,
-            "mass_inferred": found.mass_inferred,
+            "mass_inferred": inferred,
             "seals": seals,
             **found.at_rest.document,
         },
-        verdict=replace(verdict(checks), says=found.comparison.says),
+        verdict=replace(verdict(checks), says=_UNTESTED if inferred else found.comparison.says),
         follow=typed(
             "identify",
             *measured,
             *with_tests,
             "--mass",
-            grams(found.mass),
+            "MASS" if inferred else grams(found.mass),
             "--seals",
             f"{seals:g}",
             why="fits both tests together",

@@ -6,6 +6,7 @@ from typing import Any
 
 import click
 
+import dashpot as dp
 from dashpot import workflow
 from dashpot.base.checks import verdict
 from dashpot.cli import _options as options
@@ -106,5 +107,13 @@ def command(
         checks,
         {"direct": workflow.direct_document(straight), **rests.document},
         verdict=verdict(checks, sound=found.verdict.says),
-        follow="" if not output or output == "-" else typed("export", output, *_A_DECK),
+        follow="" if not output or output == "-" else typed("export", output, *_deck(found)),
     )
+
+
+def _deck(found: dp.Fit) -> list[str]:
+    """The options of a deck, with what the fit does not know of its piece to be filled in."""
+    piece = found.specimen
+    asked = (("--temperature", piece.temperature), ("--length", piece.length))
+    missing = [name for name, known in asked if known is None]
+    return [*_A_DECK, *(word for name in missing for word in (name, name[2:].upper()))]

@@ -92,6 +92,8 @@ def open_raw(path: str | Path) -> Raw:
     ReadError
         If there is no such file, it cannot be read, it is empty, or it is a pipe without end.
     """
+    if str(path) == "-" and sys.stdin is None:
+        raise ReadError("stdin is closed; give the path of a file")
     try:
         raw = Raw("stdin", None, _stdin(sys.stdin.buffer)) if str(path) == "-" else _at(Path(path))
     except (OSError, ValueError) as error:

@@ -10,6 +10,9 @@ from dashpot.base.errors import DataError
 from dashpot.base.options import option
 from dashpot.base.units import si_fields
 
+# K; no elastomer is tested beyond
+_COLDEST, _HOTTEST = 100.0, 700.0
+
 
 @dataclass(frozen=True)
 class Specimen:
@@ -51,6 +54,12 @@ class Specimen:
                 raise DataError(
                     f"specimen date = {self.date!r}; expected year-month-day, such as 2026-11-21"
                 ) from None
+        if self.temperature is not None and not _COLDEST <= self.temperature <= _HOTTEST:
+            raise DataError(
+                f"specimen temperature = {self.temperature:g} K, or "
+                f"{self.temperature - 273.15:g} degC; expected one that rubber is "
+                f"tested at, {_COLDEST:g} to {_HOTTEST:g} K: is the unit degC?"
+            )
         for name in ("length", "height", "temperature"):
             value = getattr(self, name)
             if value is not None and not (math.isfinite(value) and value > 0):

@@ -90,7 +90,7 @@ def header(study: Study) -> tuple[tuple[str, str], ...]:
         ("Temperature", "" if kelvin is None else f"{kelvin - 273.15:.1f} °C"),
         ("Mass", mass + inferred),
         ("Seals", "" if study.mass is None else f"{study.seals:g}"),
-        ("Compression", f"{rounded(1e3 * study.prepared.depth)} mm"),
+        ("Test depth", f"{rounded(1e3 * study.prepared.depth)} mm"),
     )
     return tuple((name, value or NOT_GIVEN) for name, value in rows)
 

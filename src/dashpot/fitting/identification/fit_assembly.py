@@ -19,6 +19,7 @@ from dashpot.records.estimate import Nuisance, ParameterEstimate, Residual, para
 from dashpot.records.fit import Evidence, Fit, Moved, OrderScore, Provenance, Status
 from dashpot.records.frf import FRF
 from dashpot.records.relaxation import RampHold
+from dashpot.records.specimen import Specimen
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # what fails where hammer and relaxation, or hammer and balance, do not describe one seal
@@ -78,9 +79,17 @@ def assembled(
             "joint" if tests or before is not None else "frf",
             _sources(frf, tests),
             (*frf.steps, *(step for test in tests for step in test.steps), _step(best)),
+            _specimen(tests, before),
         ),
         elastic_law=None if law is None else replace(law, stiffness=point.model.k_inf),
     )
+
+
+def _specimen(tests: Sequence[RampHold], before: Fit | None) -> Specimen:
+    """The piece that the relaxation tests were made on."""
+    if tests:
+        return max(tests, key=lambda test: test.depth).specimen
+    return Specimen() if before is None else before.specimen
 
 
 def _physical(

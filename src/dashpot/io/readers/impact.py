@@ -46,6 +46,7 @@ def read_impact(
     tests = [_one(path, options) for path in listed]
     if len(tests) == 1:
         return tests[0]
+    _refuse_copies(tests, listed)
     names = tests[0].channels
     for test, path in zip(tests, listed, strict=True):
         if test.channels != names:
@@ -54,6 +55,17 @@ def read_impact(
                 f"{', '.join(names)}; give files of one set-up"
             )
     return _joined(tests)
+
+
+def _refuse_copies(tests: Sequence[ImpactTest], listed: Sequence[str | Path]) -> None:
+    """One file given twice is not twice as many hits."""
+    hashes = [tuple(source.sha256 for source in test.source) for test in tests]
+    for i, one in enumerate(hashes):
+        if one in hashes[:i]:
+            raise ReadError(
+                f"{listed[i]} holds the same bytes as {listed[hashes.index(one)]}: its hits would "
+                "count twice; give each file once"
+            )
 
 
 def _joined(tests: Sequence[ImpactTest]) -> ImpactTest:
