@@ -362,7 +362,7 @@ def test_uneven_impact_is_refused(tmp_path: Path) -> None:
 def test_text_that_is_not_utf_16_is_said_to_be_none(tmp_path: Path) -> None:
     path = tmp_path / "a.csv"
     path.write_text("time [s],displacement [mm],force [N]\n" + "0,0,0\n" * 20)
-    with pytest.raises(ReadError, match="the text is not utf-16"):
+    with pytest.raises(ReadError, match="is not utf-16"):
         read_relaxation(path, options=ReadOptions(encoding="utf-16"))
 
 
