@@ -147,6 +147,12 @@ def median(values: FloatArray) -> float:
     return 0.5 * float(parted[low] + parted[high])
 
 
+def block_means(values: FloatArray, count: int) -> FloatArray:
+    """Means over each `count` neighbours along the last axis; a rest at the end is dropped."""
+    whole = values.shape[-1] // count * count
+    return np.asarray(values[..., :whole].reshape(*values.shape[:-1], -1, count).mean(axis=-1))
+
+
 def runs(true: BoolArray) -> IndexArray:
     """Return the first and the last index of every run of True, shape (m, 2).
 

@@ -6,17 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
+from dashpot.base.arrays import block_means
 from dashpot.base.provenance import Step
-from dashpot.preparation.noise import scatter
+from dashpot.preparation.noise import evenly_sampled, scatter
 from dashpot.records.relaxation import RampHold
 
 # samples that no fit needs more of
 ENOUGH = 200_000
 # and of them at least so many on the ramp
 ON_THE_RAMP = 500
-# steps of a clock that differ by less than this part are even but for rounding
-_EVEN = 0.2
 
 
 def averaged(record: RampHold) -> RampHold:
@@ -31,18 +29,12 @@ def averaged(record: RampHold) -> RampHold:
     count = _neighbours(record)
     if count == 1:
         return record
-    used = len(record.time) // count * count
-    counted = record.encoder_step > 0
-
-    def mean(values: FloatArray) -> FloatArray:
-        return np.asarray(values[:used].reshape(-1, count).mean(axis=1))
-
-    time, force = mean(record.time), mean(record.force)
-    displacement = record.displacement[count // 2 : used : count]
+    time, force = block_means(record.time, count), block_means(record.force, count)
+    displacement = record.displacement[count // 2 : count * len(time) : count]
     noise = record.displacement_noise
     late = slice(int(np.searchsorted(time, record.ramp_end + record.hold_time / 10)), None)
-    if not counted:
-        displacement = mean(record.displacement)
+    if not record.encoder_step > 0:
+        displacement = block_means(record.displacement, count)
         noise = scatter(time[late], displacement[late])
     says = (
         f"averaged each {count} of {len(record.time)} samples, force and displacement alike: "
@@ -62,10 +54,10 @@ def averaged(record: RampHold) -> RampHold:
 
 def _neighbours(record: RampHold) -> int:
     """How many samples become one, an odd number; one where averaging is no help or no mean."""
-    steps = np.diff(record.time)
-    most = int(record.ramp_time / float(steps.mean()) / ON_THE_RAMP)
+    step = float(record.time[-1] - record.time[0]) / (len(record.time) - 1)
+    most = int(record.ramp_time / step / ON_THE_RAMP)
     count = min(len(record.time) // ENOUGH, most)
     in_counts_of_force = record.machine.compliance > 0 and record.encoder_step > 0
-    if count < 2 or np.ptp(steps) > _EVEN * steps.mean() or in_counts_of_force:
+    if count < 2 or in_counts_of_force or not evenly_sampled(record.time):
         return 1
     return count - 1 + count % 2

@@ -6,6 +6,15 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, median
 
+# steps of a clock that differ by less than this part are even but for rounding
+_EVEN = 0.2
+
+
+def evenly_sampled(time: FloatArray) -> bool:
+    """True if the steps of a clock differ by no more than a fifth of their mean."""
+    steps = np.diff(time)
+    return len(steps) > 1 and bool(np.ptp(steps) <= _EVEN * steps.mean())
+
 
 def scatter(time: FloatArray, values: FloatArray) -> float:
     r"""Standard deviation of the sample-to-sample scatter, whatever the trend and the sampling.

@@ -23,12 +23,9 @@ from dashpot.preparation.contact import (
 from dashpot.preparation.filters import filtered, parse_filter
 from dashpot.preparation.hum import hum_lines, hum_step
 from dashpot.preparation.motion import Motion, find_motion, from_contact, given_motion
-from dashpot.preparation.noise import median_of_three, scatter, without_spikes
+from dashpot.preparation.noise import evenly_sampled, median_of_three, scatter, without_spikes
 from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold, RelaxationTest, quantum
-
-# steps of a clock that differ by less than this part are even but for rounding
-_EVEN = 0.2
 
 
 def prepare(
@@ -309,8 +306,7 @@ def _without_hum(record: RampHold) -> RampHold:
     """Take the lines of the hold off the whole force, on a uniform clock."""
     held = record.hold
     time, force = record.time[held], record.force[held]
-    steps = np.diff(time)
-    if len(steps) < 2 or np.ptp(steps) > _EVEN * steps.mean():
+    if not evenly_sampled(time):
         return record
     lines = hum_lines(time, without_spikes(time, force), noise=record.force_noise)
     if not lines:

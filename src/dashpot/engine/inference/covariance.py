@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
+from dashpot.base.arrays import FloatArray, block_means
 from dashpot.engine.blocks.correlation import fast_length
 
 # a direction whose share of the information is below this is a rounding error, not knowledge
@@ -89,7 +89,8 @@ def noise_of(
     few = len(residual) // _MEANS
     if few < _FEWEST or fine.autocovariance[0] <= rounding**2:
         return fine
-    coarse = _seen(_means(residual, few), None if jacobian is None else _means(jacobian, few))
+    slow = None if jacobian is None else block_means(jacobian.T, few).T
+    coarse = _seen(block_means(residual, few), slow)
     # a sum over so many lags of white means scatters by that
     chance = np.sqrt(len(coarse.autocovariance) / _MEANS)
     if few * coarse.power <= (1 + _BY_CHANCE * chance) * fine.power:
@@ -105,11 +106,6 @@ def _joined(fine: Noise, slow: FloatArray, few: int) -> Noise:
     beyond = np.interp(lag / few, np.arange(1, len(slow) + 1), np.append(slow[1:], 0.0))
     kept = np.concatenate((gamma, beyond))
     return Noise(fine.samples, kept, _kappa(kept), fine.durbin_watson)
-
-
-def _means(values: FloatArray, few: int) -> FloatArray:
-    whole = len(values) // few * few
-    return np.asarray(values[:whole].reshape(-1, few, *values.shape[1:]).mean(axis=1))
 
 
 def _seen(residual: FloatArray, jacobian: FloatArray | None, *, rounding: float = 0.0) -> Noise:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, IndexArray
+from dashpot.base.arrays import FloatArray, IndexArray, block_means
 from dashpot.engine.blocks.recorded import arm_columns
 from dashpot.engine.inference.covariance import autocovariance, geyer_cut
 from dashpot.engine.solver.many_records import ManySolutions
@@ -40,21 +40,17 @@ def many_errors(
     count, arms = found.arms.shape
     few = max(1, len(time) // MEANS)
     used = slice(-(-first // few), None)
+    clock, motion = block_means(time, few), block_means(x, few)
     out = np.full((count, 1 + 2 * arms), np.nan)
     for order in range(arms + 1):
         rows = np.flatnonzero(found.order == order)
         columns = np.concatenate(([0], 1 + np.arange(order), 1 + arms + np.arange(order)))
         for start in range(0, len(rows), _AT_ONCE):
             part = rows[start : start + _AT_ONCE]
-            jacobian, model = _model(_means(time, few), _means(x, few), found, part, order)
-            left = (_means(records[part], few) - model)[:, used]
+            jacobian, model = _model(clock, motion, found, part, order)
+            left = (block_means(records[part], few) - model)[:, used]
             out[np.ix_(part, columns)] = _standard_errors(jacobian[:, :, used], left)
     return out
-
-
-def _means(values: FloatArray, few: int) -> FloatArray:
-    whole = values.shape[-1] // few * few
-    return np.asarray(values[..., :whole].reshape(*values.shape[:-1], -1, few).mean(axis=-1))
 
 
 def _model(
