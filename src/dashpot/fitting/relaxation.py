@@ -66,6 +66,8 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 _FEW = 2
 # an arm that lowers the sum of squares by less than this is none that the hold alone needs
 _AS_GOOD = 1.01
+# arms nearer than this in ln tau are one
+_SAME_ARM = 1e-6
 
 
 def fit(
@@ -243,7 +245,8 @@ class _Holds:
         """What as many arms as `start` has, or as many as it bears, leave of one hold alone."""
         block = self.blocks[i]
         arms = min(max(len(start), _FEW), determinable_arms([block]))
-        near = start if len(start) == arms else None
+        # a start with two arms in one place, as at the edge of its shorter window, leads nowhere
+        near = start if len(start) == arms and _apart(start, block.window) else None
         return residual_of(solve([block], arms, log_tau_start=near), block.exact)
 
     def by_eq5(self, arms: int) -> GeneralizedMaxwell | None:
@@ -252,6 +255,11 @@ class _Holds:
         if held <= 1 + 2 * arms or any(eq5_obstacle(record) for record in self.records):
             return None
         return solid_of(solve(self.blocks, arms))
+
+
+def _apart(log_tau: FloatArray, window: tuple[float, float]) -> bool:
+    inside = np.clip(np.sort(log_tau), *np.log(window))
+    return bool(np.all(np.diff(inside) > _SAME_ARM))
 
 
 def _gated(
