@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from dashpot.fitting.checks import kramers_kronig
+from dashpot.fitting.checks.curves import kramers_kronig
 from dashpot.fitting.dynamic import fit_dynamic
 from dashpot.fitting.modulus import fit_modulus
 from dashpot.fitting.spectrum import dynamic_master_curve, master_curve, passive_misfit

@@ -42,10 +42,12 @@ WORDS = {
 def page() -> str:
     """Return the page: a table of its criteria for each stage, as the code has them."""
     sources = Path(dashpot.__file__).parent
-    for file in sorted(sources.rglob("checks.py")):
-        import_module("dashpot." + ".".join(file.relative_to(sources).with_suffix("").parts))
+    for file in sorted(sources.rglob("*.py")):
+        module = file.relative_to(sources).with_suffix("").parts
+        if "checks" in module:
+            import_module(".".join(("dashpot", *module)))
     parts = [HEAD]
-    for stage, ours in groupby(sorted(REGISTER.values(), key=_stage), key=_stage):
+    for stage, ours in groupby(sorted(REGISTER.values(), key=_file), key=_stage):
         parts.append(
             f"\n## {stage}\n\n| check | what holds | value | passes if | a failure is a | "
             "source of the limit |\n"
@@ -53,6 +55,10 @@ def page() -> str:
         parts.append("|---|---|---|---|---|---|\n")
         parts += [_row(asked) for asked in ours]
     return "".join(parts)
+
+
+def _file(asked: Criterion[...]) -> tuple[str, str]:
+    return asked.stage, asked.judge.__module__
 
 
 def _stage(asked: Criterion[...]) -> str:

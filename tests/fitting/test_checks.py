@@ -9,7 +9,7 @@ import pytest
 
 from dashpot.base.checks import Check
 from dashpot.engine.inference.order import Choice
-from dashpot.fitting import checks
+from dashpot.fitting.checks import solid
 from dashpot.fitting.relaxation import fit
 from dashpot.preparation import checks as record_checks
 from dashpot.records.fit import Fit, Status
@@ -235,10 +235,10 @@ def test_drift_that_hides_a_slow_arm() -> None:
 
 
 def test_rules_that_disagree_say_so() -> None:
-    agreed = checks.order_agreed(Choice(2, 2, 2))
+    agreed = solid.order_agreed(Choice(2, 2, 2))
     assert agreed.passed
     assert agreed.says == "both rules choose 2 arms"
-    torn = checks.order_agreed(Choice(1, 3, 1))
+    torn = solid.order_agreed(Choice(1, 3, 1))
     assert torn.failed
     assert "BIC supports 3 arms, the significance of k and tau supports 1 arm; 1 arm" in torn.says
 

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dashpot.base.errors import FitError
-from dashpot.fitting.checks import kramers_kronig
+from dashpot.fitting.checks.curves import kramers_kronig
 from dashpot.fitting.dynamic import fit_dynamic
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.spectrum import passive_misfit

@@ -10,7 +10,7 @@ from kit.trials import Bench, Seal, record, relaxation_test
 
 import dashpot as dp
 from dashpot.base.provenance import Source
-from dashpot.fitting.checks import same_specimen
+from dashpot.fitting.checks.relaxation import same_specimen
 from dashpot.fitting.repeats import end_stiffnesses, noise_correlation, refuse_copies
 
 PAPER = Seal.of_arms(196.5, (117.5, 17.8), (0.5021, 16.416))

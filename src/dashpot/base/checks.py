@@ -235,7 +235,7 @@ def criterion(
     """
 
     def enter(judge: Callable[P, Finding]) -> Criterion[P]:
-        stage = judge.__module__.removeprefix("dashpot.").removesuffix(".checks").replace(".", "/")
+        stage = judge.__module__.removeprefix("dashpot.").partition(".checks")[0].replace(".", "/")
         asks = question or (judge.__doc__ or "").strip().partition("\n")[0]
         title = name or judge.__name__
         made = Criterion(title, stage, asks, measure, rule, limit, source, grade, otherwise, judge)

@@ -13,17 +13,24 @@ from dashpot.base.errors import FitError
 from dashpot.base.provenance import Source, Step
 from dashpot.base.units import Quantity, si
 from dashpot.engine.blocks.block import Block, frequency_block
-from dashpot.fitting import checks
-from dashpot.fitting.design import Design, compressed
-from dashpot.fitting.pipeline import (
-    Chosen,
-    FitData,
-    alone,
-    asked_arms,
-    assembled,
-    chosen_arms,
-    measured_in,
+from dashpot.fitting.checks.curves import (
+    bands_meet,
+    data_agree,
+    kramers_kronig,
+    loss_positive,
+    plateau_seen,
+    storage_rises,
 )
+from dashpot.fitting.checks.solid import (
+    arms_distinct,
+    arms_supported,
+    order_agreed,
+    residuals_random,
+    tau_inside_window,
+)
+from dashpot.fitting.design import Design, compressed
+from dashpot.fitting.fit_data import FitData, alone
+from dashpot.fitting.pipeline import Chosen, asked_arms, assembled, chosen_arms, measured_in
 from dashpot.fitting.repeats import refuse_copies
 from dashpot.fitting.spectrum import (
     dense_where_few_fail,
@@ -115,9 +122,9 @@ def fit_dynamic(
     model = found.model
     band, met = _band(data, records, blocks[1:], model.k_0)
     answers = (
-        checks.kramers_kronig(passive_misfit(data)),
-        checks.loss_positive(data),
-        checks.storage_rises(data),
+        kramers_kronig(passive_misfit(data)),
+        loss_positive(data),
+        storage_rises(data),
         *_checks(found, data, records),
         *met,
     )
@@ -293,18 +300,16 @@ def _checks(found: Chosen, data: DynamicTest, records: Sequence[RampHold]) -> tu
         shortest = min(shortest, *(2 * float(np.diff(one.time).min()) for one in records))
         longest = max(longest, *(one.hold_time for one in records))
     answers = [
-        checks.arms_distinct(model),
-        checks.arms_supported(model, error, unit=data.unit),
-        checks.tau_inside_window(
+        arms_distinct(model),
+        arms_supported(model, error, unit=data.unit),
+        tau_inside_window(
             model,
             (shortest / _BEYOND, longest * _BEYOND),
             "the sweep and the holds" if records else "the sweep",
         ),
-        checks.plateau_seen(
-            model, float(error[0]), unit=data.unit, further="sweep to lower frequencies"
-        ),
-        checks.residuals_random(estimate.kappa, estimate.rms),
-        *([] if found.choice is None else [checks.order_agreed(found.choice)]),
+        plateau_seen(model, float(error[0]), unit=data.unit, further="sweep to lower frequencies"),
+        residuals_random(estimate.kappa, estimate.rms),
+        *([] if found.choice is None else [order_agreed(found.choice)]),
     ]
     if records:
         spread = [
@@ -312,7 +317,7 @@ def _checks(found: Chosen, data: DynamicTest, records: Sequence[RampHold]) -> tu
             for residual, noise in zip(estimate.residuals, estimate.noises, strict=True)
         ]
         names = ["storage", "loss", *(f"relaxation test {i + 1}" for i in range(len(records)))]
-        answers.append(checks.data_agree(spread, names))
+        answers.append(data_agree(spread, names))
     return tuple(answers)
 
 
@@ -325,7 +330,7 @@ def _band(
         return sweep, ()
     # the blocks are in units of their own scatter
     held = informed_band(records, blocks, stiffness=max(k_0, 1e-300), noise=1.0)
-    met = checks.bands_meet(sweep, held)
+    met = bands_meet(sweep, held)
     if met.failed:
         return sweep, (met,)
     return (min(sweep[0], held[0]), max(sweep[1], held[1])), (met,)

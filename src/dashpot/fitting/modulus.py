@@ -13,15 +13,16 @@ from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Source, Step
 from dashpot.engine.blocks.block import Block
 from dashpot.engine.blocks.hold import decay_block
-from dashpot.fitting import checks
-from dashpot.fitting.pipeline import (
-    FitData,
-    alone,
-    asked_arms,
-    assembled,
-    chosen_arms,
-    measured_in,
+from dashpot.fitting.checks.curves import modulus_falls, plateau_seen
+from dashpot.fitting.checks.solid import (
+    arms_distinct,
+    arms_supported,
+    order_agreed,
+    residuals_random,
+    tau_inside_window,
 )
+from dashpot.fitting.fit_data import FitData, alone
+from dashpot.fitting.pipeline import asked_arms, assembled, chosen_arms, measured_in
 from dashpot.fitting.spectrum import dense_where_few_fail, master_curve
 from dashpot.records.fit import Fit, Provenance
 from dashpot.records.specimen import Specimen
@@ -91,7 +92,7 @@ def fit_modulus(
         raise DataError(f"time[0] = {t[0]:g} s; expected the time since the step, >= 0")
     if unit not in {"Pa", "N/m"}:
         raise FitError(f"unit = {unit!r}; expected 'Pa' or 'N/m'")
-    falls = checks.modulus_falls(values)
+    falls = modulus_falls(values)
     if falls.failed:
         raise DataError(f"this is no relaxation modulus: {falls.says}")
     most = asked_arms(arms, max_arms)
@@ -107,12 +108,12 @@ def fit_modulus(
     model = found.model
     positive = t[t > 0]
     asked = (
-        checks.arms_supported(model, found.error, unit=unit),
-        checks.tau_inside_window(model, window, "the curve"),
-        checks.arms_distinct(model),
-        checks.plateau_seen(model, float(found.error[0]), unit=unit, further="measure longer"),
-        checks.residuals_random(found.estimate.kappa, found.estimate.rms),
-        *([] if found.choice is None else [checks.order_agreed(found.choice)]),
+        arms_supported(model, found.error, unit=unit),
+        tau_inside_window(model, window, "the curve"),
+        arms_distinct(model),
+        plateau_seen(model, float(found.error[0]), unit=unit, further="measure longer"),
+        residuals_random(found.estimate.kappa, found.estimate.rms),
+        *([] if found.choice is None else [order_agreed(found.choice)]),
     )
     step = Step(
         "fit_modulus",

@@ -7,7 +7,24 @@ from typing import NamedTuple
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, worst
-from dashpot.fitting import checks
+from dashpot.fitting.checks.relaxation import (
+    arms_where_force_relaxes,
+    fast_arm_visible,
+    force_followed,
+    hold_long_enough,
+    k_inf_known,
+    k_inf_positive,
+    record_window,
+    residuals_steady,
+    same_specimen,
+    step_bias,
+)
+from dashpot.fitting.checks.solid import (
+    arms_distinct,
+    arms_supported,
+    residuals_random,
+    tau_inside_window,
+)
 from dashpot.fitting.design import Method
 from dashpot.fitting.repeats import end_stiffnesses
 from dashpot.preparation.checks import of_records
@@ -64,33 +81,31 @@ def solid_checks(
     peak = max(float(abs(record.force).max()) for record in records)
     answers = [
         *of_records(records, method=method),
-        checks.hold_long_enough(end),
-        checks.arms_distinct(model),
-        checks.arms_supported(model, error, needed=needed),
-        checks.tau_inside_window(
+        hold_long_enough(end),
+        arms_distinct(model),
+        arms_supported(model, error, needed=needed),
+        tau_inside_window(
             model,
-            checks.record_window(records),
+            record_window(records),
             "the record",
             ends=(" (two samples)", " (the hold)"),
             within=True,
             advice="; do not use this arm: fit fewer arms, hold longer or sample faster",
         ),
-        checks.k_inf_positive(model, float(error[0])),
-        checks.k_inf_known(model, float(error[0]), records),
-        worst(checks.arms_where_force_relaxes(model, record) for record in records),
+        k_inf_positive(model, float(error[0])),
+        k_inf_known(model, float(error[0]), records),
+        worst(arms_where_force_relaxes(model, record) for record in records),
         worst(
-            checks.force_followed(record, residual)
+            force_followed(record, residual)
             for record, residual in zip(records, left.every, strict=True)
         ),
-        checks.residuals_random(
-            left.kappa, left.rms, max(record.force_noise for record in records)
-        ),
-        checks.step_bias(model, records),
-        checks.fast_arm_visible(model, records, error=_of_fastest(model, error)),
-        checks.residuals_steady(left.every, rounding=_ROUNDING * peak),
+        residuals_random(left.kappa, left.rms, max(record.force_noise for record in records)),
+        step_bias(model, records),
+        fast_arm_visible(model, records, error=_of_fastest(model, error)),
+        residuals_steady(left.every, rounding=_ROUNDING * peak),
     ]
     if len(records) > 1:
-        answers.append(checks.same_specimen(end_stiffnesses(records)))
+        answers.append(same_specimen(end_stiffnesses(records)))
     return answers
 
 

@@ -15,7 +15,12 @@ from dashpot.base.errors import DashpotError, FitError
 from dashpot.base.provenance import Step
 from dashpot.engine.blocks.block import Block
 from dashpot.engine.solver.variable_projection import solve
-from dashpot.fitting import checks
+from dashpot.fitting.checks import relaxation as checks
+from dashpot.fitting.checks.solid import (
+    frequencies_informed,
+    order_agreed,
+    uncertainty_estimated,
+)
 from dashpot.fitting.design import (
     NUISANCE,
     Design,
@@ -28,6 +33,7 @@ from dashpot.fitting.design import (
     nuisanced,
     solid_of,
 )
+from dashpot.fitting.fit_data import First, FitData, determinable_arms, weighed
 from dashpot.fitting.nonlinear_ramp import checks as ramp_checks
 from dashpot.fitting.nonlinear_ramp.assembly import ramp_fit
 from dashpot.fitting.nonlinear_ramp.ladder import LawName, ramp_law
@@ -35,17 +41,7 @@ from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw
 from dashpot.fitting.nonlinear_ramp.soundness import linear_soundness
 from dashpot.fitting.nonlinear_ramp.thinning import ramp_obstacle
 from dashpot.fitting.nuisance import material, priors
-from dashpot.fitting.pipeline import (
-    Chosen,
-    First,
-    FitData,
-    asked_arms,
-    assembled,
-    chosen_arms,
-    determinable_arms,
-    point_estimate,
-    weighed,
-)
+from dashpot.fitting.pipeline import Chosen, asked_arms, assembled, chosen_arms, point_estimate
 from dashpot.fitting.questions import Residuals, solid_checks
 from dashpot.fitting.relaxation_data import fitted_data, held_data
 from dashpot.fitting.repeats import refuse_copies
@@ -185,7 +181,7 @@ def _point(records: Sequence[RampHold], first: First, design: Design, arms: int)
         solutions[-1],
         first.data,
         arms,
-        checks=(checks.uncertainty_estimated(made=False),),
+        checks=(uncertainty_estimated(made=False),),
         provenance=provenance,
         depth=deepest.depth,
         tests=len(records),
@@ -206,7 +202,7 @@ def _assembled(holds: _Holds, found: Chosen, design: Design, *, thorough: bool) 
     return assembled(
         found,
         band=band,
-        checks=(*_checks(holds, found, design, end), checks.frequencies_informed(band)),
+        checks=(*_checks(holds, found, design, end), frequencies_informed(band)),
         noticed=[check for record in records for check in record.checks],
         provenance=Provenance(
             design.method,
@@ -421,7 +417,7 @@ def _checks(
         *_load_cells(records, found),
     ]
     if choice is not None:
-        answers.append(checks.order_agreed(choice))
+        answers.append(order_agreed(choice))
     if design.method == "full" and not design.depth_law:
         answers.append(checks.hold_and_full_agree(model, holds.by_eq5(model.arms), error))
     return tuple(answers)

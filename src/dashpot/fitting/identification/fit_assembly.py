@@ -10,7 +10,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.base.checks import Check
 from dashpot.base.provenance import Source, Step
-from dashpot.fitting.checks import optimum_found
+from dashpot.fitting.checks.solid import optimum_found
 from dashpot.fitting.identification import checks
 from dashpot.fitting.identification.explanations import Disagreement, agreement
 from dashpot.fitting.identification.likelihood import DELAY_UNIT, UNCHANGED, Candidate

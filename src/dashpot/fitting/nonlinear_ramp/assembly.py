@@ -9,7 +9,7 @@ import numpy as np
 
 from dashpot.base.checks import Check
 from dashpot.base.provenance import Step
-from dashpot.fitting.checks import frequencies_informed
+from dashpot.fitting.checks.solid import frequencies_informed
 from dashpot.fitting.design import Design, compressed
 from dashpot.fitting.nonlinear_ramp import checks
 from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw

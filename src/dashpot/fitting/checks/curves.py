@@ -1,0 +1,184 @@
+"""What curves of storage, loss and modulus, and a fit to them, must hold."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Finding, criterion
+from dashpot.fitting.checks.solid import ROUNDING, amount
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+if TYPE_CHECKING:
+    from dashpot.records.dynamic import DynamicTest
+
+MAX_INCONSISTENT = 0.05
+# curves missed by more than this are not followed
+FOLLOWED = 0.05
+# scatter so many times as large is another solid
+CONTRADICTED = 3.0
+
+
+# -- the curves -----------------------------------------------------------------------------------
+
+
+@criterion("smooth misfit", "<=", MAX_INCONSISTENT, "our choice; or 2.5 sd of what chance shows")
+def kramers_kronig(misfit: tuple[FloatArray, FloatArray] | None) -> Finding:
+    r"""Storage and loss belong to one passive solid.
+
+    Every passive relaxing solid is a positive sum of arms, whose storage and loss obey the
+    Kramers-Kronig relations one by one. `misfit` is what the nearest of them all misses
+    (:func:`~dashpot.fitting.spectrum.passive_misfit`); what it misses without scatter, the root
+    of the residuals' product with their neighbours, is what the relations forbid, unless white
+    residuals of that size would show as much by chance.
+    """
+    if misfit is None:
+        return Finding(
+            "a storage is not above 0, so storage and loss cannot be held against each other",
+            faulted=True,
+        )
+    smooth = [_without_scatter(error) for error in misfit]
+    return Finding(
+        f"the nearest passive solid with any number of arms misses storage by "
+        f"{100 * smooth[0]:.2g} % and loss by {100 * smooth[1]:.2g} % beyond scatter",
+        max(smooth),
+        "; storage and loss contradict each other (Kramers-Kronig), so no fit can follow "
+        "both: look for a wrong shift of a master curve, a change of temperature or strain "
+        "between sweeps, slip in the grips, or the compliance of the machine",
+        excused=all(
+            found <= max(MAX_INCONSISTENT, _by_chance(error))
+            for found, error in zip(smooth, misfit, strict=True)
+        ),
+    )
+
+
+@criterion("losses below 0", "<=", 0.0, "passivity")
+def loss_positive(data: DynamicTest) -> Finding:
+    """No loss gives energy back."""
+    bad = np.flatnonzero(data.loss < 0)
+    if not bad.size:
+        return Finding("no loss is below zero", 0.0)
+    return Finding(
+        f"{bad.size} of {len(data.loss)} losses are below zero, the first at "
+        f"{data.frequency[bad[0]]:.3g} Hz: no passive solid does that; check the sign "
+        "convention, the phase calibration, and the resolution at small loss",
+        float(bad.size),
+    )
+
+
+@criterion("fall of the storage", "<=", 0.05, "our choice: scatter")
+def storage_rises(data: DynamicTest) -> Finding:
+    """The storage does not fall with frequency, as mass in the grips makes it."""
+    order = np.argsort(data.frequency, kind="stable")
+    storage, frequency = data.storage[order], data.frequency[order]
+    top = np.maximum.accumulate(storage)
+    falls = 1 - storage / np.where(top > 0, top, np.inf)
+    worst = int(np.argmax(falls))
+    return Finding(
+        "the storage does not fall with frequency beyond scatter",
+        float(falls[worst]),
+        instead=f"the storage has fallen by {100 * falls[worst]:.2g} % at "
+        f"{frequency[worst]:.3g} Hz, which no relaxing solid does: mass moved along (inertia, a "
+        "resonance of the machine) or the part warmed up; leave those frequencies out",
+    )
+
+
+@criterion("last third / first third", "<=", 1.25, "our choice: scatter", grade="stop")
+def modulus_falls(modulus: FloatArray) -> Finding:
+    """The modulus falls, as that of every relaxing solid does."""
+    third = max(len(modulus) // 3, 1)
+    first, last = float(modulus[:third].mean()), float(modulus[-third:].mean())
+    ratio = last / first if first > 0 else None
+    return Finding(
+        "the modulus falls with time",
+        ratio,
+        instead=f"it rises with time, from {first:.3g} in its first third to {last:.3g} in its "
+        "last, where a relaxation modulus falls: a creep compliance rises so, and creep is not "
+        "fitted yet",
+    )
+
+
+# -- a fit to them --------------------------------------------------------------------------------
+
+
+@criterion("plateau, N/m or Pa", ">", source="3 standard errors")
+def plateau_seen(model: GeneralizedMaxwell, se: float, *, unit: str, further: str) -> Finding:
+    """There is a stiffness that does not relax."""
+    return Finding(
+        f"the plateau is {amount(model.k_inf, unit)} with a standard error of {amount(se, unit)}",
+        model.k_inf,
+        f"; it is not told from zero: the material flows, or {further}",
+        limit=3.0 * se,
+        # exact data leave a plateau of rounding size, and a standard error to match
+        faulted=model.k_inf <= ROUNDING * (model.k_inf + sum(model.k)),
+    )
+
+
+@criterion("rms error of the fit", "<", FOLLOWED)
+def few_arms_suffice(missed: float, arms: int, most: int, dense: tuple[int, float]) -> Finding:
+    """Few arms follow the curves.
+
+    `dense` holds arms and rms of the dense spectrum.
+    """
+    return Finding(
+        f"{arms} arms follow the curves",
+        missed,
+        instead=f"no number of arms up to {most} follows the curves: {arms} leave "
+        f"{100 * missed:.2g} % rms. This is the dense spectrum on an even grid, {dense[0]} arms "
+        f"that leave {100 * dense[1]:.2g} %: a table for a solver, whose single arms mean nothing",
+    )
+
+
+@criterion("scatter jointly / alone", "<=", 1.3, otherwise=f"stop beyond {CONTRADICTED:g}")
+def data_agree(spread: Sequence[float], names: Sequence[str]) -> Finding:
+    """One solid explains every data set about as well as a solid of its own does.
+
+    Parameters
+    ----------
+    spread : sequence of float
+        What the joint fit leaves of each curve, over what a fit to its test alone leaves.
+    names : sequence of str
+    """
+    worst = int(np.argmax(spread))
+    return Finding(
+        f"the joint fit leaves {spread[worst]:.3g} times of {names[worst]} what its test alone "
+        "does",
+        float(spread[worst]),
+        ": the tests contradict each other, or one solid needs more arms for both; is it the "
+        "same piece, length, temperature and depth? a small vibration at depth feels the "
+        "tangent stiffness, a press from zero the secant",
+        grade="stop" if spread[worst] > CONTRADICTED else None,
+    )
+
+
+@criterion("gap, a factor", "<=", 10.0, "our choice: a decade")
+def bands_meet(dynamic: tuple[float, float], relaxation: tuple[float, float]) -> Finding:
+    """No decade between the two tests is left unmeasured."""
+    return Finding(
+        f"the sweep covers {dynamic[0]:.3g} to {dynamic[1]:.3g} Hz and the relaxation informs "
+        f"{relaxation[0]:.3g} to {relaxation[1]:.3g} Hz",
+        float(max(dynamic[0] / relaxation[1], relaxation[0] / dynamic[1])),
+        "; between them more than a decade was not measured, and arms there are a guess: "
+        "start the sweep lower or ramp faster",
+    )
+
+
+# -- measures -------------------------------------------------------------------------------------
+
+
+def _without_scatter(error: FloatArray) -> float:
+    r"""Return :math:`\sqrt{\overline{e_i e_{i+1}}}`: the rms of what neighbours share."""
+    if len(error) < 2:
+        return 0.0
+    return float(np.sqrt(max(float(np.mean(error[1:] * error[:-1])), 0.0)))
+
+
+def _by_chance(error: FloatArray) -> float:
+    r"""Return what :func:`_without_scatter` finds in white residuals, 2.5 standard deviations.
+
+    The mean product of n white neighbours has the standard deviation :math:`s^2/\sqrt n`.
+    """
+    return float(np.sqrt(2.5 * np.mean(error * error)) / len(error) ** 0.25)

@@ -1,0 +1,440 @@
+"""What a fit of relaxation tests must hold, and their records for it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import combinations
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Finding, criterion
+from dashpot.engine.blocks.correlation import fast_length
+from dashpot.fitting.checks.solid import ROUNDING, arms_said
+from dashpot.fitting.repeats import SAME_DEPTH, EndStiffness
+from dashpot.preparation.filters import Filter
+from dashpot.records.bounds import EndOfHold
+from dashpot.records.relaxation import RampHold
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+# per factor e of time
+MAX_FALLING = 0.03
+MAX_DRIFT_CORRELATION = 0.9
+MAX_METHOD_DIFFERENCE = 0.10
+MAX_APART = 3.0
+# tests within so many kelvin are of one temperature
+SAME_TEMPERATURE = 2.0
+# repeats on one seal differ by as much
+SAME_STIFFNESS = 0.02
+# a force followed to so many times its noise is; beyond the second the solid is another
+FOLLOWED_TO_NOISE = 1.75
+NOT_FOLLOWED = 10.0
+# a k known to this part of it is known, however fast its arm
+KNOWN_K = 0.01
+# a plate that has moved by less of the depth is at rest
+AT_REST = 1e-3
+# a misfit below this part of the peak force matters to no use of the solid
+FINE_ENOUGH = 1e-3
+# shapes that differ by less are the same for every use of them
+ALIKE = 1e-3
+# an interval of k_inf wider than this part of the stiffness left says little of it
+UNSURE = 0.5
+
+
+# -- several tests --------------------------------------------------------------------------------
+
+
+@criterion(
+    "difference / its error", "<=", MAX_APART, "3 standard errors, and 2 % of it", grade="stop"
+)
+def same_specimen(stiffnesses: Sequence[EndStiffness]) -> Finding:
+    """Tests of one depth and temperature find one stiffness."""
+    pairs = [
+        (abs(a.value - b.value) / max(float(np.hypot(a.sd, b.sd)), 1e-300), i, j)
+        for (i, a), (j, b) in combinations(enumerate(stiffnesses), 2)
+        if _alike(a, b)
+    ]
+    if not pairs:
+        return Finding("no two tests are of one depth and temperature, so lots are not compared")
+    apart, i, j = max(pairs)
+    first, second = stiffnesses[i], stiffnesses[j]
+    each = ", ".join(f"{1e-3 * one.value:.4g} +- {1e-3 * one.sd:.1g}" for one in stiffnesses)
+    return Finding(
+        f"at the end of the hold the tests find {each} N/mm",
+        apart,
+        f": tests {i + 1} and {j + 1} are {100 * (second.value / first.value - 1):+.2g} % apart at "
+        f"one depth, {apart:.3g} standard errors; they are not one seal: fit each alone",
+        excused=abs(second.value / first.value - 1) <= SAME_STIFFNESS,
+    )
+
+
+def _alike(one: EndStiffness, other: EndStiffness) -> bool:
+    """True of two tests of one depth at one temperature, as far as it is known."""
+    if abs(one.depth / other.depth - 1) > SAME_DEPTH:
+        return False
+    if one.temperature is None or other.temperature is None:
+        return True
+    return abs(one.temperature - other.temperature) <= SAME_TEMPERATURE
+
+
+@criterion("probability by chance", ">=", 0.01, "Wald's test at 1 %; or alike within 0.1 %")
+def separable(chance: float | None, spread: float | None) -> Finding:
+    """The shape of relaxation is the same at every depth.
+
+    A `spread` of None is a spring's, a `chance` of None that of an arm that is not known.
+    """
+    if spread is None:
+        return Finding("a spring does not relax at any depth")
+    if chance is None:
+        return Finding("an arm of one depth is not identified, so the shapes cannot be compared")
+    says = f"the shape of relaxation differs between depths by up to {100 * spread:.2g} %, "
+    enough = "too little to matter" if spread < ALIKE else "no more than chance"
+    return Finding(
+        says + f"{enough}: one quasi-linear solid serves every depth",
+        chance,
+        instead=says + f"more than chance (probability {chance:.1g}): use each depth's own "
+        "stiffnesses, not one quasi-linear solid",
+        excused=spread < ALIKE,
+    )
+
+
+# -- the equilibrium ------------------------------------------------------------------------------
+
+
+@criterion(
+    "fall per factor e of time",
+    "<=",
+    MAX_FALLING,
+    "our choice: k_inf is extrapolated by as much",
+    grade="note",
+)
+def hold_long_enough(end: EndOfHold | None) -> Finding:
+    """The force had the time to level off: no spectrum that the record allows still falls much."""
+    if end is None:
+        return Finding("each depth has its own stiffnesses, so the end of the hold is not judged")
+    falling = end.falling / max(end.k_end[1], 1e-300)
+    return Finding(
+        f"when the hold ends, after {end.time:.4g} s, the stiffness falls by at most "
+        f"{100 * falling:.2g} % per factor e of time",
+        falling,
+        ": k_inf rests on extrapolation, and nothing bounds it from below; the stiffness at the "
+        "end of the hold is what the test knows. A longer hold would tell more, and the drift of "
+        "the load cell (--drift), where it is not known",
+    )
+
+
+@criterion("k_inf, N/m", ">", source="3 standard errors")
+def k_inf_positive(model: GeneralizedMaxwell, se: float) -> Finding:
+    """There is an equilibrium stiffness left."""
+    return Finding(
+        f"k_inf = {1e-3 * model.k_inf:.4g} N/mm with a standard error of {1e-3 * se:.2g}",
+        model.k_inf,
+        "; it is not told from zero: the hold ended before the force levelled off, or the "
+        "seal flows; hold longer",
+        limit=3.0 * se,
+    )
+
+
+@criterion(
+    "width of its 95 % interval / stiffness at the end of the hold",
+    "<=",
+    UNSURE,
+    otherwise="stop beyond 1",
+)
+def k_inf_known(model: GeneralizedMaxwell, se: float, tests: Sequence[RampHold]) -> Finding:
+    """The equilibrium stiffness is known to a part of what is left at the end of the hold."""
+    end = float(model.relaxation(max(test.hold_time for test in tests)))
+    low, high = max(model.k_inf - 2 * se, 0.0), model.k_inf + 2 * se
+    if not (np.isfinite(high) and end > 0):
+        says = "the record does not bound k_inf"
+        return Finding(says + ": hold longer", np.inf, faulted=True, grade="stop")
+    return Finding(
+        f"k_inf lies between {1e-3 * low:.3g} and {1e-3 * high:.3g} N/mm, {1e-3 * end:.3g} N/mm "
+        "are left at the end of the hold",
+        (high - low) / end,
+        "; the record does not tell it: hold longer, and record a baseline before contact",
+        grade="stop" if high - low > end else None,
+    )
+
+
+# -- the arms -------------------------------------------------------------------------------------
+
+
+@criterion("fall in the hold / peak", "<=", 0.02, "our choice; or 7 standard errors", grade="stop")
+def arms_where_force_relaxes(model: GeneralizedMaxwell, test: RampHold) -> Finding:
+    """A force that relaxes is given an arm to relax by."""
+    force = test.force[test.hold]
+    if len(force) < 20:
+        return Finding("the hold is too short to judge what the force relaxes")
+    tenth = max(len(force) // 10, 1)
+    peak = max(float(np.abs(test.force).max()), 1e-300)
+    fall = float(force[:tenth].mean() - force[-tenth:].mean())
+    return Finding(
+        f"the force falls by {100 * fall / peak:.2g} % of its peak in the hold",
+        fall / peak,
+        ", and the solid has no arm to follow it: do not use it",
+        excused=bool(model.arms) or fall <= 7 * test.force_noise * np.sqrt(2 / tenth),
+    )
+
+
+@criterion("change of k", source="no limit", grade="note")
+def step_bias(model: GeneralizedMaxwell, tests: Sequence[RampHold]) -> Finding:
+    r"""The ramp is accounted for, and what a step would have made of it is told.
+
+    :math:`(\tau/c)(1 - e^{-c/\tau}) - 1`, the worst arm.
+    """
+    if not model.arms:
+        return Finding("a spring does not feel the ramp")
+    c = max(test.ramp_time for test in tests)
+    bias = [tau / c * -np.expm1(-c / tau) - 1.0 for tau in model.tau]
+    listed = ", ".join(f"k_{j} by {100 * b:.2g} %" for j, b in enumerate(bias, start=1))
+    return Finding(
+        f"the ramp of {c:.3g} s is accounted for; taking it as a step at its end would change "
+        f"{listed}",
+        float(min(bias)),
+    )
+
+
+@criterion(
+    "fastest tau / ramp", ">=", 0.1, f"our choice; or k known to {100 * KNOWN_K:g} %", grade="note"
+)
+def fast_arm_visible(
+    model: GeneralizedMaxwell, tests: Sequence[RampHold], *, error: float = np.inf
+) -> Finding:
+    """The fastest arm is slow enough to be seen after the ramp, or its k is known all the same.
+
+    `error` is the relative standard error of its k.
+    """
+    if not model.arms:
+        return Finding("there is no arm")
+    ratio = model.tau[0] / min(test.ramp_time for test in tests)
+    return Finding(
+        f"the fastest arm, tau = {model.tau[0]:.3g} s, is {ratio:.2g} of the shortest ramp",
+        ratio,
+        "; it has relaxed before the ramp ends, so only its b = k tau is seen, not its k: "
+        "ramp faster, or identify it from vibration",
+        excused=error < KNOWN_K,
+    )
+
+
+@criterion(
+    "SE(ln tau), slowest arm",
+    "<=",
+    0.1,
+    "our choice; or correlated with drift < 0.9",
+    grade="note",
+)
+def drift_told_from_arm(
+    model: GeneralizedMaxwell, correlation: float | None, se_ln_tau: float
+) -> Finding:
+    """The slowest arm can be told from a drifting sensor."""
+    if not model.arms:
+        return Finding("there is no slow arm to be taken for drift")
+    if correlation is None:
+        return Finding(
+            "no drift is fitted, so a drifting sensor would be taken for the slowest arm; "
+            "the fit of ramp and hold fits it"
+        )
+    return Finding(
+        f"the slowest tau and the drift of the sensor are correlated by {correlation:.2f}, and "
+        f"with the drift unknown tau is known to {100 * se_ln_tau:.2g} %",
+        se_ln_tau,
+        ": the record cannot tell the arm from drift; record a baseline before contact for "
+        "as long as you can, and hold longer",
+        excused=correlation < MAX_DRIFT_CORRELATION,
+    )
+
+
+# -- the residuals --------------------------------------------------------------------------------
+
+
+@criterion(
+    "misfit / noise",
+    "<=",
+    FOLLOWED_TO_NOISE,
+    "our choice; noise of at least 0.1 % of the peak",
+    otherwise=f"stop beyond {NOT_FOLLOWED:g}",
+)
+def force_followed(test: RampHold, residual: FloatArray) -> Finding:
+    """The solid follows the force to its noise.
+
+    `residual` is of the last samples up to the end of the hold, N.
+    """
+    misfit, where = worst_misfit(test, residual)
+    noise = max(noise_of_force(test), FINE_ENOUGH * float(np.abs(test.force).max()))
+    ratio = misfit / noise if noise > 0 else 1.0
+    return Finding(
+        f"the solid misses the force by {1e3 * misfit:.3g} mN rms {where}, where it follows worst; "
+        f"{1e3 * noise:.3g} mN are noise or too little to matter",
+        ratio,
+        ": the seal is not such a solid, or another motion pressed it (stiffening, friction, slip, "
+        "a late force); do not read arms off it",
+        grade="stop" if ratio > NOT_FOLLOWED else None,
+    )
+
+
+@criterion("slow / medium power", "<=", 4.0, "our choice: white residuals give 1")
+def residuals_steady(residuals: Sequence[FloatArray], *, rounding: float = 0.0) -> Finding:
+    """The residuals do not wander slowly, as 1/f drift and a missed slow arm do.
+
+    Those of an rms below `rounding`, N, are no measurement.
+    """
+    measured = [one for one in residuals if float(np.sqrt(np.mean(one * one))) > rounding]
+    ratios = [wander(residual) for residual in measured if len(residual) >= 800]
+    if not ratios:
+        return Finding("the residuals are too few, or rounding alone, to judge slow wandering")
+    return Finding(
+        f"slow and medium residuals differ by a factor {max(ratios):.2g} in power",
+        max(ratios),
+        ": the force wanders slowly (1/f drift, temperature, or a missed arm), and no fit "
+        "can tell that from a slow arm; the intervals of k_inf and of the slowest arm are "
+        "too narrow",
+    )
+
+
+# -- another way to the same solid ----------------------------------------------------------------
+
+
+@criterion(
+    "change of a parameter",
+    "<=",
+    MAX_METHOD_DIFFERENCE,
+    "our choice; or 3 SE",
+    grade="note",
+    otherwise="limit if it is k_inf",
+)
+def hold_and_full_agree(
+    full: GeneralizedMaxwell,
+    hold: GeneralizedMaxwell | None,
+    error: FloatArray,
+    *,
+    followed: bool = True,
+) -> Finding:
+    """The hold alone says the same as the recorded motion.
+
+    `error` holds the standard errors of the full fit: k_inf, every k, every ln tau. A
+    difference within three of them is noise. Where the numbers of arms differ k_inf alone is
+    compared. `followed` tells whether the fit follows the ramp: which of the two to trust.
+    """
+    if hold is None:
+        return Finding("eq. 5 does not apply to this history, so the two methods are not compared")
+    n, alike = full.arms, hold.arms == full.arms
+    ours, theirs = np.array([full.k_inf]), np.array([hold.k_inf])
+    labels, sigma = ["k_inf"], error[:1]
+    if alike:
+        ours = np.array((full.k_inf, *full.k, *full.tau))
+        theirs = np.array((hold.k_inf, *hold.k, *hold.tau))
+        labels += [f"{kind}_{j}" for kind in ("k", "tau") for j in range(1, n + 1)]
+        # an error of ln tau is relative as it stands
+        sigma = np.concatenate((error[: 1 + n], np.array(full.tau) * error[1 + n : 1 + 2 * n]))
+    # a plateau of nothing has no relative change: it is measured by the whole stiffness
+    whole = np.where(ours > ROUNDING * full.k_0, ours, max(full.k_0, 1e-300))
+    difference = (theirs - ours) / whole
+    size = np.abs(difference)
+    beyond = np.abs(theirs - ours) > 3.0 * sigma
+    failed = beyond & (size > MAX_METHOD_DIFFERENCE)
+    worst = int(np.argmax(np.where(failed, 1e9, 0.0) + size))
+    orders = "" if alike else f" with {arms_said(hold.arms)} for {n}"
+    trust = (
+        "the ramp is followed, so trust the recorded motion, whose tare and drift are bound"
+        if followed
+        else "the ramp is not followed, so trust the hold"
+    )
+    return Finding(
+        f"eq. 5 on the hold alone{orders} changes {labels[worst]} by "
+        f"{100 * difference[worst]:+.2g} %, "
+        f"{'more' if beyond[worst] else 'not more'} than noise explains",
+        float(size[worst]),
+        f"; {trust}",
+        excused=not failed.any(),
+        # eq. 5 knows an ideal ramp alone: that its arms differ is no fault of the recorded motion
+        grade="limit" if failed[0] else None,
+    )
+
+
+@criterion("change of a parameter", "<=", 0.01, "our choice; cut-off >= 5/tau_1, not causal")
+def filter_bias(
+    by: Filter | None,
+    changes: Mapping[str, Mapping[str, float]] | str = "",
+    fastest: float = np.inf,
+) -> Finding:
+    """A filter hardly changes the parameters.
+
+    `changes` holds that of each parameter by method, or says why there is none; `fastest` is the
+    shortest relaxation time, s.
+    """
+    if by is None:
+        return Finding("the record is not filtered")
+    if isinstance(changes, str):
+        says = f"the bias of {by} cannot be predicted, because the raw record has no fit: {changes}"
+        return Finding(says, faulted=True)
+    slow = by.kind == "lowpass" and by.cutoff < 5 / fastest
+    says = f"{by} changes, by eq. 5 on the hold, {_listed(changes['hold'])}; with the full history "
+    if by.linear:
+        most = max(changes["full"].values(), key=abs)
+        says += f"at most {100 * most:+.3g} %, because the displacement is filtered alike"
+    else:
+        says += _listed(changes["full"])
+    if slow:
+        says += f"; the cut-off is below 5/tau_1 = {5 / fastest:.3g} Hz"
+    if by.causal:
+        says += "; a causal filter delays the force"
+    return Finding(
+        says,
+        max(abs(change) for found in changes.values() for change in found.values()),
+        "; fit the raw record: the fit needs no smooth curve",
+        faulted=slow or by.causal,
+    )
+
+
+# -- measures -------------------------------------------------------------------------------------
+
+
+def record_window(tests: Sequence[RampHold]) -> tuple[float, float]:
+    """Return the relaxation times that records could show, s: two samples to the hold."""
+    return (
+        min(2.0 * float(np.diff(test.time).min()) for test in tests),
+        max(test.hold_time for test in tests),
+    )
+
+
+def wander(residual: FloatArray) -> float:
+    """Return the mean power at 6 to 24 cycles per record over that at 60 to 240."""
+    n = len(residual)
+    size = fast_length(n)
+    power = np.abs(np.fft.rfft(residual - residual.mean(), size)) ** 2
+    cycles = np.arange(len(power)) * n / size
+    slow, medium = (
+        float(power[(cycles >= low) & (cycles <= high)].mean())
+        for low, high in ((6, 24), (60, 240))
+    )
+    return slow / medium if medium > 0 else 1.0
+
+
+def worst_misfit(test: RampHold, residual: FloatArray) -> tuple[float, str]:
+    """Return the largest rms of ramp, a ramp after it, and the rest; and where, in words."""
+    time = test.time[: test.hold.stop][-len(residual) :]
+    parts = (
+        ("in the ramp", (time > test.onset) & (time <= test.ramp_end)),
+        ("after the ramp", (time > test.ramp_end) & (time <= test.ramp_end + test.ramp_time)),
+        ("in the hold", time > test.ramp_end + test.ramp_time),
+    )
+    found = [
+        (float(np.sqrt(np.mean(residual[part] ** 2))), where)
+        for where, part in parts
+        if np.count_nonzero(part) >= 5
+    ]
+    return max(found, default=(0.0, "in the record"))
+
+
+def noise_of_force(test: RampHold) -> float:
+    """Return the noise of the force, N: the scatter between samples, and about the baseline."""
+    rest = test.force[(test.time < test.onset) & (test.displacement < AT_REST * test.depth)]
+    return max(test.force_noise, float(rest.std()) if len(rest) >= 20 else 0.0)
+
+
+def _listed(changes: Mapping[str, float]) -> str:
+    return ", ".join(
+        f"{name} by {100 * change:+.3g} %" if change > -1 else f"{name} to nothing"
+        for name, change in changes.items()
+    )

@@ -1,0 +1,177 @@
+"""What a solid is fitted to, and how its noise weighs what was known before."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.engine.blocks.block import Block
+from dashpot.engine.inference.covariance import Noise, noise_of
+from dashpot.engine.solver.descent import Stack
+from dashpot.engine.solver.variable_projection import Solution, solve, solve_orders
+from dashpot.fitting.design import solid_of
+from dashpot.fitting.uncertainty.encoder import Encoder
+from dashpot.fitting.uncertainty.estimate import estimated, residual_of, rounding
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+# a prior whose assumed noise is within this factor of what the fit shows weighs what it should
+_WEIGHED = (2 / 3, 3 / 2)
+# a scatter below this part of the largest value is rounding
+ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class FitData:
+    """What a solid is fitted to.
+
+    Attributes
+    ----------
+    blocks, samples : sequences of Block
+        The data to solve, and the same with a row per sample, one block per record.
+    in_time : bool
+        The samples are records in time: no more arms are tried than could gain what BIC asks for
+        one, a decisive BIC overrules, and under noise as slow as the arms fits in its metric are
+        judged.
+    encoders : sequence of Encoder, optional
+        Of each record, where the recorded motion is fitted.
+    suffix : str
+        Which arm group is the model's: ``""``, or ``"@0"`` where each test has its own.
+    bind : callable, optional
+        Makes the priors of nuisance terms from the standard deviation of one independent residual
+        of each record, N; from None by what the records show before a fit.
+    priors : tuple of Block
+        What was known of fixed coefficients before the data.
+    """
+
+    blocks: Sequence[Block]
+    samples: Sequence[Block]
+    in_time: bool = False
+    encoders: Sequence[Encoder] | None = None
+    suffix: str = ""
+    bind: Callable[[Sequence[float] | None], tuple[Block, ...]] | None = None
+    priors: tuple[Block, ...] = ()
+
+    @property
+    def rows(self) -> tuple[Block, ...]:
+        """The data to solve, and what was known before them."""
+        return (*self.blocks, *self.priors)
+
+    @property
+    def every(self) -> tuple[Block, ...]:
+        """A row per sample, and what was known before them."""
+        return (*self.samples, *self.priors)
+
+    @property
+    def units(self) -> tuple[float, ...]:
+        """The standard deviation of one independent residual that each prior assumes, N."""
+        return tuple(float(np.sqrt(block.variance or 0.0)) for block in self.priors)
+
+    def bound(self, spreads: Sequence[float] | None = None) -> FitData:
+        """The data with priors whose weight is that of residuals with these spreads, N."""
+        return self if self.bind is None else replace(self, priors=self.bind(spreads))
+
+    @cached_property
+    def peak(self) -> float:
+        """Largest target: it sets what rounding alone leaves."""
+        return max(_largest(block) for block in self.samples)
+
+
+class First(NamedTuple):
+    """Data whose priors weigh as the noise does, and the solutions that showed the noise.
+
+    Attributes
+    ----------
+    data : FitData
+    solutions : sequence of Solution
+        Every number of arms from none up, or the last alone.
+    residuals : tuple of array
+        What the last of them leaves of each record, N.
+    noises : tuple of Noise
+    """
+
+    data: FitData
+    solutions: Sequence[Solution]
+    residuals: tuple[FloatArray, ...]
+    noises: tuple[Noise, ...]
+
+
+def weighed(
+    data: FitData, most: int, *, auto: bool = True, thorough: bool = False, only: bool = False
+) -> First:
+    """Solve up to `most` arms, with priors that weigh as the noise does that is left.
+
+    Where ``auto`` chooses the number, records in time need no more arms than one beyond those
+    that could gain what BIC asks for one. ``only`` leaves out all but the last.
+    """
+    data = data.bound()
+
+    def solved() -> Sequence[Solution]:
+        if only:
+            return (solve(data.rows, most, thorough=thorough),)
+        stack = Stack(data.rows)
+        one_more = (1 + len(stack.groups)) * float(np.log(stack.samples))
+        return solve_orders(
+            data.rows,
+            most,
+            negligible=one_more if data.in_time else 0.0,
+            every=not auto,
+            thorough=thorough,
+        )
+
+    solutions = solved()
+    residuals = tuple(residual_of(solutions[-1], block) for block in data.samples)
+    noises = tuple(noise_of(one, rounding=rounding(data.peak)) for one in residuals)
+    spreads = [float(np.sqrt(noise.autocovariance[0] * noise.kappa)) for noise in noises]
+    if all(_WEIGHED[0] < a / b < _WEIGHED[1] for a, b in zip(spreads, data.units, strict=False)):
+        return First(data, solutions, residuals, noises)
+    data = data.bound(spreads)
+    return First(data, solved(), residuals, noises)
+
+
+def determinable_arms(blocks: Sequence[Block]) -> int:
+    """Return how many arms the samples could determine at all, with two to spare."""
+    stack = Stack(blocks)
+    return max(0, (stack.samples - len(stack.names) - 2) // (1 + len(stack.groups)))
+
+
+# -- data weighted by their own scatter -----------------------------------------------------------
+
+
+class Alone(NamedTuple):
+    """The best that one test allows: its solid, and the scatter that each of its records leaves.
+
+    Attributes
+    ----------
+    model : GeneralizedMaxwell
+    scatter : tuple of float
+        Spread of one independent residual (rms times root kappa) of each record, never below
+        the rounding of the data.
+    """
+
+    model: GeneralizedMaxwell
+    scatter: tuple[float, ...]
+
+
+def alone(blocks: Sequence[Block], samples: Sequence[Block], most: int) -> Alone:
+    """Fit one test with as many arms as it bears, up to `most`."""
+    most = min(most, determinable_arms(blocks))
+    best = solve_orders(blocks, most)[-1]
+    peaks = [_largest(block) for block in samples]
+    estimate = estimated(best, samples, peak=max(peaks))
+    spreads = [
+        float(np.sqrt(np.mean(residual**2) * noise.kappa))
+        for residual, noise in zip(estimate.residuals, estimate.noises, strict=True)
+    ]
+    return Alone(
+        solid_of(best),
+        tuple(max(one, ROUNDING * (peak or 1.0)) for one, peak in zip(spreads, peaks, strict=True)),
+    )
+
+
+def _largest(block: Block) -> float:
+    return float(np.abs(block.target).max())
