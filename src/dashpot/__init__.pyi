@@ -44,6 +44,9 @@ from .records.specimen import Specimen as Specimen
 from .solids import networks as networks
 from .solids.elastic import compare_with_curve as compare_with_curve
 from .solids.maxwell import GeneralizedMaxwell as GeneralizedMaxwell
+from .solids.temperature import WLF as WLF
+from .solids.temperature import Arrhenius as Arrhenius
+from .solids.temperature import FreeShifts as FreeShifts
 from .vibration.comparison.compare import compare as compare
 from .vibration.comparison.compare import infer_mass as infer_mass
 from .vibration.comparison.comparison import Comparison as Comparison

@@ -208,6 +208,17 @@ class GeneralizedMaxwell(Solid):
                 raise DataError(f"{name} = {value!r} m; expected a length > 0")
         return self * (length / measured_length)
 
+    def shifted(self, a_t: float, b_t: float = 1.0) -> GeneralizedMaxwell:
+        r"""The solid at another temperature: :math:`K^*(\omega) \to b_T K^*(a_T \omega)`.
+
+        Relaxation times times `a_t`, stiffnesses times `b_t`
+        (:mod:`dashpot.solids.temperature`).
+        """
+        if not (np.isfinite(a_t) and a_t > 0):
+            raise DataError(f"a_t = {a_t!r}; expected a shift factor > 0")
+        slower = replace(self, tau=tuple(a_t * tau for tau in self.tau), b=self.b * a_t)
+        return slower * b_t
+
     def to_prony(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
         r"""Relative moduli :math:`g_j = k_j / k_0` and relaxation times, as FE codes take them.
 
