@@ -1,0 +1,224 @@
+r"""A law through shift factors, by generalised least squares with their full covariance.
+
+.. math:: D = (s - f(\theta))' C^{-1} (s - f(\theta)), \qquad \mathrm{BIC} = D + p \ln n
+
+over the n shifts :math:`s = \log_{10} a_T` away from the reference. Shifts along a master curve are
+chained and hang together: with the diagonal of C alone their law misses the truth every third time.
+WLF is linear in :math:`C_1` at each :math:`C_2`, so that one search finds it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from dashpot.base.arrays import FloatArray, samples
+from dashpot.base.errors import FitError
+from dashpot.engine.inference.order import bic_of_deviance
+from dashpot.solids.temperature import GAS, WLF, Arrhenius, FreeShifts, TemperatureLaw
+
+ShiftLaw: TypeAlias = Literal["auto", "wlf", "arrhenius", "free"]
+LAWS: tuple[ShiftLaw, ...] = ("auto", "wlf", "arrhenius", "free")
+
+# temperatures that a law needs: two shifts, the fewest of which one can contradict the other
+LEAST = 3
+# C_2 less the least it can be, K: beyond, WLF is a straight line in T
+_SHORTEST, _LONGEST, _GRID = 1e-3, 1e5, 60
+# part of the largest eigenvalue of a covariance that rounding can make
+_ROUNDING = 1e-13
+_GOLDEN = (np.sqrt(5.0) - 1) / 2
+
+
+@dataclass(frozen=True)
+class LawScore:
+    """How one law follows the shifts.
+
+    Attributes
+    ----------
+    kind : str
+        ``"wlf"``, ``"arrhenius"`` or ``"free"``.
+    deviance : float
+        D, chi-square where the law holds.
+    dof : int
+    bic : float
+        Differences count.
+    """
+
+    kind: str
+    deviance: float
+    dof: int
+    bic: float
+
+
+@dataclass(frozen=True, eq=False)
+class LawThroughShifts:
+    """The law chosen, how well its constants are known, and how the others did.
+
+    Attributes
+    ----------
+    law : TemperatureLaw
+    parameters : tuple of str
+        ``("c1", "c2")``, ``("energy",)`` or none.
+    covariance : array, shape (p, p)
+        Of them; widened by D/dof where the law misses the shifts by more than their errors.
+    scores : tuple of LawScore
+        Of every law that was tried, the best BIC first.
+    """
+
+    law: TemperatureLaw
+    parameters: tuple[str, ...]
+    covariance: FloatArray
+    scores: tuple[LawScore, ...]
+
+    @property
+    def score(self) -> LawScore:
+        """Of the law chosen."""
+        return next(score for score in self.scores if score.kind == self.law.kind)
+
+
+@dataclass(frozen=True, eq=False)
+class _Shifts:
+    """Shifts in units of their errors, away from the reference."""
+
+    temperature: FloatArray
+    log10: FloatArray
+    whitener: FloatArray
+    reference: float
+
+    def deviance(self, expected: FloatArray) -> float:
+        error = self.whitener @ (self.log10 - expected)
+        return float(error @ error)
+
+
+def law_through(
+    temperature: npt.ArrayLike,
+    log10_shift: npt.ArrayLike,
+    covariance: npt.ArrayLike,
+    *,
+    reference: float,
+    law: ShiftLaw = "auto",
+) -> LawThroughShifts:
+    """Lay a law through shift factors.
+
+    Parameters
+    ----------
+    temperature : array_like, shape (n,)
+        K, rising; the reference is among them.
+    log10_shift : array_like, shape (n,)
+        Decadic logarithm of each shift factor, 0 at the reference.
+    covariance : array_like, shape (n, n)
+        Of them, as :class:`~dashpot.records.temperature.TemperatureShifts` begins with it.
+    reference : float
+        T_r, K.
+    law : str
+        ``"auto"`` takes WLF or Arrhenius by BIC, the shifts themselves at fewer than three
+        temperatures or where neither law can follow them; else the law that is to be taken.
+
+    Raises
+    ------
+    FitError
+        If the law asked for cannot follow the shifts.
+    """
+    if law not in LAWS:
+        raise FitError(f"law = {law!r}; expected one of {', '.join(map(repr, LAWS))}")
+    t, s = samples("temperature", temperature), samples("log10_shift", log10_shift)
+    free = FreeShifts(tuple(t), tuple(s), reference)
+    away = t != reference
+    c = np.asarray(covariance, dtype=float)[np.ix_(away, away)]
+    shifts = _Shifts(t[away], s[away], _whitener(c), reference)
+    n = int(away.sum())
+    found: dict[str, tuple[TemperatureLaw, FloatArray]] = {"free": (free, np.empty((0, 0)))}
+    scores = [LawScore("free", 0.0, 0, bic_of_deviance(0.0, effective=max(n, 1), parameters=n))]
+    for kind, lay in _LAID.items():
+        if n < (LEAST - 1 if law == "auto" else 1) or (laid := lay(shifts)) is None:
+            continue
+        one, jacobian = laid
+        size = jacobian.shape[1]
+        if size > n:
+            continue
+        deviance = shifts.deviance(one.log10_a_t(shifts.temperature))
+        wider = max(1.0, deviance / (n - size)) if n > size else 1.0
+        whitened = shifts.whitener @ jacobian
+        found[kind] = one, np.asarray(wider * np.linalg.pinv(whitened.T @ whitened))
+        bic = bic_of_deviance(deviance, effective=n, parameters=size)
+        scores.append(LawScore(kind, deviance, n - size, bic))
+    scores.sort(key=lambda score: score.bic)
+    kind = law
+    if law == "auto":
+        kind = next((score.kind for score in scores if score.kind != "free"), "free")
+    if kind not in found:
+        raise FitError(
+            f"no {kind} law follows the shifts at {n + 1} temperatures: time scales must fall as "
+            "it gets warmer, and WLF needs three temperatures; take the free shifts"
+        )
+    chosen, errors = found[kind]
+    return LawThroughShifts(chosen, _PARAMETERS[kind], errors, tuple(scores))
+
+
+_PARAMETERS = {"wlf": ("c1", "c2"), "arrhenius": ("energy",), "free": ()}
+
+
+def _whitener(covariance: FloatArray) -> FloatArray:
+    """Return W with W C W' = 1."""
+    if not len(covariance):
+        return np.empty((0, 0))
+    values, vectors = np.linalg.eigh((covariance + covariance.T) / 2)
+    floor = max(_ROUNDING * float(values[-1]), np.finfo(float).tiny)
+    return np.asarray((vectors / np.sqrt(np.maximum(values, floor))).T)
+
+
+def _arrhenius(shifts: _Shifts) -> tuple[Arrhenius, FloatArray] | None:
+    column = (1 / shifts.temperature - 1 / shifts.reference) / (GAS * np.log(10.0))
+    energy, _ = _scaled(shifts, column)
+    return (Arrhenius(energy, shifts.reference), column[:, None]) if energy > 0 else None
+
+
+def _wlf(shifts: _Shifts) -> tuple[WLF, FloatArray] | None:
+    """The law and its derivatives in C1 and C2, unless the best is a straight line in T."""
+    above = shifts.temperature - shifts.reference
+    least = max(0.0, -float(above.min(initial=0.0)))
+
+    def column(log_over: float) -> FloatArray:
+        return np.asarray(-above / (least + np.exp(log_over) + above))
+
+    grid = np.linspace(np.log(_SHORTEST), np.log(_LONGEST), _GRID)
+    deviance = [_scaled(shifts, column(x))[1] for x in grid]
+    best = int(np.argmin(deviance))
+    if best == _GRID - 1:
+        return None
+    over = _minimum(lambda x: _scaled(shifts, column(x))[1], grid[max(best - 1, 0)], grid[best + 1])
+    c1, _ = _scaled(shifts, column(over))
+    c2 = least + float(np.exp(over))
+    if c1 <= 0:
+        return None
+    in_c2 = c1 * above / (c2 + above) ** 2
+    return WLF(c1, c2, shifts.reference), np.column_stack((column(over), in_c2))
+
+
+_LAID: dict[str, Callable[[_Shifts], tuple[TemperatureLaw, FloatArray] | None]] = {
+    "arrhenius": _arrhenius,
+    "wlf": _wlf,
+}
+
+
+def _scaled(shifts: _Shifts, column: FloatArray) -> tuple[float, float]:
+    """Return the factor >= 0 of a column that serves the shifts best, and the deviance left."""
+    y, x = shifts.whitener @ shifts.log10, shifts.whitener @ column
+    factor = max(float(x @ y) / max(float(x @ x), 1e-300), 0.0)
+    error = y - factor * x
+    return factor, float(error @ error)
+
+
+def _minimum(value: Callable[[float], float], low: float, high: float) -> float:
+    """Return where a function with one minimum between two points has it, by golden section."""
+    for _ in range(60):
+        step = _GOLDEN * (high - low)
+        if value(high - step) < value(low + step):
+            high = low + step
+        else:
+            low = high - step
+    return (low + high) / 2
