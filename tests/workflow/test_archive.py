@@ -25,7 +25,9 @@ from dashpot.records.frf import FRF, Hit
 from dashpot.records.impact import ImpactTest
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.records.specimen import Specimen
+from dashpot.records.temperature import Shift, TemperatureShifts
 from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.temperature import WLF, Arrhenius, FreeShifts
 from dashpot.vibration.comparison.compare import compare
 from dashpot.vibration.systems.prediction import predict_frf
 from dashpot.workflow.archive import from_json, to_json
@@ -52,6 +54,13 @@ FIT = a_fit(
     profiles=(Profile("ln_tau_2", np.array([1.0, 2.0]), np.array([0.0, np.inf])),),
     nuisance=(Nuisance("drift", 2e-4, 1e-5, "N/s"),),
     source=(SOURCE,),
+)
+SHIFTS = (Shift(273.15, 1.5, 0.01, 0.9, 0.001), Shift(296.15, 0.0, 0.0))
+TWO_BY_TWO = np.diag([1e-4, 0.0, 1e-6, 0.0])
+LAWS = (
+    TemperatureShifts(WLF(6.9, 129.6, 296.15), SHIFTS, TWO_BY_TWO, ("c1", "c2"), np.eye(2)),
+    TemperatureShifts(Arrhenius(6e4, 296.15), SHIFTS, TWO_BY_TWO, ("energy",), np.eye(1), "T/T_r"),
+    TemperatureShifts(FreeShifts((273.15, 296.15), (1.5, 0.0), 296.15), SHIFTS, TWO_BY_TWO),
 )
 FREQUENCY = np.linspace(5, 30, 101)
 MEASURED = FRF(
@@ -89,6 +98,7 @@ NOUNS = [
     TEST,
     RAMP,
     FIT,
+    *(replace(FIT, temperatures=law) for law in LAWS),
     IMPACT,
     MEASURED,
     PREDICTED,
@@ -130,6 +140,23 @@ def test_a_fit_speaks_the_contract():
     assert found["standard_error"]["arms"][1]["k"] is None  # infinite: not known
     assert found["residual"]["n"] == 41000
     assert found["source"][0]["sha256"] == "0" * 64
+
+
+def test_a_fit_of_several_temperatures_speaks_the_contract():
+    found = json.loads(to_json(replace(FIT, temperatures=LAWS[0])))["temperature"]
+    assert found["reference"] == 296.15
+    assert found["law"] == {"kind": "wlf", "c1": 6.9, "c2": 129.6}
+    cold = {"temperature": 273.15, "log10_a_t": 1.5, "se": 0.01, "b_t": 0.9, "b_t_se": 0.001}
+    assert found["shifts"][0] == cold
+
+
+def test_the_least_temperature_of_the_contract_is_read():
+    shifts = '[{"temperature": 273.15, "log10_a_t": 1.5, "se": 0.01, "b_t": 0.9}, {"temperature": '
+    law = '{"kind": "wlf", "c1": 6.9, "c2": 129.6}'
+    text = f'{{"reference": 296.15, "law": {law}, "shifts": {shifts}296.15, "log10_a_t": 0.0, '
+    fit = from_json(LEAST[:-1] + f', "temperature": {text}"se": 0.0, "b_t": 1.0}}]}}}}')
+    assert fit.temperature_law == WLF(6.9, 129.6, 296.15)
+    assert fit.shifts[0].b_t == 0.9
 
 
 def test_the_least_fit_of_the_contract_is_read():
@@ -188,6 +215,12 @@ def test_a_fit_that_tells_no_errors_claims_none():
         (LEAST[:-1] + ', "specimen": {"lenght": 0.1}}', '$.specimen has "lenght"'),
         (LEAST[:-1] + ', "residual": []}', "not valid"),
         (LEAST[:-1] + ', "elastic_law": {"kind": "linear"}}', "is missing"),
+        (LEAST[:-1] + ', "temperature": {"reference": 296.15}}', "is missing"),
+        (
+            LEAST[:-1] + ', "temperature": {"reference": 296, "law": {"kind": "vft"}, '
+            '"shifts": []}}',
+            "law 'vft'",
+        ),
     ],
 )
 def test_strangers_are_turned_away(text, says):

@@ -24,8 +24,10 @@ from dashpot.records.estimate import (
     StandardErrors,
 )
 from dashpot.records.specimen import Specimen
+from dashpot.records.temperature import SAME_TEMPERATURE, Shift, TemperatureShifts, celsius
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
+from dashpot.solids.temperature import TemperatureLaw
 
 
 class Status(Enum):
@@ -236,6 +238,9 @@ class Fit(ByValue, Pictured):
     elastic_law : ElasticLaw or None
         Relaxed force against compression, where a part was pressed; `solid` is the secant one at
         its depth.
+    temperatures : TemperatureShifts or None
+        How the solid moves with temperature, where tests at several were fitted; `solid` is that
+        of their reference.
     """
 
     solid: Solid
@@ -245,6 +250,7 @@ class Fit(ByValue, Pictured):
     provenance: Provenance
     unit: str = "N/m"
     elastic_law: ElasticLaw | None = None
+    temperatures: TemperatureShifts | None = None
 
     @property
     def ok(self) -> bool:
@@ -290,6 +296,79 @@ class Fit(ByValue, Pictured):
         if secant:
             return self.model * float(law.path(compression) / compression)
         return self.model * float(law.factor(compression))
+
+    # -- at other temperatures ----------------------------------------------------------------
+
+    @property
+    def temperature_law(self) -> TemperatureLaw | None:
+        """Shift factor of time against temperature; None where one temperature was tested."""
+        return None if self.temperatures is None else self.temperatures.law
+
+    @property
+    def shifts(self) -> tuple[Shift, ...]:
+        """Where each tested temperature lies against the reference."""
+        return () if self.temperatures is None else self.temperatures.shifts
+
+    def at(self, temperature: Quantity) -> GeneralizedMaxwell:
+        r"""The solid at another temperature: relaxation times times a_T, stiffnesses times b_T.
+
+        Parameters
+        ----------
+        temperature : float
+            K, or a text such as ``"-20degC"``.
+
+        Raises
+        ------
+        DataError
+            If the fit is of one temperature and this is another, if it is less than 10 K above
+            the glass transition that a WLF law implies, or where the law says nothing.
+        """
+        kelvin = si(temperature, "temperature")
+        if not (np.isfinite(kelvin) and kelvin > 0):
+            raise DataError(f"temperature = {kelvin!r} K; expected a number > 0")
+        if self.temperatures is not None:
+            return self.temperatures.shifted(self.model, kelvin)
+        tested = self.specimen.temperature
+        if tested is not None and abs(kelvin - tested) <= SAME_TEMPERATURE:
+            return self.model
+        known = "a temperature that nobody noted" if tested is None else celsius(tested)
+        raise DataError(
+            f"the fit is of tests at {known}, and nothing says how the solid moves to "
+            f"{celsius(kelvin)}: fit tests at several temperatures together"
+        )
+
+    def at_temperature(self, temperature: Quantity) -> Fit:
+        """The fit as it is at another temperature, K: solid, errors, band, elastic law.
+
+        Raises
+        ------
+        DataError
+            As :meth:`at`.
+        """
+        kelvin = si(temperature, "temperature")
+        solid, moved = self.at(kelvin), self.temperatures
+        if moved is None or kelvin == moved.reference:
+            return self
+        a_t, b_t = float(moved.law.a_t(kelvin)), moved.b_t(kelvin)
+        step = Step(
+            "temperature",
+            (("temperature_K", repr(kelvin)), ("of", self.identity)),
+            f"at {celsius(kelvin)}, a_T = {a_t:.5g} and b_T = {b_t:.5g} times fit {self.identity}",
+        )
+        scaled = self._scaled(b_t, step)
+        covariance = moved.covariance_at(kelvin, self.parameters, self.covariance, solid)
+        estimate = replace(scaled.estimate, covariance=covariance, profiles=())
+        low, high = self.band
+        return replace(
+            scaled,
+            solid=solid,
+            estimate=estimate,
+            evidence=replace(scaled.evidence, band=(low / a_t, high / a_t), end_of_hold=None),
+            provenance=replace(
+                scaled.provenance, specimen=replace(self.specimen, temperature=kelvin)
+            ),
+            temperatures=None,
+        )
 
     # -- how well it is known -----------------------------------------------------------------
 

@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from dashpot.base.arrays import ByValue, FloatArray, frozen
 from dashpot.base.errors import DataError
-from dashpot.solids.temperature import TemperatureLaw
+from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.temperature import WLF, FreeShifts, TemperatureLaw
+
+# no law of free volume is trusted nearer to the glass transition, K
+ABOVE_GLASS = 10.0
+# two temperatures within so many kelvin are one
+SAME_TEMPERATURE = 0.5
+# of a parameter, for a slope by differences
+_STEP = 1e-6
 
 
 @dataclass(frozen=True)
@@ -84,6 +93,82 @@ class TemperatureShifts(ByValue):
         """The coldest and the warmest test, K."""
         return self.shifts[0].temperature, self.shifts[-1].temperature
 
+    @property
+    def coldest(self) -> float:
+        """Below this, K, nothing is foretold: 10 K above the glass transition, or the coldest test.
+
+        Only a WLF law says where the glass transition lies.
+        """
+        if isinstance(self.law, WLF):
+            return min(self.law.glass + ABOVE_GLASS, self.tested[0])
+        return self.tested[0] if isinstance(self.law, FreeShifts) else 0.0
+
+    def shifted(self, solid: GeneralizedMaxwell, temperature: float) -> GeneralizedMaxwell:
+        """Return the solid of the reference at T, K.
+
+        Raises
+        ------
+        DataError
+            If T is below :attr:`coldest`, or where the law says nothing.
+        """
+        if temperature < self.coldest and isinstance(self.law, WLF):
+            raise DataError(
+                f"{celsius(temperature)} is below {celsius(self.coldest)}: nearer than "
+                f"{ABOVE_GLASS:g} K to the glass transition, at about {celsius(self.law.glass)} "
+                "by the fitted law, the law fails: test there"
+            )
+        return solid.shifted(float(self.law.a_t(temperature)), self.b_t(temperature))
+
+    def error(self, temperature: float) -> tuple[float, float]:
+        """Standard errors of ln a_T and of ln b_T at T, K."""
+        gradient = self._gradient(temperature)
+        part = self.covariance[: len(self.shifts), : len(self.shifts)]
+        if self.law_parameters:
+            part = self.law_covariance
+        se = float(np.sqrt(max(float(gradient @ part @ gradient), 0.0)))
+        errors = [shift.b_t_se / shift.b_t for shift in self.shifts]
+        at = [shift.temperature for shift in self.shifts]
+        return float(np.log(10.0)) * se, float(np.interp(temperature, at, errors))
+
+    def covariance_at(
+        self,
+        temperature: float,
+        names: tuple[str, ...],
+        covariance: FloatArray,
+        solid: GeneralizedMaxwell,
+    ) -> FloatArray:
+        """Return the covariance of a solid's parameters at T, K, with the doubt of both shifts.
+
+        `names` and `covariance` are those at the reference, `solid` that at T.
+        """
+        a_t, b_t = float(self.law.a_t(temperature)), self.b_t(temperature)
+        values = {f"k_{j}": k for j, k in enumerate(solid.k, start=1)} | {"k_inf": solid.k_inf}
+        times = [1.0 if n.startswith("ln_") else a_t * b_t if n == "b" else b_t for n in names]
+        scale = np.array(times)
+        by_a = np.array([float(n.startswith("ln_tau")) + solid.b * (n == "b") for n in names])
+        by_b = np.array([values.get(n, 0.0) + solid.b * (n == "b") for n in names])
+        of_a, of_b = self.error(temperature)
+        moved = covariance * np.outer(scale, scale)
+        doubt = of_a**2 * np.outer(by_a, by_a) + of_b**2 * np.outer(by_b, by_b)
+        return np.asarray(moved + doubt)
+
+    def _gradient(self, temperature: float) -> FloatArray:
+        """Slope of log10 a_T by each parameter of the law, or by each free shift."""
+        if isinstance(self.law, FreeShifts):
+            unit = np.eye(len(self.shifts))
+            inverse = [-1 / shift.temperature for shift in self.shifts]
+            return np.array([np.interp(-1 / temperature, inverse, one) for one in unit])
+        return np.array([self._slope(name, temperature) for name in self.law_parameters])
+
+    def _slope(self, name: str, temperature: float) -> float:
+        value = float(getattr(self.law, name))
+
+        def at(factor: float) -> float:
+            law: Any = replace(self.law, **{name: factor * value})  # type: ignore[type-var]
+            return float(law.log10_a_t(temperature))
+
+        return (at(1 + _STEP) - at(1 - _STEP)) / (2 * _STEP * value)
+
     def b_t(self, temperature: float) -> float:
         """Factor of every stiffness at T, K: ln b straight in T between tests and beyond."""
         if self.vertical == "1":
@@ -97,3 +182,8 @@ class TemperatureShifts(ByValue):
         i = int(np.clip(np.searchsorted(at, temperature) - 1, 0, len(at) - 2))
         slope = (b[i + 1] - b[i]) / (at[i + 1] - at[i])
         return float(np.exp(b[i] + slope * (temperature - at[i])))
+
+
+def celsius(temperature: float) -> str:
+    """A temperature, K, in words for people."""
+    return f"{temperature - 273.15:.4g} degC"

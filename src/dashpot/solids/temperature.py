@@ -22,6 +22,8 @@ from dashpot.base.errors import DataError
 GAS = 8.314462618
 """Molar gas constant R, J/(mol K)."""
 _LN10 = log(10.0)
+# C_1 and C_2, K, of many polymers at their glass transition
+_UNIVERSAL = 17.44, 51.6
 
 
 class TemperatureLaw(ABC):
@@ -86,7 +88,12 @@ class WLF(TemperatureLaw):
     @classmethod
     def universal(cls, *, glass: float, reference: float) -> WLF:
         """The law of many polymers, C_1 = 17.44 and C_2 = 51.6 K at the glass transition, K."""
-        return cls(17.44, 51.6, glass).referred(reference)
+        return cls(*_UNIVERSAL, glass).referred(reference)
+
+    @property
+    def glass(self) -> float:
+        """Where the glass transition lies, K, if C_2 there is that of many polymers."""
+        return self.reference - self.c2 + _UNIVERSAL[1]
 
     @property
     def kind(self) -> str:

@@ -20,6 +20,7 @@ from dashpot.records.impact import ImpactTest
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
+from dashpot.solids.temperature import WLF, Arrhenius, FreeShifts, TemperatureLaw
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.workflow.impacts import ImpactResult
 from dashpot.workflow.inspections import InspectedFile, Inspections
@@ -175,6 +176,7 @@ def _fit_contract(fit: Fit, plain: dict[str, Any]) -> dict[str, Any]:
         "band_hz": plain["band"],
         "elastic_law": _law(fit.elastic_law),
         "left_open": _left_open(plain.pop("end_of_hold")),
+        "temperature": _temperature(fit, plain.pop("temperatures")),
         **({} if mass is None else {"mass": mass}),
         **{key: plain[key] for key in _FIT_ORDER},
     }
@@ -195,6 +197,15 @@ def _law(law: ElasticLaw | None) -> dict[str, Any] | None:
     return {"kind": law.kind, "knots": knots, "tangent": law.tangent(knots).tolist(),
             "ratio": list(law.ratio), "ratio_se": list(law.ratio_se),
             "stiffness": law.stiffness}  # fmt: skip
+
+
+def _temperature(fit: Fit, plain: dict[str, Any] | None) -> dict[str, Any] | None:
+    """The reference, the law by its kind, and a shift for every tested temperature."""
+    if fit.temperatures is None or plain is None:
+        return None
+    law = {"kind": fit.temperatures.law.kind, **plain.pop("law")}
+    law.pop("reference")
+    return {"reference": fit.temperatures.reference, "law": law, **plain}
 
 
 def _left_open(end: dict[str, Any] | None) -> dict[str, Any] | None:
@@ -360,12 +371,28 @@ def _restored_fit(found: dict[str, Any]) -> dict[str, Any]:
         tangent = np.asarray(law["tangent"], dtype=float)
         law["stiffness"] = float(np.trapezoid(tangent, law["knots"]) / law["knots"][-1])
         law["ratio"] = (tangent / law["stiffness"]).tolist()
+    found["temperatures"] = _restored_temperature(found.pop("temperature", None))
     left = found.pop("left_open", None)
     # the bare contract does not say how long the seal was held, nor how the force still falls
     found["end_of_hold"] = left and {"time": np.nan, "falling": np.nan} | left
     for part, kind in _FIT_PARTS.items():
         found[part] = {one.name: found[one.name] for one in fields(kind) if one.name in found}
     return found
+
+
+_LAWS: dict[str, type] = {"wlf": WLF, "arrhenius": Arrhenius, "free": FreeShifts}
+
+
+def _restored_temperature(found: dict[str, Any] | None) -> dict[str, Any] | None:
+    if found is None:
+        return None
+    reference, count = found["reference"], 2 * len(found["shifts"])
+    law = {**found["law"], "reference": reference}
+    if law["kind"] not in _LAWS:
+        raise ValueError(f"law {law['kind']!r} is none of {', '.join(_LAWS)}")
+    # the bare contract holds the errors alone
+    bare = {"covariance": np.zeros((count, count)).tolist()}
+    return {**bare, **{key: found[key] for key in found if key != "reference"}, "law": law}
 
 
 def _diagonal_covariance(found: dict[str, Any]) -> dict[str, Any]:
@@ -394,7 +421,12 @@ def _square(error: float | None) -> float:
 
 
 def _decoded(kind: type, value: Any) -> Any:
-    """Return a solid or an array, which the decoder does not know."""
+    """Return a solid, a law or an array, which the decoder does not know."""
+    if kind is TemperatureLaw:
+        import msgspec
+
+        law = dict(value)
+        return msgspec.convert(law, _LAWS[law.pop("kind")])
     if kind is Solid:
         import msgspec
 
