@@ -11,6 +11,7 @@ from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels
 from dashpot.io.readers.channels import Opened
+from dashpot.io.readers.stated import stated_specimen
 from dashpot.io.table import Question
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.specimen import Specimen
@@ -54,6 +55,9 @@ def dynamic_in(file: Opened, specimen: Specimen) -> DynamicTest:
             f"storage is a {kinds['storage']} and loss a {kinds['loss']}; "
             "expected both in one kind of unit, such as MPa or N/mm"
         )
+    if "temperature" not in values:
+        specimen, said = stated_specimen(file, specimen)
+        notes += said
     return DynamicTest(
         values["frequency"],
         values["storage"],

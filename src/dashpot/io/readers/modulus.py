@@ -11,6 +11,7 @@ from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels
 from dashpot.io.readers.channels import Opened
+from dashpot.io.readers.stated import stated_specimen
 from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.specimen import Specimen
 
@@ -37,12 +38,13 @@ def read_modulus(
         indexes = [one.index for one in chosen]
         rows, notes = channels.whole_rows(channels.load(file.table, indexes, file.options.segment))
         time, modulus = (channels.si(rows[:, j].copy(), c.unit) for j, c in enumerate(chosen))
+        specimen, said = stated_specimen(file, specimen or Specimen())
         return RelaxationModulus(
             time,
             modulus,
             "N/m" if chosen[1].unit.dimension == "stiffness" else "Pa",
-            specimen or Specimen(),
-            channels.source(file, [one.says for one in chosen], (*file.table.notes, *notes)),
+            specimen,
+            channels.source(file, [one.says for one in chosen], (*file.table.notes, *notes, *said)),
         )
 
 

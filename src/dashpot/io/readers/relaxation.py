@@ -16,6 +16,7 @@ from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels, checks, cleaning
 from dashpot.io.readers.channels import Channel, Opened
 from dashpot.io.readers.clocks import on_one_clock, own_clocks
+from dashpot.io.readers.stated import stated_specimen
 from dashpot.io.table import Loaded
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.records.specimen import Specimen
@@ -86,7 +87,8 @@ def relaxation_in(file: Opened, specimen: Specimen) -> RelaxationTest:
     )
     notes += [*cleaning.clock_notes(time), *cleaning.swapped(moved, force)]
     _refuse_sizes(file, chosen, {"time": time, "displacement": moved, "force": force})
-    source = channels.source(file, [c.says for c in chosen], notes)
+    specimen, said = stated_specimen(file, specimen)
+    source = channels.source(file, [c.says for c in chosen], [*notes, *said])
     return RelaxationTest(time, moved, force, specimen, source)
 
 
