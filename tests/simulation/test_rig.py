@@ -11,7 +11,15 @@ from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError
 from dashpot.simulation.relaxation import Axis, Rig, in_steps, simulate_path, simulate_relaxation
-from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER, PAPER_MASS, SEALS
+from dashpot.solids.table_1 import (
+    BROAD,
+    BROAD_MASS,
+    HIDDEN,
+    HIDDEN_MASS,
+    PAPER,
+    PAPER_MASS,
+    SEALS,
+)
 
 
 def test_the_seals_are_the_papers_and_the_broad_one(paper_seal):
@@ -19,7 +27,9 @@ def test_the_seals_are_the_papers_and_the_broad_one(paper_seal):
     omega = 2 * np.pi * 12.71
     assert float(BROAD.storage(omega)) == pytest.approx(364.878, rel=1e-5)
     assert float(BROAD.loss_factor(omega)) == pytest.approx(0.056189, rel=1e-4)
-    assert dict(SEALS) == {"paper": (PAPER, PAPER_MASS), "broad": (BROAD, BROAD_MASS)}
+    assert dict(SEALS) == {
+        "paper": (PAPER, PAPER_MASS), "broad": (BROAD, BROAD_MASS), "hidden": (HIDDEN, HIDDEN_MASS),
+    }  # fmt: skip
 
 
 def test_a_noise_free_record_is_the_exact_answer_to_the_true_motion():

@@ -56,6 +56,30 @@ class Compression(Quantity):
         return None if value == "weight" else super().convert(value, param, ctx)
 
 
+class Wlf(click.ParamType[Any]):
+    """A law of Williams, Landel and Ferry: ``C1,C2,T_r``, such as ``6.94,129.6K,23degC``."""
+
+    name = "C1,C2,T_r"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        if not isinstance(value, str):
+            return value
+        from dashpot.solids.temperature import WLF
+
+        try:
+            c1, c2, reference = value.split(",")
+            # C_2 is a difference of temperatures: a K is a degree
+            return WLF(float(c1), float(c2.strip().removesuffix("K")), _kelvin(reference))
+        except DashpotError as error:
+            self.fail(str(error), param, ctx)
+        except ValueError:
+            self.fail(f"'{value}': expected C1,C2,T_r, such as 6.94,129.6K,23degC", param, ctx)
+
+
+def _kelvin(text: str) -> float:
+    return parse_quantity(text.strip(), "temperature")
+
+
 PICTURES = (".pdf", ".png", ".svg")  # written out, so that --help need not import matplotlib
 
 
@@ -193,6 +217,9 @@ compression = click.option(
     help="Of the seals under the mass, e.g. 2.6mm.",
 )
 compared = click.option("--band", type=Range("frequency"), help="Lines compared, e.g. 5:40Hz.")
+wlf = click.option(
+    "--wlf", type=Wlf(), help="How the seal follows temperature, e.g. 6.94,129.6K,23degC."
+)
 filtered = click.option("--filter", metavar="SPEC", help="E.g. lowpass:10Hz; off by default.")
 
 

@@ -27,7 +27,9 @@ from dashpot.cli.simulate import seal
     "--noise", type=Quantity("force"), default="5mN", show_default=True, help="Per sample, one SD."
 )
 @click.option("--method", type=click.Choice(["full", "hold"]), default="full", show_default=True)
-@click.option("--model", metavar="paper|broad|FIT", help="A guess at the seal; else Table 1.")
+@click.option(
+    "--model", metavar="paper|broad|hidden|FIT", help="A guess at the seal; else Table 1."
+)
 @click.option("--arm-stiffness", type=Quantity("stiffness"), help="Of the arm that may hide.")
 @click.option("--arm-time", type=Quantity("time"), help="Its relaxation time; else 1/omega.")
 @click.option(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -15,6 +15,9 @@ from dashpot.cli._options import Quantity
 from dashpot.cli._shell import Outcome, claim, read_model, reports, typed, write
 from dashpot.cli._terminal import Text
 
+if TYPE_CHECKING:
+    from dashpot.solids.temperature import TemperatureLaw
+
 
 @click.command("simulate")
 @click.argument("what", type=click.Choice(["relaxation", "impact"]))
@@ -22,8 +25,8 @@ from dashpot.cli._terminal import Text
     "--model",
     default="paper",
     show_default=True,
-    metavar="paper|broad|FIT",
-    help="The true seal: the paper's Table 1, one with faster arms too, or a fit's JSON.",
+    metavar="paper|broad|hidden|FIT",
+    help="The true seal: the paper's Table 1, with three faster arms, with one, or a fit's JSON.",
 )
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the noise.")
 @click.option("--noise-free", is_flag=True, help="No noise, drift, bias, hum or quantum.")
@@ -33,6 +36,10 @@ from dashpot.cli._terminal import Text
 @click.option(
     "--rate", type=Quantity("frequency"), help="Sampling rate; else the instrument's own."
 )
+@click.option(
+    "--temperature", type=Quantity("temperature"), help="Of the test; the file will state it."
+)
+@options.wlf
 @click.option("--mass", type=Quantity("mass"), help="Block mass; else what peaks at 12.71 Hz.")
 @click.option("--seals", type=float, default=2.0, show_default=True, help="Seals under the block.")
 @click.option("--hits", type=click.IntRange(1), default=5, show_default=True)
@@ -46,6 +53,7 @@ def command(*, what: str, output: str, **choices: Any) -> Outcome:
     \b
     dashpot simulate relaxation --model paper -o seal_8mm.csv
     dashpot simulate impact --model broad --hits 5 -o hammer.csv
+    dashpot simulate relaxation --model broad --temperature 0degC -o cold.csv
     """
     made = relaxation if what == "relaxation" else impact
     document = {"schema": "dashpot/simulated@1", "what": what, "file": output, "truth": None}
@@ -78,6 +86,8 @@ def relaxation(
     rate: float | None = None,
     noise_free: bool = False,
     seed: int = 0,
+    temperature: float | None = None,
+    wlf: TemperatureLaw | None = None,
     **_: object,
 ) -> tuple[str, str]:
     """Return a simulated relaxation test as CSV, and its truth as JSON."""
@@ -86,8 +96,9 @@ def relaxation(
     room = dp.simulation
     rig = _chosen(room.Rig(), noise_free=noise_free, rate=rate)
     made = room.simulate_relaxation(
-        seal(model)[0], depth=depth, ramp_time=ramp, hold_time=hold, rig=rig, seed=seed
-    )
+        seal(model)[0], depth=depth, ramp_time=ramp, hold_time=hold, rig=rig, seed=seed,
+        climate=_climate(temperature, wlf),
+    )  # fmt: skip
     return write_relaxation(made.test, comments=room.stamp(made.truth)), room.truth_json(made.truth)
 
 
@@ -101,10 +112,12 @@ def impact(
     rate: float | None = None,
     noise_free: bool = False,
     seed: int = 0,
+    temperature: float | None = None,
+    wlf: TemperatureLaw | None = None,
     **_: object,
 ) -> tuple[str, str]:
     """Return a simulated hammer test as CSV, and its truth as JSON."""
-    from dashpot.io.write import write_impact
+    from dashpot.io.write import temperature_line, write_impact
 
     solid, known = seal(model)
     block = mass if mass is not None else known
@@ -112,8 +125,23 @@ def impact(
         raise DataError(f"the mass under the hammer is not known for {model}; add --mass")
     room = dp.simulation
     rig = _chosen(room.Hammer(), noise_free=noise_free, record=record, rate=rate)
-    made = room.simulate_impact(solid, mass=block, seals=seals, hits=hits, rig=rig, seed=seed)
-    return write_impact(made.test, comments=room.stamp(made.truth)), room.truth_json(made.truth)
+    made = room.simulate_impact(
+        solid, mass=block, seals=seals, hits=hits, rig=rig, seed=seed,
+        climate=_climate(temperature, wlf),
+    )  # fmt: skip
+    stated = () if temperature is None else (temperature_line(temperature),)
+    comments = (*room.stamp(made.truth), *stated)
+    return write_impact(made.test, comments=comments), room.truth_json(made.truth)
+
+
+def _climate(temperature: float | None, law: TemperatureLaw | None) -> Any:
+    """Return where the test is made; the demonstration seals' law unless another is given."""
+    if temperature is None:
+        if law is not None:
+            raise DataError("--wlf needs the temperature of the test: add --temperature 0degC")
+        return None
+    climate = dp.simulation.Climate(temperature)
+    return climate if law is None else replace(climate, law=law)
 
 
 def _chosen(instrument: Any, *, noise_free: bool, **given: float | None) -> Any:

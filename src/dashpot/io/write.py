@@ -31,12 +31,24 @@ def write_relaxation(
     """Return a relaxation test as text, and write it to `path` if one is given.
 
     The columns are ``time [s], displacement [mm], force [N]``. Every number has
-    all its digits. Each comment stands on a line of its own, after ``#``.
+    all its digits. Each comment stands on a line of its own, after ``#``, and so does the
+    temperature of the specimen, if it is known.
     """
     head = ["time [s]", "displacement [mm]", "force [N]"]
     columns = [test.time, 1e3 * test.displacement, test.force]
     stamp = ["simulated"] if test.source is not None and test.source.simulated else []
-    return _written(_text([*_stamped(stamp, comments), *comments], head, columns), path)
+    kelvin = test.specimen.temperature
+    stated = [] if kelvin is None else [temperature_line(kelvin)]
+    return _written(_text([*_stamped(stamp, comments), *comments, *stated], head, columns), path)
+
+
+def temperature_line(kelvin: float) -> str:
+    """What the header of a file says of the temperature of its test, K.
+
+    >>> temperature_line(273.15)
+    'temperature: 0 degC'
+    """
+    return f"temperature: {round(kelvin - 273.15, 9):.12g} degC"
 
 
 def write_impact(

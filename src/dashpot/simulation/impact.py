@@ -11,7 +11,7 @@ from dashpot.base.arrays import ComplexArray, FloatArray, sample_count
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
 from dashpot.records.impact import ImpactTest
-from dashpot.simulation.relaxation import in_steps
+from dashpot.simulation.relaxation import Climate, in_steps
 from dashpot.solids.maxwell import GeneralizedMaxwell, arm_response
 
 _OVERSAMPLING = 4
@@ -230,7 +230,7 @@ class ImpactTruth:
     Attributes
     ----------
     model : GeneralizedMaxwell
-        One seal.
+        One seal at the temperature of the test.
     mass : float
         Block, kg.
     seals : float
@@ -244,6 +244,8 @@ class ImpactTruth:
         Of the two accelerometers, relative to their stated sensitivity.
     bounce_poles, rocking_poles : tuple of complex
         Of the two motions, 1/s.
+    climate : Climate or None
+        What made `model` of the seal at the reference; None if no temperature was stated.
     """
 
     model: GeneralizedMaxwell
@@ -256,6 +258,7 @@ class ImpactTruth:
     gains: tuple[float, float]
     bounce_poles: tuple[complex, ...]
     rocking_poles: tuple[complex, ...]
+    climate: Climate | None = None
 
 
 @dataclass(frozen=True)
@@ -274,6 +277,7 @@ def simulate_impact(
     hits: int = 5,
     rig: Hammer | None = None,
     seed: int = 0,
+    climate: Climate | None = None,
 ) -> SimulatedImpact:
     r"""A block on `seals` equal seals, struck `hits` times.
 
@@ -285,11 +289,13 @@ def simulate_impact(
     Parameters
     ----------
     model : GeneralizedMaxwell
-        One seal.
+        One seal; with a `climate`, at the reference of its law.
     mass : float
         Block, kg.
     rig : Hammer, optional
         ``Hammer()`` if not given.
+    climate : Climate, optional
+        Makes the seal that of its temperature.
 
     Raises
     ------
@@ -301,6 +307,8 @@ def simulate_impact(
     for name, value in (("mass", mass), ("seals", seals), ("hits", hits)):
         if not (np.isfinite(value) and value > 0):
             raise DataError(f"{name} = {value!r}; expected a number > 0")
+    if climate is not None:
+        model = climate.felt(model)
     random = np.random.default_rng(seed)
     bounce = Oscillator.on(seals * model, mass)
     rock = Oscillator.on((seals * rig.arm**2) * model, mass * rig.length**2 / 12)
@@ -340,7 +348,7 @@ def simulate_impact(
         model=model, mass=mass, seals=seals, hammer=rig, seed=seed, hits=pulses,
         eccentricities=eccentricities, gains=gains,
         bounce_poles=tuple(complex(pole) for pole in bounce.poles),
-        rocking_poles=tuple(complex(pole) for pole in rock.poles),
+        rocking_poles=tuple(complex(pole) for pole in rock.poles), climate=climate,
     )  # fmt: skip
     return SimulatedImpact(test=test, truth=truth)
 

@@ -14,6 +14,8 @@ from dashpot.base.units import Quantity, si
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.records.specimen import Specimen
 from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.table_1 import SHIFT
+from dashpot.solids.temperature import TemperatureLaw, at_temperature
 
 
 @dataclass(frozen=True)
@@ -227,6 +229,29 @@ class Rig:
         return in_steps(np.clip(signal, -self.limit, self.limit), self.quantum)
 
 
+@dataclass(frozen=True)
+class Climate:
+    r"""The temperature of a simulated test, and the law by which the seal follows it.
+
+    The seal is thermorheologically simple, with stiffnesses in proportion to T:
+    :func:`~dashpot.solids.temperature.at_temperature`.
+
+    Attributes
+    ----------
+    temperature : float
+        K.
+    law : TemperatureLaw
+        That of the demonstration seals by default.
+    """
+
+    temperature: float
+    law: TemperatureLaw = SHIFT
+
+    def felt(self, seal: GeneralizedMaxwell) -> GeneralizedMaxwell:
+        """The seal of the law's reference as it is in this climate."""
+        return at_temperature(seal, self.temperature, self.law)
+
+
 @dataclass(frozen=True, eq=False)
 class RelaxationTruth(ByValue):
     """What really happened on the virtual rig.
@@ -234,7 +259,7 @@ class RelaxationTruth(ByValue):
     Attributes
     ----------
     model : GeneralizedMaxwell
-        The seal.
+        The seal at the temperature of the test.
     depth, ramp_time, hold_time : float
         As commanded from first contact, m and s.
     onset, ramp_end : float
@@ -247,6 +272,8 @@ class RelaxationTruth(ByValue):
     displacement, force : array, shape (n,)
         Plate position, m, and seal force, N, at the samples of the record, before encoder
         and load cell.
+    climate : Climate or None
+        What made `model` of the seal at the reference; None if no temperature was stated.
     """
 
     model: GeneralizedMaxwell
@@ -260,6 +287,7 @@ class RelaxationTruth(ByValue):
     seed: int
     displacement: FloatArray
     force: FloatArray
+    climate: Climate | None = None
 
     def __post_init__(self) -> None:
         for name in ("displacement", "force"):
@@ -282,13 +310,14 @@ def simulate_relaxation(
     hold_time: Quantity = 40.0,
     rig: Rig | None = None,
     seed: int = 0,
+    climate: Climate | None = None,
 ) -> SimulatedRelaxation:
     """A ramp to `depth` in `ramp_time`, held for `hold_time`, on a virtual rig.
 
     Parameters
     ----------
     model : GeneralizedMaxwell
-        One piece of seal.
+        One piece of seal; with a `climate`, at the reference of its law.
     depth : float
         Compression from first contact, m; the plate crosses ``rig.gap`` on its way, at the
         same speed.
@@ -298,26 +327,33 @@ def simulate_relaxation(
         ``Rig()`` if not given.
     seed : int
         Of the noise.
+    climate : Climate, optional
+        Makes the seal that of its temperature, which the record's specimen then states.
 
     Raises
     ------
     DataError
-        If depth or a time is not positive.
+        If depth or a time is not positive, or the law knows nothing of the temperature.
     """
     depth, ramp_time, hold_time = si(depth, "length"), si(ramp_time, "time"), si(hold_time, "time")
     rig = Rig() if rig is None else rig
     for name, value in (("depth", depth), ("ramp_time", ramp_time), ("hold_time", hold_time)):
         if not (np.isfinite(value) and value > 0):
             raise DataError(f"{name} = {value!r}; expected a number > 0")
+    if climate is not None:
+        model = climate.felt(model)
     travel = rig.gap + depth
     duration = ramp_time * travel / depth
     test, position, force = simulate_path(
         model, path=((duration, travel), (duration + hold_time, travel)), rig=rig, seed=seed
     )
+    if climate is not None:
+        test = replace(test, specimen=replace(test.specimen, temperature=climate.temperature))
     onset, ramp_end = _ideal_ramp(test.time, position, contact=rig.gap, travel=travel)
     truth = RelaxationTruth(
         model=model, depth=depth, ramp_time=ramp_time, hold_time=hold_time, onset=onset,
         ramp_end=ramp_end, contact=rig.gap, rig=rig, seed=seed, displacement=position, force=force,
+        climate=climate,
     )  # fmt: skip
     return SimulatedRelaxation(test=test, truth=truth)
 

@@ -18,6 +18,7 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray, increasing, same_length, samples
 from dashpot.base.errors import DataError
+from dashpot.solids.maxwell import GeneralizedMaxwell
 
 GAS = 8.314462618
 """Molar gas constant R, J/(mol K)."""
@@ -53,6 +54,16 @@ class TemperatureLaw(ABC):
     def a_t(self, temperature: npt.ArrayLike) -> FloatArray:
         """Shift factor: relaxation times at T over those at the reference."""
         return np.asarray(10.0 ** self.log10_a_t(temperature))
+
+
+def at_temperature(
+    solid: GeneralizedMaxwell, temperature: float, law: TemperatureLaw
+) -> GeneralizedMaxwell:
+    r"""The solid of the law's reference at T, K, its stiffness that of an ideal rubber.
+
+    .. math:: \tau_j \to a_T \tau_j, \qquad k_j \to b_T k_j, \quad b_T = T / T_r
+    """
+    return solid.shifted(float(law.a_t(temperature)), temperature / law.reference)
 
 
 @dataclass(frozen=True)
