@@ -43,7 +43,9 @@ from .records.relaxation import RelaxationTest as RelaxationTest
 from .records.specimen import Specimen as Specimen
 from .solids import networks as networks
 from .solids.elastic import compare_with_curve as compare_with_curve
+from .solids.fractional import FractionalZener as FractionalZener
 from .solids.maxwell import GeneralizedMaxwell as GeneralizedMaxwell
+from .solids.parallel import Parallel as Parallel
 from .solids.temperature import WLF as WLF
 from .solids.temperature import Arrhenius as Arrhenius
 from .solids.temperature import FreeShifts as FreeShifts

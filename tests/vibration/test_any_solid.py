@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from kit.fractional import FractionalZener
 
 from dashpot.records.frf import FRF
+from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 from dashpot.vibration.comparison.compare import compare, infer_mass
 from dashpot.vibration.systems.complex_modes import complex_modes, newton_modes
@@ -23,20 +23,13 @@ MASS = 0.2
 LINES = np.linspace(2.0, 60.0, 233)
 
 
-SEAL = FractionalZener(400.0, 500.0, 0.01, 0.6)
+SEAL = FractionalZener(900.0, 400.0, 0.01, 0.6)
 
 
 def closed_form(frequency: np.ndarray, *, shift: float = 0.0, seals: int = 2) -> np.ndarray:
     s = 2j * np.pi * frequency + shift
     x = (0.01 * s) ** 0.6
     return s**2 / (MASS * s**2 + seals * (400.0 + 500.0 * x / (1 + x)))
-
-
-def test_its_arms_stand_for_it() -> None:
-    omega = np.geomspace(1e-2, 1e5, 40)
-    stiffness = SEAL.complex_stiffness(omega)
-    # arms a factor e apart leave exp(-pi^2) of a ripple
-    assert SEAL.maxwell.complex_stiffness(omega) == pytest.approx(stiffness, rel=3e-4)
 
 
 @pytest.mark.parametrize("solid", [SEAL, GeneralizedMaxwell(100.0, (40.0,), (0.02,), 0.3)])

@@ -22,16 +22,12 @@ class Solid(ABC):
 
     Attributes
     ----------
-    k_inf : float
-        Equilibrium stiffness, N/m, >= 0.
+    k_inf, k_0 : float
+        Equilibrium and instantaneous stiffness, N/m, >= 0.
     """
 
     k_inf: float
-
-    @property
-    @abstractmethod
-    def k_0(self) -> float:
-        """Instantaneous stiffness, N/m."""
+    k_0: float
 
     @property
     @abstractmethod
@@ -169,7 +165,7 @@ class GeneralizedMaxwell(Solid):
         return tuple(k * tau for k, tau in zip(self.k, self.tau, strict=True))
 
     @property
-    def k_0(self) -> float:
+    def k_0(self) -> float:  # type: ignore[override]  # others keep it as a field
         r"""Instantaneous stiffness :math:`k_\infty + \sum k_j`, N/m."""
         return self.k_inf + sum(self.k)
 

@@ -19,7 +19,9 @@ from dashpot.records.frf import FRF
 from dashpot.records.impact import ImpactTest
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.solids.elastic import ElasticLaw
+from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
+from dashpot.solids.parallel import Parallel
 from dashpot.solids.temperature import WLF, Arrhenius, FreeShifts, TemperatureLaw
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.workflow.impacts import ImpactResult
@@ -29,6 +31,8 @@ from dashpot.workflow.study import Study
 
 SCHEMAS: dict[str, type] = {
     "dashpot/model@1": GeneralizedMaxwell,
+    "dashpot/fractional@1": FractionalZener,
+    "dashpot/parallel@1": Parallel,
     "dashpot/relaxation-test@1": RelaxationTest,
     "dashpot/ramp-hold@1": RampHold,
     "dashpot/dynamic-test@1": DynamicTest,
@@ -430,7 +434,8 @@ def _decoded(kind: type, value: Any) -> Any:
     if kind is Solid:
         import msgspec
 
-        return msgspec.convert(value, GeneralizedMaxwell)
+        kind = FractionalZener if "alpha" in value else GeneralizedMaxwell
+        return msgspec.convert(value, kind)
     if isinstance(value, dict) and set(value) == {"real", "imag"}:
         return np.asarray(value["real"], dtype=float) + 1j * np.asarray(value["imag"], dtype=float)
     if isinstance(value, list):
