@@ -782,7 +782,27 @@ WORKFLOW = [
 ]
 
 READING = [
-    Case("travel_of_a_seal", lambda x: reading.travel_of_a_seal(x, "m"), 0.999, 1.001),
+    Case("travel_of_a_seal", lambda x: reading.travel_of_a_seal(x, "m"), 0.199, 0.201),
+    Case(
+        "travel_of_a_bench",
+        lambda x: reading.travel_of_a_bench(x, "mm", force=1.0),
+        2.01e-5,
+        1.99e-5,
+    ),
+    Case(
+        "force_of_a_bench", lambda x: reading.force_of_a_bench(x, "N", travel=5e-4), 0.0101, 0.0099
+    ),
+    Case("ramp_not_slow", lambda x: reading.ramp_not_slow(x, "s"), 199, 201),
+    Case("ramp_not_fast", lambda x: reading.ramp_not_fast(x, "s"), 0.299, 0.301),
+    Case("hammer_not_heavy", lambda x: reading.hammer_not_heavy(x, "kN"), 999, 1001),
+    Case("hammer_felt", lambda x: reading.hammer_felt(x, "mN"), 0.0501, 0.0499),
+    Case(
+        "acceleration_not_large", lambda x: reading.acceleration_not_large(x, "g"), 9.99e3, 1.01e4
+    ),
+    Case("hammer_sampled", lambda x: reading.hammer_sampled(x, "s"), 50.1, 49.9),
+    Case(
+        "hammer_not_oversampled", lambda x: reading.hammer_not_oversampled(x, "ms"), 2.49e5, 2.51e5
+    ),
     Case("force_of_a_seal", lambda x: reading.force_of_a_seal(x, "kN"), 999, 1001),
     Case("time_of_a_test", lambda x: reading.time_of_a_test(x, "ms"), 0.1001, 0.0999),
 ]
@@ -805,7 +825,12 @@ STAGES = {
 #: what each value that the cases give is held against, where the criterion itself sets the limit
 LIMITS = {
     "export": {"rows_informed": 0},
-    "io/readers": {"travel_of_a_seal": 1, "force_of_a_seal": 1000, "time_of_a_test": 0.1},
+    "io/readers": {
+        "travel_of_a_seal": 0.2, "force_of_a_seal": 1000, "time_of_a_test": 0.1,
+        "travel_of_a_bench": 2e-5, "force_of_a_bench": 0.01, "ramp_not_slow": 200,
+        "ramp_not_fast": 0.3, "hammer_not_heavy": 1000, "hammer_felt": 0.05,
+        "acceleration_not_large": 1e4, "hammer_sampled": 50, "hammer_not_oversampled": 2.5e5,
+    },
     "preparation": {
         "baseline_recorded": 5, "contact_found": 0.01, "preload_absent": 0.05, "single_loading": 1,
         "ramp_recorded": 1.1,
@@ -870,7 +895,11 @@ GRADES = {
             "columns_plausible", "force_not_clipped", "force_resolved", "force_relaxes",
             "ramp_recorded",
         },
-        "io/readers": {"travel_of_a_seal", "force_of_a_seal", "time_of_a_test"},
+        "io/readers": {
+            "travel_of_a_seal", "force_of_a_seal", "time_of_a_test", "travel_of_a_bench",
+            "force_of_a_bench", "ramp_not_slow", "ramp_not_fast", "hammer_not_heavy",
+            "hammer_felt", "acceleration_not_large", "hammer_sampled", "hammer_not_oversampled",
+        },
         "fitting": {
             "modulus_falls", "optimum_found", "arms_where_force_relaxes", "frequencies_informed",
             "same_specimen",

@@ -354,7 +354,7 @@ def test_each_accelerometer_has_its_sensitivity(tmp_path: Path) -> None:
         read_impact(path)
     with pytest.raises(ReadError, match=r"'Accel 1' .*; column 'Accel 2' .*acceleration=100mV/g"):
         read_impact(path, options=ReadOptions(units={"force": "2mV/N"}))
-    units = {"force": "2mV/N", "Accel 1": "100mV/g", "accel 2": "10mV/(m/s^2)"}
+    units = {"time": "s", "force": "2mV/N", "Accel 1": "100mV/g", "accel 2": "10mV/(m/s^2)"}
     test = read_impact(path, options=ReadOptions(units=units))
     np.testing.assert_allclose(test.force, np.arange(ROWS) / 2)
     np.testing.assert_allclose(test.acceleration[0], np.arange(ROWS) / 100 * 9.80665)

@@ -10,6 +10,7 @@ from kit.look_alikes import truth
 from kit.treacherous import joined, three
 
 from dashpot.base.errors import ReadError
+from dashpot.io.options import ReadOptions
 from dashpot.io.readers.impact import read_impact
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.readers.relaxation import read_relaxation
@@ -79,7 +80,7 @@ def test_padding_of_a_hammer_record_is_left_out(tmp_path: Path) -> None:
     path = tmp_path / "hit.csv"
     head = "time [s];hammer [N];acceleration 1 [m/s^2]"
     path.write_text(joined([*three(), *[["0"] * 3] * 4], head))
-    test = read_impact(path)
+    test = read_impact(path, options=ReadOptions(units={"time": "s"}))
     assert (len(test.time), test.starts) == (len(TIME), (0,))
 
 

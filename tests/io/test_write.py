@@ -42,7 +42,9 @@ def test_relaxation_round_trip(tmp_path_factory: pytest.TempPathFactory, pairs) 
     text = write_relaxation(test, path)
     assert text == path.read_text()
     assert text.splitlines()[0] == "time [s],displacement [mm],force [N]"
-    sizes = ReadOptions(units={"displacement": "mm", "force": "N"})
+    sizes = ReadOptions(
+        displacement="displacement", force="force", units={"displacement": "mm", "force": "N"}
+    )
     back = read_relaxation(path, options=sizes)
     np.testing.assert_array_equal(back.time, test.time)
     np.testing.assert_array_equal(back.force, test.force)
@@ -85,7 +87,7 @@ def test_several_impact_files_are_records(tmp_path: Path) -> None:
 
 
 def test_a_jump_of_the_clock_starts_a_record(tmp_path: Path) -> None:
-    rows = "".join(f"{t:.3f},0.0,1.0\n" for t in [*np.arange(20) / 10, *(5 + np.arange(20) / 10)])
+    rows = "".join(f"{t:.3f},0.0,1.0\n" for t in [*np.arange(20) / 100, *(5 + np.arange(20) / 100)])
     path = tmp_path / "a.csv"
     path.write_text("time [s],hammer [N],acceleration 1 [m/s^2]\n" + rows)
     test = read_impact(path)

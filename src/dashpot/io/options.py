@@ -145,9 +145,10 @@ class ReadOptions:
 
     def unit_of(self, role: str, column: str) -> str | None:
         """The unit given for a column, by its name or by its role, or None."""
-        given = self.by_name()
+        given, name = self.by_name(), column.strip().casefold()
         by_role = given.get(role, given.get("force") if role == "hammer" else None)
-        return given.get(column.strip().casefold(), by_role)
+        # "force=N" speaks of the force, whichever column is it and whatever another is called
+        return by_role if by_role and name in _FLAGS else given.get(name, by_role)
 
     def by_name(self) -> dict[str, str]:
         """The units given, by role or column name in lower case."""

@@ -16,11 +16,12 @@ from dashpot.io.columns.vocabulary import DIMENSION, Role
 from dashpot.io.options import ReadOptions, flag
 from dashpot.io.table import Column, Question, Table
 
-_EXAMPLE = {
+EXAMPLE = {
     "time": "s", "displacement": "mm", "force": "N", "acceleration": "m/s^2", "frequency": "Hz",
     "storage": "MPa", "loss": "MPa", "temperature": "degC", "modulus": "MPa", "hammer": "N",
     "phase": "deg",
 }  # fmt: skip
+"""What a role is measured in most often."""
 _MODULI = {"storage", "loss", "modulus"}  # of a part they are stiffnesses
 _LESS = (
     (vocabulary.COMMANDED, 1.5, None),
@@ -277,7 +278,7 @@ def _example(table: Table, role: Role) -> str:
 def mislabelled(column: Column, role: Role) -> str:
     """The sentence for a column whose label is no unit of its role."""
     dimension = DIMENSION[role]
-    example = _EXAMPLE.get(role, "")
+    example = EXAMPLE.get(role, "")
     sensed = "100mV/g" if role == "acceleration" else f"22.5mV/{example}"
     word = column.unit or ""
     found = units.dimensions(word)
@@ -356,7 +357,7 @@ def _unit_like(column: Column, role: Role) -> str:
     """The likeliest unit of a column in a role."""
     if role == "frequency" and vocabulary.has_word(column.name, _ANGULAR):
         return "rad/s"
-    return _EXAMPLE.get(role, "UNIT")
+    return EXAMPLE.get(role, "UNIT")
 
 
 def _clock_unit(label: str, stated: str | None) -> Unit:

@@ -10,14 +10,17 @@ from pathlib import Path
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
+from dashpot.base.checks import Check
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Source
 from dashpot.base.units import Unit
 from dashpot.io.columns.kinds import FileKind, cycle_peaks, kind_of, refuse_kind
 from dashpot.io.columns.roles import (
+    EXAMPLE,
     Assigned,
     ask,
     assign,
+    handle,
     list_columns,
     no_units,
     quoted,
@@ -172,6 +175,33 @@ def with_units(file: Opened, chosen: Sequence[Assigned]) -> list[Channel]:
 def _lacks_unit(file: Opened, one: Assigned) -> bool:
     column = file.table.columns[one.index]
     return column.unit is None and file.options.unit_of(one.role, column.name) is None
+
+
+def refuse_sizes(file: Opened, answers: Sequence[tuple[Channel, Sequence[Check]]]) -> None:
+    """Ask for the first unit that makes an unbelievable size, but for those that the user said.
+
+    Raises
+    ------
+    ReadError
+    """
+    for one, checks in answers:
+        failed = [check.says for check in checks if check.failed]
+        if failed and not is_stated(file, one):
+            raise ReadError(failed[0])
+
+
+def is_stated(file: Opened, one: Channel) -> bool:
+    """Whether the user said the unit of a channel, or each of its cells does, as clock times."""
+    column = file.table.columns[one.index]
+    clocked = column.content == "clock"
+    return clocked or file.options.unit_of(one.role, column.name) is not None
+
+
+def named(file: Opened, columns: Sequence[tuple[Role, int]]) -> str:
+    """Return the options that give roles to columns, with the usual units, as they are typed."""
+    words = [f'{flag(role)} "{handle(file.table.columns, index)}"' for role, index in columns]
+    usual = dict.fromkeys(f"{role}={EXAMPLE[role]}" for role, _ in columns)
+    return f'{" ".join(words)} --units "{",".join(usual)}"'
 
 
 def rivals(file: Opened, chosen: Sequence[Channel]) -> list[str]:

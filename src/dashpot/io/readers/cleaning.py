@@ -13,6 +13,10 @@ from dashpot.io.table import Loaded
 
 _LAST = 5.0
 """How much longer than all others the last step may be before it is worth a word."""
+_FULL = 0.98
+"""Part of the travel at which a ramp counts as over; what is left of it, as begun."""
+_LOUD = 0.1
+"""Part of its peak beyond which a signal is not at rest."""
 _FEW = 1e-3
 """Share of repeated time stamps that may be dropped."""
 
@@ -112,6 +116,14 @@ def ramp_window(time: FloatArray, displacement: FloatArray) -> BoolArray:
     return np.asarray((filled >= onset) & (filled <= end + 10 * max(end - onset, 0.0)))
 
 
+def ramp_samples(displacement: FloatArray) -> tuple[int, int]:
+    """Return the first and the last sample of the first travel; equal where nothing moves."""
+    moved = np.abs(displacement - displacement[0])
+    far = float(moved.max())
+    full = int(np.argmax(moved > _FULL * far))
+    return full - int(np.argmax(moved[full::-1] <= (1 - _FULL) * far)), full
+
+
 def drop_repeats(time: FloatArray, loaded: Loaded) -> tuple[BoolArray, list[str]]:
     """Return which samples to keep so that time rises, and a note on the repeats left out.
 
@@ -172,15 +184,18 @@ def clock_notes(time: FloatArray) -> list[str]:
     return [says]
 
 
-def swapped(displacement: FloatArray, force: FloatArray) -> list[str]:
-    """Return a warning, or none, if the 'force' is held and the 'displacement' relaxes."""
-    if _relaxes(displacement) > 0.08 and _relaxes(force) < 0.01:
-        says = (
-            "displacement and force look swapped: the column read as force is held while the one "
-            "read as displacement relaxes; name them with --displacement and --force"
-        )
-        return [says]
-    return []
+def swapped(displacement: FloatArray, force: FloatArray) -> bool:
+    """Whether the 'force' is held and the 'displacement' relaxes."""
+    return _relaxes(displacement) > 0.08 and _relaxes(force) < 0.01
+
+
+def rings(signal: FloatArray) -> float:
+    """Return the part of a record in which a signal is beyond a tenth of its peak.
+
+    A hammer's pulses are over in a few samples, what it strikes rings on.
+    """
+    away = np.abs(signal - median(signal))
+    return float(np.mean(away > _LOUD * away.max()))
 
 
 def _relaxes(values: FloatArray) -> float:

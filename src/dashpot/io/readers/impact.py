@@ -2,22 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
+from dashpot.base.arrays import FloatArray, median
+from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, ReadError
-from dashpot.io.columns.roles import Assigned, acceleration_question, accelerations
+from dashpot.io.columns.roles import Assigned, acceleration_question, accelerations, quoted
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
-from dashpot.io.readers import channels, cleaning
+from dashpot.io.readers import channels, checks, cleaning
 from dashpot.io.readers.channels import Channel, Opened
 from dashpot.io.table import Loaded
 from dashpot.records.impact import ImpactTest
 
 _WANT = "hits, a hammer force and an acceleration, are"
+_RINGS_ON = 5.0
+"""How much longer than its hammer what is struck is in motion, at least."""
+_PULSES = 0.02
+"""Part of a record that a hammer's pulses hardly fill."""
+_PEAKS: dict[Role, tuple[Callable[[float, str], Check], ...]] = {
+    "hammer": (checks.hammer_felt, checks.hammer_not_heavy),
+    "acceleration": (checks.acceleration_not_large,),
+}
 
 
 def read_impact(
@@ -101,6 +110,8 @@ def _one(path: str | Path, options: ReadOptions | None) -> ImpactTest:
         else:
             time, signals = np.arange(len(loaded.values)) / rate, columns
             notes.append(f"time counted from the rows at {rate:g} Hz, as given")
+        _refuse_swapped(file, chosen, signals)
+        _refuse_sizes(file, chosen, time, signals)
         source = channels.source(file, [c.says for c in chosen], notes)
         try:
             return ImpactTest(
@@ -131,6 +142,44 @@ def _channels(file: Opened) -> list[Channel]:
     says = "named by --acceleration" if file.options.acceleration else ""
     responses = [Assigned("acceleration", i, says) for i in found]
     return channels.with_units(file, [*chosen, *responses])
+
+
+def _refuse_sizes(
+    file: Opened,
+    chosen: Sequence[Channel],
+    time: FloatArray,
+    signals: Sequence[FloatArray],
+) -> None:
+    """Ask for the units again that make a size no hammer test has."""
+    of_signals = chosen[-len(signals) :]
+    asked: list[tuple[Channel, list[Check]]] = []
+    for one in chosen[: -len(signals)]:
+        step = median(np.diff(time))
+        rates = (checks.hammer_sampled, checks.hammer_not_oversampled) if step > 0 else ()
+        asked.append((one, [ask(1 / step, one.unit.word) for ask in rates]))
+    for one, signal in zip(of_signals, signals, strict=True):
+        peak = float(np.abs(signal - median(signal)).max())
+        asked.append((one, [ask(peak, one.unit.word) for ask in _PEAKS[one.role] if peak]))
+    channels.refuse_sizes(file, asked)
+
+
+def _refuse_swapped(file: Opened, chosen: Sequence[Channel], signals: Sequence[FloatArray]) -> None:
+    """Propose the swap where the 'hammer' rings and an 'acceleration' is short pulses."""
+    if file.options.hammer or file.options.force:
+        return
+    of_hammer, *others = zip(chosen[-len(signals) :], map(cleaning.rings, signals), strict=True)
+    pulses = [one for one in others if one[1] * _RINGS_ON < of_hammer[1] and one[1] > 0]
+    if of_hammer[1] < _PULSES or len(pulses) != 1:
+        return
+    hammer = pulses[0][0].index
+    responses = (of_hammer[0].index if one.index == hammer else one.index for one, _ in others)
+    raise ReadError(
+        "hammer and acceleration look swapped: the column read as hammer rings on while the one "
+        f"read as acceleration ({quoted(file.table.columns, hammer)}) is short pulses; if so, add "
+        + channels.named(
+            file, [("hammer", hammer), *(("acceleration", index) for index in responses)]
+        )
+    )
 
 
 def _whole(loaded: Loaded) -> None:

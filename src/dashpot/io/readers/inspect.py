@@ -165,7 +165,8 @@ def _inspected(file: Opened) -> Inspection:
     doubts = [question for _, question in loaded.doubts]
     if kind == "relaxation" and not questions:
         found = {role: by_index[i] for i, (role, _) in roles.items()}
-        warnings += cleaning.swapped(found["displacement"], found["force"])
+        if cleaning.swapped(found["displacement"], found["force"]):
+            warnings.append("displacement and force look swapped")
     inspection = Inspection(
         file=raw.name, sha256=raw.sha256, format=table.format, kind=kind, reason=reason,
         encoding=table.encoding, delimiter=table.delimiter, decimal=table.decimal,

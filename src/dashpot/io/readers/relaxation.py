@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -85,32 +85,67 @@ def relaxation_in(file: Opened, specimen: Specimen) -> RelaxationTest:
         values[role] if keep.all() else values[role][keep]
         for role in ("time", "displacement", "force")
     )
-    notes += [*cleaning.clock_notes(time), *cleaning.swapped(moved, force)]
-    _refuse_sizes(file, chosen, {"time": time, "displacement": moved, "force": force})
+    notes += cleaning.clock_notes(time)
+    _refuse_swapped(file, chosen, moved, force)
+    _refuse_sizes(file, chosen, time, moved, force)
     specimen, said = stated_specimen(file, specimen)
     source = channels.source(file, [c.says for c in chosen], [*notes, *said])
     return RelaxationTest(time, moved, force, specimen, source)
 
 
-_SIZES: dict[str, Callable[[float, str], Check]] = {
-    "displacement": checks.travel_of_a_seal,
-    "force": checks.force_of_a_seal,
-    "time": checks.time_of_a_test,
-}
+_SHOWN = 5
+"""Steps between samples that show a ramp; a commanded step has one."""
 
 
 def _refuse_sizes(
-    file: Opened, chosen: Sequence[Channel], values: Mapping[str, FloatArray]
+    file: Opened,
+    chosen: Sequence[Channel],
+    time: FloatArray,
+    moved: FloatArray,
+    force: FloatArray,
 ) -> None:
-    """Ask for the units again that make a size no seal has, unless the user has said them."""
-    answers = [
-        _SIZES[one.role](float(np.ptp(values[one.role])), one.unit.word)
-        for one in chosen
-        if file.options.unit_of(one.role, file.table.columns[one.index].name) is None
-    ]
-    asked = [answer.says for answer in answers if answer.failed]
-    if asked:
-        raise ReadError("; ".join(asked))
+    """Ask for the units again that make a size no test of a seal has."""
+    travel, rise = float(np.ptp(moved)), float(np.ptp(force))
+    begun, full = cleaning.ramp_samples(moved)
+    away = np.abs(force - force[begun])
+    # a record that begins in its hold shows neither
+    pressed = bool(away[full] > 0.5 * rise and away[full] >= away[-1])
+    shown = pressed and full - begun >= _SHOWN
+    stated = any(channels.is_stated(file, one) for one in chosen if one.role == "displacement")
+    ramp = float(time[full] - time[begun]) if shown and not stated else 0.0
+    # a speed is made of both: the travel is asked for first
+    answers: dict[Role, Callable[[str], list[Check]]] = {
+        "displacement": lambda unit: [
+            checks.travel_of_a_seal(travel, unit),
+            *([checks.travel_of_a_bench(travel, unit, force=rise)] if pressed else []),
+        ],
+        "force": lambda unit: [
+            checks.force_of_a_seal(rise, unit),
+            checks.force_of_a_bench(rise, unit, travel=travel),
+        ],
+        "time": lambda unit: [
+            checks.time_of_a_test(float(np.ptp(time)), unit),
+            checks.ramp_not_slow(ramp, unit),
+            *([checks.ramp_not_fast(travel / ramp, unit)] if ramp else []),
+        ],
+    }
+    channels.refuse_sizes(
+        file, [(one, answers[one.role](one.unit.word)) for one in reversed(chosen)]
+    )
+
+
+def _refuse_swapped(
+    file: Opened, chosen: Sequence[Channel], moved: FloatArray, force: FloatArray
+) -> None:
+    """Propose the swap where the 'displacement' relaxes, unless the user named the columns."""
+    if file.options.force or file.options.displacement or not cleaning.swapped(moved, force):
+        return
+    index = {one.role: one.index for one in chosen}
+    raise ReadError(
+        "displacement and force look swapped: the column read as force is held while the one read "
+        "as displacement relaxes; if so, add "
+        + channels.named(file, [("displacement", index["force"]), ("force", index["displacement"])])
+    )
 
 
 def _expected(file: Opened, besides: Sequence[FileKind] = ()) -> None:

@@ -1,0 +1,162 @@
+"""Wrong units and swapped columns: asked about, and read right with the option that is named."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from pathlib import Path
+
+import numpy as np
+import pytest
+from kit.mistakes import bench, hammer, rows
+
+from dashpot.base.errors import ReadError
+from dashpot.io.options import ReadOptions, parse_units
+from dashpot.io.readers.impact import read_impact
+from dashpot.io.readers.relaxation import read_relaxation
+
+UNITS = {
+    "metres under mm": ((1, 1e-3, 1), "", "displacement=m"),
+    "millimetres under m": ((1, 1, 1), "displacement [m]", "displacement=mm"),
+    "half a metre": ((1, 0.06, 0.06), "displacement [m]", "displacement=mm"),
+    "micrometres under mm": ((1, 1e3, 1), "", "displacement=um"),
+    "millimetres under um": ((1, 1, 1), "displacement [um]", "displacement=mm"),
+    "newtons under mN": ((1, 1, 1), "force [mN]", "force=N"),
+    "newtons under kN": ((1, 1, 1), "force [kN]", "force=N"),
+    "millinewtons under N": ((1, 1, 1e3), "", "force=mN"),
+    "kilonewtons under N": ((1, 1, 1e-3), "", "force=kN"),
+    "milliseconds under s": ((1e3, 1, 1), "", "time=ms"),
+    "minutes under s": ((1 / 60, 1, 1), "", "time=min"),
+    "seconds under ms": ((1, 1, 1), "time [ms]", "time=s"),
+    "seconds under h": ((1, 1, 1), "time [h]", "time=s"),
+}
+"""What is done to the columns, the heading that is wrong, and the answer."""
+HITS = {
+    "newtons under kN": ("hammer [kN]", "hammer=N"),
+    "newtons under mN": ("hammer [mN]", "hammer=N"),
+    "seconds under ms": ("time [ms]", "time=s"),
+}
+SWAPPED_BENCH = ("time [s]", "force [N]", "displacement [mm]")
+
+
+def under(heading: str, head: tuple[str, ...]) -> list[str]:
+    """A head with one heading changed."""
+    word = heading.partition(" ")[0]
+    return [heading if word and one.startswith(word) else one for one in head]
+
+
+def answer(message: str) -> ReadOptions:
+    """The options that a message proposes, as a user would paste them."""
+    words = shlex.split(re.search(r"if so, add (.*)", message)[1])  # type: ignore[index]
+    given: dict[str, list[str]] = {}
+    for flag, value in zip(words[::2], words[1::2], strict=True):
+        given.setdefault(flag.removeprefix("--"), []).append(value)
+    units = parse_units(given.pop("units")[0])
+    several = tuple(given.pop("acceleration", ()))
+    named = {name: values[0] for name, values in given.items()}
+    return ReadOptions(units=units, acceleration=several, **named)
+
+
+@pytest.mark.parametrize(("factors", "heading", "meant"), UNITS.values(), ids=UNITS.keys())
+def test_a_unit_that_makes_no_test_is_asked_about(
+    tmp_path: Path, factors: tuple[float, ...], heading: str, meant: str
+) -> None:
+    path = tmp_path / "seal.csv"
+    path.write_text(
+        bench(*factors, head=under(heading, ("time [s]", "displacement [mm]", "force [N]")))
+    )
+    with pytest.raises(ReadError, match=f'Then add --units "{meant}"'):
+        read_relaxation(path)
+    test = read_relaxation(path, options=ReadOptions(units=parse_units(meant)))
+    wanted = [
+        factor * column
+        for factor, column in zip(factors, np.array(rows("seal_8mm.csv")).T, strict=True)
+    ]
+    scale = {
+        "m": 1.0,
+        "mm": 1e-3,
+        "um": 1e-6,
+        "N": 1.0,
+        "mN": 1e-3,
+        "kN": 1e3,
+        "s": 1.0,
+        "ms": 1e-3,
+        "min": 60.0,
+    }
+    role, _, unit = meant.partition("=")
+    column = ("time", "displacement", "force").index(role)
+    np.testing.assert_allclose(getattr(test, role), wanted[column] * scale[unit])
+
+
+def test_a_unit_stated_by_option_is_not_asked_about(tmp_path: Path) -> None:
+    path = tmp_path / "seal.csv"
+    path.write_text(bench(1, 1e-3, 1))
+    test = read_relaxation(path, options=ReadOptions(units={"displacement": "mm"}))
+    assert np.ptp(test.displacement) == pytest.approx(8.04e-6, rel=0.01)
+
+
+def test_a_probe_in_its_own_units_is_not_asked_about(tmp_path: Path) -> None:
+    """Micrometres and micronewtons, or metres and newtons as an AFM writes them."""
+    path = tmp_path / "probe.csv"
+    for head, factors in (
+        (("time [s]", "displacement [um]", "force [uN]"), (1, 1, 1)),
+        (("time [s]", "displacement [m]", "force [N]"), (1, 1e-6, 1e-6)),
+    ):
+        path.write_text(bench(*factors, head=head))
+        assert np.ptp(read_relaxation(path).displacement) < 1e-5
+
+
+@pytest.mark.parametrize(("heading", "meant"), HITS.values(), ids=HITS.keys())
+def test_a_unit_that_makes_no_hammer_is_asked_about(
+    tmp_path: Path, heading: str, meant: str
+) -> None:
+    path = tmp_path / "hammer.csv"
+    head = under(
+        heading, ("time [s]", "hammer [N]", "acceleration 1 [m/s^2]", "acceleration 2 [m/s^2]")
+    )
+    path.write_text(hammer(head=head))
+    with pytest.raises(ReadError, match=f'Then add --units "{meant}"'):
+        read_impact(path)
+    test = read_impact(path, options=ReadOptions(units=parse_units(meant)))
+    np.testing.assert_allclose(test.force, np.array(rows("hammer.csv"))[:, 1])
+
+
+def test_swapped_headings_end_with_the_options_proposed(tmp_path: Path) -> None:
+    path = tmp_path / "seal.csv"
+    for head in (SWAPPED_BENCH, ("time [s]", "force", "displacement")):
+        path.write_text(bench(head=head))
+        with pytest.raises(ReadError, match=r"look swapped|has no unit") as caught:
+            read_relaxation(path)
+        if "no unit" in str(caught.value):
+            units = ReadOptions(units={"displacement": "mm", "force": "N"})
+            with pytest.raises(ReadError, match="look swapped") as caught:
+                read_relaxation(path, options=units)
+        test = read_relaxation(path, options=answer(str(caught.value)))
+        np.testing.assert_allclose(test.force, np.array(rows("seal_8mm.csv"))[:, 2])
+        np.testing.assert_allclose(test.displacement, 1e-3 * np.array(rows("seal_8mm.csv"))[:, 1])
+
+
+@pytest.mark.parametrize(
+    "head",
+    [
+        ("time [s]", "acceleration 1 [m/s^2]", "hammer [N]", "acceleration 2 [m/s^2]"),
+        ("time [s]", "acceleration 1 [m/s^2]", "acceleration 2 [m/s^2]", "hammer [N]"),
+    ],
+)
+def test_a_hammer_that_rings_is_an_accelerometer(tmp_path: Path, head: tuple[str, ...]) -> None:
+    path = tmp_path / "hammer.csv"
+    path.write_text(hammer(head=head))
+    with pytest.raises(ReadError, match="hammer and acceleration look swapped") as caught:
+        read_impact(path)
+    test = read_impact(path, options=answer(str(caught.value)))
+    truth = np.array(rows("hammer.csv")).T
+    np.testing.assert_allclose(test.force, truth[1])
+    np.testing.assert_allclose(np.sort(test.acceleration, axis=0), np.sort(truth[2:], axis=0))
+
+
+def test_units_of_a_role_hold_whatever_another_column_is_called() -> None:
+    units = ReadOptions(units={"displacement": "mm", "force": "N", "Load": "kN"})
+    assert units.unit_of("displacement", "force") == "mm"
+    assert units.unit_of("force", "displacement") == "N"
+    assert units.unit_of("force", "Load") == "kN"
+    assert ReadOptions(units={"force": "mm"}).unit_of("displacement", "force") == "mm"
