@@ -11,6 +11,7 @@ from dashpot.engine.inference.covariance import (
     Noise,
     autocovariance,
     geyer_cut,
+    initial_sequence,
     noise_gain_ratio,
     noise_of,
     sandwich,
@@ -38,6 +39,15 @@ def test_the_cut_stops_where_a_pair_of_lags_falls_to_zero() -> None:
     assert geyer_cut(np.array([1.0, 0.5, 0.2, 0.1, -0.2, 0.1, 0.5, 0.5])) == 4
     assert geyer_cut(np.array([1.0, -2.0, 0.0, 0.0])) == 1
     assert geyer_cut(np.array([1.0, 0.5, 0.4, 0.3])) == 4
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.5, 0.95, 0.999])
+@pytest.mark.parametrize("n", [1, 2, 3, 4, 50, 5000])
+def test_lag_by_lag_is_the_sequence_up_to_its_cut(n: int, memory: float) -> None:
+    noise = autoregressive(np.random.default_rng(n), n, memory)
+    whole = autocovariance(noise)
+    found = initial_sequence(noise)
+    np.testing.assert_allclose(found, whole[: geyer_cut(whole)], atol=1e-13)
 
 
 def test_kappa_of_white_and_of_autoregressive_noise() -> None:
@@ -104,6 +114,36 @@ def test_sandwich_is_the_dense_toeplitz_form() -> None:
     dense = inverse @ jacobian.T @ toeplitz @ jacobian @ inverse
     found = sandwich([jacobian], [Noise(150, gamma, 9.0, 0.4)])
     np.testing.assert_allclose(found, dense, rtol=2e-2)
+
+
+@pytest.mark.parametrize("lags", [2, 5, 8, 9])
+def test_the_noise_of_few_lags_is_the_dense_toeplitz_form(lags: int) -> None:
+    jacobian = np.cumsum(np.random.default_rng(5).standard_normal((150, 3)), axis=0)
+    gamma = 1.0 - np.arange(lags) / lags  # of means over so many white values
+    lag = np.abs(np.subtract.outer(np.arange(150), np.arange(150)))
+    toeplitz = np.maximum(1.0 - lag / lags, 0.0)
+    inverse = np.linalg.inv(jacobian.T @ jacobian)
+    dense = inverse @ jacobian.T @ toeplitz @ jacobian @ inverse
+    found = sandwich([jacobian], [Noise(150, gamma, 1.0, 2.0)])
+    np.testing.assert_allclose(found, dense, rtol=1e-9)
+
+
+def test_what_is_hardly_known_spoils_nothing_that_is_known() -> None:
+    """A slow arm beside a spring and a drift: their sum is known, and so are all other arms."""
+    time = np.linspace(0, 1, 20_000)
+    decays = np.exp(-time[:, None] / np.array([0.01, 0.03, 0.1, 0.3, 30.0]))
+    jacobian = np.column_stack((np.ones_like(time), time, decays))
+    steps = np.cumsum(np.random.default_rng(1).standard_normal((5, len(time))), axis=1)
+    noise = Noise(len(time), np.array([2.0, 0.5]), 1.5, 1.5)
+    found = sandwich([jacobian], [noise], further=[lambda columns: steps @ columns])
+    orthonormal, triangle = np.linalg.qr(jacobian)
+    shifted, moved = orthonormal[1:].T @ orthonormal[:-1], steps @ orthonormal
+    middle = 2.0 * np.eye(7) + 0.5 * (shifted + shifted.T) + moved.T @ moved
+    expected = np.linalg.solve(triangle, np.linalg.solve(triangle, middle).T)
+    size = np.sqrt(np.diag(expected))
+    assert size[0] > 1e3 * size[3]
+    assert np.linalg.eigvalsh(found / np.outer(size, size))[0] > -1e-12
+    np.testing.assert_allclose(found, expected, rtol=1e-8)
 
 
 def test_records_keep_their_own_noise() -> None:

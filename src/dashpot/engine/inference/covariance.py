@@ -12,12 +12,13 @@ Source: C. J. Geyer, Statistical Science 7 (1992) 473.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, block_means
+from dashpot.base.arrays import BoolArray, FloatArray, block_means
 from dashpot.engine.blocks.correlation import fast_length
 
 # a direction whose share of the information is below this is a rounding error, not knowledge
@@ -29,6 +30,8 @@ _EVEN_GAIN = 2.0
 # parameters per effective residual beyond which the fit's own part is given back lag by lag
 _WORTH_GIVING_BACK = 0.005
 _ROUNDS = 3
+# so few lags cost less one by one than by Fourier transforms
+_FEW_LAGS, _FEW_TERMS = 48, 8
 # slow noise is sought in about so many means to a record, never of fewer samples than that; so many
 # times the scatter of its power under white noise is no chance: one white record in 100 has more
 _MEANS, _FEWEST, _BY_CHANCE = 1024, 4, 6.0
@@ -111,15 +114,14 @@ def _joined(fine: Noise, slow: FloatArray, few: int) -> Noise:
 def _seen(residual: FloatArray, jacobian: FloatArray | None, *, rounding: float = 0.0) -> Noise:
     """What the correlations of neighbours say, up to the lag at which chance takes over."""
     n = len(residual)
-    gamma = autocovariance(residual)
+    kept = initial_sequence(residual)
     parameters = 0 if jacobian is None else jacobian.shape[1]
     whitened = n / max(n - parameters, 1.0)
-    if gamma[0] <= rounding**2:
-        return Noise(n, gamma[:1] * whitened, 1.0, 2.0)
-    kept = gamma[: geyer_cut(gamma)]
+    if kept[0] <= rounding**2:
+        return Noise(n, kept[:1] * whitened, 1.0, 2.0)
     kappa = _kappa(kept)
     if jacobian is not None and parameters * kappa > _WORTH_GIVING_BACK * n:
-        taken = _taken(jacobian)
+        gamma, taken = autocovariance(residual), _taken(jacobian)
         for _ in range(_ROUNDS):
             given = gamma + gamma[0] * min(kappa, n / (2.0 * parameters)) * taken / n
             kept = given[: geyer_cut(given)]
@@ -152,6 +154,19 @@ def autocovariance(residual: FloatArray) -> FloatArray:
     return np.asarray(np.fft.irfft(power, size)[..., :n] / n)
 
 
+def initial_sequence(residual: FloatArray) -> FloatArray:
+    """Return :func:`autocovariance` up to :func:`geyer_cut`, lag by lag while lags are few."""
+    n, found = len(residual), [float(residual @ residual)]
+    for lag in range(1, min(_FEW_LAGS, n - 1), 2):
+        # gamma_{lag - 1} is the first of the pair
+        found.append(float(residual[lag:] @ residual[:-lag]))
+        if found[-2] + found[-1] <= 0.0:
+            return np.array(found[: max(lag - 1, 1)]) / n
+        found.append(float(residual[lag + 1 :] @ residual[: -lag - 1]))
+    gamma = autocovariance(residual)
+    return gamma[: geyer_cut(gamma)]
+
+
 def geyer_cut(gamma: FloatArray) -> int:
     r"""Return how many lags to keep: up to the first :math:`\gamma_{2m}+\gamma_{2m+1} \le 0`."""
     pairs = gamma[: len(gamma) // 2 * 2].reshape(-1, 2).sum(axis=1)
@@ -163,24 +178,22 @@ def sandwich(
     jacobians: Sequence[FloatArray],
     noises: Sequence[Noise],
     *,
-    further: FloatArray | None = None,
+    further: Sequence[Callable[[FloatArray], FloatArray]] = (),
 ) -> FloatArray:
     r"""Return the covariance of the parameters, shape (p, p), from one Jacobian per record.
 
     Each record keeps its own noise: the middle of the sandwich is
-    :math:`\sum_r J_r^T \Gamma_r J_r`, and `further` adds to it what is known of errors that are
-    not constant in time. A parameter that the data do not determine has an infinite
-    variance and no correlation.
+    :math:`\sum_r J_r^T \Gamma_r J_r`. `further` adds errors that are not constant in time: a
+    function for each record that makes, of columns of its Jacobian (n, r), their products (m, r)
+    with m independent errors of unit variance. A parameter that the data do not determine has an
+    infinite variance and no correlation.
     """
-    middle = np.sum(
-        [
-            toeplitz_form(jacobian, noise.autocovariance)
-            for jacobian, noise in zip(jacobians, noises, strict=True)
-        ],
-        axis=0,
-    )
-    information = np.sum([jacobian.T @ jacobian for jacobian in jacobians], axis=0)
-    return _covariance(information, middle if further is None else middle + further)
+    basis = _orthonormal(jacobians)
+    middle = basis.gained(noises)
+    for shares, columns in zip(further, basis.columns, strict=False):
+        each = shares(columns)
+        middle += each.T @ each
+    return basis.covariance(middle)
 
 
 def noise_gain_ratio(jacobians: Sequence[FloatArray], noises: Sequence[Noise]) -> float:
@@ -191,24 +204,11 @@ def noise_gain_ratio(jacobians: Sequence[FloatArray], noises: Sequence[Noise]) -
     varies by a factor u leaves least squares an efficiency of :math:`4u/(1+u)^2` at worst, 0.89
     at 2. Source: P. Bloomfield and G. S. Watson, Biometrika 62 (1975) 121.
     """
-    middle = np.sum(
-        [
-            toeplitz_form(jacobian, noise.autocovariance)
-            for jacobian, noise in zip(jacobians, noises, strict=True)
-        ],
-        axis=0,
-    )
-    information = np.sum([jacobian.T @ jacobian for jacobian in jacobians], axis=0)
-    scale = np.sqrt(np.diag(information))
-    there = scale > 0.0
-    if not there.any():
+    basis = _orthonormal(jacobians)
+    if not basis.turn.size:
         return 1.0
-    used, norm = np.ix_(there, there), np.outer(scale[there], scale[there])
-    values, vectors = np.linalg.eigh(information[used] / norm)
-    sharp = values > _SINGULAR * values[-1]
-    orthonormal = vectors[:, sharp] / np.sqrt(values[sharp])
-    shares = np.linalg.eigvalsh(orthonormal.T @ (middle[used] / norm) @ orthonormal)
-    return float(shares[-1] / shares[0]) if shares[0] > 0.0 else np.inf
+    shares = np.linalg.eigvals(np.linalg.solve(basis.gram, basis.gained(noises))).real
+    return float(shares.max() / shares.min()) if shares.min() > 0.0 else np.inf
 
 
 def nearly_white(noises: Sequence[Noise]) -> bool:
@@ -223,16 +223,22 @@ def noise_gain_differs(jacobians: Sequence[FloatArray], noises: Sequence[Noise])
 
 def white(jacobian: FloatArray, variance: float) -> FloatArray:
     """Return the covariance for independent residuals of this variance, shape (p, p)."""
-    information = jacobian.T @ jacobian
-    return _covariance(information, variance * information)
+    basis = _orthonormal([jacobian])
+    return basis.covariance(variance * basis.gram)
 
 
 def toeplitz_form(jacobian: FloatArray, gamma: FloatArray) -> FloatArray:
-    """Return J' Gamma J through the circulant that contains Gamma, by Parseval's sum."""
+    """Return J' Gamma J: a term a lag, or by Parseval's sum over the circulant around Gamma."""
     n, _ = jacobian.shape
     lags = len(gamma)
     if lags == 1:
         return np.asarray(gamma[0] * (jacobian.T @ jacobian))
+    if lags <= min(_FEW_TERMS, n) and _is_power(gamma):
+        form = gamma[0] * (jacobian.T @ jacobian)
+        for lag in range(1, lags):
+            crossed = gamma[lag] * (jacobian[lag:].T @ jacobian[:-lag])
+            form += crossed + crossed.T
+        return np.asarray(form)
     size = fast_length(n + lags - 1)
     circulant = np.zeros(size)
     circulant[:lags] = gamma
@@ -249,19 +255,62 @@ def toeplitz_form(jacobian: FloatArray, gamma: FloatArray) -> FloatArray:
     return np.asarray(both[::2, ::2] + both[1::2, 1::2])
 
 
-def _covariance(information: FloatArray, middle: FloatArray) -> FloatArray:
-    """Return H^-1 M H^-1 on unit-diagonal H, infinite where H says nothing."""
+def _is_power(gamma: FloatArray) -> bool:
+    """True if a few lags are those of a positive power spectrum."""
+    power = np.fft.rfft(gamma, 64 * len(gamma)).real
+    return bool((2.0 * power > gamma[0]).all())
+
+
+class _Basis(NamedTuple):
+    """The directions of the parameters that the data know, and what each does to the data.
+
+    Attributes
+    ----------
+    turn : array, shape (p, r)
+        Parameters by direction.
+    columns : tuple of array, shape (n, r)
+        The Jacobians along the directions: orthonormal but for rounding.
+    gram : array, shape (r, r)
+        Their inner products, which take the rounding into account.
+    lost : bool array, shape (p,)
+        Parameters with a part in what the data do not know.
+    """
+
+    turn: FloatArray
+    columns: tuple[FloatArray, ...]
+    gram: FloatArray
+    lost: BoolArray
+
+    def gained(self, noises: Sequence[Noise]) -> FloatArray:
+        """The noise along the directions, shape (r, r)."""
+        forms = map(toeplitz_form, self.columns, (noise.autocovariance for noise in noises))
+        return np.asarray(sum(forms))
+
+    def covariance(self, middle: FloatArray) -> FloatArray:
+        """The covariance of the parameters (p, p), infinite where the data say nothing."""
+        spread = np.linalg.solve(self.gram, self.turn.T)
+        covariance = spread.T @ middle @ spread
+        covariance[self.lost, :] = 0.0
+        covariance[:, self.lost] = 0.0
+        covariance[self.lost, self.lost] = np.inf
+        return np.asarray(covariance)
+
+
+def _orthonormal(jacobians: Sequence[FloatArray]) -> _Basis:
+    """Turn Jacobians into orthonormal columns.
+
+    The normal equations square the condition number, and what one direction that is hardly known
+    loses to rounding would outweigh all that is known of the others. They only choose the
+    directions; what counts is taken from the turned columns.
+    """
+    information = np.sum([jacobian.T @ jacobian for jacobian in jacobians], axis=0)
     scale = np.sqrt(np.diag(information))
     known = scale > 0.0
     scale = np.where(known, scale, 1.0)
-    values, vectors = np.linalg.eigh(information / np.outer(scale, scale) + np.diag(~known * 1.0))
-    sharp = values > _SINGULAR * values[-1]
-    inverse = (vectors[:, sharp] / values[sharp]) @ vectors[:, sharp].T
-    covariance = inverse @ (middle / np.outer(scale, scale)) @ inverse
-    # what depends on a direction without information is not known at all
-    lost = ~known | (np.abs(vectors[:, ~sharp]).max(axis=1, initial=0.0) > np.sqrt(_SINGULAR))
-    covariance = covariance / np.outer(scale, scale)
-    covariance[lost, :] = 0.0
-    covariance[:, lost] = 0.0
-    covariance[lost, lost] = np.inf
-    return np.asarray(covariance)
+    values, vectors = np.linalg.eigh(information / np.outer(scale, scale) - np.diag(~known * 1.0))
+    sharp = values > _SINGULAR * max(values[-1], 0.0)
+    dull = np.abs(vectors[:, ~sharp]).max(axis=1, initial=0.0)
+    turn = vectors[:, sharp] / (np.sqrt(values[sharp]) * scale[:, None])
+    columns = tuple(jacobian @ turn for jacobian in jacobians)
+    gram = np.sum([column.T @ column for column in columns], axis=0)
+    return _Basis(turn, columns, gram, ~known | (dull > np.sqrt(_SINGULAR)))

@@ -60,53 +60,55 @@ class Kernel(NamedTuple):
         return np.asarray(self.k_inf + np.exp(-time[:, None] / self.tau) @ self.k)
 
 
-def encoder_term(jacobian: FloatArray, encoder: Encoder, kernel: Kernel) -> FloatArray:
-    """Return what one record's encoder adds to the middle of the sandwich, shape (p, p).
+def encoder_rows(columns: FloatArray, encoder: Encoder, kernel: Kernel) -> FloatArray:
+    """Return J' delta of every independent error of one record's encoder, of unit variance.
 
-    `jacobian` has a row per sample, or only from some sample on.
+    A row (p,) per error. `columns` are J, or any turn of it: a row per sample, or only from some
+    sample on.
     """
-    before = len(encoder.time) - len(jacobian)
-    jacobian = np.concatenate((np.zeros((before, jacobian.shape[1])), jacobian))
-    contact = _contact_term(jacobian, encoder, kernel)
-    return contact if encoder.step == 0.0 else contact + _steps_term(jacobian, encoder, kernel)
+    before = len(encoder.time) - len(columns)
+    contact = _contact_row(columns, before, encoder, kernel)
+    if encoder.step == 0.0:
+        return contact
+    return np.concatenate((contact, _step_rows(columns, before, encoder, kernel)))
 
 
-def _contact_term(jacobian: FloatArray, encoder: Encoder, kernel: Kernel) -> FloatArray:
-    """Return what an error of the contact adds: a step of motion when the plate touches."""
+def _contact_row(columns: FloatArray, before: int, encoder: Encoder, kernel: Kernel) -> FloatArray:
+    """What an error of the contact moves, a step of motion when the plate touches."""
     if encoder.contact_error == 0.0:
-        return np.zeros((jacobian.shape[1],) * 2)
-    touched = int(np.searchsorted(encoder.time, encoder.onset))
-    sensitivity = kernel(encoder.time[touched:] - encoder.onset) @ jacobian[touched:]
-    return np.asarray(encoder.contact_error**2 * np.outer(sensitivity, sensitivity))
+        return np.zeros((0, columns.shape[1]))
+    first = max(int(np.searchsorted(encoder.time, encoder.onset)), before)
+    moved = kernel(encoder.time[first:] - encoder.onset) @ columns[first - before :]
+    return encoder.contact_error * moved[None]
 
 
-def _steps_term(jacobian: FloatArray, encoder: Encoder, kernel: Kernel) -> FloatArray:
-    time, readings, step = encoder.time, encoder.readings, encoder.step
-    size = jacobian.shape[1]
+def _step_rows(columns: FloatArray, before: int, encoder: Encoder, kernel: Kernel) -> FloatArray:
+    time, readings = encoder.time, encoder.readings
     starts = np.concatenate(([0], np.flatnonzero(np.diff(readings)) + 1))
     ends = np.concatenate((starts[1:], [len(readings)]))
     rests = ends - starts > _REST * len(readings)
     rests[0] = True  # all motion is measured from the first reading
-    sensitivities = [
-        _pulse(jacobian, time, kernel, (int(a), int(b)))
+    pulses = [
+        _pulse(columns, before, time, kernel, (int(a), int(b)))
         for a, b in zip(starts[rests], ends[rests], strict=True)
     ]
+    seen = ends > before
     k_0 = kernel.k_inf + float(kernel.k.sum())
-    short = k_0 * np.add.reduceat(jacobian, starts, axis=0)[~rests]
-    rows = np.concatenate((short, np.reshape(sensitivities, (-1, size))))
-    return np.asarray(step**2 / 12.0 * (rows.T @ rows))
+    short = np.add.reduceat(columns, np.maximum(starts[seen] - before, 0), axis=0)[~rests[seen]]
+    return encoder.step / float(np.sqrt(12.0)) * np.concatenate((k_0 * short, np.array(pulses)))
 
 
 def _pulse(
-    jacobian: FloatArray, time: FloatArray, kernel: Kernel, run: tuple[int, int]
+    columns: FloatArray, before: int, time: FloatArray, kernel: Kernel, run: tuple[int, int]
 ) -> FloatArray:
     """Return J' delta for a unit error over a run of samples.
 
     The record measures motion from its first reading, so an error of the first run is a step
     at the run's end.
     """
-    sensitivity = np.zeros(jacobian.shape[1])
+    moved = np.zeros(columns.shape[1])
     for sign, at in zip((1.0, -1.0), run, strict=True):
+        first = max(at, before)
         if 0 < at < len(time):
-            sensitivity += sign * (kernel(time[at:] - time[at]) @ jacobian[at:])
-    return sensitivity
+            moved += sign * (kernel(time[first:] - time[at]) @ columns[first - before :])
+    return moved

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -13,7 +14,7 @@ from dashpot.engine.inference.covariance import Noise, noise_of, sandwich, white
 from dashpot.engine.inference.order import bic, significant
 from dashpot.engine.solver.descent import Stack
 from dashpot.engine.solver.variable_projection import Jacobian, Solution, full_jacobian
-from dashpot.fitting.uncertainty.encoder import Encoder, Kernel, encoder_term
+from dashpot.fitting.uncertainty.encoder import Encoder, Kernel, encoder_rows
 from dashpot.records.fit import AtDepth
 
 # a fit that leaves less than this of the largest force has met the rounding of the data
@@ -170,15 +171,10 @@ def estimated(
     count = len(every_sample)
     residuals, jacobians = every_residual[:count], every_jacobian[:count]
     noises = noises_of(residuals, jacobians, peak=peak)
-    further = None
-    if encoders is not None:
-        further = np.sum(
-            [
-                encoder_term(jacobian, encoder, _kernel(solution, block))
-                for jacobian, encoder, block in zip(jacobians, encoders, every_sample, strict=True)
-            ],
-            axis=0,
-        )
+    further = [
+        partial(encoder_rows, encoder=encoder, kernel=_kernel(solution, block))
+        for encoder, block in zip(encoders or (), every_sample, strict=False)
+    ]
     known = [Noise(block.samples, np.array([block.variance]), 1.0, 2.0) for block in priors]
     covariance = sandwich(every_jacobian, [*noises, *known], further=further)
     return Estimate(
