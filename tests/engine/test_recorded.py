@@ -74,13 +74,17 @@ def test_columns_are_boltzmann_superposition() -> None:
     np.testing.assert_allclose(p, (ahead - behind) / (2 * h), atol=1e-8)
 
 
-@pytest.mark.parametrize("count", [2, 3, 7, 150, 1023])
+@pytest.mark.parametrize("count", [2, 3, 31, 32, 33, 150, 1024, 1025, 3000])
 def test_uniform_recursion_is_the_general_one(count: int) -> None:
     time = np.arange(count) / 10
-    x = GENERATOR.standard_normal(count)
-    q, _ = arm_columns(time, x, np.array([0.03, 2.0, 500.0]))
-    for column, tau in zip(q.T, (0.03, 2.0, 500.0), strict=True):
+    x = np.random.default_rng(count).standard_normal(count)
+    every = np.array([0.03, 2.0, 500.0])
+    q, p = arm_columns(time, x, every)
+    for column, tau in zip(q.T, every, strict=True):
         np.testing.assert_allclose(column, arm_response(time, x, tau), atol=1e-13 * count)
+    h = 1e-5
+    ahead, behind = (arm_columns(time, x, every * np.exp(d))[0] for d in (h, -h))
+    np.testing.assert_allclose(p, (ahead - behind) / (2 * h), atol=1e-8)
 
 
 @given(
@@ -159,16 +163,17 @@ def test_the_optimum_is_scipys_with_lfilter() -> None:
 
 
 def test_any_grid_and_weights_take_the_recursion() -> None:
-    keep = np.sort(GENERATOR.choice(len(TIME), 1500, replace=False))
+    rng = np.random.default_rng(2)
+    keep = np.sort(rng.choice(len(TIME), 1500, replace=False))
     keep[0] = 0
     time, x = TIME[keep], HISTORIES["steps and chirp"][keep]
     sd = np.where(time < 10, 2e-3, 2e-2)
-    force = force_of(x, 2, sd=0.0, time=time) + sd * GENERATOR.standard_normal(len(time))
+    force = force_of(x, 2, sd=0.0, time=time) + sd * rng.standard_normal(len(time))
     block = recorded_block(time, x, force, weights=1 / sd)
     assert block.exact is block
     found = solve([block], 2)
     assert found.converged
-    np.testing.assert_allclose(found.tau, [0.5021, 16.416], rtol=0.1)
+    np.testing.assert_allclose(found.tau, [0.5021, 16.416], rtol=0.3)
     assert found.sse == pytest.approx(len(time), rel=0.15)
     orders = solve_orders([block], 2)
     assert [order.order for order in orders] == [0, 1, 2]

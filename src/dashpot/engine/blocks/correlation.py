@@ -27,7 +27,7 @@ import numpy as np
 from dashpot.base.arrays import ByValue, ComplexArray, FloatArray
 from dashpot.base.errors import FitError
 from dashpot.engine.blocks.block import Block, Evaluation, Rows
-from dashpot.engine.blocks.compression import Compression, counted
+from dashpot.engine.blocks.compression import Compression, counted, uniform_step
 
 
 def fast_length(least: int) -> int:
@@ -348,14 +348,23 @@ def _lagged(
 ) -> FloatArray:
     r"""Correlation of a fixed column with the steps, in closed form where there is one.
 
-    For a constant the sum of the steps telescopes. For the displacement itself, summing by parts
-    over the window that ends at e and starts after b,
+    For a constant the sum of the steps telescopes. Summing by parts over the window that ends at
+    e and starts after b gives that of a straight line of slope s, and of the displacement itself,
 
-    .. math:: C_x(l) - C_x(l+1) = -C_d(l+1) + x_e d_{e-l} - x_b d_{b-l}
+    .. math:: C_t(l) = t_e x_{e-l} - t_{b+1} x_{b-l} - s \sum_{b < i < e} x_{i-l}, \qquad
+              C_x(l) - C_x(l+1) = -C_d(l+1) + x_e d_{e-l} - x_b d_{b-l}
     """
     start, stop = bare.start, bare.count
     if column[0] == column[-1] and (column == column[0]).all():
         return np.asarray(column[0] * (x[:stop][::-1] - _turned_back(x[:stop], start)))
+    slope = uniform_step(column)
+    if slope is not None:
+        rest = x[stop - 1]  # a sum of what is left of it in the hold loses nothing to rounding
+        total = np.cumsum(x[:stop] - rest) + rest * np.arange(1.0, stop + 1.0)
+        line = column[-1] * x[:stop][::-1] - slope * _turned_back(total, stop - 1)
+        if start:
+            line -= _turned_back(column[0] * x[:stop] - slope * total, start)
+        return np.asarray(line)
     if not np.array_equal(column, x[start:stop]):
         return bare.lag(column)
     # from the last lag to the first

@@ -22,6 +22,7 @@ from dashpot.engine.blocks.compression import SMALL, uniform_step
 from dashpot.engine.blocks.correlation import correlation_block
 from dashpot.engine.blocks.hold import window_of
 from dashpot.engine.blocks.kernels import reduced_block
+from dashpot.engine.blocks.stretches import even_arms
 
 #: samples from which the recursion is worth reducing
 LONG = 2000
@@ -132,8 +133,10 @@ def arm_columns(
     Without the derivative the second is the first.
     """
     step = uniform_step(time)
+    if step is not None:
+        return even_arms(x, step / tau, derivative=derivative)
     moved = np.diff(x)[:, None]
-    z = (np.diff(time)[:, None] if step is None else np.array([[step]])) / tau
+    z = np.diff(time)[:, None] / tau
     lost = np.expm1(-z)
     decay, mean = 1 + lost, -lost / z
     q = recursion(decay, mean * moved, np.full(len(tau), x[0]))
@@ -146,7 +149,7 @@ def recursion(decay: FloatArray, increments: FloatArray, first: FloatArray) -> F
     r"""u_0 = first, u_i = decay_{i-1} u_{i-1} + increments_{i-1}, shape (M, N).
 
     Many stretches run side by side, one step of all at a time; then each one's end is passed on,
-    damped by the product of the decays since. `decay` has one row per step, or one for all.
+    damped by the product of the decays since.
     """
     total, arms = len(increments) + 1, increments.shape[1]
     length = int(np.ceil(np.sqrt(total)))
@@ -158,22 +161,14 @@ def recursion(decay: FloatArray, increments: FloatArray, first: FloatArray) -> F
         return np.ascontiguousarray(padded.reshape(stretches, length, arms).transpose(1, 0, 2))
 
     out = by_step(np.concatenate((first[None], increments)))
-    constant = len(decay) == 1
-    u = np.zeros((stretches, arms))
-    if constant:
-        since = (decay ** np.arange(1, length + 1)[:, None])[:, None, :]
-        for i in range(length):
-            u = u * decay + out[i]
-            out[i] = u
-    else:
-        since = by_step(decay)
-        for i in range(length):
-            u = u * since[i] + out[i]
-            out[i] = u
-            if i:
-                since[i] *= since[i - 1]
+    u, since = np.zeros((stretches, arms)), by_step(decay)
+    for i in range(length):
+        u = u * since[i] + out[i]
+        out[i] = u
+        if i:
+            since[i] *= since[i - 1]
     carry = np.zeros((stretches, arms))
     for b in range(1, stretches):
-        carry[b] = carry[b - 1] * since[-1, 0 if constant else b - 1] + u[b - 1]
+        carry[b] = carry[b - 1] * since[-1, b - 1] + u[b - 1]
     out += since * carry
     return np.asarray(out.transpose(1, 0, 2).reshape(stretches * length, arms)[:total])

@@ -1,0 +1,106 @@
+r"""Arms of a recorded displacement on an even clock, a stretch of samples at a time.
+
+With d_i = x_i - x_{i-1}, z = h/tau, a = e^{-z}, G = (1 - e^{-z})/z, sample i of a stretch is
+
+.. math:: u_i = \sum_{j \le i} a^{i-j} d_j + a^{i+1} u_{-1}, \qquad q_i = G u_i, \qquad
+    p_i = \frac{\partial q_i}{\partial \ln\tau} = (G - a)\,u_i + G z\,v_i, \qquad
+    v_i = \sum_{j \le i} (i - j)\, a^{i-j} d_j + a^{i+1} (v_{-1} + (i + 1)\, u_{-1})
+
+with what the stretch before it ends with at index -1. All stretches are one product with one
+triangular matrix, and their ends are such a sum again, of fewer samples: the recursion in the
+order of a matrix product, for the same result in an eighth of the time.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
+
+#: samples of a stretch: a longer one is more work, a shorter one has more ends
+STRETCH = 32
+
+
+def even_arms(
+    x: FloatArray, z: FloatArray, *, derivative: bool = True
+) -> tuple[FloatArray, FloatArray]:
+    """Elongations q of unit arms and p = dq / d ln tau, both (M, N), from q_0 = x_0.
+
+    Parameters
+    ----------
+    x : array, shape (M,)
+        Displacement.
+    z : array, shape (N,)
+        Sample interval over each relaxation time.
+    derivative : bool
+        Without it the second is the first.
+    """
+    size = len(x)
+    count = -(-size // STRETCH)
+    steps = np.zeros(count * STRETCH)
+    np.subtract(x[1:], x[:-1], out=steps[1:size])
+    # beside the steps of each stretch, what the one before it ends with
+    given = np.zeros((count, STRETCH + 2))
+    given[:, :STRETCH] = steps.reshape(count, STRETCH)
+    q = np.empty((len(z), count * STRETCH))
+    p = np.empty_like(q) if derivative else q
+    index = np.arange(STRETCH + 1.0)
+    for j, one in enumerate(z):
+        power = np.exp(-one * index)
+        mean = -np.expm1(-one) / one
+        ends = piled(given[:, :STRETCH] @ power[STRETCH - 1 :: -1], one * STRETCH)
+        given[1:, STRETCH] = ends[:-1]
+        made = [_answers(mean * power)]
+        if derivative:
+            late = index * power
+            late_ends = given[:, :STRETCH] @ late[STRETCH - 1 :: -1]
+            late_ends[1:] += late[STRETCH] * ends[:-1]
+            given[1:, STRETCH + 1] = piled(late_ends, one * STRETCH)[:-1]
+            made.append(_answers((mean - power[1]) * power + mean * one * late))
+            made[1][STRETCH + 1] = mean * one * power[1:]
+        found = given @ np.concatenate(made, axis=1)
+        q[j] = found[:, :STRETCH].ravel()
+        if derivative:
+            p[j] = found[:, STRETCH:].ravel()
+    if x[0] != 0.0:
+        passed = z[:, None] * np.arange(q.shape[1])
+        left = x[0] * np.exp(-passed)
+        q += left
+        if derivative:
+            p += passed * left
+    return q.T[:size], p.T[:size]
+
+
+def _answers(kernel: FloatArray) -> FloatArray:
+    """A row of answers to each step of a stretch, to the end before it, and one of zeros."""
+    rows = np.zeros((STRETCH + 2, STRETCH))
+    rows[:STRETCH] = _triangle(kernel[:STRETCH])
+    rows[STRETCH] = kernel[1:]
+    return rows
+
+
+def piled(values: FloatArray, z: float) -> FloatArray:
+    r"""Return the sums :math:`\sum_{j \le i} e^{-z (i - j)} v_j`, shape (n,)."""
+    size = len(values)
+    if size <= STRETCH:
+        return values @ _triangle(np.exp(-z * np.arange(float(size))))
+    power = np.exp(-z * np.arange(STRETCH + 1.0))
+    given = np.zeros((-(-size // STRETCH), STRETCH))
+    given.ravel()[:size] = values
+    found = given @ _triangle(power[:STRETCH])
+    found[1:] += piled(found[:, -1], z * STRETCH)[:-1, None] * power[1:]
+    return np.asarray(found.ravel()[:size])
+
+
+def _triangle(kernel: FloatArray) -> FloatArray:
+    """The matrix whose row j holds kernel[i - j] at every i >= j."""
+    lag, later = _lags(len(kernel))
+    return np.where(later, kernel[lag], 0.0)
+
+
+@lru_cache(maxsize=64)
+def _lags(size: int) -> tuple[IndexArray, BoolArray]:
+    lag = np.arange(size) - np.arange(size)[:, None]
+    return np.maximum(lag, 0), lag >= 0
