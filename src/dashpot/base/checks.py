@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 from types import EllipsisType
 from typing import Generic, Literal, NamedTuple, ParamSpec, get_args
 
+from dashpot.base.numbers import spelled
+
 P = ParamSpec("P")
 
 #: what a failed check means: no matter, a limit of the result, a result not to be used
@@ -197,7 +199,9 @@ class Criterion(Generic[P]):
         limit = self.limit if isinstance(found.limit, EllipsisType) else found.limit
         passed = self._passed(found, limit)
         says = (found.instead or found.says) + found.but if passed is False else found.says
-        return Check(self.name, passed, says, found.value, limit, found.grade or self.grade)
+        return Check(
+            self.name, passed, spelled(says), found.value, limit, found.grade or self.grade
+        )
 
     def _passed(self, found: Finding, limit: float | None) -> bool | None:
         if found.faulted or found.excused:

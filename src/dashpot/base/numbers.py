@@ -6,10 +6,14 @@ import math
 import re
 
 _PARAMETER = re.compile(r"\bk_inf\b|\b(?:ln_)?(?:k|tau|b)_\d+\b|\btau\b")
+# what a command line or Python alone can heed: (--band), (dashpot identify), (Python: arms=2)
+_COMMAND = re.compile(r"\s*\((?:--|dashpot |Python:)(?:[^()]|\([^()]*\))*\)")
+_POWER = re.compile(r"(?<![\w.])[0-9]+(?:\.[0-9]+)?e[+-][0-9]{2,3}\b")
+_NEGATIVE = re.compile(r"(?<![\w.)-])-(?=[0-9])")
 MINUS = "−"
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
-_ASCII = str.maketrans(f"{MINUS}⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "--0123456789") | {ord("∞"): "inf"}
+_ASCII = str.maketrans(f"{MINUS}–⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "---0123456789") | {ord("∞"): "inf"}
 
 
 def rounded(value: float, error: float | None = None, *, digits: int = 3) -> str:
@@ -93,6 +97,13 @@ def percent(ratio: float, *, digits: int = 2) -> str:
     return f"{MINUS if value < 0 else '+'}{text} %"
 
 
+def signed(value: float | None, *, digits: int = 2) -> str:
+    """A difference with its sign; a dash where none is known."""
+    if value is None or not math.isfinite(value):
+        return "–"
+    return f"{MINUS if value < 0 else '+'}{_plain(abs(value), digits)}"
+
+
 def decibels(value: float) -> str:
     """A level difference with its sign."""
     text = f"{abs(value):.1f} dB"
@@ -133,12 +144,36 @@ def words(name: str) -> str:
     return name.replace("k_inf", "k∞").replace("tau", "τ").replace("_", " ")
 
 
-def readable(sentence: str) -> str:
-    """A sentence with its parameters as they are printed: k∞ for k_inf, τ₁ for tau_1.
+def spelled(sentence: str) -> str:
+    """A sentence with the powers of ten that people do not write spelled out.
 
-    A number and its per cent sign stay on one line.
+    >>> spelled("leaves 1.3e+02 times the scatter, 2e-14 m")
+    'leaves 130 times the scatter, 2e-14 m'
     """
-    printed = _PARAMETER.sub(lambda found: symbol(found[0]), sentence)
+
+    def plain(found: re.Match[str]) -> str:
+        value = float(found[0])
+        return _printed(found) if value == 0 or 1e-4 <= abs(value) < 1e6 else found[0]
+
+    return _POWER.sub(plain, sentence)
+
+
+def _printed(found: re.Match[str]) -> str:
+    digits = sum(letter.isdigit() for letter in found[0].partition("e")[0])
+    return _plain(float(found[0]), digits)
+
+
+def readable(sentence: str) -> str:
+    """A sentence as a page prints it: k∞ for k_inf, τ₁ for tau_1, ± for +-, a minus for a hyphen.
+
+    What only a command line or Python can heed stands in brackets and is left out: a reader of
+    the page has neither. A number and its per cent sign stay on one line.
+
+    >>> readable("k_inf moves by -2.5e-09 +- 3e-10 m; widen the band (--band), or wait")
+    'k∞ moves by −2.5·10⁻⁹ ± 3·10⁻¹⁰ m; widen the band, or wait'
+    """
+    printed = _PARAMETER.sub(lambda found: symbol(found[0]), _COMMAND.sub("", sentence))
+    printed = _NEGATIVE.sub(MINUS, _POWER.sub(_printed, printed.replace("+-", "±")))
     return printed.replace(" %", "\N{NO-BREAK SPACE}%")
 
 

@@ -123,7 +123,7 @@ def single_loading(index: int, cycles: tuple[Cycle, ...], *, asked: bool) -> Fin
     if len(cycles) > 1:
         says = f"the record holds {listed(cycles)}; cycle {index + 1} is used"
         if not asked:
-            says += ", which has the longest hold: --cycle N chooses another"
+            says += ", which has the longest hold; another can be chosen (--cycle N)"
     if cycle.moves > 1:
         says += (
             f"; {cycle.moves} ramps belong to it: the fit of ramp and hold follows them all, the "
@@ -174,8 +174,8 @@ def spikes_absent(test: RampHold) -> Finding:
     first = test.time[min(np.concatenate((force, plate)))]
     return Finding(
         f"{len(force)} samples of the force and {len(plate)} of the displacement stand apart "
-        f"from both neighbours, the first at t = {first:.6g} s; mend them in the file, or take "
-        "dashpot fit --filter median:3",
+        f"from both neighbours, the first at t = {first:.6g} s; mend them in the file, or take a "
+        "running median of three (dashpot fit --filter median:3)",
         float(count),
     )
 

@@ -36,7 +36,8 @@ def lines_explained(
     `why` is what explains a contradiction of two tests, where that is known.
     """
     advice = (
-        "another mode, leakage or nonlinearity is in the FRF; narrow --band, or ask for more arms"
+        "another mode, leakage or nonlinearity is in the FRF; narrow the band of frequencies "
+        "(--band), or ask for more arms"
     )
     if known_sd:
         return Finding(
@@ -167,7 +168,7 @@ def dashpot_not_missed(fall: float | None, arms: int, b: float, *, sure: bool = 
         "a parallel dashpot explains the lines no better",
         fall,
         instead=f"{arms} arm{'s' * (arms != 1)} and a parallel dashpot of {b:.3g} N s/m lower BIC "
-        f"by {fall:.3g}: ask for one, with dashpot identify --parallel-dashpot (Python: "
+        f"by {fall:.3g}: ask for one (dashpot identify --parallel-dashpot) (Python: "
         "parallel_dashpot=True)",
         limit=DECISIVE if sure else 0.0,
     )
@@ -184,7 +185,7 @@ def arms_identified(arms: int, worst: float, *, significant: bool, new: int = 0)
     return Finding(
         f"every one {how}{hammer}",
         worst,
-        instead=f"not every one {how}: ask for fewer arms, widen --band, or add a relaxation "
-        f"test{hammer}",
+        instead=f"not every one {how}: ask for fewer arms, widen the band of frequencies (--band), "
+        f"or add a relaxation test{hammer}",
         faulted=not significant,
     )

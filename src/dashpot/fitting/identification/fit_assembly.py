@@ -232,10 +232,12 @@ def _checks(
     best: Candidate, covariance: FloatArray, before: Fit | None, apart: Disagreement | None
 ) -> tuple[Check, ...]:
     lead = None if apart is None else apart.explanations[0]
-    why = f"{NOUNS[lead.name]} explains that, see tests_agree" if lead and lead.explains else ""
-    answers = [optimum_found(stationary=best.converged), *agreement(best, why)]
+    why = f"{NOUNS[lead.name]} explains both tests" if lead and lead.explains else ""
+    answers = [optimum_found(stationary=best.converged)]
     if before is not None:
+        # before what follows from it
         answers.append(checks.tests_agree(lead))
+    answers += agreement(best, why)
     arms = best.problem.arms
     worst = float(max(np.sqrt(np.diag(covariance))[1 : 1 + 2 * arms], default=0.0))
     new = 0 if before is None else arms - before.model.arms

@@ -151,7 +151,8 @@ def clocks_agree(found: Sequence[tuple[float, float, float]]) -> Finding:
         f"the force{of} lags the displacement by {1e3 * value:.3g} +- {1e3 * error:.2g} ms",
         late[worst],
         "; the fit takes that into account, but a late force looks like less damping: read both "
-        "channels at one time, name a filter with --force-filter, or widen --sync",
+        "channels at one time, name a filter of the force (--force-filter), or allow for more "
+        "between the clocks (--sync)",
         grade="limit" if abs(value) > _TOO_LATE * prior else None,
     )
 

@@ -204,7 +204,7 @@ def damping_tested(c: Comparison, fit: Fit, *, borne_out: bool = False) -> Findi
     return Finding(
         says + ("; the hammer bears it out" if borne_out else ""),
         tau,
-        "; a faster ramp or a joint fit with this FRF (identify) tests it",
+        "; a faster ramp or a joint fit with this FRF (dashpot identify) tests it",
         limit=1 / (2 * np.pi * high),
         faulted=not borne_out,
     )

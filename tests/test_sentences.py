@@ -1,0 +1,111 @@
+"""Every sentence of a check and of a verdict is in the words of the field: no code on the page."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+
+import pytest
+from kit import handmade
+from kit.trials import DISTURBANCES, KINDS, LAWS, relaxation_test, trial
+from test_checks import STAGES
+
+import dashpot as dp
+from dashpot.base.checks import Check, Finding, criterion
+from dashpot.base.errors import DashpotError
+from dashpot.base.numbers import readable
+from dashpot.simulation.impact import simulate_impact
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.solids.table_1 import BROAD, BROAD_MASS
+
+CODE = re.compile(
+    r"_|--|`|\+-|[<>=]=|\b(?:None|nan|inf|True|False)\b|\de[+-]\d|\w{2,}\("
+    # an equation has a symbol and blanks about its sign
+    r"|(?<!\b[a-zA-Zτ] )(?<!∞ )(?<![₀-₉] )=|=(?! )"
+)
+"""What only a program reads."""
+
+
+@pytest.mark.parametrize(
+    ("said", "plain"),
+    [
+        ("narrow band=5:50 Hz", False), ("see tests_agree", False), ("widen --band", False),
+        ("1.3e+02 times", False), ("0.2 +- 0.1 N", False), ("a delay of nan ms", False),
+        ("ask for fit(arms=2)", False), ("τ = 0.5 s and k₁ = 3 N/mm", True),
+        ("only its b = k τ is seen", True), ("k∞ = 0.2 N/mm, from −3 to 5 %", True),
+        ("the fit of the hold alone (eq. 5)", True),
+    ],
+)  # fmt: skip
+def test_what_counts_as_code(said: str, plain: bool) -> None:
+    assert bool(CODE.search(said)) is not plain
+
+
+def of_cases() -> Iterator[Check]:
+    """Every registered check that a page can show, passed and failed."""
+    for stage, cases in STAGES.items():
+        # of a project's files and lines; and what a reader refuses, with the option that answers
+        if stage not in {"workflow", "io/readers"}:
+            for case in cases:
+                yield from (case.judge(x) for x in (case.passes, case.fails) if x is not None)
+
+
+def of_fit(test: dp.RelaxationTest) -> Iterator[str]:
+    try:
+        found = dp.fit(dp.prepare(test))
+    except DashpotError:
+        return
+    yield from (check.says for check in found.checks)
+    yield found.verdict.says
+
+
+def wrong(sentences: Iterator[str]) -> list[str]:
+    printed = [readable(one) for one in sentences]
+    assert len(printed) > 10
+    return [one for one in printed if CODE.search(one) or "()" in one or "  " in one]
+
+
+def test_every_check_speaks_in_words_passed_or_failed() -> None:
+    assert not wrong(check.says for check in of_cases())
+
+
+@pytest.mark.parametrize("solid", sorted({kind.solid for kind in KINDS}))
+def test_every_simulated_kind_is_answered_in_words(solid: str) -> None:
+    tests = [trial(kind, seed=2) for kind in KINDS if kind.solid == solid]
+    assert not wrong(says for one in tests for says in of_fit(relaxation_test(one)))
+
+
+def test_a_disturbed_record_is_answered_in_words() -> None:
+    tests = [trial(KINDS[1], seed=3, bench=bench) for bench in DISTURBANCES.values()]
+    tests += [trial(KINDS[1], seed=3, law=law) for law in LAWS]
+    assert not wrong(says for one in tests for says in of_fit(relaxation_test(one)))
+
+
+@pytest.mark.parametrize(("stiffer", "mass"), [(1.15, BROAD_MASS), (1.0, 1.1 * BROAD_MASS)])
+def test_two_tests_that_disagree_are_answered_in_words(stiffer: float, mass: float) -> None:
+    bench = simulate_relaxation(BROAD, seed=3).test
+    hammer = simulate_impact(stiffer * BROAD, mass=BROAD_MASS, hits=3, seed=3).test
+    study = dp.characterise(bench, dp.estimate_frf(hammer, mass=mass), mass=mass, seals=2)
+    assert study.verdict.use == "do not use"
+    assert not wrong(check.says for check in (*study.weighed, *study.every_check))
+    said = [study.verdict.says, study.comparison.says]
+    said += [one.says for one in study.joint.explanations]
+    assert study.joint.explanations
+    assert not [one for one in map(readable, said) if CODE.search(one)]
+
+
+def test_the_cause_of_a_disagreement_leads_the_verdict() -> None:
+    apart = Check("tests_agree", False, "the seals are 15 % stiffer", grade="stop")
+    follows = Check("mass_believable", False, "the mass is off", grade="stop")
+    study = handmade.study()
+    joint = replace(study.joint, evidence=replace(study.joint.evidence, checks=(apart, follows)))
+    assert replace(study, joint=joint).verdict.says.startswith("the seals are 15 % stiffer")
+
+
+def test_a_sentence_spells_powers_of_ten_that_people_write_out() -> None:
+    def spelt() -> Finding:
+        """Whatever."""
+        return Finding(f"{130.0:.2g} times, {2e-9:.2g} m")
+
+    spelt.__module__ = "dashpot.nowhere.checks"
+    assert criterion(source="nowhere")(spelt)().says == "130 times, 2e-09 m"
