@@ -156,13 +156,11 @@ def _moved(found: Fit) -> list[str]:
     for item in found.moved:
         unit, _, scale = _SHOWN.get(item.unit, (item.unit, "", 1.0))
         after = f"{rounded(item.after * scale, item.after_se * scale)} {unit}"
-        if item.before is None or not item.before_se:
+        if item.before is None:
             rows.append([f"  {item.name}", "-", after, "new"])
             continue
-        before = f"{rounded(item.before * scale, item.before_se * scale)} {unit}"
-        rows.append(
-            [f"  {item.name}", before, after, f"{(item.after - item.before) / item.before_se:+.2g}"]
-        )
+        before = f"{rounded(item.before * scale, (item.before_se or 0.0) * scale)} {unit}"
+        rows.append([f"  {item.name}", before, after, ascii_only(numbers.signed(item.shift))])
     return table(rows)
 
 

@@ -115,6 +115,13 @@ class Moved:
     after_se: float
     unit: str
 
+    @property
+    def shift(self) -> float | None:
+        """By how many of its standard errors before; None where there is none."""
+        if self.before is None or not self.before_se or not np.isfinite(self.before_se):
+            return None
+        return (self.after - self.before) / self.before_se
+
 
 @dataclass(frozen=True)
 class Explanation:
