@@ -30,6 +30,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "fitting/identification/": ("identify", "report"),
     "vibration/comparison/": MEASURED,
     "export/": ("export",),
+    "report/answer.py": ("export",),
     "workflow/fits.py": ("fit",),
     "workflow/job.py": ("fit", "predict", "identify", "report"),
     "workflow/predictions.py": ("predict",),

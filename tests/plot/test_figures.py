@@ -369,12 +369,31 @@ def test_spectrum_has_one_stem_per_arm_and_hatches_what_is_out_of_reach(drawn):
 def test_the_peaks_are_marked_where_they_are_and_named(drawn, name):
     panel = next(one for one in drawn[name].panels if one.y.label.startswith("accelerance"))
     c = S.comparison
-    measured, predicted = marks(panel, Tag)
+    measured, predicted, joint = marks(panel, Tag)
     assert (measured.x, measured.y, measured.dot) == (c.measured_hz, c.measured_peak, "filled")
     assert (predicted.x, predicted.y, predicted.dot) == (
         c.predicted_hz, c.predicted_peak, "hollow",
     )  # fmt: skip
     assert measured.text == "measured 12.71 Hz, 155 1/kg"
+    after = S.joint_comparison
+    assert (joint.x, joint.y, joint.dot) == (after.predicted_hz, after.predicted_peak, "")
+    assert joint.text == "joint solid 12.66 Hz, 174 1/kg"
+
+
+@pytest.mark.parametrize("name", ["comparison", "resonance", "hero"])
+def test_a_joint_solid_shows_on_both_sides_of_the_measured_line_that_it_lies_under(drawn, name):
+    panel = next(one for one in drawn[name].panels if one.y.label.startswith("accelerance"))
+    order = [line.label for line in lines(panel) if line.label]
+    assert order == ["joint solid", "predicted from relaxation", "measured"]
+    joint, measured = first(panel, "joint solid"), first(panel, "measured")
+    assert joint.pen.width >= measured.pen.width + 4
+
+
+def test_a_joint_fit_that_failed_lies_over_the_prediction_and_has_no_peak():
+    panel = plot.comparison(S.comparison, joint=S.joint_comparison, failed=True).panels[0]
+    order = [line.label for line in lines(panel) if line.label]
+    assert order == ["predicted from relaxation", "joint fit, failed", "measured"]
+    assert len(marks(panel, Tag)) == 2
 
 
 @pytest.mark.parametrize("name", ["comparison", "resonance", "hero", "prediction"])

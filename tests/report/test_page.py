@@ -6,6 +6,7 @@ import base64
 import hashlib
 import json
 import re
+import shlex
 from collections import Counter, defaultdict
 from dataclasses import replace
 from html import unescape
@@ -13,6 +14,7 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from kit import handmade
 from kit.fits import a_fit, altered
 from kit.fractional import SEAL
@@ -20,16 +22,19 @@ from kit.fractional import SEAL
 from dashpot.base.checks import Check
 from dashpot.base.numbers import decibels, percent, rounded, with_error
 from dashpot.base.provenance import Source, Step
+from dashpot.cli import _text, main
 from dashpot.plot import tokens
 from dashpot.records.fit import Explanation, Moved, Status
 from dashpot.records.frf import Hit
 from dashpot.records.specimen import Specimen
 from dashpot.report import html
 from dashpot.report.figures import Drawn
+from dashpot.report.summary import MOST_WORDS
 from dashpot.report.tables import Table
 from dashpot.solids.elastic import ElasticLaw
+from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.systems.prediction import model_modes
-from dashpot.workflow.archive import from_json
+from dashpot.workflow.archive import from_json, to_json
 from dashpot.workflow.assumptions import ASSUMPTIONS
 from dashpot.workflow.recommendation import recommendation
 from dashpot.workflow.resting import at_rest
@@ -88,7 +93,7 @@ def bench() -> str:
 @pytest.fixture
 def sketch(monkeypatch):
     """The words of a report whose figures are left blank, to be quick."""
-    blank = Drawn("blank", "", "", (), (), (), 1)
+    blank = Drawn("blank", "", "", (), (), (), (), 1)
     everything = defaultdict(lambda: blank)
     monkeypatch.setattr("dashpot.report.figures_of", lambda study: everything)
     return lambda study: Page(html(study)).text
@@ -285,11 +290,118 @@ def test_the_numbers_of_the_first_table_are_those_of_the_recommendation(whole):
     cells = [re.findall(r"<td[^>]*>([^<]*)</td>", row) for row in table.split("<tr>")[1:]]
     numbers = [row for row in cells if row]
     answers = (*found.under_mass, *found.one_seal)
-    assert len(numbers) == len(answers) == 4
-    for row, one in zip(numbers, answers, strict=True):
+    assert len(numbers) == len(answers) + 1 == 5
+    for row, one in zip(numbers, answers, strict=False):
         factor = {"Hz": 1.0, "%": 100.0, "N/mm": 1e-3, "": 1.0}[row[3]]
         for cell, value in zip(row[:3], (one.value, one.low, one.high), strict=True):
             assert float(cell) == pytest.approx(factor * value, rel=0.02)
+    assert "Identified band</th>" in table
+    assert numbers[-1][:4] == ["", "0.0040", "40", "Hz"]  # of the joint solid
+
+
+def test_page_and_terminal_tell_one_shift(whole):
+    """By how many standard errors before a parameter moved, and which way."""
+    down = Moved("k_inf", 197.5, 0.5, 196.5, 0.4, "N/m")
+    assert down.shift == -2.0
+    joint = altered(S.joint, moved=(down,))
+    page = Page(html(replace(S, joint=joint))).text
+    assert re.search(r"k∞, N/mm 0\.19750 ± \S+ 0\.19650 ± \S+ −0\.51 % −2\.0", page)
+    (line,) = [row for row in _text.fit(joint).lines if "k_inf" in row and "0.19650 N/mm" in row]
+    assert line.split()[-1] == "-2.0"
+    assert Moved("k_1", None, None, 1.0, 0.1, "N/m").shift is None
+    assert Moved("b", 1.0, None, 2.0, 0.1, "N s/m").shift is None
+
+
+def decks(page: str) -> dict[str, str]:
+    return {
+        name: base64.b64decode(data).decode()
+        for name, data in re.findall(
+            r'download="(solid\.[a-z]+)" href="data:text/plain;base64,([^"]+)"', page
+        )
+    }
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_a_deck_of_the_page_is_that_of_the_command_line(tmp_path, known):
+    """Over the band alone, and with a mark for what is not known of the specimen."""
+    who = Specimen(temperature=296.15, length=0.1) if known else Specimen()
+    arms = GeneralizedMaxwell(196.4, (117.0, 17.9), (0.5, 16.4))
+    fit = a_fit(arms, relative=1e-3, specimen=who)
+    page = html(replace(handmade.bench_only(), fit=fit))
+    kept = tmp_path / "fit.json"
+    kept.write_text(to_json(fit))
+    found = decks(page)
+    assert set(found) == {"solid.nas", "solid.inp"}
+    commands = re.findall(r"the same as (dashpot export [^<]*)", unescape(page))
+    for deck, command in zip(found.values(), commands, strict=True):
+        words = shlex.split(command)[2:]
+        said = CliRunner().invoke(main, ["export", str(kept), *words[1:]])
+        assert said.exit_code == 0, said.output
+        assert said.stdout == deck
+        assert ("OVERRIDE: the test temperature is not stated" in deck) is not known
+    assert "EXTRAPOLATED:" not in found["solid.nas"]
+    text = Page(page).text
+    assert ("the contact length is not stated" in text) is not known
+    assert "Decks hold from 0.0040 to 0.32 Hz" in text
+
+
+def test_a_solid_that_is_not_identified_has_no_deck_and_the_page_says_so():
+    page = html(replace(handmade.bench_only(), fit=altered(S.fit, status=Status.TAU_AT_BOUND)))
+    assert decks(page) == {}
+    assert "No deck: the tests do not determine every parameter." in Page(page).text
+
+
+def test_a_seal_that_hardens_has_the_deck_of_what_the_mass_feels():
+    law = ElasticLaw((0.0, 4e-3, 8e-3), (0.75, 0.95, 1.35), S.fit.model.k_inf, (0.01,) * 3)
+    hard = replace(S.fit, elastic_law=law)
+    rests = at_rest(hard, mass=S.mass, seals=2.0)
+    page = html(replace(S, fit=hard, at_rest=rests, measured=None, comparison=None, joint=None,
+                        joint_comparison=None, impact=None, direct=None))  # fmt: skip
+    k = float(re.search(r"k_inf = ([\d.]+) N/mm", decks(page)["solid.nas"])[1])
+    assert k == pytest.approx(1e-3 * rests.tangent.stiffness, rel=1e-3)
+    assert "--compression" in page
+
+
+def test_what_is_shown_of_the_solid_is_the_recommended_one(whole, sketch):
+    """Table, sentence and checks speak of the solid of both tests, and say so."""
+    text = Page(whole).text
+    assert "The recommended solid, of both tests, one seal" in text
+    k, tau = S.joint.model.k[3], S.joint.model.tau[3]
+    part = text[text.index("The recommended solid") : text.index("Everything else")]
+    assert with_error(1e-3 * k, 1e-3 * S.joint.standard_error["k"][3]) in part
+    assert with_error(tau, S.joint.standard_error["tau"][3]) in part
+    assert "four Maxwell arms" in text
+    assert "The solid of the relaxation test alone, one seal" in text
+    alone = sketch(handmade.bench_only())
+    assert "The recommended solid, of the relaxation test, one seal" in alone
+    assert "The solid of the relaxation test alone" not in alone
+
+
+def test_a_note_on_a_solid_that_is_not_recommended_stands_in_the_list_alone(sketch):
+    note = Check("fast_arm_visible", False, "the fastest arm is too fast", grade="note")
+    limit = Check("k_inf_known", False, "the plateau is open")
+    study = replace(S, fit=altered(S.fit, checks=(*S.fit.checks, note, limit)))
+
+    def first(of) -> str:
+        text = sketch(of)
+        return text[: text.index("The test and its fit")]
+
+    assert "fastest arm is too fast" not in first(study)
+    quoted = Check("strain_small", False, "the strain is large")
+    earlier = altered(study.fit, checks=(quoted, *study.fit.checks))
+    assert "Fit of the relaxation test. The plateau is open." in first(replace(study, fit=earlier))
+    alone = replace(study, joint=None, joint_comparison=None, comparison=None, measured=None)
+    assert "Fit of the relaxation test. The fastest arm is too fast." in first(alone)
+    assert "fastest arm is too fast" in sketch(study)
+
+
+def test_as_many_checks_are_shown_as_there_is_room_for(sketch):
+    every = tuple(Check(f"no_{i}", False, " ".join(["word"] * 30)) for i in range(7))
+    study = replace(handmade.bench_only(), fit=altered(S.fit, checks=every), checks=())
+    text = sketch(study)
+    shown = text[: text.index("The test and its fit")].count("word " * 28)
+    assert shown == 1 + MOST_WORDS // 30
+    assert f"{7 - shown} more stand in the list of checks" in text
 
 
 # -- true to the study ------------------------------------------------------------------------
@@ -392,7 +504,7 @@ def test_what_the_hammer_moved_is_told(sketch):
     )
     text = sketch(replace(S, joint=altered(S.joint, moved=moved)))
     assert "What the hammer moved" in text
-    assert "+0.51 % (1.4 SE)" in text
+    assert "+0.51 % +2.0" in text
     assert "τ₁, s 0.01170 ± 0.00030 new" in text
 
 

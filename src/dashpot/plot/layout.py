@@ -363,8 +363,8 @@ def _tagged(tags: list[Tag], panel: Panel, box: Box) -> list[Word]:
     for tag, (x, y) in zip(tags, places, strict=True):
         wide = text_width(tag.text, bold=tag.bold)
         spots: list[tuple[float, float, Anchor]] = [
-            (x + 10, y + 4, "start"), (x - 10, y + 4, "end"), (x + 10, y - 10, "start"),
-            (x - 10, y - 10, "end"), (x + 10, y + 20, "start"), (x - 10, y + 20, "end"),
+            (x + 10, y + 4, "start"), (x + 14, y + 21, "start"), (x - 10, y + 4, "end"),
+            (x + 10, y - 10, "start"), (x - 10, y - 10, "end"), (x - 10, y + 20, "end"),
             (box.x + box.width - 4, y - 10, "end"), (box.x + 4, y - 10, "start"),
         ]  # fmt: skip
         choices = [(_room(sx, sy, wide, anchor), sx, sy, anchor) for sx, sy, anchor in spots]

@@ -22,6 +22,7 @@ COLOURS: dict[str, tuple[str, str]] = {
     "measured": ("#16191d", "#f1f3f5"),
     "fit": ("#0072b2", "#56b4e9"),
     "joint": ("#cc79a7", "#e58bbe"),
+    "joint-ink": ("#a03a76", "#f0a8cf"),
     "ref": ("#7d858d", "#8b949e"),
     "away": ("#e9ecef", "#22272d"),
     "good": ("#009e73", "#2bb98f"),

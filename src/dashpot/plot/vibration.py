@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from dashpot.plot.picture import (
     MEASURED,
     PREDICTED,
     REF,
+    REJECTED,
     SIMPLER,
     Area,
     Axis,
@@ -49,6 +50,9 @@ INTERVAL, BOUND = "95 % interval of the parameters", "bound over unresolved arms
 
 # a magnitude axis ends that far above the median line at most
 HIGHEST = 1e4
+
+# px: a joint solid shows on both sides of the measured line that it lies under
+UNDER = 7.0
 
 # about a peak, as factors of its frequency
 VIEW = (0.48, 2.3)
@@ -294,7 +298,7 @@ def magnitude_panel(
             marks.append(_scatter(one, scale))
     for one in _layered(curves):
         at, value = drawn[id(one)]
-        pen = replace(one.pen, width=5.0) if one.pen is JOINT else one.pen
+        pen = replace(one.pen, width=UNDER) if one.pen is JOINT else one.pen
         marks.append(Line(at, scale * np.abs(value), pen, one.label))
     if tagged:
         marks += [replace(one, y=min(one.y, limits[1])) for one in _peaks(curves, unit)]
@@ -317,8 +321,9 @@ def phase_panel(curves: Sequence[Curve], view: tuple[float, float]) -> Panel:
 
 
 def _layered(curves: Sequence[Curve]) -> list[Curve]:
-    """In the order of drawing: what was measured last, over all that follows it."""
-    return sorted(curves, key=lambda one: (one.pen is not JOINT, one.pen is MEASURED))
+    """In the order of drawing: broad ones first, then what failed, what was measured over all."""
+    over = {JOINT: 0, REJECTED: 2, MEASURED: 3}
+    return sorted(curves, key=lambda one: over.get(one.pen, 1))
 
 
 def _bode(curves: Sequence[Curve], spread: Sequence[Spread]) -> tuple[Panel, ...]:
@@ -363,18 +368,22 @@ def _scatter(one: Curve, scale: float) -> Area:
 
 
 def _peaks(curves: Sequence[Curve], unit: str) -> list[Tag]:
-    """The peaks with frequency and height: measured filled, predicted hollow."""
-    named = [one for one in curves if one.peak is not None]
+    """The peaks with frequency and height: measured filled, predicted hollow, joint by its name.
+
+    A joint fit that failed has none: its key says so.
+    """
+    inks = {MEASURED: "measured", PREDICTED: "fit", JOINT: "joint-ink"}
+    dots: dict[Pen, Literal["filled", "hollow"]] = {MEASURED: "filled", PREDICTED: "hollow"}
     tags = []
-    for one in sorted(named, key=lambda one: one.pen is not MEASURED):
-        hz, height = one.peak or (math.nan, math.nan)
-        measured = one.pen is MEASURED
-        if not measured and one.pen is not PREDICTED:
-            continue  # a joint solid lies on the measured one, or has failed
-        name = one.label.partition(" from")[0]
-        text = f"{name} {rounded(hz, digits=4)} Hz, {rounded(height)} {unit}"
-        dot = "filled" if measured else "hollow"
-        tags.append(Tag(hz, height, text, one.pen.colour, dot, bold=measured))  # type: ignore[arg-type]
+    for one in sorted(curves, key=lambda one: one.pen is not MEASURED):
+        if one.peak is None or one.pen not in inks:
+            continue
+        hz, height = one.peak
+        text = f"{one.label.partition(' from')[0]} {rounded(hz, digits=4)} Hz, {rounded(height)}"
+        tags.append(
+            Tag(hz, height, f"{text} {unit}", inks[one.pen], dots.get(one.pen, ""),
+                bold=one.pen is MEASURED)
+        )  # fmt: skip
     return tags
 
 

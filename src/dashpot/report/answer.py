@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import base64
 import math
+import shlex
 from collections.abc import Collection, Iterable
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from typing import NamedTuple
 
 from dashpot import export
 from dashpot.base.checks import Check
 from dashpot.base.errors import ExportError
-from dashpot.base.numbers import counted, decibels, duration, percent, rounded
+from dashpot.base.numbers import counted, decibels, duration, hertz, percent, rounded
+from dashpot.export import DeckText
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.workflow.archive import to_json
 from dashpot.workflow.recommendation import Answer, Recommendation
@@ -158,8 +161,25 @@ def heading(found: Recommendation) -> str:
     """Which solid to take, or that none is recommended."""
     if not found.recommended:
         return "No solid is recommended"
-    which = "both tests" if found.joint else "the relaxation test"
-    return f"Recommended: solid of {which}, {counted(found.solid.model.arms, 'arm')}"
+    return f"Recommended: solid of {source(found)}, {counted(found.solid.model.arms, 'arm')}"
+
+
+def source(found: Recommendation) -> str:
+    """Which data the solid comes from."""
+    return "both tests" if found.joint else "the relaxation test"
+
+
+def solid_heading(found: Recommendation) -> str:
+    """What the table of the solid's parameters is of."""
+    if not found.recommended:
+        return "Solid of the relaxation test, not recommended, one seal"
+    return f"The recommended solid, of {source(found)}, one seal"
+
+
+def band_row(found: Recommendation) -> Row:
+    """The frequencies that the solid is known at."""
+    low, high = (rounded(end, digits=2) for end in found.solid.band)
+    return Row("Identified band", "", low, high, "Hz", "", bound=False)
 
 
 def under_mass(study: Study, found: Recommendation) -> tuple[str, tuple[Row, ...]]:
@@ -206,10 +226,14 @@ def _name(one: Answer) -> str:
     return {
         "frequency": "Peak frequency",
         "damping": "Damping ratio",
-        "end of hold": f"Stiffness at end of hold, {duration(one.at or 0.0).replace(' ', NBSP)}",
+        "end of hold": f"Stiffness at end of hold, {_held(one.at or 0.0)}",
         "dynamic stiffness": f"Dynamic stiffness, {where}",
         "loss factor": f"Loss factor, {where}",
     }[one.quantity]
+
+
+def _held(seconds: float) -> str:
+    return duration(seconds).replace(".0 ", " ").replace(" ", NBSP)
 
 
 # -- files ----------------------------------------------------------------------------------------
@@ -224,7 +248,7 @@ def files(study: Study, found: Recommendation) -> tuple[File, ...]:
     solid, about = fits.pop(name)
     label = "Download this solid" if found.recommended else "Download anyway"
     made = [_json(name, label, about if found.recommended else f"DO NOT USE: {about}", solid)]
-    made += _decks(found) if found.recommended else ()
+    made += _decks(found, name)
     if study.comparison is not None:
         lines = _lines(study.comparison, study.joint_comparison)
         about = "measured and predicted accelerance, line by line"
@@ -232,18 +256,84 @@ def files(study: Study, found: Recommendation) -> tuple[File, ...]:
     return (*made, *(_json(name, name, about, one) for name, (one, about) in fits.items()))
 
 
-def _decks(found: Recommendation) -> list[File]:
-    """Decks of the solid at the compression tested; what is not known of the seal is marked."""
+DECKS = (("nastran", "Nastran", "nas"), ("abaqus", "Abaqus", "inp"))
+"""Target, label, ending of the decks that the page holds."""
+
+
+class Deck(NamedTuple):
+    """A deck as the page holds it, and the words that make the same of the solid's JSON file.
+
+    Attributes
+    ----------
+    text : DeckText
+    label, suffix : str
+    options : tuple of str
+        Of ``dashpot export FIT``.
+    """
+
+    text: DeckText
+    label: str
+    suffix: str
+    options: tuple[str, ...]
+
+
+def decks(found: Recommendation) -> tuple[Deck, ...]:
+    """Decks of one recommended seal, over the band that its tests inform and no further.
+
+    What is not known of the specimen is allowed by name, so each deck marks it in its header. A
+    solid that hardens is written as the mass feels it. None of a solid that is not identified.
+    """
+    if not found.recommended:
+        return ()
+    fit, options = found.solid, ["--units", "mm-t-s"]
+    if found.point is not None and not found.point.linear:
+        depth = round(1e3 * found.point.compression, 4)
+        fit = fit.at_compression(f"{depth}mm")
+        options += ["--compression", f"{depth}mm"]
+    low, high = _inside(fit.band)
+    options += ["--range", f"{low!r}:{high!r}Hz"]
+    unknown = tuple(n for n in ("temperature", "length") if getattr(fit.specimen, n) is None)
+    options += [word for name in unknown for word in ("--allow", name)]
     made = []
-    for target, label, suffix in (("nastran", "Deck: Nastran", "nas"), ("abaqus", "Abaqus", "inp")):
+    for target, label, suffix in DECKS:
         try:
-            deck = export.TARGETS[target](
-                found.solid, units="mm-t-s", allow=("temperature", "length")
+            text = export.TARGETS[target](
+                fit, units="mm-t-s", allow=unknown, frequency_range=(low, high)
             )
         except ExportError:
-            continue  # the list of checks says what is not identified
-        about = f"{target} deck of one seal, mm-t-s"
-        made.append(_file(f"solid.{suffix}", label, about, "text/plain", deck))
+            return ()
+        made.append(Deck(text, label, suffix, ("--to", target, *options)))
+    return tuple(made)
+
+
+def _inside(band: tuple[float, float]) -> tuple[float, float]:
+    """The band to four digits, no wider than it is."""
+    low, high = (
+        float(Decimal(end).normalize(Context(prec=4, rounding=way)))
+        for end, way in zip(band, (ROUND_CEILING, ROUND_FLOOR), strict=True)
+    )
+    return low, high
+
+
+def about_decks(found: Recommendation) -> str:
+    """Where the decks hold, and what they miss."""
+    if not found.recommended:
+        return ""
+    made = decks(found)
+    if not made:
+        return "No deck: the tests do not determine every parameter."
+    unknown = ", ".join(made[0].text.overrides)
+    return f"Decks hold from {hertz(found.solid.band)}{'; ' * bool(unknown)}{unknown}."
+
+
+def _decks(found: Recommendation, solid: str) -> list[File]:
+    made = []
+    for i, (text, label, suffix, options) in enumerate(decks(found)):
+        command = shlex.join(("dashpot", "export", solid, *options))
+        about = f"deck of one seal, mm-t-s; the same as {command}"
+        made.append(
+            _file(f"solid.{suffix}", "Deck: " * (i == 0) + label, about, "text/plain", text)
+        )
     return made
 
 

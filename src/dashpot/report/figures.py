@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
@@ -10,8 +11,11 @@ from dashpot.plot.svg import checked, strip, swatch
 from dashpot.vibration.systems.prediction import predict_frf
 from dashpot.workflow.study import Study
 
-PHONE, PAGE = 350.0, 1204.0
-"""Widths of the drawing for a phone, and of all the columns on a screen, px."""
+PHONE, PAPER, PAGE = 350.0, 680.0, 1204.0
+"""Widths of the drawing for a phone, for paper, and of all the columns on a screen, px."""
+
+LOW = 190.0
+"""Height of the first figure where the numbers must stand beneath it on one screen or sheet, px."""
 
 LEAD, HALF = 728.0, 590.0
 """Widths of the figure on the first screen, and of one that stands beside words, px."""
@@ -29,7 +33,9 @@ class Drawn:
     ----------
     name, caption, stamp : str
     wide, narrow : tuple of str
-        Its strips as SVG text, for a screen and for a phone; the same where they are narrow.
+        Its strips as SVG text, for a screen and for a phone.
+    paper : tuple of str
+        For the first sheet of paper; empty where one of the others will do.
     key : tuple of (str, str)
         A sample as SVG text, and its name.
     columns : int
@@ -40,27 +46,37 @@ class Drawn:
     stamp: str
     wide: tuple[str, ...]
     narrow: tuple[str, ...]
+    paper: tuple[str, ...]
     key: tuple[tuple[str, str], ...]
     columns: int
 
 
-def drawn(picture: plot.Picture, *, width: float | None = None) -> Drawn:
-    """Draw a picture for a page: `width` px wide, by default what its columns leave."""
+def drawn(picture: plot.Picture, *, width: float | None = None, low: float | None = None) -> Drawn:
+    """Draw a picture for a page: `width` px wide, by default what its columns leave.
+
+    On a phone and on paper its panels are at most `low` px high, if that is given.
+    """
     name = checked(picture.name)
     columns = min(picture.columns, len(picture.strips))
     each = width or min(picture.width, (PAGE - 24 * (columns - 1)) / columns)
 
-    def strips(each: float, kind: str) -> tuple[str, ...]:
+    def strips(each: float, kind: str, most: float | None = None) -> tuple[str, ...]:
         return tuple(
-            strip(one, name=f"{name}-{kind}-{i}", width=each, kind=kind)
+            strip(
+                tuple(replace(panel, height=min(panel.height, most or math.inf)) for panel in one),
+                name=f"{name}-{kind}-{i}",
+                width=each,
+                kind=kind,
+            )
             for i, one in enumerate(picture.strips)
         )
 
     key = tuple(
         (swatch(mark, name=f"{name}-key{i}"), mark.label) for i, mark in enumerate(picture.key)
     )
-    both = strips(each, "wide"), strips(PHONE, "narrow")
-    return Drawn(name, picture.caption, picture.stamp, *both, key, columns)
+    paper = () if low is None else strips(PAPER, "paper", low)
+    made = strips(each, "wide"), strips(PHONE, "narrow", low), paper
+    return Drawn(name, picture.caption, picture.stamp, *made, key, columns)
 
 
 def figures_of(study: Study) -> dict[str, Drawn]:
@@ -72,7 +88,7 @@ def figures_of(study: Study) -> dict[str, Drawn]:
         )
         for one in every
     }
-    return found | {"lead": drawn(replace(lead(study), name="lead"), width=LEAD)}
+    return found | {"lead": drawn(replace(lead(study), name="lead"), width=LEAD, low=LOW)}
 
 
 def stamp(study: Study) -> str:

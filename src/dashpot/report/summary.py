@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from typing import NamedTuple
 
 from dashpot.base.checks import GRADES, Check
 from dashpot.base.numbers import counted, hertz, readable, rounded
@@ -12,6 +13,7 @@ from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness
+from dashpot.workflow.recommendation import Recommendation
 from dashpot.workflow.study import Study
 
 
@@ -26,21 +28,22 @@ def title(study: Study) -> str:
     return source.file if source is not None else "relaxation test"
 
 
-def sentences(study: Study) -> tuple[str, ...]:
+def sentences(study: Study, found: Recommendation) -> tuple[str, ...]:
     """What the tests say, one thought a sentence, below the verdict."""
     return tuple(
         readable(sentence)
-        for sentence in (_solid(study), _resting(study), _hammer(study), _joint(study))
+        for sentence in (_solid(found), _resting(study), _hammer(study), _joint(study))
         if sentence
     )
 
 
-def _solid(study: Study) -> str:
-    fit = study.fit
+def _solid(found: Recommendation) -> str:
+    fit = found.solid
+    tests = "both tests tell" if found.joint else "the relaxation test tells"
     return (
         f"One seal behaves as a spring of {rounded(1e-3 * fit.model.k_inf)} N/mm with "
         f"{counted(fit.model.arms, 'Maxwell arm')}, {rounded(1e-3 * fit.model.k_0)} N/mm at once; "
-        f"the relaxation test tells its stiffness and damping from {hertz(fit.band)}."
+        f"{tests} its stiffness and damping from {hertz(fit.band)}."
     )
 
 
@@ -145,11 +148,49 @@ def sources(study: Study) -> tuple[Source, ...]:
     return tuple(dict.fromkeys(source for source in found if source is not None))
 
 
-def weighty(study: Study) -> tuple[Check, ...]:
-    """The failed checks behind the verdict, the gravest first, less the one that it quotes."""
+# what a check of each stage speaks of
+SUBJECTS = {
+    "relaxation": "Relaxation test", "fit": "Fit of the relaxation test", "hammer": "Hammer test",
+    "FRF": "FRF", "comparison": "Prediction from relaxation", "joint fit": "Solid of both tests",
+    "after joint fit": "Solid of both tests", "story": "",
+}  # fmt: skip
+
+MOST_WORDS = 100
+"""Of the checks on the first screen: what stands on one page of paper with all the rest."""
+
+
+class Weighty(NamedTuple):
+    """A failed check, and what it speaks of."""
+
+    subject: str
+    check: Check
+
+
+def weighty(study: Study, found: Recommendation) -> tuple[tuple[Weighty, ...], int]:
+    """The failed checks behind the verdict that there is room for, the gravest first; how many not.
+
+    Less the one that the verdict quotes, and less the notes on a solid of the relaxation test
+    beside which that of both tests is recommended.
+    """
     quoted = study.verdict.because[:1]
-    failed = [check for check in study.weighed if check.failed and check not in quoted]
-    return tuple(sorted(failed, key=lambda check: -GRADES.index(check.grade)))
+    subject: dict[Check, str] = {}
+    for stage, checks in stages(study):
+        for check in checks:
+            subject.setdefault(check, stage)
+    failed = [
+        Weighty(SUBJECTS[subject.get(check, "story")], check)
+        for check in study.weighed
+        if check.failed and check not in quoted
+        if not (found.joint and check.grade == "note" and subject.get(check) == "fit")
+    ]
+    failed.sort(key=lambda one: -GRADES.index(one.check.grade))
+    room, shown = MOST_WORDS, 0
+    for one in failed:
+        room -= len(one.check.says.split())
+        if shown and room < 0:
+            break
+        shown += 1
+    return tuple(failed[:shown]), len(failed) - shown
 
 
 def parts(stages: Iterable[tuple[str, tuple[Check, ...]]]) -> list[tuple[str, list[Check]]]:

@@ -19,6 +19,7 @@ from dashpot.base.numbers import (
     percent,
     readable,
     rounded,
+    signed,
     symbol,
     with_error,
     words,
@@ -66,7 +67,7 @@ def assumptions(study: Study) -> Table:
         (one.name, one.holds, state, ", ".join(one.options) or "–", one.advice)
         for one, state in told
     )
-    head = ("assumed", "what that means", "here", "lifted by", "on the bench")
+    head = ("assumed", "what that means", "here", "option that lifts it", "on the bench")
     return Table(head, rows, tuple("bad" if state == "doubted" else "" for _, state in told))
 
 
@@ -423,7 +424,8 @@ def moved(joint: Fit | None) -> Table | None:
         return None
     rows = tuple(_moved_row(one) for one in joint.moved)
     marks = tuple("doubt" if row[-1] == "new" else "" for row in rows)
-    return Table(("", "relaxation alone", "both tests", "moved by"), rows, marks)
+    head = ("", "relaxation alone", "both tests", "change", "in SE of relaxation alone")
+    return Table(head, rows, marks)
 
 
 def _moved_row(m: Moved) -> tuple[str, ...]:
@@ -431,11 +433,8 @@ def _moved_row(m: Moved) -> tuple[str, ...]:
     name = f"{symbol(m.name)}, {unit}"
     now = with_error(f * m.after, f * m.after_se)
     if m.before is None:
-        return name, "", now, "new"
+        return name, "", now, "", "new"
     known = m.before_se is not None
     then = with_error(f * m.before, f * (m.before_se or 0.0)) if known else rounded(f * m.before)
     change = percent(m.after / m.before - 1) if m.before else ""
-    spread = math.hypot(m.before_se or 0.0, m.after_se)
-    if math.isfinite(spread) and spread > 0:
-        change += f" ({rounded(abs(m.after - m.before) / spread, digits=2)} SE)"
-    return name, then, now, change
+    return name, then, now, change, signed(m.shift)

@@ -17,7 +17,6 @@ from dashpot.vibration.systems.operating_point import OperatingPoint, operating_
 from dashpot.vibration.systems.prediction import model_modes, predict_frf
 from dashpot.workflow.study import Study
 
-# a frequency goes with the root of the stiffness, the damping ratio with the loss factor
 Quantity = Literal["frequency", "damping", "end of hold", "dynamic stiffness", "loss factor"]
 
 
@@ -159,7 +158,10 @@ def _between(
 def _under_mass(
     study: Study, frequency: float, damping: float, stiffness: Answer, loss: Answer, *, joint: bool
 ) -> tuple[Answer, ...]:
-    """Peak frequency and damping ratio, with the ends that stiffness and loss factor give."""
+    """Peak frequency and damping ratio, with the ends that stiffness and loss factor give.
+
+    A frequency goes with the root of the stiffness, the damping ratio with the loss factor.
+    """
     c = study.comparison
     ends = [frequency * np.sqrt(end / stiffness.value) for end in (stiffness.low, stiffness.high)]
     sought = None if study.frf_band is None else study.frf_band.peak_frequency

@@ -261,8 +261,8 @@
     const out = document.createElement("p");
     out.className = "read";
     out.setAttribute("aria-live", "polite");
-    // said once: every figure works alike
-    if (figure.id === "figure-lead")
+    // said once, where there is room: every figure works alike
+    if (figure.id === "figure-lead" && matchMedia("(min-width:901px)").matches)
       out.textContent = "Point or use the arrow keys to read values; drag, + or \u2212 to zoom, double click or 0 for all.";
     figure.querySelector(".strips").after(out);
     figure.querySelector(".strips").removeAttribute("role");
