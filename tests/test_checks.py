@@ -587,6 +587,8 @@ VIBRATION = [
     Case(
         "seal_mass_negligible", lambda x: moving_mass(1.0, seal=x / 2, seals=2)[1], 0.0199, 0.0201
     ),
+    Case("mass_of_a_block", vibration.mass_of_a_block, 1.01e-3, 0.99e-3),
+    Case("compression_tested", lambda x: vibration.compression_tested(2 * x, 2.0), 0.99, 1.01),
     Case("causal", lambda x: vibration.causal(x, 0.1, error=0.0, peak=12.0), 0.1499, 0.1501),
     Case("causal", lambda x: vibration.causal(x, 0.1, error=0.05, peak=12.0), 0.1999, 0.2001),
 ]
@@ -860,7 +862,9 @@ LIMITS = {
         "earlier_fit_kept": 2.5, "dashpot_not_missed": 50, "arms_identified": 0.5,
     },
     "planning": {"tip_excites": -10},
-    "vibration": {"seal_mass_negligible": 0.02},
+    "vibration": {
+        "seal_mass_negligible": 0.02, "mass_of_a_block": 1e-3, "compression_tested": 1,
+    },
     "vibration/comparison": {
         "stiffness_agrees": 0.05, "peak_agrees": 3, "damping_agrees": 1.25,
         "lines_resolve_the_peak": 1.5, "inside_identified_band": 1,

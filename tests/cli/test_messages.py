@@ -34,6 +34,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "workflow/fits.py": ("fit",),
     "workflow/job.py": ("fit", "predict", "identify", "report"),
     "workflow/predictions.py": ("predict",),
+    "workflow/prepared.py": ("predict",),
     "workflow/impacts.py": MEASURED,
     "workflow/impacts.py:identify_files": ("identify",),
     "workflow/study.py": ("report",),

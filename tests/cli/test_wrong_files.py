@@ -125,11 +125,45 @@ def test_the_second_file_of_a_command_has_its_own_answers(lab: Path) -> None:
 
 def test_predict_reads_its_record_as_it_is_told(lab: Path) -> None:
     (lab / "odd.csv").write_text(bench(ramp_and_hold(), head="a,b,c"))
-    run("fit", "seal.csv", "--arms", "2", "-o", "fitted.json")
+    named = ("--time", "1", "--displacement", "2", "--force", "3",
+             "--units", "time=s,displacement=mm,force=N")  # fmt: skip
+    run("fit", "odd.csv", *named, "--arms", "2", "-o", "fitted.json")
     words = ("predict", "fitted.json", "--mass", "104g", "--seals", "2", "--with", "odd.csv")
     assert "no column is recognised as time" in " ".join(run(*words, code=2).split())
-    named = ("--time", "1", "--displacement", "2", "--force", "3")
-    run(*words, *named, "--units", "time=s,displacement=mm,force=N")
+    run(*words, *named)
+
+
+def test_predict_refuses_a_record_that_was_not_fitted(lab: Path) -> None:
+    run("fit", "seal.csv", "--arms", "2", "-o", "fitted.json")
+    (lab / "other.csv").write_text(bench(1.01 * ramp_and_hold()))
+    words = ("predict", "fitted.json", "--mass", "104g", "--seals", "2", "--with")
+    said = " ".join(run(*words, "other.csv", code=2).split())
+    assert "other.csv is not what was fitted" in said
+    assert "the fit is of seal.csv" in said
+    run(*words, "seal.csv")
+
+
+@pytest.mark.parametrize(("rate", "code"), [("25Hz", 0), ("25.2Hz", 0), ("25.3Hz", 2), ("50Hz", 2)])
+def test_a_rate_that_the_clock_contradicts_is_refused(lab: Path, rate: str, code: int) -> None:
+    said = " ".join(run("fit", "seal.csv", "--arms", "1", "--rate", rate, code=code).split())
+    assert ("runs at 25 Hz: leave --rate out" in said) is (code == 2)
+
+
+@pytest.mark.parametrize("words", ["--mass 104kg", "--mass 104g --compression 2600mm"])
+def test_a_seal_is_not_pressed_ten_times_as_deep_as_tested(lab: Path, words: str) -> None:
+    run("fit", "seal.csv", "--arms", "2", "-o", "fitted.json")
+    said = " ".join(run("predict", "fitted.json", *words.split(), code=2).split())
+    assert re.search(r"presses the seal by .* mm, but it was tested to 8 mm: check", said)
+
+
+def test_a_mass_in_the_wrong_unit_leads_the_verdict(lab: Path) -> None:
+    run("fit", "seal.csv", "--arms", "2", "-o", "fitted.json")
+    light = " ".join(run("predict", "fitted.json", "--mass", "0.104g").split())
+    assert light.startswith("use with care: the mass is 0.104 g, less than an accelerometer weighs")
+    heavy = " ".join(run("predict", "fitted.json", "--mass", "1kg").split())
+    assert re.match(r"do not use: the seals are pressed by 4\d\.\d+ mm, [56]\.\d+ times", heavy)
+    comma = " ".join(run("predict", "fitted.json", "--mass", "104,0g", code=2).split())
+    assert "'104,0g' has a decimal comma; write '104.0g' with a point" in comma
 
 
 def test_a_cycle_is_chosen_by_its_number(lab: Path) -> None:

@@ -14,8 +14,10 @@ from kit.fits import a_fit
 from dashpot.base.errors import DataError
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
+from dashpot.records.specimen import Specimen
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.vibration.checks import compression_tested
 from dashpot.vibration.comparison.compare import compare
 from dashpot.vibration.systems.operating_point import operating_point
 from dashpot.vibration.systems.prediction import predict_frf
@@ -49,6 +51,23 @@ def test_a_straight_law_changes_nothing() -> None:
                 fit, mass=MASS, seals=SEALS, frequency=LINES, compression=compression
             )
             np.testing.assert_array_equal(found.value, solid.value)
+
+
+@pytest.mark.parametrize("fit", [straight(), hard()], ids=["straight", "hardening"])
+def test_no_seal_is_pressed_far_beyond_its_test_or_its_height(fit: Fit) -> None:
+    operating_point(fit, mass=MASS, compression=79e-3)
+    for refused in (
+        lambda: operating_point(fit, mass=MASS, compression=81e-3),
+        lambda: operating_point(fit, mass=104.0, seals=SEALS),
+        lambda: fit.at_compression(81e-3),
+        lambda: predict_frf(fit, mass=104.0, seals=SEALS, frequency=LINES),
+    ):
+        with pytest.raises(DataError, match="tested to 8 mm"):
+            refused()
+    low = replace(fit, provenance=replace(fit.provenance, specimen=Specimen(height=12e-3)))
+    operating_point(low, mass=MASS, compression=11.9e-3)
+    with pytest.raises(DataError, match=r"by 12 mm, but it is 12 mm high: check its unit"):
+        operating_point(low, mass=MASS, compression=12e-3)
 
 
 def test_at_the_tested_depth_of_a_straight_piece_the_factor_is_its_tangent() -> None:
@@ -148,3 +167,9 @@ def test_a_comparison_needs_the_mass_where_the_stiffness_depends_on_it() -> None
     given_point = predict_frf(hard(), mass=MASS, seals=SEALS, frequency=LINES, compression=2.6e-3)
     told = compare(given_point, frf, fit=hard(), seals=SEALS, compression=2.6e-3)
     assert told.predicted_hz < told.measured_hz
+
+
+def test_thrice_the_tested_depth_is_too_deep() -> None:
+    assert compression_tested(2.99, 1.0).grade == "limit"
+    assert compression_tested(3.01, 1.0).grade == "stop"
+    assert compression_tested(3.0, None).passed is None

@@ -178,6 +178,45 @@ def test_the_least_fit_of_the_contract_is_read():
     assert fit.standard_error["tau"] == pytest.approx((0.003,))
 
 
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        ('"k_inf": 196.5', '"k_inf": 196500.0'),
+        ('"says": "', '"says": "it is very good: '),
+        ('"sha256": "0', '"sha256": "1'),
+    ],
+)
+def test_a_fit_that_was_edited_is_noticed(before, after):
+    text = to_json(FIT)
+    assert before in text
+    edited = text.replace(before, after, 1)
+    with pytest.raises(ReadError, match=r'changed by hand; .* take "digest" out'):
+        from_json(edited)
+    bare = json.loads(edited)
+    del bare["digest"]
+    from_json(json.dumps(bare))
+
+
+def test_a_fit_printed_by_another_program_is_that_fit():
+    def plain(value):
+        return int(value) if isinstance(value, float) and value == int(value) else value
+
+    def walked(value):
+        if isinstance(value, dict):
+            return {key: walked(item) for key, item in reversed(value.items())}
+        return list(map(walked, value)) if isinstance(value, list) else plain(value)
+
+    assert from_json(json.dumps(walked(json.loads(to_json(FIT))))) == FIT
+
+
+def test_a_text_for_a_number_is_named():
+    text = (
+        '{"schema": "dashpot/fit@1", "model": {"k_inf": 1.0, "arms": [{"k": 2.0, "tau": "0,1"}]}}'
+    )
+    with pytest.raises(ReadError, match=r'arms\[0\]\.tau is the text "0,1"; expected a number'):
+        from_json(text)
+
+
 def test_a_fit_that_tells_no_errors_claims_none():
     fit = from_json(
         '{"schema": "dashpot/fit@1", "model": {"k_inf": 1.0, "arms": [{"k": 2.0, "tau": 3.0}]}}'

@@ -15,6 +15,7 @@ from dashpot.base.offered import Pictured
 from dashpot.base.provenance import Source, Step
 from dashpot.base.units import Quantity, si
 from dashpot.records.bounds import EndOfHold, LeftOpen
+from dashpot.records.compression import refuse_far
 from dashpot.records.estimate import (
     Intervals,
     Nuisance,
@@ -553,10 +554,11 @@ class Fit(ByValue, Pictured):
         Raises
         ------
         DataError
-            If the compression is not a number > 0.
+            If the compression is not a number > 0, or one that no such seal has.
         """
         compression = si(compression, "length")
         tangent = self.model_at(compression)
+        refuse_far(compression, self.elastic_law, self.specimen.height)
         if self.elastic_law is None or self.elastic_law.kind == "linear":
             return self
         factor = float(self.elastic_law.factor(compression))

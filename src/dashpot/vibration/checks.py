@@ -6,6 +6,7 @@ from dashpot.base.checks import Finding, criterion
 
 GRAVITY = 9.80665
 CAUSAL_LIMIT = 0.5
+MOST_BEYOND = 3.0
 # above this part of the block's mass the seals' own inertia shifts the peak by a third of a percent
 
 
@@ -17,6 +18,34 @@ def seal_mass_negligible(part: float) -> Finding:
         part,
         ": a third of that moves along and is counted as mass; the rest, and waves within the "
         "seal, are not modelled: use a heavier block",
+    )
+
+
+@criterion("mass, kg", ">=", 1e-3, "our choice: an accelerometer alone weighs more")
+def mass_of_a_block(mass: float) -> Finding:
+    """The mass is one that a hammer test has."""
+    return Finding(
+        f"the mass is {1e3 * mass:.4g} g",
+        mass,
+        ", less than an accelerometer weighs: is the unit kg?",
+    )
+
+
+@criterion(
+    "compression / tested depth", "<=", 1.0, "the depth of the test", otherwise="stop beyond 3"
+)
+def compression_tested(compression: float, depth: float | None) -> Finding:
+    """The seals are pressed no deeper than they were tested."""
+    says = f"the seals are pressed by {1e3 * compression:.4g} mm"
+    if depth is None:
+        return Finding(says + "; how deep they were tested is not known")
+    part = compression / depth
+    return Finding(
+        f"{says}, within the {1e3 * depth:.3g} mm tested",
+        part,
+        instead=f"{says}, {part:.3g} times the {1e3 * depth:.3g} mm tested: test as deep, or check "
+        "the mass and its unit",
+        grade="stop" if part > MOST_BEYOND else "limit",
     )
 
 

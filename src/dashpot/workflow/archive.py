@@ -24,6 +24,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 from dashpot.solids.parallel import Parallel
 from dashpot.solids.temperature import WLF, Arrhenius, FreeShifts, TemperatureLaw
 from dashpot.vibration.comparison.comparison import Comparison
+from dashpot.workflow.documents import DIGEST, digest_of, edited, mistyped, once, strange
 from dashpot.workflow.impacts import ImpactResult
 from dashpot.workflow.inspections import InspectedFile, Inspections
 from dashpot.workflow.job import Job
@@ -88,7 +89,7 @@ def from_json(text: str | bytes) -> Any:
     import msgspec
 
     try:
-        found = json.loads(text, object_pairs_hook=_once)
+        found = json.loads(text, object_pairs_hook=once)
     except (ValueError, RecursionError) as error:
         raise ReadError(f"this is not a JSON document: {error}") from None
     name = found.get("schema") if isinstance(found, dict) else None
@@ -100,15 +101,23 @@ def from_json(text: str | bytes) -> Any:
     try:
         with np.errstate(divide="raise", over="raise", invalid="raise"):
             noun: Any = msgspec.convert(_restored(found), type=SCHEMAS[name], dec_hook=_decoded)
-            strange = _strange(found, document(noun))
+            unknown = strange(found, document(noun))
+            changed = edited(found)
     except KeyError as error:
         raise ReadError(f"the {name} document is not valid: {error} is missing") from None
-    except (msgspec.ValidationError, TypeError, ValueError, ArithmeticError) as error:
+    except (TypeError, msgspec.ValidationError) as error:
+        raise ReadError(f"the {name} document is not valid: {mistyped(found) or error}") from None
+    except (ValueError, ArithmeticError) as error:
         raise ReadError(f"the {name} document is not valid: {error}") from None
     except AttributeError:
         raise ReadError(f"the {name} document is not valid: a part has the wrong type") from None
-    if strange:
-        raise ReadError(f"the {name} document is not valid: {strange}")
+    if unknown:
+        raise ReadError(f"the {name} document is not valid: {unknown}")
+    if changed:
+        raise ReadError(
+            "the fit in this document is not the one that dashpot wrote: something in it was "
+            'changed by hand; fit again, or take "digest" out of it if the change is meant'
+        )
     return noun
 
 
@@ -123,7 +132,8 @@ def _plain(value: Any) -> Any:
         name = _NAMES.get(type(value))
         if type(value) in _CONTRACTS:
             plain = _CONTRACTS[type(value)](value, plain)
-        return {"schema": name, **plain} if name else plain
+        whole = {"schema": name, **plain} if name else plain
+        return {**whole, DIGEST: digest_of(whole)} if isinstance(value, Fit) else whole
     if isinstance(value, np.ndarray | np.generic):
         if np.iscomplexobj(value):
             return {"real": _plain(value.real), "imag": _plain(value.imag)}
@@ -293,38 +303,6 @@ def _numbers_or_null(value: Any) -> Any:
 
 
 # -- plain values to nouns -----------------------------------------------------------------------
-
-
-def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """Return a JSON object whose keys each stand once."""
-    found = dict(pairs)
-    if len(found) < len(pairs):
-        keys = [key for key, _ in pairs]
-        twice = next(key for key in keys if keys.count(key) > 1)
-        raise ValueError(f'the key "{twice}" stands twice in one object')
-    return found
-
-
-def _strange(given: Any, known: Any, where: str = "$") -> str:
-    """Say what a document holds that its noun, written again, does not; nothing if all is known."""
-    if isinstance(given, dict | list) and type(given) is not type(known):
-        words = ("an object", "an array", "one value")
-        found, expected = (
-            words[0 if isinstance(one, dict) else 1 if isinstance(one, list) else 2]
-            for one in (given, known)
-        )
-        return f"{where} is {found}; expected {expected}"
-    if isinstance(given, dict):
-        unknown = sorted(given.keys() - known.keys())
-        if unknown:
-            return f'{where} has "{unknown[0]}", which this version of dashpot does not know'
-        parts = [(given[key], known[key], f"{where}.{key}") for key in given]
-    # the bare contract's orders are left out: then there is nothing to hold the items against
-    elif isinstance(given, list) and len(given) == len(known):
-        parts = [(a, b, f"{where}[{i}]") for i, (a, b) in enumerate(zip(given, known, strict=True))]
-    else:
-        return ""
-    return next(filter(None, (_strange(*part) for part in parts)), "")
 
 
 def _restored(value: Any) -> Any:

@@ -22,6 +22,9 @@ def prediction_informed(peak: float, band: tuple[float, float]) -> Finding:
     """The predicted peak lies where a test informs the solid."""
     low, high = band
     factor = max(peak / high, low / peak) if high > 0 else math.inf
+    if not high > 0:
+        says = f"the predicted peak at {peak:.4g} Hz is informed by no test that the fit knows of"
+        return Finding(says, factor)
     return Finding(
         f"the predicted peak at {peak:.4g} Hz lies inside what the test informs",
         factor,

@@ -20,8 +20,8 @@ from dashpot.vibration.systems.operating_point import OperatingPoint
 from dashpot.vibration.systems.prediction import model_modes, moving_mass, predict_frf
 from dashpot.workflow.checks import prediction_informed
 from dashpot.workflow.job import known_of_a_test
-from dashpot.workflow.prepared import prepared_files
-from dashpot.workflow.resting import AtRest, at_rest, formal_limits, frf_limits
+from dashpot.workflow.prepared import prepared_files, refuse_others
+from dashpot.workflow.resting import AtRest, at_rest, formal_limits, frf_limits, rest_checks
 
 # lines of the limits over the predicted band
 LIMIT_LINES = 401
@@ -104,7 +104,7 @@ def predict_files(
     Raises
     ------
     DataError
-        If a machine is described and no test was made on it.
+        If a machine is described and no test was made on it, or a record is not what was fitted.
     """
     known_of_a_test(machine, tests=len(records), add="the record (--with)")
     moving, noted = moving_mass(mass, seal=seal_mass or 0.0, seals=seals)
@@ -115,6 +115,7 @@ def predict_files(
     limits = None
     if records:
         tests = prepared_files(records, machine=machine, options=options)
+        refuse_others(tests, found)
         about = np.linspace(max(frf.frequency[0], 1e-3), frf.frequency[-1], LIMIT_LINES)
         limits = frf_limits(found, tests, rests.point, mass=moving, frequency=about, seals=seals)
     top = int(np.abs(frf.value).argmax())
@@ -144,7 +145,8 @@ def predict_files(
     }
     # what the test must inform is the resonance, inside the band or not
     felt = modes[0].frequency if at_edge and modes else peak[0]
-    checks = (*found.checks, noted, prediction_informed(felt, found.band))
+    rested = rest_checks(rests.point, mass)
+    checks = (*found.checks, noted, *rested, prediction_informed(felt, found.band))
     return Prediction(frf, modes, peak, at_edge, limits, checks, rests, document)
 
 

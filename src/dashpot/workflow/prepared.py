@@ -10,6 +10,7 @@ from pathlib import Path
 import dashpot as dp
 from dashpot.base.errors import DataError, ReadError
 from dashpot.io.options import ReadOptions, flag
+from dashpot.records.fit import Fit
 from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold
 
@@ -26,6 +27,23 @@ def prepared_files(
         dp.prepare(dp.read_relaxation(path, options=options), machine=machine, cycle=cycle)
         for path in files
     )
+
+
+def refuse_others(tests: Sequence[RampHold], found: Fit) -> None:
+    """Refuse records that a fit was not made from: their bounds would be of another seal.
+
+    Raises
+    ------
+    DataError
+    """
+    known = {source.sha256: source.file for source in found.source}
+    for test in tests:
+        if known and test.source is not None and test.source.sha256 not in known:
+            raise DataError(
+                f"{test.source.file} is not what was fitted (its SHA-256 is another): the fit is "
+                f"of {', '.join(dict.fromkeys(known.values()))}; give that file by --with, or fit "
+                "this one"
+            )
 
 
 @contextmanager

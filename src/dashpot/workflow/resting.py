@@ -11,11 +11,13 @@ import numpy.typing as npt
 
 import dashpot as dp
 from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check
 from dashpot.fitting.uncertainty.prediction_bounds import formal_frf_band
 from dashpot.records.bounds import FRFBounds
 from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RampHold
 from dashpot.solids.maxwell import Solid
+from dashpot.vibration.checks import compression_tested, mass_of_a_block
 from dashpot.vibration.systems.operating_point import OperatingPoint, operating_point
 from dashpot.vibration.systems.prediction import model_modes
 
@@ -101,6 +103,11 @@ def at_rest(
         return StiffnessAt(solid.k_inf, error, *known)
 
     return AtRest(point, of(found.solid, 0.0), of(point.solid(found), k * point.factor_se))
+
+
+def rest_checks(point: OperatingPoint, mass: float) -> tuple[Check, ...]:
+    """Ask whether a mass, kg, is a block's and rests no deeper than the seals were tested."""
+    return mass_of_a_block(mass), compression_tested(point.compression, point.depth)
 
 
 def frf_limits(

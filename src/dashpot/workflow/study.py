@@ -35,7 +35,7 @@ from dashpot.workflow.checks import hold_fit_possible, prediction_informed
 from dashpot.workflow.impacts import held_against, read_measured, total_mass, weighed
 from dashpot.workflow.job import Job
 from dashpot.workflow.prepared import answered_in
-from dashpot.workflow.resting import AtRest, at_rest, frf_limits
+from dashpot.workflow.resting import AtRest, at_rest, frf_limits, rest_checks
 
 COMPARED_ORDERS = (1, 2)
 """The numbers of arms that the paper's Fig. 4 compares."""
@@ -277,7 +277,7 @@ def characterise(
         else dynamic_stiffness(measured, mass, seals=seals, band=band),
         frf_band=bounds,
         at_rest=rests,
-        checks=(*checks, *_untested(prediction, chosen, measured)),
+        checks=(*checks, *_untested(prediction, chosen, measured, rests, mass)),
     )
 
 
@@ -326,11 +326,18 @@ def _predicted(
     return held_against(found, measured, mass=mass, seals=seals, band=band, compression=compression)
 
 
-def _untested(prediction: FRF | None, chosen: Fit, measured: FRF | None) -> tuple[Check, ...]:
-    """Ask of a prediction that no hammer has tested whether its peak is informed."""
-    if prediction is None or measured is not None:
+def _untested(
+    prediction: FRF | None,
+    chosen: Fit,
+    measured: FRF | None,
+    rests: AtRest | None,
+    mass: float | None,
+) -> tuple[Check, ...]:
+    """Ask of a prediction that no hammer has tested whether a test informs it."""
+    if prediction is None or measured is not None or rests is None or mass is None:
         return ()
-    return (prediction_informed(find_peak(prediction).frequency, chosen.band),)
+    informed = prediction_informed(find_peak(prediction).frequency, chosen.band)
+    return (*rest_checks(rests.point, mass), informed)
 
 
 def _prediction_bounds(

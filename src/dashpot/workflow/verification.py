@@ -13,6 +13,7 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import ReadError
 from dashpot.workflow import checks
 from dashpot.workflow.archive import from_json
+from dashpot.workflow.documents import DIGEST
 from dashpot.workflow.history import History, Line, Listed, read_history, sha256, software
 from dashpot.workflow.job import Job
 from dashpot.workflow.project import (
@@ -146,7 +147,9 @@ def difference(kept: Any, again: Any, where: str = "") -> tuple[float, str]:
     if isinstance(kept, dict) and isinstance(again, dict):
         if kept.keys() != again.keys():
             return float("inf"), f"{where or 'the document'} has other keys"
-        pairs = [(kept[key], again[key], f"{where}.{key}".lstrip(".")) for key in kept]
+        pairs = [
+            (kept[key], again[key], f"{where}.{key}".lstrip(".")) for key in kept if key != DIGEST
+        ]
     elif isinstance(kept, list) and isinstance(again, list):
         if len(kept) != len(again):
             return float("inf"), f"{where} has another length"

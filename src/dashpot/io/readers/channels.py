@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, FloatArray
+from dashpot.base.arrays import BoolArray, FloatArray, median
 from dashpot.base.checks import Check
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Source
@@ -36,6 +36,8 @@ _OVERLOAD = 9.9e37
 """What SCPI instruments send for an infinite or an invalid reading."""
 _NINES = 999.0
 """The least number of nines alone that loggers write for no reading: 999, -9999, 999.99."""
+_EVEN = 0.01
+"""Part of a step by which the steps of an even clock, and a rate said of it, may differ from it."""
 _FAR = 5.0
 """How far beyond all other numbers of its column it then stands."""
 
@@ -195,6 +197,35 @@ def is_stated(file: Opened, one: Channel) -> bool:
     column = file.table.columns[one.index]
     clocked = column.content == "clock"
     return clocked or file.options.unit_of(one.role, column.name) is not None
+
+
+def refuse_other_rate(file: Opened) -> None:
+    """Refuse a rate that the file's own even clock contradicts.
+
+    A clock that is uneven, coarse or without a unit is none: the rate replaces it.
+
+    Raises
+    ------
+    ReadError
+    """
+    answer, rate = assign(file.table, "time", file.options), file.options.rate
+    if rate is None or isinstance(answer, Question):
+        return
+    column = file.table.columns[answer.index]
+    try:
+        unit = unit_for(column, answer.index + 1, "time", file.options)
+    except ReadError:
+        return
+    ticks = load(file.table, [answer.index], file.options.segment, sure=False).values[:, 0]
+    steps = np.diff(si(ticks[np.isfinite(ticks)], unit))
+    step = median(steps) if len(steps) else 0.0
+    even = step > 0 and np.mean(np.abs(steps / step - 1) < _EVEN) > 1 - _EVEN
+    if even and abs(rate * step - 1) > _EVEN:
+        raise ReadError(
+            f"--rate {rate:g}Hz, but the clock in {quoted(file.table.columns, answer.index)} runs "
+            f"at {1 / step:.6g} Hz: leave --rate out, or, if its unit is another, say it instead: "
+            '--units "time=ms"; a clock that is wrong altogether is taken out of the file first'
+        )
 
 
 def named(file: Opened, columns: Sequence[tuple[Role, int]]) -> str:

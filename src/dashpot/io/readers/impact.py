@@ -96,6 +96,7 @@ def _one(path: str | Path, options: ReadOptions | None) -> ImpactTest:
         channels.refuse_summary(file)
         channels.expect(file, ["impact"], _WANT, named=["acceleration", "hammer"])
         chosen = _channels(file)
+        channels.refuse_other_rate(file)
         loaded = channels.load_test(file, chosen)
         if file.options.rate is None:
             loaded = cleaning.without_padding(loaded)

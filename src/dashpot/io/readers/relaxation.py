@@ -60,6 +60,7 @@ def relaxation_in(file: Opened, specimen: Specimen) -> RelaxationTest:
     except ReadError:
         _expected(file)
         raise
+    channels.refuse_other_rate(file)
     loaded = channels.load_test(file, [*chosen, *clocks])
     if clocks:
         loaded = on_one_clock(loaded, clocks[0].unit.factor / chosen[0].unit.factor)

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dashpot.base.errors import DataError
+from dashpot.records.compression import refuse_far
 from dashpot.records.fit import Fit
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.checks import GRAVITY
@@ -71,7 +72,8 @@ def operating_point(
     Raises
     ------
     DataError
-        If a number cannot be, the fit is of a material, or no compression carries the weight.
+        If a number cannot be, the fit is of a material, no compression carries the weight, or
+        the seal would be pressed beyond its height or ten times as deep as it was tested.
     """
     for name, value in (("mass", mass), ("seals", seals), ("compression", compression)):
         if value is not None and not (np.isfinite(value) and value > 0):
@@ -86,9 +88,11 @@ def operating_point(
         if compression is None:
             k_inf = fit.model.k_inf
             compression = mass * GRAVITY / (seals * k_inf) if k_inf > 0 else np.inf
+        refuse_far(compression, law, fit.specimen.height, carried=None if given else mass / seals)
         return OperatingPoint(float(compression), depth, given=given)
     if compression is None:
         compression = law.compression(mass * GRAVITY / seals)
+    refuse_far(compression, law, fit.specimen.height, carried=None if given else mass / seals)
     return OperatingPoint(
         float(compression),
         depth,

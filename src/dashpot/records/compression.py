@@ -1,0 +1,50 @@
+"""How far a seal is believed to be pressed."""
+
+from __future__ import annotations
+
+import math
+
+from dashpot.base.errors import DataError
+from dashpot.solids.elastic import ElasticLaw
+
+FARTHEST = 10.0
+"""Times the depth tested, at most."""
+
+
+def refuse_far(
+    compression: float,
+    law: ElasticLaw | None,
+    height: float | None,
+    *,
+    carried: float | None = None,
+) -> None:
+    """Refuse a compression, m, that no such seal has: more than its height, or far from any test.
+
+    Parameters
+    ----------
+    compression : float
+        m; where it is infinite nothing carries the weight, which is no matter here.
+    law : ElasticLaw, optional
+        Of the seal, with the depth that was tested.
+    height : float, optional
+        Of the seal, m.
+    carried : float, optional
+        The mass, kg, that presses each seal; None where the compression was given.
+
+    Raises
+    ------
+    DataError
+    """
+    if not math.isfinite(compression):
+        return
+    if height is not None and compression >= height:
+        known = f"it is {1e3 * height:.4g} mm high"
+    elif law is not None and compression > FARTHEST * law.depth:
+        known = f"it was tested to {1e3 * law.depth:.3g} mm"
+    else:
+        return
+    pressed, asked = "the compression given presses", "check its unit"
+    if carried is not None:
+        pressed = f"a mass of {carried:.4g} kg on each presses"
+        asked = "check the mass and its unit (is it g?), and the number of seals"
+    raise DataError(f"{pressed} the seal by {1e3 * compression:.4g} mm, but {known}: {asked}")

@@ -1,0 +1,83 @@
+"""What a JSON document says that it should not: keys twice or unknown, texts for numbers, edits."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+from typing import Any
+
+DIGEST = "digest"
+"""The key of a fit's document that shows whether the rest was edited."""
+_NUMERIC = {"k_inf", "k", "tau", "b"}
+"""Keys of a solid, whose values are numbers."""
+
+
+def digest_of(plain: dict[str, Any]) -> str:
+    """Return 16 hexadecimal digits of what a fit's document says, however it is laid out."""
+
+    def even(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {key: even(item) for key, item in value.items() if key != DIGEST}
+        if isinstance(value, list):
+            return [even(item) for item in value]
+        # other programs print 1.0 as 1
+        return float(value) if isinstance(value, int) and not isinstance(value, bool) else value
+
+    text = json.dumps(even(plain), sort_keys=True)
+    return hashlib.sha256(text.encode("utf-8", "backslashreplace")).hexdigest()[:16]
+
+
+def edited(value: Any) -> bool:
+    """Whether a document holds a fit that was changed since; one typed by hand has no digest."""
+    if isinstance(value, list):
+        return any(map(edited, value))
+    if not isinstance(value, dict):
+        return False
+    sealed = value.get("schema") == "dashpot/fit@1" and DIGEST in value
+    return (sealed and value[DIGEST] != digest_of(value)) or any(map(edited, value.values()))
+
+
+def once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Return a JSON object whose keys each stand once."""
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        keys = [key for key, _ in pairs]
+        twice = next(key for key in keys if keys.count(key) > 1)
+        raise ValueError(f'the key "{twice}" stands twice in one object')
+    return found
+
+
+def mistyped(value: Any, where: str = "$") -> str:
+    """Say which number of a document is a text; nothing if none is."""
+    if isinstance(value, str) and re.fullmatch(r"[-+]?[\d.,]+(?:[eE][-+]?\d+)?", value):
+        numeric = where.rpartition(".")[2].partition("[")[0] in _NUMERIC
+        return f'{where} is the text "{value}"; expected a number, with a point' if numeric else ""
+    parts: list[tuple[str, Any]] = []
+    if isinstance(value, dict):
+        parts = [(f"{where}.{key}", item) for key, item in value.items()]
+    elif isinstance(value, list):
+        parts = [(f"{where}[{i}]", item) for i, item in enumerate(value)]
+    return next(filter(None, (mistyped(item, place) for place, item in parts)), "")
+
+
+def strange(given: Any, known: Any, where: str = "$") -> str:
+    """Say what a document holds that its noun, written again, does not; nothing if all is known."""
+    if isinstance(given, dict | list) and type(given) is not type(known):
+        words = ("an object", "an array", "one value")
+        found, expected = (
+            words[0 if isinstance(one, dict) else 1 if isinstance(one, list) else 2]
+            for one in (given, known)
+        )
+        return f"{where} is {found}; expected {expected}"
+    if isinstance(given, dict):
+        unknown = sorted(given.keys() - known.keys())
+        if unknown:
+            return f'{where} has "{unknown[0]}", which this version of dashpot does not know'
+        parts = [(given[key], known[key], f"{where}.{key}") for key in given]
+    # the bare contract's orders are left out: then there is nothing to hold the items against
+    elif isinstance(given, list) and len(given) == len(known):
+        parts = [(a, b, f"{where}[{i}]") for i, (a, b) in enumerate(zip(given, known, strict=True))]
+    else:
+        return ""
+    return next(filter(None, (strange(*part) for part in parts)), "")
