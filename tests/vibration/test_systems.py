@@ -12,6 +12,8 @@ from hypothesis import strategies as st
 from dashpot.base.errors import DataError
 from dashpot.solids import networks as net
 from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.table_1 import SHIFT
+from dashpot.solids.temperature import at_temperature
 from dashpot.vibration.systems.complex_modes import complex_modes, newton_modes
 from dashpot.vibration.systems.prediction import model_modes, predict_frf
 from dashpot.vibration.systems.state_space import respond
@@ -250,6 +252,40 @@ def test_a_viscoelastic_door_is_small_and_quick(paper_seal):
         for m in modes
     )
     assert modal == pytest.approx(seal.receptance(s), rel=1e-8, abs=1e-14)
+
+
+def sealed_door(line: GeneralizedMaxwell) -> System:
+    """The door with a seal, N/m per m of line: two Gauss points a side integrate it exactly."""
+    bare = door()
+    corners = np.array([(0, 0), (1.1, 0), (1.1, 1.2), (0, 1.2), (0, 0)])
+    mounts = []
+    for a, b in itertools.pairwise(corners):
+        for part in (0.5 - 0.5 / 3**0.5, 0.5 + 0.5 / 3**0.5):
+            x, y = a + part * (b - a)
+            piece = line * (float(np.hypot(*(b - a))) / 2)
+            mounts.append(Mount(piece, ("door", "ground"), at=(float(x), float(y), 0.0)))
+    return System(bare.bodies, bare.mounts + tuple(mounts))
+
+
+@pytest.mark.parametrize(
+    ("celsius", "frequencies", "ratios"),
+    [
+        (-20, [57.79719, 90.60847, 205.40435], [1.1e-6]),
+        (23, [58.26584, 91.13105, 205.63511], [0.0024313, 0.0012544, 0.000119]),
+        (80, [57.94382, 91.00565, 205.67290], [0.0125267, 0.0069561, 0.0008755]),
+    ],
+)
+def test_a_door_in_the_cold_and_in_the_heat(broad_seal, celsius, frequencies, ratios):
+    """Numbers computed apart: ten broad seals of 50 mm to a line, WLF, stiffness as T."""
+    line = at_temperature((10 / 0.05) * broad_seal, celsius + 273.15, SHIFT)
+    system = sealed_door(line)
+    modes = newton_modes(system)[:3]
+    assert [mode.frequency for mode in modes] == pytest.approx(frequencies, abs=6e-6)
+    found = [mode.damping_ratio for mode in modes]
+    assert found[: len(ratios)] == pytest.approx(ratios, abs=6e-8)
+    # a solver of the linear states finds the same poles
+    for mode, other in zip(modes, complex_modes(system), strict=False):
+        assert mode.pole == pytest.approx(other.pole, rel=1e-9)
 
 
 def test_block_rocks_where_its_geometry_says(broad_seal):
