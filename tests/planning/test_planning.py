@@ -12,8 +12,8 @@ from kit.trials import Seal, record, relaxation_test
 from dashpot.base.errors import DataError
 from dashpot.fitting.nuisance import priors
 from dashpot.fitting.relaxation import fit
+from dashpot.planning.bench import Bench
 from dashpot.planning.expected import (
-    Bench,
     ExpectedError,
     expected_error,
     half_sine,

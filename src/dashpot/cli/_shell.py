@@ -23,6 +23,7 @@ from dashpot.workflow.outputs import Outputs
 
 if TYPE_CHECKING:
     from dashpot.base.checks import Check, Verdict
+    from dashpot.solids.temperature import TemperatureLaw
 
 T = TypeVar("T")
 
@@ -240,13 +241,16 @@ def read_fit(path: str) -> dp.Fit:
     return found
 
 
-def read_model(path: str) -> dp.GeneralizedMaxwell:
-    """Return the solid in a JSON file that holds a fit or a model; ``-`` is stdin."""
+def read_model(path: str) -> tuple[dp.GeneralizedMaxwell, TemperatureLaw | None]:
+    """Return the solid in a JSON file that holds a fit or a model, and how it follows temperature.
+
+    ``-`` is stdin.
+    """
     found = _read(path)
     if isinstance(found, dp.Fit):
-        return found.model
+        return found.model, found.temperature_law
     if isinstance(found, dp.GeneralizedMaxwell):
-        return found
+        return found, None
     raise ReadError(f"{path} holds a {type(found).__name__}; expected a fit or a model")
 
 

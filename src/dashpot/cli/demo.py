@@ -72,7 +72,7 @@ def _story(name: str, folder: Path, seed: int) -> Study:
     for file, text in zip(FILES, (*bench, *hammer), strict=False):
         write(folder / f"{name}{file}", text)
     hits = dp.read_impact(folder / f"{name}_impact.csv")
-    mass = seal(name)[1]
+    mass = seal(name).mass
     story = dp.characterise(
         dp.read_relaxation(folder / f"{name}_relaxation.csv"),
         dp.estimate_frf(hits, mass=mass),

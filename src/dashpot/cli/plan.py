@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -15,6 +15,9 @@ from dashpot.cli._options import Quantity
 from dashpot.cli._shell import Outcome, reports
 from dashpot.cli._terminal import Text
 from dashpot.cli.simulate import seal
+
+if TYPE_CHECKING:
+    from dashpot.solids.temperature import TemperatureLaw
 
 
 @click.command("plan")
@@ -44,6 +47,16 @@ from dashpot.cli.simulate import seal
 @click.option("--hits", type=click.IntRange(1), default=5, show_default=True)
 @click.option("--coherence", type=float, default=0.99, show_default=True, help="Of those hits.")
 @click.option("--wanted", type=float, default=10.0, show_default=True, help="SD that would do, %.")
+@click.option(
+    "--cold",
+    type=Quantity("temperature"),
+    multiple=True,
+    help="Repeated there too, e.g. 0degC; repeat it for more.",
+)
+@click.option(
+    "--temperature", type=Quantity("temperature"), help="Of the test; else 23degC or the fit's."
+)
+@options.wlf
 @reports
 def command(
     *,
@@ -54,6 +67,7 @@ def command(
     arm_stiffness: float | None,
     arm_time: float | None,
     wanted: float,
+    wlf: TemperatureLaw | None,
     **choices: Any,
 ) -> Outcome:
     """Tell how well a planned test will know stiffness and loss factor at a frequency.
@@ -62,19 +76,22 @@ def command(
     dashpot plan --ramp 1s --hold 40s --at 12.71Hz
     dashpot plan --ramp 0.1s --at 12.71Hz --noise 1mN --record 8s --pulse 15ms
     dashpot plan --ramp 1s --at 12.71Hz --sync 0.5ms --drift 0.2mN/s
+    dashpot plan --ramp 1s --at 12.71Hz --cold 0degC --cold 10degC
     """
     if arm_time is not None and arm_stiffness is None:
         raise DataError("--arm-time needs --arm-stiffness, e.g. --arm-stiffness 0.05N/mm")
     arm = None
     if arm_stiffness is not None:
         arm = (arm_stiffness, arm_time if arm_time is not None else 1 / (2 * math.pi * at))
+    guess = seal("paper" if model is None else model)
     found = dp.plan(
         at=at,
         ramp_time=ramp,
         hold_time=hold,
-        model=None if model is None else seal(model)[0],
+        model=guess.solid,
         arm=arm,
         wanted=wanted / 100,
+        law=wlf or guess.law,
         **choices,
     )
     return Outcome(found, Text([str(found)]), found.checks, verdict=verdict(found.checks))

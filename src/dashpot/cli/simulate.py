@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
@@ -70,11 +70,22 @@ def command(*, what: str, output: str, **choices: Any) -> Outcome:
     return Outcome(document | {"truth": beside}, story, follow=typed("inspect", output))
 
 
-def seal(name: str) -> tuple[dp.GeneralizedMaxwell, float | None]:
-    """Return a demonstration seal and its block's mass, or the model of a fit's JSON file."""
-    from dashpot.solids.table_1 import SEALS
+class Seal(NamedTuple):
+    """A seal to simulate: its solid, the block on two of them, how it follows temperature."""
 
-    return SEALS[name] if name in SEALS else (read_model(name), None)
+    solid: dp.GeneralizedMaxwell
+    mass: float | None
+    law: TemperatureLaw
+
+
+def seal(name: str) -> Seal:
+    """Return a demonstration seal, or that of a fit's JSON file."""
+    from dashpot.solids.table_1 import SEALS, SHIFT
+
+    if name in SEALS:
+        return Seal(*SEALS[name], SHIFT)
+    solid, law = read_model(name)
+    return Seal(solid, None, law or SHIFT)
 
 
 def relaxation(
@@ -95,9 +106,10 @@ def relaxation(
 
     room = dp.simulation
     rig = _chosen(room.Rig(), noise_free=noise_free, rate=rate)
+    known = seal(model)
     made = room.simulate_relaxation(
-        seal(model)[0], depth=depth, ramp_time=ramp, hold_time=hold, rig=rig, seed=seed,
-        climate=_climate(temperature, wlf),
+        known.solid, depth=depth, ramp_time=ramp, hold_time=hold, rig=rig, seed=seed,
+        climate=_climate(known, temperature, wlf),
     )  # fmt: skip
     return write_relaxation(made.test, comments=room.stamp(made.truth)), room.truth_json(made.truth)
 
@@ -119,29 +131,28 @@ def impact(
     """Return a simulated hammer test as CSV, and its truth as JSON."""
     from dashpot.io.write import temperature_line, write_impact
 
-    solid, known = seal(model)
-    block = mass if mass is not None else known
+    known = seal(model)
+    block = mass if mass is not None else known.mass
     if block is None:
         raise DataError(f"the mass under the hammer is not known for {model}; add --mass")
     room = dp.simulation
     rig = _chosen(room.Hammer(), noise_free=noise_free, record=record, rate=rate)
     made = room.simulate_impact(
-        solid, mass=block, seals=seals, hits=hits, rig=rig, seed=seed,
-        climate=_climate(temperature, wlf),
+        known.solid, mass=block, seals=seals, hits=hits, rig=rig, seed=seed,
+        climate=_climate(known, temperature, wlf),
     )  # fmt: skip
     stated = () if temperature is None else (temperature_line(temperature),)
     comments = (*room.stamp(made.truth), *stated)
     return write_impact(made.test, comments=comments), room.truth_json(made.truth)
 
 
-def _climate(temperature: float | None, law: TemperatureLaw | None) -> Any:
-    """Return where the test is made; the demonstration seals' law unless another is given."""
+def _climate(known: Seal, temperature: float | None, law: TemperatureLaw | None) -> Any:
+    """Return where the test is made, by the seal's own law unless another is given."""
     if temperature is None:
         if law is not None:
             raise DataError("--wlf needs the temperature of the test: add --temperature 0degC")
         return None
-    climate = dp.simulation.Climate(temperature)
-    return climate if law is None else replace(climate, law=law)
+    return dp.simulation.Climate(temperature, law or known.law)
 
 
 def _chosen(instrument: Any, *, noise_free: bool, **given: float | None) -> Any:

@@ -12,9 +12,11 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
 from dashpot.planning import checks
+from dashpot.planning.advice import advice, listed, needed
+from dashpot.planning.bench import Bench
 from dashpot.planning.checks import percent
+from dashpot.planning.cold import Elsewhere, elsewhere
 from dashpot.planning.expected import (
-    Bench,
     ExpectedError,
     Pulse,
     RecordNeed,
@@ -25,7 +27,8 @@ from dashpot.planning.expected import (
 )
 from dashpot.records.machine import Machine
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.solids.table_1 import PAPER
+from dashpot.solids.table_1 import PAPER, SHIFT
+from dashpot.solids.temperature import TemperatureLaw
 from dashpot.vibration.systems.prediction import mass_for_peak
 
 # the seal of the paper's Table 1, where the user knows nothing better yet
@@ -39,6 +42,9 @@ FASTER = (1 / 3, 1 / 10, 1 / 30)
 # a hammer test informs the lines within this factor of the peak; their usual spacing, Hz
 AROUND = 3.5
 LINE_STEP = 0.1
+# where a test is repeated if nobody says: a refrigerator, K; if that is so much colder
+USUAL_COLD = 273.15
+COLDER = 10.0
 
 
 @dataclass(frozen=True)
@@ -54,9 +60,10 @@ class Plan:
     arm : (float, float) or None
         Stiffness, N/m, and relaxation time, s, of the arm that the test may not see.
     expected : ExpectedError
-        Of the test as asked.
+        Of the test as asked, with its repeats.
     alternatives : tuple of ExpectedError
-        Of the other method, of faster ramps, and of the same test with a hammer test.
+        Of the test alone and at each other temperature, of the other method, of faster ramps,
+        of the test repeated at 0 degC if no other was asked for, and with a hammer test.
     band : (float, float)
         The frequencies that the relaxation test can inform, Hz.
     record : RecordNeed
@@ -64,6 +71,10 @@ class Plan:
     checks : tuple of Check
     advice : tuple of str
         What to change, most useful first.
+    temperature : float
+        Of the test, K.
+    repeats : tuple of Elsewhere
+        Where it is repeated, as asked.
     """
 
     at: float
@@ -76,12 +87,15 @@ class Plan:
     pulse: Pulse | None
     checks: tuple[Check, ...]
     advice: tuple[str, ...]
+    temperature: float = SHIFT.reference
+    repeats: tuple[Elsewhere, ...] = ()
 
     def __str__(self) -> str:
         head = f"{'method':<8}{'ramp, s':>10}{'hold, s':>10}{'storage':>12}{'loss factor':>14}"
         rows = [
             f"{e.method:<8}{e.ramp_time:>10.3g}{e.hold_time:>10.3g}"
             f"{percent(e.storage_sd, 'unknown'):>12}{percent(e.loss_factor_sd, 'unknown'):>14}"
+            f"{f'  and at {listed(e.repeated)}' if e.repeated else ''}"
             for e in (self.expected, *self.alternatives)
         ]
         title = f"expected standard deviation at {self.at:g} Hz"
@@ -109,6 +123,9 @@ def plan(
     hits: int = 5,
     coherence: float = 0.99,
     wanted: float = WANTED,
+    cold: Quantity | Sequence[Quantity] = (),
+    temperature: Quantity | None = None,
+    law: TemperatureLaw = SHIFT,
 ) -> Plan:
     r"""Tell what a test will tell at a frequency, before it is run.
 
@@ -153,11 +170,19 @@ def plan(
         Their coherence about the peak, below 1.
     wanted : float
         The relative standard deviation of the loss factor that would do.
+    cold : float or sequence of float
+        Temperatures, K, at which the same test is repeated: arms that are too fast for the ramp
+        are slower there (:mod:`dashpot.planning.cold`).
+    temperature : float, optional
+        Of the test, K, at which the seal is `model`; by default the reference of the law.
+    law : TemperatureLaw
+        How the seal is supposed to follow temperature: by default as a rubber with its glass
+        transition at -55 degC. The fit needs no law.
 
     Raises
     ------
     DataError
-        If a number is not positive or the method unknown.
+        If a number is not positive or the method unknown, or the law does not reach so far.
     """
     depth, ramp_time, hold_time = si(depth, "length"), si(ramp_time, "time"), si(hold_time, "time")
     rate, noise, at = si(rate, "frequency"), si(noise, "force"), si(at, "frequency")
@@ -177,12 +202,18 @@ def plan(
         raise DataError(f"coherence = {coherence!r}; expected a number between 0 and 1")
     if method not in {"full", "hold"}:
         raise DataError(f'method = {method!r}; expected "full" or "hold"')
+    room = law.reference if temperature is None else si(temperature, "temperature")
+    asked = [cold] if isinstance(cold, str | float | int) else cold
+    places = [si(each, "temperature") for each in asked]
+    for kelvin in (room, *places):
+        _positive(temperature=kelvin)
+    repeats = tuple(elsewhere(kelvin, room, law) for kelvin in places)
     seal = USUAL_SEAL if model is None else model
     supposed, arm = _with_arm(seal, arm, at)
     index = None if arm is None else supposed.tau.index(arm[1])
     machine = Machine(sync=sync, drift=drift)
     bench = Bench(depth, ramp_time, hold_time, rate, noise, method, baseline, machine)
-    expected = expected_error(supposed, bench, at, index)
+    expected = expected_error(supposed, bench, at, index, repeats=repeats)
     total = seals * supposed
     weight = mass_for_peak(total, at) if mass is None else mass
     rows = hammer_rows(
@@ -193,28 +224,24 @@ def plan(
         relative_sd=float(np.sqrt((1 - coherence) / (2 * hits * coherence))),
     )
     alternatives = (
-        *(expected_error(supposed, other, at, index) for other in _others(bench)),
+        *(
+            expected_error(supposed, other, at, index, repeats=where)
+            for other, where in _others(bench, repeats, room, law)
+        ),
         expected_error(supposed, replace(bench, method="full"), at, index, rows),
     )
     need = record_need(total, weight, record)
-    without = "" if arm is None else _without_arm(seals * seal, mass, at)
     tip = None if pulse is None else half_sine(pulse, at)
-    band = (1 / (2 * np.pi * hold_time), 1 / (np.pi * ramp_time))
+    band = _band(bench, repeats)
     answers = _checks(expected, band, need, tip, at=at, wanted=wanted)
+    words = advice(
+        expected, alternatives, answers, need, tip, at=at, wanted=wanted, room=room,
+        without="" if arm is None else _without_arm(seals * seal, mass, at),
+    )  # fmt: skip
     return Plan(
-        at=at,
-        model=supposed,
-        arm=arm,
-        expected=expected,
-        alternatives=alternatives,
-        band=band,
-        record=need,
-        pulse=tip,
-        checks=answers,
-        advice=_advice(
-            expected, alternatives, answers, need, tip, at=at, wanted=wanted, without=without
-        ),
-    )
+        at=at, model=supposed, arm=arm, expected=expected, alternatives=alternatives, band=band,
+        record=need, pulse=tip, checks=answers, advice=words, temperature=room, repeats=repeats,
+    )  # fmt: skip
 
 
 def _positive(**named: float | None) -> None:
@@ -235,14 +262,45 @@ def _with_arm(
     return model + GeneralizedMaxwell(0.0, known[:1], known[1:]), known
 
 
-def _others(bench: Bench) -> list[Bench]:
-    other = "hold" if bench.method == "full" else "full"
+def _others(
+    bench: Bench, repeats: Sequence[Elsewhere], room: float, law: TemperatureLaw
+) -> list[tuple[Bench, Sequence[Elsewhere]]]:
+    """The tests beside the one that was asked for, each with its repeats."""
+    other = replace(bench, method="hold" if bench.method == "full" else "full")
     faster = [
         replace(bench, method="full", ramp_time=bench.ramp_time * part)
         for part in FASTER
         if bench.ramp_time * part * bench.rate >= 5
     ]
-    return [replace(bench, method=other), *faster]
+    single = [(bench, (each,)) for each in repeats] if len(repeats) > 1 else []
+    alone = [(bench, ())] if repeats else []
+    both = [(other, repeats)] if repeats else []
+    ramps = [(each, ()) for each in (other, *faster)]
+    cold = [] if repeats else [(bench, place) for place in _usual_cold(room, law)]
+    return [*alone, *single, *both, *ramps, *cold]
+
+
+def _usual_cold(room: float, law: TemperatureLaw) -> list[tuple[Elsewhere]]:
+    """A refrigerator, if it is colder than the room and the law reaches so far."""
+    if room < USUAL_COLD + COLDER:
+        return []
+    try:
+        return [(elsewhere(USUAL_COLD, room, law),)]
+    except DataError:
+        return []
+
+
+def _band(bench: Bench, repeats: Sequence[Elsewhere]) -> tuple[float, float]:
+    """What ramp and hold inform, Hz; a repeat informs a_T times that of the solid."""
+    slower = [1.0, *(each.a_t for each in repeats)]
+    low, high = 1 / (2 * np.pi * bench.hold_time), 1 / (np.pi * bench.ramp_time)
+    return min(slower) * low, max(slower) * high
+
+
+def _without_arm(seal: GeneralizedMaxwell, mass: float | None, at: float) -> str:
+    """The record that the seal needs if the arm that was supposed is not there."""
+    need = record_need(seal, mass_for_peak(seal, at) if mass is None else mass, None)
+    return f" ({needed(need):.3g} s if the seal has no such arm)"
 
 
 def _lines(at: float, record: float | None) -> FloatArray:
@@ -274,77 +332,3 @@ def _checks(
     if tip is not None:
         found.append(checks.tip_excites(tip, at))
     return tuple(found)
-
-
-def _advice(
-    expected: ExpectedError,
-    alternatives: Sequence[ExpectedError],
-    answers: Sequence[Check],
-    need: RecordNeed,
-    tip: Pulse | None,
-    *,
-    at: float,
-    wanted: float,
-    without: str,
-) -> tuple[str, ...]:
-    words = []
-    if expected.loss_factor_sd > wanted:
-        words.append(_ramp_advice(expected, alternatives, at=at, wanted=wanted))
-    if need.record is None:
-        words.append(
-            f"Record each hit for {_needed(need):.3g} s{without}: {need.for_decay:.3g} s hold six "
-            f"time constants, {need.for_lines:.3g} s put five lines into the half-power band; with "
-            "an exponential window on both channels and the model taken at s = jw + a a shorter "
-            "record does."
-        )
-    failed = {check.name for check in answers if check.failed}
-    if "record_long_enough" in failed:
-        words.append(
-            f"Record each hit for {_needed(need):.3g} s{without} instead of {need.record:g} s, or "
-            "fit the model to the cut or windowed record."
-        )
-    if tip is not None and "tip_excites" in failed:
-        words.append(
-            f"Use a harder tip: the pulse must be shorter than {1e3 * _pulse_for(at):.3g} ms to "
-            f"lose less than 10 dB at {at:g} Hz."
-        )
-    if not words:
-        words.append(f"This test will do: it knows the loss factor at {at:g} Hz well enough.")
-    return tuple(words)
-
-
-def _without_arm(seal: GeneralizedMaxwell, mass: float | None, at: float) -> str:
-    """The record that the seal needs if the arm that was supposed is not there."""
-    need = record_need(seal, mass_for_peak(seal, at) if mass is None else mass, None)
-    return f" ({_needed(need):.3g} s if the seal has no such arm)"
-
-
-def _needed(need: RecordNeed) -> float:
-    """The record that a hit needs, s."""
-    return max(need.for_decay, need.for_lines)
-
-
-def _ramp_advice(
-    expected: ExpectedError, alternatives: Sequence[ExpectedError], *, at: float, wanted: float
-) -> str:
-    joint = next(e for e in alternatives if e.method == "joint")
-    hammer = (
-        f"test the damping with a hammer test and fit both together (identify, "
-        f"{percent(joint.loss_factor_sd)})"
-    )
-    good = [e for e in alternatives if e.loss_factor_sd <= wanted and e is not joint]
-    start = (
-        f"The loss factor at {at:g} Hz would be known to {percent(expected.loss_factor_sd)} only"
-    )
-    if not good:
-        return f"{start}, and no faster ramp tried here brings it to {percent(wanted)}: {hammer}."
-    best = max(good, key=lambda e: e.ramp_time)
-    how = f"ramp in {best.ramp_time:.3g} s" if best.ramp_time < expected.ramp_time else ""
-    fit = "fit ramp and hold together" if best.method != expected.method else ""
-    change = " and ".join(part for part in (how, fit) if part)
-    return f"{start}: {change} ({percent(best.loss_factor_sd)}), or {hammer}."
-
-
-def _pulse_for(at: float) -> float:
-    # the spectrum depends on f T alone
-    return half_sine(1.0, at).band_10db / at

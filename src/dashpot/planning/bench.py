@@ -1,0 +1,83 @@
+"""A ramp-and-hold test to be: what each of its samples says of the solid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, sample_count
+from dashpot.records.machine import TOLD_DRIFT, Machine
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+
+@dataclass(frozen=True)
+class Bench:
+    """A ramp-and-hold test to be: SI units, `rate` in Hz, `noise` in N per sample.
+
+    `baseline`, s, is recorded before the ramp. On a described `machine` the fit of ramp and hold
+    finds offset, drift and delay of the force besides; without one, and by eq. 5, it finds none.
+    """
+
+    depth: float
+    ramp_time: float
+    hold_time: float
+    rate: float
+    noise: float
+    method: str
+    baseline: float = 1.0
+    machine: Machine | None = None
+
+    def time(self) -> FloatArray:
+        """The samples that the method fits, s from the start of the ramp, shape (n,)."""
+        count = sample_count(self.ramp_time + self.hold_time, self.rate)
+        t = np.arange(1, count + 1) / self.rate
+        return t if self.method == "full" else t[t >= self.ramp_time * (1 - 1e-12)]
+
+    def sensitivity(self, model: GeneralizedMaxwell) -> FloatArray:
+        r"""Return J = dF / d(k_inf, k, ln tau[, offset, drift, delay]), shape (n, p), N per unit.
+
+        The offset is that at the middle of the baseline.
+        """
+        t = self.time()
+        speed = self.depth / self.ramp_time
+        tau, k = np.asarray(model.tau), np.asarray(model.k)
+        up = np.minimum(t, self.ramp_time)[:, None]
+        held = np.maximum(t - self.ramp_time, 0.0)[:, None]
+        fade = np.exp(-held / tau)
+        arm = -tau * np.expm1(-up / tau) * fade
+        # d/d ln tau of tau (1 - e^{-u/tau}) e^{-h/tau}
+        slope = arm * (1 + held / tau) - up * np.exp(-up / tau) * fade
+        columns = [speed * up, speed * arm, speed * slope * k]
+        if self.doubted:
+            ramps = (t <= self.ramp_time)[:, None]
+            rates = np.where(ramps, np.exp(-up / tau), -arm / tau) @ k + model.k_inf * ramps[:, 0]
+            since = t + 0.5 * self.baseline
+            columns += [np.ones((len(t), 1)), since[:, None], -speed * rates[:, None]]
+        return np.hstack(columns)
+
+    @property
+    def doubted(self) -> bool:
+        """True if offset, drift and delay are fitted too."""
+        return self.machine is not None and self.method == "full"
+
+    def prior_sd(self, model: GeneralizedMaxwell) -> FloatArray:
+        """What is known of offset, drift and delay before the fit: N, N/s and s."""
+        machine = self.machine or Machine()
+        length = self.ramp_time + self.hold_time
+        final = float(
+            model.ramp_hold_force([length], depth=self.depth, ramp_time=self.ramp_time)[0]
+        )
+        offset = self.noise / np.sqrt(self.baseline * self.rate)
+        slope = float(np.sqrt(12.0) * offset / self.baseline)
+        told = slope < TOLD_DRIFT * final / length
+        drift = slope if told else machine.drift_sd(final, length)
+        return np.array([offset, drift, machine.delay_sd(1 / self.rate)])
+
+    def rows(self, model: GeneralizedMaxwell) -> FloatArray:
+        """Sensitivities in units of the noise, reduced to a triangle, and priors, shape (m, p)."""
+        seen = np.asarray(np.linalg.qr(self.sensitivity(model), mode="r")) / self.noise
+        if not self.doubted:
+            return seen
+        known = np.diag(1 / np.maximum(self.prior_sd(model), 1e-300))
+        return np.vstack((seen, np.pad(known, ((0, 0), (seen.shape[1] - 3, 0)))))

@@ -1,0 +1,117 @@
+r"""The same test at other temperatures, where the arms are slower or faster.
+
+Every test shares the solid :math:`\theta = (k_\infty, k_j, \ln\tau_j)`; at :math:`T_i` its arms are
+:math:`a_i \tau_j`, its stiffnesses :math:`b_i k_j`, and the fit finds
+
+.. math:: \ln a_i, \quad \ln b_i, \quad o_i, \dot o_i, d_i, \quad
+    \ln a_i \to \ln a_i \, \bigl[1 + g \log_{10}(\tau_j / \tau_0)\bigr]
+
+besides: shifts of time and stiffness without a law, offset, drift and delay of every record,
+and the slope g by which slow arms may shift further than fast ones, known before to 0 within .03.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import DataError
+from dashpot.planning.bench import Bench
+from dashpot.records.temperature import ABOVE_GLASS, SAME_TEMPERATURE, celsius
+from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.temperature import WLF, TemperatureLaw
+
+SLOPE_SD = 0.03
+"""Known before of the slope of the shifts, per decade of relaxation time."""
+_MIDDLE = 0.5
+"""Arms of this relaxation time, s, shift by a_i whatever the slope."""
+
+
+@dataclass(frozen=True)
+class Elsewhere:
+    """Where a test is repeated.
+
+    Attributes
+    ----------
+    temperature : float
+        K.
+    a_t, b_t : float
+        Shift factors of time and of stiffness that are supposed there, dimensionless.
+    """
+
+    temperature: float
+    a_t: float
+    b_t: float
+
+
+def elsewhere(temperature: float, room: float, law: TemperatureLaw) -> Elsewhere:
+    """What the law, and stiffness in proportion to T, suppose at a temperature, K.
+
+    The solid is that of the `room`, K.
+
+    Raises
+    ------
+    DataError
+        If that is no other temperature, or nearer than 10 K to the glass transition.
+    """
+    if abs(temperature - room) <= SAME_TEMPERATURE:
+        raise DataError(
+            f"the test is at {celsius(room)} and is to be repeated at {celsius(temperature)}; "
+            "expected another temperature"
+        )
+    coldest = law.glass + ABOVE_GLASS if isinstance(law, WLF) else 0.0
+    if temperature < coldest:
+        raise DataError(
+            f"{celsius(temperature)} is nearer than {ABOVE_GLASS:g} K to the glass transition that "
+            f"the law supposes; expected {celsius(coldest)} or more"
+        )
+    a_t = float(law.a_t(temperature) / law.a_t(room))
+    return Elsewhere(temperature, a_t, temperature / room)
+
+
+def rows_with(
+    model: GeneralizedMaxwell,
+    bench: Bench,
+    repeats: Sequence[Elsewhere],
+    slope_sd: float = SLOPE_SD,
+) -> FloatArray:
+    """Sensitivities of the test and its repeats in units of their noise, with priors, (m, p).
+
+    The first columns are those of the solid, as in :meth:`Bench.rows`; a `slope_sd` of 0 supposes
+    that one factor shifts every arm.
+    """
+    shared = 1 + 2 * model.arms
+    own = bench.rows(model)
+    blocks = [_repeat(model, bench, each) for each in repeats]
+    width = own.shape[1] + sum(block.shape[1] - shared - 1 for block in blocks) + 1
+    rows = [np.pad(own, ((0, 0), (0, width - own.shape[1])))]
+    begin = own.shape[1]
+    for block in blocks:
+        end = begin + block.shape[1] - shared - 1
+        wide = np.zeros((len(block), width))
+        wide[:, :shared], wide[:, begin:end] = block[:, :shared], block[:, shared:-1]
+        wide[:, -1] = block[:, -1]
+        rows.append(wide)
+        begin = end
+    known = np.zeros((1, width))
+    known[0, -1] = 1 / max(slope_sd, 1e-12)
+    return np.vstack((*rows, known))
+
+
+def _repeat(model: GeneralizedMaxwell, bench: Bench, there: Elsewhere) -> FloatArray:
+    """Rows of one repeat in (k_inf, k, ln tau, ln a, ln b[, offset, drift, delay], g)."""
+    felt = model.shifted(there.a_t, there.b_t)
+    own = bench.rows(felt)
+    n = model.arms
+    stiff, slow, nuisances = own[:, : 1 + n], own[:, 1 + n : 1 + 2 * n], own[:, 1 + 2 * n :]
+    decades = np.log10(np.asarray(model.tau) / _MIDDLE)
+    moved = [
+        slow.sum(axis=1),
+        stiff @ np.array([felt.k_inf, *felt.k]),
+        *nuisances.T,
+        np.log(there.a_t) * slow @ decades,
+    ]
+    return np.hstack((there.b_t * stiff, slow, np.column_stack(moved)))

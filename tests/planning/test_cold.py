@@ -1,0 +1,224 @@
+"""The planned test repeated in the cold: the table computed apart, its slopes, its advice."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+
+from dashpot.base.errors import DataError
+from dashpot.planning.bench import Bench
+from dashpot.planning.cold import Elsewhere, elsewhere, rows_with
+from dashpot.planning.plan import Plan, plan
+from dashpot.records.machine import Machine
+from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.table_1 import BROAD, HIDDEN, SHIFT
+from dashpot.solids.temperature import Arrhenius
+
+ROOM = SHIFT.reference
+AT = 12.71
+
+
+def loss_factor_sd(solid: GeneralizedMaxwell, rows: np.ndarray) -> float:
+    """Relative, at 12.71 Hz, by the inverse of the information and slopes by differences."""
+    p = np.array([solid.k_inf, *solid.k, *np.log(solid.tau)])
+    n = solid.arms
+
+    def loss_factor(q: np.ndarray) -> float:
+        one = GeneralizedMaxwell(q[0], tuple(q[1 : 1 + n]), tuple(np.exp(q[1 + n :])))
+        return float(one.loss_factor(2 * np.pi * AT))
+
+    slope = np.zeros(rows.shape[1])
+    for i in range(len(p)):
+        step = np.zeros(len(p))
+        step[i] = 1e-6 * max(1.0, abs(p[i]))
+        slope[i] = (loss_factor(p + step) - loss_factor(p - step)) / (2 * step[i])
+    half = np.linalg.lstsq(rows.T / np.linalg.norm(rows, axis=0)[:, None],
+                           slope / np.linalg.norm(rows, axis=0), rcond=1e-13)[0]  # fmt: skip
+    return float(np.linalg.norm(half)) / loss_factor(p)
+
+
+def usual(method: str = "full", machine: Machine | None = None) -> Bench:
+    return Bench(8e-3, 1.0, 40.0, 1000.0, 5e-3, method, 1.0, machine)
+
+
+def places(*celsius: float, b_t: float | None = None) -> list[Elsewhere]:
+    found = [elsewhere(each + 273.15, ROOM, SHIFT) for each in celsius]
+    return found if b_t is None else [Elsewhere(e.temperature, e.a_t, b_t) for e in found]
+
+
+@pytest.mark.parametrize(
+    ("cold", "hold", "full"),
+    [((), 1.07, 0.38), ((10,), 0.078, 0.026), ((0,), 0.0062, 0.0024), ((-10,), 0.0008, 0.0006)],
+)
+def test_the_table_computed_apart(cold, hold, full):
+    """By the force alone, b_T free about 1, every arm shifting alike; two digits at most."""
+    for method, expected in (("hold", hold), ("full", full)):
+        rows = rows_with(HIDDEN, usual(method), places(*cold, b_t=1.0), slope_sd=0.0)
+        assert loss_factor_sd(HIDDEN, rows) == pytest.approx(expected, rel=0.05)
+
+
+@pytest.mark.parametrize(("cold", "expected"), [((), 0.57), ((10,), 0.050), ((0,), 0.0047)])
+def test_with_offset_drift_and_a_delay_in_each_record(cold, expected):
+    class Half(Bench):
+        def prior_sd(self, model: GeneralizedMaxwell) -> np.ndarray:
+            return np.array([*super().prior_sd(model)[:2], 0.5e-3])
+
+    bench = Half(8e-3, 1.0, 40.0, 1000.0, 5e-3, "full", 1.0, Machine())
+    rows = rows_with(HIDDEN, bench, places(*cold, b_t=1.0), slope_sd=0.0)
+    assert loss_factor_sd(HIDDEN, rows) == pytest.approx(expected, rel=0.03)
+
+
+@pytest.mark.parametrize(
+    ("solid", "celsius", "slope_sd", "expected"),
+    [
+        (HIDDEN, (0,), 0.0, 0.0051), (HIDDEN, (10,), 0.0, 0.055), (BROAD, (0,), 0.0, 0.0124),
+        (BROAD, (10, 0), 0.0, 0.0120), (HIDDEN, (0,), 0.03, 0.0061),
+    ],
+)  # fmt: skip
+def test_the_errors_that_joint_fits_of_another_program_gave(solid, celsius, slope_sd, expected):
+    """b_T = T/T_r; offset known to 0.22 mN, no drift, delay to 1 ms."""
+
+    class Known(Bench):
+        def prior_sd(self, model: GeneralizedMaxwell) -> np.ndarray:
+            return np.array([5e-3 / np.sqrt(500), 1e-9, 1e-3])
+
+    bench = Known(8e-3, 1.0, 40.0, 1000.0, 5e-3, "full", 0.5, Machine())
+    rows = rows_with(solid, bench, places(*celsius), slope_sd)
+    assert loss_factor_sd(solid, rows) == pytest.approx(expected, rel=0.04)
+
+
+def test_the_sensitivities_are_slopes_of_both_forces():
+    """By differences of two records, each with its offset, drift and delay, in every unknown."""
+    there = Elsewhere(273.15, 7.0, 0.9)
+    machine = Machine(sync=1e-3, drift=1e-3)
+    bench = Bench(8e-3, 0.5, 5.0, 40.0, 1e-3, "full", 2.0, machine)
+    rows = rows_with(HIDDEN, bench, [there], slope_sd=0.03)
+    t, n = bench.time(), HIDDEN.arms
+    p = np.array([HIDDEN.k_inf, *HIDDEN.k, *np.log(HIDDEN.tau), *np.zeros(3),
+                  np.log(there.a_t), np.log(there.b_t), *np.zeros(4)])  # fmt: skip
+
+    def force(solid: GeneralizedMaxwell, offset: float, drift: float) -> np.ndarray:
+        answer = solid.ramp_hold_force(t, depth=8e-3, ramp_time=0.5)
+        return answer + offset + drift * (t + 0.5 * bench.baseline)
+
+    def records(q: np.ndarray) -> np.ndarray:
+        tau, (a, b), g = np.exp(q[1 + n : 1 + 2 * n]), np.exp(q[10:12]), q[-1]
+        warm = GeneralizedMaxwell(q[0], tuple(q[1 : 1 + n]), tuple(tau))
+        moved = tau * a ** (1 + g * np.log10(tau / 0.5))
+        cold = GeneralizedMaxwell(b * q[0], tuple(b * q[1 : 1 + n]), tuple(moved))
+        return np.concatenate((force(warm, *q[7:9]), force(cold, *q[12:14])))
+
+    keep = [i for i in range(len(p)) if i not in {9, 14}]  # delays have a test of their own
+    columns = []
+    for i in keep:
+        step = np.zeros(len(p))
+        step[i] = 1e-5 * max(1.0, abs(p[i]))
+        columns.append((records(p + step) - records(p - step)) / (2 * step[i]))
+    J = np.array(columns).T / bench.noise
+    felt = HIDDEN.shifted(there.a_t, there.b_t)
+    known = np.zeros((7, len(p)))
+    known[:3, 7:10] = np.diag(1 / bench.prior_sd(HIDDEN))
+    known[3:6, 12:15] = np.diag(1 / bench.prior_sd(felt))
+    known[6, 15] = 1 / 0.03
+    expected = J.T @ J + (known.T @ known)[np.ix_(keep, keep)]
+    information = (rows.T @ rows)[np.ix_(keep, keep)]
+    scale = np.sqrt(np.diag(expected))
+    np.testing.assert_allclose(
+        information / np.outer(scale, scale), expected / np.outer(scale, scale), atol=2e-6
+    )
+
+
+def test_a_slope_that_is_not_known_costs_something():
+    rows = [rows_with(HIDDEN, usual(), places(0), sd) for sd in (0.0, 0.03, 0.3)]
+    known, usual_doubt, unknown = (loss_factor_sd(HIDDEN, each) for each in rows)
+    assert known < usual_doubt < unknown
+
+
+def asked(**changes: object) -> Plan:
+    options = {
+        "depth": 8e-3, "ramp_time": 1.0, "hold_time": 40.0, "rate": 1000.0, "noise": 5e-3,
+        "at": AT, "model": HIDDEN,
+    }  # fmt: skip
+    return plan(**(options | changes))  # type: ignore[arg-type]
+
+
+def test_the_plan_puts_the_cold_test_into_its_table():
+    told = asked(cold="0degC")
+    assert told.expected.repeated == (273.15,)
+    assert [place.temperature for place in told.repeats] == [273.15]
+    shown = [(e.method, e.repeated) for e in told.alternatives]
+    assert shown[:3] == [("full", ()), ("hold", (273.15,)), ("hold", ())]
+    alone = asked().expected.loss_factor_sd
+    assert told.alternatives[0].loss_factor_sd == alone
+    rows = rows_with(HIDDEN, usual(machine=Machine()), places(0))
+    assert told.expected.loss_factor_sd == pytest.approx(loss_factor_sd(HIDDEN, rows), rel=1e-4)
+    assert told.advice[0] == (
+        "Repeat it at 0 degC and fit all together: the standard deviation of the loss factor at "
+        "12.71 Hz goes from 70.5 % to 0.935 %, if all arms shift alike."
+    )
+    assert told.advice[1] == (
+        "Two temperatures cannot see arms that shift apart, three can: test at a third one, such "
+        "as 10 degC, too."
+    )
+    assert str(told).splitlines()[2].endswith("0.935 %  and at 0 degC")
+    assert told.band == pytest.approx((1 / (80 * np.pi), SHIFT.a_t(273.15) / np.pi))
+
+
+def test_three_temperatures_are_advised_no_further():
+    told = asked(cold=(273.15, "10degC"))
+    assert told.advice[0].startswith("Repeat it at 0 and 10 degC and fit all together")
+    assert not any("third" in line for line in told.advice)
+    shown = [(e.method, e.repeated) for e in told.alternatives]
+    assert shown[1:3] == [("full", (273.15,)), ("full", (283.15,))]
+    assert told.expected.loss_factor_sd < told.alternatives[1].loss_factor_sd
+
+
+def test_whoever_asks_for_no_cold_test_is_offered_one():
+    told = asked()
+    offered = told.alternatives[-2]
+    assert offered.repeated == (273.15,)
+    assert "repeat it at 0 degC (0.935 %)" in told.advice[0]
+    assert asked(model=BROAD, ramp_time=0.01).advice[0].startswith("Record each hit")
+
+
+@pytest.mark.parametrize(("celsius", "offered"), [(10.01, True), (9.99, False), (-5.0, False)])
+def test_a_refrigerator_is_offered_to_a_warm_room_only(celsius, offered):
+    told = asked(temperature=celsius + 273.15)
+    assert any(e.repeated for e in told.alternatives) == offered
+    glassy = asked(law=type(SHIFT).universal(glass=263.16, reference=ROOM))
+    assert not any(e.repeated for e in glassy.alternatives)
+
+
+def test_a_hot_test_shows_the_slow_arms():
+    """Something slower than the hold is known better where it is faster."""
+    slow = HIDDEN + GeneralizedMaxwell(0.0, (20.0,), (300.0,))
+    warm = asked(model=slow, at=0.001, cold="60degC")
+    assert warm.expected.loss_factor_sd < 0.3 * warm.alternatives[0].loss_factor_sd
+    assert warm.band[0] < 1 / (80 * np.pi)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"cold": "23degC"}, "expected another temperature"),
+        ({"cold": 296.15 + 0.4999}, "expected another temperature"),
+        ({"cold": "-45.01degC"}, "nearer than 10 K to the glass transition"),
+        ({"cold": float("nan")}, "temperature = nan"),
+        ({"cold": (273.15, -4.0)}, "temperature = -4.0"),
+        ({"temperature": 0.0}, "temperature = 0.0"),
+    ],
+)
+def test_what_cannot_be_is_refused(changes, words):
+    with pytest.raises(DataError, match=words):
+        asked(**changes)
+
+
+def test_just_what_can_be_is_not():
+    for kelvin, law in itertools.product((296.15 + 0.5001, 228.15), (SHIFT, Arrhenius(6e4, ROOM))):
+        assert elsewhere(kelvin, ROOM, law).temperature == kelvin
+    # the solid is that of the room, wherever the law's reference lies
+    there = elsewhere(273.15, 283.15, SHIFT)
+    assert there.a_t == pytest.approx(float(SHIFT.a_t(273.15) / SHIFT.a_t(283.15)))
+    assert there.b_t == 273.15 / 283.15
