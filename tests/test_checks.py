@@ -20,10 +20,11 @@ from dashpot.base.checks import REGISTER, Check, Finding, criterion
 from dashpot.engine.inference.covariance import Noise, nearly_white, noise_of
 from dashpot.engine.inference.order import DECISIVE, Choice, choose
 from dashpot.export import checks as export
-from dashpot.fitting.checks import curves, relaxation, solid
+from dashpot.fitting.checks import curves, relaxation, solid, temperature
 from dashpot.fitting.identification import checks as identification
 from dashpot.fitting.nonlinear_ramp import checks as ramp
 from dashpot.fitting.repeats import EndStiffness
+from dashpot.fitting.shift_law import LawScore
 from dashpot.io.readers import checks as reading
 from dashpot.planning import checks as planning
 from dashpot.planning.expected import Pulse, RecordNeed
@@ -243,6 +244,11 @@ def cut_off(hertz: float) -> Check:
     return relaxation.filter_bias(parse_filter(f"lowpass:{hertz}Hz"), changes, 1.0)
 
 
+def law(missed: float) -> LawScore:
+    """One that misses its shifts by more than chance."""
+    return LawScore("wlf", 1e4, 6, 0.0, missed, 273.15)
+
+
 def known(width: float) -> Check:
     """k_inf within an interval of this part of the stiffness at the end of the hold."""
     spring = GeneralizedMaxwell(1.0)
@@ -324,7 +330,36 @@ PREPARATION = [
     ),
 ]
 
+COLD_AND_WARM = np.array([273.15, 296.15])
 FITTING = [
+    Case("overlap", lambda x: temperature.overlap(np.array([x]), COLD_AND_WARM), 0.501, 0.499),
+    Case(
+        "shifts_determined",
+        lambda x: temperature.shifts_determined(np.array([x]), COLD_AND_WARM),
+        0.299,
+        0.301,
+    ),
+    Case(
+        "shift_monotone",
+        lambda x: temperature.shift_monotone(np.array([0.1 * x]), np.array([0.1]), COLD_AND_WARM),
+        2.999,
+        3.001,
+    ),
+    Case(
+        "thermorheologically_simple",
+        lambda x: temperature.thermorheologically_simple(x, 1.0, 0.01),
+        1.199,
+        1.201,
+    ),
+    Case(
+        "law_follows_shifts", lambda x: temperature.law_follows_shifts(law(x), []), 0.1499, 0.1501
+    ),
+    Case(
+        "vertical_shift_known",
+        lambda x: temperature.vertical_shift_known("1", x, 1.0),
+        10.01,
+        9.99,
+    ),
     Case("uncertainty_estimated", lambda x: solid.uncertainty_estimated(made=bool(x)), 1, 0),
     Case("optimum_found", lambda x: solid.optimum_found(stationary=bool(x)), 1, 0),
     Case("k_inf_known", known, 0.499, 0.501),
@@ -851,6 +886,8 @@ LIMITS = {
         "modulus_falls": 1.25,
         "data_agree": 1.3, "bands_meet": 10, "k_inf_known": 0.5, "force_followed": 1.75,
         "arms_where_force_relaxes": 0.02,
+        "overlap": 0.5, "shifts_determined": 0.3, "shift_monotone": 3,
+        "thermorheologically_simple": 1.2, "law_follows_shifts": 0.15, "vertical_shift_known": 10,
     },
     "fitting/nonlinear_ramp": {
         "ramp_followed": 0.01, "tangent_told": 2, "hold_followed": 1.25, "k_inf_believable": 0.05,

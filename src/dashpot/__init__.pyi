@@ -19,6 +19,7 @@ from .fitting.modulus import fit_modulus as fit_modulus
 from .fitting.relaxation import fit as fit
 from .fitting.spectrum import dynamic_master_curve as dynamic_master_curve
 from .fitting.spectrum import master_curve as master_curve
+from .fitting.superposition.superpose import superpose as superpose
 from .fitting.uncertainty.bootstrap import bootstrap as bootstrap
 from .fitting.uncertainty.prediction_bounds import frf_band as frf_band
 from .fitting.uncertainty.prediction_bounds import unseen_arm_band as unseen_arm_band
@@ -41,6 +42,7 @@ from .records.modulus import RelaxationModulus as RelaxationModulus
 from .records.relaxation import RampHold as RampHold
 from .records.relaxation import RelaxationTest as RelaxationTest
 from .records.specimen import Specimen as Specimen
+from .records.superposition import Superposition as Superposition
 from .solids import networks as networks
 from .solids.elastic import compare_with_curve as compare_with_curve
 from .solids.fractional import FractionalZener as FractionalZener

@@ -27,6 +27,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "fitting/": ("fit", "predict", "identify", "report"),
     "fitting/dynamic.py": ("fit",),
     "fitting/modulus.py": ("fit",),
+    "fitting/superposition/": ("fit",),
     "fitting/identification/": ("identify", "report"),
     "vibration/comparison/": MEASURED,
     "export/": ("export",),

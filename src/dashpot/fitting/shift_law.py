@@ -9,7 +9,7 @@ WLF is linear in :math:`C_1` at each :math:`C_2`, so that one search finds it.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
@@ -18,12 +18,16 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray, samples
 from dashpot.base.errors import FitError
-from dashpot.engine.inference.order import bic_of_deviance
+from dashpot.engine.inference.order import bic_of_deviance, needed
 from dashpot.solids.temperature import GAS, WLF, Arrhenius, FreeShifts, TemperatureLaw
 
 ShiftLaw: TypeAlias = Literal["auto", "wlf", "arrhenius", "free"]
 LAWS: tuple[ShiftLaw, ...] = ("auto", "wlf", "arrhenius", "free")
 
+MAX_MISSED = 0.15
+"""Decades by which a law may miss a shift: a factor 1.4 in time."""
+# of BIC: "not worth more than a bare mention" (Kass and Raftery, J. Am. Stat. Assoc. 90, 1995)
+_EVEN = 2.0
 # temperatures that a law needs: two shifts, the fewest of which one can contradict the other
 LEAST = 3
 # C_2 less the least it can be, K: beyond, WLF is a straight line in T
@@ -46,12 +50,24 @@ class LawScore:
     dof : int
     bic : float
         Differences count.
+    missed : float
+        Decades by which it misses a shift at most.
+    at : float
+        There, K.
     """
 
     kind: str
     deviance: float
     dof: int
     bic: float
+    missed: float
+    at: float
+
+    @property
+    def fails(self) -> bool:
+        """Whether it misses a shift by more than matters, and by more than chance."""
+        beyond_chance = self.dof > 0 and needed(self.deviance, self.dof)
+        return beyond_chance and self.missed > MAX_MISSED
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,8 +131,8 @@ def law_through(
     reference : float
         T_r, K.
     law : str
-        ``"auto"`` takes WLF or Arrhenius by BIC, the shifts themselves at fewer than three
-        temperatures or where neither law can follow them; else the law that is to be taken.
+        ``"auto"`` takes WLF or Arrhenius by BIC, the simpler within 2; the shifts themselves at
+        fewer than three temperatures or where neither law follows them. Else the law to be taken.
 
     Raises
     ------
@@ -132,7 +148,8 @@ def law_through(
     shifts = _Shifts(t[away], s[away], _whitener(c), reference)
     n = int(away.sum())
     found: dict[str, tuple[TemperatureLaw, FloatArray]] = {"free": (free, np.empty((0, 0)))}
-    scores = [LawScore("free", 0.0, 0, bic_of_deviance(0.0, effective=max(n, 1), parameters=n))]
+    bic = bic_of_deviance(0.0, effective=max(n, 1), parameters=n)
+    scores = [LawScore("free", 0.0, 0, bic, 0.0, reference)]
     for kind, lay in _LAID.items():
         if n < (LEAST - 1 if law == "auto" else 1) or (laid := lay(shifts)) is None:
             continue
@@ -140,23 +157,39 @@ def law_through(
         size = jacobian.shape[1]
         if size > n:
             continue
-        deviance = shifts.deviance(one.log10_a_t(shifts.temperature))
+        expected = one.log10_a_t(shifts.temperature)
+        deviance, off = shifts.deviance(expected), np.abs(expected - shifts.log10)
         wider = max(1.0, deviance / (n - size)) if n > size else 1.0
         whitened = shifts.whitener @ jacobian
         found[kind] = one, np.asarray(wider * np.linalg.pinv(whitened.T @ whitened))
         bic = bic_of_deviance(deviance, effective=n, parameters=size)
-        scores.append(LawScore(kind, deviance, n - size, bic))
+        worst = int(np.argmax(off))
+        scores.append(
+            LawScore(
+                kind, deviance, n - size, bic, float(off[worst]), float(shifts.temperature[worst])
+            )
+        )
     scores.sort(key=lambda score: score.bic)
     kind = law
     if law == "auto":
-        kind = next((score.kind for score in scores if score.kind != "free"), "free")
+        best = _best(scores)
+        kind = "free" if best.fails else best.kind
     if kind not in found:
         raise FitError(
             f"no {kind} law follows the shifts at {n + 1} temperatures: time scales must fall as "
-            "it gets warmer, and WLF needs three temperatures; take the free shifts"
+            "it gets warmer, and WLF needs three temperatures; take the free "
+            "shifts (Python: law='free')"
         )
     chosen, errors = found[kind]
     return LawThroughShifts(chosen, _PARAMETERS[kind], errors, tuple(scores))
+
+
+def _best(scores: Sequence[LawScore]) -> LawScore:
+    """Return the law, if any, that BIC takes: of two that are nearly even, the simpler."""
+    laws = [score for score in scores if score.kind != "free"]
+    if not laws:
+        return scores[0]
+    return max((one for one in laws if one.bic < laws[0].bic + _EVEN), key=lambda one: one.dof)
 
 
 _PARAMETERS = {"wlf": ("c1", "c2"), "arrhenius": ("energy",), "free": ()}

@@ -18,9 +18,11 @@ class RelaxationModulus(ByValue, Described):
     Attributes
     ----------
     time : array, shape (n,)
-        s since the step, >= 0, strictly increasing.
+        s since the step, >= 0, strictly increasing; at several temperatures in any order.
     modulus : array, shape (n,)
         Pa for a material, N/m for a part (`unit`).
+    temperature : array, shape (n,), or None
+        K, where the curve was measured at several; to be shifted together.
     unit : str
         ``"Pa"`` or ``"N/m"``.
     specimen : Specimen
@@ -37,23 +39,33 @@ class RelaxationModulus(ByValue, Described):
     unit: str = "Pa"
     specimen: Specimen = field(default_factory=Specimen)
     source: Source | None = None
+    temperature: FloatArray | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "time", increasing("time", measured("time", self.time)))
+        object.__setattr__(self, "time", measured("time", self.time))
         object.__setattr__(self, "modulus", measured("modulus", self.modulus))
-        same_length(time=self.time, modulus=self.modulus)
-        if self.time[0] < 0:
-            raise DataError(f"time[0] = {self.time[0]:g} s; expected the time since the step, >= 0")
+        if self.temperature is not None:
+            object.__setattr__(self, "temperature", measured("temperature", self.temperature))
+        else:
+            increasing("time", self.time)
+        same_length(time=self.time, modulus=self.modulus, temperature=self.temperature)
+        if self.time.min() < 0:
+            raise DataError(
+                f"time begins at {self.time.min():g} s; expected the time since the step, >= 0"
+            )
         if self.unit not in {"Pa", "N/m"}:
             raise DataError(f"unit '{self.unit}' of the modulus; expected 'Pa' or 'N/m'")
 
     @property
     def described(self) -> tuple[str, ...]:
         """Which curve it is, and what it covers."""
+        warm = ""
+        if self.temperature is not None:
+            warm = f", {self.temperature.min():.5g} to {self.temperature.max():.5g} K"
         return (
             of_file(self.source, len(self.time)),
             (
                 f"{self.modulus[0]:.5g} to {self.modulus[-1]:.5g} {self.unit} over "
-                f"{self.time[0]:.4g} to {self.time[-1]:.5g} s"
+                f"{self.time.min():.4g} to {self.time.max():.5g} s{warm}"
             ),
         )

@@ -19,7 +19,7 @@ ROUNDS = 3
 NOTHING = 1e-11
 
 
-def nonnegative(gram: FloatArray, moment: FloatArray) -> FloatArray:
+def nonnegative(gram: FloatArray, moment: FloatArray, near: BoolArray | None = None) -> FloatArray:
     """Return the x >= 0 that minimises x'Gx/2 - m'x, shape (n,).
 
     On the normal equations: for starts, certificates and tables, not for final digits.
@@ -30,6 +30,8 @@ def nonnegative(gram: FloatArray, moment: FloatArray) -> FloatArray:
         A'A, columns of A of comparable norm.
     moment : array, shape (n,)
         A'y.
+    near : array, shape (n,), optional
+        Which coefficients were above zero in a problem much like this one: it spares most solves.
     """
     count = len(moment)
     ridged = gram + 1e-14 * float(np.trace(gram)) / max(count, 1) * np.eye(count)
@@ -42,7 +44,7 @@ def nonnegative(gram: FloatArray, moment: FloatArray) -> FloatArray:
         x[index] = np.linalg.solve(ridged[index[:, None], index], moment[index])
         return x
 
-    free: BoolArray = moment > 0
+    free: BoolArray = moment > 0 if near is None else near.copy()
     for _ in range(ROUNDS):
         x = solved(free)
         wrong = np.where(free, x < 0, moment - gram @ x > nothing)

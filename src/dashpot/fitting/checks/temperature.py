@@ -1,0 +1,150 @@
+"""What tests at several temperatures must hold to be one solid that is shifted."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Finding, criterion
+from dashpot.fitting.shift_law import MAX_MISSED, LawScore
+from dashpot.records.temperature import celsius
+
+OVERLAP = 0.5
+"""Decades that neighbours are to share."""
+MAX_STEP_SE = 0.3
+MAX_RISE = 3.0
+MAX_JOINT_OVER_OWN = 1.2
+MIN_BIC_MARGIN = 10.0
+# residuals below this part of the modulus are of no instrument
+_EXACT = 1e-6
+# decades by which shifts may differ without a matter
+_SLIGHT = 0.1
+
+
+@criterion("decades shared", ">=", OVERLAP, "our choice: less, and everything fits")
+def overlap(shared: FloatArray, temperature: FloatArray) -> Finding:
+    """Neighbouring temperatures share part of their windows, once shifted.
+
+    `shared` is of each pair of neighbours, shape (n - 1,), `temperature` K, (n,).
+    """
+    i = int(np.argmin(shared))
+    return Finding(
+        f"{celsius(temperature[i])} and {celsius(temperature[i + 1])} share {shared[i]:.2g} "
+        "decades, the fewest of all neighbours",
+        float(shared[i]),
+        "; with nothing in common, any shift fits: test at a temperature between them, or sweep "
+        "wider",
+    )
+
+
+@criterion("SE of a step, decades", "<=", MAX_STEP_SE, "our choice: a factor 2 in time")
+def shifts_determined(error: FloatArray, temperature: FloatArray) -> Finding:
+    """The data say how far each temperature lies from the next.
+
+    `error` is of each step of log10 a_T, shape (n - 1,).
+    """
+    i = int(np.argmax(error))
+    return Finding(
+        f"the least certain step is that from {celsius(temperature[i])} to "
+        f"{celsius(temperature[i + 1])}, known to {error[i]:.2g} decades",
+        float(error[i]),
+        ": the curves are flat there, as those of a glass or of rubber at rest, and flat curves "
+        "fit anywhere: leave the outer temperature out, or trust the law alone",
+    )
+
+
+@criterion("rise of log a_T, SE", "<=", MAX_RISE, "3 standard errors")
+def shift_monotone(step: FloatArray, error: FloatArray, temperature: FloatArray) -> Finding:
+    """Every relaxation is faster where it is warmer.
+
+    `step` is log10 a_T of each temperature less that of the next colder one, with its `error`.
+    """
+    rise = np.where(error > 0, step / np.where(error > 0, error, 1.0), np.sign(step) * np.inf)
+    rise = np.where(step == 0, 0.0, rise)
+    i = int(np.argmax(rise))
+    return Finding(
+        "the warmer, the faster, at every step",
+        float(np.clip(rise[i], -1e9, 1e9)),
+        instead=f"from {celsius(temperature[i])} to {celsius(temperature[i + 1])} relaxation "
+        f"times grow by {step[i]:.2g} decades, where warmth shortens them: look for exchanged "
+        "files, a wrong temperature, or a specimen that changed",
+    )
+
+
+@criterion(
+    "mean square jointly / alone",
+    "<=",
+    MAX_JOINT_OVER_OWN,
+    "simulated simple solids give 0.96 to 1.12",
+)
+def thermorheologically_simple(ratio: float | None, by_chance: float, rms: float) -> Finding:
+    """One shift moves every relaxation time: each temperature fits as well as it does alone.
+
+    `ratio` is None where the temperatures alone leave too few degrees of freedom, `by_chance` what
+    it reaches by chance alone, `rms` what the joint fit leaves, relative.
+    """
+    return Finding(
+        "too few values at each temperature to be held against its own fit"
+        if ratio is None
+        else f"jointly the temperatures leave {ratio:.3g} times the mean square that they leave "
+        "alone",
+        ratio,
+        ": no one shift moves all of this solid (two processes, crystals, a filler network, or "
+        "a change of strain between sweeps); a frequency that was not measured at a temperature "
+        "is then foretold worse than the errors say",
+        limit=max(MAX_JOINT_OVER_OWN, by_chance),
+        excused=ratio is not None and rms < _EXACT,
+    )
+
+
+@criterion("decades between law and shift", "<=", MAX_MISSED, "our choice: a factor 1.4 in time")
+def law_follows_shifts(taken: LawScore, scores: Sequence[LawScore]) -> Finding:
+    """The law of temperature follows the shifts, as far as they are known.
+
+    `scores` are of every law that was tried.
+    """
+    laws = [score for score in scores if score.kind != "free"]
+    if taken.kind == "free":
+        best = f": {laws[0].kind}, the best, is {laws[0].missed:.2g} decades off" if laws else ""
+        return Finding(
+            f"no law was laid through the shifts{best}; they reach no further than the tests"
+        )
+    return Finding(
+        f"the {taken.kind} law is at most {taken.missed:.2g} decades off a shift, at "
+        f"{celsius(taken.at)}",
+        taken.missed,
+        ": more than chance; between tested temperatures the shifts themselves are better "
+        "(Python: law='free'), and beyond them the law is a guess: is there a glass transition "
+        "among them, or a wrong temperature?",
+        excused=not taken.fails,
+    )
+
+
+@criterion(
+    "difference of BIC",
+    ">=",
+    MIN_BIC_MARGIN,
+    "Kass and Raftery, J. Am. Stat. Assoc. 90 (1995) 773: very strong",
+)
+def vertical_shift_known(vertical: str, margin: float, apart: float) -> Finding:
+    """The data, or the user, say how stiffness itself follows temperature.
+
+    `margin` is the BIC of the other rule less that of the one taken, and `apart` by how many
+    decades its shifts differ.
+    """
+    free = vertical == "free"
+    return Finding(
+        "the vertical shifts are free"
+        if free
+        else f"b_T = {vertical} is {margin:.3g} of BIC ahead; the other rule moves no shift by "
+        f"more than {apart:.2g} decades",
+        None if free else margin,
+        ", and trade with the horizontal ones: neither is then to be believed; a diagnostic only"
+        if free
+        else ": the data hardly tell the two apart; say which (Python: vertical='T/T_r' for a "
+        "rubber, whose stiffness is of entropy; vertical='1' below the glass transition)",
+        excused=not free and apart < _SLIGHT,
+        faulted=free,
+    )

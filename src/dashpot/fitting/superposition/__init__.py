@@ -1,0 +1,1 @@
+"""Time-temperature superposition: sweeps and moduli at several temperatures, one solid."""

@@ -1,0 +1,195 @@
+r"""What was measured at one temperature, as rows of a positive spectrum that is shifted.
+
+With :math:`v = x / (a_T \tau)` over time, :math:`z = \omega a_T \tau` over frequency:
+
+.. math:: E(t) = b_T \Bigl(E_\infty + \sum_k h_k e^{-v_k}\Bigr), \qquad
+          E^*(\omega) = b_T \Bigl(E_\infty + \sum_k h_k \frac{j z_k}{1 + j z_k}\Bigr)
+
+Residuals are over the size of the measured modulus; storage and loss both over :math:`|E^*|`, for
+a loss relative to itself weighs most where it is nearly zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+
+from dashpot.base.arrays import ComplexArray, FloatArray, IndexArray, median
+from dashpot.base.errors import FitError
+from dashpot.base.provenance import Source
+from dashpot.records.dynamic import ONE_TEMPERATURE, DynamicTest
+from dashpot.records.modulus import RelaxationModulus
+from dashpot.records.temperature import celsius
+
+Measured: TypeAlias = DynamicTest | RelaxationModulus
+Domain: TypeAlias = Literal["frequency", "time"]
+
+# an isotherm of fewer values has no place of its own along the axis
+LEAST = 2
+
+
+@dataclass(frozen=True, eq=False)
+class Isotherm:
+    """One temperature.
+
+    Attributes
+    ----------
+    temperature : float
+        K, the median of its samples.
+    domain : str
+    at : array, shape (n,)
+        Angular frequency, rad/s, or time, s; rising.
+    value : array, shape (m,)
+        Storage, then loss (m = 2 n), or the modulus (m = n), over `size`.
+    size : array, shape (m,)
+        What errors are relative to, in the unit of the data.
+    """
+
+    temperature: float
+    domain: Domain
+    at: FloatArray
+    value: FloatArray
+    size: FloatArray
+
+    @property
+    def window(self) -> tuple[float, float]:
+        """The shortest and the longest relaxation time that it sees there, natural logarithms."""
+        ends = np.log(self.at[[0, -1]])
+        low, high = ends if self.domain == "time" else -ends[::-1]
+        return float(low), float(high)
+
+    @property
+    def complex(self) -> ComplexArray:
+        """The complex modulus, in the unit of the data, shape (n,)."""
+        n, value = len(self.at), self.value * self.size
+        return np.asarray(value[:n] + 1j * value[n:], dtype=complex)
+
+    def columns(self, ln_tau: FloatArray, ln_a: float) -> FloatArray:
+        """Rows of the plateau and of unit arms at the reference, shape (m, 1 + k)."""
+        unit = self._unit(ln_tau, ln_a)
+        plateau = np.ones((len(unit), 1))
+        if self.domain == "frequency":
+            plateau[len(self.at) :] = 0.0
+        return np.concatenate((plateau, unit), axis=1) / self.size[:, None]
+
+    def _unit(self, ln_tau: FloatArray, ln_a: float) -> FloatArray:
+        if self.domain == "time":
+            return np.exp(-self.at[:, None] * np.exp(-ln_tau - ln_a))
+        z = self.at[:, None] * np.exp(ln_tau + ln_a)
+        storage = 1 - 1 / (1 + z * z)
+        return np.concatenate((storage, z / (1 + z * z)))
+
+    def slope(self, ln_tau: FloatArray, ln_a: float, h: FloatArray) -> FloatArray:
+        r"""Derivative of the rows' sum, arms `h`, in :math:`\ln a_T`, shape (m,)."""
+        if self.domain == "time":
+            v = self.at[:, None] * np.exp(-ln_tau - ln_a)
+            return np.asarray((np.exp(-v) * v) @ h / self.size)
+        z = self.at[:, None] * np.exp(ln_tau + ln_a)
+        share = 1 / (1 + z * z)
+        storage, loss = 2 * share * (1 - share), z * share * (2 * share - 1)
+        return np.concatenate((storage @ h, loss @ h)) / self.size
+
+
+def joined(data: Measured | Sequence[Measured]) -> tuple[Measured, tuple[Source, ...]]:
+    """Return several tests as the samples of one, each at its specimen's temperature if need be.
+
+    Raises
+    ------
+    FitError
+        If they are of different kinds or units, or one has no temperature.
+    """
+    tests = [data] if isinstance(data, DynamicTest | RelaxationModulus) else list(data)
+    if len({(type(test), test.unit) for test in tests}) != 1:
+        raise FitError(
+            "a master curve takes tests of one kind and one unit: sweeps, or relaxation moduli, "
+            "all in Pa or all in N/m"
+        )
+    sources = tuple(test.source for test in tests if test.source is not None)
+    warm = [_with_temperature(test, i) for i, test in enumerate(tests, start=1)]
+
+    def all_of(name: str) -> FloatArray:
+        return np.concatenate([getattr(test, name) for test in warm])
+
+    names = ("storage", "loss", "frequency") if isinstance(warm[0], DynamicTest) else (
+        "modulus", "time"
+    )  # fmt: skip
+    whole: Any = {name: all_of(name) for name in (*names, "temperature")}
+    return replace(warm[0], **whole), sources
+
+
+def _with_temperature(test: Measured, number: int) -> Measured:
+    if test.temperature is not None:
+        return test
+    kelvin = test.specimen.temperature
+    if kelvin is None:
+        name = f"test {number}" if test.source is None else test.source.file
+        raise FitError(
+            f"{name} says no temperature, so nothing can be shifted: name its column with "
+            "--temperature-column, or give --temperature"
+        )
+    at = test.frequency if isinstance(test, DynamicTest) else test.time
+    return replace(test, temperature=np.full(len(at), kelvin))
+
+
+def isotherms_of(data: Measured) -> tuple[Isotherm, ...]:
+    """Return the isotherms of a test, by rising temperature.
+
+    Samples belong together whose temperatures lie within :data:`ONE_TEMPERATURE` of each other,
+    without a gap of half of that.
+
+    Raises
+    ------
+    FitError
+        If the test has no temperatures, an isotherm too few values, or a modulus is not above 0.
+    """
+    if data.temperature is None:
+        raise FitError("the test has no temperatures, so nothing can be shifted")
+    found = []
+    for chosen in _groups(data.temperature):
+        kelvin = median(data.temperature[chosen])
+        if len(chosen) < LEAST:
+            raise FitError(
+                f"there is one value at {celsius(kelvin)}; a shift needs at least "
+                f"{LEAST} frequencies or times at each temperature: leave it out"
+            )
+        if isinstance(data, DynamicTest):
+            part = data.only(chosen[np.argsort(data.frequency[chosen], kind="stable")])
+            size = np.abs(part.value)
+            _above_zero(part.storage, kelvin)
+            both = np.concatenate((size, size))
+            value = np.concatenate((part.storage, part.loss)) / both
+            found.append(Isotherm(kelvin, "frequency", part.omega, value, both))
+        else:
+            rising = chosen[np.argsort(data.time[chosen], kind="stable")]
+            time, modulus = data.time[rising], data.modulus[rising]
+            _above_zero(modulus, kelvin)
+            _above_zero(time, kelvin, "time")
+            found.append(Isotherm(kelvin, "time", time, np.ones(len(chosen)), modulus))
+    return tuple(found)
+
+
+def _above_zero(values: FloatArray, kelvin: float, what: str = "modulus") -> None:
+    if (values <= 0).any():
+        raise FitError(
+            f"a {what} at {celsius(kelvin)} is {values.min():g}; expected > 0, so that errors can "
+            "be relative and times be shifted: leave it out"
+        )
+
+
+def _groups(temperature: FloatArray) -> list[IndexArray]:
+    """Indices of the samples of each isotherm, by rising temperature."""
+    groups: list[list[int]] = []
+    for i in np.argsort(temperature, kind="stable"):
+        t = temperature[i]
+        near = groups and (
+            t - temperature[groups[-1][-1]] <= ONE_TEMPERATURE / 2
+            and t - temperature[groups[-1][0]] <= ONE_TEMPERATURE
+        )
+        if near:
+            groups[-1].append(int(i))
+        else:
+            groups.append([int(i)])
+    return [np.sort(np.array(group)) for group in groups]

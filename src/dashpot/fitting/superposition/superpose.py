@@ -1,0 +1,323 @@
+"""From tests at several temperatures to their master curve, its shifts and their law."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+from typing import Literal, NamedTuple, TypeAlias
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check
+from dashpot.base.errors import FitError
+from dashpot.base.provenance import Step
+from dashpot.base.units import Quantity, si
+from dashpot.fitting.checks.temperature import (
+    law_follows_shifts,
+    overlap,
+    shift_monotone,
+    shifts_determined,
+    thermorheologically_simple,
+    vertical_shift_known,
+)
+from dashpot.fitting.shift_law import LawThroughShifts, ShiftLaw, law_through
+from dashpot.fitting.superposition.isotherms import Isotherm, Measured, isotherms_of, joined
+from dashpot.fitting.superposition.joint_spectrum import Shifted, shifted
+from dashpot.fitting.superposition.neighbours import chained_starts
+from dashpot.records.dynamic import ONE_TEMPERATURE, DynamicTest
+from dashpot.records.modulus import RelaxationModulus
+from dashpot.records.superposition import Superposition
+from dashpot.records.temperature import Shift, TemperatureShifts, celsius
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+Vertical: TypeAlias = Literal["auto", "1", "T/T_r", "free"]
+VERTICALS: tuple[Vertical, ...] = ("auto", "1", "T/T_r", "free")
+
+ROOM = 296.15
+"""The reference where nobody gives one: the temperature tested that is nearest to 23 degC, K."""
+_LN10 = float(np.log(10.0))
+# decades to which shifts are known that come without an error: as curves are overlaid by eye
+_BY_EYE = 0.1
+# degrees of freedom that the temperatures alone must leave, for their scatter to be known
+_LEAST_DOF = 10
+
+
+def superpose(
+    data: Measured | Sequence[Measured],
+    *,
+    reference: Quantity | None = None,
+    law: ShiftLaw = "auto",
+    vertical: Vertical = "auto",
+    shifts: Sequence[Shift] = (),
+) -> Superposition:
+    r"""Shift sweeps or moduli at several temperatures onto one positive spectrum.
+
+    .. math:: E^*_i(\omega) = b_i \Bigl(E_\infty + \sum_k h_k
+        \frac{j\omega a_i\tau_k}{1 + j\omega a_i\tau_k}\Bigr), \qquad h_k \ge 0
+
+    All shifts and the spectrum are fitted together, with errors relative to :math:`|E^*|`; nothing
+    is overlaid in sequence, and nothing is smoothed. A law is laid through the shifts by their full
+    covariance.
+
+    Parameters
+    ----------
+    data : DynamicTest, RelaxationModulus or sequence of one of them
+        Several temperatures, as the samples of one test or in one test each.
+    reference : float, optional
+        K, or a text such as ``"25degC"``: the tested temperature within 2 K of it; by default that
+        nearest to 23 degC.
+    law : str
+        ``"auto"`` takes WLF or Arrhenius by BIC; or ``"wlf"``, ``"arrhenius"``, ``"free"``.
+    vertical : str
+        How moduli follow temperature: ``"1"``, not at all; ``"T/T_r"``, as those of an ideal
+        rubber; ``"auto"``, the one of these that BIC supports; ``"free"``, one factor for each
+        temperature, which ruins the horizontal shifts: a diagnostic.
+    shifts : sequence of Shift
+        Known shifts, taken as they are; the spectrum alone is then fitted.
+
+    Raises
+    ------
+    FitError
+        If there are no several temperatures, none is near the reference, or a modulus is not
+        above 0.
+    """
+    if vertical not in VERTICALS:
+        raise FitError(f"vertical = {vertical!r}; expected one of {', '.join(VERTICALS)}")
+    test, sources = joined(data)
+    isotherms = isotherms_of(test)
+    t = np.array([one.temperature for one in isotherms])
+    if len(t) < 2:
+        raise FitError(
+            f"every sample was measured at about {celsius(float(t[0]))}: a master curve needs "
+            "several temperatures"
+        )
+    at = _reference(t, si(reference, "temperature"))
+    alone = _alone(isotherms)
+    if shifts:
+        best, how, known = _as_given(isotherms, shifts, at)
+    else:
+        best, how, known = _searched(isotherms, at, vertical, np.sqrt(alone.variance))
+    table, covariance = _shifts(best, t, at), _decadic(best, at)
+    doubt = covariance[: len(t), : len(t)] if covariance.any() else _BY_EYE**2 * np.eye(len(t))
+    laid = law_through(
+        t, [one.log10_a_t for one in table], doubt, reference=float(t[at]), law=law
+    )  # fmt: skip
+    temperatures = TemperatureShifts(
+        laid.law, table, covariance, laid.parameters, laid.covariance, how
+    )
+    rms = float(np.sqrt(np.mean(best.residual**2)))
+    curve, measured_at = _master(test, isotherms, best)
+    return Superposition(
+        curve,
+        measured_at,
+        temperatures,
+        _solid(best),
+        rms,
+        (
+            *_judged(isotherms, best, t, at, laid),
+            thermorheologically_simple(*alone.beside(best), rms),
+            *known,
+        ),
+        sources,
+        (_step(isotherms, temperatures, laid, given=bool(shifts)),),
+    )
+
+
+class _Alone(NamedTuple):
+    """What the isotherms leave, each with a spectrum of its own."""
+
+    sse: float
+    dof: int
+
+    @property
+    def variance(self) -> float:
+        return self.sse / max(self.dof, 1)
+
+    def beside(self, best: Shifted) -> tuple[float | None, float]:
+        """Mean square of the joint fit over this, and what that reaches by chance."""
+        if self.dof < _LEAST_DOF or self.sse <= 0:
+            return None, 1.0
+        more = len(best.residual) - best.parameters - self.dof
+        by_chance = 1 + 3 * np.sqrt(2 * max(more, 1)) / self.dof
+        return best.variance / self.variance, float(by_chance)
+
+
+def _alone(isotherms: Sequence[Isotherm]) -> _Alone:
+    at = np.zeros(1)
+    own = [shifted([one], at, at, reference=0, held=True) for one in isotherms]
+    return _Alone(sum(one.sse for one in own), sum(len(one.residual) - one.support for one in own))
+
+
+def _reference(t: FloatArray, asked: float | None) -> int:
+    nearest = int(np.argmin(np.abs(t - (ROOM if asked is None else asked))))
+    if asked is not None and abs(t[nearest] - asked) > ONE_TEMPERATURE:
+        raise FitError(
+            f"no test within {ONE_TEMPERATURE:g} K of the reference of {celsius(asked)}; tested "
+            f"were {', '.join(celsius(one) for one in t)}"
+        )
+    return nearest
+
+
+def _searched(
+    isotherms: Sequence[Isotherm], at: int, vertical: Vertical, noise: float
+) -> tuple[Shifted, str, tuple[Check, ...]]:
+    """Return the shifts by the vertical rule that was asked for, or that BIC takes."""
+    t = np.array([one.temperature for one in isotherms])
+    rules = {"1": np.zeros(len(t)), "T/T_r": np.log(t / t[at])}
+    asked = {"auto": ("1", "T/T_r"), "free": ("1",)}.get(vertical, (vertical,))
+    found: dict[str, Shifted] = {}
+    for name in asked:
+        start = chained_starts(isotherms, rules[name], at)
+        found[name] = shifted(isotherms, start, rules[name], reference=at, noise=noise)
+    how = min(found, key=lambda name: found[name].bic)
+    best = found[how]
+    if vertical == "free":
+        best = shifted(isotherms, best.ln_a, best.ln_b, reference=at, noise=noise, free_b=True)
+        return best, "free", (vertical_shift_known("free", 0.0, 0.0),)
+    if vertical != "auto":
+        return best, how, ()
+    other = next(one for name, one in found.items() if name != how)
+    apart = float(np.abs(other.ln_a - best.ln_a).max()) / _LN10
+    return best, how, (vertical_shift_known(how, other.bic - best.bic, apart),)
+
+
+def _as_given(
+    isotherms: Sequence[Isotherm], shifts: Sequence[Shift], at: int
+) -> tuple[Shifted, str, tuple[Check, ...]]:
+    """Return the spectrum at shifts from elsewhere, referred to the isotherm `at`."""
+    known = np.array([one.temperature for one in shifts])
+    taken = []
+    for one in isotherms:
+        i = int(np.argmin(np.abs(known - one.temperature)))
+        if abs(known[i] - one.temperature) > ONE_TEMPERATURE:
+            raise FitError(
+                f"the table of shifts has none within {ONE_TEMPERATURE:g} K of "
+                f"{celsius(one.temperature)}; it has {', '.join(celsius(k) for k in known)}"
+            )
+        taken.append(shifts[i])
+    ln_a = _LN10 * np.array([one.log10_a_t for one in taken])
+    ln_b = np.log([one.b_t for one in taken])
+    ln_a, ln_b = ln_a - ln_a[at], ln_b - ln_b[at]
+    how = "free" if ln_b.any() else "1"
+    return shifted(isotherms, ln_a, ln_b, reference=at, held=True), how, ()
+
+
+# -- what is known of the shifts ------------------------------------------------------------------
+
+
+def _decadic(best: Shifted, at: int) -> FloatArray:
+    """Return the covariance of log10 a_T, then ln b_T, of every temperature, shape (2 n, 2 n)."""
+    n = len(best.ln_a)
+    away = np.delete(np.arange(n), at)
+    free = np.concatenate((away, away + n))[: len(best.gram)]
+    full = np.zeros((2 * n, 2 * n))
+    if len(free):
+        scale = np.where(free < n, 1 / _LN10, 1.0)
+        full[np.ix_(free, free)] = best.covariance * np.outer(scale, scale)
+    return full
+
+
+def _shifts(best: Shifted, t: FloatArray, at: int) -> tuple[Shift, ...]:
+    n = len(t)
+    error = np.sqrt(np.maximum(np.diag(_decadic(best, at)), 0.0))
+    b = np.exp(best.ln_b)
+    return tuple(
+        Shift(
+            float(t[i]), float(best.ln_a[i] / _LN10), float(error[i]), float(b[i]),
+            float(b[i] * error[n + i]),
+        )
+        for i in range(n)
+    )  # fmt: skip
+
+
+def _judged(
+    isotherms: Sequence[Isotherm],
+    best: Shifted,
+    t: FloatArray,
+    at: int,
+    laid: LawThroughShifts,
+) -> tuple[Check, ...]:
+    n = len(t)
+    differences = np.diff(np.eye(n), axis=0)
+    step = differences @ best.ln_a / _LN10
+    spread = differences @ _decadic(best, at)[:n, :n] @ differences.T
+    error = np.sqrt(np.maximum(np.diag(spread), 0.0))
+    return (
+        overlap(_shared(isotherms, best), t),
+        shifts_determined(error, t),
+        shift_monotone(step, error, t),
+        law_follows_shifts(laid.score, laid.scores),
+    )
+
+
+def _shared(isotherms: Sequence[Isotherm], best: Shifted) -> FloatArray:
+    """Return the decades of reduced time that neighbours share, negative for a gap, (n - 1,)."""
+    ends = np.array([one.window for one in isotherms]) - best.ln_a[:, None]
+    return np.array(
+        [
+            (min(one[1], two[1]) - max(one[0], two[0])) / _LN10
+            for one, two in pairwise(ends)
+        ]
+    )  # fmt: skip
+
+
+# -- the master curve -----------------------------------------------------------------------------
+
+
+def _solid(best: Shifted) -> GeneralizedMaxwell:
+    k, tau = best.spectrum[1:], np.exp(best.ln_tau)
+    return GeneralizedMaxwell(float(best.spectrum[0]), tuple(k[k > 0]), tuple(tau[k > 0]))
+
+
+def _master(
+    test: Measured, isotherms: Sequence[Isotherm], best: Shifted
+) -> tuple[Measured, FloatArray]:
+    """Return every sample where it lies at the reference, and where it was measured, K."""
+    counts = [len(one.at) for one in isotherms]
+    temperature = np.repeat([one.temperature for one in isotherms], counts)
+    a, b = np.repeat(np.exp(best.ln_a), counts), np.repeat(np.exp(best.ln_b), counts)
+    at = np.concatenate([one.at for one in isotherms])
+    specimen = replace(test.specimen, temperature=None)
+    if isinstance(test, DynamicTest):
+        frequency = at * a / (2 * np.pi)
+        order = np.argsort(frequency, kind="stable")
+        value = np.concatenate([one.complex for one in isotherms]) / b
+        curve: Measured = DynamicTest(
+            frequency[order], value.real[order], value.imag[order], None, test.unit, specimen,
+            test.source,
+        )  # fmt: skip
+        return curve, temperature[order]
+    time, modulus = at / a, np.concatenate([one.size for one in isotherms]) / b
+    order = np.argsort(time, kind="stable")
+    time, modulus, temperature = time[order], modulus[order], temperature[order]
+    # two temperatures at the very same time are one sample of the curve
+    first = np.concatenate(([True], np.diff(time) > 1e-12 * time[1:]))
+    of = np.cumsum(first) - 1
+    modulus = np.bincount(of, modulus) / np.bincount(of)
+    curve = RelaxationModulus(time[first], modulus, test.unit, specimen, test.source)
+    return curve, temperature[first]
+
+
+def _step(
+    isotherms: Sequence[Isotherm],
+    temperatures: TemperatureShifts,
+    laid: LawThroughShifts,
+    *,
+    given: bool,
+) -> Step:
+    cold, warm = temperatures.tested
+    tried = ", ".join(f"{score.kind} {score.bic:.4g}" for score in laid.scores)
+    options = (
+        ("reference", f"{temperatures.reference:g} K"),
+        ("law", temperatures.law.kind),
+        ("vertical", temperatures.vertical),
+        ("shifts", "given" if given else "fitted"),
+    )
+    says = (
+        f"shifted {len(isotherms)} temperatures from {celsius(cold)} to {celsius(warm)} onto one "
+        f"spectrum at {celsius(temperatures.reference)}, b_T = {temperatures.vertical}, and laid "
+        f"a law through the shifts (BIC: {tried})"
+    )
+    return Step("superpose", options, says)

@@ -1,0 +1,168 @@
+"""Master curves: shifts of a simulated material come back, with honest errors and warnings."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from kit.sweeps import REFERENCE, TEMPERATURES, arrhenius, moduli, sweeps, wlf
+
+import dashpot as dp
+from dashpot.records.specimen import Specimen
+from dashpot.records.temperature import Shift
+
+
+def shifts(found):
+    return np.array([one.log10_a_t for one in found.temperatures.shifts])
+
+
+def failed(found):
+    return {check.name for check in found.checks if check.failed}
+
+
+TRUE = wlf(TEMPERATURES)
+
+
+def test_exact_sweeps_give_their_shifts_back():
+    found = dp.superpose(sweeps(noise=0.0))
+    np.testing.assert_allclose(shifts(found), TRUE, atol=2e-4)
+    assert found.temperatures.vertical == "T/T_r"
+    assert found.temperatures.law.kind == "wlf"
+    assert found.temperatures.reference == pytest.approx(REFERENCE)
+    assert found.rms < 1e-4
+
+
+def test_exact_relaxation_moduli_give_their_shifts_back():
+    found = dp.superpose(moduli(noise=0.0), vertical="1")
+    np.testing.assert_allclose(shifts(found), TRUE, atol=2e-3)
+    assert (np.diff(found.curve.time) > 0).all()
+    np.testing.assert_allclose(
+        found.solid.relaxation(found.curve.time), found.curve.modulus, rtol=2e-3
+    )
+
+
+def test_the_order_of_samples_and_the_unit_change_nothing():
+    plain = sweeps()
+    order = np.random.default_rng(1).permutation(len(plain.frequency))
+    mixed, part = dp.superpose(plain.only(order)), dp.superpose(replace(plain, unit="N/m"))
+    expected = dp.superpose(plain)
+    np.testing.assert_allclose(shifts(mixed), shifts(expected), atol=1e-9)
+    np.testing.assert_allclose(shifts(part), shifts(expected), atol=1e-12)
+    np.testing.assert_array_equal(mixed.curve.frequency, expected.curve.frequency)
+
+
+def test_the_shifts_of_another_reference_differ_by_one_number():
+    warm, cold = (dp.superpose(sweeps(), reference=f"{t}degC", vertical="1") for t in (40, 0))
+    difference = shifts(warm) - shifts(cold)
+    assert np.ptp(difference) < 1e-3
+    assert shifts(warm)[6] == shifts(cold)[2] == 0.0
+
+
+def test_one_test_for_each_temperature_is_one_test_of_all():
+    whole = sweeps()
+    parts = []
+    for kelvin in TEMPERATURES[::-1]:
+        part = whole.only(whole.temperature == kelvin)
+        parts.append(replace(part, temperature=None, specimen=Specimen(temperature=kelvin)))
+    np.testing.assert_allclose(shifts(dp.superpose(parts)), shifts(dp.superpose(whole)), atol=1e-9)
+    with pytest.raises(dp.FitError, match="test 1 says no temperature"):
+        dp.superpose([replace(parts[0], specimen=Specimen()), *parts[1:]])
+    with pytest.raises(dp.FitError, match="one kind and one unit"):
+        dp.superpose([parts[0], replace(parts[1], unit="N/m")])
+
+
+def test_the_curve_holds_every_sample_where_it_lies_at_the_reference():
+    data = sweeps()
+    found = dp.superpose(data)
+    one = found.temperature == TEMPERATURES[0]
+    shift = found.temperatures.shifts[0]
+    np.testing.assert_allclose(
+        found.curve.frequency[one], data.frequency[:14] * 10**shift.log10_a_t
+    )
+    np.testing.assert_allclose(found.curve.storage[one], data.storage[:14] / shift.b_t)
+    assert shift.b_t == pytest.approx(TEMPERATURES[0] / REFERENCE)
+
+
+def test_given_shifts_are_taken_as_they_are():
+    table = [Shift(t + 0.5, s + 2.0, 0.1) for t, s in zip(TEMPERATURES, TRUE, strict=True)]
+    found = dp.superpose(sweeps(rubbery=False), shifts=table)
+    np.testing.assert_allclose(shifts(found), TRUE, atol=1e-12)
+    assert not found.temperatures.covariance.any()
+    assert found.rms == pytest.approx(0.01, rel=0.1)
+    with pytest.raises(dp.FitError, match="table of shifts has none within 2 K of 60 degC"):
+        dp.superpose(sweeps(), shifts=table[:-1])
+
+
+@pytest.mark.parametrize(
+    ("change", "check"),
+    [
+        pytest.param(lambda: sweeps(temperatures=TEMPERATURES[::2] - 20), "overlap", id="apart"),
+        pytest.param(lambda: sweeps(temperatures=TEMPERATURES - 25), "shifts_determined", id="ice"),
+        pytest.param(lambda: exchanged(sweeps()), "shift_monotone", id="exchanged"),
+        pytest.param(lambda: sweeps(complexity=0.1), "thermorheologically_simple", id="complex"),
+        pytest.param(lambda: sweeps(noise=0.2), "vertical_shift_known", id="noise"),
+    ],
+)  # fmt: skip
+def test_what_is_no_master_curve_is_said(change, check):
+    assert check in failed(dp.superpose(change()))
+
+
+def exchanged(data):
+    """The labels of 30 and 40 degC exchanged."""
+    t = data.temperature
+    warm, hot = np.isclose(t, 303.15), np.isclose(t, 313.15)
+    return replace(data, temperature=np.where(warm, 313.15, np.where(hot, 303.15, t)))
+
+
+def test_a_wrong_temperature_leaves_the_law_and_is_named():
+    data = sweeps()
+    wrong = np.where(np.isclose(data.temperature, 273.15), 278.15, data.temperature)
+    found = dp.superpose(replace(data, temperature=wrong), law="wlf")
+    assert "law_follows_shifts" in failed(found)
+    assert dp.superpose(replace(data, temperature=wrong)).temperatures.law.kind == "free"
+    assert failed(dp.superpose(data)) <= {"overlap"}
+
+
+def test_a_sound_set_is_judged_sound():
+    found = dp.superpose(sweeps(temperatures=TEMPERATURES[1:]))
+    assert [check.passed for check in found.checks] == [True] * 6
+
+
+def test_free_vertical_shifts_are_a_diagnostic():
+    found = dp.superpose(sweeps(), vertical="free")
+    assert "vertical_shift_known" in failed(found)
+    assert found.temperatures.shifts[0].b_t_se > 0
+
+
+def test_what_cannot_be_shifted_is_refused():
+    one = sweeps(temperatures=[REFERENCE])
+    with pytest.raises(dp.FitError, match="needs several temperatures"):
+        dp.superpose(one)
+    with pytest.raises(dp.FitError, match="says no temperature"):
+        dp.superpose(replace(one, temperature=None))
+    with pytest.raises(dp.FitError, match="one value at -20 degC"):
+        dp.superpose(sweeps(points=1))
+    with pytest.raises(dp.FitError, match="within 2 K of the reference of 15 degC"):
+        dp.superpose(sweeps(), reference="15degC")
+    with pytest.raises(dp.FitError, match="expected > 0"):
+        dp.superpose(replace(sweeps(), storage=-sweeps().storage))
+    with pytest.raises(dp.FitError, match="expected one of"):
+        dp.superpose(sweeps(), vertical="2")
+
+
+@pytest.mark.slow
+def test_twenty_sets_choose_their_vertical_rule_and_cover_the_truth():
+    right, errors, inside, laws = 0, [], [], 0
+    away = TEMPERATURES != REFERENCE
+    for seed in range(20):
+        rubbery, law = seed % 2 == 0, (wlf, arrhenius)[seed // 10]
+        found = dp.superpose(sweeps(100 + seed, rubbery=rubbery, law=law))
+        right += found.temperatures.vertical == ("T/T_r" if rubbery else "1")
+        laws += found.temperatures.law.kind == law.__name__
+        error = (shifts(found) - law(TEMPERATURES))[away]
+        se = np.array([one.se for one in found.temperatures.shifts])[away]
+        errors.append(error)
+        inside.append(np.abs(error) < 1.96 * se)
+    assert right >= 19
+    assert np.sqrt(np.mean(np.square(errors))) <= 0.05
+    assert np.mean(inside) >= 0.9
+    assert laws >= 18
