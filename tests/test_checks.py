@@ -25,6 +25,7 @@ from dashpot.fitting.identification import checks as identification
 from dashpot.fitting.nonlinear_ramp import checks as ramp
 from dashpot.fitting.repeats import EndStiffness
 from dashpot.fitting.shift_law import LawScore
+from dashpot.fitting.temperature import checks as several
 from dashpot.io.readers import checks as reading
 from dashpot.planning import checks as planning
 from dashpot.planning.expected import Pulse, RecordNeed
@@ -34,12 +35,15 @@ from dashpot.preparation.filters import parse_filter
 from dashpot.preparation.segments import Cycle, Segment
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.dynamic import DynamicTest
+from dashpot.records.estimate import Nuisance
 from dashpot.records.fit import Explanation
 from dashpot.records.frf import FRF, Hit, Mode
 from dashpot.records.relaxation import RampHold
 from dashpot.records.specimen import Specimen
+from dashpot.records.temperature import Shift, TemperatureShifts
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import PAPER
+from dashpot.solids.temperature import FreeShifts
 from dashpot.vibration import checks as vibration
 from dashpot.vibration.comparison import checks as comparison
 from dashpot.vibration.comparison.compare import compare
@@ -67,6 +71,21 @@ DEPTH = 8e-3
 TIME = np.arange(-100, 4101) / 100
 PLATE = DEPTH * np.clip(TIME, 0, 1)
 RECORD = RampHold(TIME, PLATE, PAPER.force(TIME, PLATE), 0.0, 1.0, 41.0, DEPTH)
+
+
+TESTED = TemperatureShifts(
+    FreeShifts((270.0, 300.0), (2.0, 0.0), 300.0),
+    (Shift(270.0, 2.0, 0.1), Shift(300.0, 0.0, 0.0)),
+    np.zeros((4, 4)),
+)
+
+
+def simple(chance: float, excess: float, slope: tuple[float, float] | None = None) -> Check:
+    return several.thermorheologically_simple(chance, excess, temperatures=3, slope=slope)
+
+
+def warming(kelvin: float) -> Nuisance:
+    return Nuisance("warming of test 1", kelvin, 0.1, "K")
 
 
 def plate(shape: np.ndarray) -> RampHold:
@@ -786,6 +805,19 @@ IMPACT = [
     ),
 ]
 
+TEMPERATURE = [
+    Case("overlap", lambda x: several.overlap([x, 2.0], [273.0, 283.0, 296.0]), 1.51, 1.49),
+    Case("thermorheologically_simple", lambda x: simple(x, 5e-4), 0.0101, 0.0099),
+    Case("thermorheologically_simple", lambda x: simple(0.0, x), 0.99 * 5e-6, 1.01 * 5e-6),
+    Case("thermorheologically_simple", lambda x: simple(0.5, 5e-4, (x, 0.01)), 0.0499, 0.0501),
+    Case("thermorheologically_simple", lambda x: simple(0.5, 5e-4, (0.1, 0.1 / x)), 2.99, 3.01),
+    Case("temperature_steady", lambda x: several.temperature_steady([warming(x)]), 0.99, 1.01),
+    Case("temperature_steady", lambda x: several.temperature_steady([warming(-x)]), None, 1.01),
+    Case("shifts_told_apart", whole(several.shifts_told_apart), 3, 2),
+    Case("temperature_tested", lambda x: several.temperature_tested(TESTED, 300 + x), 0, 0.01),
+    Case("temperature_tested", lambda x: several.temperature_tested(TESTED, 270 - x), 0, 0.01),
+]
+
 WORKFLOW = [
     Case(
         "prediction_informed",
@@ -853,6 +885,7 @@ STAGES = {
     "fitting": FITTING,
     "fitting/identification": IDENTIFICATION,
     "fitting/nonlinear_ramp": RAMP,
+    "fitting/temperature": TEMPERATURE,
     "planning": PLANNING,
     "vibration": VIBRATION,
     "vibration/comparison": COMPARISON,
@@ -893,6 +926,10 @@ LIMITS = {
         "ramp_followed": 0.01, "tangent_told": 2, "hold_followed": 1.25, "k_inf_believable": 0.05,
         "offset_believable": 3, "drift_believable": 3, "clocks_agree": 3,
     },
+    "fitting/temperature": {
+        "overlap": 1.5, "thermorheologically_simple": 0.01,
+        "temperature_steady": 1, "shifts_told_apart": 3, "temperature_tested": 0,
+    },
     "fitting/identification": {
         "lines_explained": 2, "relaxation_still_explained": 1.3, "mass_believable": 2.5,
         "gain_believable": 2.5, "delay_believable": 2.5, "stiffness_believable": 2.5,
@@ -928,6 +965,7 @@ GRADES = {
             "fast_arm_visible", "drift_told_from_arm", "order_agreed", "hold_and_full_agree",
         },
         "fitting/identification": {"dashpot_not_missed"},
+        "fitting/temperature": {"shifts_told_apart"},
         "fitting/nonlinear_ramp": {"clocks_agree", "offset_believable", "drift_believable"},
         "workflow": {"hold_fit_possible", "history_complete", "files_listed"},
     },
@@ -1046,6 +1084,7 @@ def test_the_grades_are_those_typed_here() -> None:
         ),
         pytest.param(lambda x: impact.mass_line((x, 0.01), 1.0), 1.49, 1.51, id="mass_line"),
         pytest.param(lambda x: impact.mass_line((-x, 0.01), 1.0), None, 1.0, id="sign"),
+        pytest.param(lambda x: simple(0.0, x), 0.99e-3, 1.01e-3, id="simple"),
     ],
 )
 def test_a_gross_failure_forbids_the_use(

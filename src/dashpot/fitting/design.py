@@ -102,7 +102,7 @@ def _bound(test: RampHold, block: Block, spread: float) -> Block:
 
 def _late(test: RampHold, block: Block, rough: Solution) -> FloatArray:
     """The column of a delay at every sample, N/s."""
-    time, x, _ = _motion(test)
+    time, x, _ = motion(test)
     k = rough.arms[rough.groups.index(block.arm_group)]
     k_g = rough.coefficient(block.fixed_names[0]) + float(k.sum())
     relaxing = block.exact.evaluate(rough.log_tau, False).arms @ (k / rough.tau)
@@ -131,7 +131,7 @@ def _moved(test: RampHold) -> float:
 def after_ramp(test: RampHold) -> Block:
     """The block of the recorded motion whose force is fitted from its settled hold on."""
     window = slice(test.settled.start, None)
-    return recorded_block(*_motion(test), window=window, offset="offset", k_inf="k_inf")
+    return recorded_block(*motion(test), window=window, offset="offset", k_inf="k_inf")
 
 
 def eq5_obstacle(test: RampHold) -> str | None:
@@ -186,7 +186,7 @@ def _sensor(i: int, design: Design) -> _Sensor:
     }
 
 
-def _motion(test: RampHold) -> tuple[FloatArray, FloatArray, FloatArray]:
+def motion(test: RampHold) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Time, displacement from the first sample on, and force, up to the end of the hold.
 
     A seal that the record finds in contact is at rest there: the force of that rest is offset.
@@ -209,7 +209,7 @@ def evened(time: FloatArray) -> FloatArray:
 
 def _full(test: RampHold, i: int, design: Design) -> Block:
     window = slice(first_sample(test), None)
-    return recorded_block(*_motion(test), window=window, **_names(i, design), **_sensor(i, design))
+    return recorded_block(*motion(test), window=window, **_names(i, design), **_sensor(i, design))
 
 
 def _hold(test: RampHold, i: int, design: Design) -> Block:

@@ -242,9 +242,9 @@ def assembled(
     """
     data, estimate = found.data, found.estimate
     checks = (optimum_found(stationary=_stationary(found.solution)), *checks)
-    certified = _certificate(data.rows, found.solution)
+    best = certified(data.rows, found.solution)
     # where another spectrum leaves half as much, what is left is no noise
-    in_order_of_time = data.in_time and certified.gap < _MISFIT
+    in_order_of_time = data.in_time and best.gap < _MISFIT
     return Fit(
         solid=found.model,
         status=_status(found.solution, found.asked, checks),
@@ -264,7 +264,7 @@ def assembled(
         evidence=Evidence(
             band=band,
             orders=found.orders,
-            certificate=certified,
+            certificate=best,
             checks=(*noticed, *checks),
             by_depth=by_depth,
             end_of_hold=end_of_hold,
@@ -432,7 +432,7 @@ def _nuisance(estimate: Estimate, *, tests: int) -> tuple[Nuisance, ...]:
     )
 
 
-def _certificate(blocks: Sequence[Block], solution: Solution) -> Certificate:
+def certified(blocks: Sequence[Block], solution: Solution) -> Certificate:
     """Return how far the optimum can be from the best positive spectrum."""
     found = certificate(blocks, solution)
     if found.optimal:

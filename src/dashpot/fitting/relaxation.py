@@ -45,6 +45,10 @@ from dashpot.fitting.pipeline import Chosen, asked_arms, assembled, chosen_arms,
 from dashpot.fitting.questions import Residuals, solid_checks
 from dashpot.fitting.relaxation_data import fitted_data, held_data
 from dashpot.fitting.repeats import refuse_copies
+from dashpot.fitting.shift_law import ShiftLaw
+from dashpot.fitting.temperature.joint import Vertical
+from dashpot.fitting.temperature.reduced import Own, bent_block
+from dashpot.fitting.temperature.thermal_fit import fit_thermal, temperatures_of
 from dashpot.fitting.uncertainty.encoder import Encoder
 from dashpot.fitting.uncertainty.estimate import Estimate, residual_of
 from dashpot.fitting.uncertainty.informed_band import informed_band
@@ -64,6 +68,8 @@ _FEW = 2
 _AS_GOOD = 1.01
 # arms nearer than this in ln tau are one
 _SAME_ARM = 1e-6
+# arms that a test may have by itself, where it is one of several temperatures
+_OWN_ARMS = 6
 
 
 def fit(
@@ -77,6 +83,8 @@ def fit(
     max_arms: int = 6,
     law: LawName = "auto",
     intervals: bool = True,
+    vertical: Vertical = "free",
+    shift_law: ShiftLaw = "auto",
 ) -> Fit:
     r"""Fit a generalized Maxwell solid to one prepared test, or to several at once.
 
@@ -126,6 +134,11 @@ def fit(
         False returns the optimum of the same model alone, without errors, checks or bounds: for a
         first look, or where a computation asks for many fits. A number of arms left to choose,
         and a bent elastic law, need their errors all the same.
+    vertical : "free", "T/T_r" or "1"
+        What the factor b_T of the stiffnesses may be, where the tests are of several temperatures.
+    shift_law : "auto", "wlf", "arrhenius" or "free"
+        The law laid through their shift factors a_T: by default by BIC, from three temperatures
+        on (:mod:`dashpot.fitting.temperature`).
 
     Returns
     -------
@@ -146,6 +159,12 @@ def fit(
     _checked_law(law, method, depth_law=depth_law)
     design = Design(method, depth_law, _checked_nuisance(nuisance))
     count = None if arms == "auto" else most
+    temperatures = _temperatures(records, design)
+    if len(temperatures) > 1:
+        own = [_own(record, law) for record in records]
+        return fit_thermal(
+            own, arms=count, max_arms=max_arms, vertical=vertical, shift_law=shift_law
+        )
     if law == "nonlinear":
         return _by_ramp(records, ramp_law(records, law=law, arms=count), count)
     data, first, holds = _data(records, design), None, _Holds(records)
@@ -165,6 +184,51 @@ def fit(
             found, estimate=found.estimate.with_depth_doubt(doubts, shared=not depth_law)
         )
     return _assembled(holds, found, design, thorough=thorough)
+
+
+def _temperatures(records: Sequence[RampHold], design: Design) -> FloatArray:
+    """Return the temperatures of the tests, K; one or none if they are of one as far as is known.
+
+    Raises
+    ------
+    FitError
+        If only some tests have one, or they are to be fitted in a way that knows of none.
+    """
+    given = [record.specimen.temperature for record in records]
+    found = temperatures_of([record for record in records if record.specimen.temperature])
+    if len(found) < 2:
+        return found
+    if None in given:
+        raise FitError(
+            f"test {given.index(None) + 1} of {len(given)} has no temperature, and the others are "
+            "of several: give one for every file, in their order, such as --temperature 23degC "
+            "--temperature 0degC (Python: Specimen(temperature=...))"
+        )
+    if design.method == "hold" or design.depth_law:
+        raise FitError(
+            "tests at several temperatures are fitted by the recorded motion, and share their "
+            "stiffnesses: leave out --method hold and --depth-law"
+        )
+    return found
+
+
+def _own(record: RampHold, law: LawName) -> Own:
+    """Return one test of several temperatures with its own free fit; a bent ramp with its law."""
+    kelvin = record.specimen.temperature or 0.0
+    data = _data([record], Design("full"))
+    first, sound = _gated(
+        _Holds([record]), data, None, max_arms=_OWN_ARMS, thorough=False, only=False
+    )
+    if sound or law == "linear":
+        return Own.of(record, kelvin, first, None)
+    bent = ramp_law([record], law=law)
+    if bent.sound:
+        return Own.of(record, kelvin, first, None)
+    block = bent_block(record, bent.law)
+    held = FitData(
+        [block], [block.exact], in_time=True, bind=partial(bound, [record], [block], Design("full"))
+    )
+    return Own.of(record, kelvin, weighed(held, _OWN_ARMS), bent.law)
 
 
 def _point(records: Sequence[RampHold], first: First, design: Design, arms: int) -> Fit:
@@ -365,16 +429,7 @@ def _checked_method(records: Sequence[RampHold], method: str) -> None:
 def _encoders(records: Sequence[RampHold], design: Design) -> tuple[Encoder, ...] | None:
     if design.method == "hold":
         return None
-    return tuple(
-        Encoder(
-            record.time[: record.hold.stop],
-            record.travel[: record.hold.stop],
-            record.encoder_step,
-            record.onset,
-            record.contact_error,
-        )
-        for record in records
-    )
+    return tuple(map(Encoder.of, records))
 
 
 def _checked_law(law: str, method: str, *, depth_law: bool) -> None:

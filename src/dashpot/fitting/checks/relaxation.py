@@ -15,6 +15,7 @@ from dashpot.fitting.repeats import SAME_DEPTH, EndStiffness
 from dashpot.preparation.filters import Filter
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.relaxation import RampHold
+from dashpot.records.temperature import SAME_TEMPERATURE
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # per factor e of time
@@ -22,8 +23,6 @@ MAX_FALLING = 0.03
 MAX_DRIFT_CORRELATION = 0.9
 MAX_METHOD_DIFFERENCE = 0.10
 MAX_APART = 3.0
-# tests within so many kelvin are of one temperature
-SAME_TEMPERATURE = 2.0
 # repeats on one seal differ by as much
 SAME_STIFFNESS = 0.02
 # a force followed to so many times its noise is; beyond the second the solid is another

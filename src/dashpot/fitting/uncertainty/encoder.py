@@ -21,6 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.records.relaxation import RampHold
 
 # a run longer than this part of the record is rest, and the solid relaxes under its error
 _REST = 1.0 / 20.0
@@ -46,6 +47,18 @@ class Encoder(NamedTuple):
     step: float
     onset: float = 0.0
     contact_error: float = 0.0
+
+    @classmethod
+    def of(cls, record: RampHold) -> Encoder:
+        """Of a prepared record, up to the end of its hold."""
+        used = slice(0, record.hold.stop)
+        return cls(
+            record.time[used],
+            record.travel[used],
+            record.encoder_step,
+            record.onset,
+            record.contact_error,
+        )
 
 
 class Kernel(NamedTuple):

@@ -31,7 +31,12 @@ _FREQUENCIES_PER_DECADE = 20
 
 
 def informed_band(
-    tests: Sequence[RampHold], blocks: Sequence[Block], *, stiffness: float, noise: float
+    tests: Sequence[RampHold],
+    blocks: Sequence[Block],
+    *,
+    stiffness: float,
+    noise: float,
+    slower: Sequence[float] | None = None,
 ) -> tuple[float, float]:
     """Return the band, Hz; both ends equal if the test informs no frequency by half.
 
@@ -43,13 +48,22 @@ def informed_band(
         k_0 of the solid found, N/m.
     noise : float
         Standard deviation of one residual, N, widened for correlation (s times root kappa).
+    slower : sequence of float, optional
+        How many times slower than the solid asked about each test's was: its shift factor.
     """
-    slowest = 1.0 / (2.0 * np.pi * max(test.hold_time for test in tests))
-    ramp = 1.0 / (np.pi * min(test.ramp_time for test in tests))
-    nyquist = 0.5 / min(float(np.diff(test.time).min()) for test in tests)
+    each = list(zip(tests, slower or [1.0] * len(tests), strict=True))
+    slowest = 1.0 / (2.0 * np.pi * max(test.hold_time / a for test, a in each))
+    ramp = 1.0 / (np.pi * min(test.ramp_time / a for test, a in each))
+    nyquist = 0.5 / min(float(np.diff(test.time).min()) / a for test, a in each)
     fastest = min(ramp, nyquist)
     frequency, left = spread_left(blocks, stiffness=stiffness, noise=noise)
     return _widest(frequency, left, slowest, fastest)
+
+
+def informed_alone(block: Block, *, stiffness: float, noise: float) -> tuple[float, float]:
+    """Return the band of one test by its noise alone, Hz, whatever its motion holds."""
+    frequency, left = spread_left([block], stiffness=stiffness, noise=noise)
+    return _widest(frequency, left, float(frequency[0]), float(frequency[-1]))
 
 
 def spread_left(

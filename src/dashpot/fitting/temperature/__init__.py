@@ -1,0 +1,1 @@
+"""Tests at several temperatures, one solid."""

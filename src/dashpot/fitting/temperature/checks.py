@@ -1,0 +1,106 @@
+"""Whether tests at several temperatures are of one solid that only gets slower, as criteria."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from dashpot.base.checks import Finding, criterion
+from dashpot.records.estimate import Nuisance
+from dashpot.records.temperature import TemperatureShifts, celsius
+
+# decades of time that neighbours both inform: pairs of simulated tests that shared 1.9 found their
+# shift within its error, of those that shared 0.8 to 1.4 some missed it by five
+SHARED = 1.5
+# a misfit of this part of the peak force is rounding; of that one, no solid of these tests
+ROUNDING, TOO_MUCH = 5e-6, 1e-3
+# how much further a decade of tau may shift: K at the resonance then is still inside its errors
+APART = 0.05
+# K over a record
+STEADY = 1.0
+MAX_BACK = 3.0
+
+
+@criterion("decades of time shared", ">=", SHARED, "simulated pairs: 1.9 never, 1.4 at times miss")
+def overlap(shared: Sequence[float], temperatures: Sequence[float]) -> Finding:
+    """Neighbouring temperatures show a stretch of relaxation times in common."""
+    least = int(np.argmin(shared))
+    pair = f"{celsius(temperatures[least])} and {celsius(temperatures[least + 1])}"
+    return Finding(
+        f"the tests at {pair} both inform {max(shared[least], 0.0):.2g} decades of relaxation time",
+        shared[least],
+        ": nothing but the assumed spectrum says how far apart they lie; test at a temperature "
+        "between them",
+    )
+
+
+@criterion(
+    "probability by chance",
+    ">=",
+    0.01,
+    "chi-square of the joint fit, alone and over that of each test's own, at 1 %; and arms that "
+    "shift apart by less than 5 % per decade",
+    otherwise="stop where the misfit is above 0.1 % of the peak force",
+)
+def thermorheologically_simple(
+    chance: float, excess: float, *, temperatures: int, slope: tuple[float, float] | None
+) -> Finding:
+    """One solid whose arms all shift together explains every test as well as its own fit does.
+
+    `excess` is what the joint fit leaves beyond the noise, as a part of the peak force; `slope` is
+    how much further each decade of tau shifts, and its error.
+    """
+    apart, faulted = "", False
+    if slope is not None and abs(slope[0]) > MAX_BACK * slope[1]:
+        apart = f"; slow arms shift {100 * slope[0]:+.2g} % further per decade"
+        faulted = abs(slope[0]) > APART
+    return Finding(
+        f"one solid explains the tests at {temperatures} temperatures (probability {chance:.2g} "
+        f"by chance){apart}",
+        chance,
+        instead="one solid that only gets slower and softer does not explain the tests: the arms "
+        f"do not shift together, or a temperature drifted{apart}; what the joint fit leaves is "
+        f"{100 * excess:.2g} % of the peak force, and the stiffness it gives beyond the band of "
+        "the test at its own temperature is not supported: fit each temperature alone",
+        faulted=faulted,
+        excused=excess < ROUNDING,
+        grade="stop" if excess > TOO_MUCH else "limit",
+    )
+
+
+@criterion("K over the record", "|x| <=", STEADY, "our choice: chambers hold 0.5 K")
+def temperature_steady(warming: Sequence[Nuisance]) -> Finding:
+    """The temperature of each test stood still."""
+    worst = max(warming, key=lambda one: abs(one.value))
+    title = worst.name.partition(" of ")[2]
+    return Finding(
+        f"{title} warmed by {worst.value:.2g} +- {worst.standard_error:.1g} K while it was "
+        "recorded, as far as its force tells",
+        worst.value,
+        ": let the seal soak longer, and record its temperature",
+    )
+
+
+@criterion("temperatures", ">=", 3, "our choice: two cannot contradict each other", grade="note")
+def shifts_told_apart(count: int) -> Finding:
+    """There are temperatures enough to see arms that shift apart, and to lay a law."""
+    return Finding(
+        f"{count} temperatures were tested",
+        count,
+        ": two temperatures cannot see arms that shift apart, three can, and only three carry a "
+        "law beyond the tested range; test at one between or beyond them",
+    )
+
+
+@criterion("K beyond the tested range", "<=", 0.0, "by definition")
+def temperature_tested(moved: TemperatureShifts, temperature: float) -> Finding:
+    """The temperature asked for lies within those tested."""
+    low, high = moved.tested
+    return Finding(
+        f"{celsius(temperature)} lies within the tested {celsius(low)} to {celsius(high)}",
+        max(low - temperature, temperature - high, 0.0),
+        instead=f"{celsius(temperature)} lies outside the tested {celsius(low)} to "
+        f"{celsius(high)}: what the {moved.law.kind.upper()} law says there is extrapolated; test "
+        "there",
+    )

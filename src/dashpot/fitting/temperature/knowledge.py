@@ -1,0 +1,199 @@
+"""How well a solid and its shifts are known: every sample, every column, the noise as it is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.engine.inference.covariance import Noise, noise_of, sandwich
+from dashpot.fitting.temperature.joint import Joint, Point
+from dashpot.fitting.temperature.reduced import Own
+from dashpot.fitting.uncertainty.encoder import Encoder, Kernel, encoder_rows
+from dashpot.fitting.uncertainty.estimate import rounding
+from dashpot.records.estimate import Nuisance, Residual, parameter_names
+
+_UNITS = {"offset": "N", "drift": "N/s", "delay": "s", "warming": "K"}
+
+
+@dataclass(frozen=True, eq=False)
+class Knowledge:
+    """The covariance of all that was fitted together.
+
+    Attributes
+    ----------
+    joint : Joint
+    point : Point
+        Relaxation times ascending.
+    names : tuple of str
+        What is shared, stiffnesses in N/m, then the columns of each test, ``"offset@0"``.
+    covariance : array, shape (p, p)
+    own : array
+        Coefficients of those columns.
+    residuals : tuple of array
+        Of every test, N.
+    noises : tuple of Noise
+        In units of the spread that each test was weighed by.
+    """
+
+    joint: Joint
+    point: Point
+    names: tuple[str, ...]
+    covariance: FloatArray
+    own: FloatArray
+    residuals: tuple[FloatArray, ...]
+    noises: tuple[Noise, ...]
+
+    @property
+    def effective(self) -> float:
+        """Independent residuals."""
+        return sum(noise.effective for noise in self.noises)
+
+    @property
+    def dof(self) -> float:
+        """Degrees of freedom."""
+        return self.effective - len(self.names)
+
+    @property
+    def of_solid(self) -> FloatArray:
+        """Covariance of the solid's parameters."""
+        rows = [self.names.index(name) for name in parameter_names(self.point.order)]
+        return np.asarray(self.covariance[np.ix_(rows, rows)])
+
+    def error(self, name: str) -> float:
+        """Standard error of one parameter."""
+        row = self.names.index(name)
+        return float(np.sqrt(self.covariance[row, row]))
+
+    @property
+    def shift_covariance(self) -> FloatArray:
+        """Of log10 a_T of every temperature, then of ln b_T; zero where nothing was sought."""
+        count = len(self.joint.temperatures)
+        found = np.zeros((2 * count, 2 * count))
+        pairs = [
+            (first + int(i), self.names.index(f"{kind}_{i}"), unit)
+            for kind, first, unit in (("ln_a", 0, np.log(10.0)), ("ln_b", count, 1.0))
+            for i in self.joint.further
+            if f"{kind}_{i}" in self.names
+        ]
+        at, rows, units = (np.array(one) for one in zip(*pairs, strict=True))
+        found[np.ix_(at, at)] = self.covariance[np.ix_(rows, rows)] / np.outer(units, units)
+        return found
+
+    @property
+    def nuisances(self) -> tuple[Nuisance, ...]:
+        """The columns of each test, and how arms shift apart."""
+        found = []
+        for name, value in zip(
+            self.names[len(self.names) - len(self.own) :], self.own, strict=True
+        ):
+            kind, _, test = name.partition("@")
+            title = f"{kind} of test {int(test) + 1}"
+            found.append(Nuisance(title, float(value), self.error(name), _UNITS[kind]))
+        if "slope" in self.names:
+            slope = Nuisance("shift slope", self.point.slope, self.error("slope"), "1/decade")
+            found.append(slope)
+        return tuple(found)
+
+    @property
+    def residual(self) -> Residual:
+        """Of every sample."""
+        every = np.concatenate(self.residuals)
+        watson = [noise.durbin_watson for noise in self.noises]
+        weights = [noise.samples for noise in self.noises]
+        sse = float(every @ every)
+        return Residual(
+            n=len(every),
+            sse=sse,
+            rms=float(np.sqrt(sse / len(every))),
+            kappa=len(every) / self.effective,
+            durbin_watson=float(np.average(watson, weights=weights)),
+        )
+
+
+class _Test(NamedTuple):
+    """One test at a point, weighted by its noise, with every parameter's derivative.
+
+    Attributes
+    ----------
+    left : array, shape (n,)
+        Residual, N.
+    own : array
+        Coefficients of its own columns.
+    jacobian : array, shape (n, p)
+    before : array, shape (m, p)
+        What was known of those coefficients.
+    noise : Noise
+    further : callable
+        What errors of its encoder make of columns of the Jacobian.
+    """
+
+    left: FloatArray
+    own: FloatArray
+    jacobian: FloatArray
+    before: FloatArray
+    noise: Noise
+    further: Callable[[FloatArray], FloatArray]
+
+
+def known(joint: Joint, tests: Sequence[Own], point: Point) -> Knowledge:
+    """Return what all samples say of a point, the columns of every test fitted beside it."""
+    shared = joint.names(point.order)
+    names = (*shared, *(f"{kind}@{i}" for i, test in enumerate(tests) for kind in test.kinds))
+    parts = [_of(joint, test, i, point, names) for i, test in enumerate(tests)]
+    before = np.concatenate([part.before for part in parts])
+    if "slope" in names:
+        about = np.zeros((1, len(names)))
+        about[0, names.index("slope")] = 1 / joint.slope_sd
+        before = np.concatenate((before, about))
+    covariance = sandwich(
+        [*(part.jacobian for part in parts), before],
+        [*(part.noise for part in parts), Noise(len(before), np.ones(1), 1.0, 2.0)],
+        further=[part.further for part in parts],
+    )
+    return Knowledge(
+        joint,
+        point,
+        names,
+        covariance,
+        np.concatenate([part.own for part in parts]),
+        tuple(part.left for part in parts),
+        tuple(part.noise for part in parts),
+    )
+
+
+def _of(joint: Joint, test: Own, i: int, point: Point, names: tuple[str, ...]) -> _Test:
+    at, weight, exact = int(joint.at[i]), 1 / test.spread, test.block.exact
+    part, shared = joint.part(exact, at, point), len(joint.names(point.order))
+    columns = exact.evaluate(np.zeros(0), False).fixed[:, test.own_columns]
+    rows, target = test.prior_rows
+    rows = rows[:, test.own_columns]
+    own = np.linalg.lstsq(
+        np.concatenate((weight * columns, rows)),
+        np.concatenate((weight * part.residual, target)),
+        rcond=None,
+    )[0]
+    left = part.residual - columns @ own
+    here = [names.index(f"{kind}@{i}") for kind in test.kinds]
+    natural = np.ones(shared)
+    natural[1 : 1 + point.order] = np.exp(-point.log_k)
+    jacobian, before = np.zeros((len(left), len(names))), np.zeros((len(rows), len(names)))
+    jacobian[:, :shared], jacobian[:, here] = weight * part.by * natural, weight * columns
+    before[:, here] = rows
+    least = weight * rounding(float(np.abs(test.record.force).max()))
+    solid = point.solid_at(at)
+    encoder, kernel = (
+        Encoder.of(test.record),
+        Kernel(solid.k_inf, np.asarray(solid.k), np.asarray(solid.tau)),
+    )
+    return _Test(
+        left,
+        own,
+        jacobian,
+        before,
+        noise_of(weight * left, jacobian, rounding=least),
+        lambda columns: weight * encoder_rows(columns, encoder, kernel),
+    )

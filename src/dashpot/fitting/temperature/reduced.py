@@ -1,0 +1,260 @@
+r"""One test at one temperature, as rows of unit noise, freed of all that is its own.
+
+At the temperature T the solid of the reference answers with every relaxation time times
+:math:`a_T` and every stiffness times :math:`b_T`, so that a test is the same data at other
+relaxation times,
+
+.. math:: F_T(t) = b_T \Bigl[k_\infty x + \sum_j k_j\, q(t; a_T \tau_j)\Bigr]
+    + F_0 + \dot F t - \delta\,\dot F_T + \theta\,\partial_\theta F_T
+
+Offset, drift and delay are those of :mod:`dashpot.fitting.nuisance`. The last term is a seal that
+warms by :math:`\theta` over the record: it answers in reduced time :math:`\int dt/a(T(t))`. What is
+known of the four beforehand stands as rows below the data; all four are then projected out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.engine.blocks.block import Block, Evaluation, prior_block
+from dashpot.engine.blocks.kernels import compact_block
+from dashpot.engine.blocks.recorded import recorded_block
+from dashpot.fitting.design import first_sample, motion
+from dashpot.fitting.fit_data import First
+from dashpot.fitting.nuisance import Prior
+from dashpot.records.relaxation import RampHold
+from dashpot.solids.elastic import ElasticLaw
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+# relaxation times up to this factor outside a record's window are asked about
+BEYOND = 1e4
+# what a chamber holds its temperature to over a record, K
+WARMING = Prior(0.0, 0.5)
+# the relaxation time, s, at which a shift is a_T however arms shift apart
+CENTRE = 0.5
+WARMED = "warming@0"
+# relaxation times that stand for all, and the weakest direction that their columns know of
+_COLUMNS, _WEAKEST = 240, 5e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Own:
+    """One test by itself: its data, and what its own free fit says of them.
+
+    Attributes
+    ----------
+    record : RampHold
+    temperature : float
+        K.
+    bare : Block
+        The data, with the columns of its load cell and of its clock.
+    known : tuple of Block
+        What was known of those before the fit.
+    spread : float
+        Standard deviation of one independent residual, N.
+    effective : float
+        Independent residuals.
+    chi_square : float
+        What the free fit leaves, in units of the noise.
+    parameters : int
+        Of the solid of that fit.
+    law : ElasticLaw or None
+        Where its ramp is not linear: the hold alone is then fitted, after this path.
+    warming : array or None
+        The column of a seal that warms by one kelvin over the record, N/K.
+    """
+
+    record: RampHold
+    temperature: float
+    bare: Block
+    known: tuple[Block, ...]
+    spread: float
+    effective: float
+    chi_square: float
+    parameters: int
+    law: ElasticLaw | None = None
+    warming: FloatArray | None = None
+
+    @classmethod
+    def of(cls, record: RampHold, temperature: float, first: First, law: ElasticLaw | None) -> Own:
+        """From its own free fit."""
+        noise, best = first.noises[0], first.solutions[-1]
+        block = first.data.blocks[0]
+        least = block.rounding_floor / noise.samples
+        spread = float(np.sqrt(max(noise.power, least, 1e-300)))
+        return cls(
+            record,
+            temperature,
+            block,
+            first.data.priors,
+            spread,
+            noise.effective,
+            float(best.sse) / spread**2,
+            1 + 2 * best.order,
+            law,
+        )
+
+    @cached_property
+    def block(self) -> Block:
+        """The data with every column that is the test's own."""
+        if self.warming is None:
+            return self.bare
+        return self.bare.with_column(WARMED, self.warming)
+
+    @cached_property
+    def priors(self) -> tuple[Block, ...]:
+        """What is known of those columns."""
+        if self.warming is None:
+            return self.known
+        mean, sd = (np.array([one]) for one in WARMING)
+        warm = prior_block(self.bare, (WARMED,), np.eye(1), mean, sd, unit=self.spread)
+        return (*self.known, warm)
+
+    @property
+    def own_columns(self) -> list[int]:
+        """Which fixed columns are the test's own."""
+        return [i for i, name in enumerate(self.block.fixed_names) if name != "k_inf"]
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """What they are: ``"offset"``, ``"drift"``, ``"delay"``, ``"warming"``."""
+        return tuple(self.block.fixed_names[i].partition("@")[0] for i in self.own_columns)
+
+    @cached_property
+    def prior_rows(self) -> tuple[FloatArray, FloatArray]:
+        """What is known of the columns as rows of unit noise, with their targets."""
+        names = list(self.block.fixed_names)
+        rows, target = [np.zeros((0, len(names)))], [np.zeros(0)]
+        for prior in self.priors:
+            found, unit = prior.evaluate(np.zeros(0), False), float(np.sqrt(prior.variance or 1.0))
+            wide = np.zeros((len(found.target), len(names)))
+            wide[:, [names.index(name) for name in prior.fixed_names]] = found.fixed / unit
+            rows.append(wide)
+            target.append(found.target / unit)
+        return np.concatenate(rows), np.concatenate(target)
+
+    @cached_property
+    def marginal(self) -> Block:
+        """The data in a few rows of unit noise, its own columns projected out."""
+        return _marginal(self)
+
+    @property
+    def path(self) -> tuple[FloatArray, FloatArray]:
+        """Time and compression as a linear solid answers it, up to the end of the hold."""
+        time, x, _ = motion(self.record)
+        return time, x if self.law is None else self.law.path(x)
+
+    @property
+    def start(self) -> int:
+        """The first sample that is fitted."""
+        return first_sample(self.record) if self.law is None else self.record.settled.start
+
+    def warmed(self, solid: GeneralizedMaxwell, *, by_a: float, by_b: float) -> Own:
+        """Return the test with the column of a seal that warms while it is recorded.
+
+        Parameters
+        ----------
+        solid : GeneralizedMaxwell
+            At the temperature of the test.
+        by_a, by_b : float
+            Slopes of ln a_T and of ln b_T there, 1/K.
+        """
+        time, x = self.path
+        rise = WARMING.sd * time / time[-1]
+        # time counts for more as the seal gets faster
+        pace = np.exp(-by_a * rise)
+        reduced = np.concatenate(([0.0], np.cumsum(np.diff(time) * (pace[1:] + pace[:-1]) / 2)))
+        moved = np.exp(by_b * rise) * solid.force(reduced, x) - solid.force(time, x)
+        return replace(self, warming=moved[self.start :] / WARMING.sd)
+
+
+def bent_block(record: RampHold, law: ElasticLaw) -> Block:
+    """The hold of a record whose ramp bends, after the path of its elastic law."""
+    time, x, force = motion(record)
+    window = slice(record.settled.start, None)
+    return recorded_block(
+        time, law.path(x), force, window=window, offset="offset@0", drift="drift@0", k_inf="k_inf"
+    )
+
+
+class _Basis(NamedTuple):
+    """Rows of unit noise that hold whatever a solid and the test's own columns can do.
+
+    Attributes
+    ----------
+    turn : array, shape (d, n)
+        From the rows of the compressed block.
+    target, fixed : arrays, shapes (d,) and (d, q)
+    floor : float
+        Sum of squares beside them.
+    """
+
+    turn: FloatArray
+    target: FloatArray
+    fixed: FloatArray
+    floor: float
+
+
+def _basis(compact: Block, spread: float) -> _Basis:
+    low, high = compact.bounds
+    every = np.linspace(low - np.log(BEYOND), high + np.log(BEYOND), _COLUMNS)
+    found = compact.evaluate(every, False)
+    columns = np.concatenate((found.fixed, found.arms), axis=1)
+    size = np.linalg.norm(columns, axis=0)
+    left, strength, _ = np.linalg.svd(columns / np.where(size > 0, size, 1.0), full_matrices=False)
+    turn = left[:, strength > _WEAKEST * strength[0]].T / spread
+    target, whole = turn @ found.target, found.target / spread
+    aside = float(whole @ whole - target @ target) + compact.floor / spread**2
+    return _Basis(turn, target, turn @ found.fixed, max(aside, 0.0))
+
+
+def _marginal(test: Own) -> Block:
+    compact = compact_block(test.block, beyond=BEYOND)
+    basis, (rows, known) = _basis(compact, test.spread), test.prior_rows
+    every = np.concatenate((basis.fixed, rows))
+    own = test.own_columns
+    whole = np.linalg.qr(every[:, own], mode="complete")[0][:, len(own) :].T
+    data = whole[:, : len(basis.target)] @ basis.turn
+    left = whole @ np.concatenate((basis.target, known))
+    stiff = (whole @ every[:, compact.fixed_names.index("k_inf")])[:, None]
+
+    def at(log_tau: FloatArray, derivative: bool) -> Evaluation:
+        found = compact.evaluate(log_tau, derivative)
+        arms = data @ found.arms
+        return Evaluation(left, stiff, arms, data @ found.d_arms if derivative else arms)
+
+    return replace(compact, rows=at, fixed_names=("k_inf",), floor=basis.floor, arm_group="k")
+
+
+def shifted(log_tau: FloatArray, log_a: float, slope: float) -> FloatArray:
+    """Ln tau at another temperature, each decade of tau shifted by `slope` further."""
+    return np.asarray(log_tau + log_a * (1 + slope * decades(log_tau)))
+
+
+def decades(log_tau: FloatArray) -> FloatArray:
+    """Decades of tau above the one that is shifted by a_T, whatever the slope."""
+    return np.asarray((log_tau - np.log(CENTRE)) / np.log(10.0))
+
+
+def moved(block: Block, log_a: float, log_b: float, slope: float = 0.0) -> Block:
+    """The data of another temperature as those of the reference: at other times, other sizes.
+
+    `slope` is how much further each decade of tau shifts.
+    """
+    factor = float(np.exp(log_b))
+
+    def at(log_tau: FloatArray, derivative: bool) -> Evaluation:
+        found = block.evaluate(shifted(log_tau, log_a, slope), derivative)
+        arms = factor * found.arms
+        stretched = factor * (1 + log_a * slope / np.log(10.0))
+        slopes = stretched * found.d_arms if derivative else arms
+        return Evaluation(found.target, factor * found.fixed, arms, slopes)
+
+    low, high = block.window
+    a = float(np.exp(log_a))
+    return replace(block, rows=at, window=(low / a, high / a))

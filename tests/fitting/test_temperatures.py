@@ -1,0 +1,180 @@
+"""Tests at several temperatures, one solid: against seals whose law is known, made apart."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from kit import cold
+
+import dashpot as dp
+from dashpot.fitting.uncertainty.prediction_bounds import parameter_band
+
+ROOM, FRIDGE = 23.0, 0.0
+PAIR, TRIPLE = (ROOM, FRIDGE), (ROOM, 10.0, FRIDGE)
+
+
+def fitted(seal: str, celsius=PAIR, seed: int = 0, *, vertical="free", **changes) -> dp.Fit:
+    return dp.fit(cold.records(seal, celsius, seed, **changes), vertical=vertical)
+
+
+def failed(fit: dp.Fit) -> set[str]:
+    return {check.name for check in fit.checks if check.failed}
+
+
+def inside(fit: dp.Fit, seal: str) -> tuple[bool, bool]:
+    """Whether storage stiffness and loss factor of the truth are within the fit's errors."""
+    band, true = parameter_band(fit, [cold.RESONANCE]), cold.complex_stiffness(seal)
+    low, high = band.storage[:, 0]
+    least, most = band.loss_factor[:, 0]
+    return low <= true.real <= high, least <= true.imag / true.real <= most
+
+
+def off(fit: dp.Fit, seal: str) -> float:
+    """Relative error of the loss factor at the resonance."""
+    found = fit.model.complex_stiffness(2 * np.pi * cold.RESONANCE)
+    return found.imag / found.real / cold.loss_factor(seal) - 1
+
+
+@pytest.fixture(scope="module")
+def pair() -> dp.Fit:
+    return fitted("hidden")
+
+
+@pytest.fixture(scope="module")
+def triple() -> dp.Fit:
+    return fitted("broad", TRIPLE)
+
+
+def test_a_cold_test_sees_the_arm_that_a_warm_one_cannot(pair):
+    alone = dp.fit(cold.records("hidden", [ROOM], 0)[0])
+    assert alone.model.arms == 2
+    assert off(alone, "hidden") < -0.5
+    assert pair.model.arms == 3
+    assert abs(off(pair, "hidden")) < 0.03
+    assert all(inside(pair, "hidden"))
+    assert pair.verdict.use == "use"
+    assert pair.band[1] > 20 * alone.band[1]
+
+
+def test_shift_and_stiffness_are_those_of_the_seal(pair):
+    fridge, room = pair.shifts
+    assert (fridge.temperature, room.temperature) == (273.15, 296.15)
+    assert (room.log10_a_t, room.se, room.b_t) == (0.0, 0.0, 1.0)
+    assert fridge.log10_a_t == pytest.approx(cold.log10_a(273.15), abs=0.01)
+    assert fridge.se < 0.005
+    assert fridge.b_t == pytest.approx(273.15 / 296.15, abs=3 * fridge.b_t_se)
+    assert pair.temperature_law.kind == "free"
+    chilled = pair.at("0degC").complex_stiffness(2 * np.pi * cold.RESONANCE)
+    assert chilled.real == pytest.approx(
+        cold.complex_stiffness("hidden", celsius=FRIDGE).real, rel=2e-3
+    )
+
+
+def test_two_temperatures_are_told_that_three_see_more(pair, triple):
+    told = {check.name: check for check in pair.checks}["shifts_told_apart"]
+    assert told.failed
+    assert "three can" in told.says
+    assert "shifts_told_apart" not in failed(triple)
+
+
+def test_three_temperatures_carry_a_law(triple):
+    law = triple.temperature_law
+    assert law.kind == "wlf"
+    at, error = law.log10_a_t(263.15), triple.temperatures.error(263.15)[0] / np.log(10)
+    assert abs(at - cold.log10_a(263.15)) < 3 * error < 0.1
+    assert triple.verdict.use == "use"
+    assert abs(off(triple, "broad")) < 0.04
+
+
+def test_the_order_of_the_files_does_not_matter(pair):
+    warm, chilled = cold.records("hidden", PAIR, 0)
+    swapped = dp.fit([chilled, warm])
+    assert swapped.model.tau == pytest.approx(pair.model.tau, rel=1e-4)
+    assert swapped.shifts[0].log10_a_t == pytest.approx(pair.shifts[0].log10_a_t, abs=1e-5)
+    names = {nuisance.name for nuisance in swapped.nuisance}
+    assert {"delay of test 1", "warming of test 2", "shift slope"} <= names
+
+
+@pytest.mark.parametrize(
+    ("seal", "celsius", "vertical", "changes"),
+    [
+        ("hidden", PAIR, "1", {}),
+        ("broad", PAIR, "T/T_r", {"stiffer": 1.03}),
+        ("broad", TRIPLE, "free", {"apart": cold.fast_arms_less}),
+        ("hidden", TRIPLE, "free", {"apart": cold.fast_arms_less}),
+    ],
+    ids=["b is 1", "b 3 % off", "arms in groups", "a hidden arm apart"],
+)
+def test_what_is_no_one_solid_is_not_passed_as_one(seal, celsius, vertical, changes):
+    found = fitted(seal, celsius, vertical=vertical, **changes)
+    assert "thermorheologically_simple" in failed(found)
+    assert found.verdict.use != "use"
+    assert found.status is dp.Status.TESTS_DISAGREE
+
+
+def test_arms_that_shift_a_little_apart_are_said_and_cost_nothing():
+    found = fitted("hidden", TRIPLE, apart=cold.further_when_slow(0.03))
+    slope = next(one for one in found.nuisance if one.name == "shift slope")
+    assert abs(slope.value - 0.03) < 3 * slope.standard_error < 0.03
+    assert "thermorheologically_simple" not in failed(found)
+    assert all(inside(found, "hidden"))
+
+
+def test_a_seal_that_warms_is_told_from_one_that_shifts_otherwise():
+    found = fitted("hidden", warms=0.5)
+    warming = [one for one in found.nuisance if one.name.startswith("warming")]
+    chilled = next(one for one in warming if one.name.endswith("2"))
+    assert abs(chilled.value - 0.5) < 4 * chilled.standard_error < 0.2
+    assert abs(off(found, "hidden")) < 0.03
+    assert "temperature_steady" not in failed(found)
+    assert "temperature_steady" in failed(fitted("hidden", warms=2.0))
+
+
+def test_temperatures_too_far_apart_are_said():
+    assert "overlap" in failed(fitted("hidden", (ROOM, -20.0)))
+
+
+def test_tests_of_one_temperature_are_fitted_as_ever():
+    warm, again = (cold.a_test("hidden", ROOM, seed) for seed in (0, 1))
+    other = replace(again, specimen=dp.Specimen(temperature=296.15 + 0.4))
+    found = dp.fit([warm, other])
+    assert found.temperatures is None
+    assert found.model == dp.fit([warm, again]).model
+
+
+def test_two_tests_of_one_temperature_share_its_shift():
+    tests = [*cold.records("hidden", PAIR, 0), cold.a_test("hidden", FRIDGE, 5)]
+    found = dp.fit(tests)
+    assert len(found.shifts) == 2
+    assert abs(off(found, "hidden")) < 0.03
+    assert found.shifts[0].log10_a_t == pytest.approx(cold.log10_a(273.15), abs=0.01)
+
+
+def test_a_test_without_its_temperature_is_asked_for_it():
+    warm, chilled = cold.records("hidden", PAIR, 0)
+    nameless = replace(cold.a_test("hidden", 10.0, 0), specimen=dp.Specimen())
+    with pytest.raises(dp.FitError, match="test 2 of 3 has no temperature"):
+        dp.fit([warm, nameless, chilled])
+
+
+@pytest.mark.parametrize("options", [{"method": "hold"}, {"depth_law": True}])
+def test_what_knows_of_no_temperature_is_refused(options):
+    with pytest.raises(dp.FitError, match="several temperatures"):
+        dp.fit(cold.records("hidden", PAIR, 0), **options)
+
+
+@pytest.mark.slow
+def test_twenty_pairs_find_the_shift_and_the_damping():
+    """Broad and hidden-arm seals at 23 and 0 degC, delay and hum on."""
+    shift, damping, holds = [], [], []
+    for seal in cold.SEALS:
+        for seed in range(10):
+            found = fitted(seal, seed=seed)
+            shift.append(abs(found.shifts[0].log10_a_t - cold.log10_a(273.15)))
+            damping.append(abs(off(found, seal)))
+            holds.append(inside(found, seal))
+    assert np.sum(np.array(shift) < 0.01) >= 19
+    assert np.sum(np.array(damping) < 0.03) == 20
+    assert (np.sum(holds, axis=0) >= 18).all()
