@@ -738,6 +738,7 @@ COMPARISON = [
 
 IMPACT = [
     Case("hits_enough", whole(lambda n: impact.hits_enough(measured(averages=n))), 3, 2),
+    Case("scatter_known", lambda _: impact.scatter_known(), None, 0),
     Case(
         "coherence",
         lambda x: impact.coherence(measured(coherence=np.full(150, x)), 75),

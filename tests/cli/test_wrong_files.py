@@ -211,3 +211,15 @@ def test_the_end_of_the_band_is_no_peak(lab: Path) -> None:
     assert "peaks at" in run("predict", "fit.json", "--mass", "104kg", "--band", band)
     found = json.loads(run("predict", "fit.json", "--mass", "104kg", "--json"))
     assert found["peak"]["at_edge"]
+
+
+def test_an_frf_without_coherence_says_so_first(lab: Path) -> None:
+    run("impact", "hammer.csv", "-o", "full.csv")
+    lines = [line for line in (lab / "full.csv").read_text().splitlines() if line[0] != "#"]
+    bare = "\n".join(",".join(line.split(",")[:3]) for line in lines)
+    (lab / "bare.csv").write_text(bare + "\n")
+    said = " ".join(run("identify", "bare.csv", "--mass", "104g", "--seals", "2").split())
+    assert (
+        "the FRF came without coherence or scatter: nothing tells whether the hits agreed" in said
+    )
+    assert not said.startswith("use:")

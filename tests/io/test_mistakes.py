@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from kit.mistakes import bench, hammer, rows
+from kit.mistakes import BENCH, bench, comma, hammer, quoted, rows, table
 
 from dashpot.base.errors import ReadError
 from dashpot.io.options import ReadOptions, parse_units
@@ -160,3 +160,39 @@ def test_units_of_a_role_hold_whatever_another_column_is_called() -> None:
     assert units.unit_of("force", "displacement") == "N"
     assert units.unit_of("force", "Load") == "kN"
     assert ReadOptions(units={"force": "mm"}).unit_of("displacement", "force") == "mm"
+
+
+@pytest.mark.parametrize("sign", [";", "\t"])
+@pytest.mark.parametrize("digits", [3, 5])
+def test_three_decimals_behind_a_comma_are_no_thousands(
+    tmp_path: Path, sign: str, digits: int
+) -> None:
+    """12,345 can be read two ways; 0,054 in the first rows cannot."""
+    path = tmp_path / "seal.csv"
+    path.write_text(table(BENCH, rows("seal_8mm.csv"), sign=sign, printed=comma(digits)))
+    truth = np.array(rows("seal_8mm.csv"))[:, 2]
+    np.testing.assert_allclose(read_relaxation(path).force, truth, atol=0.51 * 10**-digits)
+
+
+def test_numbers_cut_in_two_at_their_comma_are_seen(tmp_path: Path) -> None:
+    path = tmp_path / "seal.csv"
+    path.write_text(table(BENCH, rows("seal_8mm.csv"), printed=comma(5)))
+    with pytest.raises(
+        ReadError, match=r"3 names for 6 columns .* cut in two at their decimal comma"
+    ):
+        read_relaxation(path)
+
+
+def test_lines_in_quotes_are_seen(tmp_path: Path) -> None:
+    path = tmp_path / "seal.csv"
+    path.write_text(quoted(bench()))
+    with pytest.raises(ReadError, match="every line stands in quotes as one cell"):
+        read_relaxation(path)
+
+
+@pytest.mark.parametrize("order", [(0, 1, 2, 2), (0, 1, 1, 3)])
+def test_one_channel_twice_is_refused(tmp_path: Path, order: tuple[int, ...]) -> None:
+    path = tmp_path / "hammer.csv"
+    path.write_text(hammer(*order))
+    with pytest.raises(ReadError, match="hold the same numbers: one channel stands there twice"):
+        read_impact(path)

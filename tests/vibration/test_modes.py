@@ -235,3 +235,9 @@ def test_modes_are_a_method_of_the_frf(strike):
     assert isinstance(frf, FRF)
     assert all(isinstance(mode, Mode) for mode in frf.modes())
     assert frf.modes()[0].method == Method.RATIONAL.value
+
+
+def test_a_band_beside_the_lines_is_told_where_they_are(paper_seal):
+    frf = predict_frf(2 * paper_seal, mass=MASS, frequency=np.arange(4.0, 40.0, 0.5))
+    with pytest.raises(DataError, match=r"0 lines between 900 and 950 Hz; .* from 4 to 39.5 Hz"):
+        frf.modes(band=(900.0, 950.0))

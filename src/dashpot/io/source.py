@@ -68,7 +68,7 @@ class Raw:
         """The path, for readers that need one."""
         if self.path is None:
             raise ReadError(
-                "stdin holds a binary format that must be read from a file; give its path"
+                "this format is read from a file, not through a pipe; save it and give its path"
             )
         return self.path
 

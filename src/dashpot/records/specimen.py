@@ -55,10 +55,13 @@ class Specimen:
                     f"specimen date = {self.date!r}; expected year-month-day, such as 2026-11-21"
                 ) from None
         if self.temperature is not None and not _COLDEST <= self.temperature <= _HOTTEST:
+            celsius = self.temperature - 273.15
+            below = ", below absolute zero" if self.temperature < 0 else ""
             raise DataError(
-                f"specimen temperature = {self.temperature:g} K, or "
-                f"{self.temperature - 273.15:g} degC; expected one that rubber is "
-                f"tested at, {_COLDEST:g} to {_HOTTEST:g} K: is the unit degC?"
+                f"specimen temperature = {self.temperature:g} K, or {celsius:g} degC{below}; "
+                f"expected one that rubber is tested at, {_COLDEST:g} to {_HOTTEST:g} K, or "
+                f"{_COLDEST - 273.15:.0f} to {_HOTTEST - 273.15:.0f} degC: is the unit "
+                "degC, the sign right?"
             )
         for name in ("length", "height", "temperature"):
             value = getattr(self, name)

@@ -23,7 +23,7 @@ from dashpot.records.frf import FRF, Mode
 from dashpot.records.impact import ImpactTest
 from dashpot.records.machine import Machine
 from dashpot.vibration.comparison.comparison import Comparison
-from dashpot.vibration.impact.checks import coherence
+from dashpot.vibration.impact.checks import coherence, scatter_known
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness
 from dashpot.vibration.modal.peaks import find_peak
@@ -148,7 +148,7 @@ def read_measured(
 def _judged(frf: FRF, band: tuple[float, float] | None) -> FRF:
     """Return an FRF that was averaged elsewhere with what its coherence says of the peak."""
     if frf.coherence is None:
-        return frf
+        return frf if frf.sd is not None else replace(frf, checks=(*frf.checks, scatter_known()))
     near = frf.to("accelerance")
     near = near if band is None else near.band(*band)
     at = int(np.argmin(np.abs(near.frequency - find_peak(near).frequency)))

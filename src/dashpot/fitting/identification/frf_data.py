@@ -119,7 +119,8 @@ def frf_data_of(frf: FRF, *, seals: float, band: tuple[float, float] | None) -> 
     if np.count_nonzero(keep) < FEWEST_LINES:
         raise DataError(
             f"{np.count_nonzero(keep)} usable lines between {low:.4g} and {high:.4g} Hz; a model "
-            f"needs at least {FEWEST_LINES}: widen --band, or record longer for more lines"
+            f"needs at least {FEWEST_LINES}, and the FRF has lines from {frf.frequency[0]:.3g} to "
+            f"{frf.frequency[-1]:.4g} Hz: widen --band, or record longer for more lines"
         )
     lines = measured.only(keep)
     scatter, size = lines.random_sd, np.abs(lines.value)

@@ -199,6 +199,12 @@ def _no_table(lines: Sequence[str], options: ReadOptions) -> str:
     if options.delimiter or options.decimal:
         tried = " with the delimiter and decimal mark given (leave out --delimiter and --decimal)"
     first = filled[0].strip()[:60]
+    ends = ((line.strip()[0], line.strip()[-1], line.count('"')) for line in filled)
+    if all(end == ('"', '"', 2) for end in ends):
+        return (
+            f"every line stands in quotes as one cell, such as {first}: take the quotes out, or "
+            "export the table again with a cell for each number"
+        )
     if all(
         not any(cells.numeric(line.replace(",", " ").replace(";", " ").split(), "."))
         for line in filled

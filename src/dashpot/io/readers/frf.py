@@ -52,6 +52,8 @@ def read_frf(path: str | Path, *, options: ReadOptions | None = None) -> FRF:
             if "real" in index
             else _polar(file, index, column, radian)
         )
+        if not value.any():
+            raise ReadError("the FRF is 0 at every line; export its values, or name their columns")
         sd = next((i for i, c in enumerate(file.table.columns) if c.name.casefold() == "sd"), None)
         stated = _comments(file.table.header)
         names = [c.name for c in file.table.columns]

@@ -111,11 +111,9 @@ def _one(path: str | Path, options: ReadOptions | None) -> ImpactTest:
         else:
             time, signals = np.arange(len(loaded.values)) / rate, columns
             notes.append(f"time counted from the rows at {rate:g} Hz, as given")
-        _refuse_swapped(file, chosen, signals)
-        _refuse_sizes(file, chosen, time, signals)
         source = channels.source(file, [c.says for c in chosen], notes)
         try:
-            return ImpactTest(
+            test = ImpactTest(
                 time, signals[0], np.array(signals[1:]), starts, _names(file, chosen),
                 source=(source,),
             )  # fmt: skip
@@ -123,6 +121,10 @@ def _one(path: str | Path, options: ReadOptions | None) -> ImpactTest:
             advice = "; if the rows are evenly sampled, give the rate, for example --rate 2048Hz"
             more = advice if "even sampling" in str(error) and rate is None else ""
             raise ReadError(f"{error}{more}") from None
+        _refuse_same(file, chosen, signals)
+        _refuse_swapped(file, chosen, signals)
+        _refuse_sizes(file, chosen, time, signals)
+        return test
 
 
 def _names(file: Opened, chosen: Sequence[Channel]) -> tuple[str, ...]:
@@ -162,6 +164,18 @@ def _refuse_sizes(
         peak = float(np.abs(signal - median(signal)).max())
         asked.append((one, [ask(peak, one.unit.word) for ask in _PEAKS[one.role] if peak]))
     channels.refuse_sizes(file, asked)
+
+
+def _refuse_same(file: Opened, chosen: Sequence[Channel], signals: Sequence[FloatArray]) -> None:
+    """Two channels do not measure the same to the last digit: one was exported twice."""
+    named = [quoted(file.table.columns, one.index) for one in chosen[-len(signals) :]]
+    for j, signal in enumerate(signals):
+        for i in range(j):
+            if np.ptp(signal) > 0 and np.array_equal(signals[i], signal):
+                raise ReadError(
+                    f"{named[i]} and {named[j]} hold the same numbers: one channel stands there "
+                    "twice; name the columns with --hammer and --acceleration"
+                )
 
 
 def _refuse_swapped(file: Opened, chosen: Sequence[Channel], signals: Sequence[FloatArray]) -> None:

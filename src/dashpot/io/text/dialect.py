@@ -150,7 +150,12 @@ def find_dialect(
             score, found = _best_run(window, sign, mark, above=highest)
             if found is not None:
                 highest, best = score, found
-    return None if best is None else _from_the_top(lines, best)
+    found = None if best is None else _from_the_top(lines, best)
+    if found is not None and (found.mark, decimal) == (".", None) and found.delimiter != ",":
+        # 1,234 is a number either way; 0,000 above it shows which
+        other = _from_the_top(lines, replace(found, mark=","))
+        found = other if other is not None and other.first < found.first else found
+    return found
 
 
 def _delimiters(windows: Sequence[Sequence[str]], given: str | None) -> tuple[str, ...]:

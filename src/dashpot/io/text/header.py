@@ -55,6 +55,11 @@ def read_header(lines: Sequence[str], dialect: Dialect) -> Header:
                 f"the header holds {len(wrong)} names for {cells} columns ('{wrong[0][:20]}' ... "
                 f"'{wrong[-1][:20]}'), so that none was taken"
             )
+            if cells == 2 * len(wrong) and dialect.delimiter == ",":
+                misfit += (
+                    "; two columns for each name look like numbers cut in two at their decimal "
+                    "comma: export the file with ';' between the columns, or with decimal points"
+                )
     padded = [
         (names[i] if i < len(names) else "", words[i] if i < len(words) else None, content)
         for i, content in enumerate(dialect.contents)

@@ -156,6 +156,16 @@ def coherence(frf: FRF, at: int) -> Finding:
     )
 
 
+@criterion(source="by definition")
+def scatter_known() -> Finding:
+    """The FRF says how well each of its lines is known."""
+    return Finding(
+        "the FRF came without coherence or scatter: nothing tells whether the hits agreed, and "
+        "every line counts alike; export the coherence with it",
+        faulted=True,
+    )
+
+
 @criterion("natural frequency, Hz", source="no limit: a mode is found or not", grade="stop")
 def resonance(frf: FRF, main: Mode | None) -> Finding:
     """A resonance stands out."""

@@ -82,9 +82,9 @@ class DynamicStiffness(ByValue):
     @property
     def loss_factor_sd(self) -> FloatArray:
         """All errors of the loss factor together."""
+        # of tan delta = loss / storage; no loss at all leaves its own error
         return np.asarray(
-            np.abs(self.loss_factor)
-            * np.hypot(self.loss_sd / self.loss, self.storage_sd / self.storage)
+            np.hypot(self.loss_sd, self.loss_factor * self.storage_sd) / np.abs(self.storage)
         )
 
 

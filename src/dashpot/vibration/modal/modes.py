@@ -55,7 +55,8 @@ def find_modes(
     if np.count_nonzero(keep) < 8:
         raise DataError(
             f"{np.count_nonzero(keep)} lines between {low:g} and {high:g} Hz; modes need at least "
-            "8: widen the band or record longer"
+            f"8, and the FRF has lines from {f[0]:.3g} to {f[-1]:.4g} Hz: give a band within, or "
+            "record longer"
         )
     near = frf.only(keep)
     if method is Method.RATIONAL:
