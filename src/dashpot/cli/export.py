@@ -80,7 +80,8 @@ def command(
     """Write the solid of FIT (a fit's JSON file) as a deck.
 
     A deck is refused if temperature, contact length or units are not stated, or if the data do
-    not determine a parameter; --force writes it all the same and says so in its header.
+    not determine a parameter; --force writes it all the same and says so in its header. Of tests
+    at several temperatures, --temperature asks for the solid there.
 
     \b
     dashpot export fit.json --to nastran --units mm-t-s --temperature 23degC --length 100mm
@@ -93,7 +94,11 @@ def command(
         found = found.in_parallel(seals)
     choices["line"] = None if line is None else _seal_line(line, pitch, normal, units)
     deck = dp.export.TARGETS[target](
-        found, units=units, allow=("all",) if force else allow, **_taken(target, choices)
+        found,
+        units=units,
+        specimen=_asked(found, specimen.temperature),
+        allow=("all",) if force else allow,
+        **_taken(target, choices),
     )
     write(output, deck)
     for mark in deck.overrides:
@@ -113,9 +118,18 @@ def command(
 
 def _described(found: dp.Fit, given: Specimen) -> dp.Fit:
     """Return the fit with what the user adds now to what it knows of its specimen."""
-    news = {field.name: getattr(given, field.name) for field in fields(given)}
+    news = {one.name: getattr(given, one.name) for one in fields(given) if one.name != _ASKED}
     specimen = replace(found.specimen, **{name: value for name, value in news.items() if value})
     return replace(found, provenance=replace(found.provenance, specimen=specimen))
+
+
+_ASKED = "temperature"
+"""Of the specimen: what a deck is asked for, not what is added to the fit."""
+
+
+def _asked(found: dp.Fit, temperature: float | None) -> Specimen | None:
+    """Return the specimen at the temperature asked for, if one is."""
+    return None if temperature is None else replace(found.specimen, temperature=temperature)
 
 
 def _taken(target: str, choices: dict[str, Any]) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from collections.abc import Collection
 from dashpot.base.units import Range, si_range
 from dashpot.export.deck import Deck, DeckText, Exportable, open_deck
 from dashpot.export.notation import text
+from dashpot.export.shift import abaqus_shift
 from dashpot.records.specimen import Specimen
 
 FORMS = ("arms", "connector", "prony")
@@ -27,7 +28,8 @@ def abaqus(
     ``"arms"`` writes the exact network of SPRINGA and DASHPOTA elements, for any procedure;
     ``"connector"`` a connector behavior whose stiffness and structural damping depend on
     frequency, for direct and subspace steady-state dynamics; ``"prony"`` a material card
-    ``*VISCOELASTIC, TIME=PRONY`` with g_j = k_j/k_0 on the instantaneous modulus.
+    ``*VISCOELASTIC, TIME=PRONY`` with g_j = k_j/k_0 on the instantaneous modulus, and ``*TRS``
+    where the fit has a temperature law.
 
     Parameters are those of :func:`dashpot.export.nastran`.
     """
@@ -79,15 +81,17 @@ def _arms(deck: Deck) -> DeckText:
 
 def _prony(deck: Deck) -> DeckText:
     rows = [f"{text(g)}, {text(g)}, {text(tau)}" for g, tau in deck.prony]
+    shift, says = abaqus_shift(deck.fit.temperatures if deck.fit else None)
     return deck.written(
         "**",
         "material of relative moduli for Abaqus",
-        ["*MATERIAL, NAME=SEAL", "*VISCOELASTIC, TIME=PRONY", *rows],
+        ["*MATERIAL, NAME=SEAL", "*VISCOELASTIC, TIME=PRONY", *rows, *shift],
         remarks=[
             "g_j = k_j / k_0 refers to the instantaneous modulus: put MODULI=INSTANTANEOUS on the",
             "*ELASTIC, *HYPERELASTIC or *HYPERFOAM card beside it",
             "bulk ratios repeat the shear ratios: a sponge keeps its Poisson ratio as it relaxes;",
             "set the second column to 0 for a nearly incompressible rubber",
+            *says,
         ],
     )
 

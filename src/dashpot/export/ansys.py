@@ -6,6 +6,7 @@ from collections.abc import Collection
 
 from dashpot.export.deck import Deck, DeckText, Exportable, open_deck
 from dashpot.export.notation import text
+from dashpot.export.shift import ansys_shift
 from dashpot.records.specimen import Specimen
 
 FORMS = ("arms", "prony")
@@ -23,7 +24,7 @@ def ansys(
 
     ``"arms"`` writes the exact network of COMBIN14 springs and dampers acting along UX, for any
     analysis; ``"prony"`` a TB,PRONY table of relative shear moduli alpha_j = k_j/k_0 and times,
-    for transient and full harmonic analyses.
+    for transient and full harmonic analyses, and ``TB,SHIFT`` where the fit has a temperature law.
 
     Parameters are those of :func:`dashpot.export.nastran`.
     """
@@ -58,14 +59,16 @@ def _prony(deck: Deck) -> DeckText:
         f"TBDATA,{start + 1}," + ",".join(values[start : start + 6])
         for start in range(0, len(values), 6)
     ]
+    shift, says = ansys_shift(deck.fit.temperatures if deck.fit else None)
     return deck.written(
         "!",
         "material of relative moduli for Ansys Mechanical APDL",
-        [f"TB,PRONY,1,1,{deck.model.arms},SHEAR", *rows],
+        [f"TB,PRONY,1,1,{deck.model.arms},SHEAR", *rows, *shift],
         remarks=[
             "alpha_j = k_j / k_0 refers to the instantaneous modulus: the elastic constants of",
             "material 1 are the instantaneous ones",
             "repeat the table with BULK in place of SHEAR for a sponge, which keeps its Poisson",
             "ratio as it relaxes",
+            *says,
         ],
     )

@@ -11,11 +11,12 @@ from typing import TypeAlias
 
 from dashpot.base.arrays import LEAST, MOST
 from dashpot.base.checks import Check, Verdict, verdict
-from dashpot.base.errors import ExportError
+from dashpot.base.errors import DataError, ExportError
 from dashpot.base.version import byline
 from dashpot.export.checks import rows_informed
 from dashpot.export.frequency_tables import Damping, Table, tabulate
 from dashpot.export.notation import UNIT_SYSTEMS, UnitSystem, one_line, text
+from dashpot.export.shift import law_lines
 from dashpot.records.fit import Fit, Status
 from dashpot.records.specimen import Specimen
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
@@ -41,6 +42,10 @@ _REMEDIES = {
     "not_identified": "fit fewer arms, or test for longer and faster",
     "prony_sum": "export the arms, or fit with k_inf > 0",
 }
+
+
+_MOVES = ("parallel", "compression", "temperature")
+"""Steps that made another solid of the fitted one."""
 
 
 class DeckText(str):
@@ -236,6 +241,7 @@ class Deck:
             + ("not stated" if kelvin is None else f"{kelvin:.6g} K ({kelvin - 273.15:.4g} degC)"),
             "contact length: "
             + ("not stated" if metres is None else f"{metres / units.length:.6g} {length}"),
+            *(law_lines(self.fit.temperatures) if self.fit and self.fit.temperatures else ()),
             *self._elastic_law(),
             *self._pedigree(),
             *(f"OVERRIDE: {sentence}" for sentence in self.overrides),
@@ -266,7 +272,7 @@ class Deck:
     def _pedigree(self) -> list[str]:
         """The fit, its files, and the band that the test informs."""
         steps = () if self.fit is None else self.fit.steps
-        scaled = [step.says for step in steps if step.name in {"parallel", "compression"}]
+        scaled = [step.says for step in steps if step.name in _MOVES]
         lines = []
         if self.fit is None or not self.fit.source:
             lines.append("source: a model in memory; no file is known to stand behind it")
@@ -308,7 +314,8 @@ def open_deck(
     units : str
         ``"SI"``, ``"mm-t-s"`` or ``"mm-kg-ms"``.
     specimen : Specimen, optional
-        Replaces what the fit knows of its specimen.
+        Replaces what the fit knows of its specimen; its temperature, where the fit knows one,
+        is that which the deck is asked for.
     allow : collection of str
         Names from :data:`PROBLEMS` to overlook; ``"all"`` overlooks every one. Each one that
         applies leaves an OVERRIDE line in the header.
@@ -324,10 +331,25 @@ def open_deck(
         found = "no unit system is given" if units is None else f"'{units}' is no unit system"
         raise ExportError(f"{found}; add --units, one of {', '.join(UNIT_SYSTEMS)}")
     if isinstance(solid, Fit):
+        solid = _at(solid, specimen)
         deck = Deck(solid.solid, UNIT_SYSTEMS[units], specimen or solid.specimen, solid)
     else:
         deck = Deck(solid, UNIT_SYSTEMS[units], specimen or Specimen())
     return replace(deck, overrides=_overlooked(deck, allow, prony=form == "prony"))
+
+
+def _at(fit: Fit, specimen: Specimen | None) -> Fit:
+    """The fit at the temperature asked for; one that nobody noted is only said now."""
+    asked = None if specimen is None else specimen.temperature
+    if asked is None or (fit.temperatures is None and fit.specimen.temperature is None):
+        return fit
+    try:
+        return fit.at_temperature(asked)
+    except DataError as error:
+        raise ExportError(
+            f"{error}; if the temperature of the test was noted wrong, fit it again with "
+            "--temperature (Python: Specimen(temperature=...))"
+        ) from None
 
 
 def _overlooked(deck: Deck, allow: Collection[str], *, prony: bool) -> tuple[str, ...]:

@@ -80,8 +80,8 @@ def rows_with(
 ) -> FloatArray:
     """Sensitivities of the test and its repeats in units of their noise, with priors, (m, p).
 
-    The first columns are those of the solid, as in :meth:`Bench.rows`; a `slope_sd` of 0 supposes
-    that one factor shifts every arm.
+    The first columns are those of the solid, as in :class:`~dashpot.planning.bench.Bench`; a
+    `slope_sd` of 0 supposes that one factor shifts every arm.
     """
     shared = 1 + 2 * model.arms
     own = bench.rows(model)

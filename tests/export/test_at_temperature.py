@@ -1,0 +1,187 @@
+"""Decks of a solid that moves with temperature: its law on the card, and the solid asked for."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from kit.fits import a_fit
+
+import dashpot as dp
+from dashpot.cli import main
+from dashpot.export import TARGETS
+from dashpot.records.fit import Fit
+from dashpot.records.specimen import Specimen
+from dashpot.records.temperature import Shift, TemperatureShifts
+from dashpot.solids.table_1 import BROAD, SHIFT
+from dashpot.solids.temperature import Arrhenius, FreeShifts, TemperatureLaw
+
+ROOM = SHIFT.reference
+TESTED = (273.15, 283.15, ROOM)
+ENERGY = Arrhenius(9e4, ROOM)
+FREE = FreeShifts(TESTED, (1.5, 0.77, 0.0), ROOM)
+
+
+def moving(law: TemperatureLaw = SHIFT, vertical: str = "T/T_r", **specimen: object) -> Fit:
+    """A fit of three temperatures whose solid follows a law."""
+    shifts = tuple(Shift(t, float(law.log10_a_t(t)), 1e-3, t / ROOM) for t in TESTED)
+    names = {"wlf": ("c1", "c2"), "arrhenius": ("energy",), "free": ()}[law.kind]
+    doubt = np.zeros((len(names), len(names)))
+    moved = TemperatureShifts(law, shifts, np.zeros((6, 6)), names, doubt, vertical)
+    known = Specimen(**({"length": 0.1, "temperature": ROOM} | specimen))
+    return replace(a_fit(BROAD, specimen=known), temperatures=moved)
+
+
+def numbers(line: str) -> list[float]:
+    return [float(cell) for cell in line.split(",") if cell.replace(".", "").strip("-e ").isdigit()]
+
+
+def card(deck: str, keyword: str) -> list[str]:
+    """The line of a keyword and the one after it."""
+    lines = deck.splitlines()
+    at = next(i for i, line in enumerate(lines) if line.startswith(keyword))
+    return lines[at : at + 2]
+
+
+def prony(target: str, fit: Fit, **more: object) -> str:
+    return TARGETS[target](fit, **({"units": "mm-t-s", "form": "prony"} | more))
+
+
+def test_abaqus_shifts_by_wlf():
+    head, row = card(prony("abaqus", moving()), "*TRS")
+    assert head == "*TRS, DEFINITION=WLF"
+    reference, c1, c2 = numbers(row)
+    t = np.array(TESTED)
+    # the manual: -log10 A = C1 (theta - theta_0) / (C2 + theta - theta_0)
+    by_the_manual = -c1 * (t - reference) / (c2 + t - reference)
+    np.testing.assert_allclose(by_the_manual, SHIFT.log10_a_t(t), atol=1e-8)
+    deck = prony("abaqus", moving())
+    assert deck.index("*VISCOELASTIC, TIME=PRONY") < deck.index("\n*TRS")
+    assert deck.rstrip().endswith(row)
+
+
+def test_abaqus_shifts_by_arrhenius():
+    deck = prony("abaqus", moving(ENERGY))
+    head, row = card(deck, "*TRS")
+    assert head == "*TRS, DEFINITION=ARRHENIUS"
+    reference, energy = numbers(row)
+    assert "*PHYSICAL CONSTANTS, ABSOLUTE ZERO=0.,\n** UNIVERSAL GAS=8.314462618" in deck
+    t = np.array(TESTED)
+    by_the_manual = energy / 8.314462618 * (1 / t - 1 / reference)
+    np.testing.assert_allclose(by_the_manual / np.log(10), ENERGY.log10_a_t(t), atol=1e-8)
+
+
+def test_ansys_shifts_by_wlf_and_by_tool_and_narayanaswamy():
+    head, row = card(prony("ansys", moving()), "TB,SHIFT")
+    assert head == "TB,SHIFT,1,1,3,WLF"
+    assert row == "TBDATA,1,296.15,6.943703704,129.6"
+    head, row = card(prony("ansys", moving(ENERGY)), "TB,SHIFT")
+    assert head == "TB,SHIFT,1,1,2,TN"
+    _, reference, over_r = (float(each) for each in row.split(",")[1:])
+    t = np.array(TESTED)
+    np.testing.assert_allclose(
+        over_r * (1 / t - 1 / reference) / np.log(10), ENERGY.log10_a_t(t), atol=1e-8
+    )
+
+
+@pytest.mark.parametrize("target", ["abaqus", "ansys"])
+def test_there_is_no_card_without_a_law(target):
+    still = a_fit(BROAD, specimen=Specimen(temperature=ROOM, length=0.1))
+    for fit in (still, moving(FREE)):
+        deck = prony(target, fit)
+        assert "*TRS" not in deck
+        assert "TB,SHIFT" not in deck
+    assert "temperature law" not in prony(target, still)
+    assert (
+        "temperature law: none; log10 a_T is 1.5 at 273.15 K, 0.77 at 283.15 K, 0. at 296.15 K, "
+        "straight in 1/T between them"
+    ) in prony(target, moving(FREE))
+
+
+@pytest.mark.parametrize("target", sorted(TARGETS))
+def test_every_deck_says_the_law_and_its_constants(target):
+    more = {} if target != "radioss" else {"modulus": 1e6}
+    deck = TARGETS[target](moving(), units="SI", **more)
+    assert "temperature law: WLF, log10 a_T = -C1 (T - T_r)/(C2 + T - T_r)" in deck
+    assert "C1 = 6.943703704, C2 = 129.6 K, T_r = 296.15 K" in deck
+    assert "tested from 0 degC to 23 degC; relaxation times go with a_T, stiffnesses with" in deck
+    energy = TARGETS[target](moving(ENERGY), units="SI", **more)
+    assert "E = 90000. J/mol, E/R = 10824.51195 K" in energy
+
+
+@pytest.mark.parametrize(
+    ("vertical", "says"),
+    [
+        ("T/T_r", "stiffnesses with b_T = T/T_r"),
+        ("free", "stiffnesses with b_T = 0.9223 at 0 degC to 1 at 23 degC"),
+        ("1", ""),
+    ],
+)
+@pytest.mark.parametrize("target", ["abaqus", "ansys"])
+def test_what_the_shift_cannot_carry_is_said(target, vertical, says):
+    deck = prony(target, moving(vertical=vertical))
+    assert says in deck
+    assert ("the stiffness b_T above is not in it" in deck) == bool(says)
+
+
+@pytest.mark.parametrize("target", sorted(TARGETS))
+@pytest.mark.parametrize("law", [SHIFT, ENERGY, FREE])
+def test_a_deck_of_an_asked_temperature_is_that_of_the_solid_there(target, law):
+    more = {} if target != "radioss" else {"modulus": 1e6}
+    fit = moving(law)
+    asked = Specimen(length=0.1, temperature=278.15)
+    deck = TARGETS[target](fit, units="SI", specimen=asked, **more)
+    # byte for byte that of the fit that was moved first
+    assert deck == TARGETS[target](fit.at_temperature(278.15), units="SI", **more)
+    there = fit.at("5degC")
+    assert f"model: k_inf = {there.k_inf:.10g} N/m" in deck
+    assert all(f"tau = {tau:.10g} s" in deck for tau in there.tau)
+    assert "temperature: 278.15 K (5 degC)" in deck
+    assert "at 5 degC, a_T = " in deck
+    assert "temperature law" not in deck
+
+
+def test_a_temperature_that_nobody_noted_is_stated():
+    unnoted = a_fit(BROAD, specimen=Specimen(length=0.1))
+    with pytest.raises(dp.ExportError, match="test temperature is not stated"):
+        prony("abaqus", unnoted)
+    deck = prony("abaqus", unnoted, specimen=Specimen(length=0.1, temperature=253.15))
+    assert "temperature: 253.15 K (-20 degC)" in deck
+    assert "a_T" not in deck
+
+
+@pytest.mark.parametrize(("kelvin", "refused"), [(ROOM + 0.5, False), (ROOM + 0.501, True)])
+def test_a_fit_of_one_temperature_is_no_other(kelvin, refused):
+    fit = a_fit(BROAD, specimen=Specimen(length=0.1, temperature=ROOM))
+    asked = Specimen(length=0.1, temperature=kelvin)
+    if not refused:
+        assert "k_inf = 0.1965 N/mm" in prony("abaqus", fit, specimen=asked)
+        return
+    with pytest.raises(dp.ExportError, match="fit tests at several temperatures together; if the"):
+        prony("abaqus", fit, specimen=asked)
+
+
+def test_too_near_the_glass_is_refused():
+    asked = Specimen(length=0.1, temperature=218.15 + 9.99)
+    with pytest.raises(dp.ExportError, match="glass transition"):
+        prony("abaqus", moving(), specimen=asked)
+
+
+def run(folder, *words: str):
+    (folder / "fit.json").write_text(dp.to_json(moving()))
+    return CliRunner().invoke(main, ["export", str(folder / "fit.json"), *words, "--units", "SI"])
+
+
+def test_the_command_asks_for_a_temperature(tmp_path):
+    deck = tmp_path / "a.inp"
+    words = ("--to", "abaqus", "--seals", "2", "-o", str(deck), "--temperature")
+    assert run(tmp_path, *words, "-20degC").exit_code == 0
+    text = deck.read_text()
+    assert "temperature: 253.15 K (-20 degC)" in text
+    assert "contact length: 0.2 m" in text
+    assert f"model: k_inf = {2 * 196.5 * 253.15 / ROOM:.10g}" in text
+    refused = run(tmp_path, *words, "-50degC")
+    assert refused.exit_code == 2
+    assert "glass transition" in refused.output
