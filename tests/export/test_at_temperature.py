@@ -163,6 +163,17 @@ def test_a_fit_of_one_temperature_is_no_other(kelvin, refused):
         prony("abaqus", fit, specimen=asked)
 
 
+@pytest.mark.parametrize(
+    ("celsius", "beyond"), [(0.0, False), (23.0, False), (-0.01, True), (23.01, True)]
+)
+def test_beyond_the_tested_temperatures_the_deck_is_judged(celsius, beyond):
+    asked = Specimen(length=0.1, temperature=celsius + 273.15)
+    deck = TARGETS["abaqus"](moving(), units="SI", specimen=asked)
+    assert ("CHECK FAILED" in deck) == beyond
+    assert ("what the WLF law says there is extrapolated" in deck) == beyond
+    assert deck.verdict.use == ("use with care" if beyond else "use")
+
+
 def test_too_near_the_glass_is_refused():
     asked = Specimen(length=0.1, temperature=218.15 + 9.99)
     with pytest.raises(dp.ExportError, match="glass transition"):

@@ -17,6 +17,7 @@ from dashpot.export.checks import rows_informed
 from dashpot.export.frequency_tables import Damping, Table, tabulate
 from dashpot.export.notation import UNIT_SYSTEMS, UnitSystem, one_line, text
 from dashpot.export.shift import law_lines
+from dashpot.fitting.temperature.checks import temperature_tested
 from dashpot.records.fit import Fit, Status
 from dashpot.records.specimen import Specimen
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
@@ -344,12 +345,16 @@ def _at(fit: Fit, specimen: Specimen | None) -> Fit:
     if asked is None or (fit.temperatures is None and fit.specimen.temperature is None):
         return fit
     try:
-        return fit.at_temperature(asked)
+        moved = fit.at_temperature(asked)
     except DataError as error:
         raise ExportError(
             f"{error}; if the temperature of the test was noted wrong, fit it again with "
             "--temperature (Python: Specimen(temperature=...))"
         ) from None
+    if fit.temperatures is None:
+        return moved
+    checks = (*moved.checks, temperature_tested(fit.temperatures, asked))
+    return replace(moved, evidence=replace(moved.evidence, checks=checks))
 
 
 def _overlooked(deck: Deck, allow: Collection[str], *, prony: bool) -> tuple[str, ...]:
