@@ -20,7 +20,7 @@ from dashpot.base.checks import REGISTER, Check, Finding, criterion
 from dashpot.engine.inference.covariance import Noise, nearly_white, noise_of
 from dashpot.engine.inference.order import DECISIVE, Choice, choose
 from dashpot.export import checks as export
-from dashpot.fitting.checks import curves, relaxation, solid, temperature
+from dashpot.fitting.checks import creep, curves, relaxation, solid, temperature
 from dashpot.fitting.identification import checks as identification
 from dashpot.fitting.nonlinear_ramp import checks as ramp
 from dashpot.fitting.repeats import EndStiffness
@@ -34,6 +34,7 @@ from dashpot.preparation.contact import Baseline, Touch
 from dashpot.preparation.filters import parse_filter
 from dashpot.preparation.segments import Cycle, Segment
 from dashpot.records.bounds import EndOfHold
+from dashpot.records.creep import LoadHold
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.estimate import Nuisance
 from dashpot.records.fit import Explanation
@@ -41,6 +42,7 @@ from dashpot.records.frf import FRF, Hit, Mode
 from dashpot.records.relaxation import RampHold
 from dashpot.records.specimen import Specimen
 from dashpot.records.temperature import Shift, TemperatureShifts
+from dashpot.solids.interconversion import CreepSpectrum
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import PAPER
 from dashpot.solids.temperature import FreeShifts
@@ -287,7 +289,44 @@ def missed(times: float) -> np.ndarray:
     return np.where((TIME > 0) & (TIME <= 1), times * NOISY.force_noise, 0.0)
 
 
+def load(rest: int = 10, change: float = 0.0) -> LoadHold:
+    """A load of 1 after so many samples, that rises by `change` while it is held."""
+    time = 0.1 * np.arange(rest + 100)
+    since = time - 0.1 * rest
+    held = np.where(since >= -1e-9, 1.0 + change * np.clip(since / 10, 0, 1), 0.0)
+    first, end = float(time[rest]), float(time[-1])
+    return LoadHold(time, held, held, held, first, first, end, 1.0, displacement_noise=0.01)
+
+
+def crept(left: float) -> Check:
+    """A part that has this part of its displacement at rest to come after 10 s."""
+    lam = 10.0
+    spectrum = CreepSpectrum(1 - left * np.e, (left * np.e,), (lam,))
+    return creep.creep_finished(spectrum, lam, 1.0, unit="N/m")
+
+
+def slipped(times: float) -> Check:
+    """A residual of so many times the noise in the hold."""
+    held = load()
+    return creep.displacement_followed(held, np.full(len(held.time), 0.01 * times))
+
+
+CREEP = [
+    Case(
+        "compliance_rises",
+        lambda x: creep.compliance_rises(np.repeat([1.0, 1.0, x], 3)),
+        0.801,
+        0.799,
+    ),
+    Case("creep_finished", crept, 0.0499, 0.0501),
+    Case("flow_told", lambda x: creep.flow_told(True, x, 0.01), 10.01, 9.99),
+    Case("displacement_followed", slipped, 1.99, 2.01),
+    Case("compliance_followed", lambda x: creep.compliance_followed(x, 6), 0.0499, 0.0501),
+    Case("levels_agree", lambda x: creep.levels_agree(-x, 1e-3), 0.0299, 0.0301),
+]
 PREPARATION = [
+    Case("load_begins_at_rest", whole(lambda n: preparation.load_begins_at_rest(load(n))), 5, 4),
+    Case("load_held", lambda x: preparation.load_held(load(change=x / 0.89)), 0.0199, 0.0201),
     Case("baseline_recorded", whole(baseline), 5, 4),
     Case(
         "contact_found",
@@ -883,7 +922,7 @@ STAGES = {
     "export": EXPORT,
     "io/readers": READING,
     "preparation": PREPARATION,
-    "fitting": FITTING,
+    "fitting": [*FITTING, *CREEP],
     "fitting/identification": IDENTIFICATION,
     "fitting/nonlinear_ramp": RAMP,
     "fitting/temperature": TEMPERATURE,
@@ -903,6 +942,7 @@ LIMITS = {
         "acceleration_not_large": 1e4, "hammer_sampled": 50, "hammer_not_oversampled": 2.5e5,
     },
     "preparation": {
+        "load_begins_at_rest": 5, "load_held": 0.02,
         "baseline_recorded": 5, "contact_found": 0.01, "preload_absent": 0.05, "single_loading": 1,
         "ramp_recorded": 1.1,
         "overshoot_small": 0.05, "samples_unbroken": 0.2, "spikes_absent": 0,
@@ -917,7 +957,8 @@ LIMITS = {
         "fast_arm_visible": 0.1, "drift_told_from_arm": 0.1, "residuals_steady": 4,
         "hold_and_full_agree": 0.1, "filter_bias": 0.01, "separable": 0.01,
         "few_arms_suffice": 0.05, "kramers_kronig": 0.05, "loss_positive": 0, "storage_rises": 0.05,
-        "modulus_falls": 1.25,
+        "compliance_rises": 0.8, "compliance_followed": 0.05, "creep_finished": 0.05,
+        "flow_told": 10, "displacement_followed": 2, "levels_agree": 0.03, "modulus_falls": 1.25,
         "data_agree": 1.3, "bands_meet": 10, "k_inf_known": 0.5, "force_followed": 1.75,
         "arms_where_force_relaxes": 0.02,
         "overlap": 0.5, "shifts_determined": 0.3, "shift_monotone": 3,
@@ -959,7 +1000,7 @@ GRADES = {
     "note": {
         "preparation": {
             "baseline_recorded", "single_loading", "overshoot_small", "range_used",
-            "hold_outlasts_ramp",
+            "hold_outlasts_ramp", "load_held",
         },
         "fitting": {
             "hold_long_enough", "tau_inside_window", "residuals_random", "step_bias",
@@ -981,7 +1022,8 @@ GRADES = {
             "hammer_felt", "acceleration_not_large", "hammer_sampled", "hammer_not_oversampled",
         },
         "fitting": {
-            "modulus_falls", "optimum_found", "arms_where_force_relaxes", "frequencies_informed",
+            "compliance_rises", "modulus_falls", "optimum_found", "arms_where_force_relaxes",
+            "frequencies_informed",
             "same_specimen",
         },
         "fitting/identification": {"tests_agree"},
@@ -1046,6 +1088,7 @@ def test_the_grades_are_those_typed_here() -> None:
         pytest.param(
             lambda x: relaxation.force_followed(NOISY, missed(x)), 9.9, 10.1, id="force_followed"
         ),
+        pytest.param(slipped, 9.9, 10.1, id="displacement_followed"),
         pytest.param(lambda x: curves.data_agree([x], ["loss"]), 2.9, 3.1, id="data_agree"),
         pytest.param(
             lambda x: identification.lines_explained(x, known_sd=True), 19.9, 20.1, id="lines"

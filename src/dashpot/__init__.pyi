@@ -11,6 +11,7 @@ from .base.errors import ReadError as ReadError
 from .base.provenance import Source as Source
 from .base.version import __version__ as __version__
 from .engine.sums import fit_exponential_sum as fit_exponential_sum
+from .fitting.creep import fit_creep as fit_creep
 from .fitting.depth import fit_depths as fit_depths
 from .fitting.dynamic import fit_dynamic as fit_dynamic
 from .fitting.fit_many import fit_many as fit_many
@@ -24,6 +25,7 @@ from .fitting.uncertainty.bootstrap import bootstrap as bootstrap
 from .fitting.uncertainty.prediction_bounds import frf_band as frf_band
 from .fitting.uncertainty.prediction_bounds import unseen_arm_band as unseen_arm_band
 from .io.readers.bench import read_bench as read_bench
+from .io.readers.creep import read_creep as read_creep
 from .io.readers.dynamic import read_dynamic as read_dynamic
 from .io.readers.frf import read_frf as read_frf
 from .io.readers.impact import read_impact as read_impact
@@ -32,6 +34,8 @@ from .io.readers.modulus import read_modulus as read_modulus
 from .io.readers.relaxation import read_relaxation as read_relaxation
 from .planning.plan import plan as plan
 from .preparation.prepare import prepare as prepare
+from .records.creep import CreepCompliance as CreepCompliance
+from .records.creep import CreepTest as CreepTest
 from .records.dynamic import DynamicTest as DynamicTest
 from .records.fit import Fit as Fit
 from .records.fit import Status as Status

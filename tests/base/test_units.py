@@ -21,7 +21,7 @@ SI = {
     "time": "s", "length": "m", "force": "N", "mass": "kg", "acceleration": "m/s^2",
     "velocity": "m/s", "frequency": "Hz", "stiffness": "N/m", "damping": "N*s/m", "strain": "",
     "stress": "Pa", "voltage": "V", "torque": "N*m", "angle": "rad", "temperature": "K",
-    "compliance": "m/N", "force rate": "N/s",
+    "compliance": "m/N", "force rate": "N/s", "material compliance": "1/Pa",
 }  # fmt: skip
 
 
@@ -50,7 +50,8 @@ def test_every_factor_is_that_of_pint() -> None:
         ("Nm", "torque", "N*m"), ("°C", "temperature", "degC"), ("千牛", "force", "kN"),
         ("毫米", "length", "mm"), ("мм", "length", "mm"), ("Sekunden", "time", "s"),
         ("pounds", "mass", "lb"), ("lb_f", "force", "lbf"), ("KN", "force", "kN"),
-        ("µm/N", "compliance", "um/N"), ("mn/s", "force rate", "mN/s"),
+        ("µm/N", "compliance", "um/N"), ("Pa⁻¹", "material compliance", "1/Pa"),
+        ("mn/s", "force rate", "mN/s"),
         ("N.s/mm", "damping", "N*s/mm"), ("-", "strain", "1"), ("millimetres", "length", "mm"),
     ],
 )  # fmt: skip

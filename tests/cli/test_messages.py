@@ -202,7 +202,8 @@ def test_an_assumption_names_options_that_exist(one) -> None:
 def test_every_reading_command_has_every_role() -> None:
     roles = (
         "--time --displacement --force --acceleration --hammer --frequency --storage --loss "
-        "--loss-factor --modulus --temperature-column --real --imaginary --magnitude --phase "
+        "--loss-factor --modulus --creep-compliance --stress --strain "
+        "--temperature-column --real --imaginary --magnitude --phase "
         "--coherence --cycle --units --rate --profile"
     )
     for command in READING:

@@ -10,6 +10,7 @@ import pytest
 from dashpot.base.errors import ReadError
 from dashpot.io.columns.kinds import MASTER, ONE_FREQUENCY, WANTED_BY, kind_of
 from dashpot.io.options import ReadOptions
+from dashpot.io.readers.creep import read_creep
 from dashpot.io.readers.dynamic import read_dynamic
 from dashpot.io.readers.frf import read_frf
 from dashpot.io.readers.impact import read_impact
@@ -26,6 +27,7 @@ READERS = {
     read_impact: {"impact"},
     read_frf: {"frf"},
     read_dynamic: {"dma", "master-curve"},
+    read_creep: {"creep", "relaxation", "triangle", "cyclic"},
 }
 
 

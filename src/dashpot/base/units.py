@@ -20,7 +20,7 @@ Range: TypeAlias = tuple[Quantity, Quantity] | str
 Dimension: TypeAlias = Literal[
     "time", "length", "force", "mass", "acceleration", "velocity", "frequency",
     "stiffness", "damping", "temperature", "strain", "stress", "voltage", "torque", "angle",
-    "compliance", "force rate",
+    "compliance", "force rate", "material compliance",
 ]  # fmt: skip
 
 
@@ -57,6 +57,7 @@ def _table() -> dict[str, Unit]:
         "compliance": {
             "um/N": 1e-6, "m/N": 1.0, "mm/N": 1e-3, "nm/N": 1e-9, "mm/kN": 1e-6, "um/kN": 1e-9,
         },
+        "material compliance": {"1/Pa": 1.0, "1/kPa": 1e-3, "1/MPa": 1e-6, "1/GPa": 1e-9},
         "force rate": {
             "mN/s": 1e-3, "N/s": 1.0, "uN/s": 1e-6, "N/min": 1 / 60, "mN/min": 1e-3 / 60,
             "N/h": 1 / 3600, "mN/h": 1e-3 / 3600,
@@ -131,6 +132,10 @@ _SPELLINGS = {
     "kPa": "kilopascal кпа 千帕",
     "MPa": "megapascal n/mm^2 n/mm2 n/mm² мпа 兆帕",
     "GPa": "gigapascal гпа",
+    "1/Pa": "pa^-1 pa-1 pa⁻¹ m^2/n m2/n m²/n",
+    "1/kPa": "kpa^-1 kpa-1 kpa⁻¹",
+    "1/MPa": "mpa^-1 mpa-1 mpa⁻¹ mm^2/n mm2/n mm²/n",
+    "1/GPa": "gpa^-1 gpa-1 gpa⁻¹",
     "V": "volt volts в 伏",
     "mV": "millivolt millivolts",
     "uV": "µv",

@@ -49,7 +49,9 @@ def table(rows: Sequence[Sequence[str]], *, left: bool = False) -> list[str]:
     return lines
 
 
-_RESIDUAL = {"N": (1e3, "mN rms"), "1": (100.0, "% rms"), "sd": (1.0, "of the noise")}
+_RESIDUAL = {
+    "N": (1e3, "mN rms"), "m": (1e6, "um rms"), "1": (100.0, "% rms"), "sd": (1.0, "of the noise"),
+}  # fmt: skip
 
 
 def fit(found: Fit) -> Text:
@@ -66,6 +68,7 @@ def fit(found: Fit) -> Text:
         f"  residual    {size} over {residual.n} samples (each worth 1/{residual.kappa:.3g})",
         f"  informed    {hertz(found.band)}; outside it the model is an extrapolation",
     ]
+    lines += _creep(found)
     if found.elastic_law and found.elastic_law.kind != "linear":
         lines.append(f"  elastic law {_law(found.elastic_law)}")
     if found.end_of_hold:
@@ -81,6 +84,25 @@ def fit(found: Fit) -> Text:
         )
         (details if residual.unit == "N" else lines).append(f"  nuisance    {listed}")
     return Text(lines, [*details, *_orders(found)])
+
+
+def _creep(found: Fit) -> list[str]:
+    """The compliances that were fitted to creep, and their times."""
+    creep = found.creep
+    if creep is None:
+        return []
+    unit, scale = ("mm/N", 1e3) if found.unit == "N/m" else ("1/MPa", 1e6)
+    known = creep.standard_error
+
+    def told(name: str, value: float) -> str:
+        return with_error(value, known(name), scale=scale)
+
+    parts = [f"at once {told('glass', creep.spectrum.glass)} {unit}"]
+    for i, (d, lam) in enumerate(zip(creep.spectrum.d, creep.spectrum.lam, strict=True), start=1):
+        parts.append(f"{told(f'd_{i}', d)} {unit} in {with_error(lam, known(f'lam_{i}'))} s")
+    if creep.spectrum.flow > 0:
+        parts.append(f"flow {told('flow', creep.spectrum.flow)} {unit} per s, without end")
+    return [f"  creep       {'; '.join(parts)}"]
 
 
 _SHOWN = {"N/m": ("N/mm", "N s/mm", 1e-3), "Pa": ("MPa", "MPa s", 1e-6)}

@@ -45,14 +45,15 @@ def command(
 ) -> Outcome:
     """Fit a generalized Maxwell solid to the ramp and hold in FILE; several files fit together.
 
-    FILE may also be a dynamic (DMA) sweep, storage and loss against frequency, or, with
-    --modulus, a relaxation modulus over time.
+    FILE may also be a dynamic (DMA) sweep, storage and loss against frequency; a creep test, a
+    force held, or a creep compliance over time; or, with --modulus, a relaxation modulus over time.
 
     \b
     dashpot fit seal_8mm.csv
     dashpot fit seal_8mm.csv --arms 2 --method hold -o fit.json --plot fit.png
     dashpot fit seal_4mm.csv seal_8mm.csv --depth-law
     dashpot fit curve.csv --modulus "E(t)"
+    dashpot fit creep.csv
     """
     found, records = workflow.fit_files(files, **choices)
     if picture:
@@ -78,6 +79,8 @@ def _figure(found: dp.Fit, records: tuple[Any, ...]) -> dp.plot.Picture:
     first = records[0]
     if isinstance(first, dp.RelaxationModulus):
         return dp.plot.modulus(found, first)
+    if found.method == "creep":
+        return dp.plot.creep(found, first)
     if isinstance(first, dp.DynamicTest):
         return dp.plot.stiffness(found, data=first)
     if len(records) > 1:

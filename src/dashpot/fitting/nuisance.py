@@ -82,23 +82,39 @@ def priors(record: RampHold) -> Priors:
     final = abs(float(force[last_of_hold(record)].mean()))
     noise = record.force_noise or scatter(time[record.hold], force[record.hold])
     if first >= _FEWEST and not _loaded(record, rest):
-        residual = force[rest] - force[rest].mean()
-        # a drift is no noise
-        line = _slope(time[rest], residual, 1.0).mean
-        noises = noise_of(residual - line * (time[rest] - time[rest].mean()))
-        error = float(np.sqrt(noises.autocovariance[0] * noises.kappa / first))
-        offset = Prior(float(force[rest].mean()), max(error, noise / float(np.sqrt(first))))
-        at = float(time[rest].mean())
-        slope = _slope(time[rest], residual, noises.kappa)
+        offset, at, slope = at_rest(time[rest], force[rest], noise)
     else:
         offset, at = _first_reading(record, noise), 0.0
-        first, slope = max(first, 1) if record.displacement[0] <= 0 else 0, None
-    if slope is not None and slope.sd < TOLD_DRIFT * final / duration:
+        first = max(first, 1) if record.displacement[0] <= 0 else 0
+        slope = Prior(0.0, np.inf)
+    if slope.sd < TOLD_DRIFT * final / duration:
         drift, told = slope, "baseline"
     else:
         drift = Prior(0.0, record.machine.drift_sd(final, duration))
         told = "unknown" if record.machine.drift is None else "data sheet"
     return Priors(offset, at, drift, told, delay_prior(record), first)
+
+
+class AtRest(NamedTuple):
+    """What samples before a test say of a channel: its zero, when that is known, and its drift."""
+
+    offset: Prior
+    at: float
+    slope: Prior
+
+
+def at_rest(time: FloatArray, values: FloatArray, noise: float) -> AtRest:
+    r"""Return the mean and the slope of a channel at rest, for correlated noise.
+
+    `noise` is the least that its scatter can be.
+    """
+    residual = values - values.mean()
+    # a drift is no noise
+    line = _slope(time, residual, 1.0).mean
+    noises = noise_of(residual - line * (time - time.mean()))
+    error = float(np.sqrt(noises.autocovariance[0] * noises.kappa / len(values)))
+    offset = Prior(float(values.mean()), max(error, noise / float(np.sqrt(len(values)))))
+    return AtRest(offset, float(time.mean()), _slope(time, residual, noises.kappa))
 
 
 def _first_motion(record: RampHold) -> int:

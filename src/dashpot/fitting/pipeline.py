@@ -33,7 +33,14 @@ from dashpot.fitting.uncertainty.estimate import (
 )
 from dashpot.fitting.uncertainty.profile_intervals import profiles
 from dashpot.records.bounds import EndOfHold
-from dashpot.records.estimate import Nuisance, ParameterEstimate, Residual, parameter_names
+from dashpot.records.estimate import (
+    CreepEstimate,
+    Nuisance,
+    ParameterEstimate,
+    Profile,
+    Residual,
+    parameter_names,
+)
 from dashpot.records.fit import (
     AtDepth,
     Certificate,
@@ -124,6 +131,15 @@ class Chosen:
             )
             for score in self.scores
         )  # fmt: skip
+
+    def profiles(self, *, in_order_of_time: bool) -> tuple[Profile, ...]:
+        """Profile likelihoods of the model's parameters; noise in order of time may be slow."""
+        return profiles(
+            self.data.rows,
+            self.estimate,
+            suffix=self.data.suffix,
+            every_sample=self.data.samples if in_order_of_time else None,
+        )
 
 
 def asked_arms(arms: object, max_arms: object) -> int:
@@ -222,6 +238,7 @@ def assembled(
     unit: str = "N/m",
     elastic_law: ElasticLaw | None = None,
     end_of_hold: EndOfHold | None = None,
+    creep: CreepEstimate | None = None,
 ) -> Fit:
     """Return the fit that a chosen number of arms makes.
 
@@ -239,12 +256,11 @@ def assembled(
     unit : str
     elastic_law : ElasticLaw or None
     end_of_hold : EndOfHold or None
+    creep : CreepEstimate or None
     """
     data, estimate = found.data, found.estimate
     checks = (optimum_found(stationary=_stationary(found.solution)), *checks)
     best = certified(data.rows, found.solution)
-    # where another spectrum leaves half as much, what is left is no noise
-    in_order_of_time = data.in_time and best.gap < _MISFIT
     return Fit(
         solid=found.model,
         status=_status(found.solution, found.asked, checks),
@@ -253,12 +269,8 @@ def assembled(
             covariance=found.covariance,
             dof=estimate.dof,
             residual=_residual(estimate),
-            profiles=profiles(
-                data.rows,
-                estimate,
-                suffix=data.suffix,
-                every_sample=data.samples if in_order_of_time else None,
-            ),
+            # where another spectrum leaves half as much, what is left is no noise
+            profiles=found.profiles(in_order_of_time=data.in_time and best.gap < _MISFIT),
             nuisance=_nuisance(estimate, tests=tests),
         ),
         evidence=Evidence(
@@ -268,6 +280,7 @@ def assembled(
             checks=(*noticed, *checks),
             by_depth=by_depth,
             end_of_hold=end_of_hold,
+            creep=creep,
         ),
         provenance=provenance,
         unit=unit,

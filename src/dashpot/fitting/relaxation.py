@@ -56,6 +56,7 @@ from dashpot.fitting.uncertainty.left_open import end_of_hold
 from dashpot.preparation.filters import Filter, filter_of, filtered
 from dashpot.preparation.ramp_holds import Tests, ramp_holds
 from dashpot.records.bounds import EndOfHold
+from dashpot.records.creep import Creep
 from dashpot.records.fit import Fit, Provenance
 from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold
@@ -73,7 +74,7 @@ _OWN_ARMS = 6
 
 
 def fit(
-    tests: Tests,
+    tests: Tests | Creep,
     *,
     arms: int | Literal["auto"] = "auto",
     method: Method = "full",
@@ -106,8 +107,9 @@ def fit(
 
     Parameters
     ----------
-    tests : RampHold, RelaxationTest or sequence of them
-        What :func:`~dashpot.preparation.prepare.prepare` returns. Several tests share their
+    tests : RampHold, RelaxationTest or sequence of them; or one creep test
+        What :func:`~dashpot.preparation.prepare.prepare` returns. A creep test is fitted by
+        :func:`~dashpot.fitting.creep.fit_creep`, with its options alone. Several tests share their
         relaxation times, and their stiffnesses unless `depth_law`; each has its own tare and
         drift.
     arms : int or "auto"
@@ -150,6 +152,15 @@ def fit(
         If an option makes no sense, a test is not prepared, or eq. (5) does not apply to the
         recorded history.
     """
+    if isinstance(tests, Creep):
+        if method != "full" or depth_law or law != "auto":
+            raise FitError(
+                "a creep test is fitted to its recorded force and to a linear solid: it has no "
+                "other method, no depth law and no elastic law; leave them out"
+            )
+        from dashpot.fitting.creep import fit_creep  # few need it
+
+        return fit_creep(tests, arms=arms, thorough=thorough, max_arms=max_arms)
     records = ramp_holds(tests)
     if not records:
         raise FitError("there is no test to fit; expected at least one prepared test")

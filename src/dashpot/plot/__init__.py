@@ -7,6 +7,7 @@ A :class:`~dashpot.plot.picture.Picture` is a frozen value, what is drawn before
 
 from dashpot.plot.bitmap import to_figure
 from dashpot.plot.columns import columns
+from dashpot.plot.creep import creep
 from dashpot.plot.direct import dynamic_stiffness
 from dashpot.plot.files import rendered, save
 from dashpot.plot.impact import hits
@@ -23,6 +24,7 @@ __all__ = [
     "Picture",
     "columns",
     "comparison",
+    "creep",
     "dynamic_stiffness",
     "elastic_law",
     "fit",

@@ -15,6 +15,7 @@ from dashpot.preparation.contact import MIN_BASELINE, Baseline, Touch
 from dashpot.preparation.denoising import true_motion
 from dashpot.preparation.noise import median_of_three, spikes, usual_scatter
 from dashpot.preparation.segments import Cycle, listed
+from dashpot.records.creep import LoadHold
 from dashpot.records.relaxation import MAX_CREEP, RampHold, quantum
 
 LAW = "by law; a tenth for noise and drift"
@@ -26,6 +27,8 @@ MIN_HOLD_OVER_RAMP = 10.0
 MIN_RAMP_SAMPLES = 10.0
 FLAT_SAMPLES = 5.0
 MAX_UNRESOLVED = 0.125
+# of a held load; a controller that hunts by more moves the part with it
+MAX_LOAD_CHANGE = 0.02
 # so many samples may lie beside the sharp corners of a ramp
 CORNERS = 6
 
@@ -463,3 +466,34 @@ def force_rise(test: RampHold) -> tuple[float, float]:
     noise = max(test.force_noise, usual_scatter(test.time, test.force))
     scatter = noise / np.sqrt(len(force) / 10)
     return rise, float(max(7.0 * scatter, 0.005 * np.abs(force).max()))
+
+
+# -- a creep test ---------------------------------------------------------------------------------
+
+
+@criterion("samples", ">=", MIN_BASELINE, "our choice: the fewest that have a scatter")
+def load_begins_at_rest(test: LoadHold) -> Finding:
+    """The record shows the part at rest before the load: the zero of the displacement."""
+    before = int(np.searchsorted(test.time, test.onset))
+    count = f"{before} sample{'s' * (before != 1)}"
+    return Finding(
+        f"{before} samples before the load give the zero of the displacement",
+        float(before),
+        instead=f"only {count} before the load, expected at least {MIN_BASELINE:.0f}: the "
+        "displacement's own zero is taken for that of the unloaded part, and what it gave at once "
+        "rests on it; start the record a second before the load",
+    )
+
+
+@criterion("change in the hold / load", "<=", MAX_LOAD_CHANGE, grade="note")
+def load_held(test: LoadHold) -> Finding:
+    """The load stays what it is held at, or the fit follows it."""
+    held = test.load[test.hold]
+    settled = held[len(held) // 10 :]
+    change = float(np.ptp(settled)) / test.level
+    return Finding(
+        f"the load changes by {100 * change:.2g} % while it is held",
+        change,
+        "; the fit uses the recorded force, so the result holds, but a curve of displacement over "
+        "load would not",
+    )

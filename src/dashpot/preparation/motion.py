@@ -171,7 +171,7 @@ def find_motion(
     if not _late(x, force) and _creeps(time, x, force, cycles_of(segments)):
         raise DataError(
             f"{where}: this is a creep test: the force is held while the displacement goes on; "
-            "creep is not fitted yet: hold the compression and record how the force falls"
+            "use dashpot fit (Python: fit of a CreepTest)"
         )
     if not cycles_of(segments):
         if _late(x, force):

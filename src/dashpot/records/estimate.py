@@ -21,6 +21,7 @@ import numpy as np
 
 from dashpot.base.arrays import ByValue, FloatArray, frozen
 from dashpot.base.errors import DataError
+from dashpot.solids.interconversion import CreepSpectrum
 
 if TYPE_CHECKING:
     from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -226,6 +227,39 @@ class ParameterEstimate(ByValue):
         if not np.all(np.isfinite(block)):
             return inf
         return sqrt(max(float(gradient[used] @ block @ gradient[used]), 0.0))
+
+
+@dataclass(frozen=True, eq=False)
+class CreepEstimate(ByValue):
+    r"""The compliances behind a solid that was fitted to creep, and how well they are known.
+
+    Attributes
+    ----------
+    spectrum : CreepSpectrum
+        :math:`J(t) = D_g + D_f t + \sum_i D_i (1 - e^{-t/\lambda_i})`, m/N or 1/Pa.
+    parameters : tuple of str
+        Names of the rows of `covariance`: ``"glass"``, ``"d_1"``..., ``"ln_lam_1"``..., and
+        ``"flow"`` if the solid flows.
+    covariance : array, shape (p, p)
+        Of those parameters, for correlated residuals.
+    """
+
+    spectrum: CreepSpectrum
+    parameters: tuple[str, ...]
+    covariance: FloatArray
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "covariance", frozen(np.asarray(self.covariance, dtype=float)))
+
+    def standard_error(self, name: str) -> float:
+        """Standard error of one parameter; of ``"lam_1"`` in s. 0 for one that was not fitted."""
+        scale, row = 1.0, name
+        if name.startswith("lam_"):
+            scale, row = self.spectrum.lam[int(name.removeprefix("lam_")) - 1], f"ln_{name}"
+        if row not in self.parameters:
+            return 0.0
+        at = self.parameters.index(row)
+        return scale * sqrt(max(float(self.covariance[at, at]), 0.0))
 
 
 def profile_interval(profile: Profile, *, deviance_limit: float) -> Interval:

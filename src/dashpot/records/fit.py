@@ -17,6 +17,7 @@ from dashpot.base.units import Quantity, si
 from dashpot.records.bounds import EndOfHold, LeftOpen
 from dashpot.records.compression import refuse_far
 from dashpot.records.estimate import (
+    CreepEstimate,
     Intervals,
     Nuisance,
     ParameterEstimate,
@@ -197,6 +198,8 @@ class Evidence:
         Of two tests that disagree, the best first.
     end_of_hold : EndOfHold or None
         What relaxation tests know of the stiffness when they end, and of where it ends.
+    creep : CreepEstimate or None
+        The compliances and retardation times that were fitted to a creep test.
     """
 
     band: tuple[float, float]
@@ -207,6 +210,7 @@ class Evidence:
     moved: tuple[Moved, ...] = ()
     explanations: tuple[Explanation, ...] = ()
     end_of_hold: EndOfHold | None = None
+    creep: CreepEstimate | None = None
 
 
 @dataclass(frozen=True)
@@ -216,7 +220,7 @@ class Provenance:
     Attributes
     ----------
     method : str
-        ``"full"``, ``"hold"``, ``"frf"``, ``"joint"``, ``"dynamic"`` or ``"modulus"``.
+        ``"full"``, ``"hold"``, ``"frf"``, ``"joint"``, ``"dynamic"``, ``"modulus"`` or ``"creep"``.
     source : tuple of Source
     steps : tuple of Step
         Everything done since the raw file, with its parameters.
@@ -468,6 +472,11 @@ class Fit(ByValue, Pictured):
     def end_of_hold(self) -> EndOfHold | None:
         """What relaxation tests know of the stiffness when they end; None without one."""
         return self.evidence.end_of_hold
+
+    @property
+    def creep(self) -> CreepEstimate | None:
+        """The compliances and retardation times fitted to a creep test; None without one."""
+        return self.evidence.creep
 
     @property
     def left_open(self) -> LeftOpen | None:

@@ -86,6 +86,10 @@ class Solid(ABC):
         """Force, N, under a displacement history, m, that is straight between its samples."""
         return self.maxwell.force(t, displacement)
 
+    def displacement(self, t: npt.ArrayLike, force: npt.ArrayLike) -> FloatArray:
+        """Displacement, m, under a force history, N, that is straight between its samples."""
+        return self.maxwell.displacement(t, force)
+
 
 @dataclass(frozen=True)
 class GeneralizedMaxwell(Solid):
@@ -306,6 +310,32 @@ class GeneralizedMaxwell(Solid):
         if self.b > 0 and len(time) > 1:
             slope = np.diff(x) / np.diff(time)
             total = total + self.b * np.concatenate(([0.0], slope))
+        return np.asarray(total)
+
+    def displacement(self, t: npt.ArrayLike, force: npt.ArrayLike) -> FloatArray:
+        r"""Displacement, m, under a force history, N, that is straight between its samples.
+
+        The inverse of :meth:`force`, from the creep spectrum, exactly:
+
+        .. math:: x(t) = D_g F(t) + D_f \int_0^t F\,du
+            + \sum_i D_i \int_0^t \left(1 - e^{-(t-u)/\lambda_i}\right) dF(u)
+
+        Parameters
+        ----------
+        t : array_like, shape (n,)
+            Strictly increasing times, s; any spacing.
+        force : array_like, shape (n,)
+            Force, N; a first sample that is not zero is a step at that instant.
+        """
+        from dashpot.solids.interconversion import creep_spectrum  # no fit needs it
+
+        time, F = increasing("t", samples("t", t)), samples("force", force)
+        same_length(t=time, force=F)
+        creep = creep_spectrum(self.k_inf, self.k, self.tau, self.b)
+        impulse = np.concatenate(([0.0], np.cumsum(0.5 * (F[1:] + F[:-1]) * np.diff(time))))
+        total = creep.glass * F + creep.flow * impulse
+        for d, lam in zip(creep.d, creep.lam, strict=True):
+            total = total + d * (F - arm_response(time, F, lam))
         return np.asarray(total)
 
     # -- frequency ----------------------------------------------------------------------------

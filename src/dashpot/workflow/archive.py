@@ -12,6 +12,7 @@ import numpy as np
 from dashpot.base.checks import Verdict
 from dashpot.base.errors import DataError, ReadError
 from dashpot.planning.plan import Plan
+from dashpot.records.creep import CreepCompliance, CreepTest, LoadHold
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.estimate import ParameterEstimate
 from dashpot.records.fit import Evidence, Fit, Provenance, Status
@@ -37,6 +38,9 @@ SCHEMAS: dict[str, type] = {
     "dashpot/relaxation-test@1": RelaxationTest,
     "dashpot/ramp-hold@1": RampHold,
     "dashpot/dynamic-test@1": DynamicTest,
+    "dashpot/creep-test@1": CreepTest,
+    "dashpot/load-hold@1": LoadHold,
+    "dashpot/creep-compliance@1": CreepCompliance,
     "dashpot/fit@1": Fit,
     "dashpot/impact-test@1": ImpactTest,
     "dashpot/frf@1": FRF,
@@ -192,6 +196,7 @@ def _fit_contract(fit: Fit, plain: dict[str, Any]) -> dict[str, Any]:
         "left_open": _left_open(plain.pop("end_of_hold")),
         "temperature": _temperature(fit, plain.pop("temperatures")),
         **({} if mass is None else {"mass": mass}),
+        **({} if fit.creep is None else {"creep": plain["creep"]}),
         **{key: plain[key] for key in _FIT_ORDER},
     }
 

@@ -10,6 +10,9 @@ import dashpot as dp
 from dashpot.base.errors import FitError
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import about
+from dashpot.preparation.creep import load_hold
+from dashpot.preparation.motion import loading_in
+from dashpot.records.creep import CreepCompliance, CreepTest, LoadHold
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import Fit
 from dashpot.records.machine import Machine
@@ -18,7 +21,7 @@ from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.records.specimen import Specimen
 from dashpot.workflow.job import known_of_a_test
 
-Record: TypeAlias = RampHold | DynamicTest | RelaxationModulus
+Record: TypeAlias = RampHold | DynamicTest | RelaxationModulus | LoadHold | CreepCompliance
 
 
 def fit_files(
@@ -37,7 +40,7 @@ def fit_files(
     """Fit one solid to the records in files, each in the way that suits it.
 
     Ramps and holds are fitted together; a dynamic (DMA) sweep alone or with ramps and holds of
-    the same part; a relaxation modulus alone.
+    the same part; a relaxation modulus, or a creep test, alone.
 
     Parameters
     ----------
@@ -56,7 +59,7 @@ def fit_files(
     Returns
     -------
     fit : Fit
-    records : tuple of RampHold, DynamicTest or RelaxationModulus
+    records : tuple of RampHold, DynamicTest, RelaxationModulus, LoadHold or CreepCompliance
         What is behind it, as fitted.
 
     Raises
@@ -85,7 +88,18 @@ def fit_files(
             )
         return found, (curve,)
     tests = [dp.read_bench(path, options=options, specimen=specimen) for path in files]
-    sweeps = [test for test in tests if not isinstance(test, RelaxationTest)]
+    crept = _creep(tests)
+    if crept is not None:
+        known_of_a_test(machine, tests=0, add="a ramp and hold")
+        if len(tests) > 1 or filter:
+            raise FitError("a creep test is fitted alone, without --filter")
+        with about(Path(files[0]).name):
+            record = load_hold(crept) if isinstance(crept, CreepTest) else crept
+            found = dp.fit(
+                record, arms=arms, method=method, depth_law=depth_law, thorough=thorough, law=law
+            )
+        return found, (record,)
+    sweeps = [test for test in tests if isinstance(test, DynamicTest)]
     prepared = tuple(
         dp.prepare(test, filter=filter, machine=machine, cycle=options.cycle)
         for test in tests
@@ -110,3 +124,17 @@ def fit_files(
         sweeps[0], arms=arms, tests=prepared, thorough=thorough, temperature=asked
     )
     return found, (*sweeps, *prepared)
+
+
+def _creep(
+    tests: Sequence[RelaxationTest | DynamicTest | CreepTest | CreepCompliance],
+) -> CreepTest | CreepCompliance | None:
+    """The first that is a creep test, by its file or by what its force and displacement do."""
+    for one in tests:
+        if isinstance(one, CreepTest | CreepCompliance):
+            return one
+        if isinstance(one, RelaxationTest):
+            signals = one.time, one.displacement, one.force
+            if loading_in(*signals) == "creep":
+                return CreepTest(*signals, specimen=one.specimen, source=one.source)
+    return None

@@ -11,6 +11,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
 from dashpot.io.readers.inspect import Inspection
+from dashpot.records.creep import CreepCompliance, CreepTest
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
@@ -110,6 +111,21 @@ def _(noun: DynamicTest) -> Frame:
         loss=(noun.loss, noun.unit),
         temperature=(noun.temperature, "K"),
     )
+
+
+@frame.register
+def _(noun: CreepTest) -> Frame:
+    moved, pushed = ("m", "N") if noun.unit == "N/m" else ("1", "Pa")
+    return _frame(
+        time=(noun.time, "s"),
+        displacement=(noun.displacement, moved),
+        force=(noun.force, pushed),
+    )
+
+
+@frame.register
+def _(noun: CreepCompliance) -> Frame:
+    return _frame(time=(noun.time, "s"), compliance=(noun.compliance, noun.unit))
 
 
 @frame.register

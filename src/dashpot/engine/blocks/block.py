@@ -12,6 +12,8 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.base.errors import DataError
 
+_NEVER_NEGATIVE = {"k_inf", "b", "glass", "flow"}
+
 Columns: TypeAlias = Callable[[FloatArray, bool], tuple[FloatArray, FloatArray]]
 r"""``columns(tau, derivative) -> (arms, d_arms)``, both (n, N); d_arms is d arms / d ln tau.
 
@@ -64,8 +66,8 @@ class Block:
     fixed_names : tuple of str
         Names of the columns that no relaxation time moves, such as ``("k_inf", "offset@0")``.
         Columns of one name are one parameter, shared by all blocks of a stack. The part before
-        ``@`` names the kind: ``k_inf`` and ``b`` are a spring and a dashpot and never
-        negative, every other kind has either sign.
+        ``@`` names the kind: ``k_inf`` and ``b`` are a spring and a dashpot, ``glass`` and
+        ``flow`` those of a compliance, and never negative; every other kind has either sign.
     window : (float, float)
         Shortest and longest relaxation time that the data could possibly tell, s.
     samples : int
@@ -207,6 +209,36 @@ def design_block(
     return Block(made, fixed_names, window, rows, arm_group)
 
 
+def retarding(block: Block, whole: str) -> Block:
+    r"""The block with each arm turned into a retardation: what a force has yet to move.
+
+    An arm's column q of the input F is :math:`\int e^{-(t-u)/\lambda}\,dF`, so
+
+    .. math:: \int_0^t \bigl(1 - e^{-(t-u)/\lambda}\bigr)\,dF(u) = F(t) - q(t)
+
+    Parameters
+    ----------
+    block : Block
+        Of arms under the input F.
+    whole : str
+        Name of the fixed column that is F.
+    """
+    at = block.fixed_names.index(whole)
+
+    def rows(log_tau: FloatArray, derivative: bool) -> Evaluation:
+        found = block.rows(log_tau, derivative)
+        arms = found.fixed[:, [at]] - found.arms
+        return found._replace(arms=arms, d_arms=-found.d_arms if derivative else arms)
+
+    return replace(
+        block,
+        rows=rows,
+        sampling=None,
+        full=None if block.full is None else lambda: retarding(block.exact, whole),
+        widen=lambda name, column: retarding(block.with_column(name, column), whole),
+    )
+
+
 def prior_block(
     like: Block,
     names: tuple[str, ...],
@@ -244,7 +276,7 @@ def prior_block(
 
 def stiffnesses(names: Sequence[str]) -> BoolArray:
     """Which fixed coefficients are those of a spring or a dashpot and never negative."""
-    return np.array([name.partition("@")[0] in {"k_inf", "b"} for name in names], dtype=bool)
+    return np.array([name.partition("@")[0] in _NEVER_NEGATIVE for name in names], dtype=bool)
 
 
 def frequency_block(

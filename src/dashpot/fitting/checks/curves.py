@@ -96,8 +96,7 @@ def modulus_falls(modulus: FloatArray) -> Finding:
         "the modulus falls with time",
         ratio,
         instead=f"it rises with time, from {first:.3g} in its first third to {last:.3g} in its "
-        "last, where a relaxation modulus falls: a creep compliance rises so, and creep is not "
-        "fitted yet",
+        "last, where a relaxation modulus falls: a creep compliance rises so (Python: fit_creep)",
     )
 
 

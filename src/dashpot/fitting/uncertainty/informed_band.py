@@ -22,6 +22,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, runs
 from dashpot.engine.blocks.block import Block
 from dashpot.engine.solver.descent import Stack
+from dashpot.records.creep import LoadHold
 from dashpot.records.relaxation import RampHold
 
 _PER_DECADE = 2
@@ -31,7 +32,7 @@ _FREQUENCIES_PER_DECADE = 20
 
 
 def informed_band(
-    tests: Sequence[RampHold],
+    tests: Sequence[RampHold | LoadHold],
     blocks: Sequence[Block],
     *,
     stiffness: float,
@@ -45,17 +46,17 @@ def informed_band(
     tests, blocks : sequences
         The tests and their compressed blocks.
     stiffness : float
-        k_0 of the solid found, N/m.
+        k_0 of the solid found, N/m; of a creep test its compliance at rest, m/N.
     noise : float
-        Standard deviation of one residual, N, widened for correlation (s times root kappa).
+        Standard deviation of one residual, N or m, widened for correlation (s times root kappa).
     slower : sequence of float, optional
         How many times slower than the solid asked about each test's was: its shift factor.
     """
     each = list(zip(tests, slower or [1.0] * len(tests), strict=True))
     slowest = 1.0 / (2.0 * np.pi * max(test.hold_time / a for test, a in each))
-    ramp = 1.0 / (np.pi * min(test.ramp_time / a for test, a in each))
-    nyquist = 0.5 / min(float(np.diff(test.time).min()) / a for test, a in each)
-    fastest = min(ramp, nyquist)
+    step = min(float(np.diff(test.time).min()) / a for test, a in each)
+    ramp = min(test.ramp_time / a for test, a in each)
+    fastest = min(1.0 / (np.pi * max(ramp, step)), 0.5 / step)
     frequency, left = spread_left(blocks, stiffness=stiffness, noise=noise)
     return _widest(frequency, left, slowest, fastest)
 

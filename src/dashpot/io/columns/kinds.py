@@ -40,10 +40,7 @@ WANTED_BY: MappingProxyType[str, tuple[str, str]] = MappingProxyType({
     "temperature-sweep": ("a temperature sweep at one frequency", _NO_TIMES),
     "one-frequency": ("a dynamic test at one frequency", _NO_TIMES),
     "modulus": ("a relaxation modulus over time", "use dashpot fit FILE --modulus COLUMN"),
-    "creep": (
-        "a creep test",
-        "creep is not fitted yet; hold the compression and record how the force falls",
-    ),
+    "creep": ("a creep test", "use dashpot fit"),
     "triangle": ("a triangle, a ramp up and down without a hold", _FIT_TAKES),
     "cyclic": ("a cyclic (fatigue) run without a hold", _FIT_TAKES),
 })  # fmt: skip

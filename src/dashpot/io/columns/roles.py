@@ -19,14 +19,19 @@ from dashpot.io.table import Column, Question, Table
 EXAMPLE = {
     "time": "s", "displacement": "mm", "force": "N", "acceleration": "m/s^2", "frequency": "Hz",
     "storage": "MPa", "loss": "MPa", "temperature": "degC", "modulus": "MPa", "hammer": "N",
-    "phase": "deg",
+    "phase": "deg", "creep_compliance": "1/MPa", "stress": "MPa", "strain": "%",
 }  # fmt: skip
 """What a role is measured in most often."""
-_MODULI = {"storage", "loss", "modulus"}  # of a part they are stiffnesses
+_OF_A_PART: dict[Role, Dimension] = {
+    "storage": "stiffness", "loss": "stiffness", "modulus": "stiffness",
+    "creep_compliance": "compliance",
+}  # fmt: skip
+"""What a role of a material measures on a part."""
 _LESS = (
     (vocabulary.COMMANDED, 1.5, None),
     (vocabulary.EXTREMES, 1.0, False),
     (vocabulary.PARTIAL_TIME, 1.0, True),
+    (vocabulary.WHOLE_TIME, 0.5, True),
 )
 """Words that speak against a column, by how much, and if they do so of time or of the rest."""
 _WEIGHTS = {"g": "gf", "kg": "kgf", "lb": "lbf"}
@@ -187,9 +192,14 @@ def _fits(word: str, role: Role) -> bool | None:
     dimension = DIMENSION.get(role)
     if dimension is None:
         return False
-    if units.find(word, dimension) or (role in _MODULI and units.find(word, "stiffness")):
+    if units.find(word, dimension) or _of_a_part(word, role):
         return True
     return False if units.find(word) is None or _SENSITIVITY.match(word) else None
+
+
+def _of_a_part(word: str, role: Role) -> Unit | None:
+    """The unit of a part's stiffness or compliance, where the role may be one of a part."""
+    return units.find(word, _OF_A_PART[role]) if role in _OF_A_PART else None
 
 
 def _given(column: Column, role: Role, options: ReadOptions, *, by_role: bool) -> str | None:
@@ -341,10 +351,9 @@ def unit_for(column: Column, number: int, role: Role, options: ReadOptions) -> U
         raise ReadError(
             f"{label} has no unit; {advice}, or write the unit into the header as '{header}'"
         )
-    stiffness = units.find(word, "stiffness") if role in _MODULI else None
     try:
         sensed = sensitivity(word, dimension, None if stated is None else column.unit)
-        return sensed or stiffness or units.parse_unit(word, dimension)
+        return sensed or _of_a_part(word, role) or units.parse_unit(word, dimension)
     except DataError as error:
         wrong = stated is None and units.find(word) is not None
         text = mislabelled(column, role) if wrong else f"{label}: {error}; {advice}"

@@ -15,7 +15,7 @@ Role: TypeAlias = Literal[
     "time", "displacement", "force", "acceleration", "frequency", "storage", "loss",
     "temperature", "real", "imaginary", "magnitude", "phase", "coherence", "stress", "strain",
     "modulus", "viscosity", "shear_rate", "voltage", "cycle", "velocity", "torque", "loss_factor",
-    "hammer",
+    "hammer", "creep_compliance",
 ]  # fmt: skip
 
 DIMENSION: MappingProxyType[str, Dimension] = MappingProxyType({
@@ -23,6 +23,7 @@ DIMENSION: MappingProxyType[str, Dimension] = MappingProxyType({
     "frequency": "frequency", "storage": "stress", "loss": "stress", "temperature": "temperature",
     "stress": "stress", "strain": "strain", "modulus": "stress", "voltage": "voltage",
     "velocity": "velocity", "torque": "torque", "hammer": "force", "phase": "angle",
+    "creep_compliance": "material compliance",
 })  # fmt: skip
 """The dimension of the unit that a role has."""
 
@@ -64,6 +65,8 @@ _FIRST: dict[Role, str] = {
     "strain": """strain dehnung odkształcenie déformation deformación deformazione gerinim 应变
         應變 歪み ひずみ 변형률 scherung deformation""",
     "modulus": "modulus modul e_relax g_relax relaxationsmodul",
+    "creep_compliance": """compliance nachgiebigkeit kriechnachgiebigkeit podatność complaisance
+        cedevolezza податливость 柔量 コンプライアンス j(t) d(t)""",
     "viscosity": "viscosity viskosität lepkość viscosité 粘度",
     "shear_rate": "shear_rate scherrate shearrate schergeschwindigkeit",
     "voltage": "voltage spannung_v volts gauge sg0 sg1 sg2 sg3 sg4 sg5",
@@ -114,6 +117,8 @@ PARTIAL_TIME = (
     "phase", "abschnitt", "schrittzeit", "cyklu", "kroku", "remaining", "rest", "stage",
 )  # fmt: skip
 """Clocks that start again within a test."""
+WHOLE_TIME = ("run",)
+"""Clocks of all that an instrument did, before this record too."""
 _ORDERS = ("dmy", "mdy", "ymd", "hms", "hm", "ms")
 """Orders of the parts of a clock time; the parts that follow go without saying."""
 

@@ -1,4 +1,4 @@
-"""From a file to the test of a bench, whichever it is: ramp and hold, or a dynamic sweep."""
+"""From a file to the test of a bench, whichever it is: ramp and hold, creep, dynamic sweep."""
 
 from __future__ import annotations
 
@@ -15,16 +15,18 @@ from dashpot.records.relaxation import RelaxationTest
 from dashpot.records.specimen import Specimen
 
 if TYPE_CHECKING:
+    from dashpot.records.creep import CreepCompliance, CreepTest
     from dashpot.records.dynamic import DynamicTest
 
 
 def read_bench(
     path: str | Path, *, options: ReadOptions | None = None, specimen: Specimen | None = None
-) -> RelaxationTest | DynamicTest:
-    """Return the relaxation test or the dynamic (DMA) test in a file, in SI units.
+) -> RelaxationTest | DynamicTest | CreepTest | CreepCompliance:
+    """Return the relaxation test, the dynamic (DMA) test or the creep in a file, in SI units.
 
     A table of frequency, storage and loss is a dynamic test, unless it holds the columns of a
-    relaxation test too.
+    relaxation test too. One that holds a creep compliance, or whose header says creep, is a creep
+    test; whether it is the force that was held, only preparation finds out.
 
     Raises
     ------
@@ -36,7 +38,19 @@ def read_bench(
             from dashpot.io.readers.dynamic import dynamic_in
 
             return dynamic_in(file, specimen or Specimen())
+        if _is_creep(file):
+            from dashpot.io.readers.creep import creep_in
+
+            return creep_in(file, specimen or Specimen())
         return relaxation_in(file, specimen or Specimen())
+
+
+def _is_creep(file: Opened) -> bool:
+    options = file.options
+    if options.creep_compliance or options.stress or options.strain:
+        return True
+    named = options.displacement or options.force
+    return not named and kind_of(file.table, options)[0] == "creep"
 
 
 def _is_sweep(file: Opened) -> bool:

@@ -15,7 +15,7 @@ from dashpot.io.columns.kinds import SWEEPS, WANTED_BY, FileKind, kind_of
 from dashpot.io.columns.roles import Assigned, accelerations, assign, unit_for
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
-from dashpot.io.readers import channels, cleaning
+from dashpot.io.readers import channels, cleaning, creep
 from dashpot.io.readers.channels import Opened
 from dashpot.io.readers.clocks import own_clocks
 from dashpot.io.readers.frf import settled
@@ -207,7 +207,7 @@ def _proposal(file: Opened, kind: str) -> tuple[dict[int, tuple[Role, str]], lis
     clocks = own_clocks(table, options) if "displacement" in _ROLES.get(kind, ()) else ()
     roles = {clock.index: (clock.role, clock.reason) for clock in clocks}
     questions: list[Question] = []
-    for role in _ROLES.get(kind, ()):
+    for role in creep.roles(file) if kind == "creep" else _ROLES.get(kind, ()):
         if role == "time" and (clocks or options.rate is not None):
             continue
         answer = assign(table, role, options)

@@ -60,38 +60,61 @@ def relaxation_in(file: Opened, specimen: Specimen) -> RelaxationTest:
     except ReadError:
         _expected(file)
         raise
+    values, notes = recorded(file, chosen, clocks)
+    time, moved, force = (values[role] for role in ("time", "displacement", "force"))
+    _refuse_swapped(file, chosen, moved, force)
+    _refuse_sizes(file, chosen, time, moved, force)
+    specimen, said = stated_specimen(file, specimen)
+    source = channels.source(file, [c.says for c in chosen], [*notes, *said])
+    return RelaxationTest(time, moved, force, specimen, source)
+
+
+def recorded(
+    file: Opened, chosen: Sequence[Channel], clocks: Sequence[Channel] = ()
+) -> tuple[dict[str, FloatArray], list[str]]:
+    """Return the signals of a test by role, in SI units on one rising clock, and notes.
+
+    Parameters
+    ----------
+    file : Opened
+    chosen : sequence of Channel
+        The time unless a rate is given, what moves, what pushes.
+    clocks : sequence of Channel
+        The clock of what moves, where it has its own.
+
+    Raises
+    ------
+    ReadError
+        If rows are missing where they matter, or a clock falls.
+    """
     channels.refuse_other_rate(file)
+    moving = chosen[-2].role
     loaded = channels.load_test(file, [*chosen, *clocks])
     if clocks:
         loaded = on_one_clock(loaded, clocks[0].unit.factor / chosen[0].unit.factor)
     elif not file.options.rate:
         loaded = cleaning.without_padding(loaded)
-    values = {c.role: channels.si(loaded.values[:, j], c.unit) for j, c in enumerate(chosen)}
+    values: dict[str, FloatArray] = {
+        c.role: channels.si(loaded.values[:, j], c.unit) for j, c in enumerate(chosen)
+    }
     notes = [*file.table.notes, *channels.rivals(file, chosen), *loaded.notes]
     rate = file.options.rate
     if rate is not None:
         values["time"] = np.arange(len(loaded.values)) / rate
         notes.append(f"time counted from the rows at {rate:g} Hz, as given")
     if len(loaded.starts) > 1:
-        notes.append(_joined(values["time"], loaded))
+        notes.append(joined(values["time"], loaded))
     if not np.isfinite(loaded.values).all():
-        window = cleaning.ramp_window(values["time"], values["displacement"])
+        window = cleaning.ramp_window(values["time"], values[moving])
         keep, dropped = cleaning.drop_missing(loaded, [c.role for c in chosen], protect=window)
         notes += dropped
         values = {role: column[keep] for role, column in values.items()}
         loaded = channels.rows(loaded, keep)
     keep, dropped = cleaning.drop_repeats(values["time"], loaded)
     notes += dropped
-    time, moved, force = (
-        values[role] if keep.all() else values[role][keep]
-        for role in ("time", "displacement", "force")
-    )
-    notes += cleaning.clock_notes(time)
-    _refuse_swapped(file, chosen, moved, force)
-    _refuse_sizes(file, chosen, time, moved, force)
-    specimen, said = stated_specimen(file, specimen)
-    source = channels.source(file, [c.says for c in chosen], [*notes, *said])
-    return RelaxationTest(time, moved, force, specimen, source)
+    if not keep.all():
+        values = {role: column[keep] for role, column in values.items()}
+    return values, [*notes, *cleaning.clock_notes(values["time"])]
 
 
 _SHOWN = 5
@@ -166,7 +189,7 @@ def _chosen(file: Opened) -> tuple[list[Channel], list[Channel]]:
     return [of_force, *signals], [of_displacement]
 
 
-def _joined(time: FloatArray, loaded: Loaded) -> str:
+def joined(time: FloatArray, loaded: Loaded) -> str:
     """Say that segments were joined; refuse it where their clocks start again."""
     names = [f"{i + 1} {name}".strip() for i, name in enumerate(loaded.segments)]
     listed = ", ".join(names[:8]) + (" ..." if len(names) > 8 else "")

@@ -1,0 +1,149 @@
+"""What a creep test, and a fit to it, must hold."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Finding, criterion
+from dashpot.base.numbers import rounded
+from dashpot.fitting.checks.curves import FOLLOWED
+from dashpot.fitting.checks.solid import amount, arms_said
+
+if TYPE_CHECKING:
+    from dashpot.records.creep import LoadHold
+    from dashpot.solids.interconversion import CreepSpectrum
+
+# of the displacement at rest that the hold did not show
+MAX_TO_COME = 0.05
+# a difference of BIC below which two solids are as good
+TOLD = 10.0
+# a displacement missed by so many times its noise is not followed
+MISSED, NOT_FOLLOWED = 2.0, 10.0
+# of the travel: a misfit below it does not matter
+FINE_ENOUGH = 1e-3
+# a departure from proportion at the highest level that matters, and how surely
+BENT, SURELY = 0.03, 3.0
+
+
+@criterion("last third / first third", ">=", 0.8, "our choice: scatter", grade="stop")
+def compliance_rises(compliance: FloatArray) -> Finding:
+    """The compliance rises, as that of every relaxing solid does."""
+    third = max(len(compliance) // 3, 1)
+    first, last = float(compliance[:third].mean()), float(compliance[-third:].mean())
+    return Finding(
+        "the compliance rises with time",
+        last / first if first > 0 else None,
+        instead=f"it falls with time, from {first:.3g} in its first third to {last:.3g} in its "
+        "last, where a creep compliance rises: is it a relaxation modulus (--modulus), or does a "
+        "recovery follow the creep (--segment)?",
+    )
+
+
+@criterion("of the creep to come / compliance at rest", "<=", MAX_TO_COME, grade="limit")
+def creep_finished(creep: CreepSpectrum, hold: float, most: float, *, unit: str) -> Finding:
+    """The displacement had the time to come to rest, or the part flows and never does.
+
+    `hold` is in s; `most` is the stiffness that k_inf cannot exceed, force over displacement at
+    the end of the hold.
+    """
+    bounded = f"k_inf is at most {amount(most, unit)}, the force over the displacement at its end"
+    if creep.flow > 0:
+        return Finding(
+            f"the part flows: the displacement never comes to rest, k_inf = 0; {bounded}",
+            excused=True,
+        )
+    left = 1 - float(creep.compliance(hold)) / creep.equilibrium
+    return Finding(
+        f"of the displacement at rest {100 * left:.2g} % was still to come when the hold ended, "
+        f"after {rounded(hold)} s",
+        left,
+        f": k_inf is an extrapolation. {bounded}, and nothing bounds it from below; hold longer",
+    )
+
+
+@criterion("difference of BIC", ">=", TOLD, "our choice: 1 to 150 in likelihood")
+def flow_told(flows: bool, difference: float, se_of_flow: float | None) -> Finding:
+    """The record tells a solid that comes to rest from one that flows."""
+    word, other = ("flows", "comes to rest") if flows else ("comes to rest", "flows")
+    doubt = "" if se_of_flow is None else f" (its fluidity is known to {100 * se_of_flow:.2g} %)"
+    if np.isinf(difference):
+        return Finding(f"a part that {other} explains no more than one that {word}", excused=True)
+    return Finding(
+        f"a part that {word} explains the record better than one that {other}, by {difference:.3g} "
+        f"in BIC{doubt}",
+        difference,
+        instead=f"the record hardly tells a part that comes to rest from one that flows: one that "
+        f"{word} was taken, by {difference:.3g} in BIC; k_inf may be 0. Hold longer, or record a "
+        "recovery",
+    )
+
+
+@criterion(
+    "smooth misfit / noise", "<=", MISSED, "our choice", otherwise=f"stop beyond {NOT_FOLLOWED:g}"
+)
+def displacement_followed(test: LoadHold, residual: FloatArray) -> Finding:
+    """The solid follows the displacement to its noise.
+
+    `residual` is of the last samples of the record.
+    """
+    misfit, where = _worst(test, residual)
+    travel = float(np.ptp(test.displacement))
+    noise = max(test.displacement_noise, FINE_ENOUGH * travel)
+    ratio = misfit / noise if noise > 0 else 1.0
+    return Finding(
+        f"the solid misses the displacement by {100 * misfit / travel:.2g} % of the travel rms "
+        f"{where}, where it follows worst",
+        ratio,
+        f"; {100 * noise / travel:.2g} % are noise or too little to matter: the part is not such "
+        "a solid (stiffening, slip, lost contact, a changed temperature); do not read arms off it",
+        grade="stop" if ratio > NOT_FOLLOWED else None,
+    )
+
+
+@criterion("rms error of the fit", "<=", FOLLOWED)
+def compliance_followed(missed: float, arms: int) -> Finding:
+    """The fit follows the curve of compliance."""
+    return Finding(
+        f"{arms_said(arms)} leave {100 * missed:.2g} % rms of the compliance",
+        missed,
+        ": they do not follow it; cut off what the instrument's inertia rings on, or ask for more "
+        "arms",
+    )
+
+
+@criterion(
+    "departure at the highest load", "<=", BENT, "our choice; or less than 3 standard errors"
+)
+def levels_agree(departure: float | None, error: float | None) -> Finding:
+    """Loads of several levels move the part in proportion: it is linear."""
+    if departure is None or error is None:
+        return Finding("the record holds one level of load, so proportion is not judged")
+    return Finding(
+        f"between its levels of load the displacement departs from proportion by "
+        f"{100 * departure:+.2g} % +- {100 * error:.2g} % at the highest",
+        abs(departure),
+        ": one linear solid does not hold for all of them; fit the levels one by one, and use the "
+        "one that your compression is nearest to",
+        excused=abs(departure) <= SURELY * error,
+    )
+
+
+def _worst(test: LoadHold, residual: FloatArray) -> tuple[float, str]:
+    """The largest rms of load ramp, what follows it, hold and recovery; and where, in words."""
+    time = test.time[-len(residual) :]
+    settled = test.ramp_end + test.ramp_time
+    parts = (
+        ("while the load rises", (time > test.onset) & (time <= test.ramp_end)),
+        ("right after it", (time > test.ramp_end) & (time <= settled)),
+        ("in the hold", (time > settled) & (time <= test.hold_end)),
+        ("after the hold", time > test.hold_end),
+    )
+    found = [
+        (float(np.sqrt(np.mean(residual[part] ** 2))), where)
+        for where, part in parts
+        if np.count_nonzero(part) >= 5
+    ]
+    return max(found, default=(0.0, "in the record"))

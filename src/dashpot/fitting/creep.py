@@ -1,0 +1,511 @@
+r"""From a creep test, or a creep compliance, to the solid behind it.
+
+The recorded force is the input, and the displacement its answer,
+
+.. math:: x(t) = D_g F(t) + \sum_i D_i \int_0^t \bigl(1 - e^{-(t-u)/\lambda_i}\bigr)\,dF(u)
+          + D_f \int_0^t F\,du \; [+ x_0 + \dot x_0 t + \delta\,\dot x]
+
+linear in the compliances as a relaxation test is in the stiffnesses: the same engine finds them.
+The solid follows by interconversion, exactly, and its covariance by the derivative of that.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, median
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError, FitError
+from dashpot.base.provenance import Step
+from dashpot.engine.blocks.block import Block, prior_block, retarding
+from dashpot.engine.blocks.hold import decay_block
+from dashpot.engine.blocks.recorded import recorded_block
+from dashpot.engine.inference.order import bic
+from dashpot.engine.solver.variable_projection import Solution, solve
+from dashpot.fitting.checks import creep as checks
+from dashpot.fitting.checks.relaxation import residuals_steady
+from dashpot.fitting.checks.solid import (
+    arms_distinct,
+    arms_supported,
+    frequencies_informed,
+    order_agreed,
+    residuals_random,
+    tau_inside_window,
+)
+from dashpot.fitting.design import evened
+from dashpot.fitting.fit_data import FitData, determinable_arms
+from dashpot.fitting.nuisance import Prior, at_rest
+from dashpot.fitting.pipeline import Chosen, asked_arms, assembled, chosen_arms, measured_in
+from dashpot.fitting.uncertainty.estimate import estimated, rounding
+from dashpot.fitting.uncertainty.informed_band import informed_band
+from dashpot.preparation.creep import load_hold
+from dashpot.preparation.segments import find_segments
+from dashpot.records.creep import Creep, CreepCompliance, CreepTest, LoadHold
+from dashpot.records.estimate import CreepEstimate, Profile
+from dashpot.records.fit import Fit, OrderScore, Provenance
+from dashpot.records.machine import TOLD_DRIFT, UNKNOWN_DRIFT
+from dashpot.solids.interconversion import (
+    CreepSpectrum,
+    relaxation_sensitivity,
+    relaxation_spectrum,
+)
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+_GLASS, _FLOW = "glass", "flow"
+_NUISANCE = ("offset", "drift", "delay")
+# retardations of the first solution, which tells the velocity
+_ROUGH = 2
+_FEWEST = 5
+# nothing of a record is known better than this part of its travel
+_ROUNDING = 1e-9
+# standard deviation of a prior, in those of a row, that is as good as zero
+_TIGHTEST = 1e-5
+# loads this far apart, in parts of the highest, are two levels
+_APART = 0.2
+# a fit that expects less than this part of a value does not follow it: no ground for a weight
+_DOUBTED = 0.1
+
+
+def fit_creep(
+    test: Creep,
+    *,
+    arms: int | Literal["auto"] = "auto",
+    thorough: bool = False,
+    max_arms: int = 6,
+) -> Fit:
+    r"""Fit a generalized Maxwell solid to a creep test, or to a creep compliance.
+
+    The recorded force, freed of its noise, is the input, whatever it does: ramps, overshoot, a
+    controller that hunts, several levels, a recovery. Offset (the position before the load),
+    drift of the displacement and a delay are nuisance terms, bound by what the record shows
+    before the load. Whether the part comes to rest or flows, BIC decides. No starting guess is
+    needed.
+
+    Parameters
+    ----------
+    test : CreepTest, LoadHold or CreepCompliance
+        A raw test is prepared (:func:`~dashpot.preparation.creep.load_hold`).
+    arms : int or "auto"
+        Number of Maxwell arms: as many retardations, or one fewer and a flow. ``"auto"`` takes
+        the number that BIC and the significance of every retardation both support.
+    thorough : bool
+        Add quasi-random starts.
+    max_arms : int
+        The most that ``"auto"`` tries.
+
+    Returns
+    -------
+    Fit
+        `method` is ``"creep"``; `creep` holds compliances and retardation times with their
+        covariance; `solid` is their exact interconversion. The residual is in m, of strain in 1,
+        of a compliance relative.
+
+    Raises
+    ------
+    DataError, FitError
+        If no force is held, the compliance falls, or an option makes no sense.
+    """
+    asked_arms(arms, max_arms)
+    if isinstance(test, CreepCompliance):
+        return _of_curve(test, arms, thorough=thorough, max_arms=max_arms)
+    record = load_hold(test) if isinstance(test, CreepTest) else test
+    found = _better(
+        [
+            chosen_arms(_data(record, flows=flows), one, max_arms=max_arms, thorough=thorough)
+            for flows, one in _candidates(arms)
+        ]
+    )
+    return _fit_of_test(record, found, arms)
+
+
+def _candidates(arms: int | Literal["auto"]) -> list[tuple[bool, int | Literal["auto"]]]:
+    """Without and with flow, and as many retardations as make that many arms."""
+    if arms == "auto":
+        return [(False, arms), (True, arms)]
+    return [(False, arms), (True, arms - 1)] if arms > 0 else [(False, arms)]
+
+
+# -- a test ---------------------------------------------------------------------------------------
+
+
+def _data(record: LoadHold, *, flows: bool) -> FitData:
+    """The displacement as an answer to the load, with what is known of its zero before it."""
+    known = _known(record)
+    time = evened(record.time - record.time[0])
+    window = slice(known.first, None)
+    block = retarding(
+        recorded_block(
+            time, record.load, record.displacement, window=window,
+            offset="offset", drift="drift", k_inf=_GLASS,
+        ),
+        _GLASS,
+    )  # fmt: skip
+    if flows:
+        block = block.with_column(_FLOW, _impulse(time, record.load)[window])
+    rough = solve([block, _bound(block, known, None)], min(_ROUGH, determinable_arms([block])))
+    block = block.with_column("delay", _velocity(block, rough, time[window]))
+    return FitData(
+        [block], [block.exact], in_time=True,
+        bind=partial(_priors, block, known),
+    )  # fmt: skip
+
+
+class _Known(NamedTuple):
+    """What the samples before the load say, SI units; the first sample that the fit may use."""
+
+    offset: Prior
+    at: float
+    drift: Prior
+    delay: Prior
+    first: int
+    noise: float
+    least: float
+
+
+def _known(record: LoadHold) -> _Known:
+    time, x = record.time - record.time[0], record.displacement
+    first = int(np.searchsorted(record.time, record.onset))
+    travel = float(np.ptp(x))
+    noise = record.displacement_noise
+    usual = UNKNOWN_DRIFT * travel / (record.time[-1] - record.onset)
+    drift = Prior(0.0, usual)
+    if first >= _FEWEST:
+        offset, at, slope = at_rest(time[:first], x[:first], noise)
+        if slope.sd < TOLD_DRIFT / UNKNOWN_DRIFT * usual:
+            drift = slope
+    else:
+        # under load from the first sample on, the channel's own zero is all there is
+        loaded = abs(record.load[0]) > 0.5 * record.level
+        offset, at, first = Prior(0.0 if loaded else float(x[0]), noise), 0.0, 0
+    delay = Prior(0.0, median(np.diff(record.time)))
+    return _Known(offset, at, drift, delay, first, noise, _ROUNDING * travel)
+
+
+def _priors(block: Block, known: _Known, spreads: Sequence[float] | None) -> tuple[Block, ...]:
+    return (_bound(block, known, None if spreads is None else spreads[0]),)
+
+
+def _bound(block: Block, known: _Known, spread: float | None) -> Block:
+    """Rows that bind the nuisance terms of a block."""
+    unit = max(known.noise if spread is None else spread, known.least)
+    names = tuple(name for name in _NUISANCE if name in block.fixed_names)
+    each = [getattr(known, name) for name in names]
+    rows = np.eye(len(names))
+    rows[0, 1] = known.at
+    sd = np.array([max(prior.sd, known.least, _TIGHTEST * unit) for prior in each])
+    mean = np.array([prior.mean for prior in each])
+    return prior_block(block, names, rows, mean, sd, unit=unit)
+
+
+def _impulse(time: FloatArray, load: FloatArray) -> FloatArray:
+    """The integral of the load over time, N s."""
+    steps = 0.5 * (load[1:] + load[:-1]) * np.diff(time)
+    return np.concatenate(([0.0], np.cumsum(steps)))
+
+
+def _answer(block: Block, solution: Solution) -> FloatArray:
+    """The displacement that a solution gives at every sample, without its nuisance terms."""
+    rows = block.exact.evaluate(solution.log_tau, False)
+    fixed = [0.0 if name in _NUISANCE else solution.coefficient(name) for name in block.fixed_names]
+    return np.asarray(rows.fixed @ fixed + rows.arms @ solution.arms[0])
+
+
+def _velocity(block: Block, rough: Solution, time: FloatArray) -> FloatArray:
+    """The column of a force that is recorded late: the velocity of the answer, m/s."""
+    return np.gradient(_answer(block, rough), time)
+
+
+# -- from compliances to stiffnesses --------------------------------------------------------------
+
+
+def spectrum_of(solution: Solution) -> CreepSpectrum:
+    """The compliances of a solution; a retardation that it does not show is left out."""
+    d = solution.arms[0] if solution.order else np.zeros(0)
+    flow = solution.coefficient(_FLOW) if _FLOW in solution.fixed_names else 0.0
+    return CreepSpectrum(
+        max(solution.coefficient(_GLASS), 0.0),
+        tuple(d[d > 0].tolist()),
+        tuple(solution.tau[d > 0].tolist()),
+        max(flow, 0.0),
+    )
+
+
+def _solid(solution: Solution) -> GeneralizedMaxwell:
+    creep = spectrum_of(solution)
+    if creep.glass <= 0 and not creep.d and creep.flow <= 0:
+        return GeneralizedMaxwell(0.0)
+    return GeneralizedMaxwell(*relaxation_spectrum(creep))
+
+
+@dataclass(frozen=True, eq=False)
+class Retarded(Chosen):
+    """The optimum in compliances, and the solid that it stands for.
+
+    Attributes
+    ----------
+    alternative : float or None
+        How much higher the BIC of the other kind of part is: of one that flows, or of one that
+        comes to rest.
+    """
+
+    alternative: float | None = None
+
+    @cached_property
+    def spectrum(self) -> CreepSpectrum:
+        """The compliances."""
+        return spectrum_of(self.solution)
+
+    @property
+    def flows(self) -> bool:
+        """True if the displacement never comes to rest."""
+        return self.spectrum.flow > 0
+
+    @cached_property
+    def model(self) -> GeneralizedMaxwell:
+        """The solid, by exact interconversion."""
+        return _solid(self.solution)
+
+    @cached_property
+    def creep(self) -> CreepEstimate:
+        """Compliances and retardation times with their covariance."""
+        arms = self.solution.arms[0] if self.solution.order else np.zeros(0)
+        there = np.flatnonzero(arms > 0) + 1
+        named = {_GLASS: _GLASS}
+        named |= {f"d_{i}": f"k_{row}" for i, row in enumerate(there, start=1)}
+        named |= {f"ln_lam_{i}": f"ln_tau_{row}" for i, row in enumerate(there, start=1)}
+        if self.flows:
+            named[_FLOW] = _FLOW
+        rows = [self.estimate.names.index(row) for row in named.values()]
+        covariance = self.estimate.covariance[np.ix_(rows, rows)]
+        return CreepEstimate(self.spectrum, tuple(named), covariance)
+
+    @cached_property
+    def _gradient(self) -> dict[str, FloatArray]:
+        """How each parameter of the solid moves with those of the creep."""
+        model, size = self.model, len(self.creep.parameters)
+        moved = relaxation_sensitivity(self.spectrum, model.tau)[:, :size]
+        arms = range(1, model.arms + 1)
+        names = ("k_inf", *(f"k_{j}" for j in arms), *(f"ln_tau_{j}" for j in arms), "b")
+        held = {name for name, value in (("k_inf", model.k_inf), ("b", model.b)) if value == 0}
+        return {name: row for name, row in zip(names, moved, strict=True) if name not in held}
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the solid's parameters; k_inf is none of a part that flows."""
+        return tuple(self._gradient)
+
+    @cached_property
+    def covariance(self) -> FloatArray:
+        """Of the solid's parameters, by the derivative of the interconversion."""
+        moved = np.array(list(self._gradient.values()))
+        return np.asarray(moved @ self.creep.covariance @ moved.T)
+
+    @property
+    def every_error(self) -> FloatArray:
+        """Standard errors of k_inf (0 where the part flows), every k and every ln tau."""
+        errors = dict(zip(self.parameters, self.error, strict=True))
+        return np.array([errors.get("k_inf", 0.0), *(e for n, e in errors.items()
+                                                     if n not in {"k_inf", "b"})])  # fmt: skip
+
+    @property
+    def orders(self) -> tuple[OrderScore, ...]:
+        """Every number of retardations tried, as the solids that they make."""
+        return tuple(
+            OrderScore(solid.arms, one.solution.sse, one.bic, one.significant, solid)
+            for one in self.scores
+            for solid in (_solid(one.solution),)
+        )
+
+    def profiles(self, **_: bool) -> tuple[Profile, ...]:
+        """None: the intervals are those of the covariance."""
+        return ()
+
+
+def _better(found: Sequence[Chosen]) -> Retarded:
+    """The kind of part that BIC supports, and by how much."""
+    effective = min(one.estimate.effective for one in found)
+    scores = []
+    for one in found:
+        floor = one.solution.samples * rounding(one.data.peak) ** 2
+        judged = bic(
+            one.solution.sse, effective=effective, parameters=len(one.estimate.names), floor=floor
+        )
+        # a fluidity of zero is no flow, whatever BIC says of its empty column
+        empty = _FLOW in one.solution.fixed_names and one.solution.coefficient(_FLOW) <= 0
+        scores.append(np.inf if empty else judged)
+    best = int(np.argmin(scores))
+    others = [score for i, score in enumerate(scores) if i != best]
+    alternative = others[0] - scores[best] if others else None
+    one = found[best]
+    choice = one.choice
+    if choice is not None and _FLOW in one.solution.fixed_names:  # a flow makes one more arm
+        more = (choice.arms + 1, choice.by_bic + 1, choice.by_significance + 1)
+        choice = choice._replace(arms=more[0], by_bic=more[1], by_significance=more[2])
+    return Retarded(one.data, one.estimate, one.scores, choice, one.asked, alternative)
+
+
+def _fit_of_test(record: LoadHold, found: Retarded, arms: int | Literal["auto"]) -> Fit:
+    residual = found.estimate.residuals[0]
+    creep = found.spectrum
+    at_rest_or_end = creep.compliance(record.hold_time).item()
+    band = informed_band(
+        [record], found.data.rows, stiffness=at_rest_or_end,
+        noise=max(found.estimate.spread, 1e-6 * found.data.peak, 1e-300),
+    )  # fmt: skip
+    window = (2 * float(np.diff(record.time).min()), record.hold_time)
+    answers = (
+        *_checks(found, record.unit, window, "the record"),
+        checks.creep_finished(creep, record.hold_time, _most(record), unit=record.unit),
+        checks.displacement_followed(record, residual),
+        checks.levels_agree(*_departure(record, found)),
+        residuals_steady([residual], rounding=_ROUNDING * found.data.peak),
+        frequencies_informed(band),
+    )
+    fit = assembled(
+        found,
+        band=band,
+        checks=answers,
+        noticed=record.checks,
+        provenance=Provenance(
+            "creep",
+            () if record.source is None else (record.source,),
+            (*record.steps, _step(found, f"{len(residual)} samples of a creep test", arms)),
+            record.specimen,
+        ),
+        tests=1,
+        unit=record.unit,
+        creep=found.creep,
+    )
+    word = "m" if record.unit == "N/m" else "1"
+    units = {"offset": word, "drift": f"{word}/s", "delay": "s"}
+    nuisance = tuple(replace(one, unit=units[one.name]) for one in fit.nuisance)
+    fit = replace(fit, estimate=replace(fit.estimate, nuisance=nuisance))
+    return measured_in(fit, word)
+
+
+def _checks(found: Retarded, unit: str, window: tuple[float, float], of: str) -> tuple[Check, ...]:
+    """The checks of the solid, whatever it was fitted to."""
+    model, estimate = found.model, found.estimate
+    told = []
+    if found.alternative is not None:
+        known = found.creep.standard_error(_FLOW) / found.spectrum.flow if found.flows else None
+        told.append(checks.flow_told(found.flows, found.alternative, known))
+    return (
+        arms_distinct(model),
+        arms_supported(model, found.every_error, unit=unit),
+        tau_inside_window(model, window, of),
+        *told,
+        residuals_random(estimate.kappa, estimate.rms),
+        *([] if found.choice is None else [order_agreed(found.choice)]),
+    )
+
+
+def _most(record: LoadHold) -> float:
+    """The stiffness that k_inf cannot exceed: force over displacement when the hold ends."""
+    hold = record.hold
+    last = slice(hold.stop - max(1, (hold.stop - hold.start) // 50), hold.stop)
+    first = int(np.searchsorted(record.time, record.onset))
+    zero = float(record.displacement[:first].mean()) if first else 0.0
+    return float(record.load[last].mean() / (record.displacement[last].mean() - zero))
+
+
+def _departure(record: LoadHold, found: Retarded) -> tuple[float | None, float | None]:
+    """How far the answer departs from proportion at its largest, and the standard error."""
+    holds = [one for one in find_segments(record.time, record.load) if one.kind == "hold"]
+    levels = np.array([one.level for one in holds if one.first > 0 or one.level > 0])
+    apart = levels[levels > _APART * record.level]
+    if not len(apart) or float(np.ptp(apart)) < _APART * float(apart.max()):
+        return None, None
+    block = found.data.blocks[0]
+    answer = _answer(block, found.solution)
+    largest = float(np.abs(answer).max())
+    bent = block.with_column("bend", answer**2 / largest)
+    solution = solve(
+        [bent, *found.data.priors], found.solution.order, log_tau_start=found.solution.log_tau
+    )
+    estimate = estimated(solution, [bent.exact], peak=found.data.peak, priors=found.data.priors)
+    return solution.coefficient("bend"), estimate.standard_error("bend")
+
+
+def _step(found: Retarded, to: str, arms: int | Literal["auto"]) -> Step:
+    count = len(found.spectrum.d)
+    flow = " and a flow" if found.flows else ""
+    says = (
+        f"fitted {count} retardation{'s' * (count != 1)}{flow} to {to}; the solid, with "
+        f"{found.model.arms} arm{'s' * (found.model.arms != 1)}, is their exact interconversion"
+    )
+    return Step("fit_creep", (("arms", str(arms)),), says)
+
+
+# -- a curve --------------------------------------------------------------------------------------
+
+
+def _of_curve(
+    curve: CreepCompliance, arms: int | Literal["auto"], *, thorough: bool, max_arms: int
+) -> Fit:
+    """Return the fit of a compliance after a unit step, relative to what is expected of it."""
+    later = curve.time > 0
+    t, values = curve.time[later], curve.compliance[later]
+    rises = checks.compliance_rises(values)
+    if rises.failed:
+        raise DataError(f"this is no creep compliance: {rises.says}")
+    bad = np.flatnonzero(values <= 0)
+    if bad.size:
+        i = int(bad[0])
+        raise DataError(
+            f"the compliance at {t[i]:g} s is {values[i]:g}; expected values > 0: leave out what "
+            "came before the load was there"
+        )
+    most = asked_arms(arms, max_arms)
+    window = ((float(t[min(1, len(t) - 1)]) - float(t[0])) / 3, float(t[-1]))
+    if not window[0] > 0:
+        raise FitError(f"{len(t)} values of a compliance after the step; expected at least 4")
+    weight = 1 / values
+    first = solve([_curve_block(t, values, weight, window, flows=True)], min(most, len(t) // 3))
+    expected = spectrum_of(first).compliance(t)
+    # the size of noisy data is a biased weight: low values would count most
+    weight = 1 / np.maximum(expected, _DOUBTED * values)
+    found = []
+    for flows, count in _candidates(arms):
+        block = _curve_block(t, values, weight, window, flows=flows)
+        data = FitData([block], [block])
+        found.append(chosen_arms(data, count, max_arms=max_arms, thorough=thorough))
+    best = _better(found)
+    creep, unit = best.spectrum, curve.stiffness_unit
+    answers = (
+        *_checks(best, unit, window, "the curve"),
+        checks.creep_finished(creep, float(t[-1]), 1 / float(values[-1]), unit=unit),
+        checks.compliance_followed(best.estimate.rms, best.model.arms),
+    )
+    fit = assembled(
+        best,
+        band=(1 / (2 * np.pi * float(t[-1])), 1 / (2 * np.pi * float(t[0]))),
+        checks=answers,
+        provenance=Provenance(
+            "creep",
+            () if curve.source is None else (curve.source,),
+            (_step(best, f"{len(t)} values of a creep compliance", arms),),
+            curve.specimen,
+        ),
+        unit=unit,
+        creep=best.creep,
+    )
+    return measured_in(fit, "1")
+
+
+def _curve_block(
+    t: FloatArray,
+    values: FloatArray,
+    weight: FloatArray,
+    window: tuple[float, float],
+    *,
+    flows: bool,
+) -> Block:
+    block = decay_block(t, values, constant=_GLASS, weights=weight, compress=False)
+    block = retarding(replace(block, window=(window[0], 10 * window[1])), _GLASS)
+    return block.with_column(_FLOW, weight * t) if flows else block

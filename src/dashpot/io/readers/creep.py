@@ -1,0 +1,118 @@
+"""From a file to a creep test, or to a creep compliance over time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check
+from dashpot.base.provenance import Source
+from dashpot.io.columns.roles import score
+from dashpot.io.columns.vocabulary import Role
+from dashpot.io.options import ReadOptions
+from dashpot.io.readers import channels, checks
+from dashpot.io.readers.channels import Channel, Opened
+from dashpot.io.readers.relaxation import joined, recorded
+from dashpot.io.readers.stated import stated_specimen
+from dashpot.records.creep import CreepCompliance, CreepTest
+from dashpot.records.specimen import Specimen
+
+_CURVE: tuple[Role, ...] = ("time", "creep_compliance")
+_MATERIAL: tuple[Role, ...] = ("time", "strain", "stress")
+_PART: tuple[Role, ...] = ("time", "displacement", "force")
+# a name that says it and a unit that fits; a gap under an axial force is no such pair
+_SURELY = 3.0
+_LIKELY = 2.5
+
+
+def read_creep(
+    path: str | Path, *, options: ReadOptions | None = None, specimen: Specimen | None = None
+) -> CreepTest | CreepCompliance:
+    """Return the creep test in a file, or the curve that a rheometer made of one, in SI units.
+
+    A column of compliance makes it a :class:`~dashpot.records.creep.CreepCompliance`, J(t) since
+    the step; else displacement and force, or strain and stress, make it a
+    :class:`~dashpot.records.creep.CreepTest`.
+
+    Raises
+    ------
+    ReadError
+        If the file cannot be read, holds several steps of which none is chosen, or leaves open
+        which column is what or in which unit.
+    """
+    with channels.opened(path, options) as file:
+        return creep_in(file, specimen or Specimen())
+
+
+def roles(file: Opened) -> tuple[Role, ...]:
+    """The columns that a creep test is read from: a compliance, stress and strain, or a part's."""
+    options = file.options
+    if options.creep_compliance:
+        return _CURVE
+    if options.stress or options.strain:
+        return _MATERIAL
+    if options.force or options.displacement:
+        return _PART
+    if _suits(file, "creep_compliance", _LIKELY):
+        return _CURVE
+    part = all(_suits(file, role, _SURELY) for role in _PART[1:])
+    material = all(_suits(file, role, _LIKELY) for role in _MATERIAL[1:])
+    return _MATERIAL if material and not part else _PART
+
+
+def creep_in(file: Opened, specimen: Specimen) -> CreepTest | CreepCompliance:
+    """Return the creep test in an opened file."""
+    channels.refuse_summary(file)
+    wanted = roles(file)
+    named = ["displacement", "force", "stress", "strain", "creep_compliance"]
+    channels.expect(file, ["creep", "relaxation"], "a creep test is", named=named)
+    # rows on an even clock need no column of time
+    needless = file.options.rate is not None and wanted is not _CURVE
+    chosen = channels.choose(file, wanted[1:] if needless else wanted)
+    specimen, said = stated_specimen(file, specimen)
+
+    def source(notes: list[str]) -> Source:
+        return channels.source(file, [one.says for one in chosen], [*notes, *said])
+
+    if wanted is _CURVE:
+        time, compliance, notes = _curve(file, chosen)
+        unit = "m/N" if chosen[1].unit.dimension == "compliance" else "1/Pa"
+        return CreepCompliance(time, compliance, unit, specimen, source(notes))
+    values, notes = recorded(file, chosen)
+    time, moved, pushed = (values[role] for role in wanted)
+    if wanted is _PART:
+        _refuse_sizes(file, chosen, values)
+    unit = "Pa" if wanted is _MATERIAL else "N/m"
+    return CreepTest(time, moved, pushed, unit, specimen, source(notes))
+
+
+def _refuse_sizes(
+    file: Opened, chosen: Sequence[Channel], values: Mapping[str, FloatArray]
+) -> None:
+    """Ask for the units again that make a size no test of a seal has."""
+    asked: dict[str, Callable[[float, str], Check]] = {
+        "displacement": checks.travel_of_a_seal,
+        "force": checks.force_of_a_seal,
+        "time": checks.time_of_a_test,
+    }
+    spans = [(one, float(np.ptp(values[one.role]))) for one in chosen]
+    answers = [(one, [asked[one.role](span, one.unit.word)]) for one, span in spans]
+    channels.refuse_sizes(file, answers)
+
+
+def _curve(file: Opened, chosen: Sequence[Channel]) -> tuple[FloatArray, FloatArray, list[str]]:
+    """Time, compliance and notes; a file of several steps must say which."""
+    loaded = channels.load(file.table, [one.index for one in chosen], file.options.segment)
+    notes = [*file.table.notes]
+    if len(loaded.starts) > 1:
+        notes.append(joined(loaded.values[:, 0], loaded))
+    rows, gaps = channels.whole_rows(loaded)
+    time, compliance = (channels.si(rows[:, j].copy(), c.unit) for j, c in enumerate(chosen))
+    return time, compliance, [*notes, *gaps]
+
+
+def _suits(file: Opened, role: Role, least: float) -> bool:
+    return any(score(column, role, file.options) >= least for column in file.table.columns)

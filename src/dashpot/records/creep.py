@@ -1,0 +1,233 @@
+"""Creep tests: the force is given, the displacement is the answer; raw, prepared, as a curve."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+import numpy as np
+
+from dashpot.base.arrays import ByValue, FloatArray, increasing, measured, same_length
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError
+from dashpot.base.offered import Described
+from dashpot.base.provenance import Source, Step, of_file
+from dashpot.records.specimen import Specimen
+
+_COMPLIANCES = {"N/m": "m/N", "Pa": "1/Pa"}
+"""Unit of the compliance by that of the stiffness."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class CreepTest(ByValue, Described):
+    """A creep test as the machine wrote it, in SI units: a force held, and what it moves.
+
+    Attributes
+    ----------
+    time : array, shape (n,)
+        s, strictly increasing; any sampling.
+    displacement : array, shape (n,)
+        m, sign and zero as recorded; of a material (`unit` Pa) the strain.
+    force : array, shape (n,)
+        N, sign and zero as recorded; of a material the stress, Pa.
+    unit : str
+        Of the stiffness, force over displacement: ``"N/m"`` or ``"Pa"``.
+    specimen : Specimen
+    source : Source or None
+        The file it came from; None for arrays made in memory.
+
+    Raises
+    ------
+    DataError
+        If the arrays differ in length, hold fewer than 8 samples, are not finite, or time stalls.
+    """
+
+    time: FloatArray
+    displacement: FloatArray
+    force: FloatArray
+    unit: str = "N/m"
+    specimen: Specimen = field(default_factory=Specimen)
+    source: Source | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("time", "displacement", "force"):
+            object.__setattr__(self, name, measured(name, getattr(self, name), minimum=8))
+        same_length(time=self.time, displacement=self.displacement, force=self.force)
+        increasing("time", self.time)
+        _known_unit(self.unit, _COMPLIANCES)
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """Which record it is, and how far it reaches."""
+        moved, pressed = float(np.ptp(self.displacement)), float(np.ptp(self.force))
+        return (
+            of_file(self.source, len(self.time)),
+            f"{np.ptp(self.time):.5g} s; {_spans(moved, pressed, self.unit)}",
+        )
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class CreepCompliance(ByValue, Described):
+    r"""A curve :math:`J(t)`, measured or shifted together, after a step of the force at t = 0.
+
+    Attributes
+    ----------
+    time : array, shape (n,)
+        s since the step, >= 0, strictly increasing.
+    compliance : array, shape (n,)
+        1/Pa for a material, m/N for a part (`unit`).
+    unit : str
+        ``"1/Pa"`` or ``"m/N"``.
+    specimen : Specimen
+    source : Source or None
+
+    Raises
+    ------
+    DataError
+        If the arrays differ in length, are not finite, or time falls or starts below 0.
+    """
+
+    time: FloatArray
+    compliance: FloatArray
+    unit: str = "1/Pa"
+    specimen: Specimen = field(default_factory=Specimen)
+    source: Source | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "time", increasing("time", measured("time", self.time)))
+        object.__setattr__(self, "compliance", measured("compliance", self.compliance))
+        same_length(time=self.time, compliance=self.compliance)
+        if self.time[0] < 0:
+            raise DataError(f"time[0] = {self.time[0]:g} s; expected the time since the step, >= 0")
+        _known_unit(self.unit, _COMPLIANCES.values())
+
+    @property
+    def stiffness_unit(self) -> str:
+        """Unit of what the inverse gives: ``"Pa"`` or ``"N/m"``."""
+        return next(stiffness for stiffness, one in _COMPLIANCES.items() if one == self.unit)
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """Which curve it is, and what it covers."""
+        return (
+            of_file(self.source, len(self.time)),
+            (
+                f"{self.compliance[0]:.5g} to {self.compliance[-1]:.5g} {self.unit} over "
+                f"{self.time[0]:.4g} to {self.time[-1]:.5g} s"
+            ),
+        )
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LoadHold(ByValue, Described):
+    """A creep test prepared: both signals rise under the load, from the state before it.
+
+    Attributes
+    ----------
+    time : array, shape (n,)
+        s, as recorded.
+    displacement : array, shape (n,)
+        m, positive the way the load pushes; its zero is the recorded one. A strain if `unit` is Pa.
+    force : array, shape (n,)
+        N beyond `preload`, as read; a stress, Pa, if `unit` is Pa.
+    load : array, shape (n,)
+        The same freed of the load cell's noise: the input that the fit answers.
+    onset, ramp_end, hold_end : float
+        When the load begins to rise, is reached and is left, s; onset and ramp_end are one where
+        the record begins under load.
+    level : float
+        The load held, N, > 0.
+    preload : float
+        The force before, N, positive the way the load pushes.
+    displacement_noise, force_noise : float
+        Standard deviation of the scatter from sample to sample.
+    unit : str
+        Of the stiffness: ``"N/m"`` or ``"Pa"``.
+    specimen : Specimen
+    source : Source or None
+    steps : tuple of Step
+    checks : tuple of Check
+    """
+
+    time: FloatArray
+    displacement: FloatArray
+    force: FloatArray
+    load: FloatArray
+    onset: float
+    ramp_end: float
+    hold_end: float
+    level: float
+    preload: float = 0.0
+    displacement_noise: float = 0.0
+    force_noise: float = 0.0
+    unit: str = "N/m"
+    specimen: Specimen = field(default_factory=Specimen)
+    source: Source | None = None
+    steps: tuple[Step, ...] = ()
+    checks: tuple[Check, ...] = ()
+
+    def __post_init__(self) -> None:
+        names = ("time", "displacement", "force", "load")
+        for name in names:
+            object.__setattr__(self, name, measured(name, getattr(self, name), minimum=8))
+        same_length(**{name: getattr(self, name) for name in names})
+        increasing("time", self.time)
+        if not self.onset <= self.ramp_end < self.hold_end:
+            raise DataError(
+                f"the load must rise and be held in that order, found onset {self.onset:g} s, "
+                f"ramp end {self.ramp_end:g} s, hold end {self.hold_end:g} s"
+            )
+        if not (np.isfinite(self.level) and self.level > 0):
+            raise DataError(f"level = {self.level!r}; expected a load > 0")
+        _known_unit(self.unit, _COMPLIANCES)
+
+    @property
+    def ramp_time(self) -> float:
+        """How long the load rises, s; 0 for a step."""
+        return self.ramp_end - self.onset
+
+    @property
+    def hold_time(self) -> float:
+        """How long the load is held, s."""
+        return self.hold_end - self.ramp_end
+
+    @property
+    def hold(self) -> slice:
+        """The samples of the hold, ramp end included."""
+        start, stop = np.searchsorted(self.time, [self.ramp_end, self.hold_end]).tolist()
+        return slice(start, min(stop + 1, len(self.time)))
+
+    @property
+    def unloaded(self) -> bool:
+        """True if the record goes on after the load was left: a recovery."""
+        return bool(self.hold.stop < len(self.time))
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """Which record it is, its load and hold, and what preparation noticed."""
+        failed = (f"  {check.name}: {check.says}" for check in self.checks if check.failed)
+        return (
+            of_file(self.source, len(self.time)),
+            (
+                f"load of {self.level:.4g} {'N' if self.unit == 'N/m' else 'Pa'} in "
+                f"{self.ramp_time:.4g} s from {self.onset:.5g} s, held {self.hold_time:.5g} s"
+            ),
+            *failed,
+        )
+
+
+Creep: TypeAlias = CreepTest | LoadHold | CreepCompliance
+"""What creep is fitted to."""
+
+
+def _known_unit(unit: str, known: Iterable[str]) -> None:
+    words = tuple(known)
+    if unit not in words:
+        raise DataError(f"unit = {unit!r}; expected {' or '.join(map(repr, words))}")
+
+
+def _spans(moved: float, pressed: float, unit: str) -> str:
+    if unit == "Pa":
+        return f"strain spans {moved:.4g}, stress {pressed:.4g} Pa"
+    return f"displacement spans {1e3 * moved:.4g} mm, force {pressed:.4g} N"

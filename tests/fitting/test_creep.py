@@ -1,0 +1,204 @@
+"""Creep: the force is given, the displacement answers; laws, the paper's seal, then noise."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import dashpot as dp
+from dashpot.base.errors import DataError, FitError
+from dashpot.preparation.creep import load_hold
+from dashpot.records.creep import CreepCompliance, CreepTest
+from dashpot.solids.interconversion import (
+    CreepSpectrum,
+    relaxation_sensitivity,
+    relaxation_spectrum,
+)
+from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.networks import creep_of
+from dashpot.solids.table_1 import PAPER
+
+T1 = creep_of(PAPER)
+
+
+def ramped(time: np.ndarray, creep: CreepSpectrum = T1, *, rise: float = 1.0) -> np.ndarray:
+    """Displacement under a force of 1 N reached in `rise` from t = 0, in closed form, m."""
+
+    def integral(t: np.ndarray) -> np.ndarray:
+        t = np.maximum(t, 0)[:, None]
+        lam, d = np.array(creep.lam), np.array(creep.d)
+        slow = (t + lam * np.expm1(-t / lam)) @ d
+        return creep.glass * t[:, 0] + creep.flow * t[:, 0] ** 2 / 2 + slow
+
+    return (integral(time) - integral(time - rise)) / rise
+
+
+CLOCK = np.arange(-1.5, 40.0, 0.01)
+LOAD = np.clip(CLOCK, 0, 1)
+
+
+def record(creep: CreepSpectrum = T1, *, noise: float = 0.0, force_noise: float = 0.0,
+           seed: int = 0, clock: np.ndarray = CLOCK) -> CreepTest:  # fmt: skip
+    random = np.random.default_rng(seed)
+    x = ramped(clock, creep) + noise * random.standard_normal(len(clock))
+    force = np.clip(clock, 0, 1) + force_noise * random.standard_normal(len(clock))
+    return CreepTest(clock, x, force)
+
+
+def test_the_papers_seal_creeps_as_its_reference_says() -> None:
+    at = ramped(np.array([0.5, 1, 2, 5, 41]))
+    expected = [1.725238e-3, 3.743264e-3, 4.433572e-3, 4.744189e-3, 5.043470e-3]
+    assert at == pytest.approx(expected, rel=1e-6)
+    assert PAPER.displacement(CLOCK, LOAD) == pytest.approx(ramped(CLOCK), abs=1e-12)
+
+
+def test_displacement_is_the_inverse_of_force() -> None:
+    x = ramped(CLOCK)
+    assert PAPER.force(CLOCK, PAPER.displacement(CLOCK, LOAD)) == pytest.approx(LOAD, abs=2e-3)
+    assert PAPER.displacement(CLOCK, PAPER.force(CLOCK, x)) == pytest.approx(x, abs=2e-5)
+
+
+def test_without_noise_the_fit_is_the_seal_to_rounding() -> None:
+    found = dp.fit(record())
+    assert found.ok
+    assert found.method == "creep"
+    assert found.creep is not None
+    spectrum = found.creep.spectrum
+    assert spectrum.lam == pytest.approx((0.776312, 17.928823), rel=1e-6)
+    assert spectrum.d == pytest.approx((1.638841e-3, 0.436354e-3), rel=1e-6)
+    assert spectrum.glass == pytest.approx(3.013864e-3, rel=1e-6)
+    assert spectrum.equilibrium == pytest.approx(5.089059e-3, rel=1e-6)
+    assert found.model.k_inf == pytest.approx(PAPER.k_inf, rel=1e-9)
+    assert found.model.k == pytest.approx(PAPER.k, rel=1e-9)
+    assert found.model.tau == pytest.approx(PAPER.tau, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "creep",
+    [T1, CreepSpectrum(2e-3, (1e-3, 4e-4), (0.3, 8.0), 3e-5), CreepSpectrum(0.0, (1e-3,), (2.0,))],
+    ids=["solid", "flows", "dashpot"],
+)
+def test_the_sensitivity_is_the_derivative_of_the_interconversion(creep: CreepSpectrum) -> None:
+    def solid(values: np.ndarray) -> np.ndarray:
+        n = len(creep.d)
+        k_inf, k, tau, b = relaxation_spectrum(
+            CreepSpectrum(values[0], tuple(values[1 : 1 + n]),
+                          tuple(np.exp(values[1 + n : -1])), values[-1])
+        )  # fmt: skip
+        return np.array([k_inf, *k, *np.log(tau), b])
+
+    at = np.array([creep.glass, *creep.d, *np.log(creep.lam), creep.flow])
+    known = relaxation_sensitivity(creep, relaxation_spectrum(creep)[2])
+    for i, value in enumerate(at):
+        if value == 0:  # beyond it lies another kind of solid
+            continue
+        step = np.zeros(len(at))
+        step[i] = 1e-6 * abs(value)
+        slope = (solid(at + step) - solid(at - step)) / (2 * step[i])
+        assert known[:, i] == pytest.approx(slope, rel=1e-5, abs=1e-6 * np.abs(slope).max())
+
+
+def test_a_part_that_flows_is_said_to_flow() -> None:
+    fluid = CreepSpectrum(2e-3, (1e-3,), (0.8,), 4e-5)
+    found = dp.fit(record(fluid, noise=1e-6))
+    assert found.creep is not None
+    assert found.creep.spectrum.flow == pytest.approx(4e-5, rel=1e-2)
+    assert found.model.k_inf == 0
+    assert found.model.arms == 2
+    checks = {check.name: check for check in found.checks}
+    assert checks["flow_told"].passed
+    assert "the part flows" in checks["creep_finished"].says
+    assert "k_inf" not in found.parameters
+
+
+def test_a_solid_cut_short_says_that_its_end_is_open() -> None:
+    slow = CreepSpectrum(2e-3, (1e-3, 2e-3), (0.8, 60.0))
+    found = dp.fit(record(slow, noise=1e-6))
+    checks = {check.name: check for check in found.checks}
+    assert checks["creep_finished"].failed or checks["flow_told"].failed
+    assert found.verdict.use != "use"
+
+
+def test_a_step_at_the_first_sample_needs_no_baseline() -> None:
+    time = np.arange(0.0, 40.0, 0.01)
+    found = dp.fit(CreepTest(time, T1.compliance(time), np.ones(len(time))))
+    assert found.model.k == pytest.approx(PAPER.k, rel=1e-6)
+    checks = {check.name: check for check in found.checks}
+    assert checks["load_begins_at_rest"].failed
+
+
+def test_a_recovery_is_part_of_the_history() -> None:
+    time = np.arange(-1.5, 60.0, 0.01)
+    load = np.interp(time, [0, 1, 30, 31], [0, 1, 1, 0])
+    x = ramped(time) - ramped(time - 30)
+    random = np.random.default_rng(0)
+    found = dp.fit(CreepTest(time, x + 2e-6 * random.standard_normal(len(x)), load))
+    assert found.model.tau == pytest.approx(PAPER.tau, rel=5e-3)
+    assert found.verdict.use == "use"
+
+
+@pytest.mark.parametrize(("sign", "shift"), [(1, 0.0), (-1, 0.0), (-1, 12e-3), (1, -3e-3)])
+def test_signs_and_zeros_do_not_matter(sign: int, shift: float) -> None:
+    test = record()
+    turned = CreepTest(test.time, sign * test.displacement + shift, -sign * test.force - 0.3)
+    found = dp.fit(turned)
+    assert found.model.k_inf == pytest.approx(PAPER.k_inf, rel=1e-6)
+    assert load_hold(turned).preload == pytest.approx(0.3 * sign)
+
+
+def test_proportion_is_judged_between_levels_of_load() -> None:
+    time = np.arange(-1.5, 90.0, 0.01)
+    load = np.interp(time, [0, 1, 30, 31, 60, 61], [0, 0.5, 0.5, 1, 1, 1.5])
+    straight = 0.5 * (ramped(time) + ramped(time - 30) + ramped(time - 60))
+    random = np.random.default_rng(0)
+    for bend, failed in ((0.0, False), (0.1, True)):
+        x = straight * (1 - bend * straight / straight.max())
+        found = dp.fit(CreepTest(time, x + 2e-6 * random.standard_normal(len(x)), load), arms=2)
+        (check,) = [one for one in found.checks if one.name == "levels_agree"]
+        assert check.failed == failed, check.says
+
+
+def test_a_compliance_is_fitted_as_the_curve_it_is() -> None:
+    time = np.geomspace(0.01, 200, 120)
+    material = GeneralizedMaxwell(2e5, (3e5, 1e5), (0.05, 4.0))
+    curve = CreepCompliance(time, material.creep(time))
+    found = dp.fit(curve)
+    assert found.unit == "Pa"
+    assert found.model.k == pytest.approx(material.k, rel=1e-6)
+    assert found.model.tau == pytest.approx(material.tau, rel=1e-6)
+    of_part = CreepCompliance(time, material.creep(time), "m/N")
+    assert dp.fit(of_part).unit == "N/m"
+    with pytest.raises(DataError, match="it falls with time"):
+        dp.fit(CreepCompliance(time, material.relaxation(time)))
+
+
+def test_a_material_is_fitted_by_its_stress_and_strain() -> None:
+    test = record()
+    found = dp.fit(CreepTest(test.time, test.displacement, test.force, "Pa"))
+    assert found.unit == "Pa"
+    assert found.residual.unit == "1"
+    assert found.model.k == pytest.approx(PAPER.k, rel=1e-9)
+
+
+def test_arms_are_those_of_the_solid() -> None:
+    assert dp.fit(record(), arms=2).model.arms == 2
+    assert dp.fit(record(), arms=0).model.arms == 0
+    flowing = dp.fit(record(CreepSpectrum(2e-3, (1e-3,), (0.8,), 4e-5)), arms=2)
+    assert flowing.model.arms == 2
+
+
+def test_what_makes_no_sense_is_refused() -> None:
+    with pytest.raises(FitError, match="leave them out"):
+        dp.fit(record(), method="hold")
+    noise = np.random.default_rng(0).standard_normal((2, 500))
+    with pytest.raises(DataError, match="no force is held"):
+        dp.fit(CreepTest(np.arange(500.0), noise[0], noise[1]))
+
+
+def test_a_fit_is_kept_whole() -> None:
+    found = dp.fit(record(noise=1e-6))
+    again = dp.from_json(dp.to_json(found))
+    assert again == found
+    assert again.creep == found.creep
+    for noun in (record(), load_hold(record()), CreepCompliance([1.0, 2.0], [1.0, 2.0])):
+        assert dp.from_json(dp.to_json(noun)) == noun
