@@ -1319,6 +1319,11 @@ def test_advice_follows_only_where_a_check_fails() -> None:
     off = comparison.stiffness_agrees(held(predicted_hz=1.1 * agreeing().measured_hz))
     assert off.says.endswith("+21.0 % off: check mass, number of seals, length and preload")
     assert comparison.stiffness_agrees(agreeing()).says.endswith("+0.0 % off")
+    falling = replace(agreeing().predicted, value=1 / (1 + agreeing().predicted.frequency) + 0j)
+    away = held(predicted=falling, predicted_hz=0.5 * agreeing().measured_hz)
+    assert comparison.stiffness_agrees(away).says.startswith("the prediction has no peak from")
+    assert comparison.stiffness_agrees(away).says.endswith("length and preload")
+    assert "damping" not in comparison.peak_agrees(away).says
     assert "1.5 times" in comparison.damping_agrees(
         held(predicted_damping=0.03, measured_damping=0.02), peak(10)
     ).says  # fmt: skip

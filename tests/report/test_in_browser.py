@@ -5,13 +5,16 @@ from __future__ import annotations
 import re
 import shutil
 import subprocess
+from dataclasses import replace
 from html import unescape
 
 import numpy as np
 import pytest
 from kit import browser, handmade
 from kit.browser import DARK, needs_browser
+from kit.fits import altered
 
+from dashpot.base.checks import Check
 from dashpot.plot import tokens
 from dashpot.report import html
 
@@ -65,6 +68,18 @@ def test_a_phone_shows_all_of_it_in_letters_that_can_be_read(tmp_path, which, re
     assert found["wide"] <= 390
     assert found["least"] >= 12
     assert found["figures"] > 0
+
+
+@pytest.mark.parametrize("which", ["page", "bench"])
+def test_a_phone_shows_the_first_number_on_its_first_screen(tmp_path, which, request):
+    script = """
+        const bottom = (what) => document.querySelector(what).getBoundingClientRect().bottom;
+        return [bottom(".who"), bottom(".answer .value")];
+    """
+    text = request.getfixturevalue(which)
+    head, number = browser.probe(tmp_path, text, script, width=390, height=844)
+    assert head < 150
+    assert number <= 844
 
 
 COLOURS = """
@@ -152,6 +167,31 @@ def test_the_frf_is_zoomed_and_read_off_by_pointer_and_keyboard(tmp_path, page):
     assert low < float(found["ticks"][0]) < float(found["ticks"][-1]) < high
     assert float(nearer.split()[2]) == pytest.approx(wide / 2, rel=0.01)
     assert whole == back == again
+
+
+def test_the_first_sheet_is_a_certificate_however_many_checks_failed(tmp_path):
+    """Verdict, numbers, the gravest checks and the signatures; the story begins on the next."""
+    reader = shutil.which("pdftotext")
+    if reader is None:
+        pytest.skip("no pdftotext on this machine (apt-get install poppler-utils)")
+    said = " ".join(["the storage stiffness of the seal is off"] * 5)
+    every = tuple(Check(f"no_{i}", False, f"{i} {said}") for i in range(8))
+    who = replace(S.prepared.specimen, name="Door seal 4711-B", lot="L24-117", operator="J. Ruiz")
+    study = replace(S, joint=altered(S.joint, checks=every),
+                    prepared=replace(S.prepared, specimen=who))  # fmt: skip
+    (tmp_path / "page.html").write_text(html(study), encoding="utf-8")
+    browser.run(tmp_path, "--no-pdf-header-footer", f"--print-to-pdf={tmp_path / 'page.pdf'}",
+                f"file://{tmp_path / 'page.html'}")  # fmt: skip
+    first, second = (
+        subprocess.run(
+            [reader, "-layout", "-f", n, "-l", n, f"{tmp_path / 'page.pdf'}", "-"], check=True,
+            capture_output=True, text=True,
+        ).stdout for n in "12"
+    )  # fmt: skip
+    for part in ("Use with care", "Peak frequency", "Identified band", "more stand",
+                 "Tested by, date", "Released by, date"):  # fmt: skip
+        assert part in first
+    assert second.strip().startswith("The test and its fit")
 
 
 def test_paper_has_all_that_is_folded(tmp_path, page):

@@ -299,6 +299,16 @@ def test_the_numbers_of_the_first_table_are_those_of_the_recommendation(whole):
     assert numbers[-1][:4] == ["", "0.0040", "40", "Hz"]  # of the joint solid
 
 
+def test_table_and_figure_name_one_peak():
+    """Between the lines that are drawn, too."""
+    alone = replace(S, comparison=None, measured=None, impact=None, direct=None, joint=None,
+                    joint_comparison=None)  # fmt: skip
+    page = html(alone)
+    (frequency, *_) = [one.value for one in recommendation(alone).under_mass]
+    tag = float(re.search(r">predicted ([\d.]+) Hz, ", page)[1])
+    assert tag == pytest.approx(frequency, abs=0.006)
+
+
 def test_page_and_terminal_tell_one_shift(whole):
     """By how many standard errors before a parameter moved, and which way."""
     down = Moved("k_inf", 197.5, 0.5, 196.5, 0.4, "N/m")
@@ -341,7 +351,7 @@ def test_a_deck_of_the_page_is_that_of_the_command_line(tmp_path, known):
         assert ("OVERRIDE: the test temperature is not stated" in deck) is not known
     assert "EXTRAPOLATED:" not in found["solid.nas"]
     text = Page(page).text
-    assert ("the contact length is not stated" in text) is not known
+    assert ("temperature and contact length not stated" in text) is not known
     assert "Decks hold from 0.0040 to 0.32 Hz" in text
 
 

@@ -363,10 +363,13 @@ def _tagged(tags: list[Tag], panel: Panel, box: Box) -> list[Word]:
     for tag, (x, y) in zip(tags, places, strict=True):
         wide = text_width(tag.text, bold=tag.bold)
         spots: list[tuple[float, float, Anchor]] = [
-            (x + 10, y + 4, "start"), (x + 14, y + 21, "start"), (x - 10, y + 4, "end"),
-            (x + 10, y - 10, "start"), (x - 10, y - 10, "end"), (x - 10, y + 20, "end"),
+            (x + 10, y + 4, "start"), (x - 10, y + 4, "end"), (x + 10, y - 10, "start"),
+            (x - 10, y - 10, "end"), (x + 14, y + 21, "start"), (x - 14, y + 21, "end"),
             (box.x + box.width - 4, y - 10, "end"), (box.x + 4, y - 10, "start"),
         ]  # fmt: skip
+        if not tag.dot:
+            # beneath the words of the point that it shares
+            spots = [*spots[4:6], *spots]
         choices = [(_room(sx, sy, wide, anchor), sx, sy, anchor) for sx, sy, anchor in spots]
         free = [
             one

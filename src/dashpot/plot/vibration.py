@@ -35,6 +35,7 @@ from dashpot.plot.stamps import of_frf
 from dashpot.records.bounds import FRFBounds
 from dashpot.records.frf import FRF, Kind
 from dashpot.vibration.comparison.comparison import Comparison
+from dashpot.vibration.modal.peaks import find_peak
 
 FREQUENCY = "frequency, Hz"
 PENS = (MEASURED, PREDICTED, JOINT, *SIMPLER)
@@ -388,6 +389,5 @@ def _peaks(curves: Sequence[Curve], unit: str) -> list[Tag]:
 
 
 def _peak_of(one: FRF) -> tuple[float, float]:
-    f, value = smooth(one)
-    top = int(np.argmax(np.abs(value)))
-    return float(f[top]), float(np.abs(value[top]))
+    peak = find_peak(one)
+    return peak.frequency, peak.height

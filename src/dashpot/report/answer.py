@@ -259,6 +259,9 @@ def files(study: Study, found: Recommendation) -> tuple[File, ...]:
 DECKS = (("nastran", "Nastran", "nas"), ("abaqus", "Abaqus", "inp"))
 """Target, label, ending of the decks that the page holds."""
 
+UNSTATED = {"temperature": "temperature", "length": "contact length"}
+"""What a deck should say of its specimen, and does without, marked."""
+
 
 class Deck(NamedTuple):
     """A deck as the page holds it, and the words that make the same of the solid's JSON file.
@@ -292,7 +295,7 @@ def decks(found: Recommendation) -> tuple[Deck, ...]:
         options += ["--compression", f"{depth}mm"]
     low, high = _inside(fit.band)
     options += ["--range", f"{low!r}:{high!r}Hz"]
-    unknown = tuple(n for n in ("temperature", "length") if getattr(fit.specimen, n) is None)
+    unknown = tuple(name for name in UNSTATED if getattr(fit.specimen, name) is None)
     options += [word for name in unknown for word in ("--allow", name)]
     made = []
     for target, label, suffix in DECKS:
@@ -322,8 +325,9 @@ def about_decks(found: Recommendation) -> str:
     made = decks(found)
     if not made:
         return "No deck: the tests do not determine every parameter."
-    unknown = ", ".join(made[0].text.overrides)
-    return f"Decks hold from {hertz(found.solid.band)}{'; ' * bool(unknown)}{unknown}."
+    unknown = " and ".join(words for name, words in UNSTATED.items() if name in made[0].options)
+    marked = f"; {unknown} not stated" if unknown else ""
+    return f"Decks hold from {hertz(found.solid.band)}{marked}."
 
 
 def _decks(found: Recommendation, solid: str) -> list[File]:

@@ -14,7 +14,7 @@ from dashpot.workflow.study import Study
 PHONE, PAPER, PAGE = 350.0, 680.0, 1204.0
 """Widths of the drawing for a phone, for paper, and of all the columns on a screen, px."""
 
-LOW = 190.0
+LOW = 180.0
 """Height of the first figure where the numbers must stand beneath it on one screen or sheet, px."""
 
 LEAD, HALF = 728.0, 590.0
@@ -35,7 +35,7 @@ class Drawn:
     wide, narrow : tuple of str
         Its strips as SVG text, for a screen and for a phone.
     paper : tuple of str
-        For the first sheet of paper; empty where one of the others will do.
+        For a sheet of paper; empty where one of the others will do.
     key : tuple of (str, str)
         A sample as SVG text, and its name.
     columns : int
@@ -54,29 +54,32 @@ class Drawn:
 def drawn(picture: plot.Picture, *, width: float | None = None, low: float | None = None) -> Drawn:
     """Draw a picture for a page: `width` px wide, by default what its columns leave.
 
-    On a phone and on paper its panels are at most `low` px high, if that is given.
+    On a phone and on paper its panels are `low` px high together at most, if that is given.
     """
     name = checked(picture.name)
     columns = min(picture.columns, len(picture.strips))
     each = width or min(picture.width, (PAGE - 24 * (columns - 1)) / columns)
 
-    def strips(each: float, kind: str, most: float | None = None) -> tuple[str, ...]:
+    def strips(each: float, kind: str, most: float = math.inf) -> tuple[str, ...]:
         return tuple(
-            strip(
-                tuple(replace(panel, height=min(panel.height, most or math.inf)) for panel in one),
-                name=f"{name}-{kind}-{i}",
-                width=each,
-                kind=kind,
-            )
+            strip(_within(one, most), name=f"{name}-{kind}-{i}", width=each, kind=kind)
             for i, one in enumerate(picture.strips)
         )
 
     key = tuple(
         (swatch(mark, name=f"{name}-key{i}"), mark.label) for i, mark in enumerate(picture.key)
     )
-    paper = () if low is None else strips(PAPER, "paper", low)
-    made = strips(each, "wide"), strips(PHONE, "narrow", low), paper
+    most, paper = low or math.inf, ()
+    if low or columns > 2:
+        paper = strips((PAPER - 24 * (columns - 1)) / columns, "paper", most)
+    made = strips(each, "wide"), strips(PHONE, "narrow", most), paper
     return Drawn(name, picture.caption, picture.stamp, *made, key, columns)
+
+
+def _within(panels: tuple[plot.Panel, ...], most: float) -> tuple[plot.Panel, ...]:
+    """Panels no higher than that together, px."""
+    share = min(1.0, most / sum(panel.height for panel in panels))
+    return tuple(replace(panel, height=share * panel.height) for panel in panels)
 
 
 def figures_of(study: Study) -> dict[str, Drawn]:

@@ -112,7 +112,7 @@ def tests_agree(lead: Explanation | None) -> Finding:
         return Finding("relaxation test and hammer are explained by one seal", 0.0)
     because = "relaxation test and hammer do not belong to one seal and rig as described: "
     if lead.explains:
-        says = f"{because}{lead.says}; that explains both, and chi-square falls by {lead.fall:.4g}"
+        says = f"{because}{lead.says}; that explains both"
     else:
         says = (
             f"{because}nothing tried explains both; most does that {lead.says} (chi-square falls "
