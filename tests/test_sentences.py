@@ -22,7 +22,7 @@ from dashpot.solids.table_1 import BROAD, BROAD_MASS
 CODE = re.compile(
     r"_|--|`|\+-|[<>=]=|\b(?:None|nan|inf|True|False)\b|\de[+-]\d|\w{2,}\("
     # an equation has a symbol and blanks about its sign
-    r"|(?<!\b[a-zA-Zτ] )(?<!∞ )(?<![₀-₉] )=|=(?! )"
+    r"|(?<!\b[a-zA-Zτ] )(?<!∞ )(?<![₀-₉] )(?<!\(T\) )=|=(?! )"
 )
 """What only a program reads."""
 

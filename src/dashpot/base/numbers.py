@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 
-_PARAMETER = re.compile(r"\bk_inf\b|\b(?:ln_)?(?:k|tau|b)_\d+\b|\btau\b")
+_PARAMETER = re.compile(r"\bk_inf\b|\b(?:ln_)?(?:k|tau|b)_\d+\b|\btau\b|\b[ab]_T\b")
 # what a command line or Python alone can heed: (--band), (dashpot identify), (Python: arms=2)
 _COMMAND = re.compile(r"\s*\((?:--|dashpot |Python:)(?:[^()]|\([^()]*\))*\)")
 _POWER = re.compile(r"(?<![\w.])[0-9]+(?:\.[0-9]+)?e[+-][0-9]{2,3}\b")
@@ -135,6 +135,7 @@ def counted(number: int, what: str) -> str:
 def symbol(name: str) -> str:
     """A parameter's name as it is printed: ``"k_inf"`` is k∞, ``"ln_tau_2"`` is ln τ₂."""
     text = name.replace("k_inf", "k∞").replace("tau", "τ").replace("ln_", "ln ")
+    text = text.replace("_T", "(T)")
     head, _, number = text.rpartition("_")
     return head + number.translate(SUBSCRIPTS) if head and number.isdigit() else text
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from dashpot import plot
+from dashpot.plot.picture import Panel
 from dashpot.plot.svg import checked, strip, swatch
 from dashpot.vibration.systems.prediction import predict_frf
 from dashpot.workflow.study import Study
@@ -69,14 +70,13 @@ def drawn(picture: plot.Picture, *, width: float | None = None, low: float | Non
     key = tuple(
         (swatch(mark, name=f"{name}-key{i}"), mark.label) for i, mark in enumerate(picture.key)
     )
-    most, paper = low or math.inf, ()
-    if low or columns > 2:
-        paper = strips((PAPER - 24 * (columns - 1)) / columns, "paper", most)
+    most, sheet = low or math.inf, (PAPER - 24 * (columns - 1)) / columns
+    paper = strips(sheet, "paper", most) if low or columns > 2 else ()
     made = strips(each, "wide"), strips(PHONE, "narrow", most), paper
     return Drawn(name, picture.caption, picture.stamp, *made, key, columns)
 
 
-def _within(panels: tuple[plot.Panel, ...], most: float) -> tuple[plot.Panel, ...]:
+def _within(panels: tuple[Panel, ...], most: float) -> tuple[Panel, ...]:
     """Panels no higher than that together, px."""
     share = min(1.0, most / sum(panel.height for panel in panels))
     return tuple(replace(panel, height=share * panel.height) for panel in panels)
