@@ -122,3 +122,32 @@ def test_where_the_noise_is_louder_the_same_sse_means_less(
     assert plain[1][-1] > 11.0
     assert met[1][met[0] > best].max() < 11.0
     assert met[0][-1] == pytest.approx(stack.bounds[1])
+
+
+def end_of(profile: tuple[np.ndarray, np.ndarray], cut: float) -> float:
+    """The value at which the deviance last rises through a cut."""
+    value, root = profile[0], np.sqrt(profile[1])
+    above = int(np.flatnonzero(root < np.sqrt(cut))[-1])
+    return float(np.interp(np.sqrt(cut), root[above : above + 2], value[above : above + 2]))
+
+
+@pytest.mark.parametrize("seed", [1, 7, 14])
+def test_a_spare_arm_may_stand_for_the_other(seed: int) -> None:
+    """Of two arms fitted to one, either may be it: the spare one's ends are those of the one."""
+    noise = NOISE * np.random.default_rng(seed).standard_normal(len(TIME))
+    block = decay_block(TIME, 1.0 + 0.8 * np.exp(-TIME / 0.3) + noise)
+
+    def upper_ends(arms: int) -> tuple[float, float]:
+        found = solve([block], arms)
+        assert found.order == arms
+        optimum = Optimum(np.concatenate((found.fixed, found.arms.ravel())), found.log_tau)
+        arm = int(np.argmin(found.arms[0]))
+        asked = [
+            Asked(Coordinate.LINEAR, 1 + arm, step=0.02, scale=NOISE**2),
+            Asked(Coordinate.LOG_B, arm, step=0.1, scale=NOISE**2),
+        ]
+        k, b = profiles(Stack([block]), optimum, asked, limit=11.0)
+        return end_of(k, 4.0), end_of(b, 4.0)
+
+    alone, spare = upper_ends(1), upper_ends(2)
+    assert spare == pytest.approx(alone, rel=0.02)

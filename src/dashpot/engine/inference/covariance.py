@@ -31,7 +31,7 @@ _EVEN_GAIN = 2.0
 _WORTH_GIVING_BACK = 0.005
 _ROUNDS = 3
 # so few lags cost less one by one than by Fourier transforms
-_FEW_LAGS, _FEW_TERMS = 48, 8
+_FEW_LAGS, _FEW_TERMS = 16, 8
 # slow noise is sought in about so many means to a record, never of fewer samples than that; so many
 # times the scatter of its power under white noise is no chance: one white record in 100 has more
 _MEANS, _FEWEST, _BY_CHANCE = 1024, 4, 6.0
@@ -140,7 +140,9 @@ def _taken(jacobian: FloatArray) -> FloatArray:
     r"""Return :math:`\sum_k \sum_i Q_{ik} Q_{i+l,k}` at every lag l."""
     n = len(jacobian)
     size = fast_length(2 * n)
-    columns = np.fft.rfft(np.linalg.qr(jacobian)[0].T, size, axis=1)
+    basis = _orthonormal([jacobian])
+    even = basis.columns[0] @ np.linalg.inv(np.linalg.cholesky(basis.gram)).T
+    columns = np.fft.rfft(even.T, size, axis=1)
     power = columns.real**2 + columns.imag**2
     return np.asarray(np.fft.irfft(power.sum(axis=0), size)[:n])
 

@@ -37,6 +37,10 @@ _OPEN_STIFFNESS, _OPEN_FOLDS = 1e4, 16.0
 _NODES_APART = 0.08
 #: points of a walk, and how many of them may be too far: beyond there is a cliff
 _POINTS, _LEAPS = 20, 5
+#: an arm whose absence costs less deviance is one that the data do without
+_SPARE = 2.0
+#: first step of an arm in the place of another, as a part of the way to it
+_KNOWN = 1e-3
 _ITERATIONS = 8
 #: the walk steps by a rise of the root of the deviance over which interpolation is good
 _RISE, _RISES = 0.7, 5.0
@@ -126,7 +130,7 @@ class _Walk:
         self.walked: list[tuple[float, float]] = []
         self.leapt: list[tuple[float, float]] = []
         self.trials = self.leaps = 0
-        self.ended = False
+        self.ended = self.exchanged = False
         self.goal = start
         self._aim()
 
@@ -154,6 +158,18 @@ class _Walk:
         self.ended = (near and deviance > self.limit) or self.leaps > _LEAPS
         self._aim()
         return near
+
+    @property
+    def without(self) -> bool:
+        """True if the stiffness walked has arrived at zero, at no cost to speak of."""
+        last = self.walked[-1] if self.walked else (self.start, np.inf)
+        return self.asked.coordinate is Coordinate.LINEAR and last[0] == 0.0 and last[1] < _SPARE
+
+    def exchange(self, value: float) -> None:
+        """Go on from a value at which its arm and another have changed places."""
+        self.exchanged, self.leapt, self.leaps = True, [], 0
+        # the other arm is far better known than this one
+        self.goal, self.step = value, _KNOWN * (value - self.start)
 
     def _aim(self) -> None:
         self.goal = min(max(self.at + self.step, self.ends[0]), self.ends[1])
@@ -220,8 +236,13 @@ class _Together:
         return start - _OPEN_FOLDS, start + _OPEN_FOLDS
 
     def walk(self, walks: Sequence[_Walk]) -> None:
-        """Walk every side to its end."""
-        count = len(walks)
+        """Walk every side to its end.
+
+        An arm that the data do without may have any relaxation time: those sides stay open. Where
+        its stiffness or b meets a cliff it goes on in the place of the largest other arm, which
+        then is the one that the data do without.
+        """
+        count, spare = len(walks), set[int]()
         held = _Held(walks, self.fixed, self.arms, len(self.optimum.beta))
         here = np.tile(self.optimum.log_tau, (count, 1))
         left, move = here.copy(), np.zeros_like(here)
@@ -256,7 +277,36 @@ class _Together:
                 if walks[i].arrived(self._deviance(walks[i], known.beta[i], here[i], sse[i])):
                     left[i] = here[i]
                 here[i], goal[i] = left[i], walks[i].goal
+                if walks[i].without:
+                    spare |= held.arm_of(i)
                 sse[i], damping[i], tried[i], move[i] = np.inf, 1e-6, 0, 0.0
+            for i in on.tolist():
+                if not held.arm_of(i) & spare:
+                    continue
+                walk = walks[i]
+                walk.ended = walk.ended or bool(held.log_tau[i])
+                if walk.leaps and not walk.exchanged:
+                    here[i] = left[i] = self._exchanged(walk, left[i])
+                    goal[i] = walk.goal
+                    sse[i], damping[i], tried[i], move[i] = np.inf, 1e-6, 0, 0.0
+
+    def _exchanged(self, walk: _Walk, log_tau: FloatArray) -> FloatArray:
+        """Where a walk goes on if its arm takes the place of the largest other arm, if it can."""
+        index = walk.asked.index - (self.fixed if walk.asked.coordinate is Coordinate.LINEAR else 0)
+        first, arm = index - index % self.arms, index % self.arms
+        k = self.optimum.beta[self.fixed + first :][: self.arms]
+        value = (
+            k if walk.asked.coordinate is Coordinate.LINEAR else self.optimum.log_tau + np.log(k)
+        )
+        value = np.where(np.arange(self.arms) == arm, -np.inf, value)
+        other = int(np.argmax(value))
+        if not walk.at < value[other]:
+            walk.exchanged = True
+            return log_tau
+        walk.exchange(float(value[other]))
+        turned = self.optimum.log_tau.copy()
+        turned[[arm, other]] = turned[[other, arm]]
+        return turned
 
     def _deviance(self, walk: _Walk, beta: FloatArray, log_tau: FloatArray, sse: float) -> float:
         gain = walk.asked.relative_gain
@@ -340,6 +390,7 @@ class _Held:
     def __init__(self, walks: Sequence[_Walk], fixed: int, arms: int, linear: int) -> None:
         kinds = [walk.asked.coordinate for walk in walks]
         index = np.array([walk.asked.index for walk in walks])
+        self.fixed = fixed
         self.log_tau = np.array([kind is Coordinate.LOG_TAU for kind in kinds])
         self.log_b = np.array([kind is Coordinate.LOG_B for kind in kinds])
         # where a relaxation time is held no coefficient is, and the column named stays free
@@ -347,6 +398,10 @@ class _Held:
         self.arm: IndexArray = np.where(self.column >= fixed, (self.column - fixed) % arms, 0)
         self.free: BoolArray = np.ones((len(walks), linear), dtype=bool)
         self.free[np.arange(len(walks)), self.column] = self.log_tau
+
+    def arm_of(self, walk: int) -> set[int]:
+        """The arm that a side belongs to; none of a fixed column."""
+        return {int(self.arm[walk])} if self.column[walk] >= self.fixed else set()
 
     def placed(self, log_tau: FloatArray, goal: FloatArray, on: IndexArray) -> FloatArray:
         """The trials with a held relaxation time at its goal."""

@@ -31,6 +31,8 @@ REST = 1e-9
 DAMPED = 1e-3
 #: and by how much, in parts of it, the SSE may fall
 UNCHANGED = 1e-12
+#: so many steps with a coefficient of the wrong sign lead to none of the right one
+PATIENCE = 12
 
 
 class Rows(NamedTuple):
@@ -260,6 +262,7 @@ def descend(
     start: FloatArray,
     *,
     restricted: BoolArray | None = None,
+    wanted: BoolArray | None = None,
     rivals: Sequence[FloatArray] = (),
     finished: float = FINISHED,
     flat: float = 0.0,
@@ -275,7 +278,9 @@ def descend(
     from step to step (as in J. E. Dennis, D. M. Gay, R. E. Welsch, *ACM Trans. Math. Softw.* 7,
     1981, with the symmetric rank-one update).
 
-    With `flat` it ends where a step promises to lower the SSE by less than that part of it.
+    With `flat` it ends where a step promises to lower the SSE by less than that part of it. A
+    descent on which coefficients that are `wanted` positive have long been negative, such as two
+    arms that merge with ever larger coefficients of opposite sign, ends there.
 
     Returns None when it runs into one of the `rivals` (optima already known) or when the
     start cannot be evaluated.
@@ -286,7 +291,7 @@ def descend(
         return None
     rounding = stack.rounding_floor
     lacking: FloatArray | None = None
-    last = np.inf
+    last, wrong = np.inf, 0
     for count in range(2, limit + 2):
         trial = _trial(here, lacking, damping, (low, high))
         step = trial - here.log_tau
@@ -300,12 +305,13 @@ def descend(
         if accepted(new.sse, here.sse, moved, rounding):
             lacking = _learned(lacking, here, new, moved, last)
             last, here = moved, new
+            wrong = wrong + 1 if wanted is not None and (here.beta[wanted] < 0).any() else 0
             damping = 0.1 * damping * (moved >= TAIL)
         elif moved < TAIL and damping == 0.0:
             return Local(here, count, True)
         else:
             damping = 10 * max(damping, 1e-6)
-        if here.sse <= rounding or damping > 1e9:
+        if here.sse <= rounding or damping > 1e9 or wrong > PATIENCE:
             return Local(here, count, here.sse <= rounding)
         if _met(here.log_tau, rivals):
             return None

@@ -106,7 +106,9 @@ class Chain:
         if arms not in self._attempts:
             start = self._first_start(arms)
             self._attempts[arms] = (
-                None if start is None else descend(self.stack, start, damping=1e-6)
+                None
+                if start is None
+                else descend(self.stack, start, damping=1e-6, wanted=self._wanted(arms))
             )
         return self._attempts[arms]
 
@@ -160,11 +162,11 @@ class Chain:
 
     def _best_with(self, arms: int, *, starts: list[FloatArray] | None = None) -> Local | None:
         """The best of the optima next to all starts, finished; None if no arms carry as many."""
-        restricted = self.stack.restricted(arms, signed=self.signed)
+        restricted = self._wanted(arms)
         if starts is None:
             allowed = self._optima(self._starts(arms), self._attempt(arms), restricted)
         else:
-            allowed = self._optima(starts, None, restricted)
+            allowed = self._pushed(starts, restricted)
         full = [local for local in allowed if _carries(local.point, self.stack)]
         if not full:
             return None
@@ -179,6 +181,10 @@ class Chain:
         if not bound and (polished.point.beta[restricted] < 0).any():
             return winner
         return polished
+
+    def _wanted(self, arms: int) -> BoolArray:
+        """The coefficients that must not be negative."""
+        return self.stack.restricted(arms, signed=self.signed)
 
     def _starts(self, arms: int) -> list[FloatArray]:
         starts = self._inserted(count=2)
@@ -197,7 +203,8 @@ class Chain:
         """The optima without a coefficient below zero that the starts lead to."""
         found = [] if first is None else [first]
         for start in starts:
-            local = self._descend(start, [np.sort(rival.point.log_tau) for rival in found])
+            rivals = [np.sort(rival.point.log_tau) for rival in found]
+            local = self._descend(start, rivals, wanted=restricted)
             if local is not None:
                 found.append(local)
         sse = np.array([local.point.sse for local in found])
@@ -220,12 +227,14 @@ class Chain:
         rivals: Sequence[FloatArray],
         *,
         restricted: BoolArray | None = None,
+        wanted: BoolArray | None = None,
         finished: float = LOOSE,
     ) -> Local | None:
         return descend(
             self.stack,
             start,
             restricted=restricted,
+            wanted=wanted,
             rivals=rivals,
             finished=finished,
             flat=0.0 if finished == FINISHED else FLAT,
