@@ -145,6 +145,23 @@ def test_predict_refuses_a_record_that_was_not_fitted(lab: Path) -> None:
     run(*words, "seal.csv")
 
 
+def test_a_comparison_draws_the_bound_where_the_record_is_at_hand(lab: Path) -> None:
+    run("fit", "seal.csv", "--arms", "2", "-o", "fitted.json")
+    words = ("compare", "fitted.json", "frf.csv", "--mass", "104g", "--seals", "2")
+    bound, interval = "bound over unresolved arms", "95 % interval of the parameters"
+    run(*words, "--plot", "without.svg")
+    alone = (lab / "without.svg").read_text()
+    assert interval in alone
+    assert bound not in alone
+    run(*words, "--with", "seal.csv", "--plot", "with.svg")
+    both = (lab / "with.svg").read_text()
+    assert interval in both
+    assert bound in both
+    (lab / "other.csv").write_text(bench(1.01 * ramp_and_hold()))
+    said = " ".join(run(*words, "--with", "other.csv", code=2).split())
+    assert "other.csv is not what was fitted" in said
+
+
 @pytest.mark.parametrize(("rate", "code"), [("25Hz", 0), ("25.2Hz", 0), ("25.3Hz", 2), ("50Hz", 2)])
 def test_a_rate_that_the_clock_contradicts_is_refused(lab: Path, rate: str, code: int) -> None:
     said = " ".join(run("fit", "seal.csv", "--arms", "1", "--rate", rate, code=code).split())

@@ -14,6 +14,7 @@ from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._shell import File, Outcome, grams, read_fit, reports, typed, write_figure
 from dashpot.cli._terminal import Text
+from dashpot.io.options import OF_BENCH, ReadOptions
 
 _UNTESTED = (
     "the mass was inferred from the measured peak, so the stiffness is not tested: give --mass"
@@ -23,6 +24,14 @@ _UNTESTED = (
 @click.command("compare")
 @click.argument("fit", type=File())
 @click.argument("measured", type=File(), nargs=-1, required=True, metavar="IMPACT|FRF...")
+@click.option(
+    "--with",
+    "records",
+    type=File(),
+    metavar="FILE",
+    multiple=True,
+    help="The relaxation record(s) behind FIT, for the bound.",
+)
 @options.mass_if_known
 @options.seal_mass
 @options.seals
@@ -34,20 +43,39 @@ _UNTESTED = (
 @options.hammer
 @options.reading
 def command(
-    *, fit: str, measured: tuple[str, ...], seals: float, picture: str | None, **choices: Any
+    *,
+    fit: str,
+    measured: tuple[str, ...],
+    seals: float,
+    picture: str | None,
+    options: ReadOptions,
+    **choices: Any,
 ) -> Outcome:
     """Hold the prediction of FIT against the hits or the FRF in IMPACT|FRF.
+
+    The figure shows the limits by the standard errors of the fit; with the record that was fitted
+    (--with) the bound over unresolved arms, too.
 
     \b
     dashpot compare fit.json hammer.csv --mass 104g --seals 2
     dashpot compare fit.json frf.uff --mass 104g --seals 2 --json
+    dashpot compare fit.json hammer.csv --mass 104g --seals 2 --with seal_8mm.csv --plot frf.png
     """
     fitted = read_fit(fit)
-    found = workflow.compare_files(fitted, measured, seals=seals, **choices)
+    found = workflow.compare_files(
+        fitted,
+        measured,
+        seals=seals,
+        options=options.without(OF_BENCH),
+        options_with=options.only(("units", *OF_BENCH)),
+        **choices,
+    )
     if picture:
         sources = (*fitted.source, *found.comparison.measured.source)
         named = dp.plot.stamp(sources, fitted.specimen, mass=found.mass, seals=seals)
-        drawn = dp.plot.comparison(found.comparison, interval=found.interval, stamp=named)
+        drawn = dp.plot.comparison(
+            found.comparison, band=found.limits, interval=found.interval, stamp=named
+        )
         write_figure(picture, drawn)
     lines = _text.comparison(found.comparison)
     if str(found.at_rest):

@@ -18,6 +18,7 @@ from dashpot.io.options import OF_BENCH, ReadOptions
 from dashpot.io.readers.frf import read_frf
 from dashpot.io.readers.impact import read_impact
 from dashpot.io.readers.inspect import inspect_file
+from dashpot.records.bounds import FRFBounds
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF, Mode
 from dashpot.records.impact import ImpactTest
@@ -30,8 +31,8 @@ from dashpot.vibration.modal.peaks import find_peak
 from dashpot.vibration.systems.operating_point import operating_point
 from dashpot.vibration.systems.prediction import moving_mass, predict_frf
 from dashpot.workflow.job import HammerChoices, known_of_a_test
-from dashpot.workflow.prepared import answered_in, prepared_files
-from dashpot.workflow.resting import AtRest, at_rest, formal_limits
+from dashpot.workflow.prepared import answered_in, prepared_files, refuse_others
+from dashpot.workflow.resting import LIMIT_LINES, AtRest, at_rest, formal_limits, frf_limits
 
 # rounds in which a mass and the stiffness under it find each other
 WEIGHINGS = 100
@@ -245,6 +246,8 @@ class Agreement:
         Where the mass rests, and what secant and tangent make of it.
     interval : (array, array)
         Lines, Hz, and limits of the predicted accelerance by standard errors alone, 1/kg.
+    limits : FRFBounds or None
+        By both kinds of ignorance, if the relaxation record is at hand.
     """
 
     comparison: Comparison
@@ -253,6 +256,7 @@ class Agreement:
     noted: tuple[Check, ...]
     at_rest: AtRest
     interval: tuple[FloatArray, FloatArray] = field(compare=False)
+    limits: FRFBounds | None = None
 
 
 def compare_files(
@@ -266,6 +270,8 @@ def compare_files(
     seals: float = 1.0,
     band: tuple[float, float] | None = None,
     compression: float | None = None,
+    records: Sequence[str | Path] = (),
+    options_with: ReadOptions | None = None,
 ) -> Agreement:
     """Hold the prediction of a fit against the hits or the FRF in files.
 
@@ -284,6 +290,10 @@ def compare_files(
         Lines compared, Hz.
     compression : float, optional
         Of the seals, m; by default that of the mass's weight.
+    records : sequence of path
+        The relaxation tests behind the fit: they bound the unresolved arms.
+    options_with : ReadOptions, optional
+        What the user said of those.
     """
     _, frf = read_measured(measured, choices=hammer, options=options, mass=mass, band=band)
     total, noted = total_mass(mass, seal=seal_mass, seals=seals)
@@ -293,9 +303,15 @@ def compare_files(
     )
     rests = at_rest(found, mass=known, seals=seals, compression=compression)
     lines = comparison.measured.frequency[comparison.measured.frequency > 0]
-    limits = formal_limits(found, rests.point, mass=known, frequency=lines, seals=seals)
+    formal = formal_limits(found, rests.point, mass=known, frequency=lines, seals=seals)
+    limits = None
+    if records:
+        tests = prepared_files(records, options=options_with)
+        refuse_others(tests, found)
+        about = np.linspace(lines[0], lines[-1], min(len(lines), LIMIT_LINES))
+        limits = frf_limits(found, tests, rests.point, mass=known, frequency=about, seals=seals)
     noted = (*frf.checks, *noted)
-    return Agreement(comparison, known, mass is None, noted, rests, (lines, limits))
+    return Agreement(comparison, known, mass is None, noted, rests, (lines, formal), limits)
 
 
 def identify_files(

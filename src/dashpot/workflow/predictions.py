@@ -21,10 +21,14 @@ from dashpot.vibration.systems.prediction import model_modes, moving_mass, predi
 from dashpot.workflow.checks import prediction_informed
 from dashpot.workflow.job import known_of_a_test
 from dashpot.workflow.prepared import prepared_files, refuse_others
-from dashpot.workflow.resting import AtRest, at_rest, formal_limits, frf_limits, rest_checks
-
-# lines of the limits over the predicted band
-LIMIT_LINES = 401
+from dashpot.workflow.resting import (
+    LIMIT_LINES,
+    AtRest,
+    at_rest,
+    formal_limits,
+    frf_limits,
+    rest_checks,
+)
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,8 @@ from dashpot.vibration.systems.prediction import model_modes
 
 # standard errors to either side of a tangent
 REACH = 1.96
+# lines of the limits over a band
+LIMIT_LINES = 401
 # what a tangent in doubt keeps at least of its value
 SOFTEST = 0.05
 
