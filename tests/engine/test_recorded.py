@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from dashpot.base.errors import DataError, FitError
 from dashpot.engine.blocks.block import Evaluation
 from dashpot.engine.blocks.correlation import Force, response, upper_factor
+from dashpot.engine.blocks.late_force import Late
 from dashpot.engine.blocks.recorded import arm_columns, recorded_block
 from dashpot.engine.solver.certificate import certificate
 from dashpot.engine.solver.variable_projection import Solution, solve, solve_orders
@@ -118,6 +119,29 @@ def test_gram_matrix_is_that_of_every_sample(
     values = seen.gram(tau, Force.of(seen, rows.target), derivative=False)
     kept = np.r_[:p, -1]
     np.testing.assert_allclose(values, gram[np.ix_(kept, kept)], rtol=1e-12)
+
+
+@pytest.mark.parametrize("history", HISTORIES)
+@pytest.mark.parametrize("window", [(0, 6001), (1, 6001), (40, 5000), (2500, 5999)])
+def test_the_column_of_a_late_force_is_that_of_every_sample(
+    history: str, window: tuple[int, int]
+) -> None:
+    x, here = HISTORIES[history], slice(*window)
+    block = recorded_block(TIME, x, force_of(x, 2), window=here, offset="offset", drift="drift")
+    tau = np.array([0.004, 0.5, 200.0])
+    arms = block.exact.evaluate(np.log(tau)).arms
+    late = Late.of(arms, np.array([30.0, 20.0, 10.0]), tau, 200.0, np.gradient(x, TIME)[here])
+    found = block.with_delay("delay", late).evaluate(np.log([0.1, 5.0]))
+    every = block.exact.with_column("delay", late.column).evaluate(np.log([0.1, 5.0]))
+    short, long = (
+        np.column_stack((rows.fixed, rows.arms, rows.d_arms, rows.target))
+        for rows in (found, every)
+    )
+    scale = np.linalg.norm(long, axis=0)
+    scale = np.maximum(scale, 0.1 * scale[0] * (scale < scale[0]))
+    np.testing.assert_allclose(
+        short.T @ short / scale / scale[:, None], long.T @ long / scale / scale[:, None], atol=1e-10
+    )
 
 
 @pytest.mark.parametrize("history", HISTORIES)

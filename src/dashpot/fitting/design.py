@@ -10,6 +10,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.engine.blocks.block import Block, prior_block
 from dashpot.engine.blocks.hold import hold_block
+from dashpot.engine.blocks.late_force import Late
 from dashpot.engine.blocks.recorded import recorded_block
 from dashpot.engine.solver.descent import Stack
 from dashpot.engine.solver.variable_projection import Solution, solve
@@ -64,7 +65,7 @@ def nuisanced(tests: Sequence[RampHold], design: Design) -> tuple[Block, ...]:
     spare = (stack.samples - len(stack.names) - 2) // (1 + len(stack.groups))
     rough = solve([*blocks, *bound(tests, blocks, design)], max(min(_ROUGH, spare), 0))
     return tuple(
-        block.with_column(f"delay@{i}", _late(test, block, rough))
+        block.with_delay(f"delay@{i}", _late(test, block, rough))
         for i, (test, block) in enumerate(zip(tests, blocks, strict=True))
     )
 
@@ -100,13 +101,13 @@ def _bound(test: RampHold, block: Block, spread: float) -> Block:
     return prior_block(block, names, rows, mean, sd, unit=max(spread, least))
 
 
-def _late(test: RampHold, block: Block, rough: Solution) -> FloatArray:
-    """The column of a delay at every sample, N/s."""
+def _late(test: RampHold, block: Block, rough: Solution) -> Late:
+    """The force of the first solution as one that comes late, N/s."""
     time, x, _ = motion(test)
     k = rough.arms[rough.groups.index(block.arm_group)]
     k_g = rough.coefficient(block.fixed_names[0]) + float(k.sum())
-    relaxing = block.exact.evaluate(rough.log_tau, False).arms @ (k / rough.tau)
-    return np.asarray(relaxing - k_g * np.gradient(x, time)[first_sample(test) :])
+    arms = block.exact.evaluate(rough.log_tau, False).arms
+    return Late.of(arms, k, rough.tau, k_g, np.gradient(x, time)[first_sample(test) :])
 
 
 def first_sample(test: RampHold) -> int:

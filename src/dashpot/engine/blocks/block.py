@@ -11,6 +11,7 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.base.errors import DataError
+from dashpot.engine.blocks.late_force import Late
 
 _NEVER_NEGATIVE = {"k_inf", "b", "glass", "flow"}
 
@@ -51,6 +52,9 @@ class Evaluation(NamedTuple):
         )
 
 
+#: what a block cannot do once its rows are others
+_LOST: dict[str, None] = dict.fromkeys(("sampling", "full", "widen", "delayed"))
+
 Rows: TypeAlias = Callable[[FloatArray, bool], Evaluation]
 """``rows(log_tau, derivative) -> Evaluation``."""
 
@@ -88,6 +92,8 @@ class Block:
         are those already.
     widen : callable, optional
         Adds a fixed column: takes its name and its value at every sample, weighted.
+    delayed : callable, optional
+        Adds the column of a force that comes late, where that costs less than any column.
     variance : float or None
         Of every row, where it is known: the rows are what was known before the data.
     """
@@ -103,6 +109,7 @@ class Block:
     sampling: Hashable = None
     full: Callable[[], Block] | None = None
     widen: Callable[[str, FloatArray], Block] | None = None
+    delayed: Callable[[str, Late], Block] | None = None
     variance: float | None = None
 
     def evaluate(self, log_tau: FloatArray, derivative: bool = True) -> Evaluation:
@@ -117,6 +124,10 @@ class Block:
     def with_column(self, name: str, column: FloatArray) -> Block:
         """The block with one more fixed column, given at every sample."""
         return self.widen(name, column) if self.widen else self.beside(name, column)
+
+    def with_delay(self, name: str, late: Late) -> Block:
+        """The block with the column of a force that comes late."""
+        return self.delayed(name, late) if self.delayed else self.with_column(name, late.column)
 
     def beside(
         self, name: str, column: FloatArray, *, full: Callable[[], Block] | None = None
@@ -159,7 +170,7 @@ class Block:
         def rows(log_tau: FloatArray, derivative: bool) -> Evaluation:
             return self.rows(log_tau, derivative).each(change)
 
-        return replace(self, rows=rows, **{"sampling": None, "full": None, "widen": None, **facts})
+        return replace(self, rows=rows, **{**_LOST, **facts})
 
     def weighted(self, factor: float, fixed_names: tuple[str, ...] | None = None) -> Block:
         """Every row times one factor, 1/sd; with other names, if they are given."""
@@ -236,6 +247,7 @@ def retarding(block: Block, whole: str) -> Block:
         sampling=None,
         full=None if block.full is None else lambda: retarding(block.exact, whole),
         widen=lambda name, column: retarding(block.with_column(name, column), whole),
+        delayed=None,
     )
 
 

@@ -28,6 +28,7 @@ from dashpot.base.arrays import ByValue, ComplexArray, FloatArray
 from dashpot.base.errors import FitError
 from dashpot.engine.blocks.block import Block, Evaluation, Rows
 from dashpot.engine.blocks.compression import Compression, counted, uniform_step
+from dashpot.engine.blocks.late_force import Late, Steps, late_lags, turned_back
 
 
 def fast_length(least: int) -> int:
@@ -73,6 +74,8 @@ class Response(ByValue):
         Sum of squared steps in the window.
     start, count, step
         First sample of the window, samples up to its end, sample interval in s.
+    steps : Steps or None
+        The steps themselves, and their correlation.
     """
 
     fixed: FloatArray
@@ -85,15 +88,16 @@ class Response(ByValue):
     start: int
     count: int
     step: float
+    steps: Steps | None = None
 
-    def with_fixed(self, column: FloatArray) -> Response:
-        """The response with one more fixed column, shape (n,)."""
+    def with_fixed(self, column: FloatArray, own: FloatArray | None = None) -> Response:
+        """The response with one more fixed column, shape (n,), `own` its correlation if known."""
         fixed = np.concatenate((self.fixed, column[:, None]), axis=1)
         crossed = column @ fixed
         size = len(crossed)
         gram = np.empty((size, size))
         gram[:-1, :-1], gram[-1], gram[:, -1] = self.fixed_gram, crossed, crossed
-        own = self.correlate(column)
+        own = self.correlate(column) if own is None else self.lags.nodes_of(own)
         sequences = np.concatenate((self.sequences[:-3], own[None], self.sequences[-3:]))
         return replace(self, fixed=fixed, fixed_gram=gram, sequences=sequences)
 
@@ -316,7 +320,7 @@ def response(
     lags = counted(stop)
     before = np.zeros(len(lags.nodes))
     if start:
-        before = lags.nodes_of(_turned_back(d, start))
+        before = lags.nodes_of(turned_back(d, start))
     lagged = np.fft.rfft(d, size)
     bare = Response(
         fixed=fixed,
@@ -333,14 +337,9 @@ def response(
     own = bare.own_lag(d)
     rows = [_lagged(bare, column, x, d, own) for column in fixed.T]
     nodes = lags.nodes_of_each([*rows, own, d[::-1]])
-    return replace(bare, sequences=np.concatenate((nodes[:-1], before[None], nodes[-1:])))
-
-
-def _turned_back(values: FloatArray, start: int) -> FloatArray:
-    """The values before `start`, the last first, then zeros."""
-    out = np.zeros(len(values))
-    out[:start] = values[:start][::-1]
-    return out
+    sequences = np.concatenate((nodes[:-1], before[None], nodes[-1:]))
+    after = float(x[stop] - x[stop - 1] if stop < len(x) else d[-1])
+    return replace(bare, sequences=sequences, steps=Steps(d, after, own))
 
 
 def _lagged(
@@ -356,21 +355,21 @@ def _lagged(
     """
     start, stop = bare.start, bare.count
     if column[0] == column[-1] and (column == column[0]).all():
-        return np.asarray(column[0] * (x[:stop][::-1] - _turned_back(x[:stop], start)))
+        return np.asarray(column[0] * (x[:stop][::-1] - turned_back(x[:stop], start)))
     slope = uniform_step(column)
     if slope is not None:
         rest = x[stop - 1]  # a sum of what is left of it in the hold loses nothing to rounding
         total = np.cumsum(x[:stop] - rest) + rest * np.arange(1.0, stop + 1.0)
-        line = column[-1] * x[:stop][::-1] - slope * _turned_back(total, stop - 1)
+        line = column[-1] * x[:stop][::-1] - slope * turned_back(total, stop - 1)
         if start:
-            line -= _turned_back(column[0] * x[:stop] - slope * total, start)
+            line -= turned_back(column[0] * x[:stop] - slope * total, start)
         return np.asarray(line)
     if not np.array_equal(column, x[start:stop]):
         return bare.lag(column)
     # from the last lag to the first
     falls = x[stop - 1] * d
     if start:
-        falls -= x[start - 1] * _turned_back(d, start)[::-1]
+        falls -= x[start - 1] * turned_back(d, start)[::-1]
     falls[1:] -= own[:0:-1]
     return np.cumsum(falls)[::-1]
 
@@ -388,8 +387,14 @@ def correlation_block(
 
 
 def _of_force(exact: Block, shared: Response, force: Force, target: FloatArray) -> Block:
-    def widen(name: str, column: FloatArray) -> Block:
-        wider = shared.with_fixed(column)
+    def delayed(name: str, late: Late) -> Block:
+        lags = None
+        if shared.steps is not None:
+            lags = late_lags(shared.steps, late, start=shared.start, interval=shared.step)
+        return widen(name, late.column, lags)
+
+    def widen(name: str, column: FloatArray, lags: FloatArray | None = None) -> Block:
+        wider = shared.with_fixed(column, lags)
         more = force._replace(fixed=np.append(force.fixed, target @ column))
         return _of_force(exact.with_column(name, column), wider, more, target)
 
@@ -400,4 +405,5 @@ def _of_force(exact: Block, shared: Response, force: Force, target: FloatArray) 
         rotated_basis=True,
         full=lambda: exact,
         widen=widen,
+        delayed=delayed,
     )

@@ -24,8 +24,9 @@ if TYPE_CHECKING:
 
 # below this SE(ln tau) the likelihood is Gaussian for all that intervals need
 WALD_SUFFICES = 0.05
-# the widest interval that a stored profile serves
-_WIDEST_LEVEL = 0.999
+# the widest interval that a stored profile serves; where few residuals count, so that it would
+# take evidence beyond all measure, a usual one: a wider one is open
+_WIDEST_LEVEL, _USUAL_LEVEL, _MEASURE = 0.999, 0.95, 30.0
 
 
 def profiles(
@@ -78,7 +79,8 @@ def profiles(
         ]
     )
     optimum = Optimum(np.concatenate((solution.fixed, solution.arms.ravel())), solution.log_tau)
-    limit = t_quantile(_WIDEST_LEVEL, estimate.dof) ** 2
+    widest, usual = (t_quantile(one, estimate.dof) ** 2 for one in (_WIDEST_LEVEL, _USUAL_LEVEL))
+    limit = min(widest, max(1.1 * usual, _MEASURE))
     found = walked(stack, optimum, list(asked.values()), limit=limit)
     return tuple(Profile(name, *one) for name, one in zip(asked, found, strict=True))
 
