@@ -32,6 +32,7 @@ from .io.readers.impact import read_impact as read_impact
 from .io.readers.inspect import inspect_file as inspect_file
 from .io.readers.modulus import read_modulus as read_modulus
 from .io.readers.relaxation import read_relaxation as read_relaxation
+from .io.readers.shifts import read_shifts as read_shifts
 from .planning.plan import plan as plan
 from .preparation.prepare import prepare as prepare
 from .records.creep import CreepCompliance as CreepCompliance

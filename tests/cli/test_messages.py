@@ -33,6 +33,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "export/": ("export",),
     "report/answer.py": ("export",),
     "workflow/fits.py": ("fit",),
+    "workflow/shifting.py": ("fit",),
     "workflow/job.py": ("fit", "predict", "identify", "report"),
     "workflow/predictions.py": ("predict",),
     "workflow/prepared.py": ("predict",),

@@ -204,9 +204,12 @@ def test_a_sweep_is_chosen_by_its_temperature(lab: Path) -> None:
     head, *rows = text.splitlines()
     both = [f"{row},{degrees}" for degrees in (20, 60) for row in rows]
     (lab / "both.csv").write_text("\n".join([f"{head},temperature [degC]", *both]))
-    assert "--temperature 20degC" in run("fit", "both.csv", code=2)
-    found = json.loads(run("fit", "both.csv", "--temperature", "60degC", "--json"))
+    found = json.loads(run("fit", "both.csv", "--at", "60degC", "--json"))
     assert found["model"]["k_inf"] == pytest.approx(0.2e6, rel=1e-3)
+    assert found["temperature"] is None
+    assert "--at takes one of them" in run("fit", "both.csv", "--temperature", "60degC", code=2)
+    both = " ".join(run("fit", "both.csv", "--at", "60degC", "--shift", "wlf", code=2).split())
+    assert "leave out --reference, --shift, --vertical and --shifts" in both
 
 
 @pytest.mark.parametrize("noise", [0.002, 0.03])

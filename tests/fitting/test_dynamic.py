@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dashpot.base.errors import FitError
+from dashpot.base.errors import DataError, FitError
 from dashpot.fitting.checks.curves import kramers_kronig
 from dashpot.fitting.dynamic import fit_dynamic
 from dashpot.fitting.relaxation import fit
@@ -295,7 +295,7 @@ def test_mass_that_moves_along_is_found() -> None:
     found = fit_dynamic(replace(data, storage=data.storage - 1e-5 * data.omega**2), arms=1)
     check = next(check for check in found.checks if check.name == "storage_rises")
     assert check.failed
-    assert "% at 1e+03 Hz, which no relaxing solid does: mass moved along" in check.says
+    assert "% at 1000 Hz, which no relaxing solid does: mass moved along" in check.says
 
 
 def test_the_wrong_sign_of_the_loss_is_found() -> None:
@@ -316,18 +316,14 @@ def test_an_arm_beyond_the_sweep_is_an_extrapolation() -> None:
 # -- what is refused ------------------------------------------------------------------------------
 
 
-def test_sweeps_at_several_temperatures_need_a_choice() -> None:
+def test_of_several_temperatures_one_can_be_chosen() -> None:
     data = sweep(ZENER)
     hot = replace(data, temperature=np.where(data.frequency > 10, 350.0, 300.0))
     with pytest.raises(
-        FitError, match=r"between 26\.85degC and 76\.85degC.*--temperature (26|76)\.85"
-    ):
-        fit_dynamic(hot)
-    with pytest.raises(
-        FitError, match=r"no sample within 1 K of 46\.85degC; the test has 27degC, 77"
+        DataError, match=r"no sample within 1 K of 46\.85 degC; the test has 27 degC, 77"
     ):
         fit_dynamic(hot, temperature=320.0)
-    with pytest.raises(FitError, match="the test has no temperatures"):
+    with pytest.raises(DataError, match="the test has no temperatures"):
         fit_dynamic(data, temperature=320.0)
     found = fit_dynamic(hot, temperature=300.0)
     assert found.band[1] <= 10.0
@@ -359,8 +355,6 @@ def test_what_makes_no_sense_is_refused() -> None:
 
 def test_one_isotherm_of_a_real_machine(shared_data: Path) -> None:
     data = read_dynamic(shared_data / "pyvisco-master-curves" / "freq_user_raw.csv")
-    with pytest.raises(FitError, match=r"the sweeps were made between -49\.99degC and 100degC"):
-        fit_dynamic(data)
     found = fit_dynamic(data, temperature=343.0)
     value = found.model.complex_stiffness(2 * np.pi * data.frequency)
     assert data.temperature is not None

@@ -101,9 +101,10 @@ def test_the_shell_says_how_a_curve_is_fitted_and_with_what_it_is_not(tmp_path: 
     file = curve_file(tmp_path / "a.csv")
     assert inspect_file(file).kind == "modulus"
     assert 'use dashpot fit FILE --modulus "E(t)"' in shell("fit", file, expect=2)
-    for more in (["--method", "hold"], ["--depth-law"], ["--filter", "lowpass:10Hz"], [file]):
+    for more in (["--method", "hold"], ["--depth-law"], ["--filter", "lowpass:10Hz"]):
         refused = shell("fit", file, "--modulus", "E(t)", *more, expect=2)
-        assert "a relaxation modulus is fitted one at a time" in refused
+        assert "a relaxation modulus is fitted without --depth-law" in refused
+    assert "says no temperature" in shell("fit", file, file, "--modulus", "E(t)", expect=2)
     assert "there is no such column" in shell("fit", file, "--modulus", "G", expect=2)
 
 

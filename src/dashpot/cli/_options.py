@@ -166,6 +166,13 @@ def machine(function: Callable[..., T]) -> Callable[..., T]:
     return filled(Machine, "machine")(function)
 
 
+def shifting(function: Callable[..., T]) -> Callable[..., T]:
+    """Give a command the options of tests at several temperatures; it receives one ``shifting``."""
+    from dashpot.workflow.shifting import ShiftChoices
+
+    return filled(ShiftChoices, "shifting")(function)
+
+
 def hammer(function: Callable[..., T]) -> Callable[..., T]:
     """Give a command the options of an impact test; it receives one ``hammer``."""
     from dashpot.workflow.job import HammerChoices

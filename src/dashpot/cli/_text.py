@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from dashpot.base import numbers
 from dashpot.base.numbers import ascii_only
 from dashpot.cli._terminal import Text
+from dashpot.records.temperature import celsius
 
 if TYPE_CHECKING:
     from dashpot import Comparison
@@ -73,7 +74,7 @@ def fit(found: Fit) -> Text:
         lines.append(f"  elastic law {_law(found.elastic_law)}")
     if found.end_of_hold:
         lines.append(f"  left open   {ascii_only(found.end_of_hold.says)}")
-    lines += [*_by_depth(found), *_explained(found), *_moved(found)]
+    lines += [*_temperatures(found), *_by_depth(found), *_explained(found), *_moved(found)]
     details = [f"  optimiser   {found.status.value}"]
     if found.certificate:
         details.append(f"  certificate {found.certificate.says}")
@@ -152,6 +153,40 @@ def _parameters(found: Fit) -> list[str]:
     if model.b > 0:
         rows.append(["b", rounded(model.b * size), "", "", damping])
     return table(rows)
+
+
+def _temperatures(found: Fit) -> list[str]:
+    """Return the law of temperature and the shifts, where several were fitted."""
+    moved = found.temperatures
+    if moved is None:
+        return []
+    errors = moved.law_covariance.diagonal() ** 0.5
+    constants = ", ".join(
+        f"{_CONSTANTS[name][0]} {with_error(getattr(moved.law, name), error, scale=scale)}{unit}"
+        for name, error in zip(moved.law_parameters, errors, strict=True)
+        for scale, unit in [_CONSTANTS[name][1:]]
+    )
+    law = {"wlf": "WLF", "arrhenius": "Arrhenius"}.get(moved.law.kind, "none, the shifts alone")
+    rows = [["", "log10 a_T", "± SE", "b_T"]]
+    rows += [
+        [
+            celsius(one.temperature),
+            rounded(one.log10_a_t, one.se or None),
+            rounded(one.se) if one.se else "",
+            rounded(one.b_t, one.b_t_se or None),
+        ]
+        for one in moved.shifts
+    ]
+    return [
+        f"  reference   {celsius(moved.reference)}, of {len(moved.shifts)} temperatures; b_T "
+        + ("free" if moved.vertical == "free" else f"= {moved.vertical}"),
+        f"  law         {law}{': ' if constants else ''}{constants}",
+        *table(rows),
+    ]
+
+
+# how a constant of a law is called, in which size and unit people read it
+_CONSTANTS = {"c1": ("C1", 1.0, ""), "c2": ("C2", 1.0, " K"), "energy": ("E_a", 1e-3, " kJ/mol")}
 
 
 def _by_depth(found: Fit) -> list[str]:

@@ -39,6 +39,7 @@ from dashpot.cli._shell import File, Outcome, printed, reports, typed, write, wr
 @reports
 @options.machine
 @options.specimen
+@options.shifting
 @options.reading
 def command(
     *, files: tuple[str, ...], picture: str | None, output: str | None, **choices: Any
@@ -47,6 +48,7 @@ def command(
 
     FILE may also be a dynamic (DMA) sweep, storage and loss against frequency; a creep test, a
     force held, or a creep compliance over time; or, with --modulus, a relaxation modulus over time.
+    Sweeps or moduli at several temperatures are shifted to one master curve.
 
     \b
     dashpot fit seal_8mm.csv
@@ -54,6 +56,7 @@ def command(
     dashpot fit seal_4mm.csv seal_8mm.csv --depth-law
     dashpot fit curve.csv --modulus "E(t)"
     dashpot fit creep.csv
+    dashpot fit sweeps.csv --reference 20degC --plot master.png
     """
     found, records = workflow.fit_files(files, **choices)
     if picture:

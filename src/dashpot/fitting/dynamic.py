@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
-from dashpot.base.arrays import ComplexArray, FloatArray, median
+from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
 from dashpot.base.provenance import Source, Step
@@ -38,11 +39,13 @@ from dashpot.fitting.spectrum import (
     passive_misfit,
     relative_scale,
 )
+from dashpot.fitting.superposition.superpose import superpose
 from dashpot.fitting.uncertainty.informed_band import informed_band
 from dashpot.preparation.ramp_holds import Tests, ramp_holds
-from dashpot.records.dynamic import ONE_TEMPERATURE, DynamicTest
+from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import Fit, Provenance
 from dashpot.records.relaxation import RampHold
+from dashpot.records.superposition import Superposition
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 Weights: TypeAlias = Literal["relative", "modulus"]
@@ -54,11 +57,11 @@ _DOUBTED = 0.1
 
 
 def fit_dynamic(
-    data: DynamicTest,
+    data: DynamicTest | Superposition,
     *,
     arms: int | Literal["auto"] = "auto",
     tests: Tests = (),
-    weights: Weights = "relative",
+    weights: Weights | None = None,
     dashpot: bool = False,
     temperature: Quantity | None = None,
     thorough: bool = False,
@@ -76,8 +79,9 @@ def fit_dynamic(
 
     Parameters
     ----------
-    data : DynamicTest
-        One temperature, or a master curve; the frequencies in any order.
+    data : DynamicTest or Superposition
+        One temperature; or several, shifted to a master curve first, by the defaults of
+        :func:`~dashpot.fitting.superposition.superpose.superpose`; frequencies in any order.
     arms : int or "auto"
         Number of Maxwell arms; ``"auto"`` takes the number that BIC with the effective sample
         size and the significance of every arm both support.
@@ -86,7 +90,7 @@ def fit_dynamic(
         motion, each with its own tare and drift. `data` must then be in N/m.
     weights : "relative" or "modulus"
         Errors of storage and of loss relative each to its own size, or both to the size of the
-        complex modulus (an error of the phase).
+        complex modulus (an error of the phase), as by default those of a master curve.
     dashpot : bool
         Allow a parallel dashpot b; not together with `tests`.
     temperature : float, optional
@@ -100,19 +104,26 @@ def fit_dynamic(
     -------
     Fit
         `method` is ``"dynamic"``, `unit` that of the data; the residual is relative, with `tests`
-        in units of scatter.
+        in units of scatter. Of several temperatures, the solid is that of their reference, and
+        where no few arms follow it, the positive spectrum that all of them share.
         `band` is the measured frequencies, Hz, and with tests also what they inform, unless
         more than a decade between the two was not measured.
 
     Raises
     ------
     FitError
-        If sweeps at several temperatures come without `temperature`, a storage is not above
-        0, or an option makes no sense.
+        If sweeps at several temperatures cannot be shifted, a storage is not above 0, or an
+        option makes no sense.
     """
     temperature = si(temperature, "temperature")
-    data = _at_temperature(data, temperature)
+    data, moved = _at_one_temperature(data, temperature)
+    weights = weights or ("relative" if moved is None else "modulus")
     records = _records(tests, data, dashpot=dashpot)
+    if records and moved is not None:
+        raise FitError(
+            "the sweeps are of several temperatures, the relaxation tests of one: choose the "
+            "sweep of theirs with --at (Python: temperature=)"
+        )
     most = asked_arms(arms, max_arms)
     sets = [_sweep(data, weights, dashpot=dashpot, most=most)]
     sets += _relaxations(records, most)
@@ -121,13 +132,12 @@ def fit_dynamic(
     found = chosen_arms(FitData(blocks, rows), arms, max_arms=max_arms, thorough=thorough)
     model = found.model
     band, met = _band(data, records, blocks[1:], model.k_0)
-    answers = (
+    of_data = (
         kramers_kronig(passive_misfit(data)),
         loss_positive(data),
-        storage_rises(data),
-        *_checks(found, data, records),
-        *met,
+        *([storage_rises(data)] if moved is None else moved.checks),
     )
+    answers = (*of_data, *_checks(found, data, records), *met)
     options = (
         ("arms", str(arms)),
         ("weights", weights),
@@ -141,8 +151,9 @@ def fit_dynamic(
         checks=answers,
         provenance=Provenance(
             "dynamic",
-            _sources(data, records),
+            _sources(data, records) if moved is None else moved.sources,
             (
+                *(() if moved is None else moved.steps),
                 *(step for record in records for step in record.steps),
                 _step(data, records, model, options),
             ),
@@ -151,17 +162,20 @@ def fit_dynamic(
         tests=len(records),
         unit=data.unit,
     )
-    error = _relative_error(few.model, data)
+    few = replace(few, temperatures=None if moved is None else moved.temperatures)
+    error = _relative_error(few.model, data, weights if moved else "relative")
     few = measured_in(few, "sd") if records else measured_in(few, "1", error)
     if arms != "auto" or records or dashpot:
         return few
-    return dense_where_few_fail(few, error, lambda: dynamic_master_curve(data))
+    return dense_where_few_fail(few, error, lambda: moved or dynamic_master_curve(data), of_data)
 
 
-def _relative_error(model: GeneralizedMaxwell, data: DynamicTest) -> FloatArray:
-    """Errors of storage, then of loss, relative to each."""
+def _relative_error(model: GeneralizedMaxwell, data: DynamicTest, weights: str) -> FloatArray:
+    """Errors of storage, then of loss, relative to each, or both to the complex modulus."""
     K = model.complex_stiffness(data.omega)
     storage, loss = relative_scale(data)
+    if weights == "modulus":
+        storage = loss = np.abs(data.value)
     return np.concatenate(((K.real - data.storage) / storage, (K.imag - data.loss) / loss))
 
 
@@ -172,40 +186,22 @@ class _Set(NamedTuple):
     rows: tuple[Block, ...]
 
 
-def _at_temperature(data: DynamicTest, temperature: float | None) -> DynamicTest:
+def _at_one_temperature(
+    data: DynamicTest | Superposition, temperature: float | None
+) -> tuple[DynamicTest, Superposition | None]:
+    """Return what is fitted, in order of frequency, and how it was shifted there, if it was."""
+    if isinstance(data, DynamicTest) and temperature is None and data.several_temperatures:
+        data = superpose(data)
+    if isinstance(data, Superposition):
+        if temperature is not None or not isinstance(data.curve, DynamicTest):
+            raise FitError(
+                "a master curve of storage and loss is fitted whole, at its own reference: no one "
+                "temperature of it, and no moduli over time"
+            )
+        return data.curve, data
     if temperature is not None:
-        if data.temperature is None:
-            raise FitError(
-                f"temperature = {temperature:g} K was asked for, but the test has no temperatures; "
-                "leave it out"
-            )
-        near = np.abs(data.temperature - temperature) <= ONE_TEMPERATURE / 2
-        if not near.any():
-            listed = ", ".join(f"{value:.0f}degC" for value in _temperatures(data.temperature))
-            raise FitError(
-                f"no sample within {ONE_TEMPERATURE / 2:g} K of {_celsius(temperature)}; the test "
-                f"has {listed}"
-            )
-        data = data.only(near)
-    elif data.temperature is not None and data.several_temperatures:
-        low, high = data.temperature.min(), data.temperature.max()
-        typical = int(np.argmin(np.abs(data.temperature - median(data.temperature))))
-        middle = _celsius(float(data.temperature[typical]))
-        raise FitError(
-            f"the sweeps were made between {_celsius(low)} and {_celsius(high)}, and one solid has "
-            f"one temperature: choose it, for example --temperature {middle}, or shift the "
-            "sweeps to a master curve first"
-        )
-    return data.only(np.argsort(data.frequency, kind="stable"))
-
-
-def _temperatures(kelvin: FloatArray) -> FloatArray:
-    """The temperatures of several sweeps, to a degree Celsius."""
-    return np.unique(np.round(kelvin - 273.15))
-
-
-def _celsius(temperature: float) -> str:
-    return f"{temperature - 273.15:.4g}degC"
+        data = data.at(temperature)
+    return data.only(np.argsort(data.frequency, kind="stable")), None
 
 
 def _records(tests: Tests, data: DynamicTest, *, dashpot: bool) -> tuple[RampHold, ...]:

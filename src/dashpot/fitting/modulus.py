@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import FloatArray, increasing, same_length, samples
+from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Source, Step
 from dashpot.engine.blocks.block import Block
@@ -24,8 +24,11 @@ from dashpot.fitting.checks.solid import (
 from dashpot.fitting.fit_data import FitData, alone
 from dashpot.fitting.pipeline import asked_arms, assembled, chosen_arms, measured_in
 from dashpot.fitting.spectrum import dense_where_few_fail, master_curve
+from dashpot.fitting.superposition.superpose import superpose
 from dashpot.records.fit import Fit, Provenance
+from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.specimen import Specimen
+from dashpot.records.superposition import Superposition
 
 # a fit that expects less than this part of a value does not follow it: no ground for a weight
 _DOUBTED = 0.1
@@ -34,8 +37,8 @@ _LEAST = 3
 
 
 def fit_modulus(
-    time: npt.ArrayLike,
-    modulus: npt.ArrayLike,
+    time: npt.ArrayLike | RelaxationModulus | Superposition,
+    modulus: npt.ArrayLike = (),
     *,
     arms: int | Literal["auto"] = "auto",
     weights: Literal["relative", "uniform"] = "relative",
@@ -54,14 +57,17 @@ def fit_modulus(
 
     Parameters
     ----------
-    time : array_like, shape (n,)
-        s, >= 0, strictly increasing.
+    time : array_like, shape (n,), RelaxationModulus or Superposition
+        s, >= 0, strictly increasing; or the whole curve, with its unit, source and specimen. At
+        several temperatures :func:`~dashpot.fitting.superposition.superpose.superpose` shifts it
+        to a master curve with its defaults first.
     modulus : array_like, shape (n,)
         In `unit`; > 0 with relative weights.
     arms : int or "auto"
         ``"auto"`` takes the number that BIC and the significance of every arm both support; if no
         number up to `max_arms` follows the curve, with relative weights, the dense spectrum of
-        :func:`~dashpot.fitting.spectrum.master_curve` stands in, without standard errors.
+        :func:`~dashpot.fitting.spectrum.master_curve` stands in, without standard errors; of
+        several temperatures, the one that all of them share.
     weights : "relative" or "uniform"
         Residuals relative to what the best solid expects, or all alike.
     thorough : bool
@@ -86,12 +92,13 @@ def fit_modulus(
     FitError
         If an option makes no sense, or there are fewer samples than parameters.
     """
-    t, values = increasing("time", samples("time", time)), samples("modulus", modulus)
-    same_length(time=t, modulus=values)
-    if t[0] < 0:
-        raise DataError(f"time[0] = {t[0]:g} s; expected the time since the step, >= 0")
     if unit not in {"Pa", "N/m"}:
         raise FitError(f"unit = {unit!r}; expected 'Pa' or 'N/m'")
+    if isinstance(time, RelaxationModulus | Superposition):
+        data, moved = _at_one_temperature(time)
+    else:
+        data, moved = RelaxationModulus(time, modulus, unit, specimen or Specimen(), source), None  # type: ignore[arg-type]
+    t, values, unit = data.time, data.modulus, data.unit
     falls = modulus_falls(values)
     if falls.failed:
         raise DataError(f"this is no relaxation modulus: {falls.says}")
@@ -107,7 +114,9 @@ def fit_modulus(
     found = chosen_arms(FitData([block], [block]), arms, max_arms=max_arms, thorough=thorough)
     model = found.model
     positive = t[t > 0]
+    of_data = () if moved is None else moved.checks
     asked = (
+        *of_data,
         arms_supported(model, found.error, unit=unit),
         tau_inside_window(model, window, "the curve"),
         arms_distinct(model),
@@ -125,17 +134,40 @@ def fit_modulus(
         found,
         band=(float(1 / (2 * np.pi * positive[-1])), float(1 / (2 * np.pi * positive[0]))),
         checks=asked,
-        provenance=Provenance(
-            "modulus", () if source is None else (source,), (step,), specimen or Specimen()
-        ),
+        provenance=Provenance("modulus", *_origin(data, moved, step), data.specimen),
         unit=unit,
     )
     few = measured_in(few, "1" if weights == "relative" else unit)
+    if moved is not None:
+        few = replace(few, temperatures=moved.temperatures)
     later = t > 0
     if arms != "auto" or weights != "relative" or later.sum() < _LEAST:
         return few
     error = model.relaxation(t) / values - 1.0
-    return dense_where_few_fail(few, error, lambda: master_curve(t[later], values[later]))
+    return dense_where_few_fail(
+        few, error, lambda: moved or master_curve(t[later], values[later]), of_data
+    )
+
+
+def _at_one_temperature(
+    data: RelaxationModulus | Superposition,
+) -> tuple[RelaxationModulus, Superposition | None]:
+    """Return what is fitted, and how it was shifted there, if it was."""
+    if isinstance(data, RelaxationModulus):
+        if data.temperature is None:
+            return data, None
+        data = superpose(data)
+    if not isinstance(data.curve, RelaxationModulus):
+        raise FitError("a master curve of storage and loss is fitted with fit_dynamic")
+    return data.curve, data
+
+
+def _origin(
+    data: RelaxationModulus, moved: Superposition | None, step: Step
+) -> tuple[tuple[Source, ...], tuple[Step, ...]]:
+    if moved is not None:
+        return moved.sources, (*moved.steps, step)
+    return () if data.source is None else (data.source,), (step,)
 
 
 def _block(

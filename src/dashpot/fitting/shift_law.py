@@ -177,8 +177,8 @@ def law_through(
     if kind not in found:
         raise FitError(
             f"no {kind} law follows the shifts at {n + 1} temperatures: time scales must fall as "
-            "it gets warmer, and WLF needs three temperatures; take the free "
-            "shifts (Python: law='free')"
+            "it gets warmer, and WLF needs three temperatures; take the "
+            "shifts themselves (dashpot fit --shift free)"
         )
     chosen, errors = found[kind]
     return LawThroughShifts(chosen, _PARAMETERS[kind], errors, tuple(scores))

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray, increasing, same_length, samples
+from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Source
 from dashpot.engine.solver.nnls import nonnegative
@@ -249,7 +251,23 @@ def _all_positive(name: str, values: FloatArray) -> None:
 _MUCH_BETTER = 0.5
 
 
-def dense_where_few_fail(few: Fit, error: FloatArray, spectrum: Callable[[], MasterCurve]) -> Fit:
+class Dense(Protocol):
+    """A dense spectrum, and its relative root mean square error."""
+
+    @property
+    def model(self) -> GeneralizedMaxwell:
+        """Its arms."""
+        ...
+
+    @property
+    def rms(self) -> float:
+        """Over every value of the curves."""
+        ...
+
+
+def dense_where_few_fail(
+    few: Fit, error: FloatArray, spectrum: Callable[[], Dense], of_data: Sequence[Check] = ()
+) -> Fit:
     """Return the fit, or the dense spectrum where no small number of arms follows the curves.
 
     Parameters
@@ -259,6 +277,8 @@ def dense_where_few_fail(few: Fit, error: FloatArray, spectrum: Callable[[], Mas
         Its relative errors on every value of the curves.
     spectrum : callable
         Fits the dense spectrum.
+    of_data : sequence of Check
+        Those of the fit's checks that do not speak of its arms.
     """
     missed = float(np.sqrt(np.mean(error * error)))
     if missed < FOLLOWED:
@@ -281,5 +301,5 @@ def dense_where_few_fail(few: Fit, error: FloatArray, spectrum: Callable[[], Mas
         estimate=ParameterEstimate(
             (), np.zeros((0, 0)), float("inf"), residual, nuisance=few.nuisance
         ),
-        evidence=replace(few.evidence, certificate=None, checks=(*few.checks, check)),
+        evidence=replace(few.evidence, certificate=None, checks=(*of_data, check)),
     )

@@ -18,10 +18,9 @@ from dashpot.base.arrays import (
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, of_file
+from dashpot.base.units import Quantity, si
 from dashpot.records.specimen import Specimen
-
-ONE_TEMPERATURE = 2.0
-"""Sweeps this far apart in temperature are not one solid, K."""
+from dashpot.records.temperature import ONE_TEMPERATURE, near
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -99,6 +98,16 @@ class DynamicTest(ByValue, Described):
             loss=self.loss[chosen],
             temperature=None if self.temperature is None else self.temperature[chosen],
         )
+
+    def at(self, temperature: Quantity) -> DynamicTest:
+        """The samples within a kelvin of a temperature, K.
+
+        Raises
+        ------
+        DataError
+            If there are none.
+        """
+        return self.only(near(self.temperature, si(temperature, "temperature")))
 
     @property
     def several_temperatures(self) -> bool:

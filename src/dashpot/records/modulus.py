@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+
+import numpy as np
 
 from dashpot.base.arrays import ByValue, FloatArray, increasing, measured, same_length
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, of_file
+from dashpot.base.units import Quantity, si
 from dashpot.records.specimen import Specimen
+from dashpot.records.temperature import ONE_TEMPERATURE, near
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -55,6 +59,30 @@ class RelaxationModulus(ByValue, Described):
             )
         if self.unit not in {"Pa", "N/m"}:
             raise DataError(f"unit '{self.unit}' of the modulus; expected 'Pa' or 'N/m'")
+
+    def at(self, temperature: Quantity) -> RelaxationModulus:
+        """The samples within a kelvin of a temperature, K, in order of time.
+
+        Raises
+        ------
+        DataError
+            If there are none, or two at the same time.
+        """
+        kelvin = si(temperature, "temperature")
+        chosen = np.flatnonzero(near(self.temperature, kelvin))
+        chosen = chosen[np.argsort(self.time[chosen], kind="stable")]
+        return replace(
+            self,
+            time=self.time[chosen],
+            modulus=self.modulus[chosen],
+            temperature=None,
+            specimen=replace(self.specimen, temperature=kelvin),
+        )
+
+    @property
+    def several_temperatures(self) -> bool:
+        """Whether the samples are too far apart in temperature to be of one solid."""
+        return self.temperature is not None and bool(np.ptp(self.temperature) > ONE_TEMPERATURE)
 
     @property
     def described(self) -> tuple[str, ...]:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray, frozen
+from dashpot.base.arrays import BoolArray, ByValue, FloatArray, frozen
 from dashpot.base.errors import DataError
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.temperature import WLF, FreeShifts, TemperatureLaw
@@ -16,6 +16,8 @@ from dashpot.solids.temperature import WLF, FreeShifts, TemperatureLaw
 ABOVE_GLASS = 10.0
 # two temperatures within so many kelvin are one
 SAME_TEMPERATURE = 0.5
+ONE_TEMPERATURE = 2.0
+"""Samples of a sweep this far apart in temperature are not one solid, K."""
 # of a parameter, for a slope by differences
 _STEP = 1e-6
 
@@ -182,6 +184,27 @@ class TemperatureShifts(ByValue):
         i = int(np.clip(np.searchsorted(at, temperature) - 1, 0, len(at) - 2))
         slope = (b[i + 1] - b[i]) / (at[i + 1] - at[i])
         return float(np.exp(b[i] + slope * (temperature - at[i])))
+
+
+def near(temperature: FloatArray | None, asked: float) -> BoolArray:
+    """Return which samples lie within a kelvin of a temperature, K, shape (n,).
+
+    Raises
+    ------
+    DataError
+        If there are no temperatures, or none is that near.
+    """
+    if temperature is None:
+        raise DataError(f"{celsius(asked)} was asked for, but the test has no temperatures")
+    within = np.abs(temperature - asked) <= ONE_TEMPERATURE / 2
+    if not within.any():
+        listed = ", ".join(
+            f"{value:.0f} degC" for value in np.unique(np.round(temperature - 273.15))
+        )
+        raise DataError(
+            f"no sample within {ONE_TEMPERATURE / 2:g} K of {celsius(asked)}; the test has {listed}"
+        )
+    return np.asarray(within)
 
 
 def celsius(temperature: float) -> str:

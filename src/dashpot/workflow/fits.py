@@ -19,9 +19,13 @@ from dashpot.records.machine import Machine
 from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.records.specimen import Specimen
+from dashpot.records.superposition import Superposition
 from dashpot.workflow.job import known_of_a_test
+from dashpot.workflow.shifting import ShiftChoices, one_temperature
 
-Record: TypeAlias = RampHold | DynamicTest | RelaxationModulus | LoadHold | CreepCompliance
+Record: TypeAlias = (
+    RampHold | DynamicTest | RelaxationModulus | LoadHold | CreepCompliance | Superposition
+)
 
 
 def fit_files(
@@ -36,11 +40,13 @@ def fit_files(
     specimen: Specimen | None = None,
     machine: Machine | None = None,
     options: ReadOptions | None = None,
+    shifting: ShiftChoices = ShiftChoices(),  # noqa: B008
 ) -> tuple[Fit, tuple[Record, ...]]:
     """Fit one solid to the records in files, each in the way that suits it.
 
     Ramps and holds are fitted together; a dynamic (DMA) sweep alone or with ramps and holds of
-    the same part; a relaxation modulus, or a creep test, alone.
+    the same part; a relaxation modulus, or a creep test, alone; sweeps or moduli at several
+    temperatures by their master curve.
 
     Parameters
     ----------
@@ -55,11 +61,14 @@ def fit_files(
     specimen, options
         As in :func:`~dashpot.io.readers.relaxation.read_relaxation`; with a column of `modulus` the
         file is a relaxation modulus over time, and `cycle` is for preparation.
+    shifting : ShiftChoices
+        Of sweeps or moduli at several temperatures: which one, or how all are shifted.
 
     Returns
     -------
     fit : Fit
-    records : tuple of RampHold, DynamicTest, RelaxationModulus, LoadHold or CreepCompliance
+    records : tuple of RampHold, DynamicTest, RelaxationModulus, LoadHold, CreepCompliance or
+        Superposition
         What is behind it, as fitted.
 
     Raises
@@ -70,23 +79,15 @@ def fit_files(
     options = options or ReadOptions()
     if options.modulus is not None:
         known_of_a_test(machine, tests=0, add="a ramp and hold")
-        if len(files) > 1 or depth_law or method == "hold" or filter:
+        if depth_law or method == "hold" or filter:
             raise FitError(
-                "a relaxation modulus is fitted one at a time, without --depth-law, --method hold "
-                "and --filter: it is the answer to a step already"
+                "a relaxation modulus is fitted without --depth-law, --method hold and --filter: "
+                "it is the answer to a step already"
             )
-        curve = dp.read_modulus(files[0], options=options, specimen=specimen)
+        curves = [dp.read_modulus(path, options=options, specimen=specimen) for path in files]
         with about(Path(files[0]).name):
-            found = dp.fit_modulus(
-                curve.time,
-                curve.modulus,
-                arms=arms,
-                thorough=thorough,
-                unit=curve.unit,
-                source=curve.source,
-                specimen=curve.specimen,
-            )
-        return found, (curve,)
+            curve = one_temperature(curves, shifting, specimen)
+            return dp.fit_modulus(curve, arms=arms, thorough=thorough), (curve,)  # type: ignore[arg-type]
     tests = [dp.read_bench(path, options=options, specimen=specimen) for path in files]
     crept = _creep(tests)
     if crept is not None:
@@ -114,16 +115,14 @@ def fit_files(
             prepared, arms=arms, method=method, depth_law=depth_law, thorough=thorough, law=law
         )
         return found, prepared
-    if len(sweeps) > 1 or depth_law or method == "hold":
+    if depth_law or method == "hold" or (prepared and len(sweeps) > 1):
         raise FitError(
-            "a dynamic sweep is fitted one at a time, alone or with relaxation tests of the "
-            "same part, without --depth-law and --method hold"
+            "a dynamic sweep is fitted alone, with others at other temperatures, or with "
+            "relaxation tests of the same part, without --depth-law and --method hold"
         )
-    asked = specimen.temperature if specimen and sweeps[0].several_temperatures else None
-    found = dp.fit_dynamic(
-        sweeps[0], arms=arms, tests=prepared, thorough=thorough, temperature=asked
-    )
-    return found, (*sweeps, *prepared)
+    sweep = one_temperature(sweeps, shifting, specimen)
+    found = dp.fit_dynamic(sweep, arms=arms, tests=prepared, thorough=thorough)  # type: ignore[arg-type]
+    return found, (sweep, *prepared)
 
 
 def _creep(

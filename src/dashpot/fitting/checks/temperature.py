@@ -116,8 +116,8 @@ def law_follows_shifts(taken: LawScore, scores: Sequence[LawScore]) -> Finding:
         f"{celsius(taken.at)}",
         taken.missed,
         ": more than chance; between tested temperatures the shifts themselves are better "
-        "(Python: law='free'), and beyond them the law is a guess: is there a glass transition "
-        "among them, or a wrong temperature?",
+        "(dashpot fit --shift free), and beyond them the law is a guess: is there a glass "
+        "transition among them, or a wrong temperature?",
         excused=not taken.fails,
     )
 
@@ -143,8 +143,9 @@ def vertical_shift_known(vertical: str, margin: float, apart: float) -> Finding:
         None if free else margin,
         ", and trade with the horizontal ones: neither is then to be believed; a diagnostic only"
         if free
-        else ": the data hardly tell the two apart; say which (Python: vertical='T/T_r' for a "
-        "rubber, whose stiffness is of entropy; vertical='1' below the glass transition)",
+        else ": the data hardly tell the two apart; say which: that of rubber, whose stiffness is "
+        "of entropy (dashpot fit --vertical T), or none, below the glass transition (dashpot fit "
+        "--vertical 1)",
         excused=not free and apart < _SLIGHT,
         faulted=free,
     )

@@ -20,9 +20,9 @@ import numpy as np
 from dashpot.base.arrays import ComplexArray, FloatArray, IndexArray, median
 from dashpot.base.errors import FitError
 from dashpot.base.provenance import Source
-from dashpot.records.dynamic import ONE_TEMPERATURE, DynamicTest
+from dashpot.records.dynamic import DynamicTest
 from dashpot.records.modulus import RelaxationModulus
-from dashpot.records.temperature import celsius
+from dashpot.records.temperature import ONE_TEMPERATURE, celsius
 
 Measured: TypeAlias = DynamicTest | RelaxationModulus
 Domain: TypeAlias = Literal["frequency", "time"]

@@ -24,8 +24,8 @@ from dashpot.fitting.superposition.isotherms import Isotherm
 _LN10 = float(np.log(10.0))
 # relaxation times per decade: fewer make the errors of shifts too small, more change nothing
 PER_DECADE = 4
-# of the grid beyond the data, which arms outside the window still shape
-_BEYOND = _LN10
+# of the grid beyond the data: the shifts are to be free of where it ends
+BEYOND = _LN10
 _MOST_LN_A, _MOST_LN_B = 0.5, 0.3
 _ITERATIONS, _GRIDS = 60, 4
 _STILL, _LEAST_GAIN, _STUCK = 1e-4, 1e-8, 1e6
@@ -94,10 +94,10 @@ class Shifted:
         return np.asarray(self.variance * np.linalg.pinv(self.gram, hermitian=True))
 
 
-def grid_of(isotherms: Sequence[Isotherm], ln_a: FloatArray) -> FloatArray:
-    """Return the even grid of ln tau at the reference, a decade beyond all that was measured."""
+def grid_of(isotherms: Sequence[Isotherm], ln_a: FloatArray, beyond: float = BEYOND) -> FloatArray:
+    """Return the even grid of ln tau at the reference, `beyond` all that was measured."""
     windows = np.array([one.window for one in isotherms]) - np.asarray(ln_a)[:, None]
-    low, high = float(windows[:, 0].min()) - _BEYOND, float(windows[:, 1].max()) + _BEYOND
+    low, high = float(windows[:, 0].min()) - beyond, float(windows[:, 1].max()) + beyond
     count = int(np.ceil((high - low) / _LN10 * PER_DECADE)) + 1
     return np.linspace(low, high, count)
 

@@ -24,12 +24,12 @@ from dashpot.fitting.checks.temperature import (
 )
 from dashpot.fitting.shift_law import LawThroughShifts, ShiftLaw, law_through
 from dashpot.fitting.superposition.isotherms import Isotherm, Measured, isotherms_of, joined
-from dashpot.fitting.superposition.joint_spectrum import Shifted, shifted
+from dashpot.fitting.superposition.joint_spectrum import Shifted, grid_of, shifted, spectrum_at
 from dashpot.fitting.superposition.neighbours import chained_starts
-from dashpot.records.dynamic import ONE_TEMPERATURE, DynamicTest
+from dashpot.records.dynamic import DynamicTest
 from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.superposition import Superposition
-from dashpot.records.temperature import Shift, TemperatureShifts, celsius
+from dashpot.records.temperature import ONE_TEMPERATURE, Shift, TemperatureShifts, celsius
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 Vertical: TypeAlias = Literal["auto", "1", "T/T_r", "free"]
@@ -107,13 +107,13 @@ def superpose(
     temperatures = TemperatureShifts(
         laid.law, table, covariance, laid.parameters, laid.covariance, how
     )
-    rms = float(np.sqrt(np.mean(best.residual**2)))
-    curve, measured_at = _master(test, isotherms, best)
+    solid, rms = _solid(isotherms, best)
+    curve, measured_at = _master(test, isotherms, best, float(t[at]))
     return Superposition(
         curve,
         measured_at,
         temperatures,
-        _solid(best),
+        solid,
         rms,
         (
             *_judged(isotherms, best, t, at, laid),
@@ -266,20 +266,29 @@ def _shared(isotherms: Sequence[Isotherm], best: Shifted) -> FloatArray:
 # -- the master curve -----------------------------------------------------------------------------
 
 
-def _solid(best: Shifted) -> GeneralizedMaxwell:
-    k, tau = best.spectrum[1:], np.exp(best.ln_tau)
-    return GeneralizedMaxwell(float(best.spectrum[0]), tuple(k[k > 0]), tuple(tau[k > 0]))
+def _solid(isotherms: Sequence[Isotherm], best: Shifted) -> tuple[GeneralizedMaxwell, float]:
+    """Return the spectrum for use, and what it leaves, relative.
+
+    Its times end where the data do, but for half a decade where the loss still shows an arm: an
+    arm of which only the tail was measured can have any stiffness.
+    """
+    beyond = _LN10 / 2 if isotherms[0].domain == "frequency" else 0.0
+    ln_tau = grid_of(isotherms, best.ln_a, beyond)
+    h, _, residual = spectrum_at(isotherms, best.ln_a, best.ln_b, ln_tau)
+    k, tau = h[1:], np.exp(ln_tau)
+    solid = GeneralizedMaxwell(float(h[0]), tuple(k[k > 0]), tuple(tau[k > 0]))
+    return solid, float(np.sqrt(np.mean(residual**2)))
 
 
 def _master(
-    test: Measured, isotherms: Sequence[Isotherm], best: Shifted
+    test: Measured, isotherms: Sequence[Isotherm], best: Shifted, reference: float
 ) -> tuple[Measured, FloatArray]:
     """Return every sample where it lies at the reference, and where it was measured, K."""
     counts = [len(one.at) for one in isotherms]
     temperature = np.repeat([one.temperature for one in isotherms], counts)
     a, b = np.repeat(np.exp(best.ln_a), counts), np.repeat(np.exp(best.ln_b), counts)
     at = np.concatenate([one.at for one in isotherms])
-    specimen = replace(test.specimen, temperature=None)
+    specimen = replace(test.specimen, temperature=reference)
     if isinstance(test, DynamicTest):
         frequency = at * a / (2 * np.pi)
         order = np.argsort(frequency, kind="stable")

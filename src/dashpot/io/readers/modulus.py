@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+
 from dashpot.base.errors import ReadError
 from dashpot.io.columns.kinds import WANTED_BY
 from dashpot.io.columns.roles import Assigned, assign, quoted
@@ -14,6 +16,7 @@ from dashpot.io.readers.channels import Opened
 from dashpot.io.readers.stated import stated_specimen
 from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.specimen import Specimen
+from dashpot.records.temperature import ONE_TEMPERATURE
 
 _ROLES: tuple[Role, ...] = ("time", "modulus")
 
@@ -23,7 +26,8 @@ def read_modulus(
 ) -> RelaxationModulus:
     """Return the relaxation modulus E(t) in a file, in SI units.
 
-    Rows that lack a number are left out with a note.
+    Rows that lack a number are left out with a note. Where there is a column of temperature, and
+    it says several, the times may start again at each.
 
     Raises
     ------
@@ -34,17 +38,24 @@ def read_modulus(
         found = [assign(file.table, role, file.options) for role in _ROLES]
         columns = channels.answered(file, found)
         _refuse_compliance(file, columns[1])
+        temperature = assign(file.table, "temperature", file.options)
+        taken = {one.index for one in columns}
+        if isinstance(temperature, Assigned) and temperature.index not in taken:
+            columns = [*columns, temperature]
         chosen = channels.with_units(file, columns)
         indexes = [one.index for one in chosen]
         rows, notes = channels.whole_rows(channels.load(file.table, indexes, file.options.segment))
-        time, modulus = (channels.si(rows[:, j].copy(), c.unit) for j, c in enumerate(chosen))
+        values = {c.role: channels.si(rows[:, j].copy(), c.unit) for j, c in enumerate(chosen)}
+        warm = values.get("temperature")
+        several = warm is not None and np.ptp(warm) > ONE_TEMPERATURE
         specimen, said = stated_specimen(file, specimen or Specimen())
         return RelaxationModulus(
-            time,
-            modulus,
+            values["time"],
+            values["modulus"],
             "N/m" if chosen[1].unit.dimension == "stiffness" else "Pa",
             specimen,
             channels.source(file, [one.says for one in chosen], (*file.table.notes, *notes, *said)),
+            warm if several else None,
         )
 
 

@@ -1,0 +1,85 @@
+"""What a user says of tests at several temperatures: one of them alone, or all, shifted to one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import dashpot as dp
+from dashpot.base.errors import FitError
+from dashpot.base.options import option
+from dashpot.records.dynamic import DynamicTest
+from dashpot.records.modulus import RelaxationModulus
+from dashpot.records.specimen import Specimen
+from dashpot.records.superposition import Superposition
+
+_VERTICAL = {"T": "T/T_r"}
+
+
+def _vertical(word: str) -> str:
+    return _VERTICAL.get(word, word)
+
+
+@dataclass(frozen=True)
+class ShiftChoices:
+    """How sweeps or moduli at several temperatures are shifted to a master curve.
+
+    All but `at` are arguments of :func:`~dashpot.fitting.superposition.superpose.superpose`;
+    `shifts` names a file here.
+    """
+
+    at: float | None = option(
+        None, "Of several temperatures, the sweep of that one alone.", unit="temperature"
+    )
+    reference: float | None = option(
+        None, "Of a master curve, e.g. 25degC [default: nearest to 23degC].", unit="temperature"
+    )
+    law: str = option(
+        "auto", "Of its shift factors.", flag="shift", choices=("auto", "wlf", "arrhenius", "free")
+    )
+    vertical: str = option(
+        "auto",
+        "Of its moduli: 1, none; T, that of an ideal rubber; free, a diagnostic.",
+        choices=("auto", "1", "T", "free"),
+        parse=_vertical,
+    )
+    shifts: str | None = option(None, "Table of known shift factors.", metavar="FILE")
+
+
+def one_temperature(
+    tests: Sequence[DynamicTest] | Sequence[RelaxationModulus],
+    choices: ShiftChoices,
+    specimen: Specimen | None,
+) -> DynamicTest | RelaxationModulus | Superposition:
+    """Return the test as it is, the part of one temperature, or the master curve of them all.
+
+    Raises
+    ------
+    FitError
+        If the choices exclude each other, or the tests.
+    """
+    first = tests[0]
+    several = len(tests) > 1 or first.several_temperatures
+    if first.several_temperatures and specimen is not None and specimen.temperature is not None:
+        raise FitError(
+            "the file says the temperature of every sample, so --temperature has nothing to add: "
+            "--at takes one of them alone, --reference moves the master curve of them all"
+        )
+    asked = choices != ShiftChoices(at=choices.at)
+    if choices.at is not None:
+        if asked or len(tests) > 1:
+            raise FitError(
+                "--at takes one temperature out of a file of several; leave out --reference, "
+                "--shift, --vertical and --shifts, which shift them all, and other files"
+            )
+        return first.at(choices.at)
+    if not (several or asked):
+        return first
+    known = () if choices.shifts is None else dp.read_shifts(choices.shifts)
+    return dp.superpose(
+        tests,
+        reference=choices.reference,
+        law=choices.law,  # type: ignore[arg-type]
+        vertical=choices.vertical,  # type: ignore[arg-type]
+        shifts=known,
+    )
