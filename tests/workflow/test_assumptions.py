@@ -20,7 +20,7 @@ SOURCES = Path(dashpot.__file__).parent
 
 @pytest.mark.parametrize("one", ASSUMPTIONS, ids=lambda one: one.name)
 def test_every_check_and_option_named_exists(one: Assumption) -> None:
-    for file in SOURCES.rglob("checks.py"):
+    for file in (*SOURCES.rglob("checks.py"), *SOURCES.rglob("checks/*.py")):
         import_module("dashpot." + ".".join(file.relative_to(SOURCES).with_suffix("").parts))
     context = click.Context(main)
     commands = [main.get_command(context, name) for name in COMMANDS]

@@ -15,7 +15,7 @@ import numpy as np
 from dashpot.base.version import byline
 from dashpot.io.write import write_impact, write_relaxation
 from dashpot.simulation.impact import Hammer, simulate_impact
-from dashpot.simulation.relaxation import Rig, simulate_relaxation
+from dashpot.simulation.relaxation import Climate, Rig, simulate_relaxation
 from dashpot.simulation.truth import stamp
 from dashpot.solids.table_1 import BROAD
 
@@ -25,14 +25,25 @@ MASS = 0.1148
 _RIG = replace(Rig(), rate=200.0)
 # a seal that is a quarter stiffer at 8 mm than at first contact
 _STIFFENING = replace(Rig(), rate=250.0, bias=0.02, stiffening=4000.0)
+# arms a decade apart are told by thousandths of the force: a finer encoder, a faster record
+_FINE = replace(Rig(), rate=500.0, encoder=2e-6)
 _HAMMER = replace(Hammer(), rate=512.0, record=6.0)
 
 
 def _seal(
-    seed: int, *, depth: float = 8e-3, hold: float = 40.0, rig: Rig = _RIG
+    seed: int,
+    *,
+    depth: float = 8e-3,
+    hold: float = 40.0,
+    rig: Rig = _RIG,
+    celsius: float | None = None,
 ) -> Callable[[], str]:
+    climate = None if celsius is None else Climate(celsius + 273.15)
+
     def made() -> str:
-        found = simulate_relaxation(BROAD, depth=depth, hold_time=hold, rig=rig, seed=seed)
+        found = simulate_relaxation(
+            BROAD, depth=depth, hold_time=hold, rig=rig, seed=seed, climate=climate
+        )
         return write_relaxation(found.test, comments=stamp(found.truth)[:1])
 
     return made
@@ -91,6 +102,9 @@ EXAMPLES: Mapping[str, Callable[[], str]] = MappingProxyType(
         "depth_4mm.csv": _seal(3, depth=4e-3, rig=_STIFFENING),
         "depth_6mm.csv": _seal(2, depth=6e-3, rig=_STIFFENING),
         "depth_8mm.csv": _seal(1, depth=8e-3, rig=_STIFFENING),
+        "at_23degC.csv": _seal(5, rig=_FINE, celsius=23.0),
+        "at_10degC.csv": _seal(6, rig=_FINE, celsius=10.0),
+        "at_0degC.csv": _seal(7, rig=_FINE, celsius=0.0),
         "short_hold.csv": _seal(4, hold=3.0),
         "clipped.csv": _clipped,
         "sweep.csv": _sweep,
