@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import re
 import subprocess
 import sys
 from importlib import import_module
 from pathlib import Path
+
+import pytest
 
 from dashpot.io.write import write_relaxation
 from dashpot.simulation.relaxation import simulate_relaxation
@@ -68,6 +71,22 @@ def test_help_loads_click_and_no_numbers():
     )
     assert "click" in loaded
     assert not loaded & (HEAVY | {"numpy"})
+
+
+@pytest.mark.parametrize(("said", "heard"), [(None, "1"), ("3", "3")])
+def test_the_command_line_works_with_one_thread_of_blas_unless_told(said, heard):
+    """More wait at full load for the one that works: named before NumPy is there."""
+    names = [f"{library}_NUM_THREADS" for library in ("OMP", "OPENBLAS", "MKL")]
+    told = {name: said for name in names if said}
+    bare = {name: value for name, value in os.environ.items() if name not in names} | told
+    code = (
+        "import os, sys, dashpot.cli; assert 'numpy' not in sys.modules;"
+        f"print([os.environ[name] for name in {names}])"
+    )
+    found = subprocess.run(
+        [sys.executable, "-c", code], env=bare, check=True, capture_output=True, text=True
+    )
+    assert found.stdout.strip() == str([heard] * 3)
 
 
 def test_fitting_a_text_file_loads_numpy_only(tmp_path):

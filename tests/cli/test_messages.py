@@ -28,6 +28,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "fitting/dynamic.py": ("fit",),
     "fitting/modulus.py": ("fit",),
     "fitting/superposition/": ("fit",),
+    "fitting/relaxation.py:_temperatures": ("fit",),
     "fitting/identification/": ("identify", "report"),
     "vibration/comparison/": MEASURED,
     "export/": ("export",),

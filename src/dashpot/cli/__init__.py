@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import atexit
 import gc
+import os
 import sys
 from collections.abc import Callable
 from importlib import import_module
@@ -12,6 +13,11 @@ from typing import Any
 import click
 
 from dashpot.base.version import __version__
+
+# the matrices are small: threads of BLAS beside the one that works wait for it at full load. Named
+# before NumPy is loaded; who names another number is heeded
+for _name in ("OMP", "OPENBLAS", "MKL"):
+    os.environ.setdefault(f"{_name}_NUM_THREADS", "1")
 
 # the end of the process frees everything; the interpreter need not search every module for
 # cycles on the way out, which takes as long as reading a short file
