@@ -111,17 +111,10 @@ def weighed(
     data = data.bound()
 
     def solved() -> Sequence[Solution]:
+        least = one_more(data.rows) if data.in_time else 0.0
         if only:
-            return (solve(data.rows, most, thorough=thorough),)
-        stack = Stack(data.rows)
-        one_more = (1 + len(stack.groups)) * float(np.log(stack.samples))
-        return solve_orders(
-            data.rows,
-            most,
-            negligible=one_more if data.in_time else 0.0,
-            every=not auto,
-            thorough=thorough,
-        )
+            return (solve(data.rows, most, negligible=least, thorough=thorough),)
+        return solve_orders(data.rows, most, negligible=least, every=not auto, thorough=thorough)
 
     solutions = solved()
     residuals = tuple(residual_of(solutions[-1], block) for block in data.samples)
@@ -131,6 +124,12 @@ def weighed(
         return First(data, solutions, residuals, noises)
     data = data.bound(spreads)
     return First(data, solved(), residuals, noises)
+
+
+def one_more(blocks: Sequence[Block]) -> float:
+    """Return what BIC asks one more arm to gain, in noise variances."""
+    stack = Stack(blocks)
+    return (1 + len(stack.groups)) * float(np.log(stack.samples))
 
 
 def determinable_arms(blocks: Sequence[Block]) -> int:

@@ -33,7 +33,7 @@ from dashpot.fitting.design import (
     nuisanced,
     solid_of,
 )
-from dashpot.fitting.fit_data import First, FitData, determinable_arms, weighed
+from dashpot.fitting.fit_data import First, FitData, determinable_arms, one_more, weighed
 from dashpot.fitting.nonlinear_ramp import checks as ramp_checks
 from dashpot.fitting.nonlinear_ramp.assembly import ramp_fit
 from dashpot.fitting.nonlinear_ramp.ladder import LawName, ramp_law
@@ -325,7 +325,7 @@ class _Holds:
         held = sum(len(record.time[record.hold]) for record in self.records)
         if held <= 1 + 2 * arms or any(eq5_obstacle(record) for record in self.records):
             return None
-        return solid_of(solve(self.blocks, arms))
+        return solid_of(solve(self.blocks, arms, negligible=one_more(self.blocks)))
 
 
 def _apart(log_tau: FloatArray, window: tuple[float, float]) -> bool:

@@ -114,14 +114,14 @@ def _joined(fine: Noise, slow: FloatArray, few: int) -> Noise:
 def _seen(residual: FloatArray, jacobian: FloatArray | None, *, rounding: float = 0.0) -> Noise:
     """What the correlations of neighbours say, up to the lag at which chance takes over."""
     n = len(residual)
-    kept = initial_sequence(residual)
+    kept, gamma = initial_sequence(residual)
     parameters = 0 if jacobian is None else jacobian.shape[1]
     whitened = n / max(n - parameters, 1.0)
     if kept[0] <= rounding**2:
         return Noise(n, kept[:1] * whitened, 1.0, 2.0)
     kappa = _kappa(kept)
     if jacobian is not None and parameters * kappa > _WORTH_GIVING_BACK * n:
-        gamma, taken = autocovariance(residual), _taken(jacobian)
+        gamma, taken = autocovariance(residual) if gamma is None else gamma, _taken(jacobian)
         for _ in range(_ROUNDS):
             given = gamma + gamma[0] * min(kappa, n / (2.0 * parameters)) * taken / n
             kept = given[: geyer_cut(given)]
@@ -156,17 +156,20 @@ def autocovariance(residual: FloatArray) -> FloatArray:
     return np.asarray(np.fft.irfft(power, size)[..., :n] / n)
 
 
-def initial_sequence(residual: FloatArray) -> FloatArray:
-    """Return :func:`autocovariance` up to :func:`geyer_cut`, lag by lag while lags are few."""
+def initial_sequence(residual: FloatArray) -> tuple[FloatArray, FloatArray | None]:
+    """Return :func:`autocovariance` up to :func:`geyer_cut`, and all of it if that took all.
+
+    Lag by lag while lags are few.
+    """
     n, found = len(residual), [float(residual @ residual)]
     for lag in range(1, min(_FEW_LAGS, n - 1), 2):
         # gamma_{lag - 1} is the first of the pair
         found.append(float(residual[lag:] @ residual[:-lag]))
         if found[-2] + found[-1] <= 0.0:
-            return np.array(found[: max(lag - 1, 1)]) / n
+            return np.array(found[: max(lag - 1, 1)]) / n, None
         found.append(float(residual[lag + 1 :] @ residual[: -lag - 1]))
     gamma = autocovariance(residual)
-    return gamma[: geyer_cut(gamma)]
+    return gamma[: geyer_cut(gamma)], gamma
 
 
 def geyer_cut(gamma: FloatArray) -> int:

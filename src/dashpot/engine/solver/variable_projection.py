@@ -110,6 +110,7 @@ def solve(
     arms: int,
     *,
     log_tau_start: FloatArray | None = None,
+    negligible: float = 0.0,
     thorough: bool = False,
     signed: bool = False,
     seed: int = 0,
@@ -124,6 +125,8 @@ def solve(
         How many relaxation times, >= 0.
     log_tau_start : array, shape (arms,), optional
         One start of your own; without it the engine finds the starts.
+    negligible : float
+        Of arms beyond those that could gain so many noise variances one start is enough.
     thorough : bool
         Add quasi-random starts for every number of arms.
     signed : bool
@@ -147,7 +150,7 @@ def solve(
     chain = Chain(stack, thorough=thorough, signed=signed, seed=seed)
     if chain.leap(arms):
         return _of(chain, -1, requested=arms)
-    chain.extend(arms)
+    chain.extend(arms, negligible=negligible)
     return _of(chain, chain.reached, requested=arms)
 
 
