@@ -10,6 +10,7 @@ from kit import cold
 
 import dashpot as dp
 from dashpot.fitting.uncertainty.prediction_bounds import parameter_band
+from dashpot.records.bounds import StiffnessBounds
 
 ROOM, FRIDGE = 23.0, 0.0
 PAIR, TRIPLE = (ROOM, FRIDGE), (ROOM, 10.0, FRIDGE)
@@ -72,6 +73,16 @@ def test_shift_and_stiffness_are_those_of_the_seal(pair):
     )
 
 
+def test_the_cold_solid_is_known_by_the_cold_test(pair):
+    """Relaxation time, shift and slope err together: their product is what the test measured."""
+    chilled = pair.at_temperature("0degC")
+    arm = chilled.parameters.index("ln_tau_1")
+    found, error = np.log(chilled.model.tau[0]), float(np.sqrt(chilled.covariance[arm, arm]))
+    assert error < 0.2 * float(np.sqrt(pair.covariance[arm, arm]))
+    true = np.log(0.0125) + np.log(10) * cold.log10_a(273.15)
+    assert abs(found - true) < 3 * error < 0.05
+
+
 def test_two_temperatures_are_told_that_three_see_more(pair, triple):
     told = {check.name: check for check in pair.checks}["shifts_told_apart"]
     assert told.failed
@@ -86,6 +97,46 @@ def test_three_temperatures_carry_a_law(triple):
     assert abs(at - cold.log10_a(263.15)) < 3 * error < 0.1
     assert triple.verdict.use == "use"
     assert abs(off(triple, "broad")) < 0.04
+
+
+LINES = np.array([0.01, 0.1, 1.0, 5.0, cold.RESONANCE, 50.0])
+
+
+def held(seal: str, bounds: StiffnessBounds) -> np.ndarray:
+    """Whether storage and loss of the truth lie within the bounds, line by line, shape (2, n)."""
+    true = np.array([cold.complex_stiffness(seal, f) for f in LINES])
+    return np.array(
+        [
+            (low <= part) & (part <= high)
+            for (low, high), part in ((bounds.storage, true.real), (bounds.loss, true.imag))
+        ]
+    )
+
+
+def test_a_cold_test_narrows_what_unseen_arms_may_do(pair):
+    records = cold.records("hidden", PAIR, 0)
+    both = dp.unseen_arm_band(pair, records, LINES)
+    alone = dp.unseen_arm_band(dp.fit(records[0]), records[0], LINES)
+    assert held("hidden", both).all()
+    at = list(LINES).index(cold.RESONANCE)
+    low, high = both.loss[:, at] / cold.complex_stiffness("hidden").imag
+    assert 0.9 < low < 1 < high < 1.2
+    assert np.ptp(alone.loss[:, at]) > 10 * np.ptp(both.loss[:, at])
+
+
+def test_records_that_were_not_fitted_bound_nothing(pair):
+    warm = cold.a_test("hidden", ROOM, 0)
+    with pytest.raises(dp.DataError, match="a record has none"):
+        dp.unseen_arm_band(pair, replace(warm, specimen=dp.Specimen()), LINES)
+    with pytest.raises(dp.DataError, match="10 degC, and no test of the fit is"):
+        dp.unseen_arm_band(pair, cold.a_test("hidden", 10.0, 0), LINES)
+
+
+def test_the_end_of_the_hold_is_left_open_as_far_as_it_is(pair):
+    k_inf, k, tau = cold.HIDDEN
+    end = k_inf + np.sum(np.array(k) * np.exp(-40 / np.array(tau)))
+    low, high = pair.left_open["k_end"]
+    assert low < end < high < 1.01 * low
 
 
 def test_the_order_of_the_files_does_not_matter(pair):
@@ -168,13 +219,16 @@ def test_what_knows_of_no_temperature_is_refused(options):
 @pytest.mark.slow
 def test_twenty_pairs_find_the_shift_and_the_damping():
     """Broad and hidden-arm seals at 23 and 0 degC, delay and hum on."""
-    shift, damping, holds = [], [], []
+    shift, damping, holds, within = [], [], [], []
     for seal in cold.SEALS:
         for seed in range(10):
-            found = fitted(seal, seed=seed)
+            records = [dp.prepare(one) for one in cold.records(seal, PAIR, seed)]
+            found = dp.fit(records)
+            within.append(held(seal, dp.unseen_arm_band(found, records, LINES)))
             shift.append(abs(found.shifts[0].log10_a_t - cold.log10_a(273.15)))
             damping.append(abs(off(found, seal)))
             holds.append(inside(found, seal))
     assert np.sum(np.array(shift) < 0.01) >= 19
     assert np.sum(np.array(damping) < 0.03) == 20
     assert (np.sum(holds, axis=0) >= 18).all()
+    assert (np.sum(within, axis=0) >= 18).all()

@@ -19,6 +19,7 @@ from dashpot.engine.inference.covariance import noise_of
 from dashpot.preparation.noise import scatter
 from dashpot.records.machine import TOLD_DRIFT
 from dashpot.records.relaxation import RampHold
+from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # fewer samples have no scatter, and none a slope, to speak of
 _FEWEST = 5
@@ -35,6 +36,10 @@ class Prior(NamedTuple):
 
     mean: float
     sd: float
+
+
+# what a chamber holds its temperature to over a record, K
+WARMING = Prior(0.0, 0.5)
 
 
 class Priors(NamedTuple):
@@ -180,3 +185,27 @@ def _first_reading(record: RampHold, noise: float) -> Prior:
     peak = int(np.argmax(x >= 0.1 * record.depth)) or len(x) - 1
     slope = abs(float(force[peak] - force[0])) / max(float(x[peak] - x[0]), 1e-300)
     return Prior(0.0, noise + slope * float(x[0]))
+
+
+def warming(
+    time: FloatArray, x: FloatArray, solid: GeneralizedMaxwell, *, by_a: float, by_b: float
+) -> FloatArray:
+    r"""Return what a seal that warms by one kelvin over its record adds to the force, N/K.
+
+    It answers in reduced time :math:`\xi = \int dt/a(T(t))`, its stiffnesses times b(T(t)).
+
+    Parameters
+    ----------
+    time, x : array, shape (n,)
+        s and m.
+    solid : GeneralizedMaxwell
+        At the temperature of the test.
+    by_a, by_b : float
+        Slopes of ln a_T and of ln b_T there, 1/K.
+    """
+    rise = WARMING.sd * time / time[-1]
+    # time counts for more as the seal gets faster
+    pace = np.exp(-by_a * rise)
+    reduced = np.concatenate(([0.0], np.cumsum(np.diff(time) * (pace[1:] + pace[:-1]) / 2)))
+    moved = np.exp(by_b * rise) * solid.force(reduced, x) - solid.force(time, x)
+    return np.asarray(moved / WARMING.sd)

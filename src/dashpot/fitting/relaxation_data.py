@@ -22,6 +22,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, median
+from dashpot.base.errors import DataError
 from dashpot.engine.blocks.block import Block, Evaluation
 from dashpot.engine.blocks.compression import SMALL, uniform_step
 from dashpot.engine.blocks.correlation import correlation_block, fast_length
@@ -29,10 +30,11 @@ from dashpot.engine.blocks.hold import hold_block
 from dashpot.engine.blocks.kernels import reduced_block
 from dashpot.engine.blocks.recorded import recursion_block
 from dashpot.fitting.design import evened
-from dashpot.fitting.nuisance import Prior, priors
+from dashpot.fitting.nuisance import WARMING, Prior, priors, warming
 from dashpot.preparation.denoising import rests, true_motion
 from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RampHold
+from dashpot.records.temperature import SAME_TEMPERATURE, celsius, decades, shifted_log_tau
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -53,7 +55,55 @@ LINE = 20.0
 WANDERS = 2.0
 
 
+# standard errors of a shift within which other spectra may move it, and never less than this, ln
+_FREE, _LEAST_SHIFT = 5.0, 0.007
+# standard errors of a slope from which on arms do shift apart
+_SURE = 3.0
+# another temperature may change every stiffness by so much more than b_T
+_GAIN = 0.02
+_LN10 = float(np.log(10.0))
+
 White: TypeAlias = Callable[[FloatArray], FloatArray]
+
+
+class Moved(NamedTuple):
+    r"""How a solid lies at the temperature of a test: relaxation times and stiffnesses.
+
+    Attributes
+    ----------
+    log_a, log_b : float
+        :math:`\ln a_T` and :math:`\ln b_T`.
+    slope : float
+        How much further each decade of tau shifts.
+    shift_sd, slope_sd : float
+        What is not known of ln a_T and of the slope; 0 at the reference.
+    """
+
+    log_a: float = 0.0
+    log_b: float = 0.0
+    slope: float = 0.0
+    shift_sd: float = 0.0
+    slope_sd: float = 0.0
+
+    @property
+    def a_t(self) -> float:
+        """Shift factor of time."""
+        return float(np.exp(self.log_a))
+
+    def log_tau(self, log_tau: FloatArray) -> FloatArray:
+        """Ln of relaxation times there."""
+        return shifted_log_tau(log_tau, self.log_a, self.slope)
+
+    def doubts(self, answer: GeneralizedMaxwell, slopes: FloatArray) -> FloatArray:
+        """What a doubtful shift and slope add to a force: columns times their standard deviation.
+
+        `answer` is the solid at this temperature, `slopes` the derivatives of its arms' columns.
+        """
+        k = np.asarray(answer.k)
+        far = decades(np.log(np.asarray(answer.tau)) - self.log_a)
+        return np.column_stack(
+            (slopes @ (k * self.shift_sd), slopes @ (k * self.log_a * far * self.slope_sd))
+        )
 
 
 class Rows(NamedTuple):
@@ -94,6 +144,8 @@ class RelaxationData:
         Standard deviations of the delay, s, and of the relative size of the force.
     certain : Block
         The test without the columns that only doubt the motion.
+    moved : Moved or None
+        How the solid that is asked about lies at the temperature of the test.
     """
 
     block: Block
@@ -105,6 +157,14 @@ class RelaxationData:
     delay: float
     size: float
     certain: Block
+    moved: Moved | None = None
+
+    @property
+    def window(self) -> tuple[float, float]:
+        """Shortest and longest relaxation time, at the reference, that the test could tell, s."""
+        low, high = self.block.window
+        a_t = 1.0 if self.moved is None else self.moved.a_t
+        return low / a_t, high / a_t
 
     @property
     def floor(self) -> float:
@@ -125,24 +185,29 @@ class RelaxationData:
         """Everything that depends on the solid, whitened for all that the rig adds."""
         count, kinds = len(log_tau), [name.partition("@")[0] for name in self.block.fixed_names]
         shortest = np.log(DASHPOT * self.block.window[0])
+        moved = self.moved or Moved()
+        doubtful = moved.shift_sd > 0
         found = self.block.evaluate(
-            np.concatenate((log_tau, np.log(self.answer.tau), [shortest])), slopes
+            np.concatenate((moved.log_tau(log_tau), np.log(self.answer.tau), [shortest])),
+            slopes or doubtful,
         )
         spring = found.fixed[:, kinds.index("k_inf")]
         fast = found.arms[:, -1] / np.exp(shortest)
         of_answer = _of_answer(self.answer, spring, fast, found.arms[:, count:-1])
         columns, mean = self._known(found, kinds)
+        if doubtful:
+            columns += list(moved.doubts(self.answer, found.d_arms[:, count:-1]).T)
+        b_t = float(np.exp(moved.log_b))
         free = [kind not in SOLID and kind not in self.known for kind in kinds]
         doubts = np.column_stack((*columns, *(of_answer * (self.delay, self.size)).T))
         white = _whitening(found.fixed[:, free], self.weight * doubts)
+        dashpot = found.fixed[:, kinds.index("b")] if "b" in kinds else fast
         return Rows(
             target=white(self.weight * (found.target - mean)),
-            spring=white(self.weight * spring),
-            dashpot=white(
-                self.weight * (found.fixed[:, kinds.index("b")] if "b" in kinds else fast)
-            ),
-            arms=white(self.weight * found.arms[:, :count]),
-            slopes=white(self.weight * found.d_arms[:, :count]),
+            spring=white(self.weight * b_t * spring),
+            dashpot=white(self.weight * moved.a_t * b_t * dashpot),
+            arms=white(self.weight * b_t * found.arms[:, :count]),
+            slopes=white(self.weight * b_t * found.d_arms[:, :count]),
         )
 
     def _known(
@@ -186,7 +251,14 @@ def _whitening(free: FloatArray, doubts: FloatArray) -> White:
 # -- from a test ----------------------------------------------------------------------------------
 
 
-def relaxation_data(test: RampHold, fit: Fit, *, alone: Fit | None = None) -> RelaxationData:
+def relaxation_data(
+    test: RampHold,
+    fit: Fit,
+    *,
+    alone: Fit | None = None,
+    moved: Moved | None = None,
+    warms: tuple[float, float] = (0.0, 0.0),
+) -> RelaxationData:
     r"""Weigh a test by its own residual, and doubt all that its rig adds to the force.
 
     What is before first contact only tells offset and drift, and is spent on their priors. A
@@ -201,7 +273,19 @@ def relaxation_data(test: RampHold, fit: Fit, *, alone: Fit | None = None) -> Re
         The solid whose response to a small motion stands for the doubt; its method is kept.
     alone : Fit, optional
         Of this test alone, where `fit` is of more than this test: its solid leaves the noise.
+    moved : Moved, optional
+        How the solid that is asked about lies at the temperature of the test and of `fit`: the
+        seal may then have warmed while it was recorded.
+    warms : (float, float)
+        Slopes of ln a_T and ln b_T there, 1/K.
+
+    Raises
+    ------
+    DataError
+        If the fit is of several temperatures, and the test of none of them.
     """
+    if fit.temperatures is not None:
+        return _at_its_temperature(test, fit, alone)
     model, own = fit.model, (alone or fit).model
     if fit.method == "hold":
         return held_data(test, model, _left_by(own, held(test, test.depth)))
@@ -210,18 +294,59 @@ def relaxation_data(test: RampHold, fit: Fit, *, alone: Fit | None = None) -> Re
     time = evened(test.time[: len(x)] - test.time[0])
     motions = _doubts(test, time)
     columns = {name: model.force(time, 1.0 * moved) for name, (moved, _) in motions.items()}
+    if moved is not None:
+        columns["warming"] = warming(time, x - x[0], model, by_a=warms[0], by_b=warms[1])
     certain = _recorded(test, time, x - x[0], {})
     residual = _left_by(own, certain)
     power = max(noise_power(residual), certain.rounding_floor)
     trusted = 1 / np.sqrt(1 + (model.k_0 * left) ** 2 / power)
-    return _weighed(
+    found = _weighed(
         test,
-        _recorded(test, time, x - x[0], columns, trusted=trusted),
+        _recorded(test, time, x - x[0], columns, trusted=trusted, a_t=moved.a_t if moved else 1.0),
         certain,
         model,
         residual,
-        doubts={name.partition("@")[0]: sd for name, (_, sd) in motions.items()},
+        doubts={
+            **{name.partition("@")[0]: sd for name, (_, sd) in motions.items()},
+            **({} if moved is None else {"warming": WARMING.sd}),
+        },
     )
+    if moved is None:
+        return found
+    gain = _GAIN if moved.shift_sd > 0 else 0.0
+    return replace(found, moved=moved, size=float(np.hypot(found.size, gain)))
+
+
+def _at_its_temperature(test: RampHold, fit: Fit, alone: Fit | None) -> RelaxationData:
+    """A test of several temperatures: what it says of the solid at their reference.
+
+    Its shifts are as free as other spectra may want them, within what the line through the fit
+    bears; its stiffnesses may differ by a gain.
+    """
+    moved, kelvin = fit.temperatures, test.specimen.temperature
+    if moved is None or kelvin is None:
+        raise DataError(
+            "the fit is of tests at several temperatures, and a record has none: give the records "
+            "that were fitted, each with its temperature"
+        )
+    shift = moved.nearest(kelvin)
+    if abs(shift.temperature - kelvin) > SAME_TEMPERATURE:
+        raise DataError(
+            f"a record is of {celsius(kelvin)}, and no test of the fit is: give those that were "
+            "fitted"
+        )
+    here = replace(fit.at_temperature(shift.temperature), temperatures=None)
+    rates, at_reference = moved.rates(shift.temperature), shift.temperature == moved.reference
+    slope_sd = float(np.sqrt(moved.cross[-1, -1])) if len(moved.cross) else 0.0
+    where = Moved(
+        shift.log10_a_t * _LN10,
+        float(np.log(shift.b_t)),
+        # arms that shift apart by no more than chance are laid out together, and doubted
+        moved.slope if abs(moved.slope) > _SURE * slope_sd else 0.0,
+        0.0 if at_reference else max(_FREE * shift.se * _LN10, _LEAST_SHIFT),
+        0.0 if at_reference else _FREE * slope_sd,
+    )
+    return relaxation_data(test, here, alone=alone, moved=where, warms=rates)
 
 
 def _bent(fit: Fit, x: FloatArray, left: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -343,10 +468,12 @@ def _recorded(
     columns: Mapping[str, FloatArray],
     *,
     trusted: FloatArray | None = None,
+    a_t: float = 1.0,
 ) -> Block:
     """The block of a recorded motion from first contact on, with further private columns.
 
-    `trusted` weighs each sample by what is known of the motion, up to the last doubtful one.
+    `trusted` weighs each sample by what is known of the motion, up to the last doubtful one; `a_t`
+    is how many times slower the solid is there than the one asked about.
     """
     first, step = priors(test).first, uniform_step(time)
     fixed = {"k_inf": x, "offset": np.ones(len(x)), "drift": time, **columns}
@@ -362,9 +489,10 @@ def _recorded(
 
     whole = exact(slice(first, len(x)))
     low, high = whole.window
-    reach = min(DASHPOT * low, SHORTEST), LONGEST * high
+    reach = min(DASHPOT * low, SHORTEST) * min(a_t, 1.0), LONGEST * high * max(a_t, 1.0)
     moving = 0 if trusted is None else int(np.flatnonzero(trusted < 1)[-1:].sum()) + 1
-    if step is None or len(x) <= SMALL or moving > len(x) // 2:
+    # correlations cannot tell arms apart that are slower than a record by far
+    if step is None or len(x) <= SMALL or moving > len(x) // 2 or a_t != 1.0:
         return reduced_block(
             whole if not moving else exact(slice(first, len(x)), trusted), reach=reach
         )

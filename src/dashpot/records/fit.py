@@ -368,7 +368,7 @@ class Fit(ByValue, Pictured):
             f"at {celsius(kelvin)}, a_T = {a_t:.5g} and b_T = {b_t:.5g} times fit {self.identity}",
         )
         scaled = self._scaled(b_t, step)
-        covariance = moved.covariance_at(kelvin, self.parameters, self.covariance, solid)
+        covariance = moved.covariance_at(kelvin, self.parameters, self.covariance, self.model)
         estimate = replace(scaled.estimate, covariance=covariance, profiles=())
         low, high = self.band
         return replace(
@@ -585,6 +585,7 @@ class Fit(ByValue, Pictured):
             self,
             solid=count * self.solid,
             elastic_law=None if self.elastic_law is None else count * self.elastic_law,
+            temperatures=None if self.temperatures is None else self.temperatures.times(scale),
             estimate=replace(
                 self.estimate,
                 covariance=self.covariance * np.outer(scale, scale),

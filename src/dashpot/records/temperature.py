@@ -18,6 +18,9 @@ ABOVE_GLASS = 10.0
 SAME_TEMPERATURE = 0.5
 ONE_TEMPERATURE = 2.0
 """Samples of a sweep this far apart in temperature are not one solid, K."""
+# the relaxation time, s, that is shifted by a_T however arms shift apart
+CENTRE = 0.5
+_LN10 = float(np.log(10.0))
 # of a parameter, for a slope by differences
 _STEP = 1e-6
 
@@ -60,6 +63,12 @@ class TemperatureShifts(ByValue):
     law_covariance : array, shape (p, p)
     vertical : str
         How stiffnesses follow the temperature: ``"free"``, ``"T/T_r"`` or ``"1"``.
+    slope : float
+        How much further each decade of relaxation time shifts: a solid whose arms all shift
+        together has 0.
+    cross : array, shape (p + 1, 2 n + 1) or empty
+        Covariance of the p parameters of the fit's solid and of `slope` with what `covariance` is
+        of and with `slope`; empty where nothing is known of it.
     """
 
     law: TemperatureLaw
@@ -68,6 +77,8 @@ class TemperatureShifts(ByValue):
     law_parameters: tuple[str, ...] = ()
     law_covariance: FloatArray = ()  # type: ignore[assignment]
     vertical: str = "free"
+    slope: float = 0.0
+    cross: FloatArray = ()  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
         for name, rows in (
@@ -78,6 +89,8 @@ class TemperatureShifts(ByValue):
             if found.size != rows * rows:
                 raise DataError(f"{name} has {found.size} values, expected {rows} x {rows}")
             object.__setattr__(self, name, frozen(found.reshape(rows, rows)))
+        cross = np.asarray(self.cross, dtype=float).reshape(-1, 2 * len(self.shifts) + 1)
+        object.__setattr__(self, "cross", frozen(cross))
         rising = [shift.temperature for shift in self.shifts]
         if rising != sorted(set(rising)) or self.law.reference not in rising:
             raise DataError(
@@ -119,7 +132,10 @@ class TemperatureShifts(ByValue):
                 f"{ABOVE_GLASS:g} K to the glass transition, at about {celsius(self.law.glass)} "
                 "by the fitted law, the law fails: test there"
             )
-        return solid.shifted(float(self.law.a_t(temperature)), self.b_t(temperature))
+        log_a, tau = float(np.log(self.law.a_t(temperature))), np.asarray(solid.tau)
+        moved = np.exp(shifted_log_tau(np.log(tau), log_a, self.slope))
+        whole = solid.shifted(float(np.exp(log_a)), self.b_t(temperature))
+        return replace(whole, tau=tuple(moved.tolist()))
 
     def error(self, temperature: float) -> tuple[float, float]:
         """Standard errors of ln a_T and of ln b_T at T, K."""
@@ -130,7 +146,7 @@ class TemperatureShifts(ByValue):
         se = float(np.sqrt(max(float(gradient @ part @ gradient), 0.0)))
         errors = [shift.b_t_se / shift.b_t for shift in self.shifts]
         at = [shift.temperature for shift in self.shifts]
-        return float(np.log(10.0)) * se, float(np.interp(temperature, at, errors))
+        return _LN10 * se, float(np.interp(temperature, at, errors))
 
     def covariance_at(
         self,
@@ -139,20 +155,68 @@ class TemperatureShifts(ByValue):
         covariance: FloatArray,
         solid: GeneralizedMaxwell,
     ) -> FloatArray:
-        """Return the covariance of a solid's parameters at T, K, with the doubt of both shifts.
+        """Return the covariance of a solid's parameters at T, K, with the doubt of its shifts.
 
-        `names` and `covariance` are those at the reference, `solid` that at T.
+        `names`, `covariance` and `solid` are those at the reference.
         """
-        a_t, b_t = float(self.law.a_t(temperature)), self.b_t(temperature)
+        log_a, b_t = float(np.log(self.law.a_t(temperature))), self.b_t(temperature)
         values = {f"k_{j}": k for j, k in enumerate(solid.k, start=1)} | {"k_inf": solid.k_inf}
-        times = [1.0 if n.startswith("ln_") else a_t * b_t if n == "b" else b_t for n in names]
-        scale = np.array(times)
-        by_a = np.array([float(n.startswith("ln_tau")) + solid.b * (n == "b") for n in names])
-        by_b = np.array([values.get(n, 0.0) + solid.b * (n == "b") for n in names])
+        far = {
+            f"ln_tau_{j}": d for j, d in enumerate(decades(np.log(np.asarray(solid.tau))), start=1)
+        }
+        by = np.zeros((len(names), len(names) + 3))
+        for row, name in enumerate(names):
+            if name in far:
+                stretched = 1 + log_a * self.slope / _LN10
+                by[row, row] = stretched
+                by[row, -3:] = 1 + self.slope * far[name], 0.0, log_a * far[name]
+            elif name == "b":
+                a_b = float(np.exp(log_a)) * b_t
+                by[row, row] = a_b
+                by[row, -3:-1] = a_b * solid.b
+            else:
+                by[row, row] = b_t
+                by[row, -2] = b_t * values.get(name, 0.0)
+        return np.asarray(by @ self._with_shifts(temperature, covariance) @ by.T)
+
+    def _with_shifts(self, temperature: float, covariance: FloatArray) -> FloatArray:
+        """Covariance of a solid's parameters, of ln a_T, ln b_T at T, and of the slope."""
+        size, count = len(covariance), len(self.shifts)
         of_a, of_b = self.error(temperature)
-        moved = covariance * np.outer(scale, scale)
-        doubt = of_a**2 * np.outer(by_a, by_a) + of_b**2 * np.outer(by_b, by_b)
-        return np.asarray(moved + doubt)
+        whole = np.zeros((size + 3, size + 3))
+        whole[:size, :size] = covariance
+        whole[size, size], whole[size + 1, size + 1] = of_a**2, of_b**2
+        if len(self.cross) == size + 1:
+            at = [shift.temperature for shift in self.shifts]
+            near = np.array([np.interp(temperature, at, one) for one in np.eye(count)])
+            other = np.column_stack(
+                (
+                    self.cross[:, :count] @ near * _LN10,
+                    self.cross[:, count:-1] @ near,
+                    self.cross[:, -1],
+                )
+            )
+            whole[:size, size:], whole[size:, :size] = other[:-1], other[:-1].T
+            whole[-1, size:], whole[size:, -1] = other[-1], other[-1]
+        return whole
+
+    def rates(self, temperature: float) -> tuple[float, float]:
+        """Slopes of ln a_T and of ln b_T over T between the tests about T, 1/K."""
+        at = [shift.temperature for shift in self.shifts]
+        log_a = _LN10 * np.gradient([shift.log10_a_t for shift in self.shifts], at)
+        log_b = np.gradient(np.log([shift.b_t for shift in self.shifts]), at)
+        by_a, by_b = (float(np.interp(temperature, at, one)) for one in (log_a, log_b))
+        return by_a, by_b
+
+    def nearest(self, temperature: float) -> Shift:
+        """The tested temperature nearest to T, K."""
+        return min(self.shifts, key=lambda shift: abs(shift.temperature - temperature))
+
+    def times(self, scale: FloatArray) -> TemperatureShifts:
+        """The shifts of a solid whose parameters are so many times those of this one."""
+        if not len(self.cross):
+            return self
+        return replace(self, cross=self.cross * np.append(scale, 1.0)[:, None])
 
     def _gradient(self, temperature: float) -> FloatArray:
         """Slope of log10 a_T by each parameter of the law, or by each free shift."""
@@ -205,6 +269,16 @@ def near(temperature: FloatArray | None, asked: float) -> BoolArray:
             f"no sample within {ONE_TEMPERATURE / 2:g} K of {celsius(asked)}; the test has {listed}"
         )
     return np.asarray(within)
+
+
+def shifted_log_tau(log_tau: FloatArray, log_a: float, slope: float) -> FloatArray:
+    """Ln tau at another temperature, each decade of tau shifted by `slope` further."""
+    return np.asarray(log_tau + log_a * (1 + slope * decades(log_tau)))
+
+
+def decades(log_tau: FloatArray) -> FloatArray:
+    """Decades of tau above the one that is shifted by a_T, whatever the slope."""
+    return np.asarray((log_tau - np.log(CENTRE)) / _LN10)
 
 
 def celsius(temperature: float) -> str:

@@ -173,7 +173,7 @@ class Problem:
     @property
     def log_tau_range(self) -> tuple[float, float]:
         """Shortest and longest relaxation time that is sought, ln s."""
-        windows = [relaxation.block.window for relaxation in self.relaxations]
+        windows = [relaxation.window for relaxation in self.relaxations]
         windows.append(self.frf_data.stiffness_block(1.0, dashpot=False).window)
         before = self.constraints.before
         if before is not None and before.model.arms:

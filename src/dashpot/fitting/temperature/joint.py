@@ -20,7 +20,7 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 from dashpot.engine.blocks.block import Block
 from dashpot.engine.inference.covariance import white
-from dashpot.fitting.temperature.reduced import decades, shifted
+from dashpot.records.temperature import decades, shifted_log_tau
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 Vertical: TypeAlias = Literal["free", "T/T_r", "1"]
@@ -73,7 +73,7 @@ class Point:
 
     def moved_log_tau(self, i: int) -> FloatArray:
         """Ln of the relaxation times at temperature i."""
-        return shifted(self.log_tau, float(self.log_a[i]), self.slope)
+        return shifted_log_tau(self.log_tau, float(self.log_a[i]), self.slope)
 
     def solid_at(self, i: int) -> GeneralizedMaxwell:
         """At temperature i."""

@@ -71,17 +71,29 @@ class Knowledge:
     @property
     def shift_covariance(self) -> FloatArray:
         """Of log10 a_T of every temperature, then of ln b_T; zero where nothing was sought."""
+        turn = self._shift_rows
+        return np.asarray(turn @ self.covariance @ turn.T)
+
+    @property
+    def cross(self) -> FloatArray:
+        """Of the solid's parameters and the slope, with the shifts and the slope."""
+        solid = [self.names.index(name) for name in parameter_names(self.point.order)]
+        every = np.eye(len(self.names))
+        slope = every[[self.names.index("slope")]] if "slope" in self.names else 0 * every[:1]
+        rows = np.concatenate((every[solid], slope))
+        columns = np.concatenate((self._shift_rows, slope))
+        return np.asarray(rows @ self.covariance @ columns.T)
+
+    @property
+    def _shift_rows(self) -> FloatArray:
+        """What picks log10 a_T and ln b_T out of what was fitted."""
         count = len(self.joint.temperatures)
-        found = np.zeros((2 * count, 2 * count))
-        pairs = [
-            (first + int(i), self.names.index(f"{kind}_{i}"), unit)
-            for kind, first, unit in (("ln_a", 0, np.log(10.0)), ("ln_b", count, 1.0))
-            for i in self.joint.further
-            if f"{kind}_{i}" in self.names
-        ]
-        at, rows, units = (np.array(one) for one in zip(*pairs, strict=True))
-        found[np.ix_(at, at)] = self.covariance[np.ix_(rows, rows)] / np.outer(units, units)
-        return found
+        turn = np.zeros((2 * count, len(self.names)))
+        for i in self.joint.further:
+            turn[i, self.names.index(f"ln_a_{i}")] = 1 / np.log(10.0)
+            if f"ln_b_{i}" in self.names:
+                turn[count + i, self.names.index(f"ln_b_{i}")] = 1.0
+        return turn
 
     @property
     def nuisances(self) -> tuple[Nuisance, ...]:

@@ -26,17 +26,14 @@ from dashpot.engine.blocks.kernels import compact_block
 from dashpot.engine.blocks.recorded import recorded_block
 from dashpot.fitting.design import first_sample, motion
 from dashpot.fitting.fit_data import First
-from dashpot.fitting.nuisance import Prior
+from dashpot.fitting.nuisance import WARMING, warming
 from dashpot.records.relaxation import RampHold
+from dashpot.records.temperature import shifted_log_tau
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # relaxation times up to this factor outside a record's window are asked about
 BEYOND = 1e4
-# what a chamber holds its temperature to over a record, K
-WARMING = Prior(0.0, 0.5)
-# the relaxation time, s, at which a shift is a_T however arms shift apart
-CENTRE = 0.5
 WARMED = "warming@0"
 # relaxation times that stand for all, and the weakest direction that their columns know of
 _COLUMNS, _WEAKEST = 240, 5e-6
@@ -165,12 +162,8 @@ class Own:
             Slopes of ln a_T and of ln b_T there, 1/K.
         """
         time, x = self.path
-        rise = WARMING.sd * time / time[-1]
-        # time counts for more as the seal gets faster
-        pace = np.exp(-by_a * rise)
-        reduced = np.concatenate(([0.0], np.cumsum(np.diff(time) * (pace[1:] + pace[:-1]) / 2)))
-        moved = np.exp(by_b * rise) * solid.force(reduced, x) - solid.force(time, x)
-        return replace(self, warming=moved[self.start :] / WARMING.sd)
+        column = warming(time, x, solid, by_a=by_a, by_b=by_b)
+        return replace(self, warming=column[self.start :])
 
 
 def bent_block(record: RampHold, law: ElasticLaw) -> Block:
@@ -231,16 +224,6 @@ def _marginal(test: Own) -> Block:
     return replace(compact, rows=at, fixed_names=("k_inf",), floor=basis.floor, arm_group="k")
 
 
-def shifted(log_tau: FloatArray, log_a: float, slope: float) -> FloatArray:
-    """Ln tau at another temperature, each decade of tau shifted by `slope` further."""
-    return np.asarray(log_tau + log_a * (1 + slope * decades(log_tau)))
-
-
-def decades(log_tau: FloatArray) -> FloatArray:
-    """Decades of tau above the one that is shifted by a_T, whatever the slope."""
-    return np.asarray((log_tau - np.log(CENTRE)) / np.log(10.0))
-
-
 def moved(block: Block, log_a: float, log_b: float, slope: float = 0.0) -> Block:
     """The data of another temperature as those of the reference: at other times, other sizes.
 
@@ -249,7 +232,7 @@ def moved(block: Block, log_a: float, log_b: float, slope: float = 0.0) -> Block
     factor = float(np.exp(log_b))
 
     def at(log_tau: FloatArray, derivative: bool) -> Evaluation:
-        found = block.evaluate(shifted(log_tau, log_a, slope), derivative)
+        found = block.evaluate(shifted_log_tau(log_tau, log_a, slope), derivative)
         arms = factor * found.arms
         stretched = factor * (1 + log_a * slope / np.log(10.0))
         slopes = stretched * found.d_arms if derivative else arms

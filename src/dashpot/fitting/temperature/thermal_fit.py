@@ -16,6 +16,7 @@ from dashpot.engine.blocks.block import Block
 from dashpot.engine.inference.order import DECISIVE, Choice, chance_beyond, choose, significant
 from dashpot.engine.solver.variable_projection import Solution, solve
 from dashpot.fitting.checks import relaxation as solid_questions
+from dashpot.fitting.checks.relaxation import hold_long_enough
 from dashpot.fitting.checks.solid import (
     arms_distinct,
     arms_supported,
@@ -31,6 +32,7 @@ from dashpot.fitting.checks.temperature import (
     shifts_determined,
 )
 from dashpot.fitting.pipeline import certified, ended
+from dashpot.fitting.relaxation_data import relaxation_data
 from dashpot.fitting.repeats import end_stiffnesses
 from dashpot.fitting.shift_law import LawThroughShifts, ShiftLaw, law_through
 from dashpot.fitting.temperature import checks
@@ -39,7 +41,9 @@ from dashpot.fitting.temperature.knowledge import Knowledge, known
 from dashpot.fitting.temperature.reduced import Own, moved
 from dashpot.fitting.temperature.search import Candidate, again, candidates, first_shifts
 from dashpot.fitting.uncertainty.informed_band import informed_alone, informed_band
+from dashpot.fitting.uncertainty.left_open import end_of_hold
 from dashpot.preparation.checks import of_records
+from dashpot.records.bounds import EndOfHold
 from dashpot.records.estimate import ParameterEstimate, parameter_names
 from dashpot.records.fit import Evidence, Fit, OrderScore, Provenance
 from dashpot.records.relaxation import RampHold
@@ -126,7 +130,27 @@ def fit_thermal(
         As in :func:`~dashpot.fitting.shift_law.law_through`.
     """
     found = _found(tests, arms=arms, max_arms=max_arms, vertical=vertical)
-    return _assembled(found, vertical, shift_law, asked=arms)
+    made = _assembled(found, vertical, shift_law, asked=arms)
+    end = _end_of_hold(found, made)
+    checks = (*made.checks, hold_long_enough(end))
+    return replace(made, evidence=replace(made.evidence, end_of_hold=end, checks=checks))
+
+
+def _end_of_hold(found: Thermal, made: Fit) -> EndOfHold | None:
+    """What the tests at the reference leave open of the end of their hold; their ramps linear."""
+    records = [
+        test.record
+        for test, at in zip(found.tests, found.joint.at, strict=True)
+        if at == found.joint.reference and test.law is None
+    ]
+    if not records:
+        return None
+    return end_of_hold(
+        [relaxation_data(record, made) for record in records],
+        time=max(record.hold_time for record in records),
+        tau=made.model.tau,
+        dof=max(made.dof, 1.0),
+    )
 
 
 def _found(tests: Sequence[Own], *, arms: int | None, max_arms: int, vertical: Vertical) -> Thermal:
@@ -213,7 +237,14 @@ def _shifts(found: Thermal, vertical: Vertical, laid: LawThroughShifts) -> Tempe
     )
     shifts = tuple(Shift(*(float(one) for one in row)) for row in rows)
     return TemperatureShifts(
-        laid.law, shifts, covariance, laid.parameters, laid.covariance, vertical
+        laid.law,
+        shifts,
+        covariance,
+        laid.parameters,
+        laid.covariance,
+        vertical,
+        slope=found.point.slope,
+        cross=found.knowledge.cross,
     )
 
 

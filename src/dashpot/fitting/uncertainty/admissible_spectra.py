@@ -88,8 +88,8 @@ class Spectra:
         further: Sequence[float] = (),
     ) -> None:
         self.limit = limit
-        shortest = min(relaxation.block.window[0] for relaxation in relaxations)
-        longest = max(relaxation.block.window[1] for relaxation in relaxations)
+        shortest = min(relaxation.window[0] for relaxation in relaxations)
+        longest = max(relaxation.window[1] for relaxation in relaxations)
         low = np.log(min(shortest, 1 / (BEYOND * fastest)))
         high = np.log(longest)
         count = int(np.ceil((high - low) / np.log(10) * PER_DECADE)) + 1
