@@ -68,7 +68,7 @@ def test_a_fault_is_shown_to_who_asks(broken, words):
         (("nope",), "UsageError", 2),
         (("predict", "{file}", "--mass", "104"), "UsageError", 2),
         (("inspect", "{file}"), "ReadError", 2),
-        (("verify", "{file}"), "OSError", 2),
+        (("verify", "{file}"), "ReadError", 2),
         (("fit", "{file}", "-o", "."), "ExportError", 2),
     ],
 )
@@ -161,7 +161,7 @@ def test_pictures_are_those_that_are_drawn():
 
 
 def test_the_measurement_is_not_written_over(tmp_path):
-    path = tmp_path / "seal.csv"
+    path = tmp_path / "seal"
     run("simulate", "relaxation", "--hold", "3s", "-o", path)
     before = path.read_bytes()
     for words in (("fit", path), ("report", path), ("inspect", path)):

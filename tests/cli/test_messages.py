@@ -37,7 +37,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "workflow/shifting.py": ("fit",),
     "workflow/job.py": ("fit", "predict", "identify", "report"),
     "workflow/predictions.py": ("predict",),
-    "workflow/prepared.py": ("predict",),
+    "workflow/prepared.py": ("predict", "compare"),
     "workflow/impacts.py": MEASURED,
     "workflow/impacts.py:identify_files": ("identify",),
     "workflow/study.py": ("report",),

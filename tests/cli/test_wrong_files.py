@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shlex
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from click.testing import CliRunner
 from kit.kinds import bench, files, hammer, late, ramp_and_hold
 
 from dashpot.cli import main
+from dashpot.cli._echo import to_stdout
 from dashpot.io.options import load_profile
 
 FILES = files()
@@ -93,16 +95,20 @@ def test_two_accelerations_are_named_in_every_command_and_kept_in_a_profile(lab:
     kept = load_profile("lab.toml")
     assert kept.acceleration == ("ch2", "ch3")
     assert kept.hammer == "ch1"
-    by_hand = run("impact", "channels.csv", *NAMED, *UNITS)
-    by_number = run("impact", "channels.csv", "--hammer", "2", "--acceleration", "3",
-                    "--acceleration", "4", *UNITS)  # fmt: skip
-    assert by_hand == by_number == run("impact", "channels.csv", "--profile", "lab.toml")
+    numbers = ("--hammer", "2", "--acceleration", "3", "--acceleration", "4")
+    printed = []
+    for words in ((*NAMED, *UNITS), (*numbers, *UNITS), ("--profile", "lab.toml")):
+        found, follow = run("impact", "channels.csv", *words).split("next: ")
+        # what was said of the file is said again
+        assert sorted(shlex.split(follow)[-len(words) :]) == sorted(words)
+        printed.append(found)
+    assert printed[0] == printed[1] == printed[2]
     weighed = ("--mass", "104g", "--seals", "2")
     compared = [
         run("compare", "fit.json", "channels.csv", *weighed, *how)
         for how in ((*NAMED, *UNITS), ("--profile", "lab.toml"))
     ]
-    assert compared[0] == compared[1]
+    assert compared[0].partition("next: ")[0] == compared[1].partition("next: ")[0]
     how = ("--profile", "lab.toml", "--arms", "1", "--json")
     assert json.loads(run("identify", "channels.csv", *weighed, *how))["model"]["k_inf"] > 0
 
@@ -245,3 +251,75 @@ def test_an_frf_without_coherence_says_so_first(lab: Path) -> None:
         "the FRF came without coherence or scatter: nothing tells whether the hits agreed" in said
     )
     assert not said.startswith("use:")
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        ("fit seal.csv --mass 104g", "--mass is an option of dashpot predict, impact, compare"),
+        ("report seal.csv hammer.csv --mass 104g", "hammer are given by --impact FILE"),
+        ("fit seal.csv --units kraft=N", "'kraft' is no role .* and no column of seal.csv"),
+        ("report seal.csv --impact hammer.csv --mass 104g --units kraft=N", "'kraft' is no role"),
+        ("fit seal.csv --sheet Foo", "--sheet Foo: this file has no sheets or groups"),
+        ("fit seal.csv --temperature -300degC", "-300 degC, below absolute zero"),
+        ("verify fit.json", "fit.json is not a project: it is a file; .* --project FOLDER"),
+        ("identify seal.csv --mass 104g", "where an FRF or hits, .* are expected"),
+        ("impact hammer.csv --band 900:950Hz", "the FRF has lines from .* to"),
+        ("fit seal.csv -o fit.pdf", "this is written as .json, not as .pdf"),
+        ("report seal.csv -o seal.pdf", "this is written as .html or .htm, not as .pdf"),
+        ("impact hammer.csv -o frf.json", "this is written as .csv or .uff or .unv, not as .json"),
+        ("predict fit.json --mass 104g -o frf.uff", "this is written as .csv, not as .uff"),
+    ],
+)
+def test_what_was_typed_wrong_is_said_with_the_answer(lab: Path, words: str, says: str) -> None:
+    printed = " ".join(run(*words.split(), code=2).split())
+    assert re.search(says, printed), printed
+    assert not (lab / "report.html").exists()
+
+
+def test_units_of_columns_of_either_file_are_known(lab: Path) -> None:
+    run("report", "seal.csv", "--impact", "hammer.csv", "--mass", "104g", "--seals", "2",
+        "--no-joint", "--units", "acceleration 1=m/s^2")  # fmt: skip
+
+
+def test_fewer_arms_than_asked_for_are_said_first(lab: Path) -> None:
+    assert "not the 9 asked for: the optimum has fewer arms" in run(
+        "fit", "seal.csv", "--arms", "9"
+    )
+    assert "asked for" not in run("fit", "seal.csv", "--arms", "2")
+
+
+def test_the_next_command_says_again_what_was_said_of_the_file(lab: Path) -> None:
+    (lab / "odd.csv").write_text(bench(ramp_and_hold(), head="a,b,c"))
+    said = ("--time", "1", "--displacement", "2", "--force", "3",
+            "--units", "time=s,displacement=mm,force=N")  # fmt: skip
+    for command in ("inspect", "fit"):
+        follow = run(command, "odd.csv", *said).partition("next: ")[2]
+        words = shlex.split(follow.partition("#")[0])[1:]
+        assert words[:2] == ["fit", "odd.csv"]
+        run(*words)
+    assert (lab / "fit.json").is_file()
+
+
+def test_a_simulated_record_is_a_measurement_to_other_commands(lab: Path) -> None:
+    run("simulate", "relaxation", "--hold", "3s", "-o", "sim.csv")
+    run("simulate", "relaxation", "--hold", "3s", "-o", "sim.csv")
+    before = (lab / "sim.csv").read_bytes()
+    said = run("predict", "fit.json", "--mass", "104g", "-o", "sim.csv", code=2)
+    assert "sim.csv is a simulated record" in said
+    assert (lab / "sim.csv").read_bytes() == before
+    run("predict", "fit.json", "--mass", "104g", "-o", "sim.csv", "--overwrite")
+
+
+def test_identify_takes_what_is_known_of_the_seals(lab: Path) -> None:
+    words = ("identify", "hammer.csv", "--mass", "104g", "--seals", "2", "--arms", "1")
+    follow = run(*words, "--temperature", "23degC", "--length", "100mm").partition("next: ")[2]
+    run(*shlex.split(follow.partition("#")[0])[1:])
+    known = json.loads((lab / "joint.json").read_text())["specimen"]
+    assert (known["temperature"], known["length"]) == (pytest.approx(296.15), 0.1)
+
+
+def test_a_result_without_stdout_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sys.stdout", None)
+    with pytest.raises(OSError, match="stdout is closed"):
+        to_stdout("the result")

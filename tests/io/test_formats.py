@@ -402,7 +402,7 @@ def test_uff_units(
 ) -> None:
     uff(tmp_path / "a.uff", labels=labels, length=length)
     test = read_impact(tmp_path / "a.uff")
-    np.testing.assert_allclose(test.acceleration[0], factor * np.arange(30.0))
+    np.testing.assert_allclose(test.acceleration[0], 2 * factor * np.arange(30.0))
     np.testing.assert_allclose(test.force, np.arange(30.0))
     assert test.channels == ("response",)
 

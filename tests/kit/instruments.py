@@ -232,9 +232,10 @@ def uff(path: Path, *, labels: tuple[str, str], length: float | None) -> None:
             pyuff.prepare_164(units_code=9, units_description="user", temp_mode=1, length=length,
                               force=1.0, temp=1.0, temp_offset=0.0)
         )  # fmt: skip
-    for name, kind, label in (("hammer", 13, labels[0]), ("response", 12, labels[1])):
+    named = (("hammer", 13, labels[0]), ("response", 12, labels[1]))
+    for scale, (name, kind, label) in enumerate(named, start=1):
         sets.append(
-            {**common, "data": np.arange(30.0), "ordinate_spec_data_type": kind,
+            {**common, "data": scale * np.arange(30.0), "ordinate_spec_data_type": kind,
              "ordinate_axis_lab": name, "ordinate_axis_units_lab": label}
         )  # fmt: skip
     pyuff.UFF(str(path)).write_sets(sets, mode="overwrite")

@@ -19,6 +19,7 @@ __version__ = _installed()
 _BYLINE = re.compile(rb"\bdashpot \d+\.\d+\.[\w.+]+: [a-zA-Z]")
 _SCHEMA = re.compile(rb'\s*\{\s*"schema": ?"dashpot/')
 _PROFILE = b"# dashpot reading profile"
+_RECORD = re.compile(rb"\bdashpot \d+\.\d+\.[\w.+]+: (?:a virtual|simulated) ")
 
 
 def byline(what: str) -> str:
@@ -28,6 +29,15 @@ def byline(what: str) -> str:
     True
     """
     return f"dashpot {__version__}: {what}"
+
+
+def is_record(head: bytes) -> bool:
+    """Tell whether a file that begins with `head` is a record of the virtual rig or hammer.
+
+    >>> is_record(b"# simulated by dashpot 1.2.3: a virtual hammer, not a measurement")
+    True
+    """
+    return bool(_RECORD.search(head))
 
 
 def is_ours(head: bytes) -> bool:

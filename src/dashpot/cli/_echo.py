@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 
@@ -22,6 +23,8 @@ def to_stderr(message: str) -> None:
 
 def _echo(text: str, *, err: bool) -> None:
     stream = sys.stderr if err else sys.stdout
+    if stream is None and not err:
+        raise OSError(errno.EBADF, "stdout is closed, and the result with it", "stdout")
     kept = escaped(text.removesuffix("\n"), colours=True)
     # an alphabet that lacks a sign prints its escape
     alphabet = getattr(stream, "encoding", None) or "utf-8"

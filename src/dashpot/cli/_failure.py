@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import sys
 import traceback
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -13,6 +14,7 @@ import click
 from dashpot.base.errors import DashpotError
 from dashpot.base.escapes import escaped_json
 from dashpot.base.version import __version__
+from dashpot.cli import COMMANDS
 from dashpot.cli._echo import to_stderr, to_stdout
 
 BAD, FAULT, INTERRUPTED = 2, 3, 130
@@ -40,7 +42,7 @@ def leave(error: BaseException, words: Sequence[str]) -> int:
     failure = _failure(error)
     where = "".join(traceback.format_exception(error)) if _given("--traceback", words) else ""
     to_stderr(where + failure.shown)
-    if _given("--json", words):
+    if _given("--json", words) and sys.stdout is not None:
         document = {
             "schema": "dashpot/error@1",
             "kind": failure.kind,
@@ -63,7 +65,9 @@ def _failure(error: BaseException) -> Failure:
     if isinstance(error, click.ClickException):
         page = io.StringIO()
         error.show(page)
-        return Failure("UsageError", error.format_message(), page.getvalue(), error.exit_code)
+        hint = _hint(error)
+        says, shown = error.format_message() + hint, page.getvalue().rstrip("\n") + hint
+        return Failure("UsageError", says, shown, error.exit_code)
     if isinstance(error, click.Abort | KeyboardInterrupt):
         return _sentence("Interrupted", "interrupted", INTERRUPTED)
     if isinstance(error, DashpotError):
@@ -81,6 +85,27 @@ def _failure(error: BaseException) -> Failure:
         "where it happened"
     )
     return _sentence("InternalError", says, FAULT)
+
+
+def _hint(error: click.ClickException) -> str:
+    """Say which command has an option that this one lacks, or which option takes a further file."""
+    context = getattr(error, "ctx", None)
+    if context is None or context.parent is None:
+        return ""
+    if isinstance(error, click.NoSuchOption):
+        main = context.parent.command
+        every = ((name, main.get_command(context.parent, name)) for name in COMMANDS)
+        having = [
+            name
+            for name, one in every
+            if one and any(error.option_name in param.opts for param in one.params)
+        ]
+        listed = ", ".join(having)
+        return f" {error.option_name} is an option of dashpot {listed}." if having else ""
+    files = [param.opts[0] for param in context.command.params if param.name == "impact"]
+    if "unexpected extra argument" in error.format_message() and files:
+        return f". The files of the hammer are given by {files[0]} FILE"
+    return ""
 
 
 def _sentence(kind: str, says: str, code: int) -> Failure:

@@ -3,22 +3,28 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Container
+from contextlib import suppress
 from dataclasses import MISSING, Field, fields
 from pathlib import Path
 from typing import Any, TypeVar
 
 import click
+from click.core import ParameterSource
 
-from dashpot.base.errors import DashpotError
+import dashpot as dp
+from dashpot.base.errors import DashpotError, ReadError
 from dashpot.base.options import flag_of
 from dashpot.base.units import Dimension, parse_quantity, parse_range
-from dashpot.cli._shell import File, Output, opens, reads
+from dashpot.cli._shell import File, Output, is_json, opens, reads
 from dashpot.io.options import ReadOptions
 from dashpot.records.machine import Machine
 from dashpot.records.specimen import Specimen
 
 T = TypeVar("T")
+
+_TYPED = "dashpot.typed"
+"""Where quantities are kept as they were typed."""
 
 
 class Quantity(click.ParamType[Any]):
@@ -33,6 +39,8 @@ class Quantity(click.ParamType[Any]):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         if not isinstance(value, str):
             return value
+        if ctx is not None and param is not None and param.name is not None:
+            ctx.meta.setdefault(_TYPED, {})[param.name] = value
         try:
             return self._parsed(value, self.dimension)
         except DashpotError as error:
@@ -188,9 +196,26 @@ def reading(function: Callable[..., T]) -> Callable[..., T]:
     )
     @functools.wraps(function)
     def command(*, options: ReadOptions, profile: str | None, **given: Any) -> T:
+        _refuse_unknown(options)
         return function(options=over_profile(options, profile), **given)
 
     return filled(ReadOptions, "options")(command)
+
+
+def _refuse_unknown(options: ReadOptions) -> None:
+    """Refuse a unit that was given to no role, nor to a column of any file that is read."""
+    names = options.by_name().keys() - {one.name for one in fields(ReadOptions)}
+    inputs = [path for path in click.get_current_context().obj.inputs if not is_json(path)]
+    for path in inputs if names else ():
+        with suppress(DashpotError):
+            columns = dp.inspect_file(path, options=options).columns
+            names -= {one.name.strip().casefold() for one in columns}
+    if names and inputs:
+        wrong = next(name for name in dict(options.units) if name.strip().casefold() in names)
+        raise ReadError(
+            f"--units: '{wrong}' is no role (time, displacement, force, hammer, acceleration, ...) "
+            f"and no column of {', '.join(inputs)}; dashpot inspect lists the columns"
+        )
 
 
 def over_profile(options: ReadOptions, path: str | None) -> ReadOptions:
@@ -244,9 +269,34 @@ overwrite = click.option("--overwrite", is_flag=True, help=_REPLACE)
 force = click.option("--overwrite", "--force", is_flag=True, help=_REPLACE)
 
 
-def output(help: str, **how: Any) -> Callable[[Callable[..., T]], Callable[..., T]]:
-    """Give a command ``-o FILE``."""
-    return click.option("-o", "--output", type=Output(), metavar="FILE", help=help, **how)
+def output(help: str, *suffixes: str, **how: Any) -> Callable[[Callable[..., T]], Callable[..., T]]:
+    """Give a command ``-o FILE``, refused before the work if its suffix names another format."""
+    kind = Output(suffixes)
+    return click.option("-o", "--output", type=kind, metavar="FILE", help=help, **how)
 
 
-fit_output = output("Write the fit as JSON; - is stdout.")
+fit_output = output("Write the fit as JSON; - is stdout.", ".json")
+
+
+def _as_typed(value: object) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def given(*nouns: str, but: Container[str] = ()) -> list[str]:
+    """Return the options of these nouns as they were typed, for the command that comes next.
+
+    ``given()`` returns those of all nouns, without what says where the results go.
+    """
+    context = click.get_current_context()
+    words = []
+    for one in context.command.params:
+        name = one.name or ""
+        typed_here = context.get_parameter_source(name) is ParameterSource.COMMANDLINE
+        wanted = not nouns or name.partition("_")[0] in nouns
+        if not (isinstance(one, click.Option) and typed_here and wanted) or name in but:
+            continue
+        value = context.meta.get(_TYPED, {}).get(name, context.params.get(name))
+        several = value if one.multiple and isinstance(value, tuple) else (value,)
+        flag = max(one.opts, key=len)
+        words += [flag] if one.is_flag else [w for v in several for w in (flag, _as_typed(v))]
+    return words

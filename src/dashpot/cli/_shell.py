@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 _WRITTEN, _OPENS = "dashpot.written", "dashpot.opens"
+_MAKERS = ("simulate", "example", "demo")
+"""Commands that write records; to all others a record is somebody's measurement."""
 _SEEN = (".html", ".png", ".svg", ".pdf")
 
 A_FIT = "a fit, as 'dashpot fit FILE -o fit.json' writes it"
@@ -146,7 +148,20 @@ class Folder(File):
 
 
 class Output(File):
-    """A file that the command writes; ``-`` is stdout."""
+    """A file that the command writes; ``-`` is stdout.
+
+    With `suffixes` a name that ends otherwise is refused: it would say what the file is not.
+    """
+
+    def __init__(self, suffixes: Sequence[str] = ()) -> None:
+        self.suffixes = tuple(suffixes)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        suffix = Path(value).suffix.lower()
+        if self.suffixes and suffix and suffix not in self.suffixes:
+            known = " or ".join(self.suffixes)
+            self.fail(f"'{value}': this is written as {known}, not as {suffix}", param, ctx)
+        return super().convert(value, param, ctx)
 
 
 def _outputs(context: click.Context, *, may_replace: bool) -> Outputs:
@@ -157,7 +172,7 @@ def _outputs(context: click.Context, *, may_replace: bool) -> Outputs:
         several = given if isinstance(given, tuple) else (given,)
         words[kinds.get(name, False)] += [one for one in several if isinstance(one, str)]
     inputs = tuple(word for word in words[False] if word != "-" and Path(word).is_file())
-    found = Outputs(inputs, may_replace)
+    found = Outputs(inputs, may_replace, makes_records=context.command.name in _MAKERS)
     found.claim(path for path in words[True] if path != "-")
     return found
 

@@ -61,8 +61,13 @@ def shown(
     if verbose:
         return [*head, *body, *details, *counted, *(part for each in failed for part in each)]
     tail = counted + [part for each in failed for part in _short(each)]
-    kept = [*head, *body[: max(LINES - 1 - len(head) - len(tail), 0)], *tail][: LINES - 1]
-    cut = len(kept) < len(head) + len(body) + sum(map(len, failed)) + len(counted)
+    left = max(LINES - 1 - len(head) - len(tail), 0)
+    if len(body) > left:
+        body, whole = [*body[: max(left - 1, 0)], "  ..."], len(body)
+    else:
+        whole = len(body)
+    kept = [*head, *body, *tail][: LINES - 1]
+    cut = len(kept) < len(head) + whole + sum(map(len, failed)) + len(counted)
     return [*kept, "  more with -v"] if cut or details else kept
 
 
@@ -125,9 +130,11 @@ def _short(check: list[str]) -> list[str]:
 
 
 def _counted(checks: Sequence[Check]) -> str:
-    """Return how many checks passed, failed, and were not judged."""
+    """Return how many checks passed, failed, and were not judged; and which failed as a note."""
     states = [check.passed for check in checks]
-    words = ((True, "passed"), (False, "failed"), (None, "not judged"))
+    notes = [check.name for check in checks if check.failed and check.grade == "note"]
+    named = f" ({', '.join(dict.fromkeys(notes))} as a note)" if notes else ""
+    words = ((True, "passed"), (False, f"failed{named}"), (None, "not judged"))
     return ", ".join(f"{states.count(state)} {word}" for state, word in words if state in states)
 
 

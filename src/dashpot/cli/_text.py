@@ -55,15 +55,20 @@ _RESIDUAL = {
 }  # fmt: skip
 
 
-def fit(found: Fit) -> Text:
-    """Return a fit as the paper's Table 1 with intervals, and what it must not be asked."""
+def fit(found: Fit, *, asked: int | str = "auto") -> Text:
+    """Return a fit as the paper's Table 1 with intervals, and what it must not be asked.
+
+    `asked` is the number of arms that was wanted.
+    """
     files = ", ".join(source.file for source in found.source) or "arrays in memory"
     arms = f"{found.model.arms} Maxwell arm{'s' * (found.model.arms != 1)}"
     residual = found.residual
     scale, unit = _RESIDUAL.get(residual.unit, (1.0, residual.unit))
     size = f"{scale * residual.rms:.3g} {unit}"
+    short = asked not in ("auto", found.model.arms)
+    kept = f", not the {asked} asked for: {found.status.value}" if short else ""
     lines = [
-        f"{files}: {arms}, method {found.method}",
+        f"{files}: {arms}, method {found.method}{kept}",
         *_parameters(found),
         "",
         f"  residual    {size} over {residual.n} samples (each worth 1/{residual.kappa:.3g})",
@@ -260,7 +265,11 @@ def impact(found: ImpactResult) -> Text:
     used = f"{frf.averages} of {len(frf.hits)} hit{'s' * (len(frf.hits) != 1)} averaged"
     spacing = frf.frequency[1] - frf.frequency[0]
     lines.append(f"{used}, {found.estimator}, {spacing:.4g} Hz between lines")
-    rows = [["hit", "time, s", "peak, N", "pulse, ms", "verdict"]]
+    # hits of records that each begin at 0 strike at the same time
+    restarts = len({round(hit.time, 3) for hit in frf.hits}) < len(frf.hits)
+    rows = [
+        ["hit", "s in its record" if restarts else "time, s", "peak, N", "pulse, ms", "verdict"]
+    ]
     rows += [
         [
             hit.name,

@@ -12,6 +12,7 @@ from dashpot import workflow
 from dashpot.base.checks import verdict
 from dashpot.cli import _options as options
 from dashpot.cli import _text
+from dashpot.cli._options import given
 from dashpot.cli._shell import File, Outcome, grams, read_fit, reports, typed, write_figure
 from dashpot.cli._terminal import Text
 from dashpot.io.options import OF_BENCH, ReadOptions
@@ -107,6 +108,7 @@ def command(
             "MASS" if inferred else grams(found.mass),
             "--seals",
             f"{seals:g}",
+            *given("options", "profile", "hammer"),
             why="fits both tests together",
         ),
     )

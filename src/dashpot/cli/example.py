@@ -33,10 +33,7 @@ def command(*, output: str, every: bool) -> Outcome:
         doing(f"simulating {name}")
         write(path, workflow.EXAMPLES[name]())
     bench, hammer = paths[:2]
-    lines = [
-        f"{bench}: a seal pressed 8 mm in 1 s and held 40 s",
-        f"{hammer}: a block of {1e3 * workflow.MASS:g} g on two such seals, struck five times",
-    ]
+    lines = [f"{path}: {workflow.CAPTIONS[name]}" for name, path in zip(names, paths, strict=True)]
     words = ("report", bench, "--impact", hammer, "--mass", grams(workflow.MASS), "--seals", 2)
     document = {"schema": "dashpot/example@1", "files": [str(path) for path in paths]}
     return Outcome(document, Text(lines), follow=typed(*words, "-o", "report.html"))

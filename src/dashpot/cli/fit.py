@@ -65,7 +65,7 @@ def command(
         write(output, printed(found) + "\n")
     return Outcome(
         found,
-        None if output == "-" else _text.fit(found),
+        None if output == "-" else _text.fit(found, asked=choices["arms"]),
         found.checks,
         verdict=found.verdict,
         follow=_follow(files, output),
@@ -74,7 +74,9 @@ def command(
 
 def _follow(files: tuple[str, ...], output: str | None) -> str:
     if not output:
-        return typed("fit", *files, "-o", "fit.json", why="keeps it for predict, compare, export")
+        again = options.given(but=("as_json", "strict", "verbose", "picture", "overwrite", "open"))
+        why = "keeps it for predict, compare, export"
+        return typed("fit", *files, *again, "-o", "fit.json", why=why)
     return "" if output == "-" else typed("predict", output, "--mass", "MASS", "--seals", 2)
 
 

@@ -49,12 +49,16 @@ _A_DECK = ("--to", "nastran", "--units", "mm-t-s", "-o", "seal.bdf")
 @click.option("--damping-ratio", type=float, help="Known; constrains the fit.")
 @click.option("--band", type=Range("frequency"), help="Lines fitted, e.g. 5:40Hz.")
 @click.option(
-    "--direct", type=Output(), metavar="FILE", help="Write k(f), c(f) and loss factor as CSV."
+    "--direct",
+    type=Output([".csv"]),
+    metavar="FILE",
+    help="Write k(f), c(f) and loss factor as CSV.",
 )
 @options.fit_output
 @options.overwrite
 @reports
 @options.machine
+@options.specimen
 @options.hammer
 @options.reading
 def command(
@@ -107,8 +111,17 @@ def command(
         checks,
         {"direct": workflow.direct_document(straight), **rests.document},
         verdict=verdict(checks, sound=found.verdict.says),
-        follow="" if not output or output == "-" else typed("export", output, *_deck(found)),
+        follow=_follow(measured, output, found),
     )
+
+
+def _follow(measured: tuple[str, ...], output: str | None, found: dp.Fit) -> str:
+    if output == "-":
+        return ""
+    if output:
+        return typed("export", output, *_deck(found))
+    again = options.given(but=("as_json", "strict", "verbose", "overwrite", "direct"))
+    return typed("identify", *measured, *again, "-o", "joint.json", why="keeps it for export")
 
 
 def _deck(found: dp.Fit) -> list[str]:

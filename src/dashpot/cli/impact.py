@@ -21,7 +21,7 @@ from dashpot.cli._shell import File, Outcome, grams, reports, typed, write, writ
 @click.option("--mass", type=Quantity("mass"), help="Block mass: checks the mass line.")
 @click.option("--band", type=Range("frequency"), help="Where to look for modes, e.g. 5:40Hz.")
 @options.picture
-@options.output("Write the FRF: .csv, .uff, or - for stdout.")
+@options.output("Write the FRF: .csv, .uff, or - for stdout.", ".csv", ".uff", ".unv")
 @options.overwrite
 @reports
 @options.hammer
@@ -49,7 +49,16 @@ def command(
         None if output == "-" else _text.impact(found),
         found.frf.checks,
         verdict=verdict(found.frf.checks),
-        follow=typed("compare", "fit.json", *files, "--mass", _mass(choices), "--seals", 2),
+        follow=typed(
+            "compare",
+            "fit.json",
+            *files,
+            "--mass",
+            _mass(choices),
+            "--seals",
+            2,
+            *options.given("options", "profile", "hammer"),
+        ),
     )
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from dashpot import workflow
-from dashpot.cli._options import overwrite, reading
+from dashpot.cli._options import given, overwrite, reading
 from dashpot.cli._shell import File, Outcome, Output, reports, typed, write
 from dashpot.cli._terminal import Text
 from dashpot.cli._text import table
@@ -30,7 +30,7 @@ _COMMANDS = {
 @click.argument("files", type=File(), nargs=-1, required=True, metavar="FILE...")
 @click.option(
     "--save-profile",
-    type=Output(),
+    type=Output([".toml"]),
     metavar="FILE",
     help="Keep the options given here as a profile.",
 )
@@ -57,10 +57,11 @@ def command(*, files: tuple[str, ...], save_profile: str | None, options: ReadOp
 
 def _follow(paths: tuple[str, ...], found: tuple[InspectedFile, ...]) -> str:
     """Return the command for such files, once no question is open."""
+    said = given("options", "profile")
     if any(each.questions or each.refusal for each in found):
-        return typed("inspect", *paths, why="with the option that answers")
+        return typed("inspect", *paths, *said, why="with the option that answers")
     words = _COMMANDS.get(found[0].kind)
-    return typed(*words, *paths) if words else ""
+    return typed(*words, *paths, *said) if words else ""
 
 
 def _answer(found: InspectedFile) -> list[str]:

@@ -11,8 +11,8 @@ import dashpot as dp
 from dashpot.base.checks import verdict
 from dashpot.base.errors import DataError
 from dashpot.cli import _options as options
-from dashpot.cli._options import Quantity
-from dashpot.cli._shell import Outcome, reports
+from dashpot.cli._options import Quantity, given
+from dashpot.cli._shell import Outcome, reports, typed
 from dashpot.cli._terminal import Text
 from dashpot.cli.simulate import seal
 
@@ -94,4 +94,8 @@ def command(
         law=wlf or guess.law,
         **choices,
     )
-    return Outcome(found, Text([str(found)]), found.checks, verdict=verdict(found.checks))
+    rehearsed = typed(
+        "simulate", "relaxation", *given("ramp", "hold"), "-o", "rehearsal.csv", why="rehearses it"
+    )
+    made = verdict(found.checks)
+    return Outcome(found, Text([str(found)]), found.checks, verdict=made, follow=rehearsed)

@@ -40,7 +40,7 @@ from dashpot.cli._shell import File, Outcome, grams, read_fit, reports, typed, w
     help="The relaxation record(s).",
 )
 @options.picture
-@options.output("Write the FRF as CSV; - is stdout.")
+@options.output("Write the FRF as CSV; - is stdout.", ".csv")
 @options.overwrite
 @reports
 @options.machine

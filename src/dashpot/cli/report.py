@@ -54,7 +54,7 @@ if TYPE_CHECKING:
 @click.option(
     "--logo", type=File(), metavar="FILE", help="PNG, JPEG or SVG for its head, up to 100 kB."
 )
-@options.output("The report [default: report.html].")
+@options.output("The report [default: report.html].", ".html", ".htm")
 @options.overwrite
 @opens
 @reports

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 @click.option("--seals", type=float, default=2.0, show_default=True, help="Seals under the block.")
 @click.option("--hits", type=click.IntRange(1), default=5, show_default=True)
 @click.option("--record", type=Quantity("time"), help="Record after each hit.")
-@options.output("CSV; - is stdout.", required=True)
+@options.output("CSV; - is stdout.", ".csv", ".txt", required=True)
 @options.force
 @reports
 def command(*, what: str, output: str, **choices: Any) -> Outcome:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import datetime as dt
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 
 from dashpot.base.errors import DataError
 from dashpot.base.options import option
@@ -44,6 +44,11 @@ class Specimen:
     lot: str = option("", "Its lot.")
     operator: str = option("", "Who tested it.")
     date: str = option("", "Of the test, e.g. 2026-11-21.")
+
+    def over(self, other: Specimen) -> Specimen:
+        """What is said here, and what the other says wherever nothing is said here."""
+        said = {one.name: getattr(self, one.name) for one in fields(self)}
+        return replace(other, **{name: value for name, value in said.items() if value})
 
     def __post_init__(self) -> None:
         si_fields(self)

@@ -1,4 +1,5 @@
 from .archive import document as document
+from .examples import CAPTIONS as CAPTIONS
 from .examples import EXAMPLES as EXAMPLES
 from .examples import FIRST as FIRST
 from .examples import MASS as MASS

@@ -92,6 +92,22 @@ def _line() -> str:
     return "\n".join([f"# {byline('simulated seal line')}", "x,y,z", *rows, ""])
 
 
+CAPTIONS: Mapping[str, str] = MappingProxyType(
+    {
+        "seal_8mm.csv": "a seal pressed 8 mm in 1 s and held 40 s",
+        "hammer.csv": f"a block of {1e3 * MASS:g} g on two such seals, struck five times",
+        "depth_4mm.csv": "a seal that stiffens as it is pressed, to 4 mm",
+        "depth_6mm.csv": "the same to 6 mm",
+        "depth_8mm.csv": "the same to 8 mm: dashpot fit --depth-law takes the three",
+        "short_hold.csv": "a hold of 3 s, too short for the slow arms",
+        "clipped.csv": "a load cell that clips: a test not to be used",
+        "sweep.csv": "storage and loss over frequency, as a dynamic testing machine writes them",
+        "curve.csv": 'a relaxation modulus over time, for dashpot fit --modulus "E(t)"',
+        "line.csv": "x, y, z of a seal along a quarter of a door, for dashpot export --line",
+    }
+)
+"""What every example file is."""
+
 FIRST = ("seal_8mm.csv", "hammer.csv")
 """The two files of the first seal."""
 

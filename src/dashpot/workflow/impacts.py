@@ -16,13 +16,14 @@ from dashpot.base.errors import DataError, ReadError
 from dashpot.base.version import byline
 from dashpot.io.options import OF_BENCH, ReadOptions
 from dashpot.io.readers.frf import read_frf
-from dashpot.io.readers.impact import read_impact
+from dashpot.io.readers.impact import HITS, hits_in, read_impact
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.records.bounds import FRFBounds
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF, Mode
 from dashpot.records.impact import ImpactTest
 from dashpot.records.machine import Machine
+from dashpot.records.specimen import Specimen
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.impact.checks import coherence, scatter_known
 from dashpot.vibration.impact.frf_estimation import estimate_frf
@@ -142,7 +143,7 @@ def read_measured(
     """
     if len(paths) == 1 and inspect_file(paths[0], options=options).kind == "frf":
         return None, _judged(read_frf(paths[0], options=options), band)
-    impact = read_impact(list(paths), options=options)
+    impact = hits_in(list(paths), options, f"an FRF or {HITS}")
     return impact, average(impact, choices=choices, mass=mass, band=band)
 
 
@@ -327,6 +328,7 @@ def identify_files(
     tests: Sequence[str | Path] = (),
     compression: float | None = None,
     machine: Machine | None = None,
+    specimen: Specimen | None = None,
     options_with: ReadOptions | None = None,
     **choices: Any,
 ) -> tuple[Fit, DynamicStiffness, tuple[Check, ...]]:
@@ -346,6 +348,8 @@ def identify_files(
         Of the seals, m; by default that of the mass's weight.
     machine : Machine, optional
         What is known of the machine of the tests.
+    specimen : Specimen, optional
+        What is known of the seals; it wins over what the tests say.
     options_with : ReadOptions, optional
         What the user said of the files of the tests.
     choices
@@ -377,6 +381,9 @@ def identify_files(
         compression=compression,
         **choices,
     )
+    if specimen is not None:
+        known = replace(found.provenance, specimen=specimen.over(found.specimen))
+        found = replace(found, provenance=known)
     return found, straight, (*frf.checks, *noted)
 
 

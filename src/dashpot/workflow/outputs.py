@@ -10,7 +10,7 @@ from pathlib import Path
 
 from dashpot.base.atomic import write_whole
 from dashpot.base.errors import ExportError
-from dashpot.base.version import is_ours
+from dashpot.base.version import is_ours, is_record
 
 _HEAD = 1 << 12
 """Bytes in which a file's byline stands; a PDF has it anywhere."""
@@ -26,10 +26,13 @@ class Outputs:
         The files it reads, which are never written over.
     replace : bool
         Whether a file may be replaced that dashpot did not write.
+    makes_records : bool
+        Whether the work writes simulated records; to all other work they are measurements.
     """
 
     inputs: tuple[str, ...] = ()
     replace: bool = False
+    makes_records: bool = False
 
     def claim(self, paths: Iterable[str | Path]) -> None:
         """Refuse, before any work is done, what could not be written at its end.
@@ -76,7 +79,15 @@ class Outputs:
             raise ExportError(
                 f"{path} belongs to a project, whose files are not replaced; give another name"
             )
-        if not (self.replace or _written_by_dashpot(path)):
+        if self.replace:
+            return
+        head = _head(path)
+        if is_record(head) and not self.makes_records:
+            raise ExportError(
+                f"{path} is a simulated record, an input like any measured one; give another "
+                "name, or add --overwrite to replace it"
+            )
+        if head and not is_ours(head):
             raise ExportError(
                 f"{path} exists and was not written by dashpot; give another name, or add "
                 "--overwrite to replace it"
@@ -89,12 +100,11 @@ def _same(path: Path, other: Path) -> bool:
     return path.exists() and other.exists() and path.samefile(other)
 
 
-def _written_by_dashpot(path: Path) -> bool:
+def _head(path: Path) -> bytes:
+    """The part of a file that holds its byline."""
     with path.open("rb") as file:
         head = file.read(_HEAD)
-        if head.startswith(b"%PDF-"):
-            head += file.read()
-    return not head or is_ours(head)
+        return head + file.read() if head.startswith(b"%PDF-") else head
 
 
 def _refuse_closed(path: Path) -> None:

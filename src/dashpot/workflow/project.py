@@ -98,8 +98,12 @@ def open_project(folder: str | Path) -> Project:
     path = Path(folder)
     try:
         about = tomllib.loads((path / "dashpot.toml").read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise ReadError(f"{path} is not a project: it has no dashpot.toml") from None
+    except (FileNotFoundError, NotADirectoryError):
+        what = "it is a file" if path.is_file() else "it has no dashpot.toml"
+        raise ReadError(
+            f"{path} is not a project: {what}; expected the folder that dashpot report --project "
+            "FOLDER made"
+        ) from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
         raise ReadError(f"{path / 'dashpot.toml'} is not TOML: {error}") from None
     if about.get("schema") != SCHEMA:

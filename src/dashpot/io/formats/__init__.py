@@ -13,6 +13,8 @@ from dashpot.io.table import Table
 
 _FOREIGN = {"hdf5", "matlab", "tdms", "trios", "uff"}
 """Formats whose whole reading is left to a child; a workbook's is left to it up to the text."""
+_SHEETED = {"hdf5", "tdms", "workbook"}
+"""Formats whose sheets or groups are named."""
 _MAGIC: tuple[tuple[bytes, str], ...] = (
     (b"LabVIEW Measurement", "lvm"),
     (b"\x89HDF\r\n\x1a\n", "hdf5"),
@@ -56,6 +58,8 @@ def read_table(raw: Raw, options: ReadOptions) -> Table:
 
 def _table(raw: Raw, options: ReadOptions) -> Table:
     name = format_of(raw)
+    if options.sheet is not None and name not in _SHEETED:
+        raise ReadError(f"--sheet {options.sheet}: this file has no sheets or groups; leave it out")
     reader: Callable[[Raw, ReadOptions], Table] = import_module(f"dashpot.io.formats.{name}").read
     try:
         if name not in _FOREIGN:

@@ -18,7 +18,7 @@ from dashpot.io.readers.channels import Channel, Opened
 from dashpot.io.table import Loaded
 from dashpot.records.impact import ImpactTest
 
-_WANT = "hits, a hammer force and an acceleration, are"
+HITS = "hits, a hammer force and an acceleration, are"
 _RINGS_ON = 5.0
 """How much longer than its hammer what is struck is in motion, at least."""
 _PULSES = 0.02
@@ -43,7 +43,13 @@ def read_impact(
         If a file cannot be read or leaves open which column is what or in which unit, or if the
         files do not hold the same channels.
     """
-    options = options or ReadOptions()
+    return hits_in(paths, options or ReadOptions(), HITS)
+
+
+def hits_in(
+    paths: str | Path | Sequence[str | Path], options: ReadOptions, want: str
+) -> ImpactTest:
+    """Return the impact test in files, refusing any other with what the command wants."""
     listed = [paths] if isinstance(paths, str | Path) else list(paths)
     if not listed:
         raise ReadError("no impact file given")
@@ -52,7 +58,7 @@ def read_impact(
             f"{listed[0]}: cycle {options.cycle} is asked for, but a hammer file holds hits, no "
             "loadings; leave the cycle out"
         )
-    tests = [_one(path, options) for path in listed]
+    tests = [_one(path, options, want) for path in listed]
     if len(tests) == 1:
         return tests[0]
     _refuse_copies(tests, listed)
@@ -91,10 +97,10 @@ def _joined(tests: Sequence[ImpactTest]) -> ImpactTest:
     )
 
 
-def _one(path: str | Path, options: ReadOptions | None) -> ImpactTest:
+def _one(path: str | Path, options: ReadOptions, want: str) -> ImpactTest:
     with channels.opened(path, options) as file:
         channels.refuse_summary(file)
-        channels.expect(file, ["impact"], _WANT, named=["acceleration", "hammer"])
+        channels.expect(file, ["impact"], want, named=["acceleration", "hammer"])
         chosen = _channels(file)
         channels.refuse_other_rate(file)
         loaded = channels.load_test(file, chosen)
