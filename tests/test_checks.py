@@ -21,6 +21,7 @@ from dashpot.engine.inference.covariance import Noise, nearly_white, noise_of
 from dashpot.engine.inference.order import DECISIVE, Choice, choose
 from dashpot.export import checks as export
 from dashpot.fitting.checks import creep, curves, relaxation, solid, temperature
+from dashpot.fitting.fractional import checks as fractional
 from dashpot.fitting.identification import checks as identification
 from dashpot.fitting.nonlinear_ramp import checks as ramp
 from dashpot.fitting.repeats import EndStiffness
@@ -33,6 +34,7 @@ from dashpot.preparation import checks as preparation
 from dashpot.preparation.contact import Baseline, Touch
 from dashpot.preparation.filters import parse_filter
 from dashpot.preparation.segments import Cycle, Segment
+from dashpot.records.alternative import Alternative
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.creep import LoadHold
 from dashpot.records.dynamic import DynamicTest
@@ -589,6 +591,18 @@ RAMP = [
     Case("drift_believable", lambda x: ramp.drift_believable([(x, 0.0, 1.0, 9.0)]), 2.999, 3.001),
 ]
 
+
+def beside(parts_at: float | None, *, explains: bool = True) -> Alternative:
+    """Another family of solids, which parts from the fit's own at a frequency."""
+    return Alternative(PAPER, 3.0, explains, parts_at, "another solid explains the data too")
+
+
+FRACTIONAL = [
+    Case("slope_known", lambda x: fractional.slope_known(x, edge=False), 0.0499, 0.0501),
+    Case("element_explains", lambda x: fractional.element_explains(x, 2), 1.0199, 1.0201),
+    Case("families_told_apart", lambda x: fractional.families_told_apart(beside(x)), 101.0, 99.0),
+]
+
 IDENTIFICATION = [
     Case(
         "lines_explained", lambda x: identification.lines_explained(x, known_sd=True), 1.999, 2.001
@@ -925,6 +939,7 @@ STAGES = {
     "fitting": [*FITTING, *CREEP],
     "fitting/identification": IDENTIFICATION,
     "fitting/nonlinear_ramp": RAMP,
+    "fitting/fractional": FRACTIONAL,
     "fitting/temperature": TEMPERATURE,
     "planning": PLANNING,
     "vibration": VIBRATION,
@@ -967,6 +982,9 @@ LIMITS = {
     "fitting/nonlinear_ramp": {
         "ramp_followed": 0.01, "tangent_told": 2, "hold_followed": 1.25, "k_inf_believable": 0.05,
         "offset_believable": 3, "drift_believable": 3, "clocks_agree": 3,
+    },
+    "fitting/fractional": {
+        "slope_known": 0.05, "element_explains": 1.02, "families_told_apart": 100,
     },
     "fitting/temperature": {
         "overlap": 1.5, "thermorheologically_simple": 0.01,
@@ -1361,3 +1379,11 @@ def _ar_1(phi: float, samples: int, seed: int) -> np.ndarray:
     size = 2 ** int(np.ceil(np.log2(samples + length)))
     kernel = phi ** np.arange(length)
     return np.fft.irfft(np.fft.rfft(white, size) * np.fft.rfft(kernel, size), size)[length:samples]
+
+
+def test_another_family_that_explains_nothing_or_parts_nowhere_limits_nothing() -> None:
+    for other in (None, beside(1.0, explains=False), beside(None)):
+        assert fractional.families_told_apart(other).passed is True
+    assert fractional.slope_known(0.01, edge=True).passed is False
+    assert fractional.element_explains(1.5001, 2).grade == "stop"
+    assert fractional.element_explains(1.4999, 2).grade == "limit"

@@ -32,6 +32,7 @@ from dashpot.fitting.uncertainty.estimate import (
     scored,
 )
 from dashpot.fitting.uncertainty.profile_intervals import profiles
+from dashpot.records.alternative import Alternative
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.estimate import (
     CreepEstimate,
@@ -51,7 +52,7 @@ from dashpot.records.fit import (
     Status,
 )
 from dashpot.solids.elastic import ElasticLaw
-from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 # a step that would remove less of the residual than this is rounding, whatever it does to tau
 _STATIONARY = 1e-6
@@ -89,8 +90,13 @@ class Chosen:
 
     @cached_property
     def model(self) -> GeneralizedMaxwell:
-        """The solid of the optimum."""
+        """The arms of the optimum."""
         return solid_of(self.solution, self.data.suffix)
+
+    @property
+    def solid(self) -> Solid:
+        """The solid of the optimum."""
+        return self.model
 
     @cached_property
     def _rows(self) -> dict[str, int]:
@@ -120,6 +126,10 @@ class Chosen:
     def parameters(self) -> tuple[str, ...]:
         """Names of the model's parameters."""
         return tuple(self._rows)
+
+    def with_depth_doubt(self, doubts: Sequence[float], *, shared: bool) -> Chosen:
+        """As found, with what the encoder's step leaves unknown of each depth."""
+        return replace(self, estimate=self.estimate.with_depth_doubt(doubts, shared=shared))
 
     @property
     def orders(self) -> tuple[OrderScore, ...]:
@@ -239,6 +249,7 @@ def assembled(
     elastic_law: ElasticLaw | None = None,
     end_of_hold: EndOfHold | None = None,
     creep: CreepEstimate | None = None,
+    alternative: Alternative | None = None,
 ) -> Fit:
     """Return the fit that a chosen number of arms makes.
 
@@ -257,12 +268,13 @@ def assembled(
     elastic_law : ElasticLaw or None
     end_of_hold : EndOfHold or None
     creep : CreepEstimate or None
+    alternative : Alternative or None
     """
     data, estimate = found.data, found.estimate
     checks = (optimum_found(stationary=_stationary(found.solution)), *checks)
     best = certified(data.rows, found.solution)
     return Fit(
-        solid=found.model,
+        solid=found.solid,
         status=_status(found.solution, found.asked, checks),
         estimate=ParameterEstimate(
             parameters=found.parameters,
@@ -281,6 +293,7 @@ def assembled(
             by_depth=by_depth,
             end_of_hold=end_of_hold,
             creep=creep,
+            alternative=alternative,
         ),
         provenance=provenance,
         unit=unit,
@@ -379,7 +392,7 @@ def _status(solution: Solution, asked: int | None, checks: Sequence[Check]) -> S
         stationary="optimum_found" not in failed,
         fewer=asked is not None and solution.order < asked,
         at_bound=bool(solution.at_bound.any()) or "tau_inside_window" in failed,
-        identified=not failed & {"arms_supported", "k_inf_positive"},
+        identified=not failed & {"arms_supported", "k_inf_positive", "slope_known"},
         agreed="data_agree" not in failed,
     )
 

@@ -63,6 +63,7 @@ def solid_checks(
     *,
     method: Method = "full",
     needed: bool = False,
+    in_arms: bool = True,
 ) -> list[Check]:
     """Return the checks of the records and of the solid fitted to them.
 
@@ -77,11 +78,34 @@ def solid_checks(
     method : "full" or "hold"
     needed : bool
         Fewer arms are rejected.
+    in_arms : bool
+        The solid was fitted by its arms: each is asked for.
     """
     peak = max(float(abs(record.force).max()) for record in records)
     answers = [
         *of_records(records, method=method),
         hold_long_enough(end),
+        *(_of_arms(records, model, error, needed=needed) if in_arms else ()),
+        k_inf_positive(model, float(error[0])),
+        k_inf_known(model, float(error[0]), records),
+        worst(arms_where_force_relaxes(model, record) for record in records),
+        worst(
+            force_followed(record, residual)
+            for record, residual in zip(records, left.every, strict=True)
+        ),
+        residuals_random(left.kappa, left.rms, max(record.force_noise for record in records)),
+        *(_of_fast_arms(records, model, error) if in_arms else ()),
+        residuals_steady(left.every, rounding=_ROUNDING * peak),
+    ]
+    if len(records) > 1:
+        answers.append(same_specimen(end_stiffnesses(records)))
+    return answers
+
+
+def _of_arms(
+    records: Sequence[RampHold], model: GeneralizedMaxwell, error: FloatArray, *, needed: bool
+) -> tuple[Check, ...]:
+    return (
         arms_distinct(model),
         arms_supported(model, error, needed=needed),
         tau_inside_window(
@@ -92,21 +116,16 @@ def solid_checks(
             within=True,
             advice="; do not use this arm: fit fewer arms, hold longer or sample faster",
         ),
-        k_inf_positive(model, float(error[0])),
-        k_inf_known(model, float(error[0]), records),
-        worst(arms_where_force_relaxes(model, record) for record in records),
-        worst(
-            force_followed(record, residual)
-            for record, residual in zip(records, left.every, strict=True)
-        ),
-        residuals_random(left.kappa, left.rms, max(record.force_noise for record in records)),
+    )
+
+
+def _of_fast_arms(
+    records: Sequence[RampHold], model: GeneralizedMaxwell, error: FloatArray
+) -> tuple[Check, ...]:
+    return (
         step_bias(model, records),
         fast_arm_visible(model, records, error=_of_fastest(model, error)),
-        residuals_steady(left.every, rounding=_ROUNDING * peak),
-    ]
-    if len(records) > 1:
-        answers.append(same_specimen(end_stiffnesses(records)))
-    return answers
+    )
 
 
 def _of_fastest(model: GeneralizedMaxwell, error: FloatArray) -> float:

@@ -34,6 +34,15 @@ from dashpot.fitting.design import (
     solid_of,
 )
 from dashpot.fitting.fit_data import First, FitData, determinable_arms, one_more, weighed
+from dashpot.fitting.fractional.choice import Choice as FamilyChoice
+from dashpot.fitting.fractional.choice import (
+    ChosenElement,
+    checked_family,
+    chosen_family,
+    element,
+    family_checks,
+    named,
+)
 from dashpot.fitting.nonlinear_ramp import checks as ramp_checks
 from dashpot.fitting.nonlinear_ramp.assembly import ramp_fit
 from dashpot.fitting.nonlinear_ramp.ladder import LawName, ramp_law
@@ -83,6 +92,7 @@ def fit(
     nuisance: Sequence[str] = NUISANCE,
     max_arms: int = 6,
     law: LawName = "auto",
+    family: Literal["maxwell", "fractional", "auto"] = "maxwell",
     intervals: bool = True,
     vertical: Vertical = "free",
     shift_law: ShiftLaw = "auto",
@@ -132,6 +142,11 @@ def fit(
         to their noise is kept. Any other record is fitted hold first
         (:mod:`dashpot.fitting.nonlinear_ramp.ladder`): the hold decides over the arms, the ramp
         over the law, which ``"auto"`` bends only if that matters.
+    family : "maxwell", "fractional" or "auto"
+        Arms; a fractional Zener solid, whose four parameters are a spectrum that is broad and
+        smooth (:class:`~dashpot.solids.fractional.FractionalZener`); or the one of the two that
+        BIC prefers. Beside the solid that is taken, `Fit.alternative` is then the other, and says
+        where the two part. A ramp that is not linear is explained by arms alone.
     intervals : bool
         False returns the optimum of the same model alone, without errors, checks or bounds: for a
         first look, or where a computation asks for many fits. A number of arms left to choose,
@@ -153,10 +168,11 @@ def fit(
         recorded history.
     """
     if isinstance(tests, Creep):
-        if method != "full" or depth_law or law != "auto":
+        if method != "full" or depth_law or law != "auto" or family != "maxwell":
             raise FitError(
-                "a creep test is fitted to its recorded force and to a linear solid: it has no "
-                "other method, no depth law and no elastic law; leave them out"
+                "a creep test is fitted to its recorded force and to a linear solid with arms: it "
+                "has no other method, no depth law, no elastic law and no other family; leave "
+                "them out"
             )
         from dashpot.fitting.creep import fit_creep  # few need it
 
@@ -168,10 +184,16 @@ def fit(
     most = asked_arms(arms, max_arms)
     _checked_method(records, method)
     _checked_law(law, method, depth_law=depth_law)
+    _checked_family(family, law, depth_law=depth_law)
     design = Design(method, depth_law, _checked_nuisance(nuisance))
     count = None if arms == "auto" else most
     temperatures = _temperatures(records, design)
     if len(temperatures) > 1:
+        if family != "maxwell":
+            raise FitError(
+                "tests at several temperatures share arms that move together: leave the family to "
+                "be maxwell, or fit the tests of one temperature"
+            )
         own = [_own(record, law) for record in records]
         return fit_thermal(
             own, arms=count, max_arms=max_arms, vertical=vertical, shift_law=shift_law
@@ -179,9 +201,13 @@ def fit(
     if law == "nonlinear":
         return _by_ramp(records, ramp_law(records, law=law, arms=count), count)
     data, first, holds = _data(records, design), None, _Holds(records)
-    point = not intervals and count is not None
+    point = not intervals and count is not None and family == "maxwell"
+    one = None
     if method == "full" and not depth_law and design.nuisance == NUISANCE:
         first, sound = _gated(holds, data, count, max_arms=max_arms, thorough=thorough, only=point)
+        if not sound and family != "maxwell":
+            one = element(first.data)
+            sound = family == "fractional" or _sound_element(holds, one, first)
         if not sound:
             bent = ramp_law(records, law=law, arms=count)
             if not bent.sound:
@@ -189,12 +215,14 @@ def fit(
     if point and count is not None:
         return _point(records, first or weighed(data, count, only=True), design, count)
     found = chosen_arms(data, arms, max_arms=max_arms, thorough=thorough, first=first)
+    both = None
+    if family != "maxwell":
+        both = chosen_family(found, one or element(found.data), family)
+        found = both.best
     if method == "hold":
         doubts = [record.depth_doubt for record in records]
-        found = replace(
-            found, estimate=found.estimate.with_depth_doubt(doubts, shared=not depth_law)
-        )
-    return _assembled(holds, found, design, thorough=thorough)
+        found = found.with_depth_doubt(doubts, shared=not depth_law)
+    return _assembled(holds, found, design, both, thorough=thorough)
 
 
 def _temperatures(records: Sequence[RampHold], design: Design) -> FloatArray:
@@ -263,7 +291,9 @@ def _point(records: Sequence[RampHold], first: First, design: Design, arms: int)
     )
 
 
-def _assembled(holds: _Holds, found: Chosen, design: Design, *, thorough: bool) -> Fit:
+def _assembled(
+    holds: _Holds, found: Chosen, design: Design, both: FamilyChoice | None, *, thorough: bool
+) -> Fit:
     """Return the fit of a linear solid, with everything needed to judge it."""
     records, depth_law = holds.records, design.depth_law
     deepest = max(records, key=lambda record: record.depth)
@@ -273,11 +303,17 @@ def _assembled(holds: _Holds, found: Chosen, design: Design, *, thorough: bool) 
         stiffness=max(found.model.k_0, 1e-300),
         noise=max(found.estimate.spread, 1e-6 * found.data.peak, 1e-300),
     )
-    end = None if depth_law else _end_of_hold(records, found, design)
+    # what it bounds is of any spectrum: few arms weigh the record as well as many
+    end = None if depth_law else _end_of_hold(records, both.arms if both else found, design)
+    other = None if both is None else both.alternative(band)
     return assembled(
         found,
         band=band,
-        checks=(*_checks(holds, found, design, end), frequencies_informed(band)),
+        checks=(
+            *_checks(holds, found, design, end),
+            *(family_checks(both, other) if both else ()),
+            frequencies_informed(band),
+        ),
         noticed=[check for record in records for check in record.checks],
         provenance=Provenance(
             design.method,
@@ -293,6 +329,7 @@ def _assembled(holds: _Holds, found: Chosen, design: Design, *, thorough: bool) 
         tests=len(records),
         elastic_law=ElasticLaw.linear(found.model.k_inf, deepest.depth),
         end_of_hold=end,
+        alternative=other,
     )
 
 
@@ -368,6 +405,17 @@ def _sound(holds: _Holds, first: First) -> bool:
         if not linear_soundness(record, residual, alone).sound:
             return False
     return True
+
+
+def _sound_element(holds: _Holds, one: ChosenElement, first: First) -> bool:
+    """True if a linear fractional solid explains every record to its noise."""
+    start = first.solutions[-1].log_tau
+    pairs = zip(holds.records, one.estimate.residuals, strict=True)
+    return all(
+        linear_soundness(record, residual, holds.left(i, start)).sound
+        for i, (record, residual) in enumerate(pairs)
+        if not moves_on(record) and ramp_obstacle(record) is None
+    )
 
 
 def _by_ramp(records: Sequence[RampHold], found: RampLaw, arms: int | None) -> Fit:
@@ -453,6 +501,22 @@ def _checked_law(law: str, method: str, *, depth_law: bool) -> None:
         )
 
 
+def _checked_family(family: str, law: str, *, depth_law: bool) -> None:
+    checked_family(family)
+    if family == "maxwell":
+        return
+    if depth_law:
+        raise FitError(
+            "tests of several depths share relaxation times, and a fractional solid has none of "
+            "its own to share: fit arms (family maxwell), or leave out the law of the depth"
+        )
+    if family == "fractional" and law == "nonlinear":
+        raise FitError(
+            "a nonlinear law bends the ramp of a solid with arms: fit arms (family maxwell), or "
+            "leave the law to be linear"
+        )
+
+
 def _checked_nuisance(nuisance: Sequence[str]) -> tuple[str, ...]:
     unknown = [name for name in nuisance if name not in NUISANCE]
     if isinstance(nuisance, str) or unknown:
@@ -468,6 +532,7 @@ def _checks(
     """Return every check of the records and of the fit."""
     records, model, estimate = holds.records, found.model, found.estimate
     choice, error = found.choice, found.error
+    in_arms = not isinstance(found, ChosenElement)
     answers = [
         *(filter_bias(record) for record in records if record.unfiltered is not None),
         *solid_checks(
@@ -478,13 +543,16 @@ def _checks(
             end,
             method=design.method,
             needed=choice is not None,
+            in_arms=in_arms,
         ),
-        checks.drift_told_from_arm(model, _drift_correlation(estimate), float(error[-1])),
-        *_load_cells(records, found),
     ]
+    if in_arms:
+        slow = _drift_correlation(estimate)
+        answers.append(checks.drift_told_from_arm(model, slow, float(error[-1])))
+    answers += _load_cells(records, found)
     if choice is not None:
         answers.append(order_agreed(choice))
-    if design.method == "full" and not design.depth_law:
+    if design.method == "full" and not design.depth_law and in_arms:
         answers.append(checks.hold_and_full_agree(model, holds.by_eq5(model.arms), error))
     return tuple(answers)
 
@@ -598,7 +666,7 @@ def _step(
     *,
     thorough: bool,
 ) -> Step:
-    model, asked = found.model, found.asked
+    asked = found.asked
     options = (
         ("arms", "auto" if asked is None else str(asked)),
         ("method", design.method),
@@ -607,10 +675,7 @@ def _step(
         ("nuisance", ", ".join(design.nuisance) or "none"),
     )
     plural = f"{len(records)} tests" if len(records) > 1 else "one test"
-    says = (
-        f"fitted a generalized Maxwell solid with {model.arms} arm{'s' * (model.arms != 1)} to "
-        f"{plural} by method {design.method!r}"
-    )
+    says = f"fitted {named(found)} to {plural} by method {design.method!r}"
     return Step("fit", options, says)
 
 

@@ -286,7 +286,7 @@ def relaxation_data(
     """
     if fit.temperatures is not None:
         return _at_its_temperature(test, fit, alone)
-    model, own = fit.model, (alone or fit).model
+    model, own = fit.few_arms, (alone or fit).few_arms
     if fit.method == "hold":
         return held_data(test, model, _left_by(own, held(test, test.depth)))
     x, left = true_motion(test)

@@ -24,9 +24,15 @@ from dashpot.base.errors import DataError
 from dashpot.solids.interconversion import CreepSpectrum
 
 if TYPE_CHECKING:
+    from dashpot.solids.fractional import FractionalZener
     from dashpot.solids.maxwell import GeneralizedMaxwell
 
 Interval = tuple[float, float]
+
+#: rows of the covariance of a fractional Zener solid
+ELEMENT = ("k_inf", "k_0", "ln_tau", "alpha")
+#: rows that no number of equal solids in parallel changes
+SHAPE = ("ln_", "alpha")
 
 
 class Intervals(TypedDict):
@@ -123,7 +129,8 @@ class ParameterEstimate(ByValue):
     ----------
     parameters : tuple of str
         Names of the rows of `covariance`: ``"k_inf"``, ``"k_1"``..., ``"ln_tau_1"``...,
-        and ``"b"`` if it was fitted. Stiffness in N/m, ln of tau in s.
+        and ``"b"`` if it was fitted; of a fractional Zener solid ``"k_inf"``, ``"k_0"``,
+        ``"ln_tau"`` and ``"alpha"``. Stiffness in N/m, ln of tau in s.
     covariance : array, shape (p, p)
         Of those parameters, for correlated residuals. Infinite where not identified.
     dof : float
@@ -151,6 +158,50 @@ class ParameterEstimate(ByValue):
             )
         object.__setattr__(self, "covariance", frozen(covariance))
 
+    def of_arms(self, solid: FractionalZener) -> ParameterEstimate:
+        """What is known of a fractional solid, as of the arms that stand for it: to first order."""
+        gradient = solid.arm_gradient()
+        rows = [self.parameters.index(name) for name in ELEMENT]
+        own = self.covariance[np.ix_(rows, rows)]
+        if np.isfinite(own).all():
+            covariance = gradient @ own @ gradient.T
+        else:
+            covariance = np.diag(np.full(len(gradient), inf))
+        names = parameter_names(len(gradient) // 2)
+        return ParameterEstimate(names, covariance, self.dof, self.residual)
+
+    def element_errors(self, solid: FractionalZener) -> dict[str, float]:
+        """Standard errors of k_inf, k_0, tau and alpha, SI units."""
+        own = {name: self._error(name) for name in ELEMENT}
+        return {
+            "k_inf": own["k_inf"],
+            "k_0": own["k_0"],
+            "tau": solid.tau * own["ln_tau"],
+            "alpha": own["alpha"],
+        }
+
+    def element_intervals(self, solid: FractionalZener, level: float) -> dict[str, Interval]:
+        """Student's intervals at `level` of k_inf, k_0, tau and alpha, SI units.
+
+        Raises
+        ------
+        DataError
+            If `level` is not between 0 and 1.
+        """
+        quantile = self._quantile(level)
+        own = {name: self._error(name) for name in ELEMENT}
+        reach = {name: quantile * e if isfinite(e) else inf for name, e in own.items()}
+        log_tau = float(np.log(solid.tau))
+        return {
+            "k_inf": (max(solid.k_inf - reach["k_inf"], 0.0), solid.k_inf + reach["k_inf"]),
+            "k_0": (max(solid.k_0 - reach["k_0"], 0.0), solid.k_0 + reach["k_0"]),
+            "tau": (_exp(log_tau - reach["ln_tau"]), _exp(log_tau + reach["ln_tau"])),
+            "alpha": (
+                max(solid.alpha - reach["alpha"], 0.0),
+                min(solid.alpha + reach["alpha"], 1.0),
+            ),
+        }
+
     def standard_errors(self, model: GeneralizedMaxwell) -> StandardErrors:
         """Standard errors of k_inf, and of k, tau and b = k tau of each arm of `model`."""
         arms = range(1, model.arms + 1)
@@ -169,12 +220,7 @@ class ParameterEstimate(ByValue):
         DataError
             If `level` is not between 0 and 1.
         """
-        # Student's distribution costs an import that a fit alone does not pay
-        from dashpot.base.student_t import t_quantile
-
-        if not 0.0 < level < 1.0:
-            raise DataError(f"level = {level!r}; expected a coverage between 0 and 1, such as 0.95")
-        quantile = t_quantile(level, self.dof)
+        quantile = self._quantile(level)
         profiles = {profile.parameter: profile for profile in self.profiles}
 
         def of(name: str, value: float, error: float) -> Interval:
@@ -202,6 +248,14 @@ class ParameterEstimate(ByValue):
                 exponential(f"ln_b_{j}", value, self._error_of_log_b(model, j)) for j, value in b
             ),
         )
+
+    def _quantile(self, level: float) -> float:
+        # Student's distribution costs an import that a fit alone does not pay
+        from dashpot.base.student_t import t_quantile
+
+        if not 0.0 < level < 1.0:
+            raise DataError(f"level = {level!r}; expected a coverage between 0 and 1, such as 0.95")
+        return t_quantile(level, self.dof)
 
     def _error(self, name: str) -> float:
         """Standard error of one row; 0 for a parameter that was held fixed.

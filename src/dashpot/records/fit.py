@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum
+from typing import TypeVar
 
 import numpy as np
 
@@ -14,10 +16,13 @@ from dashpot.base.errors import DataError
 from dashpot.base.offered import Pictured
 from dashpot.base.provenance import Source, Step
 from dashpot.base.units import Quantity, si
+from dashpot.records.alternative import Alternative, Family, family_of
 from dashpot.records.bounds import EndOfHold, LeftOpen
 from dashpot.records.compression import refuse_far
 from dashpot.records.estimate import (
+    SHAPE,
     CreepEstimate,
+    Interval,
     Intervals,
     Nuisance,
     ParameterEstimate,
@@ -28,8 +33,11 @@ from dashpot.records.estimate import (
 from dashpot.records.specimen import Specimen
 from dashpot.records.temperature import SAME_TEMPERATURE, Shift, TemperatureShifts, celsius
 from dashpot.solids.elastic import ElasticLaw
+from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 from dashpot.solids.temperature import TemperatureLaw
+
+_One = TypeVar("_One")
 
 
 class Status(Enum):
@@ -200,6 +208,8 @@ class Evidence:
         What relaxation tests know of the stiffness when they end, and of where it ends.
     creep : CreepEstimate or None
         The compliances and retardation times that were fitted to a creep test.
+    alternative : Alternative or None
+        The best solid of the other family, where both were fitted.
     """
 
     band: tuple[float, float]
@@ -211,6 +221,7 @@ class Evidence:
     explanations: tuple[Explanation, ...] = ()
     end_of_hold: EndOfHold | None = None
     creep: CreepEstimate | None = None
+    alternative: Alternative | None = None
 
 
 @dataclass(frozen=True)
@@ -242,7 +253,7 @@ class Fit(ByValue, Pictured):
     solid : Solid
     status : Status
     estimate : ParameterEstimate
-        Of the parameters of `model`.
+        Of the parameters of `solid`.
     evidence : Evidence
     provenance : Provenance
     unit : str
@@ -273,6 +284,22 @@ class Fit(ByValue, Pictured):
     def model(self) -> GeneralizedMaxwell:
         """The arms of the solid."""
         return self.solid.maxwell
+
+    @property
+    def few_arms(self) -> GeneralizedMaxwell:
+        """The fewest arms that stand for the data: of a fractional solid, those of its alternative.
+
+        They weigh a record as well as the many that stand for the solid itself.
+        """
+        other = self.alternative
+        if self.family == "maxwell" or other is None or other.family != "maxwell":
+            return self.model
+        return other.solid.maxwell
+
+    @property
+    def family(self) -> Family:
+        """Of the solid: ``"maxwell"`` or ``"fractional"``."""
+        return family_of(self.solid)
 
     @property
     def verdict(self) -> Verdict:
@@ -416,8 +443,11 @@ class Fit(ByValue, Pictured):
 
     @property
     def standard_error(self) -> StandardErrors:
-        """Standard errors of k_inf, and of k, tau and b = k tau of each arm, SI units."""
-        return self.estimate.standard_errors(self.model)
+        """Standard errors of k_inf, and of k, tau and b = k tau of each arm, SI units.
+
+        Of a fractional solid, those of the arms that stand for it follow from its own four.
+        """
+        return self._of_arms.standard_errors(self.model)
 
     def intervals(self, level: float = 0.95) -> Intervals:
         """Confidence intervals at `level`, SI units: Student's, or the profile's where stored.
@@ -429,7 +459,41 @@ class Fit(ByValue, Pictured):
         DataError
             If `level` is not between 0 and 1.
         """
-        return self.estimate.intervals(self.model, level)
+        return self._of_arms.intervals(self.model, level)
+
+    @property
+    def solid_standard_error(self) -> dict[str, float]:
+        """Standard errors of the solid's own parameters by their names, SI units.
+
+        ``k_inf``, ``k_0``, ``tau`` and ``alpha`` of a fractional solid; ``k_inf``, ``k_1``,
+        ``tau_1``... of one with arms.
+        """
+        if isinstance(self.solid, FractionalZener):
+            return self.estimate.element_errors(self.solid)
+        error = self.standard_error
+        return _by_name(error["k_inf"], error["k"], error["tau"])
+
+    def solid_intervals(self, level: float = 0.95) -> dict[str, Interval]:
+        """Confidence intervals at `level` of the solid's own parameters by their names, SI units.
+
+        The names are those of `solid_standard_error`.
+
+        Raises
+        ------
+        DataError
+            If `level` is not between 0 and 1.
+        """
+        if isinstance(self.solid, FractionalZener):
+            return self.estimate.element_intervals(self.solid, level)
+        ends = self.intervals(level)
+        return _by_name(ends["k_inf"], ends["k"], ends["tau"])
+
+    @property
+    def _of_arms(self) -> ParameterEstimate:
+        """What is known of the arms of the solid."""
+        if isinstance(self.solid, FractionalZener) and self.parameters:
+            return self.estimate.of_arms(self.solid)
+        return self.estimate
 
     # -- what the data support ----------------------------------------------------------------
 
@@ -467,6 +531,11 @@ class Fit(ByValue, Pictured):
     def explanations(self) -> tuple[Explanation, ...]:
         """What would explain two tests that disagree, the best first."""
         return self.evidence.explanations
+
+    @property
+    def alternative(self) -> Alternative | None:
+        """The best solid of the other family; None where one family alone was fitted."""
+        return self.evidence.alternative
 
     @property
     def end_of_hold(self) -> EndOfHold | None:
@@ -533,7 +602,7 @@ class Fit(ByValue, Pictured):
         """The verdict, the solid, and how the optimiser ended."""
         return (
             f"{self.verdict.use}: {self.verdict.says}",
-            f"{self.model} ({self.unit}, s), method {self.method}",
+            f"{self.solid} ({self.unit}, s), method {self.method}",
             f"optimiser: {self.status.value}",
         )
 
@@ -580,7 +649,8 @@ class Fit(ByValue, Pictured):
         return replace(self._scaled(factor, step), solid=tangent, elastic_law=None)
 
     def _scaled(self, count: float, step: Step) -> Fit:
-        scale = np.array([1.0 if name.startswith("ln_") else count for name in self.parameters])
+        scale = np.array([1.0 if name.startswith(SHAPE) else count for name in self.parameters])
+        other = self.alternative
         return replace(
             self,
             solid=count * self.solid,
@@ -596,6 +666,14 @@ class Fit(ByValue, Pictured):
                 self.band,
                 checks=self.checks,
                 end_of_hold=None if self.end_of_hold is None else self.end_of_hold * count,
+                alternative=None if other is None else replace(other, solid=count * other.solid),
             ),
             provenance=replace(self.provenance, steps=(*self.steps, step)),
         )
+
+
+def _by_name(k_inf: _One, k: Sequence[_One], tau: Sequence[_One]) -> dict[str, _One]:
+    found = {"k_inf": k_inf}
+    for j, (one, other) in enumerate(zip(k, tau, strict=True), start=1):
+        found |= {f"k_{j}": one, f"tau_{j}": other}
+    return found

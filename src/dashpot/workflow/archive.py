@@ -12,6 +12,7 @@ import numpy as np
 from dashpot.base.checks import Verdict
 from dashpot.base.errors import DataError, ReadError
 from dashpot.planning.plan import Plan
+from dashpot.records.alternative import Alternative
 from dashpot.records.creep import CreepCompliance, CreepTest, LoadHold
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.estimate import ParameterEstimate
@@ -173,7 +174,8 @@ _FIT_PARTS: dict[str, type] = {
 _END_OF_HOLD = ("k_inf", "k_end", "k_3end", "time", "falling")
 _FIT_ORDER = (
     "method", "parameters", "covariance", "dof", "orders", "certificate", "profiles", "nuisance",
-    "checks", "source", "steps", "by_depth", "specimen", "moved", "explanations", "unit",
+    "checks", "source", "steps", "by_depth", "specimen", "moved", "explanations", "alternative",
+    "unit",
 )  # fmt: skip
 
 
@@ -188,6 +190,7 @@ def _fit_contract(fit: Fit, plain: dict[str, Any]) -> dict[str, Any]:
         "says": fit.status.value,
         "verdict": _verdict(fit.verdict),
         "model": _plain(fit.model),
+        "solid": _solid(fit),
         "standard_error": _standard_error(fit),
         "interval_95": _numbers_or_null(dict(fit.intervals(level=0.95))),
         "residual": plain["residual"],
@@ -198,6 +201,19 @@ def _fit_contract(fit: Fit, plain: dict[str, Any]) -> dict[str, Any]:
         **({} if mass is None else {"mass": mass}),
         **({} if fit.creep is None else {"creep": plain["creep"]}),
         **{key: plain[key] for key in _FIT_ORDER},
+    }
+
+
+def _solid(fit: Fit) -> dict[str, Any]:
+    """What was fitted: of another family than arms with its own parameters and their errors."""
+    if fit.family == "maxwell":
+        return {"family": fit.family}
+    ends, error = fit.solid_intervals(level=0.95), fit.solid_standard_error
+    return {
+        "family": fit.family,
+        **{one.name: getattr(fit.solid, one.name) for one in fields(type(fit.solid))},  # type: ignore[arg-type]
+        "standard_error": _numbers_or_null(error),
+        "interval_95": _numbers_or_null(ends),
     }
 
 
@@ -289,6 +305,7 @@ def _inspected_contract(_file: InspectedFile, plain: dict[str, Any]) -> dict[str
 
 
 _CONTRACTS: dict[type, Callable[[Any, dict[str, Any]], dict[str, Any]]] = {
+    Alternative: lambda found, plain: {"family": found.family, **plain},
     GeneralizedMaxwell: _model_contract,
     Fit: _fit_contract,
     Comparison: _comparison_contract,
@@ -352,7 +369,8 @@ def _restored_fit(found: dict[str, Any]) -> dict[str, Any]:
     found["band"] = found.pop("band_hz", [0.0, 0.0])
     # the bare contract lists neither a candidate's significance nor its solid
     found["orders"] = [order for order in found.get("orders", []) if "model" in order]
-    found["solid"] = found.pop("model")
+    model, own = found.pop("model"), found.get("solid", {})
+    found["solid"] = own if own.get("family") == "fractional" else model
     law = found.get("elastic_law")
     if law and "ratio" not in law:
         tangent = np.asarray(law["tangent"], dtype=float)

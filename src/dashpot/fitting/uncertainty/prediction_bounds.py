@@ -15,8 +15,9 @@ from dashpot.fitting.relaxation_data import relaxation_data
 from dashpot.fitting.uncertainty.admissible_spectra import Spectra, deviance_limit
 from dashpot.preparation.ramp_holds import Tests, ramp_holds
 from dashpot.records.bounds import FRFBounds, StiffnessBounds
-from dashpot.records.estimate import parameter_names
+from dashpot.records.estimate import ELEMENT, parameter_names
 from dashpot.records.fit import Fit
+from dashpot.solids.fractional import FractionalZener
 
 DRAWS = 400
 SEED = 20061
@@ -54,7 +55,7 @@ def parameter_band(fit: Fit, frequency: npt.ArrayLike, *, level: float = 0.95) -
     f = _frequencies(frequency)
     _level(level)
     K = _drawn(fit, 2 * np.pi * f)
-    own = fit.model.complex_stiffness(2 * np.pi * f)
+    own = fit.solid.complex_stiffness(2 * np.pi * f)
     return StiffnessBounds(
         f,
         _quantiles(K.real, own.real, level),
@@ -94,7 +95,7 @@ def unseen_arm_band(
     f = _frequencies(frequency)
     spectra = _spectra(fit, tests, fastest=2 * np.pi * float(f[-1]), level=level)
     limits = np.array([_limits(spectra, 2 * np.pi * at) for at in f])
-    own = fit.model.complex_stiffness(2 * np.pi * f)
+    own = fit.solid.complex_stiffness(2 * np.pi * f)
     storage, loss, factor = (
         _holding(part, value)
         for part, value in zip(
@@ -148,7 +149,7 @@ def frf_band(
         omega = 2 * np.pi * at
         inertia = mass * omega**2 / seals
         reach = [_distances(spectra, *each) for each in zip(omega, inertia, strict=True)]
-        alone = np.abs(fit.model.complex_stiffness(omega) - inertia)
+        alone = np.abs(fit.solid.complex_stiffness(omega) - inertia)
         near, far = _holding(np.transpose(reach), alone)
         return np.array([_magnitude(omega, far, seals), _magnitude(omega, near, seals)])
 
@@ -197,7 +198,7 @@ def _formal(
     if not (np.isfinite(mass) and mass > 0):
         raise DataError(f"mass = {mass!r} kg; expected a number > 0")
     inertia = mass * omega**2 / seals
-    own = np.abs(fit.model.complex_stiffness(omega) - inertia)
+    own = np.abs(fit.solid.complex_stiffness(omega) - inertia)
     drawn = np.abs(_drawn(fit, omega) - inertia)
     limits = _quantiles(drawn, own, level)[::-1]
     return _magnitude(omega, own, seals), _magnitude(omega, limits, seals)
@@ -214,6 +215,8 @@ def _magnitude(omega: FloatArray, distance: FloatArray, seals: float) -> FloatAr
 
 def _drawn(fit: Fit, omega: FloatArray) -> ComplexArray:
     """Complex stiffness of solids drawn from the fit's covariance, shape (draws, n)."""
+    if isinstance(fit.solid, FractionalZener):
+        return _drawn_elements(fit, fit.solid, omega)
     model = fit.model
     names = parameter_names(model.arms, dashpot="b" in fit.parameters)
     rows = [fit.parameters.index(name) for name in names if name in fit.parameters]
@@ -228,16 +231,38 @@ def _drawn(fit: Fit, omega: FloatArray) -> ComplexArray:
     lost = ~np.isfinite(variance) | (variance > widest**2)
     covariance[lost, :] = covariance[:, lost] = 0.0
     covariance[lost, lost] = widest[lost] ** 2
-    values, vectors = np.linalg.eigh(covariance)
-    root = vectors * np.sqrt(np.maximum(values, 0.0))
-    normal = np.random.default_rng(SEED).standard_normal((DRAWS, len(names)))
-    draws = mean + normal @ root.T
+    draws = _draws(mean, covariance)
     N = model.arms
     k = np.maximum(draws[:, 1 : 1 + N], 0.0)
     x = omega * np.exp(np.clip(draws[:, 1 + N : 1 + 2 * N], -60.0, 60.0))[..., None]
     K = np.maximum(draws[:, :1], 0.0) + (k[..., None] * (1j * x / (1 + 1j * x))).sum(axis=1)
     b = np.maximum(draws[:, -1:], 0.0) if "b" in names else np.full((DRAWS, 1), model.b)
     return np.asarray(K + 1j * omega * b)
+
+
+def _drawn_elements(fit: Fit, solid: FractionalZener, omega: FloatArray) -> ComplexArray:
+    """As :func:`_drawn`, of a fractional solid."""
+    rows = [fit.parameters.index(name) for name in ELEMENT]
+    covariance = np.array(fit.covariance[np.ix_(rows, rows)])
+    mean = np.array([solid.k_inf, solid.k_0, np.log(solid.tau), solid.alpha])
+    widest = UNKNOWN * np.array([solid.k_0, solid.k_0, 1.0, 0.1])
+    variance = np.diag(covariance)
+    lost = ~np.isfinite(variance) | (variance > widest**2)
+    covariance[lost, :] = covariance[:, lost] = 0.0
+    covariance[lost, lost] = widest[lost] ** 2
+    k_inf, k_0, log_tau, alpha = _draws(mean, covariance).T[..., None]
+    k_inf = np.maximum(k_inf, 0.0)
+    power = np.exp(np.clip(alpha, 1e-3, 1.0) * np.log(1j * omega * np.exp(log_tau)))
+    K = k_inf + np.maximum(k_0 - k_inf, 0.0) * (1 - 1 / (1 + power))
+    return np.asarray(K + 1j * omega * solid.b)
+
+
+def _draws(mean: FloatArray, covariance: FloatArray) -> FloatArray:
+    """Normal draws of parameters, shape (draws, p)."""
+    values, vectors = np.linalg.eigh(covariance)
+    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    normal = np.random.default_rng(SEED).standard_normal((DRAWS, len(mean)))
+    return np.asarray(mean + normal @ root.T)
 
 
 def _quantiles(values: FloatArray, own: FloatArray, level: float) -> FloatArray:
@@ -263,7 +288,7 @@ def _spectra(fit: Fit, tests: Tests, *, fastest: float, level: float) -> Spectra
         [relaxation_data(record, fit) for record in records],
         fastest=fastest,
         limit=deviance_limit(level, fit.dof),
-        further=fit.model.tau,
+        further=fit.few_arms.tau,
     )
 
 

@@ -1,0 +1,1 @@
+"""A fractional Zener solid fitted to whatever arms can be fitted to."""

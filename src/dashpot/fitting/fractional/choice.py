@@ -1,0 +1,332 @@
+"""The fractional solid of some data beside their arms: which to take, and where the two part.
+
+A fractional Zener solid has three parameters and a spring, arms two each. Both families are solved
+on the same rows with the same nuisance terms, and BIC with the effective number of residuals
+decides; arms keep their place unless it falls by more than 10, which is very strong evidence
+(R. E. Kass and A. E. Raftery, *J. Am. Stat. Assoc.* 90, 1995). Where the residuals of the other
+are within what chance allows, it is kept: the two may part where no test has looked.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check
+from dashpot.base.errors import FitError
+from dashpot.engine.inference.order import bic, needed
+from dashpot.fitting.design import solid_of
+from dashpot.fitting.fit_data import FitData, reweighed
+from dashpot.fitting.fractional.checks import (
+    HEARD,
+    LOSS_MATTERS,
+    STIFFNESS_MATTERS,
+    element_explains,
+    families_told_apart,
+    slope_known,
+)
+from dashpot.fitting.fractional.projection import Columns, Point, element_jacobian
+from dashpot.fitting.pipeline import Chosen
+from dashpot.fitting.uncertainty.estimate import estimated, rounding
+from dashpot.records.alternative import Alternative
+from dashpot.records.estimate import ELEMENT, Profile
+from dashpot.records.fit import OrderScore
+from dashpot.solids.fractional import FractionalZener
+from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
+
+FAMILIES = ("maxwell", "fractional", "auto")
+# fall of BIC below which arms keep their place
+VERY_STRONG = 10.0
+# lines per decade on which two solids are compared
+_LINES = 40
+
+
+@dataclass(frozen=True, eq=False)
+class ChosenElement(Chosen):
+    """The best fractional solid of some data, and its uncertainty.
+
+    Attributes
+    ----------
+    point : Point
+        The optimum; `solution` holds it as arms, even in ln tau.
+    """
+
+    point: Point
+
+    @cached_property
+    def solid(self) -> FractionalZener:
+        """The solid of the optimum."""
+        fixed = dict(zip(self.solution.fixed_names, self.point.fixed.tolist(), strict=True))
+        k_inf = max(fixed["k_inf"], 0.0)
+        log_tau, alpha = self.point.at.tolist()
+        return FractionalZener(
+            k_inf + self.point.k,
+            k_inf,
+            float(np.exp(log_tau)),
+            alpha,
+            max(fixed.get("b", 0.0), 0.0),
+        )
+
+    @cached_property
+    def model(self) -> GeneralizedMaxwell:
+        """The arms that stand for it."""
+        return self.solid.maxwell
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the solid's parameters."""
+        return (*ELEMENT, "b") if "b" in self.solution.fixed_names else ELEMENT
+
+    @cached_property
+    def covariance(self) -> FloatArray:
+        """Of k_inf, k_0, ln tau and alpha, and b: k_0 is k_inf and the k of the element."""
+        names = ["k_inf", "k", "ln_tau", "alpha", *(["b"] if "b" in self.parameters else [])]
+        rows = [self.estimate.names.index(name) for name in names]
+        own = self.estimate.covariance[np.ix_(rows, rows)]
+        if not np.isfinite(own).all():
+            return np.diag(np.full(len(rows), np.inf))
+        turn = np.eye(len(rows))
+        turn[1, 0] = 1.0
+        return np.asarray(turn @ own @ turn.T)
+
+    @property
+    def at_edge(self) -> bool:
+        """Slope or relaxation time stands at an end of what is sought."""
+        return bool(self.solution.at_bound.any())
+
+    def profiles(self, *, in_order_of_time: bool) -> tuple[Profile, ...]:  # noqa: ARG002
+        """None: its errors are even."""
+        return ()
+
+    @property
+    def orders(self) -> tuple[OrderScore, ...]:
+        """None: there is one element."""
+        return ()
+
+    def with_depth_doubt(self, doubts: Sequence[float], *, shared: bool) -> ChosenElement:  # noqa: ARG002
+        """As of arms: an error of the depth scales k_inf and k."""
+        scale = np.zeros(len(self.estimate.names))
+        for name, value in (("k_inf", self.solid.k_inf), ("k", self.point.k)):
+            scale[self.estimate.names.index(name)] = value
+        scale *= float(np.sqrt(np.mean(np.square(doubts)) / len(doubts)))
+        covariance = self.estimate.covariance + np.outer(scale, scale)
+        return replace(self, estimate=self.estimate._replace(covariance=covariance))
+
+
+def checked_family(family: str) -> None:
+    """Refuse a family that is none.
+
+    Raises
+    ------
+    FitError
+    """
+    if family not in FAMILIES:
+        raise FitError(f'family = {family!r}; expected "maxwell", "fractional" or "auto"')
+
+
+def element(data: FitData) -> ChosenElement:
+    """Return the best fractional solid of some data, with priors as heavy as its noise says.
+
+    Raises
+    ------
+    FitError
+        If the data have fewer samples than parameters.
+    """
+    columns = Columns(data.rows)
+    unknown = len(columns.stack.names) + 3
+    if columns.stack.samples + columns.stack.known <= unknown:
+        raise FitError(
+            f"{columns.stack.samples} samples cannot determine the {unknown} parameters of a "
+            "fractional solid; use a longer record"
+        )
+    point, converged = columns.best()
+    found = _estimated(data, columns, point, converged=converged)
+    again = reweighed(data, found.estimate.noises)
+    if again is None:
+        return found
+    columns = Columns(again.rows)
+    point, converged = columns.descend(point.at)
+    return _estimated(again, columns, point, converged=converged)
+
+
+def _estimated(data: FitData, columns: Columns, point: Point, *, converged: bool) -> ChosenElement:
+    solution = columns.solution(point, converged=converged)
+    estimate = estimated(
+        solution,
+        data.samples,
+        peak=data.peak,
+        priors=data.priors,
+        encoders=data.encoders,
+        whole=element_jacobian(data.every, columns, point),
+    )
+    return ChosenElement(data, estimate, (), None, None, point)
+
+
+# -- beside the arms ------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class Choice:
+    """One family taken, and the other.
+
+    Attributes
+    ----------
+    best : Chosen
+    arms : Chosen
+        The solid with arms, taken or not.
+    other : Solid
+        The best solid of the other family; of arms, the fewest that explain the data, if any do.
+    residual : float
+        Root of the sum of squares that the best leaves, over that of the other.
+    bic : float
+        Of the other, less that of the best.
+    explains : bool
+        What the other leaves may be chance.
+    """
+
+    best: Chosen
+    arms: Chosen
+    other: Solid
+    residual: float
+    bic: float
+    explains: bool
+
+    def alternative(self, band: tuple[float, float], unit: str = "N/m") -> Alternative:
+        """The other family, as a fit keeps it; `band` is what the data inform, Hz."""
+        mine, other = self.best.solid, self.other
+        apart = parts_from(mine, other, band)
+        says = _says(mine, other, apart, self.bic, explains=self.explains, unit=unit)
+        return Alternative(other, self.bic, self.explains, apart, says)
+
+
+class _Candidate(NamedTuple):
+    """One solid of a family: what it leaves, N^2, and how many parameters it has."""
+
+    solid: Solid
+    sse: float
+    parameters: int
+
+
+def chosen_family(arms: Chosen, one: ChosenElement, family: str) -> Choice:
+    """Return the family asked for, or with ``"auto"`` the one that BIC prefers, and the other."""
+    fewest = min(arms, one, key=lambda found: found.solution.sse)
+    effective = fewest.estimate.effective
+    floor = arms.solution.samples * rounding(arms.data.peak) ** 2
+
+    def criterion(found: _Candidate) -> float:
+        return bic(found.sse, effective=effective, parameters=found.parameters, floor=floor)
+
+    def explained(found: _Candidate, best: _Candidate) -> bool:
+        fall = effective * float(np.log((found.sse + floor) / (best.sse + floor)))
+        return not needed(fall, max(best.parameters - found.parameters, 1))
+
+    element, several = _candidate(one), _of_orders(arms)
+    taken = several[0]
+    better = criterion(element) + VERY_STRONG < criterion(taken) and not one.at_edge
+    if family == "fractional" or (family == "auto" and better):
+        best, others = element, several
+    else:
+        best, others = taken, [element]
+    explain = [other for other in others if explained(other, best)]
+    other = (explain or others)[0]
+    return Choice(
+        best=one if best is element else arms,
+        arms=arms,
+        other=other.solid,
+        residual=float(np.sqrt((best.sse + floor) / (other.sse + floor))),
+        bic=criterion(other) - criterion(best),
+        explains=bool(explain),
+    )
+
+
+def _candidate(found: Chosen) -> _Candidate:
+    return _Candidate(found.solid, found.solution.sse, len(found.estimate.names))
+
+
+def _of_orders(arms: Chosen) -> list[_Candidate]:
+    """The number of arms that was taken, and the larger ones that were tried."""
+    own = _candidate(arms)
+    more = [score.solution for score in arms.scores if score.solution.order > arms.solution.order]
+    each = 1 + len(arms.solution.groups)
+    return [
+        own,
+        *(
+            _Candidate(
+                solid_of(solution, arms.data.suffix),
+                solution.sse,
+                own.parameters + each * (solution.order - arms.solution.order),
+            )
+            for solution in more
+        ),
+    ]
+
+
+def family_checks(both: Choice, other: Alternative | None) -> tuple[Check, ...]:
+    """Return what to ask of a solid that was taken beside another family."""
+    answers = []
+    if isinstance(both.best, ChosenElement):
+        error = float(both.best.error[ELEMENT.index("alpha")])
+        answers = [
+            slope_known(error, edge=both.best.at_edge),
+            element_explains(both.residual, both.other.maxwell.arms),
+        ]
+    return (*answers, families_told_apart(other))
+
+
+def named(found: Chosen) -> str:
+    """Return what was fitted, in words."""
+    if isinstance(found, ChosenElement):
+        return "a fractional Zener solid"
+    arms = found.model.arms
+    return f"a generalized Maxwell solid with {arms} arm{'s' * (arms != 1)}"
+
+
+def parts_from(one: Solid, other: Solid, band: tuple[float, float]) -> float | None:
+    """Return the lowest frequency, Hz, from which on two solids differ materially, if any."""
+    low, high = max(band[0], 1e-6), max(10 * band[1], HEARD)
+    count = int(np.ceil(_LINES * np.log10(high / low))) + 1
+    f = np.geomspace(low, high, count)
+    apart = np.flatnonzero(_apart(one, other, f))
+    return float(f[apart[0]]) if apart.size else None
+
+
+def _apart(one: Solid, other: Solid, f: FloatArray) -> FloatArray:
+    """Where two solids differ by more than is worth telling."""
+    a, b = (solid.complex_stiffness(2 * np.pi * f) for solid in (one, other))
+    loss = np.array([a.imag / a.real, b.imag / b.real])
+    # the damping of anything that is mounted is hardly ever below a hundredth
+    of_loss = np.abs(np.diff(loss, axis=0)[0]) / np.maximum(loss.max(axis=0), 2e-2)
+    return np.asarray((np.abs(a.real / b.real - 1) > STIFFNESS_MATTERS) | (of_loss > LOSS_MATTERS))
+
+
+def _says(
+    mine: Solid, other: Solid, apart: float | None, rise: float, *, explains: bool, unit: str
+) -> str:
+    """Say what another family makes of the data, in numbers that no count of seals changes."""
+    if isinstance(other, FractionalZener):
+        name = f"a fractional solid (alpha = {other.alpha:.3g})"
+    else:
+        arms = other.maxwell.arms
+        name = f"a solid with {arms} arm{'s' * (arms != 1)}"
+    if not explains:
+        return f"{name} does not explain the data: its criterion is {rise:.3g} higher"
+    both = f"{name} explains the data too (criterion {rise:+.3g})"
+    if apart is None:
+        return f"{both}, and predicts the same up to {HEARD:g} Hz"
+    at = max(10.0, 10.0 ** np.ceil(np.log10(apart)))
+    a, b = (complex(solid.complex_stiffness(2 * np.pi * at)) for solid in (mine, other))
+    further = (
+        "a faster ramp, a colder test or a hammer tells them apart"
+        if unit == "N/m"
+        else "a sweep to higher frequencies or a colder one tells them apart"
+    )
+    return (
+        f"{both}, but from {apart:.2g} Hz on the two part: at {at:g} Hz the loss factor is "
+        f"{a.imag / a.real:.3g} by this solid and {b.imag / b.real:.3g} by that, its stiffness "
+        f"{100 * (b.real / a.real - 1):+.2g} %; {further}"
+    )

@@ -1,0 +1,239 @@
+"""A fractional solid fitted beside arms: found, known, chosen, and never hiding the other."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from kit.trials import LAWS, SOUND, Seal, record, relaxation_test
+
+import dashpot as dp
+from dashpot.base.errors import FitError
+from dashpot.engine.blocks.block import frequency_block
+from dashpot.engine.blocks.recorded import recorded_block
+from dashpot.fitting.fit_data import FitData
+from dashpot.fitting.fractional.choice import element, parts_from
+from dashpot.fitting.fractional.projection import Columns
+from dashpot.fitting.relaxation import Design, _data
+from dashpot.fitting.uncertainty.prediction_bounds import parameter_band, unseen_arm_band
+from dashpot.records.estimate import ParameterEstimate, Residual
+
+RESONANCE = 2 * np.pi * 12.71
+# equilibrium stiffness and the rest, N/m; tau, s; alpha
+TRUTHS = (
+    (200.0, 300.0, 0.05, 0.5),
+    (200.0, 400.0, 0.02, 0.4),
+    (150.0, 350.0, 0.1, 0.6),
+    (200.0, 700.0, 0.005, 0.3),
+)
+PAPER = (196.5, (117.5, 17.8), (0.5021, 16.416))
+BROAD = (196.5, (117.5, 17.8, 20.0, 20.0, 20.0), (0.5021, 16.416, 0.08, 0.016, 0.0032))
+
+
+def seals_of_arms(count: int):
+    random = np.random.default_rng(5)
+    for _ in range(count):
+        n = random.integers(2, 6)
+        yield 200.0, tuple(random.uniform(10, 120, n)), tuple(10 ** random.uniform(-2.5, 1.3, n))
+
+
+def pressed(seal: Seal, *, seed: int = 1, bench=SOUND, law: str = "linear") -> dp.RampHold:
+    return dp.prepare(relaxation_test(record(seal, bench, seed=seed, law=law)))
+
+
+@cache
+def fitted(truth: tuple[float, float, float, float]) -> dp.Fit:
+    return dp.fit(pressed(Seal.fractional(*truth)), family="auto")
+
+
+@pytest.mark.parametrize("truth", TRUTHS)
+def test_a_fractional_seal_is_found_and_its_loss_foretold(truth) -> None:
+    found = fitted(truth)
+    assert found.family == "fractional"
+    K = complex(found.solid.complex_stiffness(RESONANCE))
+    true = complex(Seal.fractional(*truth).stiffness(np.array([RESONANCE]))[0])
+    assert K.imag == pytest.approx(true.imag, rel=0.05)
+    assert K.real == pytest.approx(true.real, rel=0.01)
+    ends = found.solid_intervals()
+    known = {"k_inf": truth[0], "k_0": truth[0] + truth[1], "tau": truth[2], "alpha": truth[3]}
+    assert all(ends[name][0] <= value <= ends[name][1] for name, value in known.items())
+
+
+@pytest.mark.parametrize("truth", TRUTHS)
+def test_the_arms_that_explain_the_same_record_are_not_hidden(truth) -> None:
+    found = fitted(truth)
+    other = found.alternative
+    assert other is not None
+    assert (other.family, other.explains) == ("maxwell", True)
+    assert other.bic > 10
+    # they put the loss at a resonance far lower, which the record cannot contradict
+    assert other.solid.loss(RESONANCE) < 0.75 * found.solid.loss(RESONANCE)
+    assert 0.3 < other.parts_at < 12.71
+    check = next(one for one in found.checks if one.name == "families_told_apart")
+    assert check.failed
+    assert check.says == other.says in found.verdict.says
+    assert "a colder test or a hammer tells them apart" in other.says
+
+
+@pytest.mark.parametrize("seal", [PAPER, BROAD, *seals_of_arms(5)])
+def test_a_seal_of_arms_keeps_them(seal) -> None:
+    found = dp.fit(pressed(Seal.of_arms(*seal)), family="auto")
+    assert found.family == "maxwell"
+    assert found.alternative.family == "fractional"
+    assert not found.alternative.explains
+    assert not any(one.failed for one in found.checks if one.name == "families_told_apart")
+
+
+@pytest.mark.parametrize("law", [name for name in LAWS if name != "linear"])
+def test_a_seal_that_is_not_linear_is_not_called_fractional(law: str) -> None:
+    found = dp.fit(pressed(Seal.of_arms(*PAPER), law=law), family="auto")
+    assert found.family == "maxwell"
+    assert found.elastic_law.kind == "piecewise"
+
+
+def test_a_fractional_solid_that_arms_contradict_says_so() -> None:
+    found = dp.fit(pressed(Seal.of_arms(*PAPER)), family="fractional")
+    assert found.family == "fractional"
+    assert found.verdict.use == "do not use"
+    failed = {one.name for one in found.checks if one.failed}
+    assert {"element_explains", "force_followed"} <= failed
+    assert found.alternative.explains
+
+
+def test_arms_stay_the_default() -> None:
+    test = pressed(Seal.fractional(*TRUTHS[0]))
+    found = dp.fit(test)
+    assert found.family == "maxwell"
+    assert found.alternative is None
+    beside = dp.fit(test, family="auto").alternative
+    assert found.model == beside.solid
+
+
+def test_noise_free_numbers_are_found_whatever_the_test() -> None:
+    solid = dp.FractionalZener(500.0, 200.0, 0.05, 0.5)
+    t = np.concatenate((np.linspace(0, 1, 400), np.geomspace(1, 41, 600)[1:]))
+    x = 8e-3 * np.clip(t, 0, 1)
+    in_time = recorded_block(t, x, solid.force(t, x))
+    omega = 2 * np.pi * np.geomspace(0.01, 100, 60)
+    swept = frequency_block(omega, solid.complex_stiffness(omega))
+    for blocks in ([in_time], [swept], [in_time, swept.weighted(1e-3)]):
+        found = element(FitData(blocks, blocks)).solid
+        near = (500.0, 200.0, 0.05, 0.5)
+        assert (found.k_0, found.k_inf, found.tau, found.alpha) == pytest.approx(near, rel=2e-4)
+
+
+def test_a_trial_is_differentiated() -> None:
+    columns = Columns(_data([pressed(Seal.fractional(*TRUTHS[0]))], Design("full")).bound().rows)
+    at = np.array([np.log(0.07), 0.55])
+    for i, step in enumerate(np.eye(2) * 1e-5):
+        slope = (columns.point(at + step).sse - columns.point(at - step).sse) / 4e-5
+        assert columns.point(at).gradient[i] == pytest.approx(slope, rel=1e-4)
+
+
+def test_half_a_fit_is_half_of_everything_but_its_shape() -> None:
+    found = fitted(TRUTHS[0])
+    half = found.in_parallel(0.5)
+    for name, error in found.solid_standard_error.items():
+        factor = 1.0 if name in {"tau", "alpha"} else 0.5
+        assert half.solid_standard_error[name] == pytest.approx(factor * error)
+    assert half.solid == 0.5 * found.solid
+    assert half.alternative.solid == 0.5 * found.alternative.solid
+    error = found.standard_error
+    assert half.standard_error["k"] == pytest.approx(0.5 * np.array(error["k"]))
+
+
+def test_errors_of_its_arms_follow_from_its_own() -> None:
+    found = fitted(TRUTHS[0])
+    error, own = found.standard_error, found.solid_standard_error
+    assert error["k_inf"] == own["k_inf"]
+    assert error["tau"] == pytest.approx(np.array(found.model.tau) * own["tau"] / found.solid.tau)
+    assert len(found.intervals()["k"]) == found.model.arms
+
+
+def test_its_formal_band_is_that_of_its_four_parameters() -> None:
+    found = fitted(TRUTHS[0])
+    band = parameter_band(found, [1.0, 12.71])
+    true = Seal.fractional(*TRUTHS[0]).stiffness(2 * np.pi * band.frequency)
+    for limits, value in ((band.storage, true.real), (band.loss, true.imag)):
+        assert (limits[0] <= value).all()
+        assert (value <= limits[1]).all()
+    wide = (band.loss[1] - band.loss[0]) / true.imag
+    assert 0.02 < wide[0] < wide[1] < 0.3
+
+
+def test_it_is_bounded_over_every_spectrum_as_arms_are() -> None:
+    found, truth = fitted(TRUTHS[0]), TRUTHS[0]
+    test = pressed(Seal.fractional(*truth))
+    bounds = unseen_arm_band(found, test, [0.1, 1.0])
+    true = Seal.fractional(*truth).stiffness(2 * np.pi * bounds.frequency)
+    for limits, value in ((bounds.storage, true.real), (bounds.loss, true.imag)):
+        assert (limits[0] <= value).all()
+        assert (value <= limits[1]).all()
+    for name, ends in dp.fit(test).left_open.items():
+        assert found.left_open[name] == pytest.approx(ends)
+
+
+def test_it_is_archived_with_its_own_parameters() -> None:
+    found = fitted(TRUTHS[0])
+    text = dp.to_json(found)
+    assert dp.from_json(text) == found
+    document = json.loads(text)
+    solid = document["solid"]
+    assert solid["family"] == "fractional"
+    assert solid["alpha"] == found.solid.alpha
+    assert solid["standard_error"]["alpha"] == found.solid_standard_error["alpha"]
+    assert len(document["model"]["arms"]) == found.model.arms
+    assert document["alternative"]["family"] == "maxwell"
+
+
+@pytest.mark.parametrize(
+    ("choices", "says"),
+    [
+        ({"family": "prony"}, "family = 'prony'; expected"),
+        ({"family": "auto", "depth_law": True}, "leave out the law of the depth"),
+        ({"family": "fractional", "law": "nonlinear"}, "leave the law to be linear"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(choices, says: str) -> None:
+    with pytest.raises(FitError, match=says):
+        dp.fit(pressed(Seal.of_arms(*PAPER)), **choices)
+
+
+def test_two_solids_part_where_stiffness_or_loss_does() -> None:
+    one = dp.GeneralizedMaxwell(100.0, (50.0,), (1.0,))
+    assert parts_from(one, one, (0.01, 1.0)) is None
+    fast = one + dp.GeneralizedMaxwell(0.0, (10.0,), (1e-3,))
+    # a loss of two hundredths is where damping begins to matter
+    apart = parts_from(one, fast, (0.01, 1.0))
+    x = 2 * np.pi * apart * 1e-3
+    assert 10 * x / 150.0 == pytest.approx(0.1 * 2e-2, rel=0.1) or apart > 3
+    assert parts_from(one, 1.021 * one, (0.01, 1.0)) == pytest.approx(0.01)
+    assert parts_from(one, 1.019 * one, (0.01, 1.0)) is None
+
+
+def coverage(seeds: int) -> dict[str, float]:
+    """How often the 95 % intervals of a fractional solid hold it, with an encoder of fine steps."""
+    truth = {"k_inf": 200.0, "k_0": 500.0, "tau": 0.05, "alpha": 0.5}
+    bench = replace(SOUND, encoder=0.0, rate=500.0)
+    inside = dict.fromkeys(truth, 0)
+    for seed in range(seeds):
+        test = pressed(Seal.fractional(200.0, 300.0, 0.05, 0.5), bench=bench, seed=seed)
+        found = element(_data([test], Design("full")).bound())
+        known = ParameterEstimate(
+            found.parameters, found.covariance, found.estimate.dof, Residual(1, 1.0, 1.0)
+        )
+        for name, (low, high) in known.element_intervals(found.solid, 0.95).items():
+            inside[name] += low <= truth[name] <= high
+    return {name: count / seeds for name, count in inside.items()}
+
+
+def test_its_intervals_hold_it_in_thirty_records() -> None:
+    assert min(coverage(30).values()) >= 0.87
+
+
+@pytest.mark.slow
+def test_its_intervals_hold_it_as_often_as_they_say() -> None:
+    assert all(0.93 <= share <= 0.97 for share in coverage(200).values())
