@@ -5,5 +5,5 @@ from pathlib import Path
 
 project = tomllib.loads(Path("pyproject.toml").read_text("utf-8"))["project"]
 extras = project["optional-dependencies"]
-for dependency in project["dependencies"] + extras["io"] + extras["frames"]:
+for dependency in project["dependencies"] + extras["io"] + extras["frames"] + extras["app"]:
     print(dependency.replace(">=", "=="))

@@ -274,6 +274,21 @@ def parse_quantity(text: str, dimension: Dimension) -> float:
     return scaled + unit.offset
 
 
+def typed(value: float, dimension: Dimension) -> str:
+    """Return an SI value as it is typed: a text that :func:`parse_quantity` gives back exactly.
+
+    In the unit that people use where that loses no digit, else in the SI unit.
+
+    >>> typed(0.1148, "mass"), typed(296.15, "temperature"), typed(1 / 3, "length")
+    ('114.8g', '23degC', '0.3333333333333333m')
+    """
+    units = [unit for unit in TABLE.values() if unit.dimension == dimension]
+    plain = next(unit for unit in units if unit.factor == 1.0 and unit.offset == 0.0)
+    usual = find(_USUAL.get(dimension, ""), dimension) or plain
+    text = f"{(value - usual.offset) / usual.factor:.12g}{usual.word}"
+    return text if parse_quantity(text, dimension) == value else f"{value!r}{plain.word}"
+
+
 @overload
 def si(value: Quantity, dimension: Dimension) -> float: ...
 @overload

@@ -30,6 +30,7 @@ COMMANDS = {
     "impact": "Hammer hits to an FRF, natural frequency and damping.",
     "compare": "The predicted FRF against a measured one.",
     "identify": "Maxwell parameters from vibration, alone or jointly.",
+    "app": "The same in a browser: drop a file, drag a handle.",
     "report": "The main job: both tests in, one report out.",
     "export": "The solid as a deck that a solver reads.",
     "simulate": "The virtual rig and hammer, stamped 'simulated'.",

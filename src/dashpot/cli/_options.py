@@ -188,6 +188,29 @@ def hammer(function: Callable[..., T]) -> Callable[..., T]:
     return filled(HammerChoices, "hammer", show_default=True)(function)
 
 
+def cuts(function: Callable[..., T]) -> Callable[..., T]:
+    """Give a command the options that cut one relaxation test by hand; it receives ``cuts``."""
+    from dashpot.workflow.job import Cuts
+
+    return filled(Cuts, "cuts")(function)
+
+
+method = click.option(
+    "--method",
+    type=click.Choice(["full", "hold"]),
+    default="full",
+    show_default=True,
+    help="full: the recorded motion, ramp and hold; hold: the paper's eq. 5.",
+)
+law = click.option(
+    "--law",
+    type=click.Choice(["auto", "linear", "nonlinear"]),
+    default="auto",
+    show_default=True,
+    help="Elastic law of the seal, from the ramp: straight unless the record says otherwise.",
+)
+
+
 def reading(function: Callable[..., T]) -> Callable[..., T]:
     """Give a command the reading options and ``--profile``; it receives one ``options``."""
 

@@ -16,23 +16,12 @@ from dashpot.cli._shell import File, Outcome, printed, reports, typed, write, wr
 @click.command("fit")
 @click.argument("files", type=File(), nargs=-1, required=True, metavar="FILE...")
 @options.arms
-@click.option(
-    "--method",
-    type=click.Choice(["full", "hold"]),
-    default="full",
-    show_default=True,
-    help="full: the recorded motion, ramp and hold; hold: the paper's eq. 5.",
-)
-@click.option(
-    "--law",
-    type=click.Choice(["auto", "linear", "nonlinear"]),
-    default="auto",
-    show_default=True,
-    help="Elastic law of the seal, from the ramp: straight unless the record says otherwise.",
-)
+@options.method
+@options.law
 @click.option("--depth-law", is_flag=True, help="Several depths: shared times, k for each depth.")
 @click.option("--thorough", is_flag=True, help="Add quasi-random starts.")
 @options.filtered
+@options.cuts
 @options.picture
 @options.fit_output
 @options.overwrite

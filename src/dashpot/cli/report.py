@@ -44,6 +44,9 @@ if TYPE_CHECKING:
 @options.seals
 @options.compression
 @options.arms
+@options.method
+@options.law
+@options.cuts
 @options.compared
 @options.filtered
 @click.option("--no-joint", is_flag=True, help="Leave out the joint fit.")

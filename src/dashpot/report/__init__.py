@@ -74,6 +74,12 @@ def _part(name: str) -> str:
     return resources.files("dashpot.report").joinpath("templates", name).read_text("utf-8").strip()
 
 
+@cache
+def _charts() -> str:
+    """The script that lets figures be zoomed and read off: that of every page."""
+    return resources.files("dashpot.plot").joinpath("charts.js").read_text("utf-8").strip()
+
+
 def _hash(text: str) -> str:
     """What a content security policy calls the one script or style that may stand in a page."""
     return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Literal, TypeAlias
 
@@ -20,7 +21,7 @@ from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.records.specimen import Specimen
 from dashpot.records.superposition import Superposition
-from dashpot.workflow.job import known_of_a_test
+from dashpot.workflow.job import Cuts, known_of_a_test
 from dashpot.workflow.shifting import ShiftChoices, one_temperature
 
 Record: TypeAlias = (
@@ -37,6 +38,7 @@ def fit_files(
     thorough: bool = False,
     law: Literal["auto", "linear", "nonlinear"] = "auto",
     filter: str | None = None,
+    cuts: Cuts | None = None,
     specimen: Specimen | None = None,
     machine: Machine | None = None,
     options: ReadOptions | None = None,
@@ -58,6 +60,8 @@ def fit_files(
         law (:func:`~dashpot.fitting.depth.fit_depths`); each has its own stiffnesses.
     filter, machine : optional
         As in :func:`~dashpot.preparation.prepare.prepare`.
+    cuts : Cuts, optional
+        Of one relaxation test, by hand.
     specimen, options
         As in :func:`~dashpot.io.readers.relaxation.read_relaxation`; with a column of `modulus` the
         file is a relaxation modulus over time, and `cycle` is for preparation.
@@ -76,9 +80,10 @@ def fit_files(
     ReadError, DataError, FitError
         If a file cannot be read, prepared or fitted, or the choices exclude each other.
     """
-    options = options or ReadOptions()
+    options, cuts = options or ReadOptions(), cuts or Cuts()
     if options.modulus is not None:
         known_of_a_test(machine, tests=0, add="a ramp and hold")
+        cuts.refuse_several(0)
         if depth_law or method == "hold" or filter:
             raise FitError(
                 "a relaxation modulus is fitted without --depth-law, --method hold and --filter: "
@@ -92,6 +97,7 @@ def fit_files(
     crept = _creep(tests)
     if crept is not None:
         known_of_a_test(machine, tests=0, add="a ramp and hold")
+        cuts.refuse_several(0)
         if len(tests) > 1 or filter:
             raise FitError("a creep test is fitted alone, without --filter")
         with about(Path(files[0]).name):
@@ -101,8 +107,9 @@ def fit_files(
             )
         return found, (record,)
     sweeps = [test for test in tests if isinstance(test, DynamicTest)]
+    cuts.refuse_several(sum(isinstance(test, RelaxationTest) for test in tests))
     prepared = tuple(
-        dp.prepare(test, filter=filter, machine=machine, cycle=options.cycle)
+        dp.prepare(test, filter=filter, machine=machine, cycle=options.cycle, **asdict(cuts))
         for test in tests
         if isinstance(test, RelaxationTest)
     )

@@ -59,6 +59,32 @@ class HammerChoices:
 
 
 @dataclass(frozen=True)
+class Cuts:
+    """Where a relaxation test is cut by hand, s on its own clock; found in the record where None.
+
+    The fields are arguments of :func:`~dashpot.preparation.prepare.prepare`.
+    """
+
+    onset: float | None = option(None, "First contact on the record's clock.", unit="time")
+    ramp_end: float | None = option(None, "End of the ramp on that clock.", unit="time")
+    hold_end: float | None = option(None, "End of the hold on that clock.", unit="time")
+
+    def refuse_several(self, tests: int) -> None:
+        """Refuse cuts of several tests.
+
+        Raises
+        ------
+        DataError
+            If anything is cut by hand and there is not one test.
+        """
+        if self != Cuts() and tests != 1:
+            raise DataError(
+                "--onset, --ramp-end and --hold-end cut one relaxation test, and there are "
+                f"{tests} here: leave them out, or fit that test alone"
+            )
+
+
+@dataclass(frozen=True)
 class Job:
     """Everything that decides the result of ``dashpot report``.
 
@@ -72,6 +98,10 @@ class Job:
         Of the block and of one seal, kg.
     seals : float
     arms : int or "auto"
+    method : "full" or "hold"
+    law : "auto", "linear" or "nonlinear"
+    cuts : Cuts
+        Of the relaxation test, by hand.
     band : (float, float) or None
         Lines compared, Hz.
     filter : str or None
@@ -96,6 +126,9 @@ class Job:
     seal_mass: float | None = None
     seals: float = 1.0
     arms: int | Literal["auto"] = "auto"
+    method: Literal["full", "hold"] = "full"
+    law: Literal["auto", "linear", "nonlinear"] = "auto"
+    cuts: Cuts = field(default_factory=Cuts)
     band: tuple[float, float] | None = None
     filter: str | None = None
     joint: bool = True

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -13,7 +13,9 @@ from dashpot.base.numbers import hertz
 from dashpot.base.offered import Pictured
 from dashpot.base.progress import doing
 from dashpot.base.units import Quantity, Range, si, si_range
+from dashpot.fitting.design import Method
 from dashpot.fitting.identification.identify import identify
+from dashpot.fitting.nonlinear_ramp.ladder import LawName
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.uncertainty.prediction_bounds import parameter_band, unseen_arm_band
 from dashpot.io.logo import read_logo
@@ -33,7 +35,7 @@ from dashpot.vibration.systems.operating_point import OperatingPoint
 from dashpot.vibration.systems.prediction import REACH, predict_frf
 from dashpot.workflow.checks import hold_fit_possible, prediction_informed
 from dashpot.workflow.impacts import held_against, read_measured, total_mass, weighed
-from dashpot.workflow.job import Job
+from dashpot.workflow.job import Cuts, Job
 from dashpot.workflow.prepared import answered_in
 from dashpot.workflow.resting import AtRest, at_rest, frf_limits, rest_checks
 
@@ -182,6 +184,9 @@ def characterise(
     mass: Quantity | None = None,
     seals: float = 1.0,
     arms: int | Literal["auto"] = "auto",
+    method: Method = "full",
+    law: LawName = "auto",
+    cuts: Cuts | None = None,
     band: Range | None = None,
     filter: str | None = None,
     cycle: int | None = None,
@@ -203,9 +208,11 @@ def characterise(
         kg; inferred from `measured`, and labelled so, if missing.
     seals : float
         How many of the tested seals carry the mass; a fraction is a shorter piece.
-    arms, filter, cycle, machine
+    arms, method, law, filter, cycle, machine
         As in :func:`~dashpot.fitting.relaxation.fit` and
         :func:`~dashpot.preparation.prepare.prepare`.
+    cuts : Cuts, optional
+        Of the relaxation test, by hand.
     band : (float, float), optional
         Lines to compare, Hz.
     joint : bool
@@ -221,8 +228,9 @@ def characterise(
     mass, band = si(mass, "mass"), si_range(band, "frequency")
     compression = si(compression, "length")
     doing("fitting the relaxation test")
-    prepared = prepare(test, filter=filter, machine=machine, cycle=cycle)
-    chosen = fit(prepared, arms=arms)
+    by_hand = asdict(cuts or Cuts())
+    prepared = prepare(test, filter=filter, machine=machine, cycle=cycle, **by_hand)
+    chosen = fit(prepared, arms=arms, method=method, law=law)
     given = mass
     if measured is not None:
         mass = weighed(chosen, measured, mass=mass, seals=seals, band=band, compression=compression)
@@ -300,6 +308,9 @@ def run(job: Job) -> Study:
         mass=mass,
         seals=job.seals,
         arms=job.arms,
+        method=job.method,
+        law=job.law,
+        cuts=job.cuts,
         band=job.band,
         filter=job.filter,
         cycle=job.reading.cycle,

@@ -1,0 +1,104 @@
+"""The guard before every route: this machine, this page, this user, and nothing from elsewhere."""
+
+from __future__ import annotations
+
+import hmac
+import secrets
+from collections.abc import Awaitable, Callable, MutableMapping
+from typing import Any
+from urllib.parse import parse_qs, urlsplit
+
+Scope = MutableMapping[str, Any]
+Message = MutableMapping[str, Any]
+Receive = Callable[[], Awaitable[Message]]
+Send = Callable[[Message], Awaitable[None]]
+App = Callable[[Scope, Receive, Send], Awaitable[None]]
+
+COOKIE = "dashpot-{port}"
+"""Of one server: a browser shares cookies among the ports of a host."""
+POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
+    "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+)
+_HEADERS = (
+    (b"content-security-policy", POLICY.encode()),
+    (b"x-content-type-options", b"nosniff"),
+    (b"referrer-policy", b"no-referrer"),
+    (b"cross-origin-opener-policy", b"same-origin"),
+    (b"cross-origin-resource-policy", b"same-origin"),
+    (b"cache-control", b"no-store"),
+)
+
+
+class Guard:
+    """Lets through who has the token, from the page itself, by this machine's own name.
+
+    The address with ``?token=`` is good for a cookie (HttpOnly, SameSite=Strict) and leads on to
+    the plain address; all else needs the cookie. A Host that is not this one is a rebound name, an
+    Origin that is not this one is another page.
+
+    Parameters
+    ----------
+    app : ASGI application
+    port : int
+    token : str, optional
+    """
+
+    def __init__(self, app: App, *, port: int, token: str | None = None) -> None:
+        self._app = app
+        self.token = token or secrets.token_urlsafe(24)
+        self._cookie = COOKIE.format(port=port)
+        self._hosts = {f"127.0.0.1:{port}", f"localhost:{port}"}
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer one request of the ASGI server, or let it through."""
+        if scope["type"] == "lifespan":
+            await self._app(scope, receive, send)
+            return
+        if scope["type"] != "http":
+            return
+        headers = {
+            name.decode("latin-1"): value.decode("latin-1") for name, value in scope["headers"]
+        }
+        refusal = self._refusal(scope, headers)
+        if refusal:
+            await _plain(send, 403, refusal)
+        elif "token=" in scope["query_string"].decode("latin-1"):
+            flags = "Path=/; HttpOnly; SameSite=Strict"
+            cookie = f"{self._cookie}={self.token}; {flags}".encode()
+            await _plain(send, 303, "", (b"location", b"/"), (b"set-cookie", cookie))
+        else:
+            await self._app(scope, receive, _guarded(send))
+
+    def _refusal(self, scope: Scope, headers: dict[str, str]) -> str:
+        """Why a request is not let through; nothing if it is."""
+        if headers.get("host") not in self._hosts:
+            return "this page is served under 127.0.0.1 alone"
+        origin = headers.get("origin")
+        if origin is not None and urlsplit(origin).netloc not in self._hosts:
+            return "this request comes from another page"
+        given = parse_qs(scope["query_string"].decode("latin-1")).get("token", [""])[0]
+        if scope["path"] == "/" and given:
+            return "" if self._known(given) else "the token is not this server's"
+        kept = dict(
+            part.strip().partition("=")[::2] for part in headers.get("cookie", "").split(";")
+        ).get(self._cookie, "")
+        return "" if self._known(kept) else "open the address that 'dashpot app' printed"
+
+    def _known(self, token: str) -> bool:
+        return hmac.compare_digest(token.encode(), self.token.encode())
+
+
+def _guarded(send: Send) -> Send:
+    async def guarded(message: Message) -> None:
+        if message["type"] == "http.response.start":
+            message["headers"] = [*message.get("headers", []), *_HEADERS]
+        await send(message)
+
+    return guarded
+
+
+async def _plain(send: Send, status: int, text: str, *more: tuple[bytes, bytes]) -> None:
+    headers = [(b"content-type", b"text/plain; charset=utf-8"), *_HEADERS, *more]
+    await send({"type": "http.response.start", "status": status, "headers": headers})
+    await send({"type": "http.response.body", "body": text.encode()})

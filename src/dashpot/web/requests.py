@@ -1,0 +1,135 @@
+"""What a page says, as the nouns of the work: every control is a field of a `Job`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import fields
+from pathlib import Path
+from typing import Any, TypeVar
+
+from dashpot.base.errors import DataError
+from dashpot.base.units import si, si_range
+from dashpot.io.options import ReadOptions
+from dashpot.records.machine import Machine
+from dashpot.records.specimen import Specimen
+from dashpot.web.store import path_in
+from dashpot.workflow.job import Cuts, HammerChoices, Job
+
+T = TypeVar("T")
+
+_PARTS: dict[str, type] = {
+    "cuts": Cuts, "specimen": Specimen, "machine": Machine, "hammer": HammerChoices,
+    "reading": ReadOptions, "reading_impact": ReadOptions,
+}  # fmt: skip
+_CHOICES = {"method": ("full", "hold"), "law": ("auto", "linear", "nonlinear")}
+_TEXTS = ("title", "filter")
+
+
+def job_of(given: object, folder: Path) -> Job:
+    """Return the job that a page asks for: quantities as texts, files by identity.
+
+    Raises
+    ------
+    DataError
+        If anything in it is not of a job, or not of its kind.
+    ReadError
+        If a file is no longer there.
+    """
+    asked = mapping(given, "job")
+    strange = sorted(asked.keys() - {one.name for one in fields(Job)})
+    if strange:
+        raise DataError(f"a job has no '{strange[0]}'")
+    if not asked.get("relaxation"):
+        raise DataError("no relaxation test is open: open one first")
+    made: dict[str, Any] = {
+        "relaxation": str(path_in(folder, asked["relaxation"])),
+        "impact": tuple(str(path_in(folder, one)) for one in _list(asked.get("impact", []))),
+        "mass": _quantity(asked, "mass", "mass"),
+        "seal_mass": _quantity(asked, "seal_mass", "mass"),
+        "compression": _quantity(asked, "compression", "length"),
+        "seals": _number(asked.get("seals", 1.0), "seals"),
+        "arms": _arms(asked.get("arms", "auto")),
+        "joint": asked.get("joint", True) is True,
+        "band": _made(lambda text: si_range(text, "frequency"), asked.get("band") or None, "band"),
+    }
+    for name, kind in _PARTS.items():
+        made[name] = part(kind, asked.get(name, {}), name)
+    for name, choices in _CHOICES.items():
+        made[name] = asked.get(name, choices[0])
+        if made[name] not in choices:
+            raise DataError(f"{name} = {made[name]!r}; expected one of {', '.join(choices)}")
+    for name in _TEXTS:
+        text = asked.get(name)
+        if text is not None and not isinstance(text, str):
+            raise DataError(f"{name} = {text!r}; expected a text")
+        if text:
+            made[name] = text
+    return Job(**made)
+
+
+def part(kind: type[T], given: object, name: str) -> T:
+    """Return a part of a job; a list is a tuple, and nothing is the default.
+
+    Raises
+    ------
+    DataError
+        If it has what the part does not, or a value of the wrong kind.
+    """
+    asked = mapping(given, name)
+    known = {one.name for one in fields(kind)}  # type: ignore[arg-type]
+    strange = sorted(asked.keys() - known)
+    if strange:
+        raise DataError(f"{name} has no '{strange[0]}'; it has {', '.join(sorted(known))}")
+    stated = {
+        key: tuple(value) if isinstance(value, list) else value
+        for key, value in asked.items()
+        if value not in (None, "")
+    }
+    return _made(lambda them: kind(**them), stated, name)
+
+
+def mapping(given: object, name: str) -> Mapping[str, Any]:
+    """Return what must be an object.
+
+    Raises
+    ------
+    DataError
+        If it is not.
+    """
+    if not isinstance(given, Mapping):
+        raise DataError(f"{name} is {type(given).__name__}; expected an object")
+    return given
+
+
+def _made(make: Callable[[Any], T], given: Any, name: str) -> T:
+    try:
+        return make(given)
+    except (TypeError, ValueError, AttributeError):
+        raise DataError(f"{name} = {given!r} is not of the kind expected") from None
+
+
+def _list(given: object) -> list[Any]:
+    if not isinstance(given, list):
+        raise DataError(f"impact is {type(given).__name__}; expected a list of files")
+    return given
+
+
+def _quantity(asked: Mapping[str, Any], name: str, dimension: Any) -> float | None:
+    given = asked.get(name)
+    if given in (None, ""):
+        return None
+    if not isinstance(given, str):
+        raise DataError(f"{name} = {given!r}; expected a quantity with its unit, such as '104g'")
+    return si(given, dimension)
+
+
+def _number(given: object, name: str) -> float:
+    if isinstance(given, bool) or not isinstance(given, int | float):
+        raise DataError(f"{name} = {given!r}; expected a number")
+    return float(given)
+
+
+def _arms(given: object) -> Any:
+    if given == "auto" or (isinstance(given, int) and not isinstance(given, bool) and given >= 0):
+        return given
+    raise DataError(f"arms = {given!r}; expected 'auto' or a whole number >= 0")

@@ -1,0 +1,220 @@
+"""The server: routes from a page to the lanes; it computes nothing itself."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import socket
+import webbrowser
+from collections import OrderedDict
+from collections.abc import AsyncIterator, Sequence
+from hashlib import sha256
+from importlib import resources
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from dashpot.base.errors import DashpotError, DataError
+from dashpot.plot import tokens
+from dashpot.web.guard import Guard
+from dashpot.web.lanes import FaultError, Lane, StoppedError
+from dashpot.web.store import Store, TooLargeError
+
+if TYPE_CHECKING:
+    from starlette.applications import Starlette
+    from starlette.requests import Request
+    from starlette.responses import Response
+
+LANES = {
+    "inspect": "open", "live": "live", "predict": "live", "settle": "settle", "study": "slow",
+    "take": "slow", "profile": "open", "project": "slow",
+}  # fmt: skip
+"""Which lane answers which verb."""
+MOST = 1 << 20
+"""Bytes of a question."""
+ANSWERS = 32
+"""Answers that are kept, so that a page that was loaded again need not wait."""
+_KINDS = {"js": "text/javascript", "css": "text/css", "svg": "image/svg+xml"}
+_KEPT = {"settle", "study"}
+
+
+class Desk:
+    """What one server keeps: files, lanes, answers, and what the page last looked like.
+
+    Parameters
+    ----------
+    files : sequence of path
+        Opened at once.
+    """
+
+    def __init__(self, files: Sequence[str | Path] = ()) -> None:
+        self.store = Store()
+        self.lanes = {name: Lane(self.store.folder) for name in dict.fromkeys(LANES.values())}
+        self.answers: OrderedDict[str, bytes] = OrderedDict()
+        opened = [(Path(path).name, self.store.put(Path(path).name, Path(path).read_bytes()))
+                  for path in files]  # fmt: skip
+        self.state: dict[str, Any] = {"open": [{"id": one, "name": name} for name, one in opened]}
+
+    async def answer(self, verb: str, body: bytes) -> bytes:
+        """Return the answer to a question, from memory where it was put before."""
+        name = sha256(verb.encode() + b"\0" + body).hexdigest()
+        if name in self.answers:
+            self.answers.move_to_end(name)
+            return self.answers[name]
+        found = await self.lanes[LANES[verb]].ask(verb, json_of(body))
+        if verb in _KEPT:
+            self.answers[name] = found
+            while len(self.answers) > ANSWERS:
+                self.answers.popitem(last=False)
+        return found
+
+    async def close(self) -> None:
+        """End every worker, and leave nothing of the files."""
+        for lane in self.lanes.values():
+            await lane.close()
+        self.store.remove()
+
+
+def json_of(body: bytes) -> dict[str, Any]:
+    """Return what must be a JSON object.
+
+    Raises
+    ------
+    DataError
+        If it is not.
+    """
+    try:
+        found = json.loads(body)
+    except (ValueError, RecursionError):
+        raise DataError("the request is not JSON") from None
+    if not isinstance(found, dict):
+        raise DataError("the request is not a JSON object")
+    return found
+
+
+def application(desk: Desk) -> Starlette:
+    """Return the routes over a desk, without their guard."""
+    from starlette.applications import Starlette
+    from starlette.responses import JSONResponse, Response
+    from starlette.routing import Route
+
+    async def page(_: Request) -> Response:
+        return Response(_static("index.html"), media_type="text/html")
+
+    async def static(request: Request) -> Response:
+        name = request.path_params["name"]
+        kind = _KINDS.get(name.rpartition(".")[2])
+        if kind is None or name not in _names():
+            return Response("there is no such file", status_code=404)
+        return Response(_static(name), media_type=kind)
+
+    async def files(request: Request) -> Response:
+        name = request.query_params.get("name", "file")
+        identity = await desk.store.keep(name, request.stream())
+        return JSONResponse({"id": identity, "name": name})
+
+    async def example(_: Request) -> Response:
+        from dashpot import workflow
+
+        made = [
+            {"id": desk.store.put(name, workflow.EXAMPLES[name]().encode()), "name": name}
+            for name in workflow.FIRST
+        ]
+        return JSONResponse({"files": made, "mass": "114.8g", "seals": 2})
+
+    async def ask(request: Request) -> Response:
+        verb = request.path_params["verb"]
+        if verb not in LANES:
+            return JSONResponse({"error": f"there is no '{verb}'"}, status_code=404)
+        return Response(
+            await desk.answer(verb, await _body(request)), media_type="application/octet-stream"
+        )
+
+    async def cancel(_: Request) -> Response:
+        return JSONResponse({"cancelled": desk.lanes["slow"].cancel()})
+
+    async def working(_: Request) -> Response:
+        slow = desk.lanes["slow"]
+        return JSONResponse({"seconds": slow.seconds, "doing": slow.doing})
+
+    async def state(request: Request) -> Response:
+        if request.method == "PUT":
+            desk.state = json_of(await _body(request))
+        return JSONResponse(desk.state)
+
+    async def sentence(_: Request, error: Exception) -> Response:
+        codes: dict[type, int] = {TooLargeError: 413, StoppedError: 409, FaultError: 500}
+        return JSONResponse({"error": str(error)}, status_code=codes.get(type(error), 422))
+
+    @contextlib.asynccontextmanager
+    async def lifespan(_: Starlette) -> AsyncIterator[None]:
+        for lane in desk.lanes.values():
+            await lane.start()
+        try:
+            yield
+        finally:
+            await desk.close()
+
+    return Starlette(
+        routes=[
+            Route("/", page),
+            Route("/static/{name}", static),
+            Route("/api/files", files, methods=["POST"]),
+            Route("/api/example", example, methods=["POST"]),
+            Route("/api/cancel", cancel, methods=["POST"]),
+            Route("/api/working", working),
+            Route("/api/state", state, methods=["GET", "PUT"]),
+            Route("/api/{verb}", ask, methods=["POST"]),
+        ],
+        exception_handlers={DashpotError: sentence},
+        lifespan=lifespan,
+    )
+
+
+async def _body(request: Request) -> bytes:
+    body = b""
+    async for block in request.stream():
+        body += block
+        if len(body) > MOST:
+            raise TooLargeError("the request is larger than a page ever sends")
+    return body
+
+
+def _names() -> set[str]:
+    own = {one.name for one in resources.files("dashpot.web").joinpath("static").iterdir()}
+    return own | {"charts.js"}
+
+
+def _static(name: str) -> str:
+    if name == "charts.js":
+        return resources.files("dashpot.plot").joinpath(name).read_text("utf-8")
+    text = resources.files("dashpot.web").joinpath("static", name).read_text("utf-8")
+    return f"{tokens.css()}\n{text}" if name == "app.css" else text
+
+
+def serve(files: Sequence[str | Path] = (), *, port: int = 0, browser: bool = True) -> None:
+    """Serve the app on this machine until it is interrupted; say its address.
+
+    Raises
+    ------
+    DataError
+        If the extra is not installed, or the port is taken.
+    """
+    try:
+        import uvicorn
+    except ImportError:
+        raise DataError('the app needs its extra: pip install "dashpot[app]"') from None
+    listener = socket.socket()
+    listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        listener.bind(("127.0.0.1", port))
+    except OSError:
+        listener.close()
+        raise DataError(f"port {port} is taken; leave out --port to get a free one") from None
+    taken = int(listener.getsockname()[1])
+    guarded = Guard(application(Desk(files)), port=taken)
+    address = f"http://127.0.0.1:{taken}/?token={guarded.token}"
+    print(address, flush=True)  # noqa: T201 -- the one line that a program may wait for
+    if browser:
+        webbrowser.open(address)
+    config = uvicorn.Config(guarded, log_level="error", access_log=False, lifespan="on")
+    uvicorn.Server(config).run(sockets=[listener])

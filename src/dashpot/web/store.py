@@ -1,0 +1,98 @@
+"""Files that a page was given: kept by their hash in a folder that goes with the server."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import shutil
+import tempfile
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+from dashpot.base.errors import DataError, ReadError
+
+LIMIT = 200 << 20
+"""Bytes of one file, at most."""
+_ID = re.compile(r"[0-9a-f]{16}")
+
+
+class TooLargeError(DataError):
+    """A file beyond the limit."""
+
+
+class Store:
+    """Files by identity: the first sixteen digits of the hash of contents and name.
+
+    Parameters
+    ----------
+    folder : path, optional
+        Where they lie; by default a new folder of the system's temporary ones.
+    """
+
+    def __init__(self, folder: str | Path | None = None) -> None:
+        self.folder = Path(folder or tempfile.mkdtemp(prefix="dashpot-"))
+
+    async def keep(self, name: str, blocks: AsyncIterator[bytes], *, limit: int = LIMIT) -> str:
+        """Write a file as it comes, and return its identity.
+
+        Raises
+        ------
+        TooLargeError
+            As soon as it is longer than `limit`; nothing of it is kept.
+        """
+        named = plain_name(name)
+        digest, size = hashlib.sha256(named.encode() + b"\0"), 0
+        with tempfile.NamedTemporaryFile(dir=self.folder, delete=False) as part:
+            try:
+                async for block in blocks:
+                    size += len(block)
+                    if size > limit:
+                        raise TooLargeError(
+                            f"{named} is larger than {limit >> 20} MB; read it with 'dashpot fit', "
+                            "which has no such limit"
+                        )
+                    digest.update(block)
+                    part.write(block)
+            except BaseException:
+                Path(part.name).unlink(missing_ok=True)
+                raise
+        identity = digest.hexdigest()[:16]
+        home = self.folder / identity
+        home.mkdir(exist_ok=True)
+        Path(part.name).replace(home / named)
+        return identity
+
+    def put(self, name: str, content: bytes) -> str:
+        """Write a file that is at hand, and return its identity."""
+        named = plain_name(name)
+        identity = hashlib.sha256(named.encode() + b"\0" + content).hexdigest()[:16]
+        home = self.folder / identity
+        home.mkdir(exist_ok=True)
+        (home / named).write_bytes(content)
+        return identity
+
+    def remove(self) -> None:
+        """Leave nothing behind."""
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+def path_in(folder: Path, identity: object) -> Path:
+    """Return the file of an identity.
+
+    Raises
+    ------
+    ReadError
+        If there is none.
+    """
+    if isinstance(identity, str) and _ID.fullmatch(identity):
+        found = [*(folder / identity).glob("*")]
+        if found:
+            return found[0]
+    raise ReadError("this file is no longer here: open it again")
+
+
+def plain_name(name: str) -> str:
+    """Return the last part of a name, without what a file system or a terminal would obey."""
+    last = re.split(r"[/\\]", name)[-1]
+    clean = "".join(c if c.isprintable() and c not in '<>:"|?*' else "_" for c in last).strip(". ")
+    return clean[-120:] or "file"

@@ -1,0 +1,338 @@
+"""Nouns for the eye: panels as drawn for the page, pieces of it, and bare curves while it moves.
+
+Pure functions, tested without a server. Words, digits and marks are those of the report.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from dashpot import plot
+from dashpot.base import numbers, units
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check, Use, Verdict
+from dashpot.base.numbers import duration, rounded, symbol
+from dashpot.base.units import Dimension
+from dashpot.plot import relaxation
+from dashpot.plot.picture import Line, Mark, Panel, Pen, Picture, Tag
+from dashpot.plot.svg import strip, swatch
+from dashpot.plot.thinning import extremes
+from dashpot.records.fit import Fit
+from dashpot.records.frf import FRF, Hit
+from dashpot.records.relaxation import RampHold
+from dashpot.report import answer
+from dashpot.report.answer import GRADES, Row
+from dashpot.workflow.inspections import InspectedFile
+from dashpot.workflow.recommendation import recommendation
+from dashpot.workflow.study import Study
+
+COLOURS: dict[Use, str] = {"use": "good", "use with care": "care", "do not use": "bad"}
+ROLES = ("time", "displacement", "force", "hammer", "acceleration")
+"""What a column of a relaxation test or of a hammer test can be."""
+ASKED: tuple[Dimension, ...] = ("time", "length", "force", "acceleration")
+"""What its unit can be one of."""
+EQ5 = Pen("ref", 1.6, (2, 3))
+SHORT = {
+    "residual: range of samples": "range of samples", "residual: mean": "mean",
+    "noise, one SD": "noise", "ramp": "", "eq. (5), hold only": "eq. (5)",
+    "k∞, relaxation fit": "k∞", "relaxation fit": "arms",
+}  # fmt: skip
+"""What the key calls a mark where the title has said the rest."""
+TALL, LOW, WIDE = 106.0, 62.0, 170.0
+"""Heights of the plots, px: all five stand on a screen of 768."""
+LIVE_POINTS = 240
+"""Of a curve that follows a handle: more than a panel has px across a bend."""
+
+
+@cache
+def _environment() -> Any:
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    environment = Environment(
+        loader=PackageLoader("dashpot.web"), autoescape=True, undefined=StrictUndefined,
+        trim_blocks=True, lstrip_blocks=True,
+    )  # fmt: skip
+    environment.filters.update(
+        readable=numbers.readable,
+        sentence=lambda text: text[:1].upper() + text[1:] + ("" if text.endswith(".") else "."),
+    )
+    return environment
+
+
+def piece(name: str, **values: Any) -> str:
+    """A piece of the page, from its template; whatever came from a file is escaped."""
+    return str(_environment().get_template(f"{name}.html").render(values))
+
+
+# -- panels ---------------------------------------------------------------------------------------
+
+
+def drawn(name: str, panels: tuple[Panel, ...], width: float) -> str:
+    """Panels one below the other as the page has them: the key, then the drawing."""
+    key = Picture(name, "", (panels,)).key
+    samples = [(swatch(mark, name=f"{name}-k{i}"), mark.label) for i, mark in enumerate(key)]
+    svg = strip(panels, name=name, width=max(width, 240.0), kind="figure")
+    return piece("figure", key=samples, svg=svg)
+
+
+def test_panels(
+    fit: Fit, prepared: RampHold, by_eq5: Fit | None, widths: Mapping[str, float]
+) -> dict[str, str]:
+    """Ramp, hold, residual and spectrum of a fit."""
+    chosen = relaxation.fitted(fit, (), prepared)[0]
+    hold = relaxation.force_panel([chosen], prepared, height=TALL)
+    if by_eq5 is not None and fit.method != "hold":
+        t, force = relaxation.fitted_force(by_eq5, prepared)
+        curve = extremes(t, _scale(hold) * force, bins=200, log=True)
+        marks = (*hold.marks[:-1], Line(*curve, EQ5, "eq. (5), hold only"), hold.marks[-1])
+        hold = replace(hold, marks=marks)
+    panels = {
+        "ramp": relaxation.ramp_panel([chosen], prepared, height=TALL),
+        "hold": hold,
+        "residual": replace(relaxation.residual_panel(chosen, prepared), height=LOW),
+        "spectrum": replace(plot.spectrum(fit).panels[0], height=LOW),
+    }
+    return {
+        name: drawn(name, (_in_short(one),), widths.get(name, 400.0))
+        for name, one in panels.items()
+    }
+
+
+def _in_short(panel: Panel) -> Panel:
+    """The panel with a key of one line: beside its title each mark needs a word."""
+    marks: list[Mark] = []
+    for mark in panel.marks:
+        if not isinstance(mark, Tag) and mark.label:
+            plain = "fit" if mark.label.startswith("fit, ") else mark.label
+            mark = replace(mark, label=SHORT.get(plain, plain))  # noqa: PLW2901
+        marks.append(mark)
+    return replace(panel, marks=tuple(marks))
+
+
+def _scale(panel: Panel) -> float:
+    """From N to the unit of a panel of forces."""
+    return {"N": 1.0, "mN": 1e3, "µN": 1e6, "nN": 1e9, "pN": 1e12}[panel.y.label.split(", ")[-1]]
+
+
+def response_panel(predicted: FRF, width: float) -> str:
+    """The predicted response before anything bounds it."""
+    return drawn("frf", (plot.resonance(None, predicted, height=WIDE).panels[0],), width)
+
+
+def study_panel(study: Study, width: float) -> str:
+    """The response of the mass, with all that is known of it; nothing without a mass."""
+    if study.prediction is None:
+        return ""
+    predicted, failed = study.prediction, study.joint is not None
+    failed = failed and study.joint.verdict.use == "do not use"  # type: ignore[union-attr]
+    picture = plot.resonance(
+        study.comparison, predicted, joint=study.joint_comparison, failed=failed,
+        band=study.frf_band, height=WIDE,
+    )  # fmt: skip
+    return drawn("frf", (picture.panels[0],), width)
+
+
+def hit_panels(study: Study, widths: Mapping[str, float]) -> dict[str, str]:
+    """The pulses of the hits, their spectra and the answers to them, one panel each."""
+    if study.impact is None or study.measured is None:
+        return {}
+    strips = plot.hits(study.impact, study.measured).strips
+    found = {"pulses": strips[0][0], "force": strips[1][0], "answers": strips[-1][0]}
+    return {
+        name: drawn(name, (replace(one, title="", height=TALL),), widths.get(name, 500.0))
+        for name, one in found.items()
+    }
+
+
+def hammer_line(study: Study) -> str:
+    """What the list of files says of a hammer test once it was averaged."""
+    if study.measured is None or not study.measured.hits:
+        return ""
+    accepted = sum(hit.accepted for hit in study.measured.hits)
+    peak = "" if study.comparison is None else f", {rounded(study.comparison.measured_hz)} Hz"
+    return f"{accepted} of {len(study.measured.hits)} hits{peak}"
+
+
+# -- curves while a handle is held ----------------------------------------------------------------
+
+
+class Live(NamedTuple):
+    """Curves by panel and name, in the units of their axes, and words beside them."""
+
+    arrays: dict[str, FloatArray]
+    words: str
+
+
+def live_test(fit: Fit, prepared: RampHold, by_eq5: Fit | None) -> Live:
+    """What a fit says while a handle is held: its curves, its residual, its numbers."""
+    chosen = relaxation.fitted(fit, (), prepared)[0]
+    ramp, hold = (
+        relaxation.ramp_panel([chosen], prepared),
+        relaxation.force_panel([chosen], prepared),
+    )
+    curves = {"ramp/fit": ramp.marks[-1], "hold/fit": hold.marks[-1]}
+    rest = relaxation.residual_panel(chosen, prepared)
+    curves["residual/mean"] = rest.marks[-1]
+    arrays: dict[str, FloatArray] = {}
+    for name, mark in curves.items():
+        if isinstance(mark, Line):
+            keep = np.unique(np.linspace(0, len(mark.x) - 1, LIVE_POINTS).astype(int))
+            arrays[f"{name}/x"], arrays[f"{name}/y"] = mark.x[keep], mark.y[keep]
+    return Live(arrays, piece("beside", rows=beside(fit, by_eq5)))
+
+
+def beside(fit: Fit, by_eq5: Fit | None) -> list[tuple[str, str, str, str]]:
+    """Name, value of the fit, value of eq. (5) and unit, of every parameter."""
+    rows = []
+    other = None if by_eq5 is None else by_eq5.model
+    for name, value, there, unit, factor in _pairs(fit.model, other):
+        cell = "" if there is None else rounded(factor * there, digits=4)
+        rows.append((symbol(name), rounded(factor * value, digits=4), cell, unit))
+    return rows
+
+
+def _pairs(model: Any, other: Any) -> Any:
+    yield "k_inf", model.k_inf, None if other is None else other.k_inf, "N/mm", 1e-3
+    for name, unit, factor in (("k", "N/mm", 1e-3), ("tau", "s", 1.0)):
+        there = () if other is None else getattr(other, name)
+        for j, value in enumerate(getattr(model, name)):
+            yield f"{name}_{j + 1}", value, there[j] if j < len(there) else None, unit, factor
+
+
+def live_response(predicted: FRF) -> Live:
+    """The predicted response while the mass moves."""
+    size = np.abs(predicted.value)
+    top = int(size.argmax())
+    words = (
+        f"{rounded(float(predicted.frequency[top]), digits=4)} Hz, {rounded(float(size[top]))} 1/kg"
+    )
+    return Live({"frf/predicted/x": predicted.frequency, "frf/predicted/y": size}, words)
+
+
+# -- pieces of the page ---------------------------------------------------------------------------
+
+
+def verdict(found: Verdict, simulated: bool) -> str:
+    """The verdict in colour and words."""
+    return piece("verdict", verdict=found, colour=COLOURS[found.use], simulated=simulated)
+
+
+class Term(NamedTuple):
+    """A parameter with its 95 % interval and a mark."""
+
+    name: str
+    value: str
+    low: str
+    high: str
+    unit: str
+    mark: str
+
+
+def terms(fit: Fit) -> list[Term]:
+    """Every parameter of the solid, the stiffness at the end of the hold first."""
+    rows = []
+    end = fit.end_of_hold
+    if end is not None:
+        value = 1e-3 * float(fit.solid.relaxation(end.time))
+        rows.append(_term(f"k({duration(end.time)})", value, _scaled(end.k_end, 1e-3), "N/mm"))
+    between = fit.intervals(level=0.95)
+    rows.append(_term("k_inf", 1e-3 * fit.model.k_inf, _scaled(between["k_inf"], 1e-3), "N/mm"))
+    for j, k in enumerate(fit.model.k):
+        rows.append(_term(f"k_{j + 1}", 1e-3 * k, _scaled(between["k"][j], 1e-3), "N/mm"))
+    for j, tau in enumerate(fit.model.tau):
+        rows.append(_term(f"tau_{j + 1}", tau, between["tau"][j], "s"))
+    return rows
+
+
+def _scaled(ends: tuple[float, float], factor: float) -> tuple[float, float]:
+    return factor * ends[0], factor * ends[1]
+
+
+def _term(name: str, value: float, ends: tuple[float, float], unit: str) -> Term:
+    low, high = ends
+    half = (high - low) / 2
+    known = half if np.isfinite(half) and half > 0 else None
+    # known to half of itself is seen; beyond, it is not determined
+    mark = "good" if known is not None and half < 0.5 * abs(value) else "care"
+    return Term(
+        symbol(name) if "(" not in name else name,
+        rounded(value, known),
+        rounded(low, known) if np.isfinite(low) else "unknown",
+        rounded(high, known) if np.isfinite(high) else "no limit",
+        unit,
+        mark,
+    )
+
+
+def solid_table(fit: Fit) -> str:
+    """The solid of one seal, each term with its interval and a mark."""
+    return piece("solid", terms=terms(fit), status=fit.status.value)
+
+
+def check_list(checks: Sequence[Check]) -> str:
+    """What failed, the gravest first, and how many were judged."""
+    distinct = list(dict.fromkeys(checks))
+    failed = [(GRADES[one.grade], one.says) for one in distinct if one.failed]
+    failed.sort(key=lambda pair: -answer.ORDER.index(pair[0]))
+    passed = sum(one.passed is True for one in distinct)
+    return piece("checks", failed=failed, passed=passed, judged=passed + len(failed))
+
+
+def answers(study: Study) -> str:
+    """The numbers that one came for, as the report's first screen has them."""
+    found = recommendation(study)
+    title, rows = answer.under_mass(study, found)
+    every: list[tuple[str, tuple[Row, ...]]] = [(title, rows)] if rows else []
+    every.append(("One seal", answer.rows(found.one_seal)))
+    return piece(
+        "answers",
+        heading=answer.heading(found),
+        groups=every,
+        measured=study.comparison is not None,
+    )
+
+
+def hit_table(hits: Sequence[Hit]) -> str:
+    """Every hit with its verdict."""
+    return piece("hits", hits=hits)
+
+
+def file_row(found: InspectedFile) -> dict[str, Any]:
+    """What the list of files says of one: its kind, one line, a mark."""
+    ready = found.preparation
+    if ready is not None:
+        line = (
+            f"{rounded(1e3 * ready.depth)} mm, {rounded(ready.ramp_time)} s, "
+            f"{rounded(ready.hold_time)} s"
+        )
+    elif found.questions:
+        line = f"asks: {found.questions[0].option or 'a question'}"
+    else:
+        line = found.refusal or found.reason
+    mark = "bad" if found.refusal else "care" if found.questions else "good"
+    return {"kind": found.kind, "line": line, "mark": mark, "simulated": found.simulated}
+
+
+class Consequence(NamedTuple):
+    """What the seal would be, were a column in this unit: its largest force and its stiffness."""
+
+    unit: str
+    force: str
+    stiffness: str
+
+
+def asked(found: InspectedFile, consequences: Sequence[Consequence]) -> str:
+    """The first rows with roles and units to choose, and what is to be answered."""
+    words: dict[str, list[str]] = {}
+    for unit in units.TABLE.values():
+        if unit.dimension in ASKED:
+            words.setdefault(unit.dimension, []).append(unit.word)
+    return piece(
+        "asked", file=found, roles=ROLES, units=words, consequences=consequences,
+        rows=list(zip(*(column.first for column in found.columns), strict=False)),
+    )  # fmt: skip

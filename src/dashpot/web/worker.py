@@ -1,0 +1,64 @@
+"""A worker: one process that answers one question after the other until its server is gone.
+
+Questions come by standard input, answers leave by standard output, as frames of `wire`. A thread
+waits for the end of the input: a server that dies, however it dies, closes it, and the worker
+leaves at once, whatever it computes, and takes the customer's files along.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import queue
+import shutil
+import sys
+import threading
+from pathlib import Path
+from typing import BinaryIO
+
+from dashpot.base.errors import DashpotError
+from dashpot.base.progress import listening
+from dashpot.web import wire
+
+
+def main() -> None:
+    """Serve until the input ends; the folder of the files is the one argument."""
+    folder = Path(sys.argv[1])
+    questions: queue.Queue[bytes] = queue.Queue()
+    source = os.fdopen(os.dup(0), "rb")
+    answers = os.fdopen(os.dup(1), "wb")
+    # whatever a library prints is no answer
+    os.dup2(2, 1)
+    threading.Thread(target=_listen, args=(source, questions, folder), daemon=True).start()
+    from dashpot.web import work  # the imports are what makes a worker worth keeping
+
+    while True:
+        _answer(work, questions.get(), folder, answers)
+
+
+def _listen(source: BinaryIO, questions: queue.Queue[bytes], folder: Path) -> None:
+    while len(head := source.read(wire.FRAME_HEAD)) == wire.FRAME_HEAD:
+        _, length = wire.frame_head(head)
+        questions.put(source.read(length))
+    shutil.rmtree(folder, ignore_errors=True)
+    os._exit(0)
+
+
+def _answer(work: object, question: bytes, folder: Path, answers: BinaryIO) -> None:
+    asked = json.loads(question)
+
+    def send(kind: str, body: bytes) -> None:
+        answers.write(wire.framed(kind, body))
+        answers.flush()
+
+    try:
+        with listening(lambda what: send("p", what.encode())):
+            send("d", getattr(work, "VERBS")[asked["verb"]](asked["request"], folder))  # noqa: B009
+    except DashpotError as error:
+        send("e", str(error).encode())
+    except Exception as error:  # noqa: BLE001 -- a fault must not end the lane, nor tell of files
+        send("f", type(error).__name__.encode())
+
+
+if __name__ == "__main__":
+    main()

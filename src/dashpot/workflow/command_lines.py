@@ -1,0 +1,85 @@
+"""A job as the command that is typed for it, so that what a page shows can be repeated."""
+
+from __future__ import annotations
+
+import shlex
+from dataclasses import fields
+from typing import Any
+
+from dashpot.base.options import flag_of
+from dashpot.base.units import typed
+from dashpot.io.options import OF_HAMMER
+from dashpot.workflow.job import Job
+
+IMPACT_PROFILE = "hammer.toml"
+"""What the answers for the impact files are called, where options cannot give them."""
+
+
+def words_of(noun: Any) -> list[str]:
+    """Return the options that say what a noun says, as they are typed; nothing of its defaults.
+
+    The noun declares its options as :func:`~dashpot.base.options.option` does.
+
+    >>> from dashpot.io.options import ReadOptions
+    >>> words_of(ReadOptions(units={"force": "N"}, skip_rows=3))
+    ['--units', 'force=N', '--skip-rows', '3']
+    """
+    words = []
+    for one in fields(noun):
+        value = getattr(noun, one.name)
+        if one.metadata and value != one.default:
+            for each in _several(one.metadata, value):
+                words += [flag_of(one), each]
+    return words
+
+
+def _several(asked: Any, value: Any) -> list[str]:
+    """One text for every time that an option is typed."""
+    if asked.get("section") == "units":
+        return [f"{name}={unit}" for name, unit in value]
+    if "multiple" in asked:
+        return [f"{each:+d}" if isinstance(each, int) else str(each) for each in value]
+    if "unit" in asked:
+        return [typed(value, asked["unit"])]
+    return [str(value)]
+
+
+def report_command(job: Job) -> str:
+    """Return ``dashpot report ...`` for a job: run, it gives the job's numbers."""
+    words = ["dashpot", "report", job.relaxation]
+    for file in job.impact:
+        words += ["--impact", file]
+    given: tuple[tuple[str, str | None], ...] = (
+        ("--mass", None if job.mass is None else typed(job.mass, "mass")),
+        ("--seal-mass", None if job.seal_mass is None else typed(job.seal_mass, "mass")),
+        ("--seals", f"{job.seals!r}".removesuffix(".0")),
+        ("--compression", None if job.compression is None else typed(job.compression, "length")),
+        ("--arms", str(job.arms)),
+        ("--method", job.method),
+        ("--law", job.law),
+        ("--band", None if job.band is None else _range(job.band)),
+        ("--filter", job.filter),
+        ("--title", job.title or None),
+        ("--logo", job.logo),
+    )
+    usual = {"--seals": "1", "--arms": "auto", "--method": "full", "--law": "auto"}
+    for flag, text in given:
+        words += [] if text is None or usual.get(flag) == text else [flag, text]
+    words += [] if job.joint else ["--no-joint"]
+    for noun in (job.cuts, job.machine, job.specimen, job.hammer, job.reading):
+        words += words_of(noun)
+    words += _of_impact(job)
+    return shlex.join(words)
+
+
+def _range(band: tuple[float, float]) -> str:
+    return f"{band[0]!r}:{typed(band[1], 'frequency')}"
+
+
+def _of_impact(job: Job) -> list[str]:
+    """What the impact files are read by: options of this command where it has them for these."""
+    known = job.reading_impact.only(("units", *OF_HAMMER))
+    shared = known.units in {(), job.reading.units}
+    if known == job.reading_impact and shared:
+        return words_of(known.only(OF_HAMMER))
+    return ["--impact-profile", IMPACT_PROFILE]

@@ -1,0 +1,82 @@
+"""The app in a real browser: a server of its own, a page, and what went wrong on it."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from kit.browser import PROGRAM
+
+
+@contextmanager
+def served(*files: str) -> Iterator[str]:
+    """The address of a server with these files, until the end of the block."""
+    words = [sys.executable, "-m", "dashpot", "app", "--no-browser", *files]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as server:
+        try:
+            assert server.stdout is not None
+            yield server.stdout.readline().strip()
+        finally:
+            server.terminate()
+
+
+class Page:
+    """A page of Playwright with what it complained of.
+
+    Attributes
+    ----------
+    at : Page of Playwright
+    complaints : list of str
+        Errors of the console, exceptions, requests that left the machine.
+    """
+
+    def __init__(self, browser: Any, address: str, *, fresh: bool = True, **how: Any) -> None:
+        self.complaints: list[str] = []
+        self.context = browser.new_context(
+            **({"viewport": {"width": 1366, "height": 768}, "accept_downloads": True} | how)
+        )
+        if fresh:
+            # what an earlier page left is not this one's
+            self.context.request.get(address)
+            self.context.request.put(f"{address.partition('?')[0]}api/state", data={})
+        self.at = self.context.new_page()
+        self.at.set_default_timeout(30_000)
+        self.at.on("console", self._console)
+        self.at.on("pageerror", lambda error: self.complaints.append(str(error)))
+        self.at.on("request", self._request)
+        self.at.goto(address)
+        self.at.locator("body[data-ready=true]").wait_for()
+
+    def _console(self, message: Any) -> None:
+        # a refusal of the server is a sentence on the page, and the browser's own line about it
+        if message.type == "error" and "422" not in message.text and "409" not in message.text:
+            self.complaints.append(message.text)
+
+    def _request(self, request: Any) -> None:
+        if not request.url.startswith(("http://127.0.0.1:", "blob:", "data:")):
+            self.complaints.append(f"left the machine: {request.url}")
+
+    def done(self) -> None:
+        """Wait until nothing is computed any more."""
+        self.at.get_by_role("status").filter(has_text="done in").wait_for()
+
+    def close(self) -> None:
+        """Leave, and nothing may have gone wrong."""
+        self.context.close()
+        assert not self.complaints
+
+
+@contextmanager
+def chromium() -> Iterator[Any]:
+    """The browser that the system has."""
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as play:
+        browser = play.chromium.launch(executable_path=PROGRAM, args=["--no-sandbox"])
+        try:
+            yield browser
+        finally:
+            browser.close()

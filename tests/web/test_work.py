@@ -1,0 +1,192 @@
+"""What the workers answer: the command line's own numbers, digit for digit."""
+
+import json
+import shlex
+
+import pytest
+from click.testing import CliRunner
+
+import dashpot as dp
+from dashpot import workflow
+from dashpot.cli import main
+from dashpot.web import wire, work
+from dashpot.web.requests import job_of
+from dashpot.web.store import Store
+from dashpot.workflow.command_lines import report_command
+
+
+@pytest.fixture(scope="module")
+def store():
+    store = Store()
+    yield store
+    store.remove()
+
+
+@pytest.fixture(scope="module")
+def files(store):
+    return {name: store.put(name, workflow.EXAMPLES[name]().encode()) for name in workflow.FIRST}
+
+
+@pytest.fixture(scope="module")
+def asked(files):
+    """What the page says of both files."""
+    return {
+        "relaxation": files["seal_8mm.csv"], "impact": [files["hammer.csv"]], "mass": "114.8g",
+        "seals": 2, "arms": 2, "cuts": {"ramp_end": 2.6}, "specimen": {"temperature": "23degC"},
+    }  # fmt: skip
+
+
+def ask(verb, store, **request):
+    head, arrays = wire.unpacked(work.VERBS[verb](request, store.folder))
+    return head | {"arrays": arrays}
+
+
+@pytest.fixture
+def at_home(store, files, tmp_path, monkeypatch):
+    """A folder with the files under their own names."""
+    for name, identity in files.items():
+        (tmp_path / name).write_bytes((store.folder / identity / name).read_bytes())
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def typed(command, *more):
+    words = shlex.split(command)[1:]
+    found = CliRunner().invoke(main, [*words, *more], catch_exceptions=False)
+    assert found.exit_code == 0, found.output
+    return json.loads(found.stdout)
+
+
+def test_the_fit_is_that_of_the_command_digit_for_digit(store, asked, at_home):
+    told = json.loads(ask("take", store, job=asked, what="fit")["text"])
+    words = ("--arms", "2", "--ramp-end", "2.6s", "--temperature", "23degC", "--json")
+    shell = CliRunner().invoke(main, ["fit", "seal_8mm.csv", *words], catch_exceptions=False)
+    assert told == json.loads(shell.stdout)
+
+
+@pytest.mark.parametrize("joint", [False, True])
+def test_the_command_line_gives_the_pages_numbers(store, asked, at_home, joint):
+    head = ask("study", store, job=asked | {"joint": joint})
+    study = typed(head["command"], "-o", "r.html", "--json")
+    page = work._study(job_of(asked | {"joint": joint}, store.folder))
+    mine = json.loads(dp.to_json(page))
+    for part in ("fit", "joint", "comparison"):
+        assert mine[part] == study[part]
+
+
+def test_what_is_shown_are_the_digits_of_the_fit(store, asked):
+    head = ask("settle", store, job=asked)
+    fit = dp.from_json(ask("take", store, job=asked, what="fit")["text"])
+    assert f"{1e-3 * fit.model.k[0]:.4f}"[:5] in head["solid"]
+    assert fit.verdict.use.capitalize() in head["verdict"]
+    assert set(head["panels"]) == {"ramp", "hold", "residual", "spectrum", "frf"}
+    assert head["simulated"] is True
+    assert head["cuts"]["ramp_end"] == 2.6
+
+
+def test_a_handle_moves_the_curves_within_a_page_of_bytes(store, asked):
+    whole = work.VERBS["live"]({"job": asked}, store.folder)
+    assert len(whole) < 30_000
+    found = ask("live", store, job=asked)
+    assert {"ramp/fit/x", "hold/fit/y", "residual/mean/y"} <= set(found["arrays"])
+    assert "eq. (5)" in found["beside"]
+    later = ask("live", store, job=asked | {"cuts": {"hold_end": 20.0}})
+    assert later["cuts"]["hold_end"] == 20.0
+    assert found["cuts"]["hold_end"] > 40.0
+
+
+def test_a_response_follows_the_mass(store, asked):
+    light, heavy = (ask("predict", store, job=asked | {"mass": mass}) for mass in ("100g", "200g"))
+    peaks = [one["arrays"]["frf/predicted/x"][one["arrays"]["frf/predicted/y"].argmax()]
+             for one in (light, heavy)]  # fmt: skip
+    assert peaks[0] / peaks[1] == pytest.approx(2**0.5, rel=0.02)
+    assert len(work.VERBS["predict"]({"job": asked}, store.folder)) < 30_000
+
+
+def test_a_hit_is_left_out_by_hand(store, asked):
+    rejected = ask("study", store, job=asked | {"joint": False, "hammer": {"reject": ["2"]}})
+    assert "4 of 5 hits" in rejected["hammer"]
+    assert "--reject 2" in rejected["command"]
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"relaxation": ""}, "open one first"),
+        ({"relaxation": "../../etc"}, "no longer here"),
+        ({"relaxation": "0" * 16}, "no longer here"),
+        ({"mass": 0.1148}, "quantity with its unit"),
+        ({"mass": "114.8"}, "has no unit"),
+        ({"mass": "114.8m"}, "mass"),
+        ({"seals": "two"}, "expected a number"),
+        ({"arms": -1}, "whole number"),
+        ({"arms": True}, "whole number"),
+        ({"law": "bent"}, "expected one of"),
+        ({"cuts": {"ramp_begin": 1}}, "has no 'ramp_begin'"),
+        ({"cuts": []}, "expected an object"),
+        ({"impact": "hammer"}, "list of files"),
+        ({"title": 3}, "expected a text"),
+        ({"colour": "red"}, "has no 'colour'"),
+        ({"reading": {"units": 5}}, "not of the kind"),
+    ],
+)
+def test_what_is_not_of_a_job_is_told_so(store, asked, change, says):
+    with pytest.raises(dp.DashpotError, match=says):
+        job_of(asked | change, store.folder)
+
+
+def test_a_job_and_its_command_say_the_same(store, asked):
+    more = {
+        "compression": "2.6mm", "band": "5:40Hz", "machine": {"sync": "0.5ms"}, "law": "linear",
+        "hammer": {"reject": ["3"], "polarity": [1, -1]}, "title": "A seal's title",
+    }  # fmt: skip
+    words = shlex.split(report_command(job_of(asked | more, store.folder)))
+    for one in ("--compression", "2.6mm", "5.0:40Hz", "0.0005s", "linear", "-1", "A seal's title"):
+        assert one in words
+
+
+def test_a_file_without_units_asks_and_shows_what_each_would_mean(store):
+    text = workflow.EXAMPLES["seal_8mm.csv"]().replace("force [N]", "force")
+    identity = store.put("bare.csv", text.encode())
+    found = ask("inspect", store, file=identity)
+    assert found["mark"] == "care"
+    assert "With this unit the seal would be" in found["asked"]
+    answered = ask("inspect", store, file=identity, options={"units": {"force": "N"}})
+    assert answered["mark"] == "good"
+    profile = ask("profile", store, options={"units": {"force": "N"}})
+    assert 'force" = "N"' in profile["text"].replace("'", '"')
+
+
+def test_whatever_comes_from_a_file_is_escaped(store):
+    text = workflow.EXAMPLES["seal_8mm.csv"]().replace("force [N]", "<script>x</script> [N]")
+    found = ask("inspect", store, file=store.put("<i>.csv", text.encode()))
+    assert "<script>" not in json.dumps(found, default=str)
+
+
+@pytest.mark.parametrize("what", ["report", "fit", "picture", "frf", "profile"])
+def test_what_can_be_taken_away(store, asked, what):
+    told = ask("take", store, job=asked | {"joint": False}, what=what)
+    assert told["name"]
+    assert len(told["text"]) > 20
+
+
+def test_a_deck_is_refused_as_on_the_command_line_and_written_anyway(store, asked):
+    with pytest.raises(dp.ExportError, match="length"):
+        ask("take", store, job=asked, what="deck", target="nastran")
+    whole = asked | {"specimen": {"temperature": "23degC", "length": "100mm"}}
+    with pytest.raises(dp.DashpotError, match="no solver"):
+        ask("take", store, job=whole, what="deck", target="word")
+    assert (
+        "OVERRIDE"
+        in ask("take", store, job=asked, what="deck", target="nastran", anyway=True)["text"]
+    )
+    with pytest.raises(dp.DataError, match="both tests"):
+        ask("take", store, job=whole | {"joint": False}, what="joint")
+
+
+def test_a_project_is_kept(store, asked, tmp_path):
+    kept = ask("project", store, job=asked | {"joint": False}, folder=str(tmp_path / "door"))
+    assert (tmp_path / "door" / "dashpot.toml").exists()
+    assert kept["report"].endswith(".html")
+    with pytest.raises(dp.DataError, match="no folder"):
+        ask("project", store, job=asked, folder=" ")
