@@ -64,3 +64,5 @@ def setup(app: Sphinx) -> None:
     """Register the renderer, and draw the gallery before anything is read."""
     app.add_html_math_renderer("mathml", (inline_math, None), (block_math, None))
     app.connect("builder-inited", lambda _: pictures.gallery())
+    if pictures.app():
+        app.tags.add("browser")

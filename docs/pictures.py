@@ -1,5 +1,8 @@
 """Draw the picture of the README, and the gallery of the documentation."""
 
+import shutil
+import subprocess
+import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -62,6 +65,34 @@ def _drawn(files: dict[str, Path]) -> dict[str, dp.plot.Picture]:
         "elastic_law": dp.plot.elastic_law(depths),
         "columns": dp.inspect_file(files["seal_8mm.csv"]).plot(),
     }
+
+
+def app() -> bool:
+    """Photograph the app with the example in it; False where no browser is installed."""
+    program = shutil.which("chromium") or shutil.which("chromium-browser")
+    if program is None:
+        return False
+    from playwright.sync_api import sync_playwright
+
+    words = [sys.executable, "-m", "dashpot", "app", "--no-browser"]
+    GALLERY.mkdir(exist_ok=True)
+    with (
+        subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as server,
+        sync_playwright() as on,
+    ):
+        browser = on.chromium.launch(executable_path=program, args=["--no-sandbox"])
+        page = browser.new_page(viewport={"width": 1366, "height": 768})
+        page.goto(server.stdout.readline().strip())
+        page.get_by_role("button", name="Try the example").click()
+        done = page.get_by_role("status").filter(has_text="done in")
+        done.wait_for()
+        page.screenshot(path=GALLERY / "app.png")
+        page.get_by_role("button", name="hammer.csv").first.click()
+        done.wait_for()
+        page.screenshot(path=GALLERY / "app_hits.png")
+        browser.close()
+        server.terminate()
+    return True
 
 
 if __name__ == "__main__":

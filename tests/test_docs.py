@@ -25,7 +25,7 @@ PAGES = sorted(
     for path in (ROOT / "README.md", *(ROOT / "docs").rglob("*.md"))
     if "_build" not in path.parts
 )
-ELSEWHERE = {"demo": ".ci/run"}
+ELSEWHERE = {"demo": ".ci/run", "app": "tests/web/test_journeys.py"}
 """Commands that another place runs: they take long."""
 
 

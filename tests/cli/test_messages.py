@@ -41,7 +41,10 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "workflow/impacts.py": MEASURED,
     "workflow/impacts.py:identify_files": ("identify",),
     "workflow/study.py": ("report",),
+    "workflow/command_lines.py": ("report",),
     "workflow/outputs.py": ("fit", "report", "identify", "export", "predict", "inspect"),
+    "web/server.py": ("app",),
+    "web/": ("report",),
     "cli/": (),
 }
 """Which commands can print what stands in a room, a file or a function; the longest name counts."""

@@ -1,4 +1,4 @@
-"""What people do in the app, in a real browser, by what they see: roles, names and words."""
+"""What people do in ``dashpot app``, in a real browser, by roles, names and words."""
 
 import json
 import re

@@ -88,7 +88,8 @@ def _hash(text: str) -> str:
 def _contents(study: Study) -> dict[str, Any]:
     length = study.prepared.specimen.length
     stages = summary.stages(study)
-    style, script = f"{tokens.css()}\n{_part('report.css')}", _part("report.js")
+    style = f"{tokens.css()}\n{_part('report.css')}"
+    script = f"{_charts()}\n{_part('report.js')}"
     found = recommendation(study)
     return {
         "study": study,
