@@ -76,10 +76,8 @@ def app() -> bool:
 
     words = [sys.executable, "-m", "dashpot", "app", "--no-browser"]
     GALLERY.mkdir(exist_ok=True)
-    with (
-        subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as server,
-        sync_playwright() as on,
-    ):
+    server = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)  # noqa: S603
+    with server, sync_playwright() as on:
         browser = on.chromium.launch(executable_path=program, args=["--no-sandbox"])
         page = browser.new_page(viewport={"width": 1366, "height": 768})
         page.goto(server.stdout.readline().strip())

@@ -36,6 +36,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "workflow/fits.py": ("fit",),
     "workflow/shifting.py": ("fit",),
     "workflow/job.py": ("fit", "predict", "identify", "report"),
+    "workflow/job.py:refuse_several": ("fit", "report"),
     "workflow/predictions.py": ("predict",),
     "workflow/prepared.py": ("predict", "compare"),
     "workflow/impacts.py": MEASURED,
