@@ -24,6 +24,7 @@ from dashpot.base.numbers import decibels, percent, rounded, with_error
 from dashpot.base.provenance import Source, Step
 from dashpot.cli import _text, main
 from dashpot.plot import tokens
+from dashpot.records.estimate import Nuisance
 from dashpot.records.fit import Explanation, Moved, Status
 from dashpot.records.frf import Hit
 from dashpot.records.specimen import Specimen
@@ -268,9 +269,10 @@ def test_a_joint_fit_that_fails_looks_failed():
     # what is held against the hammer is then the relaxation test alone
     assert f"Stiffness agrees, {percent(S.comparison.frequency_error)}" in text
     assert "Damping misses" in text
-    lead = re.search(r'<figure[^>]*id="figure-lead">(.*?)</figure>', page, re.DOTALL)[1]
-    assert "joint fit, failed" in lead
-    assert "joint solid" not in lead
+    for name in ("lead", "comparison", "nyquist", "spectrum", "stiffness", "direct"):
+        figure = re.search(rf'<figure[^>]*id="figure-{name}">(.*?)</figure>', page, re.DOTALL)[1]
+        assert "joint fit, failed" in figure
+        assert "joint solid" not in figure
 
 
 def test_what_the_joint_fit_mends_does_not_fail_the_page(whole):
@@ -595,6 +597,13 @@ def test_a_fit_in_trouble_says_so_at_the_top(sketch):
     assert f"Optimiser: {Status.TAU_AT_BOUND.value}." in text
 
 
+def test_orders_that_were_not_compared_have_no_empty_columns(sketch):
+    assert "every arm significant" in sketch(handmade.bench_only())
+    assert "every arm significant" not in sketch(
+        replace(handmade.bench_only(), fit=altered(S.fit, orders=()))
+    )
+
+
 def test_a_spring_without_arms_and_a_seal_without_source_are_reported():
     spring = handmade.fit_at(())
     bare = replace(
@@ -660,7 +669,12 @@ def test_two_tests_that_disagree_do_not_read_like_a_success():
         "stiffness", 1.15, 0.002, "1", 0.15, 2800.0, True, "the seals are 15 % stiffer"
     )
     rival = replace(told, name="k_inf", explains=False, says="k_inf is 24 % larger")
-    text = Page(html(replace(S, joint=altered(S.joint, explanations=(told, rival))))).text
+    needed = (Nuisance("stiffness_factor", 1.15, 0.01, "1"),)
+    joint = altered(S.joint, explanations=(told, rival), nuisance=needed)
+    text = Page(html(replace(S, joint=joint))).text
+    assert "k∞ is 24" in text
+    assert "stiffness factor 1.150" in text
+    assert "k_inf" not in text
     assert "do not belong to one seal" in text
     assert "that would explain both: the seals are 15 % stiffer" in text.replace("\xa0", " ")
     assert "What would explain both" in text

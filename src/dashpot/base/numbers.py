@@ -10,6 +10,9 @@ _PARAMETER = re.compile(r"\bk_inf\b|\b(?:ln_)?(?:k|tau|b)_\d+\b|\btau\b|\b[ab]_T
 _COMMAND = re.compile(r"\s*\((?:--|dashpot |Python:)(?:[^()]|\([^()]*\))*\)")
 _POWER = re.compile(r"(?<![\w.])[0-9]+(?:\.[0-9]+)?e[+-][0-9]{2,3}\b")
 _NEGATIVE = re.compile(r"(?<![\w.)-])-(?=[0-9])")
+_UNIT = re.compile(
+    r"(?<=[0-9]) (?=(?:%|dB|[mk]?Hz|k?g|[mµu]?m|m?s|[mk]?N(?:/m?m|/s)?|1/kg|MPa|°C)(?![\w/]))"
+)
 MINUS = "−"
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
@@ -168,14 +171,14 @@ def readable(sentence: str) -> str:
     """A sentence as a page prints it: k∞ for k_inf, τ₁ for tau_1, ± for +-, a minus for a hyphen.
 
     What only a command line or Python can heed stands in brackets and is left out: a reader of
-    the page has neither. A number and its per cent sign stay on one line.
+    the page has neither. A number and its unit stay on one line.
 
     >>> readable("k_inf moves by -2.5e-09 +- 3e-10 m; widen the band (--band), or wait")
     'k∞ moves by −2.5·10⁻⁹ ± 3·10⁻¹⁰ m; widen the band, or wait'
     """
     printed = _PARAMETER.sub(lambda found: symbol(found[0]), _COMMAND.sub("", sentence))
     printed = _NEGATIVE.sub(MINUS, _POWER.sub(_printed, printed.replace("+-", "±")))
-    return printed.replace(" %", "\N{NO-BREAK SPACE}%")
+    return _UNIT.sub("\N{NO-BREAK SPACE}", printed)
 
 
 def shorter(text: str) -> str:

@@ -211,14 +211,32 @@ def resonance(
     return Picture("resonance", caption, ((panel,),), 1, stamp)
 
 
-def nyquist(measured: FRF, *others: FRF, labels: Sequence[str] = (), stamp: str = "") -> Picture:
-    """Imaginary against real part on equal axes, half-power points of each ringed."""
+def nyquist(
+    measured: FRF,
+    *others: FRF,
+    labels: Sequence[str] = (),
+    failed: bool = False,
+    stamp: str = "",
+) -> Picture:
+    """Imaginary against real part on equal axes, half-power points of each ringed.
+
+    Parameters
+    ----------
+    measured, *others : FRF
+    labels : sequence of str
+        One per FRF.
+    failed : bool
+        The last of three is of a joint fit that is not to be used.
+    stamp : str
+        What the figure says of its origin; by default the files of the first FRF.
+    """
+    pens = (*PENS[:2], joint_pen(failed=failed)[0], *PENS[3:])
     unit, scale = SHOWN[measured.kind]
     same = [measured, *(other.to(measured.kind) for other in others)]
     marks: list[Mark] = []
     ranges = []
     # the first one, which was measured, over all others
-    for one, pen, name in reversed(list(zip(same, PENS, [*labels, *[""] * 5], strict=False))):
+    for one, pen, name in reversed(list(zip(same, pens, [*labels, *[""] * 5], strict=False))):
         f, value = smooth(one)
         value = scale * value
         ends = half_power(value)

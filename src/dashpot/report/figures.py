@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from dashpot import plot
-from dashpot.plot.picture import Panel
+from dashpot.plot.picture import Panel, joint_pen
 from dashpot.plot.svg import checked, strip, swatch
 from dashpot.vibration.systems.prediction import predict_frf
 from dashpot.workflow.study import Study
@@ -22,8 +22,6 @@ LEAD, HALF = 728.0, 590.0
 """Widths of the figure on the first screen, and of one that stands beside words, px."""
 
 BESIDE_WORDS = {"fit", "spectrum", "nyquist"}
-
-LABELS = ("measured", "predicted", "joint solid")
 
 
 @dataclass(frozen=True)
@@ -157,7 +155,9 @@ def _of_vibration(study: Study) -> Iterator[plot.Picture]:
         c, joint = study.comparison, study.joint_comparison
         yield plot.comparison(c, joint=joint, failed=_failed(study), band=study.frf_band)
         after = () if joint is None else (joint.predicted,)
-        yield plot.nyquist(c.measured, c.predicted, *after, labels=LABELS)
+        name = joint_pen(failed=_failed(study))[1]
+        labels = ("measured", "predicted", name)
+        yield plot.nyquist(c.measured, c.predicted, *after, labels=labels, failed=_failed(study))
     elif alone is not None:
         measured = alone is study.measured
         yield plot.frf(

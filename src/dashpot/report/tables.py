@@ -218,7 +218,9 @@ def orders(study: Study) -> Table:
         marks.append("chosen" * chosen)
     head = ("arms N", "k∞, N/mm", "arms: k, N/mm at τ", "residual rms, mN", "BIC − best",
             "every arm significant")  # fmt: skip
-    return Table(head, tuple(rows), tuple(marks))
+    # a ramp that no linear solid follows is fitted hold first, and its orders are not compared
+    columns = len(head) if scores else 4
+    return Table(head[:columns], tuple(row[:columns] for row in rows), tuple(marks))
 
 
 def two_routes(study: Study) -> Table | None:
@@ -246,7 +248,7 @@ def nuisances(fit: Fit | None) -> Table | None:
     rows = []
     for term in fit.nuisance:
         unit, f = READ_OF_NUISANCE.get(term.unit, (term.unit, 1.0))
-        rows.append((term.name, with_error(f * term.value, f * term.standard_error), unit))
+        rows.append((words(term.name), with_error(f * term.value, f * term.standard_error), unit))
     return Table(VALUE, tuple(rows))
 
 
@@ -412,7 +414,7 @@ def explanations(joint: Fit | None) -> Table | None:
     if joint is None or not joint.explanations:
         return None
     rows = tuple(
-        (one.says, rounded(one.fall, digits=4), "yes" if one.explains else "no")
+        (readable(one.says), rounded(one.fall, digits=4), "yes" if one.explains else "no")
         for one in joint.explanations
     )
     return Table(("if", "chi-square falls by", "explains both tests"), rows)

@@ -194,7 +194,8 @@ def _peak(s: ComplexArray, accelerance: ComplexArray, sd: FloatArray | None) -> 
         if depth <= 0:
             raise FitError(
                 f"the lines about {s[top].imag / (2 * np.pi):.5g} Hz miss the peak between them, "
-                "so its damping cannot be read there; record longer, or use method 'rational'"
+                "so its damping cannot be read there; record longer, or fit its poles "
+                "(Python: method='rational')"
             )
         lowest = centre - 0.5 * float(b / a) * scale
         # lowest = omega_d^2 - sigma^2, depth = 4 sigma^2 omega_d^2
@@ -222,7 +223,8 @@ def _half_power(s: ComplexArray, accelerance: ComplexArray, sd: FloatArray | Non
         raise FitError(
             f"half-power damping needs at least {FEWEST_LINES} lines in the half-power band, but "
             f"only {lines}, {step:.3g} Hz apart, lie there about {omega[top] / (2 * np.pi):.5g} "
-            f"Hz; record {FEWEST_LINES / width:.2g} s at the least, or use method 'rational'"
+            f"Hz; record {FEWEST_LINES / width:.2g} s at the least, or fit its poles "
+            "(Python: method='rational')"
         )
 
     def poles(value: ComplexArray) -> tuple[complex, complex]:
@@ -285,7 +287,7 @@ def _decrement(s: ComplexArray, accelerance: ComplexArray, record: float | None)
     if len(t) < 6:
         raise FitError(
             f"a record of {length:.3g} s is too short for a logarithmic decrement at "
-            f"{omega[top] / (2 * np.pi):.4g} Hz; use method 'rational'"
+            f"{omega[top] / (2 * np.pi):.4g} Hz; fit its poles (Python: method='rational')"
         )
     h = np.exp(1j * np.outer(t, omega)) @ (fade * accelerance) * step / (2 * np.pi)
     size = np.abs(h)
