@@ -142,9 +142,11 @@ def _taken(jacobian: FloatArray) -> FloatArray:
     size = fast_length(2 * n)
     basis = _orthonormal([jacobian])
     even = basis.columns[0] @ np.linalg.inv(np.linalg.cholesky(basis.gram)).T
-    columns = np.fft.rfft(even.T, size, axis=1)
-    power = columns.real**2 + columns.imag**2
-    return np.asarray(np.fft.irfft(power.sum(axis=0), size)[:n])
+    power = np.zeros(size // 2 + 1)
+    for column in even.T:  # one by one they stay in cache
+        spectrum = np.fft.rfft(column, size)
+        power += spectrum.real**2 + spectrum.imag**2
+    return np.asarray(np.fft.irfft(power, size)[:n])
 
 
 def autocovariance(residual: FloatArray) -> FloatArray:
@@ -254,10 +256,9 @@ def toeplitz_form(jacobian: FloatArray, gamma: FloatArray) -> FloatArray:
     twice[0] = 1.0
     if size % 2 == 0:
         twice[-1] = 1.0
-    # real and imaginary parts side by side, so that one real product serves both
-    columns = np.ascontiguousarray(np.fft.rfft(jacobian, size, axis=0)).view(np.float64)
-    both = columns.T @ (columns * (spectrum * twice / size)[:, None])
-    return np.asarray(both[::2, ::2] + both[1::2, 1::2])
+    # real and imaginary parts in turn, so that one real product serves both
+    rows = np.fft.rfft(np.ascontiguousarray(jacobian.T), size).view(np.float64)
+    return np.asarray((rows * np.repeat(spectrum * twice / size, 2)) @ rows.T)
 
 
 def _is_power(gamma: FloatArray) -> bool:
