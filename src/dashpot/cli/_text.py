@@ -144,6 +144,11 @@ def _parameters(found: Fit) -> list[str]:
         ends = ascii_only(numbers.interval(*(size * limit for limit in end.k_end)))
         rows.append([f"k({rounded(end.time)} s)", value, "", ends, stiffness])
     row("k_inf", model.k_inf, error["k_inf"], ends=interval["k_inf"], unit=stiffness)
+    if not found.parameters:  # a dense spectrum, whose single arms mean nothing
+        row("k_0", model.k_0, math.inf, unit=stiffness)
+        for name, tau in (("tau from", model.tau[0]), ("tau to", model.tau[-1])):
+            row(name, tau, math.inf, unit="s", scale=1)
+        return table(rows)
     for j in range(model.arms):
         row(f"k_{j + 1}", model.k[j], error["k"][j], ends=interval["k"][j], unit=stiffness)
         row(
@@ -177,7 +182,7 @@ def _temperatures(found: Fit) -> list[str]:
         [
             celsius(one.temperature),
             rounded(one.log10_a_t, one.se or None),
-            rounded(one.se) if one.se else "",
+            rounded(one.se, digits=2) if one.se else "",
             rounded(one.b_t, one.b_t_se or None),
         ]
         for one in moved.shifts

@@ -71,6 +71,8 @@ def _follow(files: tuple[str, ...], output: str | None) -> str:
 
 def _figure(found: dp.Fit, records: tuple[Any, ...]) -> dp.plot.Picture:
     first = records[0]
+    if isinstance(first, dp.Superposition):
+        return dp.plot.superposition(first, found)
     if isinstance(first, dp.RelaxationModulus):
         return dp.plot.modulus(found, first)
     if found.method == "creep":

@@ -38,6 +38,7 @@ from dashpot.fitting.spectrum import (
     dynamic_master_curve,
     passive_misfit,
     relative_scale,
+    shared_where_few_fall_short,
 )
 from dashpot.fitting.superposition.superpose import superpose
 from dashpot.fitting.uncertainty.informed_band import informed_band
@@ -167,7 +168,9 @@ def fit_dynamic(
     few = measured_in(few, "sd") if records else measured_in(few, "1", error)
     if arms != "auto" or records or dashpot:
         return few
-    return dense_where_few_fail(few, error, lambda: moved or dynamic_master_curve(data), of_data)
+    if moved is not None:
+        return shared_where_few_fall_short(few, error, moved, of_data)
+    return dense_where_few_fail(few, error, lambda: dynamic_master_curve(data), of_data)
 
 
 def _relative_error(model: GeneralizedMaxwell, data: DynamicTest, weights: str) -> FloatArray:

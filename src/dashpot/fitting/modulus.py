@@ -23,7 +23,11 @@ from dashpot.fitting.checks.solid import (
 )
 from dashpot.fitting.fit_data import FitData, alone
 from dashpot.fitting.pipeline import asked_arms, assembled, chosen_arms, measured_in
-from dashpot.fitting.spectrum import dense_where_few_fail, master_curve
+from dashpot.fitting.spectrum import (
+    dense_where_few_fail,
+    master_curve,
+    shared_where_few_fall_short,
+)
 from dashpot.fitting.superposition.superpose import superpose
 from dashpot.records.fit import Fit, Provenance
 from dashpot.records.modulus import RelaxationModulus
@@ -144,9 +148,9 @@ def fit_modulus(
     if arms != "auto" or weights != "relative" or later.sum() < _LEAST:
         return few
     error = model.relaxation(t) / values - 1.0
-    return dense_where_few_fail(
-        few, error, lambda: moved or master_curve(t[later], values[later]), of_data
-    )
+    if moved is not None:
+        return shared_where_few_fall_short(few, error, moved, of_data)
+    return dense_where_few_fail(few, error, lambda: master_curve(t[later], values[later]))
 
 
 def _at_one_temperature(

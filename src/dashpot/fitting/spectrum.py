@@ -249,6 +249,8 @@ def _all_positive(name: str, values: FloatArray) -> None:
 
 # where few arms do not follow the curves, a dense spectrum must miss far less
 _MUCH_BETTER = 0.5
+# few arms that leave no more than this of what a spectrum of several temperatures leaves will do
+_AS_CLOSE = 1.2
 
 
 class Dense(Protocol):
@@ -286,12 +288,30 @@ def dense_where_few_fail(
     dense = spectrum()
     if dense.rms > _MUCH_BETTER * missed:
         return few
-    values = len(error)
+    return _dense(few, (missed, FOLLOWED), dense, len(error), of_data)
+
+
+def shared_where_few_fall_short(
+    few: Fit, error: FloatArray, shared: Dense, of_data: Sequence[Check] = ()
+) -> Fit:
+    """Return the fit, or the spectrum of several temperatures where few arms follow less closely.
+
+    The parameters are those of :func:`dense_where_few_fail`; `shared` is there already.
+    """
+    missed, limit = float(np.sqrt(np.mean(error * error))), _AS_CLOSE * shared.rms
+    return few if missed < limit else _dense(few, (missed, limit), shared, len(error), of_data)
+
+
+def _dense(
+    few: Fit, missed: tuple[float, float], dense: Dense, values: int, of_data: Sequence[Check]
+) -> Fit:
+    """Return the fit with a dense spectrum in the place of arms that miss more than a limit."""
     check = few_arms_suffice(
-        missed,
+        missed[0],
         few.model.arms,
         max(order.arms for order in few.orders),
         (dense.model.arms, dense.rms),
+        missed[1],
     )
     residual = Residual(values, values * dense.rms**2, dense.rms, unit="1")
     return replace(

@@ -17,6 +17,7 @@ from dashpot.plot.picture import Picture
 from dashpot.plot.relaxation import fit, segments
 from dashpot.plot.solid import elastic_law, spectrum, stiffness
 from dashpot.plot.stamps import stamp
+from dashpot.plot.superposition import superposition
 from dashpot.plot.svg import whole as to_svg
 from dashpot.plot.vibration import comparison, frf, nyquist, resonance
 
@@ -40,6 +41,7 @@ __all__ = [
     "spectrum",
     "stamp",
     "stiffness",
+    "superposition",
     "to_figure",
     "to_svg",
 ]

@@ -25,6 +25,11 @@ COLOURS: dict[str, tuple[str, str]] = {
     "joint-ink": ("#a03a76", "#f0a8cf"),
     "ref": ("#7d858d", "#8b949e"),
     "away": ("#e9ecef", "#22272d"),
+    "coldest": ("#16357f", "#9db8ff"),
+    "cold": ("#2f7fc1", "#56b4e9"),
+    "mild": ("#8468b0", "#b39ddb"),
+    "warm": ("#c2549d", "#e58bbe"),
+    "hottest": ("#7a1740", "#ff7ab0"),
     "good": ("#009e73", "#2bb98f"),
     "good-ink": ("#005f43", "#5fd6ad"),
     "good-bg": ("#e3f3ec", "#12302a"),
@@ -36,6 +41,9 @@ COLOURS: dict[str, tuple[str, str]] = {
     "bad-bg": ("#fdeae3", "#3a1f16"),
 }
 """Name: on light, on dark."""
+
+TEMPERATURES = ("coldest", "cold", "mild", "warm", "hottest")
+"""Tokens of data at several temperatures: blue to red, without the colours of judgement."""
 
 LIGHT = {name: light for name, (light, _) in COLOURS.items()}
 """Of whatever is printed or leaves as a file."""

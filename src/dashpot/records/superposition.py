@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from dashpot.base.arrays import ByValue, FloatArray, same_length, samples
 from dashpot.base.checks import Check
-from dashpot.base.offered import Described
+from dashpot.base.offered import Pictured
 from dashpot.base.provenance import Source, Step
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.modulus import RelaxationModulus
@@ -15,7 +15,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Superposition(ByValue, Described):
+class Superposition(ByValue, Pictured):
     """What time-temperature superposition makes of tests at several temperatures.
 
     Attributes

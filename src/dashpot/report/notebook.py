@@ -13,6 +13,7 @@ from dashpot.plot import Picture
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
 from dashpot.records.relaxation import RampHold
+from dashpot.records.superposition import Superposition
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.workflow.study import Study
 
@@ -28,6 +29,7 @@ picture.register(FRF, plot.frf)
 picture.register(Comparison, plot.comparison)
 picture.register(Study, plot.hero)
 picture.register(RampHold, plot.segments)
+picture.register(Superposition, plot.superposition)
 
 
 @picture.register

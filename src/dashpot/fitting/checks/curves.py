@@ -117,7 +117,9 @@ def plateau_seen(model: GeneralizedMaxwell, se: float, *, unit: str, further: st
 
 
 @criterion("rms error of the fit", "<", FOLLOWED)
-def few_arms_suffice(missed: float, arms: int, most: int, dense: tuple[int, float]) -> Finding:
+def few_arms_suffice(
+    missed: float, arms: int, most: int, dense: tuple[int, float], limit: float = FOLLOWED
+) -> Finding:
     """Few arms follow the curves.
 
     `dense` holds arms and rms of the dense spectrum.
@@ -128,6 +130,7 @@ def few_arms_suffice(missed: float, arms: int, most: int, dense: tuple[int, floa
         instead=f"no number of arms up to {most} follows the curves: {arms} leave "
         f"{100 * missed:.2g} % rms. This is the dense spectrum on an even grid, {dense[0]} arms "
         f"that leave {100 * dense[1]:.2g} %: a table for a solver, whose single arms mean nothing",
+        limit=limit,
     )
 
 

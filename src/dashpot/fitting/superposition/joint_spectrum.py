@@ -22,8 +22,9 @@ from dashpot.engine.solver.nnls import nonnegative
 from dashpot.fitting.superposition.isotherms import Isotherm
 
 _LN10 = float(np.log(10.0))
-# relaxation times per decade: fewer make the errors of shifts too small, more change nothing
-PER_DECADE = 4
+# relaxation times per decade: fewer make the errors of shifts too small; the last descent has more,
+# so that one sharp arm is followed too
+COARSE, FINE = 4, 8
 # of the grid beyond the data: the shifts are to be free of where it ends
 BEYOND = _LN10
 _MOST_LN_A, _MOST_LN_B = 0.5, 0.3
@@ -94,11 +95,16 @@ class Shifted:
         return np.asarray(self.variance * np.linalg.pinv(self.gram, hermitian=True))
 
 
-def grid_of(isotherms: Sequence[Isotherm], ln_a: FloatArray, beyond: float = BEYOND) -> FloatArray:
+def grid_of(
+    isotherms: Sequence[Isotherm],
+    ln_a: FloatArray,
+    beyond: float = BEYOND,
+    per_decade: int = COARSE,
+) -> FloatArray:
     """Return the even grid of ln tau at the reference, `beyond` all that was measured."""
     windows = np.array([one.window for one in isotherms]) - np.asarray(ln_a)[:, None]
     low, high = float(windows[:, 0].min()) - beyond, float(windows[:, 1].max()) + beyond
-    count = int(np.ceil((high - low) / _LN10 * PER_DECADE)) + 1
+    count = int(np.ceil((high - low) / _LN10 * per_decade)) + 1
     return np.linspace(low, high, count)
 
 
@@ -131,9 +137,9 @@ class _Problem:
     isotherms: Sequence[Isotherm]
     ln_tau: FloatArray
     free: IndexArray
-    free_b: bool
     prior: FloatArray
     """Of the steps between neighbours, in units of the residuals, shape (n - 1, n)."""
+    free_b: bool = False
 
     def at(self, ln_a: FloatArray, ln_b: FloatArray, near: BoolArray | None = None) -> _Point:
         h, columns, residual = spectrum_at(self.isotherms, ln_a, ln_b, self.ln_tau, near)
@@ -150,7 +156,7 @@ class _Problem:
             jacobian -= q @ (q.T @ jacobian)
         held = np.zeros((len(self.prior), jacobian.shape[1]))
         held[:, : len(self.free)] = self.prior[:, self.free]
-        doubt = self.prior @ ln_a
+        doubt = self.prior @ ln_a if len(self.free) else self.prior[:, 0] * 0.0
         gram = jacobian.T @ jacobian + held.T @ held
         found = Shifted(ln_a, ln_b, self.ln_tau, h, residual, gram, float(doubt @ doubt))
         return _Point(found, jacobian.T @ residual + held.T @ doubt)
@@ -179,7 +185,6 @@ def shifted(
     *,
     reference: int,
     noise: float = 0.0,
-    free_b: bool = False,
     held: bool = False,
 ) -> Shifted:
     """Return the shifts from a start, all isotherms at once, the grid laid anew as they move.
@@ -189,29 +194,48 @@ def shifted(
     isotherms : sequence of Isotherm
         By rising temperature.
     ln_a, ln_b : array, shape (n,)
-        Where the search starts.
+        Where the search starts; ln b stays.
     reference : int
         The isotherm that does not move.
     noise : float
         Relative standard deviation of the values, the unit of the prior.
-    free_b : bool
-        ln b moves too.
     held : bool
         Nothing moves: the spectrum alone is sought.
     """
-    count = len(isotherms)
-    away = np.delete(np.arange(count), reference)
-    free = away[:0] if held else away
-    step = np.diff(np.eye(count), axis=0)
-    prior = noise * step / windows(isotherms)[:, None] if len(free) else step[:0]
+    free = _free(len(isotherms), reference)[: 0 if held else None]
+    prior = _prior(isotherms, noise)
     for _ in range(_GRIDS):
-        problem = _Problem(isotherms, grid_of(isotherms, ln_a), free, free_b, prior)
+        problem = _Problem(isotherms, grid_of(isotherms, ln_a), free, prior)
         found = _descended(problem, ln_a, ln_b)
         far = float(np.abs(found.ln_a - ln_a).max(initial=0.0))
-        ln_a, ln_b = found.ln_a, found.ln_b
+        ln_a = found.ln_a
         if far < _REGRID:
             break
     return found
+
+
+def refined(
+    isotherms: Sequence[Isotherm],
+    found: Shifted,
+    *,
+    reference: int,
+    noise: float = 0.0,
+    free_b: bool = False,
+) -> Shifted:
+    """Return the shifts from those found, on a finer grid; with `free_b`, ln b moves too."""
+    fine = grid_of(isotherms, found.ln_a, per_decade=FINE)
+    free = _free(len(isotherms), reference)
+    problem = _Problem(isotherms, fine, free, _prior(isotherms, noise), free_b)
+    return _descended(problem, found.ln_a, found.ln_b)
+
+
+def _free(count: int, reference: int) -> IndexArray:
+    return np.delete(np.arange(count), reference)
+
+
+def _prior(isotherms: Sequence[Isotherm], noise: float) -> FloatArray:
+    step = np.diff(np.eye(len(isotherms)), axis=0)
+    return np.asarray(noise * step / windows(isotherms)[:, None])
 
 
 def windows(isotherms: Sequence[Isotherm]) -> FloatArray:

@@ -13,7 +13,7 @@ from dashpot.fitting.superposition.isotherms import Isotherm
 from dashpot.fitting.superposition.joint_spectrum import grid_of, spectrum_at
 
 _LN10 = float(np.log(10.0))
-_STEP, _NEAREST, _FARTHEST, _LEAST = 0.1, 0.0, 4.0, 0.3
+_STEP, _FARTHEST, _LEAST = 0.2, 4.0, 0.3
 
 
 def chained_starts(isotherms: Sequence[Isotherm], ln_b: FloatArray, reference: int) -> FloatArray:
@@ -31,7 +31,7 @@ def _step(pair: tuple[Isotherm, Isotherm], ln_b: FloatArray) -> float:
     cold, warm = pair
     shared = min(one.window[1] - one.window[0] for one in pair) / _LN10
     farthest = min(max(shared - OVERLAP, _LEAST), _FARTHEST)
-    trials = _LN10 * np.arange(_NEAREST, farthest + _STEP / 2, _STEP)
+    trials = _LN10 * np.arange(0.0, farthest + _STEP / 2, _STEP)
     sse = []
     for ln_a in trials:
         at = np.array([ln_a, 0.0])

@@ -24,7 +24,13 @@ from dashpot.fitting.checks.temperature import (
 )
 from dashpot.fitting.shift_law import LawThroughShifts, ShiftLaw, law_through
 from dashpot.fitting.superposition.isotherms import Isotherm, Measured, isotherms_of, joined
-from dashpot.fitting.superposition.joint_spectrum import Shifted, grid_of, shifted, spectrum_at
+from dashpot.fitting.superposition.joint_spectrum import (
+    Shifted,
+    grid_of,
+    refined,
+    shifted,
+    spectrum_at,
+)
 from dashpot.fitting.superposition.neighbours import chained_starts
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.modulus import RelaxationModulus
@@ -172,15 +178,15 @@ def _searched(
         start = chained_starts(isotherms, rules[name], at)
         found[name] = shifted(isotherms, start, rules[name], reference=at, noise=noise)
     how = min(found, key=lambda name: found[name].bic)
-    best = found[how]
-    if vertical == "free":
-        best = shifted(isotherms, best.ln_a, best.ln_b, reference=at, noise=noise, free_b=True)
+    free = vertical == "free"
+    best = refined(isotherms, found[how], reference=at, noise=noise, free_b=free)
+    if free:
         return best, "free", (vertical_shift_known("free", 0.0, 0.0),)
     if vertical != "auto":
         return best, how, ()
     other = next(one for name, one in found.items() if name != how)
-    apart = float(np.abs(other.ln_a - best.ln_a).max()) / _LN10
-    return best, how, (vertical_shift_known(how, other.bic - best.bic, apart),)
+    apart = float(np.abs(other.ln_a - found[how].ln_a).max()) / _LN10
+    return best, how, (vertical_shift_known(how, other.bic - found[how].bic, apart),)
 
 
 def _as_given(

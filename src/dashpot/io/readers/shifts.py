@@ -13,6 +13,7 @@ from dashpot.io.columns.roles import assign, list_columns
 from dashpot.io.columns.vocabulary import plain
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels
+from dashpot.io.table import Column
 from dashpot.records.temperature import Shift
 
 # log aT, log10_a_t, lg(a_T), ln aT, aT, shift factor; and b_T, vertical shift
@@ -35,7 +36,7 @@ def read_shifts(path: str | Path, *, options: ReadOptions | None = None) -> tupl
         columns = channels.with_units(
             file, channels.answered(file, [assign(file.table, "temperature", file.options)])
         )
-        names = [plain(column.name).replace(" ", "") for column in file.table.columns]
+        names = [_joined(column) for column in file.table.columns]
         a, b = (_found(names, pattern) for pattern in (_HORIZONTAL, _VERTICAL))
         if a is None:
             raise ReadError(
@@ -55,6 +56,13 @@ def read_shifts(path: str | Path, *, options: ReadOptions | None = None) -> tupl
         Shift(float(kelvin[i]), float(log10_a[i]), float(error[i]), float(10 ** log10_b[i]))
         for i in np.argsort(kelvin)
     )
+
+
+def _joined(column: Column) -> str:
+    """A column's name in one word; what looks like a unit in log(a_T) is none."""
+    whole = plain(f"{column.name} {column.unit or ''}").replace(" ", "")
+    parted = _HORIZONTAL.fullmatch(whole) or _VERTICAL.fullmatch(whole)
+    return whole if parted else plain(column.name).replace(" ", "")
 
 
 def _found(names: list[str], pattern: re.Pattern[str]) -> tuple[int, str] | None:

@@ -1,0 +1,56 @@
+"""The figure of a master curve: every sample by its temperature, and the shifts with their law."""
+
+import numpy as np
+import pytest
+from kit.sweeps import moduli, sweeps
+
+import dashpot as dp
+from dashpot.plot.picture import Area, Dots, Line
+from dashpot.plot.tokens import TEMPERATURES
+
+
+@pytest.mark.parametrize(
+    ("data", "panels"), [(sweeps(), 4), (moduli(), 3)], ids=["sweeps", "moduli"]
+)
+def test_every_sample_is_drawn_from_cold_to_warm(data, panels):
+    found = dp.superpose(data)
+    picture = found.plot()
+    assert len(picture.panels) == panels
+    for panel in picture.panels[:-1]:
+        dots = [mark for mark in panel.marks if isinstance(mark, Dots)]
+        assert [mark.colour for mark in dots] == list(TEMPERATURES)
+        assert sum(len(mark.x) for mark in dots) == len(found.temperature)
+    assert [mark.label for mark in picture.key][:2] == ["−20 to −10 °C", "0 to 10 °C"]
+
+
+def test_the_shifts_are_drawn_with_their_law_and_its_errors():
+    found = dp.superpose(sweeps())
+    marks = found.plot().panels[-1].marks
+    area, line, dots = (
+        next(m for m in marks if isinstance(m, kind)) for kind in (Area, Line, Dots)
+    )
+    assert line.label == "WLF"
+    assert dots.error == pytest.approx([2 * one.se for one in found.temperatures.shifts])
+    assert ((area.low <= line.y) & (line.y <= area.high)).all()
+    free = dp.superpose(sweeps(), law="free").plot().panels[-1]
+    assert not any(isinstance(mark, Area) for mark in free.marks)
+
+
+def test_few_temperatures_are_as_far_apart_in_colour_as_many():
+    found = dp.superpose(sweeps(temperatures=np.array([283.15, 293.15])))
+    dots = [mark for mark in found.plot().panels[0].marks if isinstance(mark, Dots)]
+    assert [(mark.colour, mark.label) for mark in dots] == [
+        ("coldest", "10 °C"),
+        ("hottest", "20 °C"),
+    ]
+
+
+def test_a_fit_is_drawn_in_the_place_of_the_spectrum():
+    data = sweeps()
+    few = dp.fit_dynamic(data, arms=3)
+    lines = [
+        next(mark for mark in picture.panels[0].marks if isinstance(mark, Line))
+        for picture in (dp.superpose(data).plot(), dp.plot.superposition(dp.superpose(data), few))
+    ]
+    assert [line.label for line in lines] == ["spectrum of all temperatures", "fit"]
+    assert not np.allclose(lines[0].y, lines[1].y)
