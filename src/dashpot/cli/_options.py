@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Container
+from collections.abc import Callable, Container, Sequence
 from contextlib import suppress
 from dataclasses import MISSING, Field, fields
 from pathlib import Path
@@ -116,13 +116,13 @@ class Arms(click.ParamType[Any]):
 
 
 def filled(
-    noun: type, receives: str, *, show_default: bool = False
+    noun: type, receives: str, *, show_default: bool = False, leave: Sequence[str] = ()
 ) -> Callable[[Callable[..., T]], Callable[..., T]]:
     """Give a command the options that the fields of `noun` declare; it receives one noun.
 
-    A field is an option if :func:`~dashpot.base.options.option` made it.
+    A field is an option if :func:`~dashpot.base.options.option` made it, but for those to `leave`.
     """
-    asked = [one for one in fields(noun) if one.metadata]
+    asked = [one for one in fields(noun) if one.metadata and one.name not in leave]
 
     def decorate(function: Callable[..., T]) -> Callable[..., T]:
         @functools.wraps(function)
@@ -167,6 +167,18 @@ def _value(one: Field[Any], given: Any) -> Any:
 def specimen(function: Callable[..., T]) -> Callable[..., T]:
     """Give a command the options that describe the specimen; it receives one ``specimen``."""
     return filled(Specimen, "specimen")(function)
+
+
+def specimens(function: Callable[..., T]) -> Callable[..., T]:
+    """As :func:`specimen`, of several files that may each have a temperature: ``temperatures``."""
+    named = click.option(
+        "--temperature",
+        "temperatures",
+        type=Quantity("temperature"),
+        multiple=True,
+        help="Test temperature, e.g. 23degC; once for all files, or for each, in their order.",
+    )
+    return named(filled(Specimen, "specimen", leave=("temperature",))(function))
 
 
 def machine(function: Callable[..., T]) -> Callable[..., T]:
@@ -299,6 +311,11 @@ def output(help: str, *suffixes: str, **how: Any) -> Callable[[Callable[..., T]]
 
 
 fit_output = output("Write the fit as JSON; - is stdout.", ".json")
+temperature = click.option(
+    "--temperature",
+    type=Quantity("temperature"),
+    help="Of the seals, where the fit knows how they follow it [default: that of its solid].",
+)
 
 
 def _as_typed(value: object) -> str:

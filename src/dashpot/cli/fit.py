@@ -27,7 +27,7 @@ from dashpot.cli._shell import File, Outcome, printed, reports, typed, write, wr
 @options.overwrite
 @reports
 @options.machine
-@options.specimen
+@options.specimens
 @options.shifting
 @options.reading
 def command(
@@ -37,12 +37,14 @@ def command(
 
     FILE may also be a dynamic (DMA) sweep, storage and loss against frequency; a creep test, a
     force held, or a creep compliance over time; or, with --modulus, a relaxation modulus over time.
-    Sweeps or moduli at several temperatures are shifted to one master curve.
+    Sweeps or moduli at several temperatures are shifted to one master curve; ramps and holds at
+    several temperatures share one solid, shifts and all in one fit.
 
     \b
     dashpot fit seal_8mm.csv
     dashpot fit seal_8mm.csv --arms 2 --method hold -o fit.json --plot fit.png
     dashpot fit seal_4mm.csv seal_8mm.csv --depth-law
+    dashpot fit warm.csv cold.csv --temperature 23degC --temperature 0degC
     dashpot fit curve.csv --modulus "E(t)"
     dashpot fit creep.csv
     dashpot fit sweeps.csv --reference 20degC --plot master.png

@@ -21,6 +21,7 @@ from dashpot.cli._shell import File, Outcome, grams, read_fit, reports, typed, w
 @options.seal_mass
 @options.seals
 @options.compression
+@options.temperature
 @click.option(
     "--band", type=Range("frequency"), default="1:50Hz", show_default=True, help="Frequencies."
 )
@@ -55,6 +56,7 @@ def command(*, fit: str, picture: str | None, output: str | None, **choices: Any
     dashpot predict fit.json --mass 104g --seals 2
     dashpot predict fit.json --mass 104g --seals 2 --band 1:50Hz -o frf.csv
     dashpot predict fit.json --mass 104g --seals 2 --with seal_8mm.csv --plot frf.png
+    dashpot predict moving.json --mass 104g --seals 2 --temperature -10degC
     """
     fitted = read_fit(fit)
     found = workflow.predict_files(fitted, **choices)

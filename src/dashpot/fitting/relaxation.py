@@ -13,6 +13,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import DashpotError, FitError
 from dashpot.base.provenance import Step
+from dashpot.base.units import Quantity, si
 from dashpot.engine.blocks.block import Block
 from dashpot.engine.solver.variable_projection import solve
 from dashpot.fitting.checks import relaxation as checks
@@ -57,7 +58,7 @@ from dashpot.fitting.repeats import refuse_copies
 from dashpot.fitting.shift_law import ShiftLaw
 from dashpot.fitting.temperature.joint import Vertical
 from dashpot.fitting.temperature.reduced import Own, bent_block
-from dashpot.fitting.temperature.thermal_fit import fit_thermal, temperatures_of
+from dashpot.fitting.temperature.thermal_fit import fit_thermal, reference_of, temperatures_of
 from dashpot.fitting.uncertainty.encoder import Encoder
 from dashpot.fitting.uncertainty.estimate import Estimate, residual_of
 from dashpot.fitting.uncertainty.informed_band import informed_band
@@ -96,6 +97,7 @@ def fit(
     intervals: bool = True,
     vertical: Vertical = "free",
     shift_law: ShiftLaw = "auto",
+    reference: Quantity | None = None,
 ) -> Fit:
     r"""Fit a generalized Maxwell solid to one prepared test, or to several at once.
 
@@ -156,6 +158,8 @@ def fit(
     shift_law : "auto", "wlf", "arrhenius" or "free"
         The law laid through their shift factors a_T: by default by BIC, from three temperatures
         on (:mod:`dashpot.fitting.temperature`).
+    reference : float, optional
+        The tested temperature whose solid is returned, K; by default that nearest to 23 degC.
 
     Returns
     -------
@@ -196,7 +200,12 @@ def fit(
             )
         own = [_own(record, law) for record in records]
         return fit_thermal(
-            own, arms=count, max_arms=max_arms, vertical=vertical, shift_law=shift_law
+            own,
+            arms=count,
+            max_arms=max_arms,
+            vertical=vertical,
+            shift_law=shift_law,
+            reference=reference_of(temperatures, si(reference, "temperature")),
         )
     if law == "nonlinear":
         return _by_ramp(records, ramp_law(records, law=law, arms=count), count)

@@ -22,7 +22,7 @@ from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.records.specimen import Specimen
 from dashpot.records.superposition import Superposition
 from dashpot.workflow.job import Cuts, known_of_a_test
-from dashpot.workflow.shifting import ShiftChoices, one_temperature
+from dashpot.workflow.shifting import ShiftChoices, each_specimen, one_temperature, shifted_ramps
 
 Record: TypeAlias = (
     RampHold | DynamicTest | RelaxationModulus | LoadHold | CreepCompliance | Superposition
@@ -40,6 +40,7 @@ def fit_files(
     filter: str | None = None,
     cuts: Cuts | None = None,
     specimen: Specimen | None = None,
+    temperatures: Sequence[float] = (),
     machine: Machine | None = None,
     options: ReadOptions | None = None,
     shifting: ShiftChoices = ShiftChoices(),  # noqa: B008
@@ -65,6 +66,8 @@ def fit_files(
     specimen, options
         As in :func:`~dashpot.io.readers.relaxation.read_relaxation`; with a column of `modulus` the
         file is a relaxation modulus over time, and `cycle` is for preparation.
+    temperatures : sequence of float
+        Of the tests, K: one for all files, or one for each, in their order.
     shifting : ShiftChoices
         Of sweeps or moduli at several temperatures: which one, or how all are shifted.
 
@@ -81,6 +84,7 @@ def fit_files(
         If a file cannot be read, prepared or fitted, or the choices exclude each other.
     """
     options, cuts = options or ReadOptions(), cuts or Cuts()
+    each = each_specimen(specimen, temperatures, len(files))
     if options.modulus is not None:
         known_of_a_test(machine, tests=0, add="a ramp and hold")
         cuts.refuse_several(0)
@@ -89,11 +93,17 @@ def fit_files(
                 "a relaxation modulus is fitted without --depth-law, --method hold and --filter: "
                 "it is the answer to a step already"
             )
-        curves = [dp.read_modulus(path, options=options, specimen=specimen) for path in files]
+        curves = [
+            dp.read_modulus(path, options=options, specimen=one)
+            for path, one in zip(files, each, strict=True)
+        ]
         with about(Path(files[0]).name):
-            curve = one_temperature(curves, shifting, specimen)
+            curve = one_temperature(curves, shifting, each[0])
             return dp.fit_modulus(curve, arms=arms, thorough=thorough), (curve,)  # type: ignore[arg-type]
-    tests = [dp.read_bench(path, options=options, specimen=specimen) for path in files]
+    tests = [
+        dp.read_bench(path, options=options, specimen=one)
+        for path, one in zip(files, each, strict=True)
+    ]
     crept = _creep(tests)
     if crept is not None:
         known_of_a_test(machine, tests=0, add="a ramp and hold")
@@ -119,7 +129,13 @@ def fit_files(
         if depth_law and method == "full" and len(depths) == len(prepared) > 1:
             return dp.fit_depths(prepared, arms=arms).fit, prepared
         found = dp.fit(
-            prepared, arms=arms, method=method, depth_law=depth_law, thorough=thorough, law=law
+            prepared,
+            arms=arms,
+            method=method,
+            depth_law=depth_law,
+            thorough=thorough,
+            law=law,
+            **shifted_ramps(shifting),
         )
         return found, prepared
     if depth_law or method == "hold" or (prepared and len(sweeps) > 1):
@@ -127,7 +143,7 @@ def fit_files(
             "a dynamic sweep is fitted alone, with others at other temperatures, or with "
             "relaxation tests of the same part, without --depth-law and --method hold"
         )
-    sweep = one_temperature(sweeps, shifting, specimen)
+    sweep = one_temperature(sweeps, shifting, each[0])
     found = dp.fit_dynamic(sweep, arms=arms, tests=prepared, thorough=thorough)  # type: ignore[arg-type]
     return found, (sweep, *prepared)
 

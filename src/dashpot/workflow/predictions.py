@@ -11,6 +11,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
+from dashpot.fitting.temperature.checks import temperature_tested
 from dashpot.io.options import ReadOptions
 from dashpot.records.bounds import FRFBounds
 from dashpot.records.fit import Fit
@@ -20,7 +21,7 @@ from dashpot.vibration.systems.operating_point import OperatingPoint
 from dashpot.vibration.systems.prediction import model_modes, moving_mass, predict_frf
 from dashpot.workflow.checks import prediction_informed
 from dashpot.workflow.job import known_of_a_test
-from dashpot.workflow.prepared import prepared_files, refuse_others
+from dashpot.workflow.prepared import at_their_temperatures, prepared_files, refuse_others
 from dashpot.workflow.resting import (
     LIMIT_LINES,
     AtRest,
@@ -80,6 +81,7 @@ def predict_files(
     lines: int = 2001,
     kind: str = "accelerance",
     compression: float | None = None,
+    temperature: float | None = None,
     machine: Machine | None = None,
     options: ReadOptions | None = None,
 ) -> Prediction:
@@ -100,6 +102,8 @@ def predict_files(
         What the FRF relates, as in :func:`~dashpot.vibration.systems.prediction.predict_frf`.
     compression : float, optional
         Of the seals, m; by default that of the mass's weight.
+    temperature : float, optional
+        K; by default that of the fit's solid.
     machine : Machine, optional
         What is known of the machine of those tests.
     options : ReadOptions, optional
@@ -112,16 +116,26 @@ def predict_files(
     """
     known_of_a_test(machine, tests=len(records), add="the record (--with)")
     moving, noted = moving_mass(mass, seal=seal_mass or 0.0, seals=seals)
-    rests = at_rest(found, mass=moving, seals=seals, compression=compression)
-    solid = seals * rests.point.solid(found)
+    here = found if temperature is None else found.at_temperature(temperature)
+    rests = at_rest(here, mass=moving, seals=seals, compression=compression)
+    solid = seals * rests.point.solid(here)
     frf = predict_frf(solid, mass=moving, frequency=np.linspace(*band, lines), kind=kind)
     modes = model_modes(solid, moving)
     limits = None
     if records:
         tests = prepared_files(records, machine=machine, options=options)
         refuse_others(tests, found)
+        tests = at_their_temperatures(tests, found)
         about = np.linspace(max(frf.frequency[0], 1e-3), frf.frequency[-1], LIMIT_LINES)
-        limits = frf_limits(found, tests, rests.point, mass=moving, frequency=about, seals=seals)
+        limits = frf_limits(
+            found,
+            tests,
+            rests.point,
+            mass=moving,
+            frequency=about,
+            seals=seals,
+            temperature=temperature,
+        )
     top = int(np.abs(frf.value).argmax())
     low, high = frf.frequency[max(top - 1, 0)], frf.frequency[min(top + 1, len(frf.value) - 1)]
     fine = predict_frf(solid, mass=moving, frequency=np.linspace(low, high, 2001), kind=frf.kind)
@@ -133,6 +147,7 @@ def predict_files(
         "mass": mass,
         "moving_mass": moving,
         "seals": seals,
+        "temperature": here.specimen.temperature,
         "kind": str(frf.kind),
         "unit": frf.unit,
         **rests.document,
@@ -140,17 +155,22 @@ def predict_files(
         "modes": [
             {"frequency_hz": mode.frequency, "damping_ratio": mode.damping_ratio} for mode in modes
         ],
-        "band_hz": list(found.band),
-        "extrapolated": any(not found.band[0] <= mode.frequency <= found.band[1] for mode in modes),
+        "band_hz": list(here.band),
+        "extrapolated": any(not here.band[0] <= mode.frequency <= here.band[1] for mode in modes),
         "frequency_hz": frf.frequency.tolist(),
         "real": frf.value.real.tolist(),
         "imag": frf.value.imag.tolist(),
-        "limits": _plain(found, limits, rests.point, mass=moving, seals=seals, frf=frf),
+        "limits": _plain(here, limits, rests.point, mass=moving, seals=seals, frf=frf),
     }
     # what the test must inform is the resonance, inside the band or not
     felt = modes[0].frequency if at_edge and modes else peak[0]
     rested = rest_checks(rests.point, mass)
-    checks = (*found.checks, noted, *rested, prediction_informed(felt, found.band))
+    asked = (
+        ()
+        if temperature is None or found.temperatures is None
+        else (temperature_tested(found.temperatures, temperature),)
+    )
+    checks = (*found.checks, *asked, noted, *rested, prediction_informed(felt, here.band))
     return Prediction(frf, modes, peak, at_edge, limits, checks, rests, document)
 
 

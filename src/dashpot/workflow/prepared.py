@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import dashpot as dp
@@ -44,6 +45,21 @@ def refuse_others(tests: Sequence[RampHold], found: Fit) -> None:
                 f"of {', '.join(dict.fromkeys(known.values()))}; give that file by --with, or fit "
                 "this one"
             )
+
+
+def at_their_temperatures(tests: Sequence[RampHold], found: Fit) -> tuple[RampHold, ...]:
+    """Return records that do not say their temperature with that under which they were fitted."""
+    step = next((step for step in reversed(found.steps) if step.name == "fit"), None)
+    told = dict(step.parameters).get("temperatures_K", "") if step is not None else ""
+    known = dict(zip((one.sha256 for one in found.source), told.split(", "), strict=False))
+
+    def of(test: RampHold) -> RampHold:
+        kelvin = known.get(test.source.sha256) if test.source is not None else None
+        if not kelvin or test.specimen.temperature is not None:
+            return test
+        return replace(test, specimen=replace(test.specimen, temperature=float(kelvin)))
+
+    return tuple(map(of, tests))
 
 
 @contextmanager

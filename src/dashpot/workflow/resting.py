@@ -120,11 +120,14 @@ def frf_limits(
     mass: float,
     frequency: npt.ArrayLike,
     seals: float = 1.0,
+    temperature: float | None = None,
 ) -> FRFBounds:
     r"""Limits of the accelerance by both kinds of ignorance, where the mass rests.
 
-    A solid that is s times as stiff answers as the fit under a mass m/s, times 1/s. The doubt of
-    the tangent slides the limits along the frequency axis (:func:`_slid`).
+    A solid that is s times as stiff and a times as slow answers at :math:`\omega` as the fit at
+    :math:`a\omega` under a mass :math:`m/(a^2 s)`, times :math:`1/(a^2 s)`. The doubt of the
+    tangent, and of b_T, slides the limits along the frequency axis (:func:`_slid`); that of a_T is
+    met by the limits at both of its ends.
 
     Parameters
     ----------
@@ -133,21 +136,80 @@ def frf_limits(
     tests : RampHold or sequence of RampHold
         What it was fitted to.
     point : OperatingPoint
+        At `temperature`.
     mass : float
         kg.
     frequency : array_like, shape (n,)
         Hz, > 0.
     seals : float
+    temperature : float, optional
+        K; by default that of the fit's solid.
     """
-    s = point.factor
-    of = dp.frf_band(found, tests, mass=mass / s, frequency=frequency, seals=seals)
+    moved, f = found.temperatures, np.asarray(frequency, dtype=float)
+    b_t, ends, here, doubt_b = 1.0, [1.0], found, 0.0
+    if temperature is not None and moved is not None and temperature != moved.reference:
+        here, b_t = found.at_temperature(temperature), moved.b_t(temperature)
+        doubt_a, doubt_b = moved.error(temperature)
+        reach = REACH * doubt_a
+        ends = list(float(moved.law.a_t(temperature)) * np.exp([-reach, reach]))
+    s = point.factor * b_t
+    each = []
+    for a in ends:
+        scale = a**2 * s
+        of = dp.frf_band(found, tests, mass=mass / scale, frequency=a * f, seals=seals)
+        each.append(_answered(of, 1 / a, 1 / scale))
+    if here is found:
+        joined = each[0]
+    else:
+        omega, solid = 2 * np.pi * f, seals * point.solid(here)
+        own = omega**2 / np.abs(solid.complex_stiffness(omega) - mass * omega**2)
+        formal = formal_frf_band(here, mass=mass / point.factor, frequency=f, seals=seals)
+        joined = _enveloped(each, own, formal / point.factor)
     doubt = "; with the doubt of the tangent at the compression of the mass"
+    slid = replace(point, factor_se=float(np.hypot(point.factor_se, point.factor * doubt_b)))
+    return replace(
+        joined,
+        parameter=_slid(f, joined.parameter, slid),
+        unseen=_slid(f, joined.unseen, slid),
+        says=joined.says + doubt * (point.factor_se > 0),
+    )
+
+
+def _answered(of: FRFBounds, frequency: float, height: float) -> FRFBounds:
+    """Limits on an axis so many times as long, so many times as high."""
+
+    def times(scale: float, ends: tuple[float, float] | None) -> tuple[float, float] | None:
+        return None if ends is None else (scale * ends[0], scale * ends[1])
+
     return replace(
         of,
-        magnitude=of.magnitude / s,
-        parameter=_slid(of.frequency, of.parameter / s, point),
-        unseen=_slid(of.frequency, of.unseen / s, point),
-        says=of.says + doubt * (point.factor_se > 0),
+        frequency=frequency * of.frequency,
+        magnitude=height * of.magnitude,
+        parameter=height * of.parameter,
+        unseen=height * of.unseen,
+        peak_frequency=times(frequency, of.peak_frequency),
+        peak_height=times(height, of.peak_height),
+    )
+
+
+def _enveloped(each: Sequence[FRFBounds], own: FloatArray, formal: FloatArray) -> FRFBounds:
+    """What holds every one of some limits, and the solid's own accelerance."""
+    low = np.min([own, *(one.unseen[0] for one in each)], axis=0)
+    high = np.max([own, *(one.unseen[1] for one in each)], axis=0)
+
+    def ends(pairs: Sequence[tuple[float, float] | None]) -> tuple[float, float] | None:
+        known = [pair for pair in pairs if pair is not None]
+        if len(known) < len(pairs):
+            return None
+        return min(pair[0] for pair in known), max(pair[1] for pair in known)
+
+    return replace(
+        each[0],
+        magnitude=own,
+        parameter=formal,
+        unseen=np.array([low, high]),
+        peak_frequency=ends([one.peak_frequency for one in each]),
+        peak_height=ends([one.peak_height for one in each]),
     )
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import dashpot as dp
 from dashpot.base.errors import FitError
@@ -22,17 +23,20 @@ def _vertical(word: str) -> str:
 
 @dataclass(frozen=True)
 class ShiftChoices:
-    """How sweeps or moduli at several temperatures are shifted to a master curve.
+    """How tests at several temperatures are shifted: sweeps or moduli to a master curve.
 
-    All but `at` are arguments of :func:`~dashpot.fitting.superposition.superpose.superpose`;
-    `shifts` names a file here.
+    Of ramps and holds, which find their shifts in one fit, `at` and `shifts` say nothing. All but
+    `at` are arguments of :func:`~dashpot.fitting.superposition.superpose.superpose`; `shifts` names
+    a file here.
     """
 
     at: float | None = option(
         None, "Of several temperatures, the sweep of that one alone.", unit="temperature"
     )
     reference: float | None = option(
-        None, "Of a master curve, e.g. 25degC [default: nearest to 23degC].", unit="temperature"
+        None,
+        "Of several, the one to shift to, e.g. 25degC [default: nearest to 23degC].",
+        unit="temperature",
     )
     law: str = option(
         "auto", "Of its shift factors.", flag="shift", choices=("auto", "wlf", "arrhenius", "free")
@@ -44,6 +48,45 @@ class ShiftChoices:
         parse=_vertical,
     )
     shifts: str | None = option(None, "Table of known shift factors.", metavar="FILE")
+
+
+def each_specimen(
+    specimen: Specimen | None, temperatures: Sequence[float], files: int
+) -> tuple[Specimen | None, ...]:
+    """Return the specimen of each file: one temperature, K, for all of them, or one for each.
+
+    Raises
+    ------
+    FitError
+        If there are more temperatures than one, and not as many as files.
+    """
+    if not temperatures:
+        return (specimen,) * files
+    if len(temperatures) not in (1, files):
+        raise FitError(
+            f"--temperature was given {len(temperatures)} times for {files} files; give it once "
+            "for all of them, or once for each, in their order"
+        )
+    each = list(temperatures) * (files if len(temperatures) == 1 else 1)
+    known = specimen or Specimen()
+    return tuple(replace(known, temperature=kelvin) for kelvin in each)
+
+
+def shifted_ramps(choices: ShiftChoices) -> dict[str, Any]:
+    """Return what :func:`~dashpot.fitting.relaxation.fit` is to do with several temperatures.
+
+    Raises
+    ------
+    FitError
+        If a choice is for sweeps and moduli alone.
+    """
+    if choices.at is not None or choices.shifts is not None:
+        raise FitError(
+            "--at and --shifts are for sweeps and moduli; ramps and holds find their own shifts: "
+            "leave them out"
+        )
+    vertical = "free" if choices.vertical == "auto" else choices.vertical
+    return {"reference": choices.reference, "shift_law": choices.law, "vertical": vertical}
 
 
 def one_temperature(

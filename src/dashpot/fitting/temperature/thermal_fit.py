@@ -11,6 +11,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, worst
+from dashpot.base.errors import FitError
 from dashpot.base.provenance import Step
 from dashpot.engine.blocks.block import Block
 from dashpot.engine.inference.order import DECISIVE, Choice, chance_beyond, choose, significant
@@ -76,6 +77,23 @@ def temperatures_of(records: Sequence[RampHold]) -> FloatArray:
     return np.array([float(np.mean(group)) for group in groups])
 
 
+def reference_of(temperatures: FloatArray, asked: float | None) -> int:
+    """Return which temperature, K, is the reference: the one asked for, or nearest to 23 degC.
+
+    Raises
+    ------
+    FitError
+        If no test is of the temperature asked for.
+    """
+    apart = np.abs(temperatures - (STANDARD if asked is None else asked))
+    if asked is not None and apart.min() > SAME_TEMPERATURE:
+        listed = ", ".join(celsius(float(one)) for one in temperatures)
+        raise FitError(
+            f"no test is of the reference temperature {celsius(asked)}; expected one of {listed}"
+        )
+    return int(np.argmin(apart))
+
+
 class Thermal(NamedTuple):
     """One solid at several temperatures, found and judged.
 
@@ -109,6 +127,7 @@ def fit_thermal(
     max_arms: int,
     vertical: Vertical = "free",
     shift_law: ShiftLaw = "auto",
+    reference: int = 0,
 ) -> Fit:
     r"""Fit one solid to tests at several temperatures.
 
@@ -128,8 +147,10 @@ def fit_thermal(
         What b_T may be.
     shift_law : str
         As in :func:`~dashpot.fitting.shift_law.law_through`.
+    reference : int
+        Which of the temperatures the solid is that of.
     """
-    found = _found(tests, arms=arms, max_arms=max_arms, vertical=vertical)
+    found = _found(tests, reference, arms=arms, max_arms=max_arms, vertical=vertical)
     made = _assembled(found, vertical, shift_law, asked=arms)
     end = _end_of_hold(found, made)
     checks = (*made.checks, hold_long_enough(end))
@@ -153,10 +174,11 @@ def _end_of_hold(found: Thermal, made: Fit) -> EndOfHold | None:
     )
 
 
-def _found(tests: Sequence[Own], *, arms: int | None, max_arms: int, vertical: Vertical) -> Thermal:
+def _found(
+    tests: Sequence[Own], reference: int, *, arms: int | None, max_arms: int, vertical: Vertical
+) -> Thermal:
     temperatures = temperatures_of([test.record for test in tests])
     at = np.array([int(np.argmin(np.abs(temperatures - test.temperature))) for test in tests])
-    reference = int(np.argmin(np.abs(temperatures - STANDARD)))
     slope = _SLOPE_OF_TWO if len(temperatures) == 2 else _SLOPE
 
     def joint_of(every: Sequence[Own]) -> Joint:
@@ -461,6 +483,7 @@ def _step(found: Thermal, shifts: TemperatureShifts) -> Step:
     parameters = (
         ("arms", asked),
         ("vertical", shifts.vertical),
+        ("temperatures_K", ", ".join(repr(float(test.temperature)) for test in found.tests)),
         ("reference_K", repr(shifts.reference)),
         ("law", shifts.law.kind),
     )

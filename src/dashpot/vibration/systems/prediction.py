@@ -28,6 +28,7 @@ def predict_frf(
     shift: float = 0.0,
     seals: float | None = None,
     compression: Quantity | None = None,
+    temperature: Quantity | None = None,
 ) -> FRF:
     r"""FRF of a rigid mass on a solid that is fixed to ground (paper eqs. 6 and 7).
 
@@ -52,15 +53,20 @@ def predict_frf(
         How many seals of a fit carry the mass; 1 by default.
     compression : float, optional
         Of the seals of a fit, m; by default that of the mass's weight.
+    temperature : float, optional
+        Of the seals of a fit of tests at several, K; by default that of its solid.
 
     Raises
     ------
     DataError
-        If the mass or a frequency cannot be, the response is infinite at a line, or seals or a
-        compression were given with a solid.
+        If the mass or a frequency cannot be, the response is infinite at a line, seals, a
+        compression or a temperature were given with a solid, or the fit knows of no such
+        temperature.
     """
     mass, compression = si(mass, "mass"), si(compression, "length")
     _checked(mass)
+    if temperature is not None:
+        model = _at(model, temperature)
     model = _assembled(model, mass, seals, compression)
     f = _lines(model.k_0, mass) if frequency is None else samples("frequency", frequency)
     s = 2j * np.pi * f + shift
@@ -72,6 +78,15 @@ def predict_frf(
             f"the response at {f[i]:g} Hz is infinite: the solid has no stiffness there"
         )
     return FRF.of_receptance(f, receptance, kind=kind, shift=shift)
+
+
+def _at(model: Solid | Fit, temperature: Quantity) -> Fit:
+    if isinstance(model, Fit):
+        return model.at_temperature(temperature)
+    raise DataError(
+        "a solid has no temperature, which belongs to a fit of tests at several: give the fit, or "
+        "the solid at that temperature (Python: fit.at(temperature))"
+    )
 
 
 def _assembled(

@@ -1,0 +1,100 @@
+"""Files of tests at several temperatures: one fit of them, and predictions at any of them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from kit import cold
+
+import dashpot as dp
+from dashpot.io.write import write_relaxation
+from dashpot.workflow import fit_files, predict_files
+from dashpot.workflow.shifting import ShiftChoices
+
+MASS, BAND = 0.1148, (8.0, 18.0)
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory) -> tuple[Path, Path]:
+    """A warm and a cold record whose files do not say so."""
+    folder = tmp_path_factory.mktemp("bench")
+    files = folder / "warm.csv", folder / "cold.csv"
+    for file, test in zip(files, cold.records("hidden", (23.0, 0.0), 0), strict=True):
+        bare = dp.RelaxationTest(test.time, test.displacement, test.force)
+        file.write_text(write_relaxation(bare))
+    return files
+
+
+@pytest.fixture(scope="module")
+def found(bench) -> dp.Fit:
+    return fit_files(bench, temperatures=(296.15, 273.15))[0]
+
+
+def test_temperatures_stand_in_the_order_of_the_files(bench, found):
+    assert [round(shift.temperature, 2) for shift in found.shifts] == [273.15, 296.15]
+    assert found.shifts[0].log10_a_t == pytest.approx(cold.log10_a(273.15), abs=0.01)
+    swapped, _ = fit_files(bench, temperatures=(273.15, 296.15))
+    assert {"shift_monotone"} <= {check.name for check in swapped.checks if check.failed}
+
+
+def test_one_temperature_is_for_all_files(bench):
+    with pytest.raises(dp.FitError, match=r"given 3 times for 2 files"):
+        fit_files(bench, temperatures=(1.0, 2.0, 3.0))
+    one, _ = fit_files(bench[:1], temperatures=(296.15,))
+    assert one.specimen.temperature == 296.15
+
+
+def test_the_solid_is_that_of_the_reference_asked_for(bench):
+    found, _ = fit_files(
+        bench, temperatures=(296.15, 273.15), shifting=ShiftChoices(reference=273.15)
+    )
+    assert found.temperatures.reference == 273.15
+    assert found.shifts[1].log10_a_t == pytest.approx(-cold.log10_a(273.15), abs=0.01)
+    with pytest.raises(dp.FitError, match="no test is of the reference temperature 10 degC"):
+        fit_files(bench, temperatures=(296.15, 273.15), shifting=ShiftChoices(reference=283.15))
+    with pytest.raises(dp.FitError, match="--shifts are for sweeps"):
+        fit_files(bench, temperatures=(296.15, 273.15), shifting=ShiftChoices(at=283.15))
+
+
+@pytest.mark.parametrize("celsius", [23.0, 0.0, 10.0])
+def test_a_prediction_at_a_temperature_is_within_its_bounds(bench, found, celsius):
+    kelvin = celsius + 273.15
+    made = predict_files(found, bench, mass=MASS, seals=2, band=BAND, temperature=kelvin)
+    assert made.document["temperature"] == pytest.approx(kelvin)
+    f = made.limits.frequency
+    stiffness = np.array([cold.complex_stiffness("hidden", one, celsius) for one in f])
+    omega = 2 * np.pi * f
+    true = omega**2 / np.abs(2 * stiffness - MASS * omega**2)
+    low, high = made.limits.unseen
+    assert np.mean((low <= true) & (true <= high)) > 0.95
+    own = dp.predict_frf(found, mass=MASS, seals=2, frequency=f, temperature=kelvin)
+    assert (low <= 1.0001 * np.abs(own.value)).all()
+    assert (np.abs(own.value) <= 1.0001 * high).all()
+    assert "temperature_tested" not in {check.name for check in made.checks if check.failed}
+
+
+def test_records_that_do_not_say_their_temperature_are_known_by_the_fit(bench, found):
+    again = dp.from_json(dp.to_json(found))
+    one = predict_files(again, bench, mass=MASS, seals=2, band=BAND)
+    low, high = one.limits.peak_frequency
+    assert 0 < high - low < 0.2
+
+
+def test_beyond_the_tested_temperatures_a_pair_predicts_nothing(bench, found):
+    with pytest.raises(dp.DataError, match="third temperature"):
+        predict_files(found, mass=MASS, band=BAND, temperature=263.15)
+
+
+def test_a_solid_alone_has_no_temperature(found):
+    with pytest.raises(dp.DataError, match="a solid has no temperature"):
+        dp.predict_frf(found.model, mass=MASS, temperature=273.15)
+
+
+def test_the_document_of_a_fit_says_its_temperatures(found):
+    told = json.loads(dp.to_json(found))["temperature"]
+    assert told["reference"] == 296.15
+    assert told["law"]["kind"] == "free"
+    assert {"temperature", "log10_a_t", "se", "b_t"} <= set(told["shifts"][0])
