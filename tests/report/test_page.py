@@ -18,6 +18,7 @@ from click.testing import CliRunner
 from kit import handmade
 from kit.fits import a_fit, altered
 from kit.fractional import SEAL
+from test_sentences import CODE
 
 from dashpot.base.checks import Check
 from dashpot.base.numbers import decibels, percent, rounded, with_error
@@ -625,6 +626,20 @@ def test_a_solid_that_is_no_sum_of_arms_is_reported_by_its_own_stiffness(sketch)
     at_1_hz = " ".join(rounded(v) for v in (1e-3 * K.real, 1e-3 * K.imag, K.imag / K.real))
     assert f"1.00 {at_1_hz} extrapolated" in text
     assert "with 45 Maxwell arms" in text
+
+
+def test_no_word_of_code_stands_on_the_page(whole, bench):
+    """Up to the assumptions and the provenance, which name options and files."""
+    lead = Explanation("k_inf", 1.2, 0.01, "1", 0.2, 90.0, True, "k_inf is 20 +- 1 % larger")
+    check = Check("lines_explained", False, "it leaves 2.5e-07; narrow the band (--band)")
+    joint = altered(S.joint, explanations=(lead,), checks=(check,))
+    bare = replace(S, joint=joint, prepared=replace(S.prepared, source=None))
+    for page in (whole, bench, html(bare)):
+        part = page[: page.index('<details id="assumptions">')]
+        part = re.sub(r'<span class="mono">.*?</span>', "", part, flags=re.DOTALL)
+        text = Page(part).text.replace("seal_8mm.csv", "").replace("dashpot/", "")
+        found = CODE.search(text)
+        assert not found, text[found.start() - 60 : found.end() + 60]
 
 
 # -- safe -------------------------------------------------------------------------------------
