@@ -791,6 +791,12 @@ COMPARISON = [
 
 IMPACT = [
     Case("hits_enough", whole(lambda n: impact.hits_enough(measured(averages=n))), 3, 2),
+    Case(
+        "frf_dissipates",
+        lambda x: impact.frf_dissipates(np.sqrt(1 - x * x) + 1j * x, 12.0),
+        -0.299,
+        -0.301,
+    ),
     Case("scatter_known", lambda _: impact.scatter_known(), None, 0),
     Case(
         "coherence",
@@ -1005,6 +1011,7 @@ LIMITS = {
     },
     "vibration/impact": {
         "hits_enough": 3, "coherence": 0.9, "lines_in_half_power_band": 1.5, "hammer_excites": -10,
+        "frf_dissipates": -0.3,
         "hits_agree": 0.1, "amplitude_linear": 1, "rocking_cancelled": 0.05, "hits_centred": 0.25,
         "mass_line": 0.05,
     },
@@ -1046,7 +1053,7 @@ GRADES = {
         },
         "fitting/identification": {"tests_agree"},
         "vibration/comparison": {"no_unit_slip"},
-        "vibration/impact": {"resonance"},
+        "vibration/impact": {"resonance", "frf_dissipates"},
         "workflow": {
             "history_present", "history_whole", "history_expected", "history_unchanged",
             "file_present", "file_unchanged", "inputs_listed", "result_recomputed",

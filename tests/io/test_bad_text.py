@@ -373,7 +373,9 @@ def test_a_closed_stdin_is_said_to_be_closed(monkeypatch: pytest.MonkeyPatch) ->
         read_relaxation("-")
 
 
-@pytest.mark.parametrize(("kelvin", "fails"), [(99.9, True), (100.0, False), (700.1, True)])
+@pytest.mark.parametrize(
+    ("kelvin", "fails"), [(99.9, True), (100.0, False), (550.0, False), (550.1, True)]
+)
 def test_a_temperature_that_no_rubber_has_is_asked_about(kelvin: float, fails: bool) -> None:
     if not fails:
         assert Specimen(temperature=kelvin).temperature == kelvin

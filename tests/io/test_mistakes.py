@@ -12,6 +12,7 @@ from kit.mistakes import BENCH, bench, comma, hammer, quoted, rows, table
 
 from dashpot.base.errors import ReadError
 from dashpot.io.options import ReadOptions, parse_units
+from dashpot.io.readers.frf import read_frf
 from dashpot.io.readers.impact import read_impact
 from dashpot.io.readers.relaxation import read_relaxation
 
@@ -196,3 +197,57 @@ def test_one_channel_twice_is_refused(tmp_path: Path, order: tuple[int, ...]) ->
     path.write_text(hammer(*order))
     with pytest.raises(ReadError, match="hold the same numbers: one channel stands there twice"):
         read_impact(path)
+
+
+LINES = np.arange(4.0, 40.0, 0.5)
+OF_A_MASS = 1 / (1 - (12.7 / LINES) ** 2 * (1 + 0.06j))
+
+
+def frf(path: Path, head: str, *columns: np.ndarray) -> Path:
+    rows = "\n".join(",".join(map(repr, row)) for row in np.column_stack(columns).tolist())
+    path.write_text(f"{head}\n{rows}\n")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("unit", "phase", "asked", "meant"),
+    [
+        ("deg", np.angle(OF_A_MASS), "rad", "deg"),
+        ("rad", np.angle(OF_A_MASS, deg=True), "deg", "rad"),
+    ],
+)
+def test_a_phase_in_the_other_unit_is_asked_about(
+    tmp_path: Path, unit: str, phase: np.ndarray, asked: str, meant: str
+) -> None:
+    head = f"frequency [Hz],magnitude [(m/s^2)/N],phase [{unit}]"
+    path = frf(tmp_path / "frf.csv", head, LINES, np.abs(OF_A_MASS), phase)
+    with pytest.raises(ReadError, match=f'Then add --units "phase={asked}"'):
+        read_frf(path)
+    read_frf(path, options=ReadOptions(units={"phase": meant}))
+    found = read_frf(path, options=ReadOptions(units={"phase": asked}))
+    np.testing.assert_allclose(found.value, OF_A_MASS)
+
+
+def test_decibels_and_per_cents_are_no_plain_numbers(tmp_path: Path) -> None:
+    path, polar = tmp_path / "frf.csv", "magnitude [(m/s^2)/N],phase [deg]"
+    phase = np.angle(OF_A_MASS, deg=True)
+    decibels = 20 * np.log10(np.abs(OF_A_MASS))
+    with pytest.raises(ReadError, match="falls below 0, as decibels do"):
+        read_frf(frf(path, f"frequency [Hz],{polar}", LINES, decibels, phase))
+    shares = np.full(len(LINES), 99.0)
+    columns = (LINES, np.abs(OF_A_MASS), phase, shares)
+    with pytest.raises(ReadError, match=r"the coherence reaches 99; .* --units \"coherence=%\""):
+        read_frf(frf(path, f"frequency [Hz],{polar},coherence", *columns))
+    in_parts = read_frf(path, options=ReadOptions(units={"coherence": "%"}))
+    assert in_parts.coherence is not None
+    np.testing.assert_allclose(in_parts.coherence, 0.99)
+
+
+def test_an_frf_in_kilohertz_is_asked_about(tmp_path: Path) -> None:
+    head = "frequency [kHz],real [(m/s^2)/N],imaginary [(m/s^2)/N]"
+    path = frf(tmp_path / "frf.csv", head, LINES, OF_A_MASS.real, OF_A_MASS.imag)
+    with pytest.raises(ReadError, match="is the unit of frequency Hz"):
+        read_frf(path)
+    for unit, top in (("Hz", 39.5), ("kHz", 39500.0)):
+        given = ReadOptions(units={"frequency": unit})
+        assert read_frf(path, options=given).frequency[-1] == pytest.approx(top)

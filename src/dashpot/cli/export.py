@@ -24,6 +24,10 @@ TARGETS = (
 )  # fmt: skip
 
 
+LONGEST_LINE = 100.0
+"""m; no car has more of one seal."""
+
+
 @click.command("export")
 @click.argument("fit", type=File())
 @click.option("--to", "target", type=click.Choice(TARGETS), required=True)
@@ -165,4 +169,10 @@ def _seal_line(
         x, y, z = (float(part) for part in (normal or "0,0,1").split(","))
     except ValueError:
         raise ExportError(f"--normal {normal}: expected three numbers, such as 0,0,1") from None
-    return dp.export.SealLine(corners, pitch, (x, y, z))
+    line = dp.export.SealLine(corners, pitch, (x, y, z))
+    if line.length > LONGEST_LINE:
+        raise ExportError(
+            f"{path}: the line is {line.length:.4g} m long in the deck's unit of length ({units}): "
+            "write its points in that unit, or choose the --units they are in"
+        )
+    return line

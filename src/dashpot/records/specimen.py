@@ -10,8 +10,10 @@ from dashpot.base.errors import DataError
 from dashpot.base.options import option
 from dashpot.base.units import si_fields
 
+# m; around all doors of a car, and across the widest profile
+_LARGEST = {"length": 50.0, "height": 1.0}
 # K; no elastomer is tested beyond
-_COLDEST, _HOTTEST = 100.0, 700.0
+_COLDEST, _HOTTEST = 100.0, 550.0
 
 
 @dataclass(frozen=True)
@@ -72,3 +74,8 @@ class Specimen:
             value = getattr(self, name)
             if value is not None and not (math.isfinite(value) and value > 0):
                 raise DataError(f"specimen {name} = {value!r}; expected a number > 0 in SI units")
+            most = _LARGEST.get(name)
+            if value is not None and most is not None and value > most:
+                raise DataError(
+                    f"specimen {name} = {value:g} m; expected at most {most:g} m: is the unit mm?"
+                )

@@ -25,7 +25,7 @@ from dashpot.records.impact import ImpactTest
 from dashpot.records.machine import Machine
 from dashpot.records.specimen import Specimen
 from dashpot.vibration.comparison.comparison import Comparison
-from dashpot.vibration.impact.checks import coherence, scatter_known
+from dashpot.vibration.impact.checks import coherence, frf_dissipates, scatter_known
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness
 from dashpot.vibration.modal.peaks import find_peak
@@ -148,13 +148,16 @@ def read_measured(
 
 
 def _judged(frf: FRF, band: tuple[float, float] | None) -> FRF:
-    """Return an FRF that was averaged elsewhere with what its coherence says of the peak."""
-    if frf.coherence is None:
-        return frf if frf.sd is not None else replace(frf, checks=(*frf.checks, scatter_known()))
+    """Return an FRF that was averaged elsewhere with what it says of itself at the peak."""
     near = frf.to("accelerance")
     near = near if band is None else near.band(*band)
     at = int(np.argmin(np.abs(near.frequency - find_peak(near).frequency)))
-    return replace(frf, checks=(*frf.checks, coherence(near, at)))
+    judged = [frf_dissipates(complex(near.value[at]), float(near.frequency[at]))]
+    if frf.coherence is not None:
+        judged.append(coherence(near, at))
+    elif frf.sd is None:
+        judged.append(scatter_known())
+    return replace(frf, checks=(*frf.checks, *judged))
 
 
 def average(

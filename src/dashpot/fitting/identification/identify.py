@@ -363,6 +363,10 @@ def _mass(mass: float | None, sd: float | None) -> Prior | None:
         return None
     if not (np.isfinite(mass) and mass > 0):
         raise DataError(f"mass = {mass!r} kg; expected a number > 0")
+    if sd is not None and sd >= mass:
+        raise DataError(
+            f"mass_sd = {sd:g} kg of a mass of {mass:g} kg; expected less: check its unit"
+        )
     return Prior(mass, _sd("mass_sd", USUAL_MASS_SD * mass if sd is None else sd))
 
 
@@ -378,4 +382,9 @@ def _known(name: str, given: Given, dimension: Dimension) -> Prior | None:
     value, sd = si_range(given if isinstance(given, tuple) else (given, 0.0), dimension)
     if not (np.isfinite(value) and value > 0):
         raise DataError(f"{name} = {value!r}; expected a number > 0")
+    if name == "damping_ratio" and value >= 1:
+        raise DataError(
+            f"damping_ratio = {value:g}; expected a part of the critical damping, < 1: if it is "
+            f"in per cent, give {value / 100:g}"
+        )
     return Prior(float(value), _sd(name, sd))

@@ -28,6 +28,13 @@ _KINDS: tuple[tuple[Dimension, Dimension, Kind], ...] = (
 )
 _SPECIAL = {"1/kg": Kind.ACCELERANCE, "m/(N*s)": Kind.MOBILITY, "m/(N·s)": Kind.MOBILITY}
 _FRF_ROLES: tuple[Role, ...] = ("frequency", "real", "imaginary", "magnitude", "phase", "coherence")
+_HIGHEST = 3e4
+"""Hz; no hammer on rubber goes higher."""
+_SEVERAL = 8
+"""Lines that show how far a phase goes."""
+_TURN, _TURNS = 2 * np.pi, 60.0
+"""How far a phase goes in radians, once around; and unwrapped, over ten modes."""
+_COHERENT = 1.01
 _STATED = re.compile(r"\A\W*+kind\s*+:\s*+(\w+)")
 
 
@@ -54,12 +61,22 @@ def read_frf(path: str | Path, *, options: ReadOptions | None = None) -> FRF:
         )
         if not value.any():
             raise ReadError("the FRF is 0 at every line; export its values, or name their columns")
+        ticks = file.table.columns[index["frequency"]]
+        top = hertz * float(column["frequency"].max())
+        if top > _HIGHEST and not file.options.unit_of("frequency", ticks.name):
+            raise ReadError(
+                f"the FRF goes to {1e-3 * top:.4g} kHz, where no seal is struck: is the unit of "
+                'frequency Hz? Then add --units "frequency=Hz"; if it is meant so, say it: '
+                '--units "frequency=kHz"'
+            )
         sd = next((i for i, c in enumerate(file.table.columns) if c.name.casefold() == "sd"), None)
         stated = _comments(file.table.header)
         names = [c.name for c in file.table.columns]
         return FRF(
             column["frequency"] * hertz, value * factor, kind,
-            coherence=column.get("coherence"),
+            coherence=None
+            if "coherence" not in column
+            else _in_parts(file, index["coherence"], column["coherence"]),
             sd=None if sd is None else loaded.values[:, sd] * factor,
             shift=stated.get("shift", 0.0), record=stated.get("record"),
             averages=int(stated.get("averages", 0)),
@@ -191,10 +208,45 @@ def _ratio(word: str) -> tuple[Kind, float] | None:
     return None
 
 
+def _refuse_angle(file: Opened, index: int, phase: FloatArray, radian: float) -> None:
+    """Ask for the unit of a phase that goes over one turn of the other unit, unless it was said."""
+    stated = file.options.unit_of("phase", file.table.columns[index].name)
+    reach = float(np.nanmax(np.abs(phase), initial=0.0))
+    if stated or len(phase) < _SEVERAL or reach == 0:
+        return
+    in_degrees = radian != 1.0
+    if reach <= _TURN if in_degrees else reach > _TURNS:
+        word, other = ("deg", "rad") if in_degrees else ("rad", "deg")
+        raise ReadError(
+            f"the phase goes to {reach:.3g}, in {word} as the file has it: is the unit {other}? "
+            f'Then add --units "phase={other}"; if it is meant so, say it: --units "phase={word}"'
+        )
+
+
+def _in_parts(file: Opened, index: int, coherence: FloatArray) -> FloatArray:
+    """Return a coherence from 0 to 1, whether it was written so or in per cent."""
+    column = file.table.columns[index]
+    if (file.options.unit_of("coherence", column.name) or column.unit) == "%":
+        return coherence / 100
+    highest = float(np.nanmax(coherence, initial=0.0))
+    if highest > _COHERENT:
+        raise ReadError(
+            f"the coherence reaches {highest:.4g}; expected 0 to 1: if it is in per cent, add "
+            '--units "coherence=%"'
+        )
+    return coherence
+
+
 def _polar(
     file: Opened, index: dict[Role, int], column: dict[Role, FloatArray], radian: float
 ) -> ComplexArray:
     magnitude = column["magnitude"]
     if (file.table.columns[index["magnitude"]].unit or "").casefold().startswith("db"):
         magnitude = 10 ** (magnitude / 20)  # dB re 1 of the unit given by --units
+    elif np.nanmin(magnitude, initial=0.0) < 0:
+        raise ReadError(
+            "the magnitude falls below 0, as decibels do: write dB as its unit into the header, "
+            'and give what they are of: --units "magnitude=(m/s^2)/N"'
+        )
+    _refuse_angle(file, index["phase"], column["phase"], radian)
     return np.asarray(magnitude * np.exp(1j * column["phase"] * radian))

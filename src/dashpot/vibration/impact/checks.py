@@ -156,6 +156,19 @@ def coherence(frf: FRF, at: int) -> Finding:
     )
 
 
+@criterion("Im A / |A| at the peak", ">=", -0.3, "0 or more, but for noise", grade="stop")
+def frf_dissipates(value: complex, peak: float) -> Finding:
+    """The FRF is of a part that dissipates: its accelerance leads the force at the peak."""
+    part = value.imag / abs(value)
+    return Finding(
+        f"at {peak:.4g} Hz the accelerance leads the force",
+        part,
+        instead=f"at {peak:.4g} Hz the accelerance lags behind the force, as if the part gave "
+        "energy: the imaginary part or the phase has the other sign, or one channel the opposite "
+        "polarity",
+    )
+
+
 @criterion(source="by definition")
 def scatter_known() -> Finding:
     """The FRF says how well each of its lines is known."""

@@ -248,6 +248,11 @@ def moving_mass(block: float, *, seal: float, seals: float = 1.0) -> tuple[float
     for name, value, least in (("block", block, "> 0"), ("seal", seal, ">= 0")):
         if not (np.isfinite(value) and (value > 0 or (value == 0 and name == "seal"))):
             raise DataError(f"{name} mass = {value!r} kg; expected a number {least}")
+    if seals * seal > block:
+        raise DataError(
+            f"the seals would weigh {1e3 * seals * seal:.4g} g on a block of {1e3 * block:.4g} g: "
+            "check the mass of one seal and its unit"
+        )
     return block + seals * seal / 3, seal_mass_negligible(seals * seal / block)
 
 
