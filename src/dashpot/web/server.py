@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from starlette.responses import Response
 
 LANES = {
-    "inspect": "open", "live": "live", "predict": "live", "settle": "settle", "study": "slow",
-    "take": "slow", "profile": "open", "project": "slow",
+    "inspect": "settle", "live": "live", "predict": "live", "settle": "settle", "study": "slow",
+    "take": "slow", "profile": "live", "project": "slow",
 }  # fmt: skip
 """Which lane answers which verb."""
 MOST = 1 << 20
@@ -207,6 +207,8 @@ def serve(files: Sequence[str | Path] = (), *, port: int = 0, browser: bool = Tr
     listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listener.bind(("127.0.0.1", port))
+        # whoever comes before the server is up waits, and is not refused
+        listener.listen()
     except OSError:
         listener.close()
         raise DataError(f"port {port} is taken; leave out --port to get a free one") from None

@@ -114,7 +114,14 @@ def inspect(request: Mapping[str, Any], folder: Path) -> bytes:
     """What is in a file, and what it asks."""
     path = path_in(folder, request.get("file"))
     options = part(ReadOptions, request.get("options", {}), "options")
-    (found,) = inspect_files([path], options=options).files
+    job = Job(str(path), reading=options)
+    # what is read and prepared here is what the fit asks for next
+    (found,) = inspect_files(
+        [path],
+        options=options,
+        read=lambda *_: _test_of(job),
+        prepared=lambda *_: _prepared(_of_test(job)),
+    ).files
     head = views.file_row(found)
     if head["mark"] != "good" or found.kind not in ("relaxation", "impact", "frf"):
         head["asked"] = views.asked(found, _consequences(path, found, options))

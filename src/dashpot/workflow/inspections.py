@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import TypeAlias
 
 from dashpot.base.checks import Check
 from dashpot.base.errors import DashpotError
@@ -15,6 +16,10 @@ from dashpot.io.readers.inspect import Inspection, inspect_file
 from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.preparation.motion import loading_in
 from dashpot.preparation.prepare import prepare
+from dashpot.records.relaxation import RampHold, RelaxationTest
+
+Reader: TypeAlias = Callable[[str | Path, ReadOptions], RelaxationTest]
+Preparer: TypeAlias = Callable[[RelaxationTest, ReadOptions], RampHold]
 
 
 @dataclass(frozen=True)
@@ -64,26 +69,44 @@ class Inspections:
 
 
 def inspect_files(
-    files: Sequence[str | Path], *, options: ReadOptions | None = None
+    files: Sequence[str | Path],
+    *,
+    options: ReadOptions | None = None,
+    read: Reader | None = None,
+    prepared: Preparer | None = None,
 ) -> Inspections:
-    """Inspect files, and prepare those that are relaxation tests and leave no question open."""
+    """Inspect files, and prepare those that are relaxation tests and leave no question open.
+
+    `read` and `prepared` stand in for the reader and for preparation where they remember.
+    """
     options = options or ReadOptions()
-    return Inspections(tuple(_inspected(path, options) for path in files))
+    by = read or _read, prepared or _prepared
+    return Inspections(tuple(_inspected(path, options, *by) for path in files))
 
 
-def _inspected(path: str | Path, options: ReadOptions) -> InspectedFile:
+def _read(path: str | Path, options: ReadOptions) -> RelaxationTest:
+    return read_relaxation(path, options=options)
+
+
+def _prepared(record: RelaxationTest, options: ReadOptions) -> RampHold:
+    return prepare(record, cycle=options.cycle)
+
+
+def _inspected(
+    path: str | Path, options: ReadOptions, read: Reader, prepared: Preparer
+) -> InspectedFile:
     found = inspect_file(path, options=options)
     plain = {one.name: getattr(found, one.name) for one in fields(found)}
     if found.kind != "relaxation" or found.questions:
         return InspectedFile(**plain)
     try:
-        record = read_relaxation(path, options=options)
+        record = read(path, options)
         loading = loading_in(record.time, record.displacement, record.force)
         if loading in {"creep", "triangle", "cyclic"}:
             plain |= {"kind": loading, "reason": f"it is {WANTED_BY[loading][0]}"}
         if loading == "creep":
             return InspectedFile(**plain)
-        test = prepare(record, cycle=options.cycle)
+        test = prepared(record, options)
     except DashpotError as error:
         return InspectedFile(**plain, refusal=str(error))
     ready = Preparation(**{one.name: getattr(test, one.name) for one in fields(Preparation)})

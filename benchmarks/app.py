@@ -1,0 +1,218 @@
+"""The app in a browser: how long a user waits, from the pointer to the drawn curve.
+
+Run: python benchmarks/app.py
+
+A record of 42 500 rows and five hits from the virtual rig and hammer, then one of 3 million rows.
+Times are wall clock in the page (`performance.now`), for a browser and a server share the machine;
+"drawn" is the second frame after the answer. Memory is the resident size of server and workers.
+"""
+
+from __future__ import annotations
+
+import shutil
+import statistics
+import subprocess
+import sys
+import time
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from playwright.sync_api import Page, sync_playwright
+
+from dashpot.io.write import write_impact, write_relaxation
+from dashpot.simulation.impact import simulate_impact
+from dashpot.simulation.relaxation import Rig, simulate_relaxation
+from dashpot.solids.table_1 import BROAD
+
+MOVES = 60
+LISTEN = """() => {
+  window.times = []; window.bytes = [];
+  const seen = performance.mark.bind(performance);
+  performance.mark = (name) => {
+    const since = window.moved;
+    if (since) requestAnimationFrame(() => requestAnimationFrame(() => {
+      window.times.push(performance.now() - since);
+    }));
+    return seen(name);
+  };
+  new PerformanceObserver((list) => {
+    for (const one of list.getEntries()) if (one.name.includes('/api/'))
+      window.bytes.push([one.name.split('/').pop(), one.transferSize]);
+  }).observe({ type: 'resource', buffered: true });
+}"""
+
+
+def main() -> None:
+    """Drive the page and print what it took."""
+    program = shutil.which("chromium") or shutil.which("chromium-browser")
+    if program is None:
+        sys.exit("no chromium on this machine (apt-get install chromium)")
+    with TemporaryDirectory() as place:
+        seal, hammer, long = (Path(place) / name for name in ("seal.csv", "hammer.csv", "long.csv"))
+        seal.write_text(write_relaxation(simulate_relaxation(BROAD, seed=1).test))
+        hammer.write_text(write_impact(simulate_impact(BROAD, mass=0.1148, seed=1).test))
+        made = simulate_relaxation(BROAD, hold_time=297.0, rig=Rig(rate=10_000.0), seed=1).test
+        long.write_text(write_relaxation(made))
+        with sync_playwright() as play:
+            browser = play.chromium.launch(executable_path=program, args=["--no-sandbox"])
+            drive(browser.new_page(viewport={"width": 1366, "height": 768}), seal, hammer)
+            large(browser.new_page(viewport={"width": 1366, "height": 768}), long)
+
+
+def start(*files: Path) -> tuple[subprocess.Popen[str], str, float]:
+    """A server, its address, and the time from the prompt to that line, s."""
+    since = time.perf_counter()
+    words = [sys.executable, "-m", "dashpot", "app", "--no-browser", *map(str, files)]
+    server = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
+    assert server.stdout is not None
+    address = server.stdout.readline().strip()
+    return server, address, time.perf_counter() - since
+
+
+def drive(page: Page, seal: Path, hammer: Path) -> None:
+    """Everything that a user waits for, on a record of usual size."""
+    server, address, ready = start()
+    say("prompt to address", 1e3 * ready, "ms")
+    page.goto(address)
+    page.locator("body[data-ready=true]").wait_for()
+    paint = "performance.getEntriesByName('first-contentful-paint')[0].startTime"
+    say("first contentful paint", page.evaluate(paint), "ms", 600)
+    size = "performance.getEntriesByType('resource').reduce((a, b) => a + b.transferSize, 0)"
+    whole = page.evaluate(f"{size} + performance.getEntriesByType('navigation')[0].transferSize")
+    say("page", whole / 1e3, "kB", 100)
+    time.sleep(2)
+    since = time.perf_counter()
+    page.locator("#pick").set_input_files(str(seal))
+    page.locator('[data-panel="hold"] svg.figure').wait_for()
+    say("file dropped to first plot", 1e3 * (time.perf_counter() - since), "ms")
+    done(page)
+    page.get_by_role("button", name="2", exact=True).click()
+    settled(page, "--arms 2")
+    page.locator("#mass").fill("114.8")
+    page.locator("#mass").press("Enter")
+    settled(page, "114.8g")
+    page.evaluate(LISTEN)
+    drag(page)
+    slide(page)
+    settle(page)
+    page.locator("#pick").set_input_files(str(hammer))
+    page.get_by_role("button", name="Cancel").wait_for()
+    since = time.perf_counter()
+    page.get_by_role("button", name="Cancel").click()
+    page.get_by_role("status").filter(has_text="cancelled").wait_for()
+    say("cancel", 1e3 * (time.perf_counter() - since), "ms", 1000)
+    say("server and workers", memory(server.pid), "MB", 400)
+    server.terminate()
+
+
+def drag(page: Page) -> None:
+    """Drag the end of the hold."""
+    box = page.get_by_role("slider", name="hold end").bounding_box()
+    assert box is not None
+    x, y = box["x"] + box["width"] / 2, box["y"] + 30
+    page.mouse.move(x, y)
+    page.mouse.down()
+    for i in range(MOVES):
+        page.evaluate("window.moved = performance.now()")
+        page.mouse.move(x - 1 - i, y)
+        page.wait_for_timeout(150)
+    page.mouse.up()
+    quantiles(page, "drag to redraw", 100)
+    sizes(page, "live")
+    page.get_by_role("button", name="as found").click()
+    settled(page, "--mass")
+
+
+def slide(page: Page) -> None:
+    """Move the mass."""
+    slider = page.locator("#mass-slider")
+    slider.focus()
+    page.evaluate("window.times = []; window.bytes = []")
+    for _ in range(MOVES):
+        page.evaluate("window.moved = performance.now()")
+        page.keyboard.press("ArrowRight")
+        page.wait_for_timeout(60)
+    quantiles(page, "mass slider to redraw", 50)
+    sizes(page, "predict")
+    done(page)
+
+
+def settle(page: Page) -> None:
+    """Release: the fit with its intervals and checks, and every panel."""
+    times = []
+    for arms in ("auto", "2", "auto", "2", "auto", "2"):
+        name = "auto" if arms == "auto" else arms
+        button = page.locator(f'[data-arms="{name}"]')
+        page.evaluate("document.getElementById('status').textContent = ''")
+        button.click()
+        page.get_by_role("status").filter(has_text="settled in").or_(
+            page.get_by_role("status").filter(has_text="bounding")
+        ).or_(page.get_by_role("status").filter(has_text="done in")).first.wait_for()
+        times.append(page.evaluate("performance.getEntriesByType('resource').filter((one) => "
+                                   "one.name.endsWith('/settle')).pop().duration"))  # fmt: skip
+        done(page)
+    say("settle, median", statistics.median(times), "ms", 200)
+
+
+def large(page: Page, path: Path) -> None:
+    """Three million rows."""
+    server, address, _ = start()
+    page.set_default_timeout(120_000)
+    page.goto(address)
+    page.locator("body[data-ready=true]").wait_for()
+    time.sleep(2)
+    since = time.perf_counter()
+    page.locator("#pick").set_input_files(str(path))
+    page.locator('[data-panel="hold"] svg.figure').wait_for()
+    say("3 M rows: dropped to first plot", 1e3 * (time.perf_counter() - since), "ms", 4000)
+    done(page)
+    since = time.perf_counter()
+    page.get_by_role("button", name="2", exact=True).click()
+    page.locator("#command").filter(has_text="--arms 2").wait_for()
+    say("3 M rows: refit", 1e3 * (time.perf_counter() - since), "ms", 2000)
+    say("3 M rows: server and workers", memory(server.pid), "MB")
+    server.terminate()
+
+
+def done(page: Page) -> None:
+    """Wait until nothing is computed."""
+    page.get_by_role("status").filter(has_text="done in").wait_for()
+
+
+def settled(page: Page, words: str) -> None:
+    """Wait until the page shows a command with these words, and all of it."""
+    page.locator("#command").filter(has_text=words).wait_for()
+    done(page)
+
+
+def quantiles(page: Page, what: str, limit: float) -> None:
+    """Median and 95 % of what was waited for."""
+    times = sorted(page.evaluate("window.times"))
+    say(f"{what}, median of {len(times)}", statistics.median(times), "ms")
+    say(f"{what}, 95 %", times[int(0.95 * len(times))], "ms", limit)
+
+
+def sizes(page: Page, verb: str) -> None:
+    """Bytes of an update."""
+    found = [size for name, size in page.evaluate("window.bytes") if name == verb]
+    say(f"bytes of an update ({verb})", max(found) / 1e3, "kB", 30)
+
+
+def memory(process: int) -> float:
+    """Resident size of a process and its children, MB."""
+    children = Path(f"/proc/{process}/task/{process}/children").read_text().split()
+    total = 0
+    for one in (str(process), *children):
+        status = Path(f"/proc/{one}/status").read_text()
+        total += int(status.partition("VmRSS:")[2].split()[0])
+    return total / 1e3
+
+
+def say(what: str, value: float, unit: str, limit: float | None = None) -> None:
+    """Print one figure beside what is aimed at."""
+    aim = "" if limit is None else f"   (aim: {limit:g} {unit})"
+    print(f"{what:40} {value:9.1f} {unit}{aim}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
