@@ -7,6 +7,7 @@ import pytest
 
 import dashpot as dp
 from dashpot.base.errors import DataError, FitError
+from dashpot.fitting.uncertainty.load_error import felt
 from dashpot.preparation.creep import load_hold
 from dashpot.records.creep import CreepCompliance, CreepTest
 from dashpot.solids.interconversion import (
@@ -15,7 +16,7 @@ from dashpot.solids.interconversion import (
     relaxation_spectrum,
 )
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.solids.networks import creep_of
+from dashpot.solids.networks import creep_of, from_creep
 from dashpot.solids.table_1 import PAPER
 
 T1 = creep_of(PAPER)
@@ -202,3 +203,65 @@ def test_a_fit_is_kept_whole() -> None:
     assert again.creep == found.creep
     for noun in (record(), load_hold(record()), CreepCompliance([1.0, 2.0], [1.0, 2.0])):
         assert dp.from_json(dp.to_json(noun)) == noun
+
+
+CASES = {
+    "straight": lambda t: np.clip(t, 0, 1),
+    "hunts": lambda t: np.clip(t, 0, 1) + 0.02 * (t > 1) * np.sin(4.4 * (t - 1)),
+    "recovers": lambda t: np.interp(t, [0, 1, 25, 26], [0, 1, 1, 0]),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_noise_of_the_load_is_in_the_errors(case: str) -> None:
+    off = []
+    for seed in range(8):
+        random, load = np.random.default_rng(seed), CASES[case](CLOCK)
+        x = PAPER.displacement(CLOCK, load) + 5e-6 * random.standard_normal(len(CLOCK))
+        noisy = load + 4e-3 * random.standard_normal(len(CLOCK))
+        found = dp.fit(CreepTest(CLOCK, x, noisy))
+        assert found.model.arms == 2
+        known = found.standard_error
+        off.append([
+            (found.model.k_inf - PAPER.k_inf) / known["k_inf"],
+            *(np.subtract(found.model.k, PAPER.k) / known["k"]),
+            *(np.subtract(found.model.tau, PAPER.tau) / known["tau"]),
+        ])  # fmt: skip
+    assert np.abs(off).max() < 4
+    assert (np.sqrt(np.mean(np.square(off), axis=0)) < 1.7).all()
+
+
+def test_a_straight_load_has_the_corners_of_its_ramp() -> None:
+    straight = load_hold(record(force_noise=4e-3))
+    assert len(straight.corners) == 4
+    assert straight.corners[1:3] == pytest.approx((0.0, 1.0), abs=5e-3)
+    assert straight.resolution == 0
+    hunting = CASES["hunts"](CLOCK) + 4e-3 * np.random.default_rng(0).standard_normal(len(CLOCK))
+    freed = load_hold(CreepTest(CLOCK, PAPER.displacement(CLOCK, LOAD), hunting))
+    assert freed.resolution > 0
+    assert np.std(freed.load - CASES["hunts"](CLOCK)) < 3e-3
+
+
+def test_the_load_is_felt_as_it_is_answered() -> None:
+    """The transpose of the response, against the response itself."""
+    random = np.random.default_rng(0)
+    time = np.cumsum(random.uniform(0.5, 1.5, 40))
+    columns = random.standard_normal((40, 3))
+    for creep in (T1, CreepSpectrum(2e-3, (1e-3,), (5.0,), 1e-3)):
+        solid = from_creep(creep)
+        answers = np.stack([solid.displacement(time, one) for one in np.eye(40)], axis=1)
+        assert felt(columns, time, creep) == pytest.approx(answers.T @ columns, abs=1e-15)
+
+
+@pytest.mark.slow
+def test_intervals_cover_the_truth() -> None:
+    inside = []
+    for seed in range(100):
+        test = record(noise=5e-6, force_noise=4e-3, seed=seed)
+        between = dp.fit(test, arms=2).intervals()
+        truths = (PAPER.k_inf, *PAPER.k, *PAPER.tau)
+        ends = (between["k_inf"], *between["k"], *between["tau"])
+        inside.append(
+            [low <= truth <= high for truth, (low, high) in zip(truths, ends, strict=True)]
+        )
+    assert (np.mean(inside, axis=0) >= 0.9).all()

@@ -12,8 +12,8 @@ The solid follows by interconversion, exactly, and its covariance by the derivat
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from dataclasses import replace
+from functools import partial
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -25,7 +25,7 @@ from dashpot.base.provenance import Step
 from dashpot.engine.blocks.block import Block, prior_block, retarding
 from dashpot.engine.blocks.hold import decay_block
 from dashpot.engine.blocks.recorded import recorded_block
-from dashpot.engine.inference.order import bic
+from dashpot.engine.inference.order import MIN_K_OVER_SE, bic, significant
 from dashpot.engine.solver.variable_projection import Solution, solve
 from dashpot.fitting.checks import creep as checks
 from dashpot.fitting.checks.relaxation import residuals_steady
@@ -41,22 +41,16 @@ from dashpot.fitting.design import evened
 from dashpot.fitting.fit_data import FitData, determinable_arms
 from dashpot.fitting.nuisance import Prior, at_rest
 from dashpot.fitting.pipeline import Chosen, asked_arms, assembled, chosen_arms, measured_in
-from dashpot.fitting.uncertainty.estimate import estimated, rounding
+from dashpot.fitting.retardation import FLOW, GLASS, Retarded, spectrum_of
+from dashpot.fitting.uncertainty.estimate import Estimate, estimated, rounding
 from dashpot.fitting.uncertainty.informed_band import informed_band
+from dashpot.fitting.uncertainty.load_error import load_rows
 from dashpot.preparation.creep import load_hold
 from dashpot.preparation.segments import find_segments
 from dashpot.records.creep import Creep, CreepCompliance, CreepTest, LoadHold
-from dashpot.records.estimate import CreepEstimate, Profile
-from dashpot.records.fit import Fit, OrderScore, Provenance
+from dashpot.records.fit import Fit, Provenance
 from dashpot.records.machine import TOLD_DRIFT, UNKNOWN_DRIFT
-from dashpot.solids.interconversion import (
-    CreepSpectrum,
-    relaxation_sensitivity,
-    relaxation_spectrum,
-)
-from dashpot.solids.maxwell import GeneralizedMaxwell
 
-_GLASS, _FLOW = "glass", "flow"
 _NUISANCE = ("offset", "drift", "delay")
 # retardations of the first solution, which tells the velocity
 _ROUGH = 2
@@ -65,6 +59,8 @@ _FEWEST = 5
 _ROUNDING = 1e-9
 # standard deviation of a prior, in those of a row, that is as good as zero
 _TIGHTEST = 1e-5
+# retardations faster than so many times what the load resolves are none
+_RESOLVED = 4.0
 # loads this far apart, in parts of the highest, are two levels
 _APART = 0.2
 # a fit that expects less than this part of a value does not follow it: no ground for a weight
@@ -114,12 +110,11 @@ def fit_creep(
     if isinstance(test, CreepCompliance):
         return _of_curve(test, arms, thorough=thorough, max_arms=max_arms)
     record = load_hold(test) if isinstance(test, CreepTest) else test
-    found = _better(
-        [
-            chosen_arms(_data(record, flows=flows), one, max_arms=max_arms, thorough=thorough)
-            for flows, one in _candidates(arms)
-        ]
-    )
+    each = [
+        chosen_arms(_data(record, flows=flows), one, max_arms=max_arms, thorough=thorough)
+        for flows, one in _candidates(arms)
+    ]
+    found = _better([_beyond_load_error(record, one) for one in each])
     return _fit_of_test(record, found, arms)
 
 
@@ -141,14 +136,17 @@ def _data(record: LoadHold, *, flows: bool) -> FitData:
     block = retarding(
         recorded_block(
             time, record.load, record.displacement, window=window,
-            offset="offset", drift="drift", k_inf=_GLASS,
+            offset="offset", drift="drift", k_inf=GLASS,
         ),
-        _GLASS,
+        GLASS,
     )  # fmt: skip
     if flows:
-        block = block.with_column(_FLOW, _impulse(time, record.load)[window])
+        block = block.with_column(FLOW, _impulse(time, record.load)[window])
     rough = solve([block, _bound(block, known, None)], min(_ROUGH, determinable_arms([block])))
     block = block.with_column("delay", _velocity(block, rough, time[window]))
+    # what is faster than the load is known answers its noise
+    fast, slow = block.window
+    block = replace(block, window=(max(fast, _RESOLVED * record.resolution), slow))
     return FitData(
         [block], [block.exact], in_time=True,
         bind=partial(_priors, block, known),
@@ -220,110 +218,7 @@ def _velocity(block: Block, rough: Solution, time: FloatArray) -> FloatArray:
     return np.gradient(_answer(block, rough), time)
 
 
-# -- from compliances to stiffnesses --------------------------------------------------------------
-
-
-def spectrum_of(solution: Solution) -> CreepSpectrum:
-    """The compliances of a solution; a retardation that it does not show is left out."""
-    d = solution.arms[0] if solution.order else np.zeros(0)
-    flow = solution.coefficient(_FLOW) if _FLOW in solution.fixed_names else 0.0
-    return CreepSpectrum(
-        max(solution.coefficient(_GLASS), 0.0),
-        tuple(d[d > 0].tolist()),
-        tuple(solution.tau[d > 0].tolist()),
-        max(flow, 0.0),
-    )
-
-
-def _solid(solution: Solution) -> GeneralizedMaxwell:
-    creep = spectrum_of(solution)
-    if creep.glass <= 0 and not creep.d and creep.flow <= 0:
-        return GeneralizedMaxwell(0.0)
-    return GeneralizedMaxwell(*relaxation_spectrum(creep))
-
-
-@dataclass(frozen=True, eq=False)
-class Retarded(Chosen):
-    """The optimum in compliances, and the solid that it stands for.
-
-    Attributes
-    ----------
-    alternative : float or None
-        How much higher the BIC of the other kind of part is: of one that flows, or of one that
-        comes to rest.
-    """
-
-    alternative: float | None = None
-
-    @cached_property
-    def spectrum(self) -> CreepSpectrum:
-        """The compliances."""
-        return spectrum_of(self.solution)
-
-    @property
-    def flows(self) -> bool:
-        """True if the displacement never comes to rest."""
-        return self.spectrum.flow > 0
-
-    @cached_property
-    def model(self) -> GeneralizedMaxwell:
-        """The solid, by exact interconversion."""
-        return _solid(self.solution)
-
-    @cached_property
-    def creep(self) -> CreepEstimate:
-        """Compliances and retardation times with their covariance."""
-        arms = self.solution.arms[0] if self.solution.order else np.zeros(0)
-        there = np.flatnonzero(arms > 0) + 1
-        named = {_GLASS: _GLASS}
-        named |= {f"d_{i}": f"k_{row}" for i, row in enumerate(there, start=1)}
-        named |= {f"ln_lam_{i}": f"ln_tau_{row}" for i, row in enumerate(there, start=1)}
-        if self.flows:
-            named[_FLOW] = _FLOW
-        rows = [self.estimate.names.index(row) for row in named.values()]
-        covariance = self.estimate.covariance[np.ix_(rows, rows)]
-        return CreepEstimate(self.spectrum, tuple(named), covariance)
-
-    @cached_property
-    def _gradient(self) -> dict[str, FloatArray]:
-        """How each parameter of the solid moves with those of the creep."""
-        model, size = self.model, len(self.creep.parameters)
-        moved = relaxation_sensitivity(self.spectrum, model.tau)[:, :size]
-        arms = range(1, model.arms + 1)
-        names = ("k_inf", *(f"k_{j}" for j in arms), *(f"ln_tau_{j}" for j in arms), "b")
-        held = {name for name, value in (("k_inf", model.k_inf), ("b", model.b)) if value == 0}
-        return {name: row for name, row in zip(names, moved, strict=True) if name not in held}
-
-    @property
-    def parameters(self) -> tuple[str, ...]:
-        """Names of the solid's parameters; k_inf is none of a part that flows."""
-        return tuple(self._gradient)
-
-    @cached_property
-    def covariance(self) -> FloatArray:
-        """Of the solid's parameters, by the derivative of the interconversion."""
-        moved = np.array(list(self._gradient.values()))
-        return np.asarray(moved @ self.creep.covariance @ moved.T)
-
-    @property
-    def every_error(self) -> FloatArray:
-        """Standard errors of k_inf (0 where the part flows), every k and every ln tau."""
-        errors = dict(zip(self.parameters, self.error, strict=True))
-        return np.array([errors.get("k_inf", 0.0), *(e for n, e in errors.items()
-                                                     if n not in {"k_inf", "b"})])  # fmt: skip
-
-    @property
-    def orders(self) -> tuple[OrderScore, ...]:
-        """Every number of retardations tried, as the solids that they make."""
-        return tuple(
-            OrderScore(solid.arms, one.solution.sse, one.bic, one.significant, solid)
-            for one in self.scores
-            for solid in (_solid(one.solution),)
-        )
-
-    def profiles(self, **_: bool) -> tuple[Profile, ...]:
-        """None: the intervals are those of the covariance."""
-        return ()
+# -- a kind of part ------------------------------------------------------------------------------
 
 
 def _better(found: Sequence[Chosen]) -> Retarded:
@@ -335,18 +230,24 @@ def _better(found: Sequence[Chosen]) -> Retarded:
         judged = bic(
             one.solution.sse, effective=effective, parameters=len(one.estimate.names), floor=floor
         )
-        # a fluidity of zero is no flow, whatever BIC says of its empty column
-        empty = _FLOW in one.solution.fixed_names and one.solution.coefficient(_FLOW) <= 0
-        scores.append(np.inf if empty else judged)
+        scores.append(judged if _flow_stands_out(one) else np.inf)
     best = int(np.argmin(scores))
     others = [score for i, score in enumerate(scores) if i != best]
     alternative = others[0] - scores[best] if others else None
     one = found[best]
     choice = one.choice
-    if choice is not None and _FLOW in one.solution.fixed_names:  # a flow makes one more arm
+    if choice is not None and FLOW in one.solution.fixed_names:  # a flow makes one more arm
         more = (choice.arms + 1, choice.by_bic + 1, choice.by_significance + 1)
         choice = choice._replace(arms=more[0], by_bic=more[1], by_significance=more[2])
     return Retarded(one.data, one.estimate, one.scores, choice, one.asked, alternative)
+
+
+def _flow_stands_out(found: Chosen) -> bool:
+    """False if there is a flow and it is not significant, whatever BIC says."""
+    if FLOW not in found.solution.fixed_names:
+        return True
+    error = found.estimate.standard_error(FLOW)
+    return found.solution.coefficient(FLOW) > MIN_K_OVER_SE * error
 
 
 def _fit_of_test(record: LoadHold, found: Retarded, arms: int | Literal["auto"]) -> Fit:
@@ -388,12 +289,43 @@ def _fit_of_test(record: LoadHold, found: Retarded, arms: int | Literal["auto"])
     return measured_in(fit, word)
 
 
+def _beyond_load_error(record: LoadHold, found: Chosen) -> Chosen:
+    """The choice with what the noise of the load leaves unknown in its errors.
+
+    Where the number was left to the rules, a retardation that is not significant beside that
+    error, too, is not taken.
+    """
+    data, choice, taken = found.data, found.choice, found.solution.order
+    while True:
+        solution = found.scores[taken].solution
+        rows = partial(load_rows, record=record, creep=spectrum_of(solution))
+        estimate = estimated(
+            solution, data.samples, peak=data.peak, priors=data.priors, further=[rows]
+        )
+        if choice is None or taken == 0 or _stand_out(estimate):
+            break
+        taken -= 1
+    if choice is not None and taken < choice.arms:
+        choice = choice._replace(arms=taken, by_significance=taken, capped=False)
+    return replace(found, estimate=estimate, choice=choice)
+
+
+def _stand_out(estimate: Estimate) -> bool:
+    """True if every retardation is significant."""
+    numbers, known = range(1, estimate.solution.order + 1), estimate.standard_error
+    return significant(
+        estimate.solution.arms[0],
+        np.array([known(f"k_{i}") for i in numbers]),
+        np.array([known(f"ln_tau_{i}") for i in numbers]),
+    )
+
+
 def _checks(found: Retarded, unit: str, window: tuple[float, float], of: str) -> tuple[Check, ...]:
     """The checks of the solid, whatever it was fitted to."""
     model, estimate = found.model, found.estimate
     told = []
     if found.alternative is not None:
-        known = found.creep.standard_error(_FLOW) / found.spectrum.flow if found.flows else None
+        known = found.creep.standard_error(FLOW) / found.spectrum.flow if found.flows else None
         told.append(checks.flow_told(found.flows, found.alternative, known))
     return (
         arms_distinct(model),
@@ -506,6 +438,6 @@ def _curve_block(
     *,
     flows: bool,
 ) -> Block:
-    block = decay_block(t, values, constant=_GLASS, weights=weight, compress=False)
-    block = retarding(replace(block, window=(window[0], 10 * window[1])), _GLASS)
-    return block.with_column(_FLOW, weight * t) if flows else block
+    block = decay_block(t, values, constant=GLASS, weights=weight, compress=False)
+    block = retarding(replace(block, window=(window[0], 10 * window[1])), GLASS)
+    return block.with_column(FLOW, weight * t) if flows else block

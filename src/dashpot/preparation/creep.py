@@ -2,26 +2,33 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, median
+from dashpot.base.arrays import FloatArray, IndexArray, median
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
 from dashpot.preparation import checks
-from dashpot.preparation.denoising import SCATTER_OF_A_COUNT, between_counts, denoised
 from dashpot.preparation.noise import scatter, without_spikes
 from dashpot.preparation.segments import cycles_of, find_segments
-from dashpot.records.creep import CreepTest, LoadHold
+from dashpot.records.creep import STRAIGHT, CreepTest, LoadHold
 from dashpot.records.relaxation import quantum
 
 _FEWEST = 8
-# a load of more corners is no ramp and hold; steps and tolerance of the search for their times
-_MOST_CORNERS, _STEPS, _PART, _SETTLED = 16, 20, 0.3, 1e-9
-# a mean of white noise is that many standard deviations off once in a million
-_CHANCE = 5.0
+# steps and tolerance of the search for the times of corners
+_STEPS, _PART, _SETTLED = 20, 0.3, 1e-9
+# a mean of white noise is hardly ever so many standard deviations off, and seldom so many
+_SURELY, _HARDLY = 6.0, 4.0
+# the least readings of a part that is halved, and into how many one is cut that was
+_LEAST, _QUARTERS = 8, 4
+# standard deviation of a reading in counts
+_OF_A_COUNT = 12**-0.5
+# directions of a load whose squares are below this part of the largest are none
+_SINGULAR = 1e-12
 
 
 class _Held(NamedTuple):
@@ -56,7 +63,7 @@ def load_hold(test: CreepTest) -> LoadHold:
     held = _held(test.time, force, where)
     pressed = held.turn * test.force - held.preload
     noise = scatter(test.time, test.force)
-    load = _freed(test.time, held.turn * force - held.preload, noise)
+    load, corners = _freed(test.time, held.turn * force - held.preload, noise)
     if held.ramp_end > test.time[0]:
         load = load - load[0]
     turn = _turn(test, held, where)
@@ -76,6 +83,7 @@ def load_hold(test: CreepTest) -> LoadHold:
         specimen=test.specimen,
         source=test.source,
         steps=(_step(held, turn, test.unit),),
+        corners=corners,
     )
     answers = (checks.load_begins_at_rest(record), checks.load_held(record))
     return replace(record, checks=answers)
@@ -129,56 +137,156 @@ def _turn(test: CreepTest, held: _Held, where: str) -> int:
     return 1 if moved > 0 else -1
 
 
-def _freed(time: FloatArray, force: FloatArray, noise: float) -> FloatArray:
-    """The load behind its readings, freed of counts and of noise (errors in variables).
+def errors_of_load(record: LoadHold) -> Callable[[FloatArray], FloatArray]:
+    """Return what makes, of columns at every sample, their products with the errors of the load.
 
-    Ramps and holds that are straight to their noise are straight; any other load is the mean over
-    windows as wide as noise alone explains.
+    Of independent errors of unit variance, N: those of the load's corners, their heights and, of
+    a load of few, their times.
     """
-    step = quantum(force)
+    time, corners = record.time, np.array(record.corners)
+    if not record.corners:
+        return lambda columns: np.zeros((0, columns.shape[1]))
+    few = len(corners) <= STRAIGHT
+    leaning = _leaning(time, corners, np.interp(corners, time, record.load)) if few else None
+
+    def directions(columns: FloatArray) -> FloatArray:
+        heights = _onto(time, corners, columns)
+        return heights if leaning is None else np.concatenate((heights, leaning.T @ columns))
+
+    gram = _gram(time, corners)
+    if leaning is not None:
+        crossed = _onto(time, corners, leaning)
+        gram = np.block([[gram, crossed], [crossed.T, leaning.T @ leaning]])
+    value, turn = np.linalg.eigh(gram)
+    known = value > _SINGULAR * value[-1]
+    errors = record.force_noise * (turn[:, known] / np.sqrt(value[known])).T
+    # all is measured from the first reading
+    first = np.zeros(len(gram))
+    first[0] = 1.0
+
+    def products(columns: FloatArray) -> FloatArray:
+        felt = directions(columns) - np.outer(first, columns.sum(axis=0))
+        return np.asarray(errors @ felt)
+
+    return products
+
+
+def _freed(
+    time: FloatArray, force: FloatArray, noise: float
+) -> tuple[FloatArray, tuple[float, ...]]:
+    """The load behind its readings, freed of noise (errors in variables), and its corners.
+
+    A load is straight between corners. Ramps and holds that are straight to their noise have the
+    few that least squares puts there. Any other, one that overshoots or hunts, is halved until
+    each part is straight to its noise, and those parts are quartered: what a line then misses of
+    the curve is a sixteenth of what noise would hide.
+    """
+    floor = max(noise, quantum(force) * _OF_A_COUNT)
     if noise == 0:
-        return force
-    straight = _straight(time, force)
-    if straight is not None and _is_noise(force - straight, noise, step):
-        return straight
-    if noise <= 0.5 * step:
-        return denoised(between_counts(time, force), SCATTER_OF_A_COUNT * step)[0]
-    return denoised(force, noise)[0]
+        return force, ()
+    corners = _straightened(time, force)
+    load = _laid(time, corners, force)
+    if not _is_noise(force - load, floor, _SURELY):
+        corners = _divided(time, force, corners, floor)
+        load = _laid(time, corners, force)
+    return load, tuple(corners.tolist())
 
 
-def _straight(time: FloatArray, force: FloatArray) -> FloatArray | None:
-    """The load as straight lines between corners, each corner where least squares puts it.
-
-    Gauss-Newton on the corners' times; their heights are linear. None for a load of many corners.
-    """
-    knots = np.array([time[0], *(one.end for one in find_segments(time, force))])
-    if len(knots) > _MOST_CORNERS:
-        return None
+def _straightened(time: FloatArray, force: FloatArray) -> FloatArray:
+    """Corners of a load, each at the time where least squares puts it: Gauss-Newton."""
+    corners = np.array([time[0], *(one.end for one in find_segments(time, force))])
+    if not 3 <= len(corners) <= STRAIGHT:
+        return corners
     for _ in range(_STEPS):
-        tents = np.stack([np.interp(time, knots, one) for one in np.eye(len(knots))], axis=1)
-        heights = np.linalg.lstsq(tents, force, rcond=None)[0]
-        slopes = np.diff(heights) / np.diff(knots)
-        leaning = [
-            -tents[:, j] * np.where(time <= knots[j], slopes[j - 1], slopes[j])
-            for j in range(1, len(knots) - 1)
-        ]
-        if not leaning:
-            break
-        both = np.column_stack((tents, *leaning))
-        moved = np.linalg.lstsq(both, force - tents @ heights, rcond=None)[0][len(knots) :]
-        room = _PART * np.minimum(np.diff(knots)[:-1], np.diff(knots)[1:])
-        knots[1:-1] += np.clip(moved, -room, room)
+        tents = _tents(time, corners)
+        heights = np.asarray(np.linalg.lstsq(tents, force, rcond=None)[0])
+        both = np.column_stack((tents, _leaning(time, corners, heights)))
+        moved = np.linalg.lstsq(both, force - tents @ heights, rcond=None)[0][len(corners) :]
+        room = _PART * np.minimum(np.diff(corners)[:-1], np.diff(corners)[1:])
+        corners[1:-1] += np.clip(moved, -room, room)
         if float(np.abs(moved).max()) < _SETTLED * (time[-1] - time[0]):
             break
-    return np.asarray(np.interp(time, knots, heights))
+    return corners
 
 
-def _is_noise(left: FloatArray, noise: float, step: float) -> bool:
+def _divided(time: FloatArray, force: FloatArray, corners: FloatArray, noise: float) -> FloatArray:
+    """Corners, and more between them wherever the load is not straight."""
+    found, stack = [corners], list(pairwise(corners.tolist()))[::-1]
+    whole = set(stack)
+    while stack:
+        low, high = stack.pop()
+        here = slice(*np.searchsorted(time, [low, high]).tolist())
+        t, f = time[here], force[here]
+        if len(t) < _LEAST:
+            continue
+        line = np.column_stack((np.ones(len(t)), t - t[0]))
+        left = f - line @ np.linalg.lstsq(line, f, rcond=None)[0]
+        if _is_noise(left, noise, _HARDLY):
+            if (low, high) not in whole:
+                pieces = min(_QUARTERS, len(t) // _LEAST)
+                found.append(np.linspace(low, high, pieces + 1))
+            continue
+        middle = (low + high) / 2
+        stack += [(middle, high), (low, middle)]
+        found.append(np.array([middle]))
+    return np.unique(np.concatenate(found))
+
+
+def _laid(time: FloatArray, corners: FloatArray, force: FloatArray) -> FloatArray:
+    """The straight lines between corners that are nearest to a force."""
+    onto = _onto(time, corners, force[:, None])[:, 0]
+    gram = _gram(time, corners)
+    # a corner between which and its neighbours no reading lies has no height of its own
+    gram[np.diag_indices_from(gram)] += _SINGULAR * float(np.diag(gram).max())
+    return np.asarray(np.interp(time, corners, np.linalg.solve(gram, onto)))
+
+
+def _places(time: FloatArray, corners: FloatArray) -> tuple[IndexArray, FloatArray]:
+    """The corner before each reading, and how far it is to the next, as a part."""
+    at = np.clip(np.searchsorted(corners, time, side="right") - 1, 0, len(corners) - 2)
+    return at, (time - corners[at]) / (corners[at + 1] - corners[at])
+
+
+def _onto(time: FloatArray, corners: FloatArray, columns: FloatArray) -> FloatArray:
+    """Products of columns with the shape that the height of each corner gives."""
+    at, part = _places(time, corners)
+    products = np.zeros((len(corners), columns.shape[1]))
+    np.add.at(products, at, (1 - part)[:, None] * columns)
+    np.add.at(products, at + 1, part[:, None] * columns)
+    return products
+
+
+def _gram(time: FloatArray, corners: FloatArray) -> FloatArray:
+    """Products of those shapes with one another."""
+    at, part = _places(time, corners)
+    gram = np.zeros((len(corners), len(corners)))
+    for i, one in ((0, 1 - part), (1, part)):
+        for j, other in ((0, 1 - part), (1, part)):
+            np.add.at(gram, (at + i, at + j), one * other)
+    return gram
+
+
+def _tents(time: FloatArray, corners: FloatArray) -> FloatArray:
+    """The shape that the height of each corner gives, shape (n, corners)."""
+    return np.stack([np.interp(time, corners, one) for one in np.eye(len(corners))], axis=1)
+
+
+def _leaning(time: FloatArray, corners: FloatArray, heights: FloatArray) -> FloatArray:
+    """How a load moves with the times of its inner corners, shape (n, corners - 2)."""
+    tents, slopes = _tents(time, corners), np.diff(heights) / np.diff(corners)
+    leaning = [
+        -tents[:, j] * np.where(time <= corners[j], slopes[j - 1], slopes[j])
+        for j in range(1, len(corners) - 1)
+    ]
+    return np.array(leaning).reshape(-1, len(time)).T
+
+
+def _is_noise(left: FloatArray, noise: float, chance: float) -> bool:
     """True if means over 1, 2, 4, ... neighbours are no larger than white noise makes them."""
     width = 1
     while len(left) // width >= 2:
         means = left[: len(left) // width * width].reshape(-1, width).mean(axis=1)
-        if float(np.abs(means).max()) > _CHANCE * noise / np.sqrt(width) + 0.5 * step:
+        if float(np.abs(means).max()) > chance * noise / np.sqrt(width):
             return False
         width *= 2
     return True

@@ -15,6 +15,8 @@ from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, Step, of_file
 from dashpot.records.specimen import Specimen
 
+STRAIGHT = 16
+"""Corners of a load that is ramps and holds, at most."""
 _COMPLIANCES = {"N/m": "m/N", "Pa": "1/Pa"}
 """Unit of the compliance by that of the stiffness."""
 
@@ -148,6 +150,8 @@ class LoadHold(ByValue, Described):
     source : Source or None
     steps : tuple of Step
     checks : tuple of Check
+    corners : tuple of float
+        Times, s, between which `load` is straight, both ends included; none if it is not.
     """
 
     time: FloatArray
@@ -166,6 +170,7 @@ class LoadHold(ByValue, Described):
     source: Source | None = None
     steps: tuple[Step, ...] = ()
     checks: tuple[Check, ...] = ()
+    corners: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         names = ("time", "displacement", "force", "load")
@@ -197,6 +202,12 @@ class LoadHold(ByValue, Described):
         """The samples of the hold, ramp end included."""
         start, stop = np.searchsorted(self.time, [self.ramp_end, self.hold_end]).tolist()
         return slice(start, min(stop + 1, len(self.time)))
+
+    @property
+    def resolution(self) -> float:
+        """The shortest time between corners of a load that is not straight, s; 0 if it is."""
+        many = len(self.corners) > STRAIGHT
+        return float(np.diff(self.corners).min()) if many else 0.0
 
     @property
     def unloaded(self) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import NamedTuple
 
@@ -149,6 +149,7 @@ def estimated(
     peak: float,
     priors: Sequence[Block] = (),
     encoders: Sequence[Encoder] | None = None,
+    further: Sequence[Callable[[FloatArray], FloatArray]] = (),
     whole: Jacobian | None = None,
 ) -> Estimate:
     """Return the solution's uncertainty from one block per record with a row per sample.
@@ -163,6 +164,9 @@ def estimated(
         Of each record, where the recorded motion is fitted.
     priors : sequence of Block
         What was known before the data.
+    further : sequence of callable, optional
+        Of each record that has no encoder, as :func:`~dashpot.engine.inference.covariance.sandwich`
+        takes errors that are not constant in time.
     whole : Jacobian, optional
         Of every sample and then of the priors, where it is known already.
     """
@@ -171,7 +175,7 @@ def estimated(
     count = len(every_sample)
     residuals, jacobians = every_residual[:count], every_jacobian[:count]
     noises = noises_of(residuals, jacobians, peak=peak)
-    further = [
+    further = further or [
         partial(encoder_rows, encoder=encoder, kernel=_kernel(solution, block))
         for encoder, block in zip(encoders or (), every_sample, strict=False)
     ]
