@@ -6,8 +6,9 @@ from dataclasses import fields, replace
 
 import numpy as np
 
-from dashpot.records.estimate import ParameterEstimate, Residual, parameter_names
+from dashpot.records.estimate import ELEMENT, ParameterEstimate, Residual, parameter_names
 from dashpot.records.fit import Evidence, Fit, Provenance, Status
+from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import Solid
 
 PARTS = {"estimate": ParameterEstimate, "evidence": Evidence, "provenance": Provenance}
@@ -16,13 +17,15 @@ PARTS = {"estimate": ParameterEstimate, "evidence": Evidence, "provenance": Prov
 def a_fit(solid: Solid, *, relative: float = 0.01, **given: object) -> Fit:
     """A fit of `solid` with equal relative errors of every parameter, or as said."""
     model = solid.maxwell
-    sizes = relative * np.array([model.k_inf, *model.k, *np.ones(model.arms)])
+    if isinstance(solid, FractionalZener):
+        names, sizes = ELEMENT, relative * np.array([solid.k_inf, solid.k_0, 1.0, 1.0])
+    else:
+        names = parameter_names(model.arms)
+        sizes = relative * np.array([model.k_inf, *model.k, *np.ones(model.arms)])
     usual = Fit(
         solid,
         Status.CONVERGED,
-        ParameterEstimate(
-            parameter_names(model.arms), np.diag(sizes**2), 100.0, Residual(1000, 1.0, 0.03)
-        ),
+        ParameterEstimate(names, np.diag(sizes**2), 100.0, Residual(1000, 1.0, 0.03)),
         Evidence((0.004, 0.32)),
         Provenance("full"),
     )

@@ -215,7 +215,7 @@ def _magnitude(omega: FloatArray, distance: FloatArray, seals: float) -> FloatAr
 
 def _drawn(fit: Fit, omega: FloatArray) -> ComplexArray:
     """Complex stiffness of solids drawn from the fit's covariance, shape (draws, n)."""
-    if isinstance(fit.solid, FractionalZener) and set(ELEMENT) <= set(fit.parameters):
+    if isinstance(fit.solid, FractionalZener):
         return _drawn_elements(fit, fit.solid, omega)
     model = fit.model
     names = parameter_names(model.arms, dashpot="b" in fit.parameters)
