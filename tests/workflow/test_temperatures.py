@@ -11,8 +11,11 @@ from kit import cold
 
 import dashpot as dp
 from dashpot.io.write import write_relaxation
-from dashpot.workflow import fit_files, predict_files
+from dashpot.simulation.impact import simulate_impact
+from dashpot.workflow import create, fit_files, predict_files, record, verify
+from dashpot.workflow.job import Job
 from dashpot.workflow.shifting import ShiftChoices
+from dashpot.workflow.study import characterise
 
 MASS, BAND = 0.1148, (8.0, 18.0)
 
@@ -98,3 +101,42 @@ def test_the_document_of_a_fit_says_its_temperatures(found):
     assert told["reference"] == 296.15
     assert told["law"]["kind"] == "free"
     assert {"temperature", "log10_a_t", "se", "b_t"} <= set(told["shifts"][0])
+
+
+def test_the_main_job_takes_a_cold_test_too(bench, tmp_path):
+    job = Job(
+        str(bench[1]), further=(str(bench[0]),), temperatures=(273.15, 296.15), mass=MASS, seals=2
+    )
+    project = create(tmp_path / "seal")
+    study, _ = record(project, job, page=dp.report.html)
+    # what is shown is the test of the solid's own temperature
+    assert study.prepared.specimen.temperature == pytest.approx(296.15)
+    assert [one.specimen.temperature for one in study.further] == [pytest.approx(273.15)]
+    assert study.fit.model.arms == 3
+    assert "temperatures" in dp.report.html(study)
+    assert not [check for check in verify(project, page=dp.report.html) if check.failed]
+
+
+def test_a_hammer_joins_tests_at_several_temperatures():
+    tests = cold.records("hidden", (23.0, 0.0), 0)
+    model = dp.GeneralizedMaxwell(*cold.HIDDEN)
+    hits = simulate_impact(model, mass=MASS, seals=2, seed=1).test
+    study = characterise(tests[0], dp.estimate_frf(hits), further=tests[1:], mass=MASS, seals=2.0)
+    assert abs(study.comparison.predicted_hz / study.comparison.measured_hz - 1) < 2e-3
+    assert study.joint is not None
+    assert study.joint.verdict.use == "use"
+    found = study.joint.model.complex_stiffness(2 * np.pi * cold.RESONANCE)
+    true = cold.complex_stiffness("hidden")
+    assert found.imag == pytest.approx(true.imag, rel=0.02)
+    assert study.joint.at("0degC").k_inf < study.joint.model.k_inf
+
+
+def test_every_test_is_drawn_with_the_one_solid(bench, found):
+    records = [dp.prepare(one) for one in cold.records("hidden", (23.0, 0.0), 0)]
+    picture = dp.plot.temperatures(found, records)
+    forces, shifts = (strip[0] for strip in picture.strips)
+    labels = {mark.label for mark in forces.marks}
+    assert {"0 °C", "23 °C", "one solid"} <= labels
+    assert shifts.title.startswith("shift factors")
+    with pytest.raises(dp.DataError, match="one temperature"):
+        dp.plot.temperatures(dp.fit(records[0], arms=1), records)

@@ -81,6 +81,8 @@ def _figure(found: dp.Fit, records: tuple[Any, ...]) -> dp.plot.Picture:
         return dp.plot.creep(found, first)
     if isinstance(first, dp.DynamicTest):
         return dp.plot.stiffness(found, data=first)
+    if found.temperatures is not None:
+        return dp.plot.temperatures(found, records)
     if len(records) > 1:
         return dp.plot.fit(found, first)
     method: Literal["full", "hold"] = "hold" if found.method == "hold" else "full"

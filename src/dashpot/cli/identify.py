@@ -58,7 +58,7 @@ _A_DECK = ("--to", "nastran", "--units", "mm-t-s", "-o", "seal.bdf")
 @options.overwrite
 @reports
 @options.machine
-@options.specimen
+@options.specimens
 @options.hammer
 @options.reading
 def command(
@@ -82,6 +82,7 @@ def command(
     \b
     dashpot identify hammer.csv --mass 104g --seals 2 --arms 2
     dashpot identify hammer.csv --with seal_8mm.csv --mass 104g --seals 2 -o joint.json
+    dashpot identify hammer.csv --with warm.csv --with cold.csv --mass 104g --seals 2
     """
     fits = [path for path in together if is_json(path)]
     found, straight, noted = workflow.identify_files(

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 
 @click.command("report")
-@click.argument("relaxation", type=File())
+@click.argument("relaxation", type=File(), nargs=-1, required=True, metavar="RELAXATION...")
 @click.option(
     "--impact", type=File(), multiple=True, metavar="FILE", help="Hits, or an FRF; repeat for more."
 )
@@ -62,11 +62,12 @@ if TYPE_CHECKING:
 @opens
 @reports
 @options.machine
-@options.specimen
+@options.specimens
 @options.hammer
 @options.reading
 def command(
     *,
+    relaxation: tuple[str, ...],
     impact_profile: str | None,
     no_joint: bool,
     project: str | None,
@@ -76,14 +77,21 @@ def command(
 ) -> Outcome:
     """Characterise the seal of RELAXATION and check it against the hammer; write one HTML file.
 
+    Several relaxation tests, such as a warm and a cold one, are fitted together; the hammer is of
+    the temperature nearest to 23 degC.
+
     \b
     dashpot report seal_8mm.csv --mass 104g --seals 2 -o report.html
     dashpot report seal_8mm.csv --impact hammer.csv --mass 104g --seals 2 -o report.html
     dashpot report seal_8mm.csv --impact hammer.csv --mass 104g --seals 2 --project door-seal
+    dashpot report warm.csv cold.csv --temperature 23degC --temperature 0degC --mass 104g --seals 2
     """
     # columns named for the bench file need not exist in the hammer's; units do no harm
     of_impact = options.only(("units", *OF_HAMMER))
+    first, *further = relaxation
     job = Job(
+        first,
+        further=tuple(further),
         joint=not no_joint,
         reading=options.without(OF_HAMMER),
         reading_impact=over_profile(of_impact, impact_profile),
@@ -121,7 +129,10 @@ def command(
 def _follow(job: Job, study: Study) -> str:
     """Return the command that keeps the solid which the report ends with."""
     if study.joint is None or study.mass is None:
-        return typed("fit", job.relaxation, "-o", "fit.json", why="keeps the solid for export")
+        return typed(
+            "fit", job.relaxation, *job.further, "-o", "fit.json", why="keeps the solid for export"
+        )
     words = ("--mass", grams(study.mass), "--seals", f"{study.seals:g}", "-o", "joint.json")
-    together = ("identify", *job.impact, "--with", job.relaxation)
+    records = (word for one in (job.relaxation, *job.further) for word in ("--with", one))
+    together = ("identify", *job.impact, *records)
     return typed(*together, *words, why="keeps the solid for export")

@@ -90,6 +90,11 @@ class Moved(NamedTuple):
         """Shift factor of time."""
         return float(np.exp(self.log_a))
 
+    @property
+    def stretch(self) -> float:
+        """Slope of ln tau there by ln tau."""
+        return 1 + self.log_a * self.slope / _LN10
+
     def log_tau(self, log_tau: FloatArray) -> FloatArray:
         """Ln of relaxation times there."""
         return shifted_log_tau(log_tau, self.log_a, self.slope)
@@ -179,7 +184,13 @@ class RelaxationData:
     def weighted(self, index: int) -> Block:
         """The certain block in rows of unit noise; `index` tells private columns of tests apart."""
         names = (n if n in SOLID else f"{n}@{index}" for n in self.certain.fixed_names)
-        return self.certain.weighted(self.weight, tuple(names))
+        made = self.certain.weighted(self.weight, tuple(names))
+        where = self.moved
+        if where is None:
+            return made
+        return made.elsewhere(
+            where.log_tau, float(np.exp(where.log_b)), stretch=where.stretch, window=self.window
+        )
 
     def rows(self, log_tau: FloatArray, *, slopes: bool = True) -> Rows:
         """Everything that depends on the solid, whitened for all that the rig adds."""
@@ -207,7 +218,7 @@ class RelaxationData:
             spring=white(self.weight * b_t * spring),
             dashpot=white(self.weight * moved.a_t * b_t * dashpot),
             arms=white(self.weight * b_t * found.arms[:, :count]),
-            slopes=white(self.weight * b_t * found.d_arms[:, :count]),
+            slopes=white(self.weight * b_t * moved.stretch * found.d_arms[:, :count]),
         )
 
     def _known(

@@ -19,6 +19,7 @@ from dashpot.plot.solid import elastic_law, spectrum, stiffness
 from dashpot.plot.stamps import stamp
 from dashpot.plot.superposition import superposition
 from dashpot.plot.svg import whole as to_svg
+from dashpot.plot.temperatures import temperatures
 from dashpot.plot.vibration import comparison, frf, nyquist, resonance
 
 __all__ = [
@@ -42,6 +43,7 @@ __all__ = [
     "stamp",
     "stiffness",
     "superposition",
+    "temperatures",
     "to_figure",
     "to_svg",
 ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -220,6 +221,7 @@ def fitted_force(one: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
     other answers to the motion behind the recorded displacement, bent by the elastic law, with the
     offset, drift and delay that the fit found.
     """
+    one = _at_temperature(one, prepared)
     solid = _at_depth(one, prepared.depth)
     if one.method == "hold":
         since = prepared.time[prepared.hold] - prepared.onset
@@ -246,6 +248,15 @@ def fitted_force(one: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
         size, *_ = np.linalg.lstsq(design, prepared.force[used] - force, rcond=None)
         force = force + design @ size
     return time - prepared.onset, force
+
+
+def _at_temperature(one: Fit, prepared: RampHold) -> Fit:
+    """The fit at the temperature of a test, where several were fitted, with its nuisances."""
+    moved, kelvin = one.temperatures, prepared.specimen.temperature
+    if moved is None or kelvin is None:
+        return one
+    here = one.at_temperature(moved.nearest(kelvin).temperature)
+    return replace(here, estimate=replace(here.estimate, nuisance=one.nuisance))
 
 
 def _at_depth(one: Fit, depth: float) -> Solid:

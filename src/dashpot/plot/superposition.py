@@ -53,7 +53,7 @@ def superposition(data: Superposition, fit: Fit | None = None, *, stamp: str = "
         panels = _of_sweeps(data, data.curve, fit)
     else:
         panels = _of_moduli(data, data.curve, fit)
-    shifted = _shifts(data.temperatures)
+    shifted = shift_panel(data.temperatures)
     caption = (
         "Master curve: every sample where it lies at the reference, from cold to warm, the "
         "spectrum that all share, and the shift factors with their law and two standard errors."
@@ -109,7 +109,7 @@ def _of_moduli(data: Superposition, curve: RelaxationModulus, fit: Fit | None) -
     return upper, lower
 
 
-def _shifts(moved: TemperatureShifts) -> Panel:
+def shift_panel(moved: TemperatureShifts) -> Panel:
     """Shift factors over temperature, with two standard errors, and the law with its own."""
     t = np.array([one.temperature for one in moved.shifts])
     log10 = np.array([one.log10_a_t for one in moved.shifts])

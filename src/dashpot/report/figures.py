@@ -134,6 +134,8 @@ def _failed(study: Study) -> bool:
 def _of_relaxation(study: Study) -> Iterator[plot.Picture]:
     yield plot.segments(study.prepared)
     yield plot.fit(study.fit, study.prepared, alternatives=study.alternatives)
+    if study.further and study.fit.temperatures is not None:
+        yield plot.temperatures(study.fit, (study.prepared, *study.further))
     law = study.fit.elastic_law
     if law is not None and law.kind != "linear":
         at = None if study.at_rest is None else study.at_rest.point.compression

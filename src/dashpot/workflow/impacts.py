@@ -332,6 +332,7 @@ def identify_files(
     compression: float | None = None,
     machine: Machine | None = None,
     specimen: Specimen | None = None,
+    temperatures: Sequence[float] = (),
     options_with: ReadOptions | None = None,
     **choices: Any,
 ) -> tuple[Fit, DynamicStiffness, tuple[Check, ...]]:
@@ -353,6 +354,8 @@ def identify_files(
         What is known of the machine of the tests.
     specimen : Specimen, optional
         What is known of the seals; it wins over what the tests say.
+    temperatures : sequence of float
+        Of the tests, K: one for all of them, or one for each, in their order.
     options_with : ReadOptions, optional
         What the user said of the files of the tests.
     choices
@@ -372,7 +375,9 @@ def identify_files(
     _, frf = read_measured(measured, choices=hammer, options=options, mass=mass, band=band)
     total, noted = total_mass(mass, seal=seal_mass, seals=seals)
     with answered_in("--with-profile", besides=("units", *OF_BENCH)):
-        prepared = prepared_files(tests, machine=machine, options=options_with)
+        prepared = prepared_files(
+            tests, machine=machine, options=options_with, temperatures=temperatures
+        )
     straight = dp.dynamic_stiffness(frf, total or mass, seals=seals, band=band)
     found = dp.identify(
         frf,

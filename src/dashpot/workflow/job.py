@@ -92,6 +92,10 @@ class Job:
     ----------
     relaxation : str
         File of the relaxation test.
+    further : tuple of str
+        Files of further relaxation tests of the same seal, at other temperatures.
+    temperatures : tuple of float
+        Of the relaxation tests, K: one for all of them, or one for each, in their order.
     impact : tuple of str
         Files of hits, or one file with an FRF.
     mass, seal_mass : float or None
@@ -140,3 +144,5 @@ class Job:
     hammer: HammerChoices = field(default_factory=HammerChoices)
     title: str = ""
     logo: str | None = None
+    further: tuple[str, ...] = ()
+    temperatures: tuple[float, ...] = ()

@@ -14,6 +14,7 @@ from dashpot.io.options import ReadOptions, flag
 from dashpot.records.fit import Fit
 from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold
+from dashpot.workflow.shifting import each_specimen
 
 
 def prepared_files(
@@ -21,12 +22,18 @@ def prepared_files(
     *,
     options: ReadOptions | None = None,
     machine: Machine | None = None,
+    temperatures: Sequence[float] = (),
 ) -> tuple[RampHold, ...]:
-    """Return the relaxation tests in files, prepared, each by the loading that was asked for."""
+    """Return the relaxation tests in files, prepared, each by the loading that was asked for.
+
+    `temperatures`, K, are one for all of them, or one for each.
+    """
     cycle = None if options is None else options.cycle
     return tuple(
-        dp.prepare(dp.read_relaxation(path, options=options), machine=machine, cycle=cycle)
-        for path in files
+        dp.prepare(
+            dp.read_relaxation(path, options=options, specimen=one), machine=machine, cycle=cycle
+        )
+        for path, one in zip(files, each_specimen(None, temperatures, len(files)), strict=True)
     )
 
 

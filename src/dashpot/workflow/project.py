@@ -205,7 +205,10 @@ def with_paths(job: Job, found: Callable[[str], str]) -> Job:
     }
     relaxation, impact = found(job.relaxation), tuple(map(found, job.impact))
     logo = None if job.logo is None else found(job.logo)
-    return replace(job, relaxation=relaxation, impact=impact, logo=logo, **calibrated)
+    further = tuple(map(found, job.further))
+    return replace(
+        job, relaxation=relaxation, further=further, impact=impact, logo=logo, **calibrated
+    )
 
 
 def paths_of(job: Job) -> tuple[str, ...]:

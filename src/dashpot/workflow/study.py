@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Literal
 
@@ -38,6 +39,7 @@ from dashpot.workflow.impacts import held_against, read_measured, total_mass, we
 from dashpot.workflow.job import Cuts, Job
 from dashpot.workflow.prepared import answered_in
 from dashpot.workflow.resting import AtRest, at_rest, frf_limits, rest_checks
+from dashpot.workflow.shifting import each_specimen
 
 COMPARED_ORDERS = (1, 2)
 """The numbers of arms that the paper's Fig. 4 compares."""
@@ -92,6 +94,8 @@ class Study(Pictured):
         Both kinds of ignorance as limits of the predicted accelerance.
     checks : tuple of Check
         What only the whole story shows.
+    further : tuple of RampHold
+        Tests of the same seal at other temperatures, fitted with `prepared`.
     title, logo : str
         What heads its report: words, and an image as a data URI.
     """
@@ -119,6 +123,7 @@ class Study(Pictured):
     checks: tuple[Check, ...] = ()
     title: str = ""
     logo: str = ""
+    further: tuple[RampHold, ...] = ()
 
     @property
     def described(self) -> tuple[str, ...]:
@@ -180,6 +185,7 @@ def characterise(
     test: RelaxationTest,
     measured: FRF | None = None,
     *,
+    further: Sequence[RelaxationTest] = (),
     impact: ImpactTest | None = None,
     mass: Quantity | None = None,
     seals: float = 1.0,
@@ -201,7 +207,9 @@ def characterise(
     test : RelaxationTest
         One seal, ramp and hold.
     measured : FRF, optional
-        Of a mass on the seals.
+        Of a mass on the seals, at the temperature of the fit's solid.
+    further : sequence of RelaxationTest
+        Of the same seal, to be fitted with `test`, such as a cold one.
     impact : ImpactTest, optional
         The hits behind `measured`, kept for the report.
     mass : float, optional
@@ -229,8 +237,14 @@ def characterise(
     compression = si(compression, "length")
     doing("fitting the relaxation test")
     by_hand = asdict(cuts or Cuts())
-    prepared = prepare(test, filter=filter, machine=machine, cycle=cycle, **by_hand)
-    chosen = fit(prepared, arms=arms, method=method, law=law)
+    every = [
+        prepare(one, filter=filter, machine=machine, cycle=cycle, **by_hand)
+        for one in (test, *further)
+    ]
+    chosen = fit(every, arms=arms, method=method, law=law)
+    # what is shown is of the temperature of the solid
+    first = _of_solid(chosen, every)
+    test, prepared = (test, *further)[first], every[first]
     given = mass
     if measured is not None:
         mass = weighed(chosen, measured, mass=mass, seals=seals, band=band, compression=compression)
@@ -240,13 +254,13 @@ def characterise(
             chosen, measured, mass=mass, seals=seals, band=band, compression=compression
         )
         rests = at_rest(chosen, mass=mass, seals=seals, compression=compression)
-        bounds = _prediction_bounds(chosen, prepared, measured, rests.point, mass=mass, seals=seals)
+        bounds = _prediction_bounds(chosen, every, measured, rests.point, mass=mass, seals=seals)
     both = mended = agreement = None
     if joint and measured is not None and mass is not None and rests is not None:
         doing("fitting relaxation and hammer together")
         at = rests.point.compression
         both = identify(
-            measured, tests=prepared, fit=chosen, mass=given, seals=seals, band=band, compression=at
+            measured, tests=every, fit=chosen, mass=given, seals=seals, band=band, compression=at
         )
         mended, agreement = _predicted(
             both,
@@ -257,7 +271,7 @@ def characterise(
             compression=compression,
         )
     doing("bounding what the tests leave open")
-    hold_fit, checks = _by_the_paper(prepared, chosen)
+    hold_fit, checks = _by_the_paper(prepared, chosen) if len(every) == 1 else (None, ())
     return Study(
         test=test,
         prepared=prepared,
@@ -278,7 +292,7 @@ def characterise(
         joint=both,
         joint_prediction=mended,
         joint_comparison=agreement,
-        unseen=unseen_arm_band(chosen, prepared, STIFFNESS_LINES),
+        unseen=unseen_arm_band(chosen, every, STIFFNESS_LINES),
         parameters=parameter_band(chosen, STIFFNESS_LINES),
         direct=None
         if measured is None or mass is None
@@ -286,13 +300,31 @@ def characterise(
         frf_band=bounds,
         at_rest=rests,
         checks=(*checks, *_untested(prediction, chosen, measured, rests, mass)),
+        further=tuple(one for i, one in enumerate(every) if i != first),
+    )
+
+
+def _of_solid(chosen: Fit, tests: Sequence[RampHold]) -> int:
+    """Which test is of the temperature of the fit's solid; the first if all are of one."""
+    if chosen.temperatures is None:
+        return 0
+    reference = chosen.temperatures.reference
+    return min(
+        range(len(tests)), key=lambda i: abs((tests[i].specimen.temperature or 0.0) - reference)
     )
 
 
 def run(job: Job) -> Study:
     """Read the files of a job and characterise the seal."""
-    doing(f"reading {job.relaxation}")
-    test = read_relaxation(job.relaxation, options=job.reading, specimen=job.specimen)
+    files = job.relaxation, *job.further
+    doing(f"reading {', '.join(files)}")
+    test, *further = (
+        read_relaxation(file, options=job.reading, specimen=one)
+        for file, one in zip(
+            files, each_specimen(job.specimen, job.temperatures, len(files)), strict=True
+        )
+    )
+    job.cuts.refuse_several(len(files))
     impact = measured = None
     mass, noted = total_mass(job.mass, seal=job.seal_mass, seals=job.seals)
     if job.impact:
@@ -304,6 +336,7 @@ def run(job: Job) -> Study:
     study = characterise(
         test,
         measured,
+        further=further,
         impact=impact,
         mass=mass,
         seals=job.seals,
@@ -353,7 +386,7 @@ def _untested(
 
 def _prediction_bounds(
     chosen: Fit,
-    prepared: RampHold,
+    prepared: Sequence[RampHold],
     measured: FRF | None,
     point: OperatingPoint,
     *,

@@ -172,6 +172,29 @@ class Block:
 
         return replace(self, rows=rows, **{**_LOST, **facts})
 
+    def elsewhere(
+        self,
+        log_tau: Callable[[FloatArray], FloatArray],
+        factor: float,
+        *,
+        stretch: float = 1.0,
+        window: tuple[float, float],
+    ) -> Block:
+        """The same data of a solid whose relaxation times and stiffnesses were others.
+
+        Rows at ``log_tau(...)`` of the times asked for, springs and arms times `factor`; `stretch`
+        is the slope of that map, `window` that of the times asked for.
+        """
+        stiff = np.where(stiffnesses(self.fixed_names), factor, 1.0)
+
+        def rows(asked: FloatArray, derivative: bool) -> Evaluation:
+            found = self.rows(log_tau(asked), derivative)
+            arms = factor * found.arms
+            slopes = stretch * factor * found.d_arms if derivative else arms
+            return Evaluation(found.target, found.fixed * stiff, arms, slopes)
+
+        return replace(self, rows=rows, window=window, sampling=None, full=None, widen=None)
+
     def weighted(self, factor: float, fixed_names: tuple[str, ...] | None = None) -> Block:
         """Every row times one factor, 1/sd; with other names, if they are given."""
         full, names = self.full, fixed_names or self.fixed_names

@@ -20,6 +20,7 @@ from dashpot.records.fit import Evidence, Fit, Moved, OrderScore, Provenance, St
 from dashpot.records.frf import FRF
 from dashpot.records.relaxation import RampHold
 from dashpot.records.specimen import Specimen
+from dashpot.records.temperature import TemperatureShifts
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # what fails where hammer and relaxation, or hammer and balance, do not describe one seal
@@ -82,11 +83,20 @@ def assembled(
             _specimen(tests, before),
         ),
         elastic_law=None if law is None else replace(law, stiffness=point.model.k_inf),
+        temperatures=None if before is None else _shifts(before),
     )
+
+
+def _shifts(before: Fit) -> TemperatureShifts | None:
+    """How the solid of the relaxation tests moves with temperature; the hammer is of one."""
+    moved = before.temperatures
+    return None if moved is None else replace(moved, cross=np.zeros(0))
 
 
 def _specimen(tests: Sequence[RampHold], before: Fit | None) -> Specimen:
     """The piece that the relaxation tests were made on."""
+    if before is not None and before.temperatures is not None:
+        return before.specimen
     if tests:
         return max(tests, key=lambda test: test.depth).specimen
     return Specimen() if before is None else before.specimen

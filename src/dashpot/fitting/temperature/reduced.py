@@ -229,15 +229,11 @@ def moved(block: Block, log_a: float, log_b: float, slope: float = 0.0) -> Block
 
     `slope` is how much further each decade of tau shifts.
     """
-    factor = float(np.exp(log_b))
-
-    def at(log_tau: FloatArray, derivative: bool) -> Evaluation:
-        found = block.evaluate(shifted_log_tau(log_tau, log_a, slope), derivative)
-        arms = factor * found.arms
-        stretched = factor * (1 + log_a * slope / np.log(10.0))
-        slopes = stretched * found.d_arms if derivative else arms
-        return Evaluation(found.target, factor * found.fixed, arms, slopes)
-
     low, high = block.window
-    a = float(np.exp(log_a))
-    return replace(block, rows=at, window=(low / a, high / a))
+    a_t = float(np.exp(log_a))
+    return block.elsewhere(
+        lambda log_tau: shifted_log_tau(log_tau, log_a, slope),
+        float(np.exp(log_b)),
+        stretch=1 + log_a * slope / float(np.log(10.0)),
+        window=(low / a_t, high / a_t),
+    )
