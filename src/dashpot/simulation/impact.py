@@ -106,23 +106,31 @@ class Oscillator:
         total = sum((pulse.force(time) for pulse in pulses), np.zeros(len(time))) / self.inertia
         state = np.zeros(len(self.poles), dtype=complex)
         for i, (pole, residue) in enumerate(zip(self.poles, self.residues, strict=True)):
-            free = np.exp(pole * (time - time[0]))
-            z = (rest[i] if rest is not None else 0.0) * free
+            if pole.imag < 0:  # its mode is the conjugate of the one before
+                state[i] = state[i - 1].conjugate()
+                continue
+            turns = pole.imag > 0
+            p, r = (pole, 2 * residue) if turns else (pole.real, residue.real)
+            free = np.exp(p * (time - time[0]))
+            begun = 0.0 if rest is None else rest[i] if turns else rest[i].real
+            z = begun * free
             for pulse in pulses:
-                z += _mode_under(pulse, pole, time, free)
+                z += _mode_under(pulse, p, time, free)
             state[i] = z[-1]
-            total = total + (residue * z).real
+            total += (r * z).real
         return total, state
 
 
-def _mode_under(pulse: Pulse, pole: complex, time: FloatArray, free: ComplexArray) -> ComplexArray:
+def _mode_under(
+    pulse: Pulse, pole: complex, time: FloatArray, free: FloatArray | ComplexArray
+) -> FloatArray | ComplexArray:
     """The motion of one mode under one pulse; `free` is its decay since ``time[0]``."""
     omega = np.pi / pulse.duration
     stop = pulse.start + pulse.duration
     during = slice(*np.searchsorted(time, [pulse.start, stop]))
     s = time[during] - pulse.start
     scale = pulse.peak / (pole**2 + omega**2)
-    z = np.zeros(len(time), dtype=complex)
+    z = np.zeros_like(free)
     z[during] = scale * (
         omega * np.exp(pole * s) - omega * np.cos(omega * s) - pole * np.sin(omega * s)
     )

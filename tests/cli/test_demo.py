@@ -1,0 +1,29 @@
+"""The demonstration's second answer: a cold test instead of a hammer."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from click.testing import CliRunner
+
+import dashpot as dp
+from dashpot.cli import main
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_the_cold_test_answers_the_puzzle_without_the_hammer(tmp_path, seed):
+    done = CliRunner().invoke(main, ["demo", "-o", str(tmp_path), "--seed", str(seed), "--json"])
+    assert done.exit_code == 0, done.output
+    seal = json.loads(done.stdout)["seals"]["broad"]
+    alone, cold = seal["comparison"], seal["cold"]["comparison"]
+    assert alone["predicted_damping"] / alone["measured_damping"] < 0.5
+    assert cold["predicted_hz"] == pytest.approx(cold["measured_hz"], rel=0.01)
+    assert cold["predicted_damping"] == pytest.approx(cold["measured_damping"], rel=0.1)
+    tests = [dp.read_relaxation(tmp_path / f"broad_{name}.csv") for name in ("relaxation", "cold")]
+    assert [test.specimen.temperature for test in tests] == [296.15, 273.15]
+    fit = dp.from_json(json.dumps(seal["cold"]["fit"]))
+    low, high = dp.unseen_arm_band(fit, tests, [12.71]).loss_factor[:, 0]
+    assert low < 0.0561894 < high
+    assert high / low < 1.3
