@@ -175,7 +175,7 @@ def test_the_first_line_of_a_fit_is_its_verdict_and_the_optimiser_stands_below()
     lines = click.unstyle("\n".join(printed)).splitlines()
     assert lines[0] == "do not use: a stop; do that"
     assert any(line.split()[:1] == ["optimiser"] for line in lines)
-    assert "2 failed, 1 not judged" in "\n".join(lines)
+    assert "2 failed (a_note as a note), 1 not judged" in "\n".join(lines)
     assert lines[-2:] == ["  !! a_stop: as said above", "  - a_note: a note"]
     document = json.loads(dp.to_json(fit))
     assert document["ok"] is False

@@ -70,3 +70,7 @@ def test_three_depths_have_one_elastic_law(folder):
     for x in (2e-3, 5e-3, 8e-3):
         truth = 196.5 * (1 + 3 * 4000.0 * x**2)
         assert abs(law.tangent(x) / truth - 1) < 0.05
+
+
+def test_every_example_is_told_of() -> None:
+    assert list(workflow.CAPTIONS) == list(workflow.EXAMPLES)
