@@ -214,6 +214,77 @@ def test_two_solids_part_where_stiffness_or_loss_does() -> None:
     assert parts_from(one, 1.019 * one, (0.01, 1.0)) is None
 
 
+# -- sweeps ---------------------------------------------------------------------------------------
+
+
+def sweep(solid, *, noise: float, seed: int = 3, unit: str = "Pa") -> dp.DynamicTest:
+    f = np.geomspace(0.01, 100.0, 41)
+    K = solid.complex_stiffness(2 * np.pi * f)
+    random = np.random.default_rng(seed)
+    storage, loss = (
+        part * (1 + noise * random.standard_normal(len(f))) for part in (K.real, K.imag)
+    )
+    return dp.DynamicTest(f, storage, loss, unit=unit)
+
+
+RUBBER = dp.FractionalZener(5e6, 1e6, 0.02, 0.45)
+
+
+def test_a_sweep_of_a_fractional_rubber_is_called_so() -> None:
+    found = dp.fit_dynamic(sweep(RUBBER, noise=0.01), family="auto")
+    assert (found.family, found.unit) == ("fractional", "Pa")
+    ends = found.solid_intervals()
+    for name in ("k_inf", "k_0", "tau", "alpha"):
+        assert ends[name][0] <= getattr(RUBBER, name) <= ends[name][1]
+    assert found.residual.rms == pytest.approx(0.01, rel=0.3)
+    assert found.alternative.family == "maxwell"
+
+
+def test_a_sweep_of_arms_keeps_them() -> None:
+    rubber = dp.GeneralizedMaxwell(1e6, k=(5e5, 2e5), tau=(1e-3, 0.1))
+    found = dp.fit_dynamic(sweep(rubber, noise=0.01), family="auto")
+    assert (found.family, found.model.arms) == ("maxwell", 2)
+    assert not found.alternative.explains
+
+
+def test_a_sweep_and_a_relaxation_test_share_one_fractional_solid() -> None:
+    truth = dp.FractionalZener(500.0, 200.0, 0.05, 0.5)
+    test = pressed(Seal.fractional(200.0, 300.0, 0.05, 0.5))
+    both = dp.fit_dynamic(sweep(truth, noise=0.01, unit="N/m"), tests=test, family="fractional")
+    alone = dp.fit_dynamic(sweep(truth, noise=0.01, unit="N/m"), family="fractional")
+    assert both.solid.alpha == pytest.approx(0.5, abs=3 * both.solid_standard_error["alpha"])
+    assert both.solid_standard_error["k_inf"] < 0.5 * alone.solid_standard_error["k_inf"]
+
+
+def test_a_master_curve_is_fitted_with_arms() -> None:
+    one = sweep(RUBBER, noise=0.01)
+    two = dp.DynamicTest(
+        np.tile(one.frequency, 2),
+        np.tile(one.storage, 2),
+        np.tile(one.loss, 2),
+        temperature=np.repeat([273.15, 296.15], len(one.frequency)),
+        unit="Pa",
+    )
+    with pytest.raises(FitError, match="leave the family to be maxwell"):
+        dp.fit_dynamic(two, family="fractional")
+
+
+# -- the hammer -----------------------------------------------------------------------------------
+
+
+def test_the_hammer_adds_an_arm_to_arms() -> None:
+    found = fitted(TRUTHS[0])
+    frf = dp.predict_frf(2 * found.solid, mass=0.104, frequency=np.linspace(4, 40, 145))
+    with pytest.raises(FitError, match="a fractional solid, and what the hammer adds is an arm"):
+        dp.identify(frf, fit=found, mass=0.104, seals=2)
+    test = pressed(Seal.fractional(*TRUTHS[0]))
+    joint = dp.identify(frf, tests=test, fit=found, mass=0.104, seals=2)
+    assert joint.family == "maxwell"
+    assert joint.model.arms <= 9
+    own = found.solid.loss_factor(RESONANCE)
+    assert joint.solid.loss_factor(RESONANCE) == pytest.approx(own, rel=0.05)
+
+
 def coverage(seeds: int) -> dict[str, float]:
     """How often the 95 % intervals of a fractional solid hold it, with an encoder of fine steps."""
     truth = {"k_inf": 200.0, "k_0": 500.0, "tau": 0.05, "alpha": 0.5}

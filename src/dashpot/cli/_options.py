@@ -221,6 +221,13 @@ law = click.option(
     show_default=True,
     help="Elastic law of the seal, from the ramp: straight unless the record says otherwise.",
 )
+family = click.option(
+    "--family",
+    type=click.Choice(["auto", "maxwell", "fractional"]),
+    default="maxwell",
+    show_default=True,
+    help="Of the solid: arms, a fractional Zener solid, or the one that the record prefers.",
+)
 
 
 def reading(function: Callable[..., T]) -> Callable[..., T]:

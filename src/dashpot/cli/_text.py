@@ -62,10 +62,12 @@ def fit(found: Fit, *, asked: int | str = "auto") -> Text:
     """
     files = ", ".join(source.file for source in found.source) or "arrays in memory"
     arms = f"{found.model.arms} Maxwell arm{'s' * (found.model.arms != 1)}"
+    if found.family == "fractional":
+        arms = f"fractional Zener solid ({arms} stand for it)"
     residual = found.residual
     scale, unit = _RESIDUAL.get(residual.unit, (1.0, residual.unit))
     size = f"{scale * residual.rms:.3g} {unit}"
-    short = asked not in ("auto", found.model.arms)
+    short = asked not in ("auto", found.model.arms) and found.family == "maxwell"
     kept = f", not the {asked} asked for: {found.status.value}" if short else ""
     lines = [
         f"{files}: {arms}, method {found.method}{kept}",
@@ -79,6 +81,8 @@ def fit(found: Fit, *, asked: int | str = "auto") -> Text:
         lines.append(f"  elastic law {_law(found.elastic_law)}")
     if found.end_of_hold:
         lines.append(f"  left open   {ascii_only(found.end_of_hold.says)}")
+    if found.alternative and found.alternative.says not in found.verdict.says:
+        lines.append(f"  beside it   {found.alternative.says}")
     lines += [*_temperatures(found), *_by_depth(found), *_explained(found), *_moved(found)]
     details = [f"  optimiser   {found.status.value}"]
     if found.certificate:
@@ -143,6 +147,13 @@ def _parameters(found: Fit) -> list[str]:
         value = rounded(size * float(model.relaxation(end.time)))
         ends = ascii_only(numbers.interval(*(size * limit for limit in end.k_end)))
         rows.append([f"k({rounded(end.time)} s)", value, "", ends, stiffness])
+    if found.family == "fractional":
+        known, between = found.solid_standard_error, found.solid_intervals()
+        for name, unit in (("k_inf", stiffness), ("k_0", stiffness), ("tau", "s"), ("alpha", "")):
+            scale = size if unit == stiffness else 1
+            value = getattr(found.solid, name)
+            row(name, value, known[name], ends=between[name], unit=unit, scale=scale)
+        return table(rows)
     row("k_inf", model.k_inf, error["k_inf"], ends=interval["k_inf"], unit=stiffness)
     if not found.parameters:  # a dense spectrum, whose single arms mean nothing
         row("k_0", model.k_0, math.inf, unit=stiffness)

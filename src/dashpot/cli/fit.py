@@ -18,6 +18,7 @@ from dashpot.cli._shell import File, Outcome, printed, reports, typed, write, wr
 @options.arms
 @options.method
 @options.law
+@options.family
 @click.option("--depth-law", is_flag=True, help="Several depths: shared times, k for each depth.")
 @click.option("--thorough", is_flag=True, help="Add quasi-random starts.")
 @options.filtered
@@ -46,6 +47,7 @@ def command(
     dashpot fit seal_4mm.csv seal_8mm.csv --depth-law
     dashpot fit warm.csv cold.csv --temperature 23degC --temperature 0degC
     dashpot fit curve.csv --modulus "E(t)"
+    dashpot fit seal_8mm.csv --family auto
     dashpot fit creep.csv
     dashpot fit sweeps.csv --reference 20degC --plot master.png
     """

@@ -46,6 +46,7 @@ if TYPE_CHECKING:
 @options.arms
 @options.method
 @options.law
+@options.family
 @options.cuts
 @options.compared
 @options.filtered

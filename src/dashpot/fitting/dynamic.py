@@ -31,6 +31,14 @@ from dashpot.fitting.checks.solid import (
 )
 from dashpot.fitting.design import Design, compressed
 from dashpot.fitting.fit_data import FitData, alone
+from dashpot.fitting.fractional.choice import (
+    ChosenElement,
+    checked_family,
+    chosen_family,
+    element,
+    family_checks,
+    named,
+)
 from dashpot.fitting.pipeline import Chosen, asked_arms, assembled, chosen_arms, measured_in
 from dashpot.fitting.repeats import refuse_copies
 from dashpot.fitting.spectrum import (
@@ -47,7 +55,7 @@ from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import Fit, Provenance
 from dashpot.records.relaxation import RampHold
 from dashpot.records.superposition import Superposition
-from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.maxwell import Solid
 
 Weights: TypeAlias = Literal["relative", "modulus"]
 
@@ -67,6 +75,7 @@ def fit_dynamic(
     temperature: Quantity | None = None,
     thorough: bool = False,
     max_arms: int = 6,
+    family: Literal["maxwell", "fractional", "auto"] = "maxwell",
 ) -> Fit:
     r"""Fit a generalized Maxwell solid to storage and loss, and to relaxation tests with them.
 
@@ -100,6 +109,9 @@ def fit_dynamic(
         Add quasi-random starts.
     max_arms : int
         The most that ``"auto"`` tries.
+    family : "maxwell", "fractional" or "auto"
+        Arms, a fractional Zener solid, or the one that BIC prefers, as in
+        :func:`~dashpot.fitting.relaxation.fit`; of one temperature.
 
     Returns
     -------
@@ -117,7 +129,13 @@ def fit_dynamic(
         option makes no sense.
     """
     temperature = si(temperature, "temperature")
+    checked_family(family)
     data, moved = _at_one_temperature(data, temperature)
+    if moved is not None and family != "maxwell":
+        raise FitError(
+            "a master curve is fitted with arms, which move together with temperature: leave the "
+            "family to be maxwell, or choose one temperature with --at (Python: temperature=)"
+        )
     weights = weights or ("relative" if moved is None else "modulus")
     records = _records(tests, data, dashpot=dashpot)
     if records and moved is not None:
@@ -131,14 +149,17 @@ def fit_dynamic(
     blocks = [one.block for one in sets]
     rows = [row for one in sets for row in one.rows]
     found = chosen_arms(FitData(blocks, rows), arms, max_arms=max_arms, thorough=thorough)
-    model = found.model
-    band, met = _band(data, records, blocks[1:], model.k_0)
+    both = None if family == "maxwell" else chosen_family(found, element(found.data), family)
+    found = both.best if both else found
+    band, met = _band(data, records, blocks[1:], found.model.k_0)
+    other = both.alternative(band, data.unit) if both else None
     of_data = (
         kramers_kronig(passive_misfit(data)),
         loss_positive(data),
         *([storage_rises(data)] if moved is None else moved.checks),
     )
-    answers = (*of_data, *_checks(found, data, records), *met)
+    asked = family_checks(both, other) if both else ()
+    answers = (*of_data, *_checks(found, data, records), *asked, *met)
     options = (
         ("arms", str(arms)),
         ("weights", weights),
@@ -156,26 +177,27 @@ def fit_dynamic(
             (
                 *(() if moved is None else moved.steps),
                 *(step for record in records for step in record.steps),
-                _step(data, records, model, options),
+                _step(data, records, found, options),
             ),
             data.specimen,
         ),
         tests=len(records),
         unit=data.unit,
+        alternative=other,
     )
     few = replace(few, temperatures=None if moved is None else moved.temperatures)
-    error = _relative_error(few.model, data, weights if moved else "relative")
+    error = _relative_error(few.solid, data, weights if moved else "relative")
     few = measured_in(few, "sd") if records else measured_in(few, "1", error)
-    if arms != "auto" or records or dashpot:
+    if arms != "auto" or records or dashpot or few.family != "maxwell":
         return few
     if moved is not None:
         return shared_where_few_fall_short(few, error, moved, of_data)
     return dense_where_few_fail(few, error, lambda: dynamic_master_curve(data), of_data)
 
 
-def _relative_error(model: GeneralizedMaxwell, data: DynamicTest, weights: str) -> FloatArray:
+def _relative_error(solid: Solid, data: DynamicTest, weights: str) -> FloatArray:
     """Errors of storage, then of loss, relative to each, or both to the complex modulus."""
-    K = model.complex_stiffness(data.omega)
+    K = solid.complex_stiffness(data.omega)
     storage, loss = relative_scale(data)
     if weights == "modulus":
         storage = loss = np.abs(data.value)
@@ -298,7 +320,7 @@ def _checks(found: Chosen, data: DynamicTest, records: Sequence[RampHold]) -> tu
     if records:
         shortest = min(shortest, *(2 * float(np.diff(one.time).min()) for one in records))
         longest = max(longest, *(one.hold_time for one in records))
-    answers = [
+    of_arms = (
         arms_distinct(model),
         arms_supported(model, error, unit=data.unit),
         tau_inside_window(
@@ -306,6 +328,9 @@ def _checks(found: Chosen, data: DynamicTest, records: Sequence[RampHold]) -> tu
             (shortest / _BEYOND, longest * _BEYOND),
             "the sweep and the holds" if records else "the sweep",
         ),
+    )
+    answers = [
+        *(() if isinstance(found, ChosenElement) else of_arms),
         plateau_seen(model, float(error[0]), unit=data.unit, further="sweep to lower frequencies"),
         residuals_random(estimate.kappa, estimate.rms),
         *([] if found.choice is None else [order_agreed(found.choice)]),
@@ -343,13 +368,10 @@ def _sources(data: DynamicTest, records: Sequence[RampHold]) -> tuple[Source, ..
 def _step(
     data: DynamicTest,
     records: Sequence[RampHold],
-    model: GeneralizedMaxwell,
+    found: Chosen,
     options: tuple[tuple[str, str], ...],
 ) -> Step:
     n = len(records)
     beside = "" if not n else f" and {n} relaxation test{'s' * (n > 1)}"
-    says = (
-        f"fitted a generalized Maxwell solid with {model.arms} arm{'s' * (model.arms != 1)} to "
-        f"storage and loss at {len(data.frequency)} frequencies{beside}"
-    )
+    says = f"fitted {named(found)} to storage and loss at {len(data.frequency)} frequencies{beside}"
     return Step("fit_dynamic", options, says)

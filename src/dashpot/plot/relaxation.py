@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.numbers import counted, rounded
+from dashpot.base.numbers import rounded
 from dashpot.plot.picture import (
     FIT,
     MEASURED,
@@ -116,7 +116,7 @@ class Fitted(NamedTuple):
     @property
     def label(self) -> str:
         """What the key calls it."""
-        name = counted(self.fit.model.arms, "arm")
+        name = self.fit.called
         return f"fit, {name}" if self.pen is FIT else name
 
     def residual(self, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
@@ -200,7 +200,7 @@ def residual_panel(one: Fitted, prepared: RampHold) -> Panel:
         marks += pair
     marks.append(Line(x, mean, Pen(one.pen.colour, 1.4), "residual: mean"))
     word, factor = unit_of(np.array([one.fit.residual.rms]), "N")
-    label = f"residual of {counted(one.fit.model.arms, 'arm')}, {unit}"
+    label = f"residual of {one.fit.called}, {unit}"
     rms = f"rms {rounded(factor * one.fit.residual.rms)} {word}"
     limits = (_log_start(prepared), _end(prepared))
     axes = (Axis(SINCE, limits, log=True), Axis(label, around(low, high, margin=0.08)))

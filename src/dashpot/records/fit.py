@@ -297,6 +297,14 @@ class Fit(ByValue, Pictured):
         return other.solid.maxwell
 
     @property
+    def called(self) -> str:
+        """The solid in few words: how many arms it has, or its family."""
+        if self.family == "fractional":
+            return "fractional solid"
+        arms = self.model.arms
+        return f"{arms} arm{'s' * (arms != 1)}"
+
+    @property
     def family(self) -> Family:
         """Of the solid: ``"maxwell"`` or ``"fractional"``."""
         return family_of(self.solid)

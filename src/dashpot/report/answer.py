@@ -161,7 +161,7 @@ def heading(found: Recommendation) -> str:
     """Which solid to take, or that none is recommended."""
     if not found.recommended:
         return "No solid is recommended"
-    return f"Recommended: solid of {source(found)}, {counted(found.solid.model.arms, 'arm')}"
+    return f"Recommended: solid of {source(found)}, {found.solid.called}"
 
 
 def source(found: Recommendation) -> str:

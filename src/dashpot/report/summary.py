@@ -11,6 +11,7 @@ from dashpot.base.numbers import counted, hertz, readable, rounded
 from dashpot.base.provenance import Source
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
+from dashpot.solids.fractional import FractionalZener
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness
 from dashpot.workflow.recommendation import Recommendation
@@ -40,9 +41,12 @@ def sentences(study: Study, found: Recommendation) -> tuple[str, ...]:
 def _solid(found: Recommendation) -> str:
     fit = found.solid
     tests = "both tests tell" if found.joint else "the relaxation test tells"
+    arms = counted(fit.model.arms, "Maxwell arm")
+    if isinstance(fit.solid, FractionalZener):
+        arms = f"a springpot of slope {rounded(fit.solid.alpha)} beside it"
     return (
         f"One seal behaves as a spring of {rounded(1e-3 * fit.model.k_inf)} N/mm with "
-        f"{counted(fit.model.arms, 'Maxwell arm')}, {rounded(1e-3 * fit.model.k_0)} N/mm at once; "
+        f"{arms}, {rounded(1e-3 * fit.model.k_0)} N/mm at once; "
         f"{tests} its stiffness and damping from {hertz(fit.band)}."
     )
 

@@ -120,7 +120,18 @@ class _Parameter(NamedTuple):
 
 
 def _parameters(fit: Fit) -> Iterator[_Parameter]:
-    """k∞, then the stiffness, the dashpot and the relaxation time of every arm."""
+    """k∞, then the stiffness, the dashpot and the relaxation time of every arm.
+
+    Of a fractional solid, its own four.
+    """
+    if fit.family == "fractional":
+        known, limits = fit.solid_standard_error, fit.solid_intervals()
+        for name, si in (("k_inf", "N/m"), ("k_0", "N/m"), ("tau", "s"), ("alpha", "")):
+            unit, f = READ.get(si, (si, 1.0))
+            low, high = limits[name]
+            value = f * getattr(fit.solid, name)
+            yield _Parameter(symbol(name), value, f * known[name], (f * low, f * high), unit)
+        return
     model, error, between = fit.model, fit.standard_error, fit.intervals(level=0.95)
     groups = (
         ("k", "N/m", model.k, error["k"], between["k"]),
@@ -199,11 +210,12 @@ def orders(study: Study) -> Table:
         for one in fit.orders
     }
     shown = {one.arms: (one.model, math.sqrt(one.sse / fit.residual.n)) for one in fit.orders}
-    shown |= {one.model.arms: (one.model, one.residual.rms) for one in (*study.alternatives, fit)}
+    own = (fit,) if fit.family == "maxwell" else ()
+    shown |= {one.model.arms: (one.model, one.residual.rms) for one in (*study.alternatives, *own)}
     rows, marks = [], []
     for arms in sorted(shown):
         model, rms = shown[arms]
-        chosen = arms == fit.model.arms
+        chosen = arms == fit.model.arms and bool(own)
         listed = ", ".join(
             f"{rounded(1e-3 * k)} at {rounded(tau)} s"
             for k, tau in zip(model.k, model.tau, strict=True)

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 from dashpot.base.checks import Finding, criterion
+from dashpot.records.frf import Mode
 
 LISTED = 20
 """Files that a sentence names before it counts the rest."""
@@ -31,6 +32,26 @@ def prediction_informed(peak: float, band: tuple[float, float]) -> Finding:
         instead=f"the predicted peak at {peak:.4g} Hz is extrapolated x{factor:.3g} beyond what "
         f"the test informs, {low:.2g} to {high:.2g} Hz, so its damping is not known: hit the mass "
         "with a hammer",
+    )
+
+
+@criterion("ratio of damping ratios", "x/", 1.1, "10 % of damping; and 1 % of frequency")
+def families_predict_alike(own: Mode | None, other: Mode | None) -> Finding:
+    """Another family of solids that explains the test predicts the same resonance.
+
+    `own` and `other` are the first modes of the mass on either solid.
+    """
+    if own is None or other is None or not own.damping_ratio > 0:
+        return Finding("no other family of solids that explains the test predicts a resonance")
+    ratio, shift = other.damping_ratio / own.damping_ratio, other.frequency / own.frequency - 1
+    return Finding(
+        f"the other family of solids that explains the test rings at {other.frequency:.4g} Hz with "
+        f"a damping ratio of {100 * other.damping_ratio:.3g} %, this one at {own.frequency:.4g} Hz "
+        f"with {100 * own.damping_ratio:.3g} %",
+        ratio,
+        ": the test does not tell the two apart, a hammer does, and so does a colder test or a "
+        "faster ramp",
+        faulted=abs(shift) > 0.01,
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import Literal, TypeAlias
+from typing import Literal, TypeAlias, TypedDict
 
 import dashpot as dp
 from dashpot.base.errors import FitError
@@ -29,6 +29,16 @@ Record: TypeAlias = (
 )
 
 
+class _Choices(TypedDict):
+    """What :func:`~dashpot.fitting.relaxation.fit` is told besides the number of arms."""
+
+    method: Literal["full", "hold"]
+    depth_law: bool
+    thorough: bool
+    law: Literal["auto", "linear", "nonlinear"]
+    family: Literal["maxwell", "fractional", "auto"]
+
+
 def fit_files(
     files: Sequence[str | Path],
     *,
@@ -37,6 +47,7 @@ def fit_files(
     depth_law: bool = False,
     thorough: bool = False,
     law: Literal["auto", "linear", "nonlinear"] = "auto",
+    family: Literal["maxwell", "fractional", "auto"] = "maxwell",
     filter: str | None = None,
     cuts: Cuts | None = None,
     specimen: Specimen | None = None,
@@ -54,7 +65,7 @@ def fit_files(
     Parameters
     ----------
     files : sequence of path
-    arms, method, thorough, law
+    arms, method, thorough, law, family
         As in :func:`~dashpot.fitting.relaxation.fit`.
     depth_law : bool
         Tests of different depths share their relaxation times, and by method ``"full"`` an elastic
@@ -88,10 +99,10 @@ def fit_files(
     if options.modulus is not None:
         known_of_a_test(machine, tests=0, add="a ramp and hold")
         cuts.refuse_several(0)
-        if depth_law or method == "hold" or filter:
+        if depth_law or method == "hold" or filter or family != "maxwell":
             raise FitError(
-                "a relaxation modulus is fitted without --depth-law, --method hold and --filter: "
-                "it is the answer to a step already"
+                "a relaxation modulus is fitted without --depth-law, --method hold, --filter and "
+                "--family: it is the answer to a step already, and its solid has arms"
             )
         curves = [
             dp.read_modulus(path, options=options, specimen=one)
@@ -104,6 +115,10 @@ def fit_files(
         dp.read_bench(path, options=options, specimen=one)
         for path, one in zip(files, each, strict=True)
     ]
+    choices: _Choices = {
+        "method": method, "depth_law": depth_law, "thorough": thorough, "law": law,
+        "family": family,
+    }  # fmt: skip
     crept = _creep(tests)
     if crept is not None:
         known_of_a_test(machine, tests=0, add="a ramp and hold")
@@ -112,9 +127,7 @@ def fit_files(
             raise FitError("a creep test is fitted alone, without --filter")
         with about(Path(files[0]).name):
             record = load_hold(crept) if isinstance(crept, CreepTest) else crept
-            found = dp.fit(
-                record, arms=arms, method=method, depth_law=depth_law, thorough=thorough, law=law
-            )
+            found = dp.fit(record, arms=arms, **choices)
         return found, (record,)
     sweeps = [test for test in tests if isinstance(test, DynamicTest)]
     cuts.refuse_several(sum(isinstance(test, RelaxationTest) for test in tests))
@@ -126,25 +139,23 @@ def fit_files(
     known_of_a_test(machine, tests=len(prepared), add="a ramp and hold")
     if not sweeps:
         depths = {round(test.depth, 9) for test in prepared}
-        if depth_law and method == "full" and len(depths) == len(prepared) > 1:
+        several = len(depths) == len(prepared) > 1
+        if depth_law and method == "full" and several and family == "maxwell":
             return dp.fit_depths(prepared, arms=arms).fit, prepared
-        found = dp.fit(
-            prepared,
-            arms=arms,
-            method=method,
-            depth_law=depth_law,
-            thorough=thorough,
-            law=law,
-            **shifted_ramps(shifting),
-        )
-        return found, prepared
+        return dp.fit(prepared, arms=arms, **choices, **shifted_ramps(shifting)), prepared
     if depth_law or method == "hold" or (prepared and len(sweeps) > 1):
         raise FitError(
             "a dynamic sweep is fitted alone, with others at other temperatures, or with "
             "relaxation tests of the same part, without --depth-law and --method hold"
         )
     sweep = one_temperature(sweeps, shifting, each[0])
-    found = dp.fit_dynamic(sweep, arms=arms, tests=prepared, thorough=thorough)  # type: ignore[arg-type]
+    found = dp.fit_dynamic(
+        sweep,  # type: ignore[arg-type]
+        arms=arms,
+        tests=prepared,
+        thorough=thorough,
+        family=family,
+    )
     return found, (sweep, *prepared)
 
 

@@ -155,7 +155,9 @@ def _(noun: Comparison) -> Frame:
 
 @frame.register
 def _(noun: Fit) -> Frame:
-    """One row per parameter of the arms, with its standard error and 95 % interval."""
+    """One row per parameter of the solid, with its standard error and 95 % interval."""
+    if noun.family == "fractional":
+        return _of_element(noun)
     model, error, ends = noun.model, noun.standard_error, noun.intervals()
     rows = [("k_inf", model.k_inf, error["k_inf"], *ends["k_inf"], noun.unit)]
     for j in range(model.arms):
@@ -168,6 +170,17 @@ def _(noun: Fit) -> Frame:
     return _frame(
         parameter=(list(names), ""), value=(value, ""), standard_error=(se, ""), low=(low, ""),
         high=(high, ""), unit=(list(units), ""),
+    )  # fmt: skip
+
+
+def _of_element(noun: Fit) -> Frame:
+    own, ends = noun.solid_standard_error, noun.solid_intervals()
+    units = {"k_inf": noun.unit, "k_0": noun.unit, "tau": "s", "alpha": ""}
+    rows = [(getattr(noun.solid, name), own[name], *ends[name]) for name in units]
+    value, se, low, high = (_column(column) for column in zip(*rows, strict=True))
+    return _frame(
+        parameter=(list(units), ""), value=(value, ""), standard_error=(se, ""), low=(low, ""),
+        high=(high, ""), unit=(list(units.values()), ""),
     )  # fmt: skip
 
 

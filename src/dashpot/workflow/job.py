@@ -104,6 +104,7 @@ class Job:
     arms : int or "auto"
     method : "full" or "hold"
     law : "auto", "linear" or "nonlinear"
+    family : "maxwell", "fractional" or "auto"
     cuts : Cuts
         Of the relaxation test, by hand.
     band : (float, float) or None
@@ -132,6 +133,7 @@ class Job:
     arms: int | Literal["auto"] = "auto"
     method: Literal["full", "hold"] = "full"
     law: Literal["auto", "linear", "nonlinear"] = "auto"
+    family: Literal["maxwell", "fractional", "auto"] = "maxwell"
     cuts: Cuts = field(default_factory=Cuts)
     band: tuple[float, float] | None = None
     filter: str | None = None

@@ -26,9 +26,11 @@ from dashpot.workflow.resting import (
     LIMIT_LINES,
     AtRest,
     at_rest,
+    family_checks,
     formal_limits,
     frf_limits,
     rest_checks,
+    rival_modes,
 )
 
 
@@ -121,6 +123,7 @@ def predict_files(
     solid = seals * rests.point.solid(here)
     frf = predict_frf(solid, mass=moving, frequency=np.linspace(*band, lines), kind=kind)
     modes = model_modes(solid, moving)
+    rival = rival_modes(here, rests.point, mass=moving, seals=seals)
     limits = None
     if records:
         tests = prepared_files(records, machine=machine, options=options)
@@ -152,9 +155,8 @@ def predict_files(
         "unit": frf.unit,
         **rests.document,
         "peak": {"frequency_hz": peak[0], "value": peak[1], "at_edge": at_edge},
-        "modes": [
-            {"frequency_hz": mode.frequency, "damping_ratio": mode.damping_ratio} for mode in modes
-        ],
+        "modes": _listed(modes),
+        "alternative": _rival(here, rival),
         "band_hz": list(here.band),
         "extrapolated": any(not here.band[0] <= mode.frequency <= here.band[1] for mode in modes),
         "frequency_hz": frf.frequency.tolist(),
@@ -170,8 +172,22 @@ def predict_files(
         if temperature is None or found.temperatures is None
         else (temperature_tested(found.temperatures, temperature),)
     )
-    checks = (*found.checks, *asked, noted, *rested, prediction_informed(felt, here.band))
+    told = family_checks(here, rests.point, mass=moving, seals=seals)
+    informed = prediction_informed(felt, here.band)
+    checks = (*found.checks, *asked, noted, *rested, informed, *told)
     return Prediction(frf, modes, peak, at_edge, limits, checks, rests, document)
+
+
+def _listed(modes: Iterable[Mode]) -> list[dict[str, float]]:
+    return [{"frequency_hz": mode.frequency, "damping_ratio": mode.damping_ratio} for mode in modes]
+
+
+def _rival(found: Fit, modes: Sequence[Mode]) -> dict[str, Any] | None:
+    """What the other family of solids that explains the test makes of the resonance."""
+    other = found.alternative
+    if other is None or not other.explains:
+        return None
+    return {"family": other.family, "modes": _listed(modes)}
 
 
 def _plain(

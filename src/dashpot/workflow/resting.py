@@ -15,11 +15,13 @@ from dashpot.base.checks import Check
 from dashpot.fitting.uncertainty.prediction_bounds import formal_frf_band
 from dashpot.records.bounds import FRFBounds
 from dashpot.records.fit import Fit
+from dashpot.records.frf import Mode
 from dashpot.records.relaxation import RampHold
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.checks import compression_tested, mass_of_a_block
 from dashpot.vibration.systems.operating_point import OperatingPoint, operating_point
 from dashpot.vibration.systems.prediction import model_modes
+from dashpot.workflow.checks import families_predict_alike
 
 # standard errors to either side of a tangent
 REACH = 1.96
@@ -211,6 +213,27 @@ def _enveloped(each: Sequence[FRFBounds], own: FloatArray, formal: FloatArray) -
         peak_frequency=ends([one.peak_frequency for one in each]),
         peak_height=ends([one.peak_height for one in each]),
     )
+
+
+def rival_modes(
+    found: Fit, point: OperatingPoint, *, mass: float, seals: float
+) -> tuple[Mode, ...]:
+    """Modes of a mass on the other family of solids, if one explains the tests as well."""
+    other = found.alternative
+    if other is None or not other.explains:
+        return ()
+    return model_modes(seals * point.solid(replace(found, solid=other.solid)), mass)
+
+
+def family_checks(
+    found: Fit, point: OperatingPoint, *, mass: float, seals: float
+) -> tuple[Check, ...]:
+    """Whether another family of solids, where one was fitted, foretells the same resonance."""
+    if found.alternative is None:
+        return ()
+    own = model_modes(seals * point.solid(found), mass)
+    rival = rival_modes(found, point, mass=mass, seals=seals)
+    return (families_predict_alike(next(iter(own), None), next(iter(rival), None)),)
 
 
 def formal_limits(

@@ -38,7 +38,7 @@ from dashpot.workflow.checks import hold_fit_possible, prediction_informed
 from dashpot.workflow.impacts import held_against, read_measured, total_mass, weighed
 from dashpot.workflow.job import Cuts, Job
 from dashpot.workflow.prepared import answered_in
-from dashpot.workflow.resting import AtRest, at_rest, frf_limits, rest_checks
+from dashpot.workflow.resting import AtRest, at_rest, family_checks, frf_limits, rest_checks
 from dashpot.workflow.shifting import each_specimen
 
 COMPARED_ORDERS = (1, 2)
@@ -192,6 +192,7 @@ def characterise(
     arms: int | Literal["auto"] = "auto",
     method: Method = "full",
     law: LawName = "auto",
+    family: Literal["maxwell", "fractional", "auto"] = "maxwell",
     cuts: Cuts | None = None,
     band: Range | None = None,
     filter: str | None = None,
@@ -216,7 +217,7 @@ def characterise(
         kg; inferred from `measured`, and labelled so, if missing.
     seals : float
         How many of the tested seals carry the mass; a fraction is a shorter piece.
-    arms, method, law, filter, cycle, machine
+    arms, method, law, family, filter, cycle, machine
         As in :func:`~dashpot.fitting.relaxation.fit` and
         :func:`~dashpot.preparation.prepare.prepare`.
     cuts : Cuts, optional
@@ -241,7 +242,7 @@ def characterise(
         prepare(one, filter=filter, machine=machine, cycle=cycle, **by_hand)
         for one in (test, *further)
     ]
-    chosen = fit(every, arms=arms, method=method, law=law)
+    chosen = fit(every, arms=arms, method=method, law=law, family=family)
     # what is shown is of the temperature of the solid
     first = _of_solid(chosen, every)
     test, prepared = (test, *further)[first], every[first]
@@ -278,7 +279,9 @@ def characterise(
         fit=chosen,
         alternatives=tuple(
             # they are drawn, not judged
-            chosen if chosen.model.arms == n else fit(prepared, arms=n, intervals=False)
+            chosen
+            if chosen.few_arms is chosen.model and chosen.model.arms == n
+            else fit(prepared, arms=n, intervals=False)
             for n in COMPARED_ORDERS
         ),
         hold_fit=hold_fit,
@@ -299,7 +302,7 @@ def characterise(
         else dynamic_stiffness(measured, mass, seals=seals, band=band),
         frf_band=bounds,
         at_rest=rests,
-        checks=(*checks, *_untested(prediction, chosen, measured, rests, mass)),
+        checks=(*checks, *_untested(prediction, chosen, measured, rests, mass=mass, seals=seals)),
         further=tuple(one for i, one in enumerate(every) if i != first),
     )
 
@@ -343,6 +346,7 @@ def run(job: Job) -> Study:
         arms=job.arms,
         method=job.method,
         law=job.law,
+        family=job.family,
         cuts=job.cuts,
         band=job.band,
         filter=job.filter,
@@ -375,13 +379,19 @@ def _untested(
     chosen: Fit,
     measured: FRF | None,
     rests: AtRest | None,
+    *,
     mass: float | None,
+    seals: float,
 ) -> tuple[Check, ...]:
     """Ask of a prediction that no hammer has tested whether a test informs it."""
     if prediction is None or measured is not None or rests is None or mass is None:
         return ()
     informed = prediction_informed(find_peak(prediction).frequency, chosen.band)
-    return (*rest_checks(rests.point, mass), informed)
+    return (
+        *rest_checks(rests.point, mass),
+        informed,
+        *family_checks(chosen, rests.point, mass=mass, seals=seals),
+    )
 
 
 def _prediction_bounds(
@@ -411,6 +421,6 @@ def _mass_of(joint: Fit, mass: float) -> float:
 def _by_the_paper(prepared: RampHold, chosen: Fit) -> tuple[Fit | None, tuple[Check, ...]]:
     """Return the fit of the paper's eq. (5), or the reason why this record does not allow it."""
     try:
-        return fit(prepared, arms=chosen.model.arms, method="hold"), ()
+        return fit(prepared, arms=chosen.few_arms.arms, method="hold"), ()
     except (DataError, FitError) as error:
         return None, (hold_fit_possible(str(error)),)

@@ -314,8 +314,14 @@ def _relaxations(
     records: Sequence[RampHold], fit: Fit | None
 ) -> tuple[Fit | None, tuple[RelaxationData, ...]]:
     if not records:
+        if fit is not None and fit.family != "maxwell":
+            raise FitError(
+                "the earlier fit is of a fractional solid, and what the hammer adds is an arm: "
+                "give its relaxation tests with it, or a fit of family maxwell"
+            )
         return fit, ()
-    before = fit if fit is not None else fit_tests(list(records))
+    # arms are matched to arms: of a fractional solid, those of the same tests
+    before = fit if fit is not None and fit.family == "maxwell" else fit_tests(list(records))
     same = len(records) == 1 and before.method in {"full", "hold"}
     alone = [before] if same else [fit_tests(record) for record in records]
     return before, tuple(
