@@ -891,6 +891,18 @@ WORKFLOW = [
         0.999,
         1.001,
     ),
+    Case(
+        "families_predict_alike",
+        lambda x: workflow.families_predict_alike(MODE, Mode(10.0, x * 0.05, 1j)),
+        1.0999,
+        1.1001,
+    ),
+    Case(
+        "families_predict_alike",
+        lambda x: workflow.families_predict_alike(MODE, Mode(x, 0.05, 1j)),
+        10.099,
+        10.101,
+    ),
     Case("hold_fit_possible", lambda _: workflow.hold_fit_possible("two ramps"), None, 0),
     Case("history_present", workflow.history_present, 1, 0),
     Case("history_complete", lambda x: workflow.history_complete(1, torn=bool(x)), 0, 1),
@@ -1017,6 +1029,7 @@ LIMITS = {
     },
     "workflow": {
         "result_recomputed": 1e-7, "prediction_informed": 1, "history_present": 1,
+        "families_predict_alike": 1.1,
         "files_listed": 0, "page_redrawn": 0, "history_whole": 0,
     },
 }  # fmt: skip

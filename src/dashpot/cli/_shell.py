@@ -264,8 +264,8 @@ def read_model(path: str) -> tuple[dp.GeneralizedMaxwell, TemperatureLaw | None]
     found = _read(path)
     if isinstance(found, dp.Fit):
         return found.model, found.temperature_law
-    if isinstance(found, dp.GeneralizedMaxwell):
-        return found, None
+    if isinstance(found, dp.GeneralizedMaxwell | dp.FractionalZener | dp.Parallel):
+        return found.maxwell, None
     raise ReadError(f"{path} holds a {type(found).__name__}; expected a fit or a model")
 
 

@@ -321,16 +321,20 @@ def _checks(found: Chosen, data: DynamicTest, records: Sequence[RampHold]) -> tu
         shortest = min(shortest, *(2 * float(np.diff(one.time).min()) for one in records))
         longest = max(longest, *(one.hold_time for one in records))
     of_arms = (
-        arms_distinct(model),
-        arms_supported(model, error, unit=data.unit),
-        tau_inside_window(
-            model,
-            (shortest / _BEYOND, longest * _BEYOND),
-            "the sweep and the holds" if records else "the sweep",
-        ),
+        []
+        if isinstance(found, ChosenElement)
+        else [
+            arms_distinct(model),
+            arms_supported(model, error, unit=data.unit),
+            tau_inside_window(
+                model,
+                (shortest / _BEYOND, longest * _BEYOND),
+                "the sweep and the holds" if records else "the sweep",
+            ),
+        ]
     )
     answers = [
-        *(() if isinstance(found, ChosenElement) else of_arms),
+        *of_arms,
         plateau_seen(model, float(error[0]), unit=data.unit, further="sweep to lower frequencies"),
         residuals_random(estimate.kappa, estimate.rms),
         *([] if found.choice is None else [order_agreed(found.choice)]),

@@ -107,6 +107,11 @@ class Profile(ByValue):
     deviance: FloatArray
 
     def __post_init__(self) -> None:
+        if len(self.value) != len(self.deviance) or not len(self.value):
+            raise DataError(
+                f"the profile of {self.parameter} has {len(self.value)} values and "
+                f"{len(self.deviance)} deviances; expected one of each, or more"
+            )
         object.__setattr__(self, "value", frozen(np.asarray(self.value, dtype=float)))
         object.__setattr__(self, "deviance", frozen(np.asarray(self.deviance, dtype=float)))
 

@@ -162,8 +162,8 @@ class FractionalZener(Solid):
     b : float
         Parallel dashpot, N s/m, >= 0.
 
-    Source: R. L. Bagley and P. J. Torvik, *AIAA J.* 21 (1983); S. W. Park, *Int. J. Solids
-    Structures* 38 (2001).
+    Source: R. L. Bagley and P. J. Torvik, *AIAA J.* 21 (1983); S. W. Park,
+    *Int. J. Solids Struct.* 38 (2001).
 
     >>> seal = FractionalZener(200.0, 500.0, tau=0.05, alpha=0.5)
     >>> round(seal.loss_factor(2 * np.pi * 12.71), 6)

@@ -280,7 +280,7 @@ def characterise(
         alternatives=tuple(
             # they are drawn, not judged
             chosen
-            if chosen.few_arms is chosen.model and chosen.model.arms == n
+            if chosen.family == "maxwell" and chosen.model.arms == n
             else fit(prepared, arms=n, intervals=False)
             for n in COMPARED_ORDERS
         ),
