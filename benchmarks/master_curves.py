@@ -4,7 +4,8 @@ Run: OMP_NUM_THREADS=1 python benchmarks/master_curves.py [FOLDER OF REAL MEASUR
 
 The norm: root mean square, and largest, of model/data - 1, over every value of E(t), or of E' and
 E'' alike. Terms without an instantaneous modulus get the one that serves them best on this norm.
-Times are medians of thread CPU milliseconds. Peers: pyvisco and lmfit if they can be imported;
+Times are medians of thread CPU milliseconds. Peers: pyvisco, mastercurves and lmfit if they can be
+imported (pip install pyvisco mastercurves lmfit, in an environment of its own);
 the terms that a commercial FE code found for the same data, and the answers that pyReSpect's own
 tests state, come with the data.
 """
@@ -25,10 +26,17 @@ from dashpot.fitting.checks.curves import kramers_kronig
 from dashpot.fitting.dynamic import fit_dynamic
 from dashpot.fitting.modulus import fit_modulus
 from dashpot.fitting.spectrum import dynamic_master_curve, master_curve, passive_misfit
+from dashpot.fitting.superposition.superpose import superpose
+from dashpot.io.options import ReadOptions
 from dashpot.io.readers.dynamic import read_dynamic
+from dashpot.io.readers.modulus import read_modulus
+from dashpot.io.readers.shifts import read_shifts
 from dashpot.records.dynamic import DynamicTest
+from dashpot.records.modulus import RelaxationModulus
+from dashpot.records.temperature import Shift
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import BROAD
+from dashpot.solids.temperature import WLF
 
 DEFAULT = Path(__file__).resolve().parents[2] / "shared" / "data"
 
@@ -202,6 +210,118 @@ def listed_terms(model: GeneralizedMaxwell) -> str:
     return ", ".join(f"g {k:.7g} at tau {tau:.7g}" for k, tau in pairs)
 
 
+# -- shift factors --------------------------------------------------------------------------------
+
+
+def shift_factors(folder: Path) -> None:
+    """Of 21 published temperatures, and of nine simulated ones whose truth is known."""
+    curve = read_modulus(folder / "time_user_raw.csv", options=ReadOptions(modulus="E_relax"))
+    published = read_shifts(folder / "time_user_raw__shift_factors.csv")
+    beside("published moduli, 21 temperatures; a step against the published ones", curve, published)
+    sweep = read_dynamic(folder / "freq_user_raw.csv")
+    beside("published storage and loss, 21 temperatures; as above", sweep, published)
+
+
+def simulated_shifts() -> None:
+    reference, tau = 293.15, np.logspace(-8, 4, 49)
+    share = np.exp(-0.5 * ((np.log10(tau) + 2) / 2) ** 2)
+    h = 2e9 * share / share.sum()
+    kelvin = reference + np.arange(-40.0, 41.0, 10.0)
+    true = WLF(8.0, 110.0, reference).log10_a_t(kelvin)
+    normal = np.random.default_rng(0).standard_normal
+    t, f = np.geomspace(1.0, 100.0, 14), np.geomspace(0.1, 10.0, 14)
+    decay = [3e6 + np.exp(-t[:, None] / (tau * 10**a)) @ h for a in true]
+    z = [2j * np.pi * f[:, None] * tau * 10**a for a in true]
+    value = np.concatenate([3e6 + (one / (1 + one)) @ h for one in z])
+    value = value + 0.01 * np.abs(value) * (normal(len(value)) + 1j * normal(len(value)))
+    warm = np.repeat(kelvin, 14)
+    moduli = np.concatenate(decay) * (1 + 0.01 * normal(len(warm)))
+    known = [Shift(k, a, 0.0) for k, a in zip(kelvin, true, strict=True)]
+    curve = RelaxationModulus(np.tile(t, 9), moduli, temperature=warm)
+    beside("simulated moduli, 9 temperatures, 1 % noise; a step against the truth", curve, known)
+    data = DynamicTest(np.tile(f, 9), value.real, value.imag, warm)
+    beside("simulated storage and loss; as above", data, known)
+
+
+def beside(title: str, data: DynamicTest | RelaxationModulus, known: Any) -> None:
+    """Shifts of each method: error of its steps, what they leave on one spectrum, time."""
+    print(f"\n{title}\n{'':34s} rms, decades  largest  on one spectrum, rms %        ms")
+    found, spent = timed(lambda: superpose(data), repeats=3)
+    methods = [("known shifts", known, None), ("dashpot", found.temperatures.shifts, spent)]
+    tested = np.array([one.temperature for one in found.temperatures.shifts])
+    for name, peer in (("pyvisco", pyvisco_shifts), ("mastercurves", mastercurves_shifts)):
+        start = time.thread_time()
+        try:
+            log10 = quiet(lambda peer=peer: peer(data, tested))
+        except ImportError:
+            print(f"{name:34s} (not installed)")
+            continue
+        except RuntimeError as error:
+            print(f"{name:34s} fails: {error}")
+            continue
+        spent = 1e3 * (time.thread_time() - start)
+        theirs = [Shift(k, a, 0.0) for k, a in zip(tested, log10, strict=True)]
+        methods.append((name, theirs, spent))
+    truth = steps(known, tested)
+    for name, shifts, spent in methods:
+        off = steps(shifts, tested) - truth
+        left = superpose(data, shifts=shifts).rms
+        cost = "" if spent is None else f"{spent:9.0f}"
+        print(f"{name:34s} {np.sqrt(np.mean(off**2)):12.3f} {np.abs(off).max():8.3f} "
+              f"{100 * left:21.3f}  {cost}")  # fmt: skip
+
+
+def steps(shifts: Any, tested: np.ndarray) -> np.ndarray:
+    """Differences of log10 a_T between neighbouring temperatures."""
+    known = np.array([one.temperature for one in shifts])
+    nearest = [shifts[int(np.argmin(np.abs(known - kelvin)))].log10_a_t for kelvin in tested]
+    return np.diff(nearest)
+
+
+def blocks(data: DynamicTest | RelaxationModulus, tested: np.ndarray) -> list[np.ndarray]:
+    """Rows of time or frequency, modulus (and loss), of each temperature, rising."""
+    nearest = np.argmin(np.abs(data.temperature[:, None] - tested), axis=1)
+    names = (
+        ("frequency", "storage", "loss") if isinstance(data, DynamicTest) else ("time", "modulus")
+    )
+    rows = np.column_stack([getattr(data, name) for name in names])
+    parts = [rows[nearest == i] for i in range(len(tested))]
+    return [part[np.argsort(part[:, 0])] for part in parts]
+
+
+def pyvisco_shifts(data: DynamicTest | RelaxationModulus, tested: np.ndarray) -> np.ndarray:
+    """Its sequential overlay of power laws, with its defaults."""
+    from pyvisco import load, master
+
+    of_time = isinstance(data, RelaxationModulus)
+    head = "t,E_relax,T,Set\ns,MPa,C,-" if of_time else "f,E_stor,E_loss,T,Set\nHz,MPa,MPa,C,-"
+    rows = []
+    for number, (kelvin, part) in enumerate(zip(tested, blocks(data, tested), strict=True)):
+        # its files list times from the longest, as frequencies rise
+        for one in part[::-1] if of_time else part:
+            rows.append([one[0], *(1e-6 * one[1:]), round(kelvin - 273.15), number])
+    body = "\n".join(",".join(f"{value:.10g}" for value in row) for row in rows)
+    domain = "time" if of_time else "freq"
+    raw, temperatures = load.user_raw(f"{head}\n{body}\n".encode(), domain, "E")[:2]
+    middle = float(temperatures.iloc[len(temperatures) // 2])
+    return np.asarray(master.get_aT(raw, middle)[0]["log_aT"], dtype=float)
+
+
+def mastercurves_shifts(data: DynamicTest | RelaxationModulus, tested: np.ndarray) -> np.ndarray:
+    """Its Gaussian processes, pair by pair, a step of up to four decades; of sweeps the storage."""
+    from mastercurves import MasterCurve
+    from mastercurves.transforms import Multiply
+
+    found = MasterCurve()
+    parts = blocks(data, tested)
+    x, y = ([np.log(part[:, j]) for part in parts] for j in (0, 1))
+    found.add_data(x, y, list(tested))
+    found.add_htransform(Multiply(bounds=(1e-4, 1e4)))
+    found.superpose()
+    factor = np.log10(np.array(found.hparams[0], dtype=float))
+    return factor if isinstance(data, DynamicTest) else -factor
+
+
 # -- a sweep and a hold together ------------------------------------------------------------------
 
 
@@ -239,8 +359,10 @@ def main() -> None:
         over_time(data / "pyvisco-master-curves")
         over_frequency(data / "pyvisco-master-curves")
         known_answers(data / "pyrespect-time-tests")
+        shift_factors(data / "pyvisco-master-curves")
     else:
         print(f"no real measurements at {data}; give their folder as the first argument")
+    simulated_shifts()
     together()
 
 

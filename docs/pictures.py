@@ -62,6 +62,7 @@ def _drawn(files: dict[str, Path]) -> dict[str, dp.plot.Picture]:
         "comparison": dp.plot.comparison(
             study.comparison, joint=study.joint_comparison, band=study.frf_band
         ),
+        "superposition": dp.superpose(dp.read_dynamic(files["sweeps.csv"])).plot(),
         "elastic_law": dp.plot.elastic_law(depths),
         "columns": dp.inspect_file(files["seal_8mm.csv"]).plot(),
     }

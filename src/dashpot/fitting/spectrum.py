@@ -288,7 +288,7 @@ def dense_where_few_fail(
     dense = spectrum()
     if dense.rms > _MUCH_BETTER * missed:
         return few
-    return _dense(few, (missed, FOLLOWED), dense, len(error), of_data)
+    return _dense(few, (missed, None), dense, len(error), of_data)
 
 
 def shared_where_few_fall_short(
@@ -303,7 +303,11 @@ def shared_where_few_fall_short(
 
 
 def _dense(
-    few: Fit, missed: tuple[float, float], dense: Dense, values: int, of_data: Sequence[Check]
+    few: Fit,
+    missed: tuple[float, float | None],
+    dense: Dense,
+    values: int,
+    of_data: Sequence[Check],
 ) -> Fit:
     """Return the fit with a dense spectrum in the place of arms that miss more than a limit."""
     check = few_arms_suffice(

@@ -17,7 +17,9 @@ from dashpot.io.write import write_impact, write_relaxation
 from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.simulation.relaxation import Climate, Rig, simulate_relaxation
 from dashpot.simulation.truth import stamp
+from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import BROAD
+from dashpot.solids.temperature import WLF
 
 MASS = 0.1148
 """Of the block under the hammer, kg: 114.8 g on two seals."""
@@ -85,6 +87,27 @@ def _curve() -> str:
     return "\n".join([*head, *rows, ""])
 
 
+def _sweeps() -> str:
+    """Sweeps of a filled rubber at nine temperatures, 0.5 % noisy, MPa."""
+    tau = np.logspace(-9, 3, 37)
+    share = np.exp(-0.5 * ((np.log10(tau) + 4) / 2.2) ** 2)
+    rubber = GeneralizedMaxwell(4.0, tuple(1500 * share / share.sum()), tuple(tau))
+    law, draw = WLF(7.0, 120.0, 296.15), np.random.default_rng(3).standard_normal
+    frequency = np.geomspace(0.1, 20.0, 12)
+    rows = []
+    for celsius in range(-25, 56, 10):
+        kelvin = celsius + 273.15
+        solid = rubber.shifted(float(law.a_t(kelvin)), kelvin / law.reference)
+        value = solid.complex_stiffness(2 * np.pi * frequency)
+        value = value + 0.005 * np.abs(value) * (draw(12) + 1j * draw(12))
+        rows += [
+            f"{f:.6g},{v.real:.6g},{v.imag:.6g},{celsius + 0.05 * draw():.2f}"
+            for f, v in zip(frequency, value, strict=True)
+        ]
+    head = "frequency [Hz],storage modulus [MPa],loss modulus [MPa],temperature [degC]"
+    return "\n".join([f"# {byline('simulated dynamic test')}", "# simulated", head, *rows, ""])
+
+
 def _line() -> str:
     """A quarter of a door: x, y, z, mm."""
     angle = np.linspace(0.0, np.pi / 2, 13)
@@ -105,6 +128,7 @@ CAPTIONS: Mapping[str, str] = MappingProxyType(
         "short_hold.csv": "a hold of 3 s, too short for the slow arms",
         "clipped.csv": "a load cell that clips: a test not to be used",
         "sweep.csv": "storage and loss over frequency, as a dynamic testing machine writes them",
+        "sweeps.csv": "such sweeps of a rubber at nine temperatures, for a master curve",
         "curve.csv": 'a relaxation modulus over time, for dashpot fit --modulus "E(t)"',
         "line.csv": "x, y, z of a seal along a quarter of a door, for dashpot export --line",
     }
@@ -127,6 +151,7 @@ EXAMPLES: Mapping[str, Callable[[], str]] = MappingProxyType(
         "short_hold.csv": _seal(4, hold=3.0),
         "clipped.csv": _clipped,
         "sweep.csv": _sweep,
+        "sweeps.csv": _sweeps,
         "curve.csv": _curve,
         "line.csv": _line,
     }

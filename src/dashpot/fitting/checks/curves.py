@@ -116,13 +116,19 @@ def plateau_seen(model: GeneralizedMaxwell, se: float, *, unit: str, further: st
     )
 
 
-@criterion("rms error of the fit", "<", FOLLOWED)
+@criterion(
+    "rms error of the fit",
+    "<",
+    FOLLOWED,
+    otherwise="note where several temperatures share the spectrum",
+)
 def few_arms_suffice(
-    missed: float, arms: int, most: int, dense: tuple[int, float], limit: float = FOLLOWED
+    missed: float, arms: int, most: int, dense: tuple[int, float], limit: float | None = None
 ) -> Finding:
     """Few arms follow the curves.
 
-    `dense` holds arms and rms of the dense spectrum.
+    `dense` holds arms and rms of the dense spectrum; `limit` is of one that several temperatures
+    share.
     """
     return Finding(
         f"{arms} arms follow the curves",
@@ -130,7 +136,8 @@ def few_arms_suffice(
         instead=f"no number of arms up to {most} follows the curves: {arms} leave "
         f"{100 * missed:.2g} % rms. This is the dense spectrum on an even grid, {dense[0]} arms "
         f"that leave {100 * dense[1]:.2g} %: a table for a solver, whose single arms mean nothing",
-        limit=limit,
+        limit=limit or FOLLOWED,
+        grade="note" if limit else None,
     )
 
 
