@@ -38,6 +38,7 @@ from dashpot.fitting.fit_data import First, FitData, determinable_arms, one_more
 from dashpot.fitting.fractional.choice import Choice as FamilyChoice
 from dashpot.fitting.fractional.choice import (
     ChosenElement,
+    beside_bent,
     checked_family,
     chosen_family,
     element,
@@ -220,18 +221,19 @@ def fit(
         if not sound:
             bent = ramp_law(records, law=law, arms=count)
             if not bent.sound:
-                return _by_ramp(records, bent, count)
+                found = _by_ramp(records, bent, count)
+                return found if one is None else beside_bent(found, bent.residuals, one)
     if point and count is not None:
         return _point(records, first or weighed(data, count, only=True), design, count)
-    found = chosen_arms(data, arms, max_arms=max_arms, thorough=thorough, first=first)
+    chosen = chosen_arms(data, arms, max_arms=max_arms, thorough=thorough, first=first)
     both = None
     if family != "maxwell":
-        both = chosen_family(found, one or element(found.data), family)
-        found = both.best
+        both = chosen_family(chosen, one or element(chosen.data), family)
+        chosen = both.best
     if method == "hold":
         doubts = [record.depth_doubt for record in records]
-        found = found.with_depth_doubt(doubts, shared=not depth_law)
-    return _assembled(holds, found, design, both, thorough=thorough)
+        chosen = chosen.with_depth_doubt(doubts, shared=not depth_law)
+    return _assembled(holds, chosen, design, both, thorough=thorough)
 
 
 def _temperatures(records: Sequence[RampHold], design: Design) -> FloatArray:

@@ -35,7 +35,7 @@ from dashpot.fitting.pipeline import Chosen
 from dashpot.fitting.uncertainty.estimate import estimated, rounding
 from dashpot.records.alternative import Alternative
 from dashpot.records.estimate import ELEMENT, Profile
-from dashpot.records.fit import OrderScore
+from dashpot.records.fit import Fit, OrderScore
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
@@ -186,7 +186,7 @@ class Choice:
     bic : float
         Of the other, less that of the best.
     explains : bool
-        What the other leaves may be chance.
+        What the other leaves may be chance, or BIC does not tell the two apart.
     """
 
     best: Chosen
@@ -232,7 +232,8 @@ def chosen_family(arms: Chosen, one: ChosenElement, family: str) -> Choice:
         best, others = element, several
     else:
         best, others = taken, [element]
-    explain = [other for other in others if explained(other, best)]
+    least = criterion(best) + VERY_STRONG
+    explain = [other for other in others if criterion(other) < least or explained(other, best)]
     other = (explain or others)[0]
     return Choice(
         best=one if best is element else arms,
@@ -266,6 +267,35 @@ def _of_orders(arms: Chosen) -> list[_Candidate]:
     ]
 
 
+def beside_bent(bent: Fit, left: Sequence[FloatArray], one: ChosenElement) -> Fit:
+    """Return a fit hold first that says what a linear fractional solid makes of the same tests.
+
+    Parameters
+    ----------
+    bent : Fit
+    left : sequence of array
+        What it leaves of each test, up to the end of the hold, N.
+    one : ChosenElement
+        Of the same tests.
+    """
+    pairs = [
+        (mine[-min(len(mine), len(other)) :], other[-min(len(mine), len(other)) :])
+        for mine, other in zip(left, one.estimate.residuals, strict=True)
+    ]
+    sse = np.array([[part @ part for part in pair] for pair in pairs]).sum(axis=0)
+    effective = one.estimate.effective
+    fall = effective * float(np.log(sse[1] / max(sse[0], 1e-300)))
+    law = bent.elastic_law
+    parameters = len(bent.parameters) + len(bent.nuisance) + (len(law.knots) if law else 0)
+    rise = fall + (len(one.estimate.names) - parameters) * float(np.log(effective))
+    explains = rise < VERY_STRONG or not needed(fall, 1)
+    apart = parts_from(bent.solid, one.solid, bent.band)
+    says = _says(bent.solid, one.solid, apart, rise, explains=explains, unit=bent.unit)
+    other = Alternative(one.solid, rise, explains, apart, says)
+    checks = (*bent.checks, families_told_apart(other))
+    return replace(bent, evidence=replace(bent.evidence, alternative=other, checks=checks))
+
+
 def family_checks(both: Choice, other: Alternative | None) -> tuple[Check, ...]:
     """Return what to ask of a solid that was taken beside another family."""
     answers = []
@@ -287,8 +317,12 @@ def named(found: Chosen) -> str:
 
 
 def parts_from(one: Solid, other: Solid, band: tuple[float, float]) -> float | None:
-    """Return the lowest frequency, Hz, from which on two solids differ materially, if any."""
-    low, high = max(band[0], 1e-6), max(10 * band[1], HEARD)
+    """Return the lowest frequency, Hz, at which two solids differ materially, if any.
+
+    From the middle of `band`, what the data inform, Hz, to where parts vibrate.
+    """
+    # the slow half of what the data inform is of the end of the hold, not of vibration
+    low, high = max(float(np.sqrt(band[0] * band[1])), 1e-6), max(10 * band[1], HEARD)
     count = int(np.ceil(_LINES * np.log10(high / low))) + 1
     f = np.geomspace(low, high, count)
     apart = np.flatnonzero(_apart(one, other, f))
