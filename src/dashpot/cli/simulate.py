@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @click.command("simulate")
-@click.argument("what", type=click.Choice(["relaxation", "impact"]))
+@click.argument("what", type=click.Choice(["relaxation", "creep", "impact"]))
 @click.option(
     "--model",
     default="paper",
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the noise.")
 @click.option("--noise-free", is_flag=True, help="No noise, drift, bias, hum or quantum.")
 @click.option("--depth", type=Quantity("length"), default="8mm", show_default=True)
+@click.option("--load", type=Quantity("force"), default="1N", show_default=True, help="Of creep.")
 @click.option("--ramp", type=Quantity("time"), default="1s", show_default=True)
 @click.option("--hold", type=Quantity("time"), default="40s", show_default=True)
 @click.option(
@@ -48,14 +49,16 @@ if TYPE_CHECKING:
 @options.force
 @reports
 def command(*, what: str, output: str, **choices: Any) -> Outcome:
-    """Simulate a relaxation or an impact test; the truth stands beside it in FILE.truth.json.
+    """Simulate a relaxation, creep or impact test; the truth stands beside it in FILE.truth.json.
 
     \b
     dashpot simulate relaxation --model paper -o seal_8mm.csv
+    dashpot simulate creep --load 1N --ramp 1s --hold 60s -o creep.csv
     dashpot simulate impact --model broad --hits 5 -o hammer.csv
     dashpot simulate relaxation --model broad --temperature 0degC -o cold.csv
     """
-    made = relaxation if what == "relaxation" else impact
+    tests: dict[str, Any] = {"relaxation": relaxation, "creep": creep, "impact": impact}
+    made = tests[what]
     document = {"schema": "dashpot/simulated@1", "what": what, "file": output, "truth": None}
     if output == "-":
         text, _ = made(**choices)
@@ -112,6 +115,29 @@ def relaxation(
         climate=_climate(known, temperature, wlf),
     )  # fmt: skip
     return write_relaxation(made.test, comments=room.stamp(made.truth)), room.truth_json(made.truth)
+
+
+def creep(
+    *,
+    model: str,
+    load: float = 1.0,
+    ramp: float = 1.0,
+    hold: float = 40.0,
+    rate: float | None = None,
+    noise_free: bool = False,
+    seed: int = 0,
+    **_: object,
+) -> tuple[str, str]:
+    """Return a simulated creep test as CSV, and its truth as JSON."""
+    from dashpot.io.write import write_relaxation
+
+    room = dp.simulation
+    made = room.simulate_creep(
+        seal(model).solid, load=load, ramp_time=ramp, hold_time=hold, seed=seed,
+        rig=_chosen(room.Rig(), noise_free=noise_free, rate=rate),
+    )  # fmt: skip
+    comments = (*room.stamp(made.truth), "creep test: the force is held")
+    return write_relaxation(made.test, comments=comments), room.truth_json(made.truth)
 
 
 def impact(

@@ -50,6 +50,7 @@ from dashpot.preparation.segments import find_segments
 from dashpot.records.creep import Creep, CreepCompliance, CreepTest, LoadHold
 from dashpot.records.fit import Fit, Provenance
 from dashpot.records.machine import TOLD_DRIFT, UNKNOWN_DRIFT
+from dashpot.records.relaxation import quantum
 
 _NUISANCE = ("offset", "drift", "delay")
 # retardations of the first solution, which tells the velocity
@@ -63,6 +64,8 @@ _TIGHTEST = 1e-5
 _RESOLVED = 4.0
 # loads this far apart, in parts of the highest, are two levels
 _APART = 0.2
+# standard deviation of a reading in counts
+_OF_A_COUNT = 12**-0.5
 # a fit that expects less than this part of a value does not follow it: no ground for a weight
 _DOUBTED = 0.1
 
@@ -169,13 +172,18 @@ def _known(record: LoadHold) -> _Known:
     time, x = record.time - record.time[0], record.displacement
     first = int(np.searchsorted(record.time, record.onset))
     travel = float(np.ptp(x))
-    noise = record.displacement_noise
-    usual = UNKNOWN_DRIFT * travel / (record.time[-1] - record.onset)
+    count = quantum(x)
+    noise = max(record.displacement_noise, _OF_A_COUNT * count)
+    # load cell and displacement both drift
+    usual = np.sqrt(2) * UNKNOWN_DRIFT * travel / (record.time[-1] - record.onset)
     drift = Prior(0.0, usual)
     if first >= _FEWEST:
-        offset, at, slope = at_rest(time[:first], x[:first], noise)
-        if slope.sd < TOLD_DRIFT / UNKNOWN_DRIFT * usual:
-            drift = slope
+        offset, at, slope = at_rest(time[:first], x[:first], record.displacement_noise)
+        # a reading that stands on one count hides a part of the next
+        offset = Prior(offset.mean, max(offset.sd, _OF_A_COUNT * count))
+        told = max(slope.sd, count / float(time[first - 1]))
+        if told < TOLD_DRIFT / UNKNOWN_DRIFT * usual:
+            drift = Prior(slope.mean, told)
     else:
         # under load from the first sample on, the channel's own zero is all there is
         loaded = abs(record.load[0]) > 0.5 * record.level
@@ -302,7 +310,7 @@ def _beyond_load_error(record: LoadHold, found: Chosen) -> Chosen:
         estimate = estimated(
             solution, data.samples, peak=data.peak, priors=data.priors, further=[rows]
         )
-        if choice is None or taken == 0 or _stand_out(estimate):
+        if choice is None or taken == 0 or _stand_out(found, estimate):
             break
         taken -= 1
     if choice is not None and taken < choice.arms:
@@ -310,14 +318,18 @@ def _beyond_load_error(record: LoadHold, found: Chosen) -> Chosen:
     return replace(found, estimate=estimate, choice=choice)
 
 
-def _stand_out(estimate: Estimate) -> bool:
-    """True if every retardation is significant."""
+def _stand_out(found: Chosen, estimate: Estimate) -> bool:
+    """True if every retardation is significant, and every arm that they make."""
     numbers, known = range(1, estimate.solution.order + 1), estimate.standard_error
-    return significant(
+    if not significant(
         estimate.solution.arms[0],
         np.array([known(f"k_{i}") for i in numbers]),
         np.array([known(f"ln_tau_{i}") for i in numbers]),
-    )
+    ):
+        return False
+    made = Retarded(found.data, estimate, found.scores, found.choice, found.asked)
+    arms, error = made.model.arms, made.every_error[1:]
+    return significant(np.array(made.model.k), error[:arms], error[arms:])
 
 
 def _checks(found: Retarded, unit: str, window: tuple[float, float], of: str) -> tuple[Check, ...]:

@@ -13,6 +13,7 @@ from dashpot.base.atomic import write_whole
 from dashpot.base.version import byline
 from dashpot.io.formats.uff import COHERENCE, FRF_
 from dashpot.io.source import extra
+from dashpot.records.creep import CreepTest
 from dashpot.records.frf import FRF, Kind
 from dashpot.records.impact import ImpactTest
 from dashpot.records.relaxation import RelaxationTest
@@ -26,9 +27,12 @@ _ID = 80
 
 
 def write_relaxation(
-    test: RelaxationTest, path: str | Path | None = None, *, comments: Sequence[str] = ()
+    test: RelaxationTest | CreepTest,
+    path: str | Path | None = None,
+    *,
+    comments: Sequence[str] = (),
 ) -> str:
-    """Return a relaxation test as text, and write it to `path` if one is given.
+    """Return a relaxation or a creep test of a part as text, and write it to `path` if given.
 
     The columns are ``time [s], displacement [mm], force [N]``. Every number has
     all its digits. Each comment stands on a line of its own, after ``#``, and so does the

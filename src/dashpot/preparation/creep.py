@@ -27,6 +27,8 @@ _SURELY, _HARDLY = 6.0, 4.0
 _LEAST, _QUARTERS = 8, 4
 # standard deviation of a reading in counts
 _OF_A_COUNT = 12**-0.5
+# a load with less noise than this part of it is taken as it is
+_EXACT = 1e-7
 # directions of a load whose squares are below this part of the largest are none
 _SINGULAR = 1e-12
 
@@ -62,7 +64,7 @@ def load_hold(test: CreepTest) -> LoadHold:
     force = without_spikes(test.time, test.force)
     held = _held(test.time, force, where)
     pressed = held.turn * test.force - held.preload
-    noise = scatter(test.time, test.force)
+    noise = _noise_held(test.time, test.force, held)
     load, corners = _freed(test.time, held.turn * force - held.preload, noise)
     if held.ramp_end > test.time[0]:
         load = load - load[0]
@@ -137,6 +139,12 @@ def _turn(test: CreepTest, held: _Held, where: str) -> int:
     return 1 if moved > 0 else -1
 
 
+def _noise_held(time: FloatArray, force: FloatArray, held: _Held) -> float:
+    """The scatter of the force late in its hold, where no curve of the load looks like one."""
+    late = (time >= (held.ramp_end + held.hold_end) / 2) & (time <= held.hold_end)
+    return scatter(time[late], force[late])
+
+
 def errors_of_load(record: LoadHold) -> Callable[[FloatArray], FloatArray]:
     """Return what makes, of columns at every sample, their products with the errors of the load.
 
@@ -182,7 +190,7 @@ def _freed(
     the curve is a sixteenth of what noise would hide.
     """
     floor = max(noise, quantum(force) * _OF_A_COUNT)
-    if noise == 0:
+    if floor <= _EXACT * float(np.ptp(force)):
         return force, ()
     corners = _straightened(time, force)
     load = _laid(time, corners, force)

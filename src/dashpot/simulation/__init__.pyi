@@ -1,3 +1,4 @@
+from .creep import simulate_creep as simulate_creep
 from .impact import Hammer as Hammer
 from .impact import simulate_impact as simulate_impact
 from .relaxation import Climate as Climate

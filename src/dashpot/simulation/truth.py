@@ -10,26 +10,29 @@ from typing import Any
 import numpy as np
 
 from dashpot.base.version import byline
+from dashpot.simulation.creep import CreepTruth
 from dashpot.simulation.impact import ImpactTruth
 from dashpot.simulation.relaxation import RelaxationTruth
 
+_KINDS = {RelaxationTruth: "relaxation", CreepTruth: "creep", ImpactTruth: "impact"}
 
-def stamp(truth: RelaxationTruth | ImpactTruth) -> tuple[str, ...]:
+
+def stamp(truth: RelaxationTruth | CreepTruth | ImpactTruth) -> tuple[str, ...]:
     """Comment lines for the head of a simulated file, without a comment character."""
-    rig = "virtual indentation rig" if isinstance(truth, RelaxationTruth) else "virtual hammer"
+    rig = "virtual hammer" if isinstance(truth, ImpactTruth) else "virtual indentation rig"
     return (
         f"simulated by {byline(f'a {rig}, not a measurement')}",
         f"seed {truth.seed}; the truth lies beside this file, in JSON",
     )
 
 
-def truth_json(truth: RelaxationTruth | ImpactTruth) -> str:
+def truth_json(truth: RelaxationTruth | CreepTruth | ImpactTruth) -> str:
     """Everything that the record hides, as JSON in SI units; sampled truths are left out.
 
     The same truth, written twice, is the same text. Complex numbers are ``[re, im]``; what
     is unlimited is null.
     """
-    kind = "relaxation" if isinstance(truth, RelaxationTruth) else "impact"
+    kind = _KINDS[type(truth)]
     body = {"schema": "dashpot/truth@1", "simulated": True, "kind": kind, **_plain(truth)}
     return json.dumps(body, indent=2, allow_nan=False)
 

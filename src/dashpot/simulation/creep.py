@@ -1,0 +1,141 @@
+"""The virtual rig under force control: a seal, a load that is held, what it moves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, exp, sin, sqrt
+
+import numpy as np
+
+from dashpot.base.arrays import ByValue, FloatArray, sample_count, samples
+from dashpot.base.errors import DataError
+from dashpot.base.units import Quantity, si
+from dashpot.records.creep import CreepTest
+from dashpot.records.specimen import Specimen
+from dashpot.simulation.relaxation import Rig, in_steps
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+# a loop of more damping does not swing, and follows about as this one
+_LARGEST_DAMPING = 0.999
+
+
+@dataclass(frozen=True, eq=False)
+class CreepTruth(ByValue):
+    """What really happened on the virtual rig under force control.
+
+    Attributes
+    ----------
+    model : GeneralizedMaxwell
+        The seal.
+    load : float
+        As commanded, N.
+    ramp_time, hold_time, recovery_time : float
+        As commanded, s.
+    rig : Rig
+    seed : int
+    displacement, force : array, shape (n,)
+        Plate position, m, and seal force, N, at the samples of the record, before encoder
+        and load cell.
+    """
+
+    model: GeneralizedMaxwell
+    load: float
+    ramp_time: float
+    hold_time: float
+    recovery_time: float
+    rig: Rig
+    seed: int
+    displacement: FloatArray
+    force: FloatArray
+
+    def __post_init__(self) -> None:
+        for name in ("displacement", "force"):
+            object.__setattr__(self, name, samples(name, getattr(self, name)))
+
+
+@dataclass(frozen=True)
+class SimulatedCreep:
+    """A simulated creep test and its truth."""
+
+    test: CreepTest
+    truth: CreepTruth
+
+
+def simulate_creep(
+    model: GeneralizedMaxwell,
+    *,
+    load: Quantity = 1.0,
+    ramp_time: Quantity = 1.0,
+    hold_time: Quantity = 40.0,
+    recovery_time: Quantity = 0.0,
+    rig: Rig | None = None,
+    seed: int = 0,
+) -> SimulatedCreep:
+    r"""A load reached in `ramp_time`, held for `hold_time`, and taken off as fast if asked for.
+
+    The force follows its command as a loop of second order with the natural frequency and the
+    damping of the rig's axis; the seal answers by its creep, exactly.
+
+    Parameters
+    ----------
+    model : GeneralizedMaxwell
+        One piece of seal.
+    load : float
+        N.
+    ramp_time, hold_time : float
+        s.
+    recovery_time : float
+        How long the record goes on after the load was taken off, s; 0 leaves it on.
+    rig : Rig, optional
+        ``Rig()`` if not given.
+    seed : int
+        Of the noise.
+
+    Raises
+    ------
+    DataError
+        If the load or a time is not positive.
+    """
+    load, ramp_time, hold_time = si(load, "force"), si(ramp_time, "time"), si(hold_time, "time")
+    recovery_time, rig = si(recovery_time, "time"), Rig() if rig is None else rig
+    asked = {"load": load, "ramp_time": ramp_time, "hold_time": hold_time}
+    for name, value in asked.items():
+        if not (np.isfinite(value) and value > 0):
+            raise DataError(f"{name} = {value!r}; expected a number > 0")
+    if not (np.isfinite(recovery_time) and recovery_time >= 0):
+        raise DataError(f"recovery_time = {recovery_time!r}; expected a number >= 0")
+    held = ramp_time + hold_time
+    corners, heights = [0.0, ramp_time, held], [0.0, load, load]
+    if recovery_time:
+        corners += [held + ramp_time, held + ramp_time + recovery_time]
+        heights += [0.0, 0.0]
+    end = rig.baseline + corners[-1]
+    sample_count(end, rig.rate)
+    time = np.arange(int(np.floor(end * rig.rate * (1 + 1e-12))) + 1) / rig.rate
+    force = _followed(np.interp(time - rig.baseline, corners, heights), rig)
+    position = rig.gap + model.displacement(time, force)
+    random = np.random.default_rng(seed)
+    measured = position + rig.position_noise * random.standard_normal(len(time))
+    test = CreepTest(
+        time,
+        in_steps(measured, rig.encoder),
+        rig.read(time, force, random),
+        specimen=Specimen(length=rig.length, notes="simulated"),
+    )
+    truth = CreepTruth(model, load, ramp_time, hold_time, recovery_time, rig, seed, position, force)
+    return SimulatedCreep(test, truth)
+
+
+def _followed(command: FloatArray, rig: Rig) -> FloatArray:
+    """The force that a loop of second order makes of its command, held between samples."""
+    damping = min(rig.axis.damping, _LARGEST_DAMPING)
+    omega, step = 2 * np.pi * rig.axis.frequency, 1 / rig.rate
+    turn = omega * sqrt(1 - damping**2)
+    fade, c, s = exp(-damping * omega * step), cos(turn * step), sin(turn * step)
+    stiff = damping * omega / turn
+    moves = fade * np.array([[c + stiff * s, s / turn], [-(omega**2) * s / turn, c - stiff * s]])
+    state, followed = np.zeros(2), np.empty(len(command))
+    for i, wanted in enumerate(command):
+        followed[i] = state[0]
+        state = np.array([wanted, 0.0]) + moves @ (state - [wanted, 0.0])
+    return followed
