@@ -88,7 +88,7 @@ def fit_creep(
     Parameters
     ----------
     test : CreepTest, LoadHold or CreepCompliance
-        A raw test is prepared (:func:`~dashpot.preparation.creep.load_hold`).
+        A raw test is prepared (``dashpot.preparation.creep.load_hold``).
     arms : int or "auto"
         Number of Maxwell arms: as many retardations, or one fewer and a flow. ``"auto"`` takes
         the number that BIC and the significance of every retardation both support.

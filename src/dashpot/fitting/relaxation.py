@@ -158,7 +158,7 @@ def fit(
         What the factor b_T of the stiffnesses may be, where the tests are of several temperatures.
     shift_law : "auto", "wlf", "arrhenius" or "free"
         The law laid through their shift factors a_T: by default by BIC, from three temperatures
-        on (:mod:`dashpot.fitting.temperature`).
+        on (``dashpot.fitting.temperature``).
     reference : float, optional
         The tested temperature whose solid is returned, K; by default that nearest to 23 degC.
 
