@@ -412,6 +412,12 @@ FITTING = [
         1.201,
     ),
     Case(
+        "vertical_rule_holds",
+        lambda x: temperature.vertical_rule_holds(np.array([0.0, -x]), 99.0, COLD_AND_WARM),
+        0.0299,
+        0.0301,
+    ),
+    Case(
         "law_follows_shifts", lambda x: temperature.law_follows_shifts(law(x), []), 0.1499, 0.1501
     ),
     Case(
@@ -996,6 +1002,7 @@ LIMITS = {
         "arms_where_force_relaxes": 0.02,
         "overlap": 0.5, "shifts_determined": 0.3, "shift_monotone": 3,
         "thermorheologically_simple": 1.2, "law_follows_shifts": 0.15, "vertical_shift_known": 10,
+        "vertical_rule_holds": 0.03,
     },
     "fitting/nonlinear_ramp": {
         "ramp_followed": 0.01, "tangent_told": 2, "hold_followed": 1.25, "k_inf_believable": 0.05,

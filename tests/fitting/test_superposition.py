@@ -7,6 +7,9 @@ import pytest
 from kit.sweeps import REFERENCE, TEMPERATURES, arrhenius, moduli, sweeps, wlf
 
 import dashpot as dp
+from dashpot.fitting.superposition.isotherms import isotherms_of
+from dashpot.fitting.superposition.joint_spectrum import grid_of, spectrum_at
+from dashpot.io.options import ReadOptions
 from dashpot.records.specimen import Specimen
 from dashpot.records.temperature import Shift
 
@@ -118,13 +121,33 @@ def test_a_wrong_temperature_leaves_the_law_and_is_named():
     wrong = np.where(np.isclose(data.temperature, 273.15), 278.15, data.temperature)
     found = dp.superpose(replace(data, temperature=wrong), law="wlf")
     assert "law_follows_shifts" in failed(found)
-    assert dp.superpose(replace(data, temperature=wrong)).temperatures.law.kind == "free"
+    unasked = dp.superpose(replace(data, temperature=wrong))
+    assert unasked.temperatures.law.kind == "free"
+    assert "law_follows_shifts" in failed(unasked)
+    assert "law_follows_shifts" not in failed(
+        dp.superpose(replace(data, temperature=wrong), law="free")
+    )
     assert failed(dp.superpose(data)) <= {"overlap"}
 
 
 def test_a_sound_set_is_judged_sound():
     found = dp.superpose(sweeps(temperatures=TEMPERATURES[1:]))
-    assert [check.passed for check in found.checks] == [True] * 6
+    assert [check.passed for check in found.checks] == [True] * 7
+
+
+def test_a_rule_of_stiffness_that_is_neither_is_said():
+    data = sweeps(rubbery=False)
+    softer = np.exp(-0.004 * (data.temperature - REFERENCE))
+    other = replace(data, storage=data.storage * softer, loss=data.loss * softer)
+    assert "vertical_rule_holds" in failed(dp.superpose(other))
+    assert "vertical_rule_holds" not in failed(dp.superpose(data))
+
+
+def test_a_row_that_stands_twice_counts_once():
+    data = sweeps()
+    twice = data.only(np.tile(np.arange(len(data.frequency)), 2))
+    once, again = dp.superpose(data).temperatures, dp.superpose(twice).temperatures
+    np.testing.assert_allclose(again.covariance, once.covariance, rtol=1e-9)
 
 
 def test_free_vertical_shifts_are_a_diagnostic():
@@ -147,6 +170,27 @@ def test_what_cannot_be_shifted_is_refused():
         dp.superpose(replace(sweeps(), storage=-sweeps().storage))
     with pytest.raises(dp.FitError, match="expected one of"):
         dp.superpose(sweeps(), vertical="2")
+
+
+def test_published_moduli_are_shifted_as_published_and_lie_closer(shared_data):
+    folder = shared_data / "pyvisco-master-curves"
+    options = ReadOptions(modulus="E_relax")
+    curve = dp.read_modulus(folder / "time_user_raw.csv", options=options)
+    published = dp.read_shifts(folder / "time_user_raw__shift_factors.csv")
+    found = dp.superpose(curve, reference="3degC", vertical="1")
+    steps = np.diff(shifts(found)) - np.diff([one.log10_a_t for one in published])
+    assert np.abs(steps).max() <= 0.3
+    assert found.rms <= 0.0065
+    assert dp.superpose(curve, reference="3degC", shifts=published).rms > 0.01
+
+
+def test_a_published_master_curve_is_followed_by_three_times_per_decade(shared_data):
+    file = shared_data / "pyvisco-master-curves" / "ansys-reference" / "freq_raw.input_master.csv"
+    frequency, storage, loss = np.loadtxt(file, delimiter=",", skiprows=1, usecols=(0, 1, 2)).T
+    curve = isotherms_of(dp.DynamicTest(frequency, storage, loss, np.full(len(loss), 300.0)))
+    at = np.zeros(1)
+    left = spectrum_at(curve, at, at, grid_of(curve, at, per_decade=3))[2]
+    assert np.sqrt(np.mean(left**2)) <= 0.024
 
 
 @pytest.mark.slow

@@ -8,6 +8,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Finding, criterion
+from dashpot.engine.inference.order import needed
 from dashpot.fitting.shift_law import MAX_MISSED, LawScore
 from dashpot.records.temperature import celsius
 
@@ -17,6 +18,7 @@ MAX_STEP_SE = 0.3
 MAX_RISE = 3.0
 MAX_JOINT_OVER_OWN = 1.2
 MIN_BIC_MARGIN = 10.0
+MAX_VERTICAL = 0.03
 # residuals below this part of the modulus are of no instrument
 _EXACT = 1e-6
 # decades by which shifts may differ without a matter
@@ -100,16 +102,26 @@ def thermorheologically_simple(ratio: float | None, by_chance: float, rms: float
 
 
 @criterion("decades between law and shift", "<=", MAX_MISSED, "our choice: a factor 1.4 in time")
-def law_follows_shifts(taken: LawScore, scores: Sequence[LawScore]) -> Finding:
+def law_follows_shifts(
+    taken: LawScore, scores: Sequence[LawScore], *, asked: bool = False
+) -> Finding:
     """The law of temperature follows the shifts, as far as they are known.
 
-    `scores` are of every law that was tried.
+    `scores` are of every law that was tried; `asked` if the user wants none.
     """
     laws = [score for score in scores if score.kind != "free"]
     if taken.kind == "free":
-        best = f": {laws[0].kind}, the best, is {laws[0].missed:.2g} decades off" if laws else ""
+        none = "no law was laid through the shifts; they reach no further than the tests"
+        if asked or not laws:
+            return Finding(none)
+        best = min(laws, key=lambda score: score.missed)
         return Finding(
-            f"no law was laid through the shifts{best}; they reach no further than the tests"
+            none,
+            best.missed,
+            f": {best.kind}, the nearest, is {best.missed:.2g} decades off at "
+            f"{celsius(best.at)}; is there a glass transition among the temperatures, or a wrong "
+            "one?",
+            faulted=True,
         )
     return Finding(
         f"the {taken.kind} law is at most {taken.missed:.2g} decades off a shift, at "
@@ -131,8 +143,8 @@ def law_follows_shifts(taken: LawScore, scores: Sequence[LawScore]) -> Finding:
 def vertical_shift_known(vertical: str, margin: float, apart: float) -> Finding:
     """The data, or the user, say how stiffness itself follows temperature.
 
-    `margin` is the BIC of the other rule less that of the one taken, and `apart` by how many
-    decades its shifts differ.
+    `margin` is the BIC of the other rule less that of the one taken, or N ln of the ratio of what
+    they leave if that is less, and `apart` by how many decades its shifts differ.
     """
     free = vertical == "free"
     return Finding(
@@ -148,4 +160,28 @@ def vertical_shift_known(vertical: str, margin: float, apart: float) -> Finding:
         "--vertical 1)",
         excused=not free and apart < _SLIGHT,
         faulted=free,
+    )
+
+
+@criterion(
+    "relative change of b_T",
+    "<=",
+    MAX_VERTICAL,
+    "our choice; or what chance exceeds with probability 0.0027",
+)
+def vertical_rule_holds(step: FloatArray, score: float, temperature: FloatArray) -> Finding:
+    """The stiffness follows temperature as the vertical rule says.
+
+    `step` is by how much ln b_T of each temperature would move if it could, and `score` the fall of
+    chi-square.
+    """
+    i = int(np.argmax(np.abs(step)))
+    return Finding(
+        f"free factors of the moduli would move by at most {100 * abs(step[i]):.2g} %, at "
+        f"{celsius(temperature[i])}",
+        float(abs(step[i])),
+        ", by more than chance: the moduli there are higher or lower than the rule of b_T says; "
+        "look for a changed grip, length or strain, machine compliance, or a glass transition, "
+        "for such a factor moves the shift too",
+        excused=not needed(score, max(len(step) - 1, 1)),
     )

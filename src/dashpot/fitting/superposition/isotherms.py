@@ -96,6 +96,8 @@ class Isotherm:
 def joined(data: Measured | Sequence[Measured]) -> tuple[Measured, tuple[Source, ...]]:
     """Return several tests as the samples of one, each at its specimen's temperature if need be.
 
+    Rows that repeat another to the last digit are left out.
+
     Raises
     ------
     FitError
@@ -116,7 +118,10 @@ def joined(data: Measured | Sequence[Measured]) -> tuple[Measured, tuple[Source,
     names = ("storage", "loss", "frequency") if isinstance(warm[0], DynamicTest) else (
         "modulus", "time"
     )  # fmt: skip
-    whole: Any = {name: all_of(name) for name in (*names, "temperature")}
+    columns = [all_of(name) for name in (*names, "temperature")]
+    # a row that stands twice is one measurement
+    kept = np.sort(np.unique(np.column_stack(columns), axis=0, return_index=True)[1])
+    whole: Any = dict(zip((*names, "temperature"), (one[kept] for one in columns), strict=True))
     return replace(warm[0], **whole), sources
 
 

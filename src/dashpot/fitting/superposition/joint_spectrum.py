@@ -229,6 +229,23 @@ def refined(
     return _descended(problem, found.ln_a, found.ln_b)
 
 
+def vertical_step(
+    isotherms: Sequence[Isotherm], best: Shifted, *, reference: int, noise: float
+) -> tuple[FloatArray, float]:
+    """Return by how much ln b_T would move if it could, (n,), and the fall of chi-square: a score.
+
+    One step of Gauss and Newton from the shifts found; the fall is about chi-square with n - 1
+    degrees of freedom where the rule of b_T holds.
+    """
+    free = _free(len(isotherms), reference)
+    problem = _Problem(isotherms, best.ln_tau, free, _prior(isotherms, noise), free_b=True)
+    point = problem.at(best.ln_a, best.ln_b, best.spectrum > 0)
+    step = -np.linalg.pinv(point.shifted.gram, hermitian=True) @ point.gradient
+    moved = np.zeros(len(isotherms))
+    moved[free] = step[len(free) :]
+    return moved, float(-step @ point.gradient / max(best.variance, 1e-300))
+
+
 def _free(count: int, reference: int) -> IndexArray:
     return np.delete(np.arange(count), reference)
 

@@ -20,6 +20,7 @@ from dashpot.fitting.checks.temperature import (
     shift_monotone,
     shifts_determined,
     thermorheologically_simple,
+    vertical_rule_holds,
     vertical_shift_known,
 )
 from dashpot.fitting.shift_law import LawThroughShifts, ShiftLaw, law_through
@@ -30,6 +31,7 @@ from dashpot.fitting.superposition.joint_spectrum import (
     refined,
     shifted,
     spectrum_at,
+    vertical_step,
 )
 from dashpot.fitting.superposition.neighbours import chained_starts
 from dashpot.records.dynamic import DynamicTest
@@ -122,7 +124,7 @@ def superpose(
         solid,
         rms,
         (
-            *_judged(isotherms, best, t, at, laid),
+            *_judged(isotherms, best, at, laid, law),
             thermorheologically_simple(*alone.beside(best), rms),
             *known,
         ),
@@ -182,11 +184,17 @@ def _searched(
     best = refined(isotherms, found[how], reference=at, noise=noise, free_b=free)
     if free:
         return best, "free", (vertical_shift_known("free", 0.0, 0.0),)
+    step, score = vertical_step(isotherms, best, reference=at, noise=noise)
+    followed = vertical_rule_holds(step, score, t)
     if vertical != "auto":
-        return best, how, ()
+        return best, how, (followed,)
     other = next(one for name, one in found.items() if name != how)
     apart = float(np.abs(other.ln_a - found[how].ln_a).max()) / _LN10
-    return best, how, (vertical_shift_known(how, other.bic - found[how].bic, apart),)
+    # the support of a spectrum is a rough count: what both measures say is known
+    n = len(best.residual)
+    closer = n * float(np.log(max(other.sse, 1e-300) / max(found[how].sse, 1e-300)))
+    margin = min(other.bic - found[how].bic, closer)
+    return best, how, (vertical_shift_known(how, margin, apart), followed)
 
 
 def _as_given(
@@ -241,10 +249,11 @@ def _shifts(best: Shifted, t: FloatArray, at: int) -> tuple[Shift, ...]:
 def _judged(
     isotherms: Sequence[Isotherm],
     best: Shifted,
-    t: FloatArray,
     at: int,
     laid: LawThroughShifts,
+    law: ShiftLaw,
 ) -> tuple[Check, ...]:
+    t = np.array([one.temperature for one in isotherms])
     n = len(t)
     differences = np.diff(np.eye(n), axis=0)
     step = differences @ best.ln_a / _LN10
@@ -254,7 +263,7 @@ def _judged(
         overlap(_shared(isotherms, best), t),
         shifts_determined(error, t),
         shift_monotone(step, error, t),
-        law_follows_shifts(laid.score, laid.scores),
+        law_follows_shifts(laid.score, laid.scores, asked=law == "free"),
     )
 
 
