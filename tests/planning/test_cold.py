@@ -191,6 +191,24 @@ def test_a_refrigerator_is_offered_to_a_warm_room_only(celsius, offered):
     assert not any(e.repeated for e in glassy.alternatives)
 
 
+@pytest.mark.parametrize(
+    ("cold", "says"),
+    [
+        (
+            "60degC",
+            "hardly tells more of the loss factor at 12.71 Hz, 70.5 % for 70.5 %: fast arms",
+        ),
+        ("27.6degC", "Repeating it at 27.6 degC hardly tells more"),
+        ("27.4degC", "Repeat it at 27.4 degC and fit all together"),
+    ],
+)
+def test_a_repeat_that_is_worth_nothing_is_not_advised(cold, says):
+    words = asked(cold=cold).advice
+    assert says in words[0]
+    assert any("third" in line for line in words) == words[0].startswith("Repeat it")
+    assert ("fast arms are slower in the cold" in words[0]) == words[0].startswith("Repeating")
+
+
 def test_a_hot_test_shows_the_slow_arms():
     """Something slower than the hold is known better where it is faster."""
     slow = HIDDEN + GeneralizedMaxwell(0.0, (20.0,), (300.0,))
@@ -208,6 +226,8 @@ def test_a_hot_test_shows_the_slow_arms():
         ({"cold": float("nan")}, "temperature = nan"),
         ({"cold": (273.15, -4.0)}, "temperature = -4.0"),
         ({"temperature": 0.0}, "temperature = 0.0"),
+        ({"cold": (273.15, 283.15, 273.15)}, "0 degC and at 0 degC, which is one temperature"),
+        ({"cold": (273.15, 273.65)}, "which is one temperature"),
     ],
 )
 def test_what_cannot_be_is_refused(changes, words):
@@ -216,6 +236,7 @@ def test_what_cannot_be_is_refused(changes, words):
 
 
 def test_just_what_can_be_is_not():
+    assert len(asked(cold=(273.15, 273.6501)).repeats) == 2
     for kelvin, law in itertools.product((296.15 + 0.5001, 228.15), (SHIFT, Arrhenius(6e4, ROOM))):
         assert elsewhere(kelvin, ROOM, law).temperature == kelvin
     # the solid is that of the room, wherever the law's reference lies

@@ -9,6 +9,8 @@ from dashpot.base.checks import Check
 from dashpot.planning.checks import percent
 from dashpot.planning.expected import ExpectedError, Pulse, RecordNeed, half_sine
 
+WORTH = 0.9
+"""A repeat is worth its day if it brings the standard deviation below this part of it."""
 ZERO = 273.15
 """0 degC, K."""
 
@@ -64,10 +66,17 @@ def _cold_advice(
     if not expected.repeated:
         return []
     alone = next(e for e in alternatives if e.method == expected.method and not e.repeated)
+    where, before = listed(expected.repeated), percent(alone.loss_factor_sd)
+    if expected.loss_factor_sd > WORTH * alone.loss_factor_sd:
+        faster = "" if min(expected.repeated) < room else ": fast arms are slower in the cold"
+        after = f"{percent(expected.loss_factor_sd)} for {before}{faster}"
+        return [
+            f"Repeating it at {where} hardly tells more of the loss factor at {at:g} Hz, {after}."
+        ]
     says = (
-        f"Repeat it at {listed(expected.repeated)} and fit all together: the standard deviation of "
-        f"the loss factor at {at:g} Hz goes from {percent(alone.loss_factor_sd)} to "
-        f"{percent(expected.loss_factor_sd)}, if all arms shift alike."
+        f"Repeat it at {where} and fit all together: the standard deviation of the loss factor at "
+        f"{at:g} Hz goes from {before} to {percent(expected.loss_factor_sd)}, if all arms shift "
+        "alike."
     )
     words = [says]
     if len(expected.repeated) == 1:

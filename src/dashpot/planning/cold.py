@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -70,6 +71,21 @@ def elsewhere(temperature: float, room: float, law: TemperatureLaw) -> Elsewhere
         )
     a_t = float(law.a_t(temperature) / law.a_t(room))
     return Elsewhere(temperature, a_t, temperature / room)
+
+
+def refuse_twice(temperatures: Sequence[float]) -> None:
+    """Refuse a temperature, K, that is given twice: its tests would share one shift.
+
+    Raises
+    ------
+    DataError
+    """
+    for one, other in pairwise(sorted(temperatures)):
+        if other - one <= SAME_TEMPERATURE:
+            raise DataError(
+                f"the test is to be repeated at {celsius(one)} and at {celsius(other)}, which is "
+                f"one temperature; expected each once, more than {SAME_TEMPERATURE:g} K apart"
+            )
 
 
 def rows_with(

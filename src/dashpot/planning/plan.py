@@ -15,7 +15,7 @@ from dashpot.planning import checks
 from dashpot.planning.advice import advice, listed, needed
 from dashpot.planning.bench import Bench
 from dashpot.planning.checks import percent
-from dashpot.planning.cold import Elsewhere, elsewhere
+from dashpot.planning.cold import Elsewhere, elsewhere, refuse_twice
 from dashpot.planning.expected import (
     ExpectedError,
     Pulse,
@@ -208,6 +208,7 @@ def plan(
     for kelvin in (room, *places):
         _positive(temperature=kelvin)
     repeats = tuple(elsewhere(kelvin, room, law) for kelvin in places)
+    refuse_twice(places)
     seal = USUAL_SEAL if model is None else model
     supposed, arm = _with_arm(seal, arm, at)
     index = None if arm is None else supposed.tau.index(arm[1])
