@@ -13,6 +13,7 @@ import numpy as np
 from dashpot.base.arrays import ByValue, FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import DataError
+from dashpot.base.numbers import counted
 from dashpot.base.offered import Pictured
 from dashpot.base.provenance import Source, Step
 from dashpot.base.units import Quantity, si
@@ -299,10 +300,9 @@ class Fit(ByValue, Pictured):
     @property
     def called(self) -> str:
         """The solid in few words: how many arms it has, or its family."""
-        if self.family == "fractional":
-            return "fractional solid"
-        arms = self.model.arms
-        return f"{arms} arm{'s' * (arms != 1)}"
+        return (
+            "fractional solid" if self.family == "fractional" else counted(self.model.arms, "arm")
+        )
 
     @property
     def family(self) -> Family:
