@@ -1,15 +1,18 @@
 """What people do in ``dashpot app``, in a real browser, by roles, names and words."""
 
+import contextlib
 import json
 import re
 import subprocess
 import sys
 
 import pytest
+from click.testing import CliRunner
 from kit.app import Page, chromium, served
 from kit.browser import needs_browser
 
 from dashpot import workflow
+from dashpot.cli import main
 
 pytest.importorskip("playwright", reason="Playwright drives the browser: pip install playwright")
 pytestmark = needs_browser
@@ -155,6 +158,24 @@ def test_both_tests_are_fitted_together(visit, files):
     page.done()
     assert "both tests" in page.at.locator("#answers").inner_text()
     assert "--no-joint" not in page.at.locator("#command").inner_text()
+
+
+def test_a_warm_and_a_cold_test_are_fitted_together(visit, tmp_path):
+    for i, name in enumerate(("warm.csv", "cold.csv")):
+        words = ["simulate", "relaxation", "--model", "broad", "--seed", str(i), "-o", name]
+        with contextlib.chdir(tmp_path):
+            made = CliRunner().invoke(main, [*words, "--temperature", f"{23 - 23 * i}degC"])
+        assert made.exit_code == 0, made.output
+    page = visit(tmp_path / "warm.csv", tmp_path / "cold.csv")
+    page.done()
+    page.at.get_by_role("checkbox", name="fit together").check()
+    page.at.locator("#command").filter(has_text="warm.csv cold.csv").wait_for()
+    page.done()
+    assert not page.at.get_by_role("slider", name="hold end").is_visible()
+    page.at.get_by_role("button", name=re.compile("cold.csv")).first.click()
+    page.at.get_by_label("Temperature").fill("1")
+    page.at.get_by_label("Temperature").press("Tab")
+    page.at.get_by_role("alert").wait_for()  # the warm one's is then to be said, too
 
 
 def test_a_hit_is_rejected_by_hand(visit, files):

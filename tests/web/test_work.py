@@ -2,6 +2,7 @@
 
 import json
 import shlex
+from dataclasses import replace
 
 import pytest
 from click.testing import CliRunner
@@ -9,10 +10,15 @@ from click.testing import CliRunner
 import dashpot as dp
 from dashpot import workflow
 from dashpot.cli import main
+from dashpot.io.write import write_relaxation
+from dashpot.simulation.relaxation import Rig, simulate_relaxation
+from dashpot.solids.table_1 import BROAD
 from dashpot.web import wire, work
 from dashpot.web.requests import job_of
 from dashpot.web.store import Store
 from dashpot.workflow.command_lines import report_command
+
+AT = {296.15: BROAD, 273.15: BROAD.shifted(10**1.498172, 273.15 / 296.15)}
 
 
 @pytest.fixture(scope="module")
@@ -103,6 +109,25 @@ def test_a_response_follows_the_mass(store, asked):
     assert len(work.VERBS["predict"]({"job": asked}, store.folder)) < 30_000
 
 
+def test_a_warm_and_a_cold_test_share_one_solid(store, at_home):
+    ids = []
+    for name, temperature in (("warm.csv", 296.15), ("cold.csv", 273.15)):
+        rig = replace(Rig(), rate=200.0)
+        text = write_relaxation(simulate_relaxation(AT[temperature], rig=rig, seed=len(ids)).test)
+        (at_home / name).write_text(text)
+        ids.append(store.put(name, text.encode()))
+    job = {"relaxation": ids[0], "further": [ids[1]], "temperatures": ["23degC", "0degC"]}
+    head = ask("settle", store, job=job)
+    words = ("warm.csv", "cold.csv", "--temperature", "23degC", "--temperature", "0degC", "--json")
+    shell = CliRunner().invoke(main, ["fit", *words], catch_exceptions=False)
+    told = json.loads(ask("take", store, job=job, what="fit")["text"])
+    assert told == json.loads(shell.stdout)
+    assert len(told["temperature"]["shifts"]) == 2
+    assert head["command"].startswith("dashpot report warm.csv cold.csv")
+    with pytest.raises(dp.DataError, match="cut one relaxation test"):
+        ask("settle", store, job=job | {"cuts": {"hold_end": 20.0}})
+
+
 def test_a_hit_is_left_out_by_hand(store, asked):
     rejected = ask("study", store, job=asked | {"joint": False, "hammer": {"reject": ["2"]}})
     assert "4 of 5 hits" in rejected["hammer"]
@@ -124,7 +149,8 @@ def test_a_hit_is_left_out_by_hand(store, asked):
         ({"law": "bent"}, "expected one of"),
         ({"cuts": {"ramp_begin": 1}}, "has no 'ramp_begin'"),
         ({"cuts": []}, "expected an object"),
-        ({"impact": "hammer"}, "list of files"),
+        ({"impact": "hammer"}, "expected a list"),
+        ({"temperatures": ["cold", "23degC"]}, "not a quantity"),
         ({"title": 3}, "expected a text"),
         ({"colour": "red"}, "has no 'colour'"),
         ({"reading": {"units": 5}}, "not of the kind"),

@@ -7,7 +7,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any, TypeVar
 
-from dashpot.base.errors import DataError
+from dashpot.base.errors import DashpotError, DataError
 from dashpot.base.units import si, si_range
 from dashpot.io.options import ReadOptions
 from dashpot.records.machine import Machine
@@ -43,7 +43,14 @@ def job_of(given: object, folder: Path) -> Job:
         raise DataError("no relaxation test is open: open one first")
     made: dict[str, Any] = {
         "relaxation": str(path_in(folder, asked["relaxation"])),
-        "impact": tuple(str(path_in(folder, one)) for one in _list(asked.get("impact", []))),
+        **{
+            name: tuple(str(path_in(folder, one)) for one in _list(asked, name))
+            for name in ("impact", "further")
+        },
+        "temperatures": tuple(
+            _made(lambda text: si(text, "temperature"), one, "temperature")
+            for one in _list(asked, "temperatures")
+        ),
         "mass": _quantity(asked, "mass", "mass"),
         "seal_mass": _quantity(asked, "seal_mass", "mass"),
         "compression": _quantity(asked, "compression", "length"),
@@ -104,13 +111,16 @@ def mapping(given: object, name: str) -> Mapping[str, Any]:
 def _made(make: Callable[[Any], T], given: Any, name: str) -> T:
     try:
         return make(given)
+    except DashpotError:
+        raise
     except (TypeError, ValueError, AttributeError):
         raise DataError(f"{name} = {given!r} is not of the kind expected") from None
 
 
-def _list(given: object) -> list[Any]:
+def _list(asked: Mapping[str, Any], name: str) -> list[Any]:
+    given = asked.get(name, [])
     if not isinstance(given, list):
-        raise DataError(f"impact is {type(given).__name__}; expected a list of files")
+        raise DataError(f"{name} is {type(given).__name__}; expected a list")
     return given
 
 

@@ -311,7 +311,7 @@ def file_row(found: InspectedFile) -> dict[str, Any]:
             f"{rounded(ready.hold_time)} s"
         )
     elif found.questions:
-        line = f"asks: {found.questions[0].option or 'a question'}"
+        line = "asks: " + ("a unit" if "--units" in found.questions[0].option else "a column")
     else:
         line = found.refusal or found.reason
     mark = "bad" if found.refusal else "care" if found.questions else "good"

@@ -35,7 +35,8 @@ from dashpot.workflow.command_lines import report_command
 from dashpot.workflow.inspections import InspectedFile, inspect_files
 from dashpot.workflow.job import Job
 from dashpot.workflow.project import with_paths
-from dashpot.workflow.study import Study, run
+from dashpot.workflow.shifting import each_specimen
+from dashpot.workflow.study import Study, of_solid, run
 
 Verb = Callable[[Mapping[str, Any], Path], bytes]
 
@@ -53,15 +54,26 @@ def _test(path: str, reading: ReadOptions, specimen: Any) -> RelaxationTest:
     return read_relaxation(path, options=reading, specimen=specimen)
 
 
-def _test_of(job: Job) -> RelaxationTest:
-    return _test(job.relaxation, job.reading, job.specimen)
+def _tests(job: Job) -> tuple[RelaxationTest, ...]:
+    """The tests of a job, each with its own temperature where that is said."""
+    files = job.relaxation, *job.further
+    each = each_specimen(job.specimen, job.temperatures, len(files))
+    return tuple(_test(file, job.reading, one) for file, one in zip(files, each, strict=True))
 
 
 @lru_cache(KEPT)
-def _prepared(job: Job) -> RampHold:
-    test = _test_of(job)
-    return prepare(
-        test, filter=job.filter, machine=job.machine, cycle=job.reading.cycle, **asdict(job.cuts)
+def _prepared(job: Job) -> tuple[RampHold, ...]:
+    tests = _tests(job)
+    job.cuts.refuse_several(len(tests))
+    return tuple(
+        prepare(
+            test,
+            filter=job.filter,
+            machine=job.machine,
+            cycle=job.reading.cycle,
+            **asdict(job.cuts),
+        )
+        for test in tests
     )
 
 
@@ -78,11 +90,19 @@ def _fitted(job: Job, intervals: bool) -> Fit:
 
 @lru_cache(KEPT)
 def _by_eq5(job: Job, arms: int) -> Fit | None:
-    """The fit of the paper's eq. (5); None where the record does not allow it."""
+    """The fit of the paper's eq. (5) to one test; None where the record does not allow it."""
+    tests = _prepared(job)
     try:
-        return fit(_prepared(_of_test(job)), arms=arms, method="hold", intervals=False)
+        return fit(tests, arms=arms, method="hold", intervals=False) if len(tests) == 1 else None
     except DashpotError:
         return None
+
+
+def _shown(job: Job, found: Fit) -> tuple[RelaxationTest, RampHold]:
+    """The test that is drawn: that of the temperature of the solid."""
+    prepared = _prepared(_of_test(job))
+    first = of_solid(found, prepared)
+    return _tests(job)[first], prepared[first]
 
 
 @lru_cache(KEPT)
@@ -94,6 +114,8 @@ def _of_test(job: Job) -> Job:
     """What of a job decides the prepared test."""
     return Job(
         job.relaxation,
+        further=job.further,
+        temperatures=job.temperatures,
         filter=job.filter,
         cuts=job.cuts,
         specimen=job.specimen,
@@ -119,8 +141,8 @@ def inspect(request: Mapping[str, Any], folder: Path) -> bytes:
     (found,) = inspect_files(
         [path],
         options=options,
-        read=lambda *_: _test_of(job),
-        prepared=lambda *_: _prepared(_of_test(job)),
+        read=lambda *_: _tests(job)[0],
+        prepared=lambda *_: _prepared(_of_test(job))[0],
     ).files
     head = views.file_row(found)
     if head["mark"] != "good" or found.kind not in ("relaxation", "impact", "frf"):
@@ -156,8 +178,8 @@ def _consequences(
 def live(request: Mapping[str, Any], folder: Path) -> bytes:
     """The point estimate while a handle is held: curves and numbers, no intervals."""
     job = job_of(request.get("job"), folder)
-    prepared = _prepared(_of_test(job))
     found = _fitted(_of_fit(job), job.arms == "auto")
+    _, prepared = _shown(job, found)
     shown = views.live_test(found, prepared, _by_eq5(_of_test(job), found.model.arms))
     return wire.packed({"beside": shown.words, "cuts": _cuts(prepared)}, shown.arrays)
 
@@ -166,8 +188,8 @@ def settle(request: Mapping[str, Any], folder: Path) -> bytes:
     """The fit with its intervals and checks, every panel of the test, and the command line."""
     job = job_of(request.get("job"), folder)
     widths = mapping(request.get("widths", {}), "widths")
-    test, prepared = _test_of(job), _prepared(_of_test(job))
     found = _fitted(_of_fit(job), True)
+    test, prepared = _shown(job, found)
     by_eq5 = _by_eq5(_of_test(job), found.model.arms)
     panels = views.test_panels(found, prepared, by_eq5, widths)
     if job.mass is not None:

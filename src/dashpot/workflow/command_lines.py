@@ -46,7 +46,7 @@ def _several(asked: Any, value: Any) -> list[str]:
 
 def report_command(job: Job) -> str:
     """Return ``dashpot report ...`` for a job: run, it gives the job's numbers."""
-    words = ["dashpot", "report", job.relaxation]
+    words = ["dashpot", "report", job.relaxation, *job.further]
     for file in job.impact:
         words += ["--impact", file]
     given: tuple[tuple[str, str | None], ...] = (
@@ -65,6 +65,8 @@ def report_command(job: Job) -> str:
     usual = {"--seals": "1", "--arms": "auto", "--method": "full", "--law": "auto"}
     for flag, text in given:
         words += [] if text is None or usual.get(flag) == text else [flag, text]
+    for kelvin in job.temperatures:
+        words += ["--temperature", typed(kelvin, "temperature")]
     words += [] if job.joint else ["--no-joint"]
     for noun in (job.cuts, job.machine, job.specimen, job.hammer, job.reading):
         words += words_of(noun)

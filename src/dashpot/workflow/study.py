@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -244,7 +245,7 @@ def characterise(
     ]
     chosen = fit(every, arms=arms, method=method, law=law, family=family)
     # what is shown is of the temperature of the solid
-    first = _of_solid(chosen, every)
+    first = of_solid(chosen, every)
     test, prepared = (test, *further)[first], every[first]
     given = mass
     if measured is not None:
@@ -307,7 +308,7 @@ def characterise(
     )
 
 
-def _of_solid(chosen: Fit, tests: Sequence[RampHold]) -> int:
+def of_solid(chosen: Fit, tests: Sequence[RampHold]) -> int:
     """Which test is of the temperature of the fit's solid; the first if all are of one."""
     if chosen.temperatures is None:
         return 0
@@ -320,7 +321,7 @@ def _of_solid(chosen: Fit, tests: Sequence[RampHold]) -> int:
 def run(job: Job) -> Study:
     """Read the files of a job and characterise the seal."""
     files = job.relaxation, *job.further
-    doing(f"reading {', '.join(files)}")
+    doing(f"reading {_named(files)}")
     test, *further = (
         read_relaxation(file, options=job.reading, specimen=one)
         for file, one in zip(
@@ -331,7 +332,7 @@ def run(job: Job) -> Study:
     impact = measured = None
     mass, noted = total_mass(job.mass, seal=job.seal_mass, seals=job.seals)
     if job.impact:
-        doing(f"reading {', '.join(job.impact)}")
+        doing(f"reading {_named(job.impact)}")
         with answered_in("--impact-profile", besides=("units", *OF_HAMMER)):
             impact, measured = read_measured(
                 job.impact, choices=job.hammer, options=job.reading_impact, mass=mass, band=job.band
@@ -357,6 +358,10 @@ def run(job: Job) -> Study:
     )
     logo = "" if job.logo is None else read_logo(job.logo)
     return replace(study, checks=(*study.checks, *noted), title=job.title, logo=logo)
+
+
+def _named(files: Sequence[str]) -> str:
+    return ", ".join(Path(file).name for file in files)
 
 
 def _predicted(

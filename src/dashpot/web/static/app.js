@@ -3,7 +3,7 @@
 import { ask, call, cancelled, send } from "/static/wire.js";
 import { Handle } from "/static/handles.js";
 
-/** @typedef {{id: string, name: string, kind?: string, line?: string, mark?: string, asked?: string, simulated?: boolean, options: Record<string, any>}} OpenFile */
+/** @typedef {{id: string, name: string, kind?: string, line?: string, mark?: string, asked?: string, simulated?: boolean, together?: boolean, temperature?: string, options: Record<string, any>}} OpenFile */
 
 const $ = (/** @type {string} */ id) => /** @type {any} */ (document.getElementById(id));
 const all = (/** @type {string} */ query, /** @type {ParentNode} */ root = document) => /** @type {any[]} */ ([...root.querySelectorAll(query)]);
@@ -13,7 +13,7 @@ const DECKS = {
   opensees: "OpenSees", adams: "Adams", radioss: "Radioss", statespace: "State space", csv: "Table",
 };
 const KINDS = { relaxation: "test", impact: "hammer", frf: "hammer" };
-const SPECIMEN = { name: "", lot: "", length: "mm", temperature: "degC" };
+const SPECIMEN = { name: "", lot: "", length: "mm" };
 
 /** @type {{files: OpenFile[], current: string, job: Record<string, any>, joint: boolean, mass: number}} */
 const fresh = () => ({
@@ -34,12 +34,19 @@ let settled = {};
 
 const test = () => state.files.find((one) => one.id === state.current && one.kind === "relaxation" && one.mark === "good")
   || state.files.find((one) => one.kind === "relaxation" && one.mark === "good");
+// tests of the same seal, at another temperature or depth, that are fitted with the one shown
+const together = () => state.files.filter((one) => one.together && test()?.together && one.kind === "relaxation" && one.mark === "good" && one !== test());
 const hammers = () => state.files.filter((one) => KINDS[one.kind || ""] === "hammer" && one.mark === "good");
 
 function job() {
-  const of = test(), by = hammers();
+  const of = test(), by = hammers(), also = together();
+  const warmth = [of, ...also].map((one) => one?.temperature || "");
+  const several = also.length > 0;
   return {
     ...state.job, relaxation: of ? of.id : "", reading: of ? of.options : {}, joint: state.joint,
+    specimen: several ? state.job.specimen : { ...state.job.specimen, temperature: warmth[0] },
+    further: also.map((one) => one.id), temperatures: several && warmth.some(Boolean) ? warmth : [],
+    cuts: several ? {} : state.job.cuts,
     impact: by.map((one) => one.id), reading_impact: by.length ? by[0].options : {},
   };
 }
@@ -114,6 +121,21 @@ function fileList() {
     away.setAttribute("aria-label", `remove ${one.name}`);
     away.onclick = () => remove(one.id);
     item.append(button);
+    if (one.kind === "relaxation" && one.mark === "good" && one !== test() && test()) {
+      const label = document.createElement("label"), box = document.createElement("input");
+      box.type = "checkbox";
+      box.checked = together().includes(one);
+      box.onchange = () => {
+        one.together = box.checked;
+        const shown = test();
+        if (box.checked && shown) shown.together = true;
+        fileList();
+        settle();
+      };
+      label.className = "with";
+      label.append(box, " fit together");
+      item.append(label);
+    }
     item.append(away);
     $("files").append(item);
   }
@@ -134,6 +156,7 @@ function fields() {
   $("seals").value = state.job.seals;
   $("compression").value = state.job.compression.replace(/mm$/, "");
   $("mass-slider").disabled = !state.job.mass;
+  $("specimen-temperature").value = (test()?.temperature || "").replace("degC", "");
   for (const [name, unit] of Object.entries(SPECIMEN))
     $(`specimen-${name}`).value = String(state.job.specimen[name] || "").slice(0, unit ? -unit.length : undefined);
 }
@@ -172,7 +195,8 @@ const handles = {
 function placeHandles(/** @type {any} */ cuts) {
   const at = { ...cuts, ...state.job.cuts };
   for (const [name, handle] of Object.entries(handles)) {
-    const figure = figures[handle.panel];
+    // what is cut by hand is one test
+    const figure = together().length ? null : figures[handle.panel];
     handle.place(figure, at[name], clock, handle.panel === "hold" ? at.onset : 0);
     handle.byHand(name in state.job.cuts);
     const field = document.querySelector(`[data-cut="${name}"]`);
@@ -416,8 +440,8 @@ document.addEventListener("change", (event) => {
   else if (at.id === "seals") { state.job.seals = +text || 1; settle(); }
   else if (at.id === "compression") { state.job.compression = text && `${text}mm`; settle(); }
   else if (at.id.startsWith("specimen-")) {
-    const name = at.id.slice(9), unit = SPECIMEN[name];
-    if (text) state.job.specimen[name] = unit ? text + unit : String(at.value).trim();
+    const name = at.id.slice(9), unit = SPECIMEN[name], of = test();
+    if (name === "temperature") { if (of) of.temperature = text && `${text}degC`; } else if (text) state.job.specimen[name] = unit ? text + unit : String(at.value).trim();
     else delete state.job.specimen[name];
     settle();
   }
