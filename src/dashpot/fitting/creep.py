@@ -166,6 +166,8 @@ class _Known(NamedTuple):
     first: int
     noise: float
     least: float
+    usual: float
+    told: bool
 
 
 def _known(record: LoadHold) -> _Known:
@@ -175,21 +177,21 @@ def _known(record: LoadHold) -> _Known:
     count = quantum(x)
     noise = max(record.displacement_noise, _OF_A_COUNT * count)
     # load cell and displacement both drift
-    usual = np.sqrt(2) * UNKNOWN_DRIFT * travel / (record.time[-1] - record.onset)
-    drift = Prior(0.0, usual)
+    usual = float(np.sqrt(2)) * UNKNOWN_DRIFT * travel / (record.time[-1] - record.onset)
+    drift, told_drift = Prior(0.0, usual), False
     if first >= _FEWEST:
         offset, at, slope = at_rest(time[:first], x[:first], record.displacement_noise)
         # a reading that stands on one count hides a part of the next
         offset = Prior(offset.mean, max(offset.sd, _OF_A_COUNT * count))
         told = max(slope.sd, count / float(time[first - 1]))
         if told < TOLD_DRIFT / UNKNOWN_DRIFT * usual:
-            drift = Prior(slope.mean, told)
+            drift, told_drift = Prior(slope.mean, told), True
     else:
         # under load from the first sample on, the channel's own zero is all there is
         loaded = abs(record.load[0]) > 0.5 * record.level
         offset, at, first = Prior(0.0 if loaded else float(x[0]), noise), 0.0, 0
     delay = Prior(0.0, median(np.diff(record.time)))
-    return _Known(offset, at, drift, delay, first, noise, _ROUNDING * travel)
+    return _Known(offset, at, drift, delay, first, noise, _ROUNDING * travel, usual, told_drift)
 
 
 def _priors(block: Block, known: _Known, spreads: Sequence[float] | None) -> tuple[Block, ...]:
@@ -270,6 +272,7 @@ def _fit_of_test(record: LoadHold, found: Retarded, arms: int | Literal["auto"])
     answers = (
         *_checks(found, record.unit, window, "the record"),
         checks.creep_finished(creep, record.hold_time, _most(record), unit=record.unit),
+        *_drift_checks(record, found),
         checks.displacement_followed(record, residual),
         checks.levels_agree(*_departure(record, found)),
         residuals_steady([residual], rounding=_ROUNDING * found.data.peak),
@@ -347,6 +350,15 @@ def _checks(found: Retarded, unit: str, window: tuple[float, float], of: str) ->
         residuals_random(estimate.kappa, estimate.rms),
         *([] if found.choice is None else [order_agreed(found.choice)]),
     )
+
+
+def _drift_checks(record: LoadHold, found: Retarded) -> list[Check]:
+    """Whether a drift may be a flow, where none was taken."""
+    if found.flows:
+        return []
+    known = _known(record)
+    drift = found.solution.coefficient("drift")
+    return [checks.drift_is_no_flow(drift, known.usual, told=known.told)]
 
 
 def _most(record: LoadHold) -> float:

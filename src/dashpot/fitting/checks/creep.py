@@ -22,6 +22,8 @@ MAX_TO_COME = 0.05
 TOLD = 10.0
 # a displacement missed by so many times its noise is not followed
 MISSED, NOT_FOLLOWED = 2.0, 10.0
+# times what a channel usually drifts
+DRIFTS = 2.0
 # of the travel: a misfit below it does not matter
 FINE_ENOUGH = 1e-3
 # a departure from proportion at the highest level that matters, and how surely
@@ -78,6 +80,22 @@ def flow_told(flows: bool, difference: float, se_of_flow: float | None) -> Findi
         instead=f"the record hardly tells a part that comes to rest from one that flows: one that "
         f"{word} was taken, by {difference:.3g} in BIC; k_inf may be 0. Hold longer, or record a "
         "recovery",
+    )
+
+
+@criterion("drift / what a channel drifts", "<=", DRIFTS, "our choice; two standard deviations")
+def drift_is_no_flow(drift: float, usual: float, *, told: bool) -> Finding:
+    """What was taken for a drift of the displacement is no flow of the part.
+
+    Both in m/s; `told` if the samples before the load show the drift.
+    """
+    return Finding(
+        f"the displacement drifts {drift / usual:.2g} times as far as load cell and encoder "
+        "usually do",
+        abs(drift) / usual,
+        ": a part that flows slowly, or is not at rest yet, looks the same, and k_inf is then too "
+        "high; record longer before the load, which tells the drift",
+        excused=told,
     )
 
 
