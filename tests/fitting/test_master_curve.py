@@ -9,6 +9,7 @@ from kit.sweeps import REFERENCE, TEMPERATURES, moduli, modulus, sweeps, wlf
 
 import dashpot as dp
 from dashpot.cli import main
+from dashpot.io.options import ReadOptions
 
 ZENER = dp.GeneralizedMaxwell(1e6, (4e6,), (0.1,))
 
@@ -122,6 +123,43 @@ def test_the_shell_takes_moduli_files_and_tables_of_shifts(tmp_path):
     said = json.loads(shell("fit", *files, "--modulus", "E(t)", "--shifts", table, "--json"))
     found = [one["log10_a_t"] for one in said["temperature"]["shifts"]]
     np.testing.assert_allclose(found, wlf(TEMPERATURES[2:]), atol=1e-6)
+
+
+def blocks(path, test, names, columns, said):
+    """One block for each temperature, said in a line over it."""
+    lines = ["# a machine"]
+    for kelvin in np.unique(test.temperature):
+        rows = np.column_stack([one[test.temperature == kelvin] for one in columns])
+        lines += ["", said.format(kelvin - 273.15), names]
+        lines += ["\t".join(f"{value:.9g}" for value in row) for row in rows]
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+@pytest.mark.parametrize("said", ["Temperature: {:g} °C", "# Temperature [degC]; {:g}"])
+def test_blocks_that_say_their_temperature_are_as_a_column_of_it(tmp_path, said):
+    data = sweeps()
+    columns = (data.frequency, data.storage / 1e6, data.loss / 1e6)
+    file = blocks(tmp_path / "a.txt", data, "Frequency [Hz]\tE' [MPa]\tE'' [MPa]", columns, said)
+    found = dp.read_dynamic(file)
+    np.testing.assert_allclose(found.temperature, data.temperature)
+    curves = moduli()
+    columns = (curves.time, curves.modulus / 1e6)
+    file = blocks(tmp_path / "b.txt", curves, "time [s]\tE(t) [MPa]", columns, said)
+    found = dp.read_modulus(file, options=ReadOptions(modulus="E(t)"))
+    np.testing.assert_allclose(found.temperature, curves.temperature)
+
+
+def test_a_block_that_says_none_is_as_warm_as_the_one_before(tmp_path):
+    file = tmp_path / "a.txt"
+    head, rows = "Frequency [Hz]\tE' [MPa]\tE'' [MPa]", "1\t10\t2\n2\t11\t2\n"
+    texts = (f"Temperature: {t} degC\n{head}\n{rows}\n{head}\n{rows}\n" for t in (0, 20))
+    file.write_text("".join(texts))
+    assert set(dp.read_dynamic(file).temperature[:4]) == {273.15}
+    assert set(dp.read_dynamic(file).temperature[4:]) == {293.15}
+    file.write_text(f"Temperature: 5 degC\n{head}\n{rows}\n{head}\n{rows}")
+    assert dp.read_dynamic(file).temperature is None
+    assert dp.read_dynamic(file).specimen.temperature == 278.15
 
 
 @pytest.mark.parametrize(

@@ -66,6 +66,8 @@ class Loaded:
     doubts : tuple of (segment, Question)
         What must be answered before the numbers of a segment, counted from 0, can be trusted;
         None is every segment.
+    above : tuple of tuple of str
+        Of a text file, the lines over each segment; none over the first, whose are the header.
     """
 
     values: FloatArray
@@ -74,6 +76,7 @@ class Loaded:
     lines: tuple[tuple[int, int], ...] = ()
     notes: tuple[str, ...] = ()
     doubts: tuple[tuple[int | None, Question], ...] = ()
+    above: tuple[tuple[str, ...], ...] = ()
 
     def where(self, row: int) -> str:
         """Where a row is: "line 12" of a text file, "row 3" of another."""

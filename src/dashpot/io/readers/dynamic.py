@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+
 from dashpot.base.errors import ReadError
 from dashpot.io.columns.kinds import kind_of
 from dashpot.io.columns.roles import Assigned, assign
@@ -11,7 +13,7 @@ from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels
 from dashpot.io.readers.channels import Opened
-from dashpot.io.readers.stated import stated_specimen
+from dashpot.io.readers.stated import stated_specimen, temperatures_of_segments
 from dashpot.io.table import Question
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.specimen import Specimen
@@ -42,7 +44,8 @@ def dynamic_in(file: Opened, specimen: Specimen) -> DynamicTest:
     wanted, ratio = _columns(file)
     chosen = channels.with_units(file, wanted)
     indexes = [c.index for c in chosen] + ([] if ratio is None else [ratio])
-    rows, gaps = channels.whole_rows(channels.load(file.table, indexes, file.options.segment))
+    loaded = channels.load(file.table, indexes, file.options.segment)
+    rows, gaps = channels.whole_rows(loaded)
     values = {c.role: channels.si(rows[:, j].copy(), c.unit) for j, c in enumerate(chosen)}
     kinds = {c.role: c.unit.dimension for c in chosen}
     notes = [*file.table.notes, *gaps]
@@ -55,6 +58,11 @@ def dynamic_in(file: Opened, specimen: Specimen) -> DynamicTest:
             f"storage is a {kinds['storage']} and loss a {kinds['loss']}; "
             "expected both in one kind of unit, such as MPa or N/mm"
         )
+    if "temperature" not in values:
+        warm = temperatures_of_segments(file, loaded)
+        if warm is not None:
+            values["temperature"] = warm[np.isfinite(loaded.values).all(axis=1)]
+            notes.append(f"{len(set(warm.tolist()))} temperatures, from the lines over each block")
     if "temperature" not in values:
         specimen, said = stated_specimen(file, specimen)
         notes += said

@@ -13,7 +13,7 @@ from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels
 from dashpot.io.readers.channels import Opened
-from dashpot.io.readers.stated import stated_specimen
+from dashpot.io.readers.stated import stated_specimen, temperatures_of_segments
 from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.specimen import Specimen
 from dashpot.records.temperature import ONE_TEMPERATURE
@@ -44,9 +44,12 @@ def read_modulus(
             columns = [*columns, temperature]
         chosen = channels.with_units(file, columns)
         indexes = [one.index for one in chosen]
-        rows, notes = channels.whole_rows(channels.load(file.table, indexes, file.options.segment))
+        loaded = channels.load(file.table, indexes, file.options.segment)
+        rows, notes = channels.whole_rows(loaded)
         values = {c.role: channels.si(rows[:, j].copy(), c.unit) for j, c in enumerate(chosen)}
-        warm = values.get("temperature")
+        warm = values.get("temperature", temperatures_of_segments(file, loaded))
+        if warm is not None:
+            warm = warm[np.isfinite(loaded.values).all(axis=1)] if len(warm) > len(rows) else warm
         several = warm is not None and np.ptp(warm) > ONE_TEMPERATURE
         specimen, said = stated_specimen(file, specimen or Specimen())
         return RelaxationModulus(

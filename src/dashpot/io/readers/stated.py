@@ -5,12 +5,17 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import accumulate
+
+import numpy as np
 
 from dashpot.base import units
+from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
 from dashpot.io.columns import vocabulary
 from dashpot.io.columns.names import part_unit
 from dashpot.io.readers.channels import Opened
+from dashpot.io.table import Loaded
 from dashpot.records.specimen import Specimen
 
 _NUMBER = re.compile(r"[-+]?\d++(?:[.,]\d++)?+(?![.,]?\d)")
@@ -45,6 +50,27 @@ def stated_specimen(file: Opened, specimen: Specimen) -> tuple[Specimen, list[st
     except DataError as error:
         return specimen, [f"the header says {said}, which is not taken: {error}"]
     return known, [f"temperature {kelvin - 273.15:.4g} degC: the header says {said}"]
+
+
+def temperatures_of_segments(file: Opened, loaded: Loaded) -> FloatArray | None:
+    """Return the temperature of each row, K, if the lines over its segments state several.
+
+    A segment over which nothing is stated is as warm as the one before it.
+    """
+    stated = [
+        {kelvin for kelvin, _ in _temperatures(lines)}
+        for lines in (file.table.header, *loaded.above[1:])
+    ]
+    several = len(set().union(*stated)) > 1
+    if not several or not stated[0] or any(len(kelvin) > 1 for kelvin in stated):
+        return None
+    lengths = np.diff((*loaded.starts, len(loaded.values)))
+    each = accumulate((max(k, default=np.nan) for k in stated), _or_before)
+    return np.repeat(list(each), lengths)
+
+
+def _or_before(before: float, stated: float) -> float:
+    return before if np.isnan(stated) else stated
 
 
 def _temperatures(header: tuple[str, ...]) -> Iterator[tuple[float, str]]:

@@ -48,6 +48,7 @@ class _Gathered:
     between: list[tuple[int, str]] = field(default_factory=list)
     remarks: list[tuple[int, str]] = field(default_factory=list)
     doubts: list[tuple[int | None, Question]] = field(default_factory=list)
+    above: list[tuple[str, ...]] = field(default_factory=lambda: [()])
 
     def note(self, word: str, line: int) -> None:
         """Count a word in the place of a number; a few are enough to tell."""
@@ -75,6 +76,7 @@ class _Gathered:
         if odd or not _remark(texts):
             self.starts.append(self.rows)
             self.segments.append(title(texts))
+            self.above.append(tuple(texts))
         if odd is None:
             self.remarks.append(self.between[-1])
         self.between.clear()
@@ -155,7 +157,9 @@ def load_rows(
         asked = marks.ambiguous(blocks(), dialect, indexes, reader.grouped, points)
         got.doubts += [(None, question) for question in asked]
     starts, names = tuple(got.starts), tuple(got.segments)
-    return Loaded(values, starts, names, tuple(got.lines), tuple(notes), tuple(got.doubts))
+    return Loaded(
+        values, starts, names, tuple(got.lines), tuple(notes), tuple(got.doubts), tuple(got.above)
+    )
 
 
 def _labels(first: str, last: str, dialect: Dialect, heading: Heading) -> list[str]:
