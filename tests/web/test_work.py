@@ -128,6 +128,13 @@ def test_a_warm_and_a_cold_test_share_one_solid(store, at_home):
         ask("settle", store, job=job | {"cuts": {"hold_end": 20.0}})
 
 
+def test_a_fractional_solid_shows_its_own_four(store, asked):
+    head = ask("settle", store, job=asked | {"arms": "auto", "family": "fractional"})
+    assert head["solid"].count("<tr>") == 6  # its four, the end of the hold, the head
+    assert "--family fractional" in head["command"]
+    assert ask("live", store, job=asked | {"arms": "auto", "family": "fractional"})["beside"]
+
+
 def test_a_hit_is_left_out_by_hand(store, asked):
     rejected = ask("study", store, job=asked | {"joint": False, "hammer": {"reject": ["2"]}})
     assert "4 of 5 hits" in rejected["hammer"]

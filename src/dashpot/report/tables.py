@@ -109,7 +109,7 @@ def _mark(check: Check, weighed: Collection[Check]) -> str:
 # -- the relaxation test and its fits -------------------------------------------------------------
 
 
-class _Parameter(NamedTuple):
+class Parameter(NamedTuple):
     """One parameter of a solid in the unit that is read."""
 
     name: str
@@ -119,7 +119,7 @@ class _Parameter(NamedTuple):
     unit: str
 
 
-def _parameters(fit: Fit) -> Iterator[_Parameter]:
+def parameters(fit: Fit) -> Iterator[Parameter]:
     """k∞, then the stiffness, the dashpot and the relaxation time of every arm.
 
     Of a fractional solid, its own four.
@@ -130,7 +130,7 @@ def _parameters(fit: Fit) -> Iterator[_Parameter]:
             unit, f = READ.get(si, (si, 1.0))
             low, high = limits[name]
             value = f * getattr(fit.solid, name)
-            yield _Parameter(symbol(name), value, f * known[name], (f * low, f * high), unit)
+            yield Parameter(symbol(name), value, f * known[name], (f * low, f * high), unit)
         return
     model, error, between = fit.model, fit.standard_error, fit.intervals(level=0.95)
     groups = (
@@ -144,7 +144,7 @@ def _parameters(fit: Fit) -> Iterator[_Parameter]:
             every.append((f"{name}_{j}", unit, value, se, ends))
     for name, si, value, se, (low, high) in every:
         unit, f = READ.get(si, (si, 1.0))
-        yield _Parameter(symbol(name), f * value, f * se, (f * low, f * high), unit)
+        yield Parameter(symbol(name), f * value, f * se, (f * low, f * high), unit)
 
 
 def test_facts(prepared: RampHold) -> Table:
@@ -186,7 +186,7 @@ def coefficients(fit: Fit | None, length: float | None) -> Table | None:
         ends = interval(*(1e-3 * limit for limit in end.k_end))
         scaled = [] if length is None else [f"{rounded(0.1 / length * float(value))} N/mm"]
         rows.append((f"k({duration(end.time)})", value, ends, "N/mm", *scaled))
-    for one in _parameters(fit):
+    for one in parameters(fit):
         value = with_error(one.value, one.error)
         cells = [one.name, value, interval(*one.ends), one.unit]
         if length is not None:
@@ -247,7 +247,7 @@ def two_routes(study: Study) -> Table | None:
             with_error(b.value, b.error),
             percent(b.value / a.value - 1),
         )
-        for a, b in zip(_parameters(fit), _parameters(hold), strict=True)
+        for a, b in zip(parameters(fit), parameters(hold), strict=True)
         if a.value and a.unit != READ["N s/m"][0]
     )
     return Table(("", "full history", "hold only, eq. (5)", "difference"), rows)

@@ -21,7 +21,10 @@ _PARTS: dict[str, type] = {
     "cuts": Cuts, "specimen": Specimen, "machine": Machine, "hammer": HammerChoices,
     "reading": ReadOptions, "reading_impact": ReadOptions,
 }  # fmt: skip
-_CHOICES = {"method": ("full", "hold"), "law": ("auto", "linear", "nonlinear")}
+_CHOICES = {
+    "method": ("full", "hold"), "law": ("auto", "linear", "nonlinear"),
+    "family": ("maxwell", "fractional", "auto"),
+}  # fmt: skip
 _TEXTS = ("title", "filter")
 
 

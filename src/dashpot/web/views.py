@@ -27,6 +27,7 @@ from dashpot.records.frf import FRF, Hit
 from dashpot.records.relaxation import RampHold
 from dashpot.report import answer
 from dashpot.report.answer import GRADES, Row
+from dashpot.report.tables import parameters
 from dashpot.workflow.inspections import InspectedFile
 from dashpot.workflow.recommendation import recommendation
 from dashpot.workflow.study import Study
@@ -188,20 +189,25 @@ def live_test(fit: Fit, prepared: RampHold, by_eq5: Fit | None) -> Live:
 
 def beside(fit: Fit, by_eq5: Fit | None) -> list[tuple[str, str, str, str]]:
     """Name, value of the fit, value of eq. (5) and unit, of every parameter."""
-    rows = []
-    other = None if by_eq5 is None else by_eq5.model
-    for name, value, there, unit, factor in _pairs(fit.model, other):
-        cell = "" if there is None else rounded(factor * there, digits=4)
-        rows.append((symbol(name), rounded(factor * value, digits=4), cell, unit))
-    return rows
-
-
-def _pairs(model: Any, other: Any) -> Any:
-    yield "k_inf", model.k_inf, None if other is None else other.k_inf, "N/mm", 1e-3
+    if fit.family == "fractional":
+        own = parameters(fit)
+        return [(one.name, rounded(one.value, digits=4), "", one.unit) for one in own]
+    model, other = fit.model, None if by_eq5 is None else by_eq5.model
+    rows = [("k_inf", model.k_inf, None if other is None else other.k_inf, "N/mm", 1e-3)]
     for name, unit, factor in (("k", "N/mm", 1e-3), ("tau", "s", 1.0)):
         there = () if other is None else getattr(other, name)
         for j, value in enumerate(getattr(model, name)):
-            yield f"{name}_{j + 1}", value, there[j] if j < len(there) else None, unit, factor
+            beside = there[j] if j < len(there) else None
+            rows.append((f"{name}_{j + 1}", value, beside, unit, factor))
+    return [
+        (
+            symbol(name),
+            rounded(factor * value, digits=4),
+            "" if beside is None else rounded(factor * beside, digits=4),
+            unit,
+        )
+        for name, value, beside, unit, factor in rows
+    ]
 
 
 def live_response(predicted: FRF) -> Live:
@@ -240,12 +246,9 @@ def terms(fit: Fit) -> list[Term]:
     if end is not None:
         value = 1e-3 * float(fit.solid.relaxation(end.time))
         rows.append(_term(f"k({duration(end.time)})", value, _scaled(end.k_end, 1e-3), "N/mm"))
-    between = fit.intervals(level=0.95)
-    rows.append(_term("k_inf", 1e-3 * fit.model.k_inf, _scaled(between["k_inf"], 1e-3), "N/mm"))
-    for j, k in enumerate(fit.model.k):
-        rows.append(_term(f"k_{j + 1}", 1e-3 * k, _scaled(between["k"][j], 1e-3), "N/mm"))
-    for j, tau in enumerate(fit.model.tau):
-        rows.append(_term(f"tau_{j + 1}", tau, between["tau"][j], "s"))
+    # b = k tau says of an arm what k and tau say
+    shown = (one for one in parameters(fit) if not one.name.startswith("b"))
+    rows += [_term(one.name, one.value, one.ends, one.unit) for one in shown]
     return rows
 
 
@@ -260,7 +263,7 @@ def _term(name: str, value: float, ends: tuple[float, float], unit: str) -> Term
     # known to half of itself is seen; beyond, it is not determined
     mark = "good" if known is not None and half < 0.5 * abs(value) else "care"
     return Term(
-        symbol(name) if "(" not in name else name,
+        name,
         rounded(value, known),
         rounded(low, known) if np.isfinite(low) else "unknown",
         rounded(high, known) if np.isfinite(high) else "no limit",

@@ -84,16 +84,22 @@ def _fitted(job: Job, intervals: bool) -> Fit:
         arms=job.arms,
         method=job.method,
         law=job.law,
+        family=job.family,
         intervals=intervals,
     )
 
 
+def _beside(job: Job, found: Fit) -> Fit | None:
+    """The fit of eq. (5) with as many arms, of one test; None where it has nothing to say."""
+    if found.family != "maxwell" or job.further:
+        return None
+    return _by_eq5(_of_test(job), found.model.arms)
+
+
 @lru_cache(KEPT)
 def _by_eq5(job: Job, arms: int) -> Fit | None:
-    """The fit of the paper's eq. (5) to one test; None where the record does not allow it."""
-    tests = _prepared(job)
     try:
-        return fit(tests, arms=arms, method="hold", intervals=False) if len(tests) == 1 else None
+        return fit(_prepared(job), arms=arms, method="hold", intervals=False)
     except DashpotError:
         return None
 
@@ -126,7 +132,7 @@ def _of_test(job: Job) -> Job:
 
 def _of_fit(job: Job) -> Job:
     """What of a job decides the fit of the relaxation test."""
-    return replace(_of_test(job), arms=job.arms, method=job.method, law=job.law)
+    return replace(_of_test(job), arms=job.arms, method=job.method, law=job.law, family=job.family)
 
 
 # -- verbs ----------------------------------------------------------------------------------------
@@ -180,7 +186,7 @@ def live(request: Mapping[str, Any], folder: Path) -> bytes:
     job = job_of(request.get("job"), folder)
     found = _fitted(_of_fit(job), job.arms == "auto")
     _, prepared = _shown(job, found)
-    shown = views.live_test(found, prepared, _by_eq5(_of_test(job), found.model.arms))
+    shown = views.live_test(found, prepared, _beside(job, found))
     return wire.packed({"beside": shown.words, "cuts": _cuts(prepared)}, shown.arrays)
 
 
@@ -190,7 +196,7 @@ def settle(request: Mapping[str, Any], folder: Path) -> bytes:
     widths = mapping(request.get("widths", {}), "widths")
     found = _fitted(_of_fit(job), True)
     test, prepared = _shown(job, found)
-    by_eq5 = _by_eq5(_of_test(job), found.model.arms)
+    by_eq5 = _beside(job, found)
     panels = views.test_panels(found, prepared, by_eq5, widths)
     if job.mass is not None:
         panels["frf"] = views.response_panel(_predicted(found, job), widths.get("frf", 800.0))
@@ -205,7 +211,7 @@ def settle(request: Mapping[str, Any], folder: Path) -> bytes:
             "cuts": _cuts(prepared),
             "clock": [float(test.time[0]), float(test.time[-1])],
             "step": float(np.median(np.diff(test.time))),
-            "arms": found.model.arms,
+            "arms": found.model.arms if found.family == "maxwell" else "",
             "simulated": test.source is not None and test.source.simulated,
             "command": command(job),
         }

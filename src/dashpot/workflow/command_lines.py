@@ -57,12 +57,16 @@ def report_command(job: Job) -> str:
         ("--arms", str(job.arms)),
         ("--method", job.method),
         ("--law", job.law),
+        ("--family", job.family),
         ("--band", None if job.band is None else _range(job.band)),
         ("--filter", job.filter),
         ("--title", job.title or None),
         ("--logo", job.logo),
     )
-    usual = {"--seals": "1", "--arms": "auto", "--method": "full", "--law": "auto"}
+    usual = {
+        "--seals": "1", "--arms": "auto", "--method": "full", "--law": "auto",
+        "--family": "maxwell",
+    }  # fmt: skip
     for flag, text in given:
         words += [] if text is None or usual.get(flag) == text else [flag, text]
     for kelvin in job.temperatures:

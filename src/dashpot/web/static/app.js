@@ -18,7 +18,7 @@ const SPECIMEN = { name: "", lot: "", length: "mm" };
 /** @type {{files: OpenFile[], current: string, job: Record<string, any>, joint: boolean, mass: number}} */
 const fresh = () => ({
   files: [], current: "", joint: false, mass: 0,
-  job: { mass: "", seals: 1, compression: "", arms: "auto", method: "full", law: "auto", cuts: {}, specimen: {}, hammer: { accept: [], reject: [] } },
+  job: { mass: "", seals: 1, compression: "", arms: "auto", method: "full", law: "auto", family: "maxwell", cuts: {}, specimen: {}, hammer: { accept: [], reject: [] } },
 });
 let state = fresh();
 /** @type {string[]} */
@@ -93,7 +93,7 @@ function solid() {
   $("solid").innerHTML = tables[which];
 }
 function choices() {
-  for (const name of ["arms", "method", "law"])
+  for (const name of ["arms", "method", "law", "family"])
     for (const button of all(`[data-${name}]`)) {
       const value = button.dataset[name];
       button.setAttribute("aria-pressed", String(String(state.job[name]) === value));
@@ -257,7 +257,7 @@ function settle() {
     const [first, last] = head.clock;
     clock = { first, last, step: head.step };
     const auto = document.querySelector('[data-arms="auto"]');
-    if (auto) auto.textContent = state.job.arms === "auto" ? `auto: ${head.arms}` : "auto";
+    if (auto) auto.textContent = state.job.arms === "auto" && head.arms !== "" ? `auto: ${head.arms}` : "auto";
     solid();
     placeHandles(head.cuts);
     status(`settled in ${((performance.now() - since) / 1000).toFixed(2)} s`);
@@ -419,6 +419,7 @@ document.addEventListener("click", (event) => {
   else if (said.arms) { state.job.arms = said.arms === "auto" ? "auto" : +said.arms; settle(); }
   else if (said.method) { state.job.method = said.method; settle(); }
   else if (said.law) { state.job.law = said.law; settle(); }
+  else if (said.family) { state.job.family = said.family; settle(); }
 });
 document.addEventListener("change", (event) => {
   const at = /** @type {any} */ (event.target);
