@@ -180,6 +180,21 @@ def test_tables_of_shifts_speak_of_a_t_in_many_ways(tmp_path, head, of):
     assert [one.log10_a_t for one in found] == pytest.approx([1.5, -2.0])
 
 
+def test_a_table_of_shifts_comes_back(tmp_path):
+    file, table = written(tmp_path / "sweeps.csv", sweeps()), tmp_path / "shifts.csv"
+    said = shell("fit", file, "--save-shifts", table, "--json")
+    found = [one["log10_a_t"] for one in json.loads(said)["temperature"]["shifts"]]
+    back = dp.read_shifts(table)
+    assert [one.log10_a_t for one in back] == found
+    assert back[0].se == pytest.approx(0.055, abs=0.02)
+    assert back[0].b_t == pytest.approx(253.15 / 293.15)
+    again = json.loads(shell("fit", file, "--shifts", table, "--json"))["temperature"]
+    assert [one["b_t"] for one in again["shifts"]] == pytest.approx([one.b_t for one in back])
+    assert "leave out --save-shifts" in shell(
+        "fit", file, "--at", "20degC", "--arms", "1", "--save-shifts", table, code=2
+    )
+
+
 def test_a_table_that_is_none_is_refused(tmp_path):
     table = tmp_path / "shifts.csv"
     table.write_text("T [degC],a_T\n0,-1.5\n20,0\n")

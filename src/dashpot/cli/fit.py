@@ -8,9 +8,10 @@ import click
 
 import dashpot as dp
 from dashpot import workflow
+from dashpot.base.errors import FitError
 from dashpot.cli import _options as options
 from dashpot.cli import _text
-from dashpot.cli._shell import File, Outcome, printed, reports, typed, write, write_figure
+from dashpot.cli._shell import File, Outcome, Output, printed, reports, typed, write, write_figure
 
 
 @click.command("fit")
@@ -23,6 +24,12 @@ from dashpot.cli._shell import File, Outcome, printed, reports, typed, write, wr
 @click.option("--thorough", is_flag=True, help="Add quasi-random starts.")
 @options.filtered
 @options.cuts
+@click.option(
+    "--save-shifts",
+    type=Output([".csv"]),
+    metavar="FILE",
+    help="Keep the shift factors of several temperatures as a table.",
+)
 @options.picture
 @options.fit_output
 @options.overwrite
@@ -32,7 +39,12 @@ from dashpot.cli._shell import File, Outcome, printed, reports, typed, write, wr
 @options.shifting
 @options.reading
 def command(
-    *, files: tuple[str, ...], picture: str | None, output: str | None, **choices: Any
+    *,
+    files: tuple[str, ...],
+    picture: str | None,
+    output: str | None,
+    save_shifts: str | None,
+    **choices: Any,
 ) -> Outcome:
     """Fit a generalized Maxwell solid to the ramp and hold in FILE; several files fit together.
 
@@ -54,6 +66,8 @@ def command(
     found, records = workflow.fit_files(files, **choices)
     if picture:
         write_figure(picture, _figure(found, records))
+    if save_shifts:
+        write(save_shifts, _shift_table(found))
     if output:
         write(output, printed(found) + "\n")
     return Outcome(
@@ -63,6 +77,15 @@ def command(
         verdict=found.verdict,
         follow=_follow(files, output),
     )
+
+
+def _shift_table(found: dp.Fit) -> str:
+    from dashpot.io.write import write_shifts
+
+    if found.temperatures is None:
+        raise FitError("one temperature has no shift factors; leave out --save-shifts")
+    stamp = ["simulated"] if any(source.simulated for source in found.source) else []
+    return write_shifts(found.temperatures, comments=stamp)
 
 
 def _follow(files: tuple[str, ...], output: str | None) -> str:

@@ -17,6 +17,7 @@ from dashpot.records.creep import CreepTest
 from dashpot.records.frf import FRF, Kind
 from dashpot.records.impact import ImpactTest
 from dashpot.records.relaxation import RelaxationTest
+from dashpot.records.temperature import TemperatureShifts
 
 _NUMERATOR = {
     Kind.RECEPTANCE: (8, "m"),
@@ -53,6 +54,26 @@ def temperature_line(kelvin: float) -> str:
     'temperature: 0 degC'
     """
     return f"temperature: {round(kelvin - 273.15, 9):.12g} degC"
+
+
+def write_shifts(
+    shifts: TemperatureShifts, path: str | Path | None = None, *, comments: Sequence[str] = ()
+) -> str:
+    """Return shift factors as text that `read_shifts` takes back, and write it to `path` if given.
+
+    The columns are ``temperature [degC], log10_a_t [1], se [1], b_t [1]``; `se` is of log10_a_t.
+    """
+    each = shifts.shifts
+    head = ["temperature [degC]", "log10_a_t [1]", "se [1]", "b_t [1]"]
+    columns = [
+        np.array([round(one.temperature - 273.15, 9) for one in each]),
+        np.array([one.log10_a_t for one in each]),
+        np.array([one.se for one in each]),
+        np.array([one.b_t for one in each]),
+    ]
+    reference = f"reference {shifts.reference - 273.15:.9g} degC"
+    above = [byline("shift factors"), *comments, f"{reference}, law {shifts.law.kind}"]
+    return _written(_text(above, head, columns), path)
 
 
 def write_impact(
