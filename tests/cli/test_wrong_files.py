@@ -257,7 +257,7 @@ def test_an_frf_without_coherence_says_so_first(lab: Path) -> None:
     ("words", "says"),
     [
         ("fit seal.csv --mass 104g", "--mass is an option of dashpot predict, impact, compare"),
-        ("report seal.csv hammer.csv --mass 104g", "hammer are given by --impact FILE"),
+        ("report seal.csv hammer.csv --mass 104g", "hits of the hammer are given by --impact"),
         ("fit seal.csv --units kraft=N", "'kraft' is no role .* and no column of seal.csv"),
         ("report seal.csv --impact hammer.csv --mass 104g --units kraft=N", "'kraft' is no role"),
         ("fit seal.csv --sheet Foo", "--sheet Foo: this file has no sheets or groups"),

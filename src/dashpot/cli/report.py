@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import click
 
 import dashpot as dp
 from dashpot import workflow
+from dashpot.base.errors import ReadError
 from dashpot.base.progress import doing
 from dashpot.cli import _options as options
 from dashpot.cli import _text
@@ -105,12 +108,14 @@ def command(
     more: dict[str, str] = {}
     if project:
         home = workflow.create(project)
-        study, place = workflow.record(home, job, page=dp.report.html)
+        with _hammer_named():
+            study, place = workflow.record(home, job, page=dp.report.html)
         note_written(place)
         more = {"history": home.head}
         written.append(str(place))
     else:
-        study = workflow.run(job)
+        with _hammer_named():
+            study = workflow.run(job)
     if output:
         doing("drawing the report")
         written.append(output)
@@ -125,6 +130,17 @@ def command(
         if project
         else _follow(job, study),
     )
+
+
+@contextmanager
+def _hammer_named() -> Iterator[None]:
+    """Say how the files of the hammer are given, where one is taken for a bench test."""
+    try:
+        yield
+    except ReadError as error:
+        if "this is a hammer file" not in str(error):
+            raise
+        raise ReadError(f"{error}, or here: the hits of the hammer are given by --impact") from None
 
 
 def _follow(job: Job, study: Study) -> str:
