@@ -137,7 +137,9 @@ def counted(number: int, what: str) -> str:
 
 def symbol(name: str) -> str:
     """A parameter's name as it is printed: ``"k_inf"`` is k∞, ``"ln_tau_2"`` is ln τ₂."""
-    text = name.replace("k_inf", "k∞").replace("tau", "τ").replace("ln_", "ln ")
+    text = (
+        name.replace("k_inf", "k∞").replace("tau", "τ").replace("alpha", "α").replace("ln_", "ln ")
+    )
     text = text.replace("_T", "(T)")
     head, _, number = text.rpartition("_")
     return head + number.translate(SUBSCRIPTS) if head and number.isdigit() else text

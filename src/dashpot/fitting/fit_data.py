@@ -119,19 +119,11 @@ def weighed(
     solutions = solved()
     residuals = tuple(residual_of(solutions[-1], block) for block in data.samples)
     noises = tuple(noise_of(one, rounding=rounding(data.peak)) for one in residuals)
-    again = reweighed(data, noises)
-    if again is None:
-        return First(data, solutions, residuals, noises)
-    data = again
-    return First(data, solved(), residuals, noises)
-
-
-def reweighed(data: FitData, noises: Sequence[Noise]) -> FitData | None:
-    """The data with priors as heavy as this noise says; None if they are nearly so."""
     spreads = [float(np.sqrt(noise.autocovariance[0] * noise.kappa)) for noise in noises]
     if all(_WEIGHED[0] < a / b < _WEIGHED[1] for a, b in zip(spreads, data.units, strict=False)):
-        return None
-    return data.bound(spreads)
+        return First(data, solutions, residuals, noises)
+    data = data.bound(spreads)
+    return First(data, solved(), residuals, noises)
 
 
 def one_more(blocks: Sequence[Block]) -> float:

@@ -21,7 +21,7 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
 from dashpot.engine.inference.order import bic, needed
 from dashpot.fitting.design import solid_of
-from dashpot.fitting.fit_data import FitData, reweighed
+from dashpot.fitting.fit_data import FitData
 from dashpot.fitting.fractional.checks import (
     HEARD,
     LOSS_MATTERS,
@@ -130,7 +130,7 @@ def checked_family(family: str) -> None:
 
 
 def element(data: FitData) -> ChosenElement:
-    """Return the best fractional solid of some data, with priors as heavy as its noise says.
+    """Return the best fractional solid of some data, whose priors weigh as their noise does.
 
     Raises
     ------
@@ -145,19 +145,8 @@ def element(data: FitData) -> ChosenElement:
             "fractional solid; use a longer record"
         )
     point, converged = columns.best()
-    found = _estimated(data, columns, point, converged=converged)
-    again = reweighed(data, found.estimate.noises)
-    if again is None:
-        return found
-    columns = Columns(again.rows)
-    point, converged = columns.descend(point.at)
-    return _estimated(again, columns, point, converged=converged)
-
-
-def _estimated(data: FitData, columns: Columns, point: Point, *, converged: bool) -> ChosenElement:
-    solution = columns.solution(point, converged=converged)
     estimate = estimated(
-        solution,
+        columns.solution(point, converged=converged),
         data.samples,
         peak=data.peak,
         priors=data.priors,
@@ -348,8 +337,8 @@ def _says(
         arms = other.maxwell.arms
         name = f"a solid with {arms} arm{'s' * (arms != 1)}"
     if not explains:
-        return f"{name} does not explain the data: its criterion is {rise:.3g} higher"
-    both = f"{name} explains the data too (criterion {rise:+.3g})"
+        return f"{name} does not explain the data: its BIC is {rise:.3g} higher"
+    both = f"{name} explains the data too (BIC {rise:+.3g})"
     if apart is None:
         return f"{both}, and predicts the same up to {HEARD:g} Hz"
     at = max(10.0, 10.0 ** np.ceil(np.log10(apart)))
