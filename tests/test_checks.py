@@ -1419,5 +1419,5 @@ def test_another_family_that_explains_nothing_or_parts_nowhere_limits_nothing() 
     for other in (None, beside(1.0, explains=False), beside(None)):
         assert fractional.families_told_apart(other).passed is True
     assert fractional.slope_known(0.01, edge=True).passed is False
-    assert fractional.element_explains(1.5001, 2).grade == "stop"
-    assert fractional.element_explains(1.4999, 2).grade == "limit"
+    assert fractional.element_explains(1.1001, 2).grade == "stop"
+    assert fractional.element_explains(1.0999, 2).grade == "limit"

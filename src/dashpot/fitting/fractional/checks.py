@@ -34,7 +34,7 @@ def slope_known(error: float, *, edge: bool) -> Finding:
     "<=",
     1.02,
     "our choice: white residuals of 1000 samples scatter by 2 %",
-    otherwise="stop beyond 1.5",
+    otherwise="stop beyond 1.1",
 )
 def element_explains(ratio: float, arms: int) -> Finding:
     """The fractional solid leaves no more than arms do."""
@@ -42,7 +42,7 @@ def element_explains(ratio: float, arms: int) -> Finding:
         f"the fractional solid leaves {ratio:.4g} times the residual of {arms} arms",
         ratio,
         ": the spectrum is no bent power law; fit arms (family maxwell)",
-        grade="stop" if ratio > 1.5 else None,
+        grade="stop" if ratio > 1.1 else None,
     )
 
 
