@@ -7,6 +7,7 @@ from kit.sweeps import moduli, sweeps
 import dashpot as dp
 from dashpot.plot.picture import Area, Dots, Line
 from dashpot.plot.tokens import TEMPERATURES
+from dashpot.workflow.frames import frame
 
 
 @pytest.mark.parametrize(
@@ -34,6 +35,16 @@ def test_the_shifts_are_drawn_with_their_law_and_its_errors():
     assert ((area.low <= line.y) & (line.y <= area.high)).all()
     free = dp.superpose(sweeps(), law="free").plot().panels[-1]
     assert not any(isinstance(mark, Area) for mark in free.marks)
+
+
+@pytest.mark.parametrize("data", [sweeps(), moduli()], ids=["sweeps", "moduli"])
+def test_a_notebook_shows_it_and_a_table_holds_it(data):
+    found = dp.superpose(data)
+    assert "<svg" in found._repr_html_()
+    assert repr(found).startswith("Superposition: 9 temperatures, -20 degC to 60 degC, at 20 degC")
+    made = frame(found)
+    assert list(made.columns)[-1] == "temperature"
+    assert {len(column) for column in made.columns.values()} == {len(found.temperature)}
 
 
 def test_few_temperatures_are_as_far_apart_in_colour_as_many():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import singledispatch
 from importlib import import_module
 from typing import Any, NamedTuple
@@ -18,6 +19,7 @@ from dashpot.records.frf import FRF
 from dashpot.records.impact import ImpactTest
 from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.relaxation import RampHold, RelaxationTest
+from dashpot.records.superposition import Superposition
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.workflow.study import Study
 
@@ -130,7 +132,20 @@ def _(noun: CreepCompliance) -> Frame:
 
 @frame.register
 def _(noun: RelaxationModulus) -> Frame:
-    return _frame(time=(noun.time, "s"), modulus=(noun.modulus, noun.unit))
+    return _frame(
+        time=(noun.time, "s"),
+        modulus=(noun.modulus, noun.unit),
+        temperature=(noun.temperature, "K"),
+    )
+
+
+@frame.register
+def _(noun: Superposition) -> Frame:
+    """The master curve, and the temperature that each of its samples was measured at."""
+    made = frame(replace(noun.curve, temperature=None))
+    return Frame(
+        {**made.columns, "temperature": noun.temperature}, {**made.units, "temperature": "K"}
+    )
 
 
 @frame.register
