@@ -323,6 +323,8 @@ def test_identify_takes_what_is_known_of_the_seals(lab: Path) -> None:
     run(*shlex.split(follow.partition("#")[0])[1:])
     known = json.loads((lab / "joint.json").read_text())["specimen"]
     assert (known["temperature"], known["length"]) == (pytest.approx(296.15), 0.1)
+    twice = run(*words, "--temperature", "23degC", "--temperature", "0degC", code=2)
+    assert "expected one, that of the seals under the hammer" in " ".join(twice.split())
 
 
 def test_a_result_without_stdout_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -355,7 +355,8 @@ def identify_files(
     specimen : Specimen, optional
         What is known of the seals; it wins over what the tests say.
     temperatures : sequence of float
-        Of the tests, K: one for all of them, or one for each, in their order.
+        Of the tests, K: one for all of them, or one for each, in their order; without tests, of
+        the seals.
     options_with : ReadOptions, optional
         What the user said of the files of the tests.
     choices
@@ -372,6 +373,11 @@ def identify_files(
     known_of_a_test(machine, tests=len(tests), add="a relaxation test (--with)")
     if len(fits) > 1 or (fits and tests):
         raise ReadError("--with takes relaxation tests or one fit, not both: leave the fit out")
+    if not tests and len(temperatures) > 1:
+        raise ReadError(
+            f"{len(temperatures)} temperatures and no relaxation test (--with); expected one, that "
+            "of the seals under the hammer"
+        )
     _, frf = read_measured(measured, choices=hammer, options=options, mass=mass, band=band)
     total, noted = total_mass(mass, seal=seal_mass, seals=seals)
     with answered_in("--with-profile", besides=("units", *OF_BENCH)):
@@ -389,6 +395,8 @@ def identify_files(
         compression=compression,
         **choices,
     )
+    if not tests and temperatures:
+        specimen = replace(specimen or Specimen(), temperature=temperatures[0])
     if specimen is not None:
         known = replace(found.provenance, specimen=specimen.over(found.specimen))
         found = replace(found, provenance=known)
