@@ -89,7 +89,7 @@ def test_parameters_are_written_as_printed():
     assert symbol("k_inf") == "k∞"
     assert symbol("b_1") == "b₁"
     assert readable("tau_1 and k_inf, not tau_x nor sk_1; tau = 2 s") == (
-        "τ₁ and k∞, not tau_x nor sk_1; τ = 2 s"
+        "τ₁ and k∞, not tau_x nor sk_1; τ = 2\N{NO-BREAK SPACE}s"
     )
     assert words("tau_inside_window") == "τ inside window"
     assert words("k_inf_positive") == "k∞ positive"

@@ -86,6 +86,16 @@ def test_it_is_compared_as_its_test_saw_it() -> None:
     assert sum(arm.loss_share for arm in found.arms) == pytest.approx(1.0)
 
 
+def test_arms_faster_than_the_pulse_leave_nothing_at_the_end_of_the_record() -> None:
+    s = 2j * np.pi * LINES
+    slow = FractionalZener(900.0, 400.0, 0.01, 0.45)
+    found = accelerance(2 * slow, MASS, s, 8.0, pulse=0.01)
+    assert slow.maxwell.tau[0] < 1e-9
+    whole = accelerance(2 * slow, MASS, s)
+    np.testing.assert_allclose(found, whole, rtol=1e-3)
+    assert np.abs(found - whole).max() > 0
+
+
 def test_the_mass_behind_its_peak_is_found() -> None:
     fine = np.linspace(10.0, 30.0, 2001)
     frf = predict_frf(2 * SEAL, mass=MASS, frequency=fine)

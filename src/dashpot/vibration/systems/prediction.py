@@ -17,6 +17,8 @@ from dashpot.vibration.systems.operating_point import operating_point
 
 LINES, REACH = 4001, 10.0
 """Lines of a prediction, and how far from its peak they go, as a factor, if none are given."""
+DIED = 50.0
+"""Folds of decay after which nothing of a motion is left."""
 
 
 def predict_frf(
@@ -201,6 +203,8 @@ def accelerance(
     if record is None:
         return whole
     p = poles(model, mass)
+    # of an arm faster than the pulse the width of it tells nothing: it has long died away
+    p = p[p.real * record > -DIED]
     lost = residues(model.maxwell, mass, p) * p**2 * np.exp(p * record + 0.5 * (pulse * p) ** 2)
     live = np.abs(lost) > 0
     p, lost = p[live], lost[live]
