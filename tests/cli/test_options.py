@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from typing import Any
 
 import click
 import pytest
@@ -10,7 +11,7 @@ from click.testing import CliRunner
 
 from dashpot.base.options import flag_of, option
 from dashpot.cli import COMMANDS, main
-from dashpot.cli._options import filled
+from dashpot.cli._options import filled, given, specimens
 from dashpot.io.options import ReadOptions
 from dashpot.records.machine import Machine
 from dashpot.records.specimen import Specimen
@@ -105,3 +106,14 @@ def test_the_list_of_commands_needs_none_of_them():
     for name, says in COMMANDS.items():
         assert f"  {name} " in text
         assert says in " ".join(text.split())
+
+
+def test_the_next_command_says_each_of_several_temperatures() -> None:
+    @click.command()
+    @specimens
+    def asked(**_: Any) -> None:
+        click.echo(" ".join(given()))
+
+    said = ["--temperature", "23degC", "--temperature", "0degC", "--length", "50mm"]
+    done = CliRunner().invoke(asked, said)
+    assert done.output.split() == said

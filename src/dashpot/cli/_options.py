@@ -40,7 +40,8 @@ class Quantity(click.ParamType[Any]):
         if not isinstance(value, str):
             return value
         if ctx is not None and param is not None and param.name is not None:
-            ctx.meta.setdefault(_TYPED, {})[param.name] = value
+            kept = ctx.meta.setdefault(_TYPED, {})
+            kept[param.name] = (*kept.get(param.name, ()), value) if param.multiple else value
         try:
             return self._parsed(value, self.dimension)
         except DashpotError as error:
