@@ -208,6 +208,8 @@ def test_a_test_without_its_temperature_is_asked_for_it():
     nameless = replace(cold.a_test("hidden", 10.0, 0), specimen=dp.Specimen())
     with pytest.raises(dp.FitError, match="test 2 of 3 has no temperature"):
         dp.fit([warm, nameless, chilled])
+    with pytest.raises(dp.FitError, match="test 2 of 2 has no temperature, where test 1 is of 0"):
+        dp.fit([chilled, nameless])
 
 
 @pytest.mark.parametrize("options", [{"method": "hold"}, {"depth_law": True}])

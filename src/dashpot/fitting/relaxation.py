@@ -71,6 +71,7 @@ from dashpot.records.creep import Creep
 from dashpot.records.fit import Fit, Provenance
 from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold
+from dashpot.records.temperature import celsius
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -245,15 +246,18 @@ def _temperatures(records: Sequence[RampHold], design: Design) -> FloatArray:
         If only some tests have one, or they are to be fitted in a way that knows of none.
     """
     given = [record.specimen.temperature for record in records]
-    found = temperatures_of([record for record in records if record.specimen.temperature])
+    known = [record for record in records if record.specimen.temperature]
+    if known and None in given:
+        first = known[0].specimen.temperature or 0.0
+        raise FitError(
+            f"test {given.index(None) + 1} of {len(given)} has no temperature, where test "
+            f"{given.index(first) + 1} is of {celsius(first)}: give one for every file, in their "
+            "order, such as --temperature 23degC --temperature 0degC, or one for all of them "
+            "(Python: Specimen(temperature=...))"
+        )
+    found = temperatures_of(records)
     if len(found) < 2:
         return found
-    if None in given:
-        raise FitError(
-            f"test {given.index(None) + 1} of {len(given)} has no temperature, and the others are "
-            "of several: give one for every file, in their order, such as --temperature 23degC "
-            "--temperature 0degC (Python: Specimen(temperature=...))"
-        )
     if design.method == "hold" or design.depth_law:
         raise FitError(
             "tests at several temperatures are fitted by the recorded motion, and share their "
