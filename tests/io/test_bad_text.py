@@ -11,6 +11,7 @@ from kit.look_alikes import ROWS, table, truth
 
 from dashpot.base.errors import DataError, ReadError
 from dashpot.io.options import ReadOptions
+from dashpot.io.readers.dynamic import read_dynamic
 from dashpot.io.readers.impact import read_impact
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.readers.relaxation import read_relaxation
@@ -382,3 +383,20 @@ def test_a_temperature_that_no_rubber_has_is_asked_about(kelvin: float, fails: b
         return
     with pytest.raises(DataError, match="is the unit degC"):
         Specimen(temperature=kelvin)
+
+
+@pytest.mark.parametrize(
+    ("unit", "last", "fails"),
+    [("degC", 276.8, False), ("degC", 276.9, True), ("K", 100.0, False), ("K", 99.9, True)],
+)
+def test_temperatures_of_a_sweep_in_another_unit_are_asked_about(
+    tmp_path: Path, unit: str, last: float, fails: bool
+) -> None:
+    rows = "".join(f"{f},5,1,{t}\n" for t in (270.0, last) for f in (1, 2, 5, 10))
+    file = tmp_path / "sweeps.csv"
+    file.write_text(f"frequency [Hz],storage [MPa],loss [MPa],temperature [{unit}]\n{rows}")
+    if fails:
+        with pytest.raises(ReadError, match=r"sweeps.csv: temperature = .*is the unit degC"):
+            read_dynamic(file)
+    else:
+        assert len(read_dynamic(file).frequency) == 8

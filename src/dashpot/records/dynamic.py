@@ -19,7 +19,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, of_file
 from dashpot.base.units import Quantity, si
-from dashpot.records.specimen import Specimen
+from dashpot.records.specimen import Specimen, tested_at
 from dashpot.records.temperature import ONE_TEMPERATURE, near
 
 
@@ -68,6 +68,8 @@ class DynamicTest(ByValue, Described):
             loss=self.loss,
             temperature=self.temperature,
         )
+        if self.temperature is not None:
+            tested_at("temperature", self.temperature.min(), self.temperature.max())
         bad = np.flatnonzero(self.frequency <= 0)
         if bad.size:
             i = int(bad[0])

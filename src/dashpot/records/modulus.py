@@ -11,7 +11,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, of_file
 from dashpot.base.units import Quantity, si
-from dashpot.records.specimen import Specimen
+from dashpot.records.specimen import Specimen, tested_at
 from dashpot.records.temperature import ONE_TEMPERATURE, near
 
 
@@ -50,6 +50,7 @@ class RelaxationModulus(ByValue, Described):
         object.__setattr__(self, "modulus", measured("modulus", self.modulus))
         if self.temperature is not None:
             object.__setattr__(self, "temperature", measured("temperature", self.temperature))
+            tested_at("temperature", self.temperature.min(), self.temperature.max())
         else:
             increasing("time", self.time)
         same_length(time=self.time, modulus=self.modulus, temperature=self.temperature)

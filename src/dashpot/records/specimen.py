@@ -61,15 +61,8 @@ class Specimen:
                 raise DataError(
                     f"specimen date = {self.date!r}; expected year-month-day, such as 2026-11-21"
                 ) from None
-        if self.temperature is not None and not _COLDEST <= self.temperature <= _HOTTEST:
-            celsius = self.temperature - 273.15
-            below = ", below absolute zero" if self.temperature < 0 else ""
-            raise DataError(
-                f"specimen temperature = {self.temperature:g} K, or {celsius:g} degC{below}; "
-                f"expected one that rubber is tested at, {_COLDEST:g} to {_HOTTEST:g} K, or "
-                f"{_COLDEST - 273.15:.0f} to {_HOTTEST - 273.15:.0f} degC: is the unit "
-                "degC, the sign right?"
-            )
+        if self.temperature is not None:
+            tested_at("specimen temperature", self.temperature)
         for name in ("length", "height", "temperature"):
             value = getattr(self, name)
             if value is not None and not (math.isfinite(value) and value > 0):
@@ -79,3 +72,23 @@ class Specimen:
                 raise DataError(
                     f"specimen {name} = {value:g} m; expected at most {most:g} m: is the unit mm?"
                 )
+
+
+def tested_at(name: str, *temperatures: float) -> None:
+    """Refuse temperatures, K, that rubber is not tested at; `name` is what they are called.
+
+    Raises
+    ------
+    DataError
+        If one is out of that range: most often one in K called degC, or the other way round.
+    """
+    for kelvin in temperatures:
+        if not _COLDEST <= kelvin <= _HOTTEST:
+            celsius = kelvin - 273.15
+            below = ", below absolute zero" if kelvin < 0 else ""
+            raise DataError(
+                f"{name} = {kelvin:g} K, or {celsius:g} degC{below}; "
+                f"expected one that rubber is tested at, {_COLDEST:g} to {_HOTTEST:g} K, or "
+                f"{_COLDEST - 273.15:.0f} to {_HOTTEST - 273.15:.0f} degC: is the unit "
+                "degC or K, the sign right?"
+            )
