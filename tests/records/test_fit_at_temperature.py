@@ -54,8 +54,27 @@ def test_the_whole_fit_moves_with_its_solid():
     assert cold.model == FIT.at(273.15)
     assert cold.specimen.temperature == 273.15
     assert cold.band[1] / FIT.band[1] == pytest.approx(10 ** -LAW.log10_a_t(273.15))
-    assert cold.temperature_law is None
+    assert cold.temperatures.reference == 273.15
     assert FIT.at_temperature(REFERENCE) is FIT
+
+
+@pytest.mark.parametrize("slope", [0.0, 0.03])
+@pytest.mark.parametrize("kind", ["wlf", "arrhenius", "free"])
+def test_there_and_back_is_where_it_was(kind, slope):
+    law, names, doubt = {
+        "wlf": (LAW, ("c1", "c2"), ((1e-2, 0.1), (0.1, 4.0))),
+        "arrhenius": (dp.Arrhenius(6e4, REFERENCE), ("energy",), ((1e6,),)),
+        "free": (FREE.law, (), ((),)),
+    }[kind]
+    known = FREE if kind == "free" else moved(law, "free", names, doubt)
+    fit = replace(FIT, temperatures=replace(known, slope=slope))
+    there = fit.at_temperature(280.0)
+    np.testing.assert_allclose(there.at(REFERENCE).tau, fit.model.tau, rtol=1e-9)
+    np.testing.assert_allclose(there.at(REFERENCE).k, fit.model.k, rtol=1e-9)
+    np.testing.assert_allclose(there.at(285.0).tau, fit.at(285.0).tau, rtol=1e-3)
+    again = there.at_temperature(REFERENCE).temperatures
+    assert again.error(278.0)[0] == pytest.approx(fit.temperatures.error(278.0)[0], rel=0.03)
+    assert [shift.temperature for shift in again.shifts].count(REFERENCE) == 1
 
 
 def test_errors_at_another_temperature_hold_the_doubt_of_both_shifts():

@@ -113,7 +113,9 @@ def test_the_main_job_takes_a_cold_test_too(bench, tmp_path):
     assert study.prepared.specimen.temperature == pytest.approx(296.15)
     assert [one.specimen.temperature for one in study.further] == [pytest.approx(273.15)]
     assert study.fit.model.arms == 3
-    assert "temperatures" in dp.report.html(study)
+    page = dp.report.html(study)
+    assert "One solid at several temperatures" in page
+    assert "three can" in page
     assert not [check for check in verify(project, page=dp.report.html) if check.failed]
 
 
@@ -129,6 +131,28 @@ def test_a_hammer_joins_tests_at_several_temperatures():
     true = cold.complex_stiffness("hidden")
     assert found.imag == pytest.approx(true.imag, rel=0.02)
     assert study.joint.at("0degC").k_inf < study.joint.model.k_inf
+
+
+def test_a_hammer_of_another_temperature_has_its_own_shift():
+    tests = cold.records("hidden", (23.0, 0.0), 0)
+    model = dp.GeneralizedMaxwell(*cold.HIDDEN)
+    there = model.shifted(10 ** cold.log10_a(283.15), 283.15 / cold.REFERENCE)
+    hits = simulate_impact(there, mass=MASS, seals=2, seed=1).test
+    study = characterise(
+        tests[0],
+        dp.estimate_frf(hits),
+        further=tests[1:],
+        mass=MASS,
+        seals=2.0,
+        impact_temperature="10degC",
+    )
+    assert abs(study.comparison.predicted_hz / study.comparison.measured_hz - 1) < 3e-3
+    true = cold.complex_stiffness("hidden", celsius=10.0)
+    found = study.joint.model.complex_stiffness(2 * np.pi * cold.RESONANCE)
+    assert found.real == pytest.approx(true.real, rel=3e-3)
+    assert found.imag == pytest.approx(true.imag, rel=0.04)
+    room = study.joint.at("23degC").complex_stiffness(2 * np.pi * cold.RESONANCE)
+    assert room.imag == pytest.approx(cold.complex_stiffness("hidden").imag, rel=0.08)
 
 
 def test_every_test_is_drawn_with_the_one_solid(bench, found):

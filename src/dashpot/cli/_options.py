@@ -348,3 +348,10 @@ def given(*nouns: str, but: Container[str] = ()) -> list[str]:
         flag = max(one.opts, key=len)
         words += [flag] if one.is_flag else [w for v in several for w in (flag, _as_typed(v))]
     return words
+
+
+impact_temperature = click.option(
+    "--impact-temperature",
+    type=Quantity("temperature"),
+    help="Of the seals under the hammer, where tests at several temperatures say how they move.",
+)

@@ -203,6 +203,11 @@ def _temperatures(found: Fit) -> list[str]:
         + ("free" if moved.vertical == "free" else f"= {moved.vertical}"),
         f"  law         {law}{': ' if constants else ''}{constants}",
         *table(rows),
+        *(
+            f"  advice      {check.says}"
+            for check in found.checks
+            if check.name == "shifts_told_apart" and check.failed
+        ),
     ]
 
 

@@ -42,6 +42,7 @@ _A_DECK = ("--to", "nastran", "--units", "mm-t-s", "-o", "seal.bdf")
 @options.seal_mass
 @options.seals
 @options.compression
+@options.impact_temperature
 @options.arms
 @click.option("--parallel-dashpot", is_flag=True, help="A dashpot b beside the arms.")
 @click.option("--static-stiffness", type=Quantity("stiffness"), help="One seal, known.")

@@ -43,6 +43,7 @@ if TYPE_CHECKING:
 @click.option(
     "--impact-profile", type=File(), metavar="FILE", help="Saved answers for the impact files."
 )
+@options.impact_temperature
 @options.seal_mass
 @options.seals
 @options.compression
@@ -82,7 +83,7 @@ def command(
     """Characterise the seal of RELAXATION and check it against the hammer; write one HTML file.
 
     Several relaxation tests, such as a warm and a cold one, are fitted together; the hammer is of
-    the temperature nearest to 23 degC.
+    the temperature nearest to 23 degC, or of --impact-temperature.
 
     \b
     dashpot report seal_8mm.csv --mass 104g --seals 2 -o report.html

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -251,12 +250,11 @@ def fitted_force(one: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
 
 
 def _at_temperature(one: Fit, prepared: RampHold) -> Fit:
-    """The fit at the temperature of a test, where several were fitted, with its nuisances."""
+    """The fit at the temperature of a test, where several were fitted."""
     moved, kelvin = one.temperatures, prepared.specimen.temperature
     if moved is None or kelvin is None:
         return one
-    here = one.at_temperature(moved.nearest(kelvin).temperature)
-    return replace(here, estimate=replace(here.estimate, nuisance=one.nuisance))
+    return one.at_temperature(moved.nearest(kelvin).temperature)
 
 
 def _at_depth(one: Fit, depth: float) -> Solid:

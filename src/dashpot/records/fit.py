@@ -404,7 +404,10 @@ class Fit(ByValue, Pictured):
         )
         scaled = self._scaled(b_t, step)
         covariance = moved.covariance_at(kelvin, self.parameters, self.covariance, self.model)
-        estimate = replace(scaled.estimate, covariance=covariance, profiles=())
+        # what a test adds to the force of the solid it adds at any temperature
+        estimate = replace(
+            scaled.estimate, covariance=covariance, profiles=(), nuisance=self.nuisance
+        )
         low, high = self.band
         return replace(
             scaled,
@@ -414,7 +417,7 @@ class Fit(ByValue, Pictured):
             provenance=replace(
                 scaled.provenance, specimen=replace(self.specimen, temperature=kelvin)
             ),
-            temperatures=None,
+            temperatures=moved.referred(kelvin),
         )
 
     # -- how well it is known -----------------------------------------------------------------

@@ -10,7 +10,7 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, ByValue, FloatArray, frozen
 from dashpot.base.errors import DataError
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.solids.temperature import WLF, FreeShifts, TemperatureLaw
+from dashpot.solids.temperature import WLF, Arrhenius, FreeShifts, TemperatureLaw
 
 # no law of free volume is trusted nearer to the glass transition, K
 ABOVE_GLASS = 10.0
@@ -21,6 +21,8 @@ ONE_TEMPERATURE = 2.0
 # the relaxation time, s, that is shifted by a_T however arms shift apart
 CENTRE = 0.5
 _LN10 = float(np.log(10.0))
+# part of a step between two tests by which a rubber's shifts lie off the straight line in 1/T
+_BEND = 0.03
 # of a parameter, for a slope by differences
 _STEP = 1e-6
 
@@ -143,10 +145,21 @@ class TemperatureShifts(ByValue):
         part = self.covariance[: len(self.shifts), : len(self.shifts)]
         if self.law_parameters:
             part = self.law_covariance
-        se = float(np.sqrt(max(float(gradient @ part @ gradient), 0.0)))
+        variance = float(gradient @ part @ gradient) + self._between(temperature) ** 2
+        se = float(np.sqrt(max(variance, 0.0)))
         errors = [shift.b_t_se / shift.b_t for shift in self.shifts]
         at = [shift.temperature for shift in self.shifts]
         return _LN10 * se, float(np.interp(temperature, at, errors))
+
+    def _between(self, temperature: float) -> float:
+        """How far free shifts may bend between two tests, decades: half way by 3 % of the step."""
+        at = np.array([shift.temperature for shift in self.shifts])
+        if not isinstance(self.law, FreeShifts) or not at[0] < temperature < at[-1]:
+            return 0.0
+        i = int(np.searchsorted(at, temperature, side="right")) - 1
+        part = (temperature - at[i]) / (at[i + 1] - at[i])
+        step = self.shifts[i].log10_a_t - self.shifts[i + 1].log10_a_t
+        return float(4 * part * (1 - part) * _BEND * abs(step))
 
     def covariance_at(
         self,
@@ -207,6 +220,81 @@ class TemperatureShifts(ByValue):
         log_b = np.gradient(np.log([shift.b_t for shift in self.shifts]), at)
         by_a, by_b = (float(np.interp(temperature, at, one)) for one in (log_a, log_b))
         return by_a, by_b
+
+    def referred(self, temperature: float) -> TemperatureShifts:
+        r"""Return the same shifts from another temperature, K, at which the solid then is.
+
+        With :math:`s = \log_{10} a_T` at the new reference every other shift is
+        :math:`(s_i - s)/(1 + g s)`: so the slope g stays what it is.
+
+        Raises
+        ------
+        DataError
+            Where the law says nothing.
+        """
+        at = [shift.temperature for shift in self.shifts]
+        away, b_t = float(self.law.log10_a_t(temperature)), self.b_t(temperature)
+        scale = 1 / (1 + self.slope * away)
+        every = np.array(sorted({*at, temperature}))
+        near = np.array([np.interp(temperature, at, one) for one in np.eye(len(at))])
+        turn = np.array([np.interp(every, at, one) for one in np.eye(len(at))]).T - near
+        turn[every == temperature] = 0.0
+        both = np.kron(np.diag([scale, 1.0]), turn)
+        covariance = both @ self.covariance @ both.T
+        # what the shift there may be off by, all others are
+        others = np.append(every != temperature, np.zeros(len(every))) * scale
+        covariance = covariance + self._between(temperature) ** 2 * np.outer(others, others)
+        error = np.sqrt(np.maximum(np.diag(covariance), 0.0)).reshape(2, -1)
+        shifts = tuple(
+            Shift(
+                kelvin,
+                0.0 if kelvin == temperature else scale * (self._log10_at(kelvin) - away),
+                float(error[0, i]),
+                self.b_t(kelvin) / b_t,
+                float(error[1, i]) * self.b_t(kelvin) / b_t,
+            )
+            for i, kelvin in enumerate(every.tolist())
+        )
+        law, by = self._law_from(temperature, shifts, scale)
+        cross = np.zeros((1, 2 * len(every) + 1))
+        if len(self.cross):
+            cross[-1, -1] = self.cross[-1, -1]
+        return replace(
+            self,
+            law=law,
+            shifts=shifts,
+            covariance=covariance,
+            law_covariance=by @ self.law_covariance @ by.T,
+            cross=cross,
+        )
+
+    def _log10_at(self, temperature: float) -> float:
+        """The shift found at a tested temperature, K, or the law's at another."""
+        near = self.nearest(temperature)
+        if near.temperature == temperature:
+            return near.log10_a_t
+        return float(self.law.log10_a_t(temperature))
+
+    def _law_from(
+        self, temperature: float, shifts: tuple[Shift, ...], scale: float
+    ) -> tuple[TemperatureLaw, FloatArray]:
+        """The same law from another temperature, and the derivatives of its constants."""
+        law = self.law
+        if isinstance(law, WLF):
+            there = law.referred(temperature)
+            # C_1' = C_1 C_2 / C_2', and C_2' moves with C_2
+            by = np.array(
+                [
+                    [scale * law.c2 / there.c2, scale * (law.c1 - there.c1) / there.c2],
+                    [0.0, 1.0],
+                ]
+            )
+            return replace(there, c1=scale * there.c1), by
+        if isinstance(law, Arrhenius):
+            return Arrhenius(scale * law.energy, temperature), np.array([[scale]])
+        every = tuple(shift.temperature for shift in shifts)
+        known = tuple(shift.log10_a_t for shift in shifts)
+        return FreeShifts(every, known, temperature), np.zeros((0, 0))
 
     def nearest(self, temperature: float) -> Shift:
         """The tested temperature nearest to T, K."""

@@ -333,6 +333,7 @@ def identify_files(
     machine: Machine | None = None,
     specimen: Specimen | None = None,
     temperatures: Sequence[float] = (),
+    impact_temperature: float | None = None,
     options_with: ReadOptions | None = None,
     **choices: Any,
 ) -> tuple[Fit, DynamicStiffness, tuple[Check, ...]]:
@@ -357,6 +358,8 @@ def identify_files(
     temperatures : sequence of float
         Of the tests, K: one for all of them, or one for each, in their order; without tests, of
         the seals.
+    impact_temperature : float, optional
+        Of the seals under the hammer, K, where tests at several temperatures are fitted too.
     options_with : ReadOptions, optional
         What the user said of the files of the tests.
     choices
@@ -393,6 +396,7 @@ def identify_files(
         mass=total or mass,
         seals=seals,
         compression=compression,
+        temperature=impact_temperature,
         **choices,
     )
     if not tests and temperatures:

@@ -96,6 +96,8 @@ class Job:
         Files of further relaxation tests of the same seal, at other temperatures.
     temperatures : tuple of float
         Of the relaxation tests, K: one for all of them, or one for each, in their order.
+    impact_temperature : float or None
+        Of the seals under the hammer, K; None for that of the solid of the relaxation tests.
     impact : tuple of str
         Files of hits, or one file with an FRF.
     mass, seal_mass : float or None
@@ -148,3 +150,4 @@ class Job:
     logo: str | None = None
     further: tuple[str, ...] = ()
     temperatures: tuple[float, ...] = ()
+    impact_temperature: float | None = None

@@ -201,6 +201,7 @@ def characterise(
     machine: Machine | None = None,
     joint: bool = True,
     compression: Quantity | None = None,
+    impact_temperature: Quantity | None = None,
 ) -> Study:
     """The main job: prepare, fit, predict, compare, and mend with a joint fit.
 
@@ -209,7 +210,7 @@ def characterise(
     test : RelaxationTest
         One seal, ramp and hold.
     measured : FRF, optional
-        Of a mass on the seals, at the temperature of the fit's solid.
+        Of a mass on the seals.
     further : sequence of RelaxationTest
         Of the same seal, to be fitted with `test`, such as a cold one.
     impact : ImpactTest, optional
@@ -229,6 +230,8 @@ def characterise(
         Whether to fit relaxation and FRF together, too.
     compression : float, optional
         Of the seals under the mass, m; by default that of its weight.
+    impact_temperature : float, optional
+        Of the seals under the hammer, K; by default that of the solid of the tests.
 
     Raises
     ------
@@ -244,6 +247,8 @@ def characterise(
         for one in (test, *further)
     ]
     chosen = fit(every, arms=arms, method=method, law=law, family=family)
+    if impact_temperature is not None:
+        chosen = chosen.at_temperature(impact_temperature)
     # what is shown is of the temperature of the solid
     first = of_solid(chosen, every)
     test, prepared = (test, *further)[first], every[first]
@@ -355,6 +360,7 @@ def run(job: Job) -> Study:
         machine=job.machine,
         joint=job.joint,
         compression=job.compression,
+        impact_temperature=job.impact_temperature,
     )
     logo = "" if job.logo is None else read_logo(job.logo)
     return replace(study, checks=(*study.checks, *noted), title=job.title, logo=logo)

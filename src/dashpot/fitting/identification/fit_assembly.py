@@ -90,7 +90,7 @@ def assembled(
 def _shifts(before: Fit) -> TemperatureShifts | None:
     """How the solid of the relaxation tests moves with temperature; the hammer is of one."""
     moved = before.temperatures
-    return None if moved is None else replace(moved, cross=np.zeros(0))
+    return None if moved is None else replace(moved, cross=moved.cross[-1:])
 
 
 def _specimen(tests: Sequence[RampHold], before: Fit | None) -> Specimen:

@@ -69,6 +69,7 @@ def identify(
     delay_sd: Quantity = USUAL_DELAY_SD,
     band: Range | None = None,
     compression: Quantity | None = None,
+    temperature: Quantity | None = None,
 ) -> Fit:
     r"""Find the solid of one seal from the FRF of a mass on `seals` of them.
 
@@ -109,6 +110,9 @@ def identify(
         Of the seals under the hammer, m; by default that of the mass's weight. Where the relaxation
         test's elastic law is not straight, they are there as stiff as its tangent, within its
         error.
+    temperature : float, optional
+        Of the seals under the hammer, K, where the tests are of several temperatures; by default
+        that of their solid. The solid found is that of the hammer.
 
     Returns
     -------
@@ -128,7 +132,7 @@ def identify(
     records = ramp_holds(tests)
     refuse_copies(records)
     frf_data = frf_data_of(frf, seals=_seals(seals), band=band)
-    before, relaxations = _relaxations(records, fit)
+    before, relaxations = _relaxations(records, fit, si(temperature, "temperature"))
     point = _point(before, mass, seals, compression)
     priors = NuisancePriors(
         _mass(mass, mass_sd),
@@ -311,17 +315,20 @@ def _start(problem: Problem, model: GeneralizedMaxwell, mass: float) -> Paramete
 
 
 def _relaxations(
-    records: Sequence[RampHold], fit: Fit | None
+    records: Sequence[RampHold], fit: Fit | None, temperature: float | None
 ) -> tuple[Fit | None, tuple[RelaxationData, ...]]:
+    """The earlier fit, at the temperature of the hammer, and the tests that it was of."""
     if not records:
         if fit is not None and fit.family != "maxwell":
             raise FitError(
                 "the earlier fit is of a fractional solid, and what the hammer adds is an arm: "
                 "give its relaxation tests with it, or a fit of family maxwell"
             )
-        return fit, ()
+        return fit if fit is None or temperature is None else fit.at_temperature(temperature), ()
     # arms are matched to arms: of a fractional solid, those of the same tests
     before = fit if fit is not None and fit.family == "maxwell" else fit_tests(list(records))
+    if temperature is not None:
+        before = before.at_temperature(temperature)
     same = len(records) == 1 and before.method in {"full", "hold"}
     alone = [before] if same else [fit_tests(record) for record in records]
     return before, tuple(
