@@ -27,7 +27,7 @@ def browser():
 @pytest.fixture(scope="module")
 def files(tmp_path_factory):
     home = tmp_path_factory.mktemp("files")
-    for name in (*workflow.FIRST, "short_hold.csv"):
+    for name in (*workflow.FIRST, "short_hold.csv", "sweep.csv"):
         (home / name).write_text(workflow.EXAMPLES[name]())
     whole = (home / "seal_8mm.csv").read_text()
     (home / "bare.csv").write_text(whole.replace("force [N]", "force"))
@@ -94,7 +94,22 @@ def test_what_cannot_be_read_says_so_in_the_readers_words(visit, files):
     page = visit()
     page.at.locator("#pick").set_input_files(str(files / "noise.csv"))
     page.at.get_by_role("alert").wait_for()
-    assert "noise.csv" in page.at.get_by_role("alert").inner_text()
+    assert page.at.get_by_role("alert").inner_text().count("noise.csv") == 1
+
+
+def test_a_file_that_the_page_has_no_place_for_says_what_it_is_and_who_takes_it(visit, files):
+    page = visit(files / "sweep.csv")
+    page.at.get_by_role("heading", name="sweep.csv is a dynamic (DMA) sweep").wait_for()
+    assert page.at.get_by_text("for this one: use dashpot fit").is_visible()
+
+
+def test_a_hammer_alone_asks_for_the_relaxation_test(visit, files):
+    page = visit(files / "hammer.csv")
+    page.at.get_by_role("heading", name="Now the relaxation test").wait_for()
+    assert not page.at.get_by_role("button", name="Fit both tests").is_visible()
+    page.at.locator("#pick").set_input_files(str(files / "seal_8mm.csv"))
+    page.done()
+    assert not page.at.get_by_role("heading", name="Now the relaxation test").is_visible()
 
 
 def test_a_handle_is_dragged_and_the_fit_follows(visit, files):

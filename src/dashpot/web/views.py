@@ -18,6 +18,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Use, Verdict
 from dashpot.base.numbers import duration, rounded, symbol
 from dashpot.base.units import Dimension
+from dashpot.io.columns.kinds import WANTED_BY
 from dashpot.plot import relaxation
 from dashpot.plot.picture import Line, Mark, Panel, Pen, Picture, Tag
 from dashpot.plot.svg import strip, swatch
@@ -35,6 +36,8 @@ from dashpot.workflow.study import Study
 COLOURS: dict[Use, str] = {"use": "good", "use with care": "care", "do not use": "bad"}
 ROLES = ("time", "displacement", "force", "hammer", "acceleration")
 """What a column of a relaxation test or of a hammer test can be."""
+TAKEN = ("relaxation", "impact", "frf")
+"""The kinds of file that the page has a place for."""
 ASKED: tuple[Dimension, ...] = ("time", "length", "force", "acceleration")
 """What its unit can be one of."""
 EQ5 = Pen("ref", 1.6, (2, 3))
@@ -317,8 +320,24 @@ def file_row(found: InspectedFile) -> dict[str, Any]:
         line = "asks: " + ("a unit" if "--units" in found.questions[0].option else "a column")
     else:
         line = found.refusal or found.reason
-    mark = "bad" if found.refusal else "care" if found.questions else "good"
+    mark = "care" if found.questions else "bad" if found.refusal or _stranger(found) else "good"
     return {"kind": found.kind, "line": line, "mark": mark, "simulated": found.simulated}
+
+
+def _heading(found: InspectedFile) -> str:
+    if found.questions:
+        return f"What does {found.file} hold?"
+    if _stranger(found):
+        return f"{found.file} is {WANTED_BY[found.kind][0]}"
+    return f"{found.file} was not read"
+
+
+def _stranger(found: InspectedFile) -> str:
+    """What to do with a file of a kind that this page has no place for, if it is one."""
+    if found.questions or found.refusal or found.kind in TAKEN or found.kind not in WANTED_BY:
+        return ""
+    advice = WANTED_BY[found.kind][1]
+    return f"this page takes relaxation tests, hammer files and FRFs; for this one: {advice}"
 
 
 class Consequence(NamedTuple):
@@ -336,6 +355,7 @@ def asked(found: InspectedFile, consequences: Sequence[Consequence]) -> str:
         if unit.dimension in ASKED:
             words.setdefault(unit.dimension, []).append(unit.word)
     return piece(
-        "asked", file=found, roles=ROLES, units=words, consequences=consequences,
+        "asked", file=found, heading=_heading(found), stranger=_stranger(found), roles=ROLES,
+        units=words, consequences=consequences,
         rows=list(zip(*(column.first for column in found.columns), strict=False)),
     )  # fmt: skip

@@ -151,7 +151,7 @@ def inspect(request: Mapping[str, Any], folder: Path) -> bytes:
         prepared=lambda *_: _prepared(_of_test(job))[0],
     ).files
     head = views.file_row(found)
-    if head["mark"] != "good" or found.kind not in ("relaxation", "impact", "frf"):
+    if head["mark"] != "good" or found.kind not in views.TAKEN:
         head["asked"] = views.asked(found, _consequences(path, found, options))
     return wire.packed({**head, "name": path.name})
 

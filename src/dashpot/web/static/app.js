@@ -100,7 +100,7 @@ function choices() {
     }
   $("reset").hidden = !Object.keys(state.job.cuts).length;
   for (const [name, handle] of Object.entries(handles)) handle.byHand(name in state.job.cuts);
-  $("both").hidden = !hammers().length || state.joint;
+  $("both").hidden = !hammers().length || state.joint || !test();
 }
 function fileList() {
   $("files").innerHTML = "";
@@ -144,10 +144,11 @@ function fileList() {
 }
 function views() {
   const one = state.files.find((file) => file.id === state.current);
-  const asks = one && one.asked, hits = one && one.kind === "impact" && one.mark === "good";
+  const asks = one && one.asked, hits = one && one.kind === "impact" && one.mark === "good" && test();
   $("question").hidden = !asks;
   $("question").innerHTML = asks ? one.asked : "";
   $("hits-page").hidden = !hits || !!asks;
+  $("missing").hidden = !!asks || !!test() || !hammers().length;
   $("grid").hidden = !!asks || !!hits || !test();
   $("verdict").hidden = !!asks || !test();
 }
@@ -237,7 +238,7 @@ function settle() {
   fields();
   views();
   remember();
-  if (!test()) { status(state.files.length ? "a question is open" : "nothing open"); return; }
+  if (!test()) { status(state.files.some((one) => one.asked) ? "a question is open" : "no relaxation test is open"); return; }
   stale(true);
   status("fitting");
   const since = performance.now(), asked = job();
@@ -322,8 +323,9 @@ async function opened(/** @type {{id: string, name: string}[]} */ found) {
   for (const one of added) {
     status(`reading ${one.name}`);
     try { await look(one); } catch (error) {
-      Object.assign(one, { mark: "bad", line: String(error.message || error) });
-      refuse(`${one.name}: ${error.message || error}`);
+      const words = String(error.message || error);
+      Object.assign(one, { mark: "bad", line: words });
+      refuse(words.startsWith(one.name) ? words : `${one.name}: ${words}`);
     }
   }
   const asks = added.find((one) => one.asked), first = added.find((one) => one.kind === "relaxation");
