@@ -27,6 +27,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
+from dashpot.engine.inference.descents import Descents, Solved
 from dashpot.engine.solver.descent import Stack
 
 #: a relaxation time is walked so far, as a factor, out of the window
@@ -41,10 +42,10 @@ _POINTS, _LEAPS = 20, 5
 _SPARE = 2.0
 #: first step of an arm in the place of another, as a part of the way to it
 _KNOWN = 1e-3
-_ITERATIONS = 8
 #: the walk steps by a rise of the root of the deviance over which interpolation is good
 _RISE, _RISES = 0.7, 5.0
-_FARTHEST = 1.5
+#: a change of ln tau from one point of a walk to the next that may be foretold
+_FORETOLD = 0.1
 _RIDGE = 1e-13
 
 
@@ -178,19 +179,6 @@ class _Walk:
         self.trials += 1
 
 
-class _Solved(NamedTuple):
-    """Trials of ln tau with everything linear solved, the held coordinate at its value.
-
-    SSE (A,), linear parameters (A, p), gradient J'r (A, N) and curvature J'J (A, N, N) of the
-    reduced residual by the free ln tau.
-    """
-
-    sse: FloatArray
-    beta: FloatArray
-    gradient: FloatArray
-    curvature: FloatArray
-
-
 class _Together:
     """The least-squares problems of many profiles, each with one coordinate held."""
 
@@ -242,53 +230,37 @@ class _Together:
         its stiffness or b meets a cliff it goes on in the place of the largest other arm, which
         then is the one that the data do without.
         """
-        count, spare = len(walks), set[int]()
+        spare = set[int]()
         held = _Held(walks, self.fixed, self.arms, len(self.optimum.beta))
-        here = np.tile(self.optimum.log_tau, (count, 1))
-        left, move = here.copy(), np.zeros_like(here)
+        left = np.tile(self.optimum.log_tau, (len(walks), 1))
         goal = np.array([walk.goal for walk in walks])
         tolerance = np.array([1e-3 * walk.asked.scale for walk in walks])
-        sse, damping, tried = np.full(count, np.inf), np.full(count, 1e-6), np.zeros(count, int)
-        known = _Solved(
-            sse,
-            np.zeros((count, len(self.optimum.beta))),
-            np.zeros_like(here),
-            np.zeros((count, self.arms, self.arms)),
-        )
+        descents = Descents(left, len(self.optimum.beta), tolerance)
+        here, known = descents.here, descents.known
         while (on := np.flatnonzero([not walk.ended for walk in walks])).size:
-            trial = held.placed(np.clip(here[on] + move[on], *self.reach), goal, on)
-            found = self._solved(trial, goal[on], held, on)
-            gain = known.sse[on] - found.sse
-            better = gain > 0
-            kept = on[better]
-            here[kept] = trial[better]
-            for mine, new in zip(known, found, strict=True):
-                mine[kept] = new[better]
-            damping[on] = np.where(better, np.maximum(0.1 * damping[on], 1e-9), 10 * damping[on])
-            tried[on] += 1
-            move[on], promised = _step(known, damping, on)
-            done = (
-                (np.abs(gain) < tolerance[on])
-                | (promised < 0.1 * tolerance[on])
-                | (damping[on] > 1e6)
-                | (tried[on] >= _ITERATIONS)
-            )
+            trial = np.clip(here[on] + descents.move[on], *self.reach)
+            trial = held.placed(trial, goal, on)
+            done = descents.take(trial, self._solved(trial, goal[on], held, on), on)
             for i in on[done]:
-                if walks[i].arrived(self._deviance(walks[i], known.beta[i], here[i], sse[i])):
+                walk, at, foretold = walks[i], walks[i].at, np.zeros(self.arms)
+                if walk.arrived(self._deviance(walk, known.beta[i], here[i], descents.least(i))):
+                    foretold = (here[i] - left[i]) * (walk.goal - walk.at) / (walk.at - at)
                     left[i] = here[i]
-                here[i], goal[i] = left[i], walks[i].goal
-                if walks[i].without:
+                if np.abs(foretold).max(initial=0.0) > _FORETOLD:
+                    foretold[:] = 0.0
+                descents.start(i, left[i] + foretold)
+                goal[i] = walk.goal
+                if walk.without:
                     spare |= held.arm_of(i)
-                sse[i], damping[i], tried[i], move[i] = np.inf, 1e-6, 0, 0.0
             for i in on.tolist():
                 if not held.arm_of(i) & spare:
                     continue
                 walk = walks[i]
                 walk.ended = walk.ended or bool(held.log_tau[i])
                 if walk.leaps and not walk.exchanged:
-                    here[i] = left[i] = self._exchanged(walk, left[i])
+                    left[i] = self._exchanged(walk, left[i])
+                    descents.start(i, left[i])
                     goal[i] = walk.goal
-                    sse[i], damping[i], tried[i], move[i] = np.inf, 1e-6, 0, 0.0
 
     def _exchanged(self, walk: _Walk, log_tau: FloatArray) -> FloatArray:
         """Where a walk goes on if its arm takes the place of the largest other arm, if it can."""
@@ -330,9 +302,7 @@ class _Together:
         still = np.broadcast_to(self.still, (trials, *self.still.shape))
         return np.concatenate((still, arms.reshape(trials, -1, len(self.target))), axis=1), slopes
 
-    def _solved(
-        self, log_tau: FloatArray, goal: FloatArray, held: _Held, on: IndexArray
-    ) -> _Solved:
+    def _solved(self, log_tau: FloatArray, goal: FloatArray, held: _Held, on: IndexArray) -> Solved:
         phi, slopes = self._phi(log_tau)
         each, arm, column = np.arange(len(on)), held.arm[on], held.column[on]
         amount = held.amount(log_tau, goal, on)
@@ -356,7 +326,7 @@ class _Together:
         curvature = bent @ bent.swapaxes(1, 2)
         moves = np.ones(log_tau.shape)
         moves[each, arm] = ~held.log_tau[on]
-        return _Solved(
+        return Solved(
             np.vecdot(residual, residual),
             beta,
             gradient * moves,
@@ -414,18 +384,3 @@ class _Held:
         own = log_tau[np.arange(len(on)), self.arm[on]]
         of_b = np.exp(np.minimum(np.where(self.log_b[on], goal - own, 0.0), 600.0))
         return np.where(self.log_b[on], of_b, np.where(self.log_tau[on], 0.0, goal))
-
-
-def _step(known: _Solved, damping: FloatArray, on: IndexArray) -> tuple[FloatArray, FloatArray]:
-    """The next move of ln tau (A, N), and by how much the SSE would fall if it were parabolic."""
-    curvature, gradient = known.curvature[on].copy(), known.gradient[on]
-    if not curvature.shape[1]:
-        return gradient, np.zeros(len(on))
-    arms = np.arange(curvature.shape[1])
-    size = curvature[:, arms, arms]
-    stretch = np.where(size > 0, size, 1.0)
-    curvature[:, arms, arms] = size + stretch * (damping[on][:, None] + _RIDGE) + (size <= 0)
-    move = np.linalg.solve(curvature, gradient[:, :, None])[..., 0]
-    longest = np.abs(move).max(axis=1, keepdims=True)
-    move = move * np.minimum(1.0, _FARTHEST / np.maximum(longest, 1e-300))
-    return move, np.vecdot(move, gradient)

@@ -1,0 +1,92 @@
+"""Descents side by side: what a large residual adds to the curvature is learnt on the way."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import least_squares
+
+from dashpot.engine.blocks.hold import decay_block
+from dashpot.engine.inference.descents import Descents, Solved
+from dashpot.engine.inference.profile_likelihood import Asked, Coordinate, Optimum, profiles
+from dashpot.engine.solver.descent import Stack
+from dashpot.engine.solver.variable_projection import solve
+
+SHARES = np.array([-0.75, -0.4, 0.0, 0.6])
+CURVATURE = np.array([[4.0, 1.0], [1.0, 3.0]])
+
+
+def parabola(log_tau: np.ndarray, share: np.ndarray) -> Solved:
+    """An SSE about the origin whose curvature is 1 + share times J'J."""
+    whole = (1.0 + share)[:, None, None] * CURVATURE
+    pull = -(whole @ log_tau[:, :, None])[..., 0]
+    sse = 100.0 - np.vecdot(log_tau, pull)
+    count = len(log_tau)
+    return Solved(sse, np.zeros((count, 1)), pull, np.tile(CURVATURE, (count, 1, 1)))
+
+
+def trials_needed(descents: Descents) -> np.ndarray:
+    """Trials that each descent takes to its end."""
+    on, needed = np.arange(len(SHARES)), np.zeros(len(SHARES), int)
+    while on.size:
+        trial = descents.here[on] + descents.move[on]
+        done = descents.take(trial, parabola(trial, SHARES[on]), on)
+        needed[on] += 1
+        on = on[~done]
+    return needed
+
+
+def test_the_next_problem_of_the_kind_is_solved_with_what_the_first_has_taught() -> None:
+    descents = Descents(np.tile([0.3, -0.2], (4, 1)), 1, np.full(4, 1e-9))
+    first = trials_needed(descents)
+    for i in range(4):
+        descents.start(i, np.array([-0.1, 0.25]))
+    second = trials_needed(descents)
+    assert np.all(first <= 6)
+    # two trials: where it begins, and where the whole curvature sends it
+    assert np.all(second <= 3)
+    assert [descents.least(i) for i in range(4)] == pytest.approx([100.0] * 4, abs=1e-8)
+
+
+def test_what_a_failed_move_has_taught_is_forgotten() -> None:
+    descents = Descents(np.tile([0.3, -0.2], (4, 1)), 1, np.full(4, 1e-9))
+    trials_needed(descents)
+    assert np.abs(descents.bent[0]).max() > 1.0
+    worse = parabola(np.full((1, 2), 3.0), SHARES[:1])
+    descents.take(np.full((1, 2), 3.0), worse, np.array([0]))
+    assert np.all(descents.bent[0] == 0.0)
+
+
+@pytest.mark.parametrize(
+    ("held", "coordinate", "index"),
+    [("c", Coordinate.LINEAR, 0), ("k", Coordinate.LINEAR, 1), ("ln b", Coordinate.LOG_B, 0)],
+)
+def test_profiles_of_one_arm_where_two_are_needed_are_the_brute_force_refit(
+    held: str, coordinate: Coordinate, index: int
+) -> None:
+    time = np.linspace(0.0, 10.0, 400)
+    values = 1.0 + 0.8 * np.exp(-time / 0.3) + 0.5 * np.exp(-time / 4.0)
+    block = decay_block(time, values)
+    found = solve([block], 1)
+    optimum = Optimum(np.concatenate((found.fixed, found.arms.ravel())), found.log_tau)
+    scale = found.sse / 8.0
+    asked = Asked(coordinate, index, step=0.02, scale=scale)
+    ((value, deviance),) = profiles(Stack([block]), optimum, [asked], limit=20.0)
+    c, k, ln_tau = *optimum.beta, optimum.log_tau[0]
+
+    def refitted(at: float) -> float:
+        def residual(q: np.ndarray) -> np.ndarray:
+            solid = {"c": (at, *q), "k": (q[0], at, q[1]), "ln b": (q[0], np.exp(at - q[1]), q[1])}
+            level, stiffness, arm = solid[held]
+            return level + stiffness * np.exp(-time / np.exp(arm)) - values
+
+        start = np.array([k if held == "c" else c, ln_tau])
+        fit = least_squares(
+            residual, start, bounds=([0.0, -np.inf], np.inf), xtol=1e-14, gtol=1e-14
+        )
+        return 2.0 * float(fit.cost)
+
+    rises = deviance < 16.0
+    assert rises.sum() > 8
+    expected = [(refitted(at) - found.sse) / scale for at in value[rises]]
+    assert deviance[rises] == pytest.approx(np.array(expected), abs=2e-3, rel=1e-3)
