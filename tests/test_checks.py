@@ -28,6 +28,7 @@ from dashpot.fitting.repeats import EndStiffness
 from dashpot.fitting.shift_law import LawScore
 from dashpot.fitting.temperature import checks as several
 from dashpot.io.readers import checks as reading
+from dashpot.lots import checks as lots
 from dashpot.planning import checks as planning
 from dashpot.planning.expected import Pulse, RecordNeed
 from dashpot.preparation import checks as preparation
@@ -890,6 +891,11 @@ TEMPERATURE = [
     Case("temperature_tested", lambda x: several.temperature_tested(TESTED, 270 - x), 0, 0.01),
 ]
 
+LOTS = [
+    Case("files_fitted", lambda x: lots.files_fitted(int(x), 9), 0, 1),
+    Case("fits_usable", lambda x: lots.fits_usable(int(x), 9), 0, 1),
+]
+
 WORKFLOW = [
     Case(
         "prediction_informed",
@@ -971,6 +977,7 @@ STAGES = {
     "fitting/nonlinear_ramp": RAMP,
     "fitting/fractional": FRACTIONAL,
     "fitting/temperature": TEMPERATURE,
+    "lots": LOTS,
     "planning": PLANNING,
     "vibration": VIBRATION,
     "vibration/comparison": COMPARISON,
@@ -1027,6 +1034,7 @@ LIMITS = {
         "gain_believable": 2.5, "delay_believable": 2.5, "stiffness_believable": 2.5,
         "earlier_fit_kept": 2.5, "dashpot_not_missed": 50, "arms_identified": 0.5,
     },
+    "lots": {"files_fitted": 0, "fits_usable": 0},
     "planning": {"tip_excites": -10},
     "vibration": {
         "seal_mass_negligible": 0.02, "mass_of_a_block": 1e-3, "compression_tested": 1,

@@ -31,6 +31,7 @@ COMMANDS = {
     "compare": "The predicted FRF against a measured one.",
     "identify": "Maxwell parameters from vibration, alone or jointly.",
     "app": "The same in a browser: drop a file, drag a handle.",
+    "batch": "Many tests at once: a folder in, one table out.",
     "report": "The main job: both tests in, one report out.",
     "export": "The solid as a deck that a solver reads.",
     "simulate": "The virtual rig and hammer, stamped 'simulated'.",

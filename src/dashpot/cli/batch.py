@@ -1,0 +1,114 @@
+"""dashpot batch: many tests, one table."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any, Literal
+
+import click
+
+import dashpot as dp
+from dashpot.cli import _options as options
+from dashpot.cli._shell import File, Folder, Outcome, note_written, reports
+from dashpot.cli._terminal import Text
+from dashpot.io.options import ReadOptions
+
+
+@click.command("batch")
+@click.argument("paths", type=File(), nargs=-1, metavar="PATH...")
+@click.option("-o", "--output", type=Folder(), metavar="LOT", required=True, help="Folder to fill.")
+@options.arms
+@options.method
+@click.option("--quick", is_flag=True, help="The optimum alone; needs a number of --arms.")
+@click.option("--mass", type=options.Quantity("mass"), help="Block mass: adds its frequency.")
+@options.seals
+@click.option(
+    "--by", metavar="REGEX", help=r"Lot, seal, repeat from the path: 'lot(\w+)_seal(\d+)_rep(\d+)'."
+)
+@click.option(
+    "--manifest", type=File(), metavar="FILE",
+    help="CSV or TOML: file, lot, seal, repeat, temperature, mass.",
+)  # fmt: skip
+@click.option("--jobs", type=click.IntRange(1), help="Processes [default: one per processor].")
+@click.option("--dry-run", is_flag=True, help="Say what would be done, and how long it takes.")
+@reports
+@options.reading
+def command(
+    *,
+    paths: tuple[str, ...],
+    output: str,
+    arms: int | Literal["auto"],
+    method: Literal["full", "hold"],
+    quick: bool,
+    mass: float | None,
+    seals: float,
+    by: str | None,
+    manifest: str | None,
+    jobs: int | None,
+    dry_run: bool,
+    options: ReadOptions,
+) -> Outcome:
+    r"""Fit every relaxation test in PATH (files, folders, patterns), one row of a table each.
+
+    LOT gets the table as Parquet parts, with a log. A file that is no such test, or cannot be read,
+    is a row that says why. Stopped or killed, the same command goes on where it was.
+
+    \b
+    dashpot batch tests/ -o lot
+    dashpot batch tests/ -o lot --by 'lot(\w+)_seal(\d+)_rep(\d+)' --mass 104g --seals 2
+    dashpot batch --manifest tests.csv -o lot --arms 2 --quick --jobs 8
+    dashpot batch tests/ -o lot --dry-run
+    """
+    if not paths and manifest is None:
+        raise click.UsageError("give files, folders or patterns, or --manifest FILE")
+    if dry_run:
+        from dashpot.lots.choices import BatchChoices
+        from dashpot.lots.lot import plan_batch
+
+        planned = plan_batch(
+            paths, output=output, by=by, manifest=manifest, jobs=jobs,
+            choices=BatchChoices(arms, method, quick, mass, seals, options),
+        )  # fmt: skip
+        document = {"schema": "dashpot/batch-plan@1", **asdict(planned)}
+        return Outcome(document, Text(_planned(asdict(planned))))
+    lot = dp.batch(
+        paths, output=output, arms=arms, method=method, quick=quick, mass=mass, seals=seals,
+        by=by, manifest=manifest, jobs=jobs, options=options,
+    )  # fmt: skip
+    note_written(output)
+    document = {
+        "schema": "dashpot/batch@1",
+        "folder": output,
+        "files": lot.table.height,
+        "computed": lot.computed,
+        "outcomes": lot.outcomes,
+        "verdicts": lot.verdicts,
+    }
+    return Outcome(document, Text(_told(document), _others(lot)), lot.checks)
+
+
+def _planned(plan: dict[str, Any]) -> list[str]:
+    left, chunks, jobs = plan["files"] - plan["done"], plan["chunks"], plan["jobs"]
+    return [
+        f"files       {plan['files']}, {plan['done']} of them done",
+        f"to do       {left} in {chunks} chunks by {jobs} processes, {plan['seconds']:.3g} s",
+    ]
+
+
+def _told(document: dict[str, Any]) -> list[str]:
+    def counted(counts: dict[str, int]) -> str:
+        return ", ".join(f"{count} {name}" for name, count in counts.items())
+
+    there = document["files"] - document["computed"]
+    lines = [
+        f"files       {document['files']}: {counted(document['outcomes'])}",
+        f"computed    {document['computed']} now, {there} were there",
+    ]
+    verdicts = counted(document["verdicts"])
+    return [*lines, f"verdicts    {verdicts}"] if verdicts else lines
+
+
+def _others(lot: dp.Lot) -> list[str]:
+    """Every file that was not fitted, with its sentence."""
+    columns = lot.table.select("file", "outcome", "reason").iter_rows()
+    return [f"  {file}: {reason}" for file, outcome, reason in columns if outcome != "fitted"]

@@ -1,0 +1,81 @@
+"""What decides a row besides its file."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+from dashpot.base.errors import DataError
+from dashpot.base.units import si_fields
+from dashpot.io.options import ReadOptions
+from dashpot.io.source import open_raw
+
+MOST_ARMS = 6
+"""The most that are tried where their number is left to choose."""
+
+
+@dataclass(frozen=True)
+class BatchChoices:
+    """How every test of a batch is read and fitted.
+
+    Attributes
+    ----------
+    arms, method
+        As in :func:`~dashpot.fitting.relaxation.fit`.
+    quick : bool
+        The optimum alone: no errors, no checks, no verdict.
+    mass : float or None
+        Of the block on the seals, kg, where a test has none of its own.
+    seals : float
+        Under that mass.
+    reading : ReadOptions
+    """
+
+    arms: int | Literal["auto"] = "auto"
+    method: Literal["full", "hold"] = "full"
+    quick: bool = False
+    mass: float | None = field(default=None, metadata={"unit": "mass"})
+    seals: float = 1.0
+    reading: ReadOptions = field(default_factory=ReadOptions)
+
+    def __post_init__(self) -> None:
+        si_fields(self)
+        if self.quick and self.arms == "auto":
+            raise DataError(
+                "--quick needs the number of arms (such as --arms 2): choosing it takes the "
+                "errors that it leaves out"
+            )
+        if self.mass is not None and not (math.isfinite(self.mass) and self.mass > 0):
+            raise DataError(f"mass = {self.mass!r} kg; expected a number > 0")
+        if not (math.isfinite(self.seals) and self.seals > 0):
+            raise DataError(f"seals = {self.seals!r}; expected a number > 0")
+        if self.reading.modulus is not None:
+            raise DataError(
+                "a batch is of relaxation tests; a relaxation modulus (--modulus) is fitted by "
+                "dashpot fit"
+            )
+
+    @property
+    def columns(self) -> int:
+        """Arms that a row has room for."""
+        return MOST_ARMS if self.arms == "auto" else self.arms
+
+    def plain(self) -> dict[str, Any]:
+        """As JSON holds it."""
+        return asdict(self)
+
+    @staticmethod
+    def from_plain(plain: dict[str, Any]) -> BatchChoices:
+        """From what :meth:`plain` gave."""
+        reading = plain["reading"] | {"units": dict(plain["reading"]["units"])}
+        return BatchChoices(**{**plain, "reading": ReadOptions(**reading)})
+
+    def calibration(self) -> str:
+        """The hash of the calibration that the readings are turned by; empty without one."""
+        path = self.reading.calibration
+        return (
+            "" if path is None else hashlib.sha256(open_raw(Path(path)).head(1 << 20)).hexdigest()
+        )

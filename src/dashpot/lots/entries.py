@@ -1,0 +1,222 @@
+"""Which files a batch takes, and what is known of each beside its contents."""
+
+from __future__ import annotations
+
+import csv
+import glob
+import hashlib
+import os
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from dashpot.base.errors import DashpotError, DataError, ReadError
+from dashpot.base.units import parse_quantity
+from dashpot.base.version import is_ours, is_record
+from dashpot.io.source import open_raw
+
+LABELS = ("lot", "seal", "repeat")
+_QUANTITIES = ("temperature", "mass")
+_KNOWN = ("file", *LABELS, *_QUANTITIES)
+_MANIFEST = 1 << 26
+"""Bytes of the largest manifest."""
+_BLOCK = 1 << 20
+_HEAD = 1 << 12
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One file of a batch.
+
+    Attributes
+    ----------
+    file : str
+        Its path.
+    lot, seal, repeat : str
+        Which lot, which seal of it, and which test of that seal; empty where nobody said.
+    temperature, mass : float or None
+        Of the test, K; of the block on the seal, kg.
+    """
+
+    file: str
+    lot: str = ""
+    seal: str = ""
+    repeat: str = ""
+    temperature: float | None = None
+    mass: float | None = None
+
+    def sha256(self) -> str:
+        """The hash of its contents; empty where they cannot be read."""
+        digest = hashlib.sha256()
+        try:
+            if not Path(self.file).is_file():
+                return ""
+            with Path(self.file).open("rb") as stream:
+                while block := stream.read(_BLOCK):
+                    digest.update(block)
+        except (OSError, ValueError):
+            return ""
+        return digest.hexdigest()
+
+
+def entries(
+    paths: Sequence[str | Path],
+    *,
+    manifest: str | Path | None = None,
+    by: str | None = None,
+    without: Path,
+) -> tuple[Entry, ...]:
+    """Return the files that paths, folders and patterns name, each once, sorted by path.
+
+    Parameters
+    ----------
+    paths : sequence of path
+        Of a folder every file is taken, at any depth, but for hidden ones and for results that
+        dashpot wrote.
+    manifest : path, optional
+        CSV or TOML; the files it lists are added to the paths, and its labels win over `by`.
+    by : str, optional
+        A regular expression whose groups, named or in this order, are lot, seal and repeat.
+    without : Path
+        The folder of the results.
+
+    Raises
+    ------
+    ReadError
+        If a path names nothing, or the manifest is not one.
+    DataError
+        If the expression is none, or fits no file.
+    """
+    listed = {} if manifest is None else _manifest(Path(manifest))
+    leave = {os.path.realpath(manifest)} if manifest is not None else set()
+    found: dict[str, Entry] = {}
+    for path in (*(one for given in paths for one in _expanded(str(given), without)), *listed):
+        place = os.path.realpath(path)
+        if place not in leave:
+            found.setdefault(place, Entry(path))
+    if not found:
+        raise ReadError(
+            f"{', '.join(map(str, paths)) or manifest}: no file is there; give files, folders, "
+            "patterns such as 'tests/*.csv', or --manifest FILE"
+        )
+    known = _labels(by, [one.file for one in found.values()])
+    for place, one in found.items():
+        found[place] = replace(one, **known.get(one.file, {}))
+    for path, said in listed.items():
+        place = os.path.realpath(path)
+        found[place] = replace(found[place], **said)
+    return tuple(sorted(found.values(), key=lambda one: one.file))
+
+
+def _expanded(path: str, without: Path) -> Iterator[str]:
+    if Path(path).is_dir():
+        yield from _in_folder(Path(path), without)
+    elif Path(path).exists():
+        yield path
+    elif glob.has_magic(path):
+        named = sorted(glob.glob(path, recursive=True))  # noqa: PTH207 -- it may be absolute
+        if not named:
+            raise ReadError(f"{path}: the pattern fits no file; give another")
+        for one in named:
+            yield from _expanded(one, without)
+    else:
+        raise ReadError(f"{path}: there is no such file or folder; give one that is there")
+
+
+def _in_folder(folder: Path, without: Path) -> Iterator[str]:
+    results = without.resolve()
+    for above, folders, files in os.walk(folder):
+        folders[:] = sorted(
+            one
+            for one in folders
+            if not one.startswith(".") and (Path(above) / one).resolve() != results
+        )
+        if Path(above).resolve() == results:
+            continue
+        for one in sorted(files):
+            path = Path(above) / one
+            if not one.startswith(".") and path.is_file() and not _result(path):
+                yield str(path)
+
+
+def _result(path: Path) -> bool:
+    """Whether dashpot wrote it as a result, not as a simulated record."""
+    try:
+        with path.open("rb") as stream:
+            head = stream.read(_HEAD)
+    except OSError:
+        return False
+    return is_ours(head) and not is_record(head)
+
+
+def _labels(by: str | None, files: Sequence[str]) -> dict[str, dict[str, Any]]:
+    if by is None:
+        return {}
+    try:
+        pattern = re.compile(by)
+    except re.error as error:
+        raise DataError(f"--by '{by}' is no regular expression: {error}") from None
+    named = tuple(pattern.groupindex) or LABELS[: pattern.groups]
+    if (
+        not 1 <= pattern.groups <= len(LABELS)
+        or len(named) != pattern.groups
+        or set(named) - set(LABELS)
+    ):
+        raise DataError(
+            f"--by '{by}' has {pattern.groups} groups ({', '.join(named) or 'none'}); expected up "
+            r"to three, named or in the order of lot, seal, repeat: 'lot(\w+)_seal(\d+)_rep(\d+)'"
+        )
+    matched = {file: pattern.search(Path(file).as_posix()) for file in files}
+    if not any(matched.values()):
+        raise DataError(f"--by '{by}' fits none of {len(files)} paths, such as {files[0]}")
+    return {
+        file: {name: one[i] or "" for i, name in enumerate(named, start=1)}
+        for file, one in matched.items()
+        if one
+    }
+
+
+def _manifest(path: Path) -> dict[str, dict[str, Any]]:
+    """What a manifest says of each file, by path; a path in it is seen from its own folder."""
+    import tomllib
+
+    try:
+        text = open_raw(path).head(_MANIFEST).decode("utf-8-sig")
+        toml = path.suffix.lower() == ".toml"
+        rows = tomllib.loads(text).get("test") if toml else list(csv.DictReader(text.splitlines()))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, csv.Error) as error:
+        raise ReadError(f"{path}: not a manifest: {error}; expected CSV or TOML, UTF-8") from None
+    if not isinstance(rows, list) or not rows:
+        raise ReadError(
+            f"{path}: the manifest lists no test; expected a CSV whose first line is "
+            f"{','.join(_KNOWN)}, or a TOML with a [[test]] for each file"
+        )
+    listed: dict[str, dict[str, Any]] = {}
+    for number, row in enumerate(rows, start=1):
+        where = f"{path}, test {number}"
+        file, said = _stated(where, row)
+        if str(path.parent / file) in listed:
+            raise ReadError(f"{where}: {file} is listed twice; keep one")
+        listed[str(path.parent / file)] = said
+    return listed
+
+
+def _stated(where: str, row: object) -> tuple[str, dict[str, Any]]:
+    if not isinstance(row, Mapping):
+        raise ReadError(f"{where}: expected a table with file = ...")
+    unknown = [str(name) for name in row if name not in _KNOWN]
+    if unknown:
+        raise ReadError(f"{where}: '{unknown[0]}' is unknown; known are {', '.join(_KNOWN)}")
+    given = {name: str(value).strip() for name, value in row.items() if value not in (None, "")}
+    file = given.pop("file", "")
+    if not file:
+        raise ReadError(f"{where}: it names no file; fill the column 'file'")
+    said: dict[str, Any] = {}
+    for name, value in given.items():
+        try:
+            said[name] = parse_quantity(value, name) if name in _QUANTITIES else value
+        except DashpotError as error:
+            raise ReadError(f"{where}: {name}: {error}") from None
+    return file, said

@@ -1,0 +1,265 @@
+"""A batch of tests to one table, which a second run completes."""
+
+from __future__ import annotations
+
+import datetime as dt
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError
+from dashpot.base.lock import alone
+from dashpot.base.progress import doing
+from dashpot.base.units import Quantity, si
+from dashpot.io.options import ReadOptions
+from dashpot.lots.checks import files_fitted, fits_usable
+from dashpot.lots.choices import BatchChoices
+from dashpot.lots.entries import entries
+from dashpot.lots.parts import (
+    Task,
+    claim,
+    framed,
+    keys_done,
+    polars,
+    table,
+    tasks,
+    write_part,
+)
+from dashpot.lots.processes import Rows, computed, processors
+from dashpot.lots.row import row
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    import polars as pl
+
+CHUNK = 25
+"""Files of a chunk: what a run that is cut short loses at most, for each process."""
+LOG = "batch.log"
+_LOCK = ".lock"
+_TIMED = 3
+"""Tests that a dry run times."""
+
+
+@dataclass(frozen=True, eq=False)
+class Lot:
+    """Many tests, one row each.
+
+    Attributes
+    ----------
+    table : polars.DataFrame
+        Sorted by file; SI units, which the names of the columns end in.
+    computed : int
+        Rows that this run made; the others were there.
+    """
+
+    table: pl.DataFrame
+    computed: int
+
+    @property
+    def outcomes(self) -> dict[str, int]:
+        """How many files were ``fitted``, ``refused``, ``other`` tests, or ``died``."""
+        return dict(Counter(self.table["outcome"]).most_common())
+
+    @property
+    def verdicts(self) -> dict[str, int]:
+        """How many fits are for use, for use with care, and not for use."""
+        return dict(Counter(one for one in self.table["verdict"] if one).most_common())
+
+    @property
+    def checks(self) -> tuple[Check, ...]:
+        """Whether every file became a fit, and every fit may be used."""
+        fitted = self.outcomes.get("fitted", 0)
+        return (
+            files_fitted(self.table.height - fitted, self.table.height),
+            fits_usable(self.verdicts.get("do not use", 0), fitted),
+        )
+
+
+@dataclass(frozen=True)
+class BatchPlan:
+    """What a batch would do.
+
+    Attributes
+    ----------
+    files, done : int
+        In all, and those whose rows are there already.
+    chunks : int
+        Still to be made.
+    seconds : float
+        That they would take, by the first few tests on this machine; 0 if nothing is to be done.
+    jobs : int
+        Processes side by side.
+    """
+
+    files: int
+    done: int
+    chunks: int
+    seconds: float
+    jobs: int
+
+
+def batch(
+    paths: Sequence[str | Path] | str | Path,
+    *,
+    output: str | Path | None = None,
+    arms: int | Literal["auto"] = "auto",
+    method: Literal["full", "hold"] = "full",
+    quick: bool = False,
+    mass: Quantity | None = None,
+    seals: float = 1.0,
+    by: str | None = None,
+    manifest: str | Path | None = None,
+    jobs: int | None = None,
+    options: ReadOptions | None = None,
+) -> Lot:
+    r"""Fit every relaxation test in files, folders and patterns, one row each.
+
+    Each test is fitted alone, as :func:`~dashpot.fitting.relaxation.fit` does it. A file that is
+    none, or cannot be read, is a row that says why. Rows are kept in `output` as Parquet parts by
+    the hash of what decides them: configuration, version, contents; a second run, whatever ended
+    the first, makes only those that are missing, and ends with the same table.
+
+    Parameters
+    ----------
+    paths : path or sequence of path
+    output : path, optional
+        Folder of the parts and of the log; without one nothing is kept.
+    arms, method
+        As in :func:`~dashpot.fitting.relaxation.fit`.
+    quick : bool
+        The optimum alone, without errors, checks and verdict; `arms` must then be a number.
+    mass : float, optional
+        Of a block, kg, on so many `seals`: the table then has its frequency and damping ratio. The
+        manifest may give each test its own.
+    by : str, optional
+        A regular expression for the path, whose groups are lot, seal and repeat:
+        ``r"lot(\w+)_seal(\d+)_rep(\d+)"``; named groups may stand in any order.
+    manifest : path, optional
+        CSV or TOML with the columns file, lot, seal, repeat, temperature, mass.
+    jobs : int, optional
+        Processes side by side; by default as many as there are processors.
+    options : ReadOptions, optional
+
+    Raises
+    ------
+    ReadError, DataError
+        If a path names nothing, or a choice makes no sense. No file's contents raise.
+    ExportError
+        If `output` holds something else, or polars is missing.
+    """
+    polars()
+    side = _jobs(jobs)
+    choices = BatchChoices(arms, method, quick, si(mass, "mass"), seals, options or ReadOptions())
+    with _folder(output) as folder:
+        asked = _asked(paths, choices, manifest=manifest, by=by, folder=folder)
+        claim(folder)
+        with alone(folder / _LOCK, str(folder)):
+            missing = _missing(asked, folder)
+            if missing:
+                _compute(missing, choices, folder, side)
+            return Lot(table(folder, [one.key for one in asked]), len(missing))
+
+
+def plan_batch(
+    paths: Sequence[str | Path] | str | Path,
+    *,
+    output: str | Path,
+    by: str | None = None,
+    manifest: str | Path | None = None,
+    jobs: int | None = None,
+    choices: BatchChoices,
+) -> BatchPlan:
+    """Say what :func:`batch` would do and how long it would take; nothing is written.
+
+    Raises
+    ------
+    ReadError, DataError, ExportError
+        As :func:`batch`.
+    """
+    folder, side = Path(output), _jobs(jobs)
+    asked = _asked(paths, choices, manifest=manifest, by=by, folder=folder)
+    missing = _missing(asked, folder)
+    chunks = len(_chunks(missing, side))
+    each = _seconds_each(missing[:_TIMED], choices)
+    seconds = each * len(missing) / min(side, processors(), max(chunks, 1))
+    return BatchPlan(len(asked), len(asked) - len(missing), chunks, seconds, side)
+
+
+def _seconds_each(some: Sequence[Task], choices: BatchChoices) -> float:
+    if not some:
+        return 0.0
+    row(some[0].entry, some[0].sha256, choices)  # what is imported once does not count
+    began = time.perf_counter()
+    for one in some:
+        row(one.entry, one.sha256, choices)
+    return (time.perf_counter() - began) / len(some)
+
+
+@contextmanager
+def _folder(output: str | Path | None) -> Iterator[Path]:
+    if output is not None:
+        yield Path(output)
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        yield Path(folder)
+
+
+def _jobs(jobs: int | None) -> int:
+    if jobs is not None and jobs < 1:
+        raise DataError(f"jobs = {jobs}; expected a number of processes >= 1")
+    return jobs or processors()
+
+
+def _asked(
+    paths: Sequence[str | Path] | str | Path,
+    choices: BatchChoices,
+    *,
+    manifest: str | Path | None,
+    by: str | None,
+    folder: Path,
+) -> tuple[Task, ...]:
+    several = [paths] if isinstance(paths, str | Path) else list(paths)
+    doing("finding and hashing the files")
+    return tasks(entries(several, manifest=manifest, by=by, without=folder), choices)
+
+
+def _missing(asked: Sequence[Task], folder: Path) -> list[Task]:
+    done = keys_done(folder) if folder.is_dir() else set()
+    return [one for one in asked if one.key not in done]
+
+
+def _chunks(missing: Sequence[Task], jobs: int) -> list[tuple[Task, ...]]:
+    """No chunk is so large that a process would have none."""
+    size = max(1, min(CHUNK, -(-len(missing) // jobs)))
+    return [tuple(missing[i : i + size]) for i in range(0, len(missing), size)]
+
+
+def _compute(missing: Sequence[Task], choices: BatchChoices, folder: Path, jobs: int) -> None:
+    chunks, done, began = _chunks(missing, jobs), 0, time.monotonic()
+    doing(f"{len(missing)} tests in {len(chunks)} chunks")
+    with (folder / LOG).open("a", encoding="utf-8") as log:
+        for chunk, rows in computed(chunks, choices, jobs):
+            path = write_part(folder, framed(rows, choices.columns))
+            done += len(chunk)
+            rate = done / (time.monotonic() - began)
+            left = (len(missing) - done) / rate
+            told = f"{done} of {len(missing)} tests, {rate:.1f} tests/s, {left:.0f} s left"
+            doing(told)
+            log.write(f"{_now()} {path.name} {_counted(rows)}; {told}\n")
+            log.flush()
+
+
+def _counted(rows: Rows) -> str:
+    counts: Counter[Any] = Counter(one["outcome"] for one in rows)
+    return ", ".join(f"{count} {outcome}" for outcome, count in counts.most_common())
+
+
+def _now() -> str:
+    return dt.datetime.now(dt.UTC).isoformat(timespec="seconds")

@@ -1,0 +1,171 @@
+"""Rows on disk: Parquet parts, each whole or not there, found again by what made them."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+from dashpot.base.atomic import PART, write_whole
+from dashpot.base.errors import DataError, ExportError
+from dashpot.base.version import __version__
+from dashpot.lots.choices import BatchChoices
+from dashpot.lots.entries import Entry
+from dashpot.lots.row import COUNTS, NUMBERS, TEXTS, arm_columns
+
+if TYPE_CHECKING:
+    import polars as pl
+
+KEY = "key"
+"""The column that names what decided a row."""
+PARTS = "part-*.parquet"
+_FORM = 1
+"""Of a row; another one is another key."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """One row to be made.
+
+    Attributes
+    ----------
+    entry : Entry
+    sha256 : str
+        Of the file's contents.
+    key : str
+        SHA-256 of everything that decides the row.
+    """
+
+    entry: Entry
+    sha256: str
+    key: str
+
+
+def tasks(entries: Iterable[Entry], choices: BatchChoices) -> tuple[Task, ...]:
+    """Return one task for each file: its key is of configuration, version and contents."""
+    decides = [_FORM, __version__, choices.plain(), choices.calibration()]
+    common = hashlib.sha256(json.dumps(decides, sort_keys=True).encode())
+
+    def task(entry: Entry) -> Task:
+        key, sha256 = common.copy(), entry.sha256()
+        key.update(json.dumps([asdict(entry), sha256], sort_keys=True).encode())
+        return Task(entry, sha256, key.hexdigest())
+
+    return tuple(map(task, entries))
+
+
+def polars() -> Any:
+    """Return polars, or say how to get it."""
+    try:
+        import polars as pl
+    except ImportError:
+        raise ExportError(
+            'a lot is a table of polars, which is not installed: pip install "dashpot[batch]"'
+        ) from None
+    return pl
+
+
+def schema(arms: int) -> dict[str, Any]:
+    """Return the columns of the table and their types."""
+    kind = polars()
+    numbers = (*NUMBERS, *arm_columns(arms))
+    texts = dict.fromkeys((*TEXTS, KEY), kind.String)
+    return texts | dict.fromkeys(COUNTS, kind.Int64) | dict.fromkeys(numbers, kind.Float64)
+
+
+def write_part(folder: Path, rows: pl.DataFrame) -> Path:
+    """Write rows as one part, whole or not at all; its name is of their keys."""
+    rows = rows.sort("file")
+    name = hashlib.sha256("".join(sorted(rows[KEY])).encode()).hexdigest()[:16]
+    path, content = folder / f"part-{name}.parquet", BytesIO()
+    rows.write_parquet(content)
+    write_whole(path, content.getvalue())
+    return path
+
+
+def framed(rows: Sequence[Mapping[str, Any]], arms: int) -> pl.DataFrame:
+    """Return rows as a table."""
+    return cast("pl.DataFrame", polars().DataFrame(rows, schema=schema(arms)))
+
+
+def read_parts(folder: Path) -> dict[Path, pl.DataFrame]:
+    """Return the parts in a folder; what cannot be read is left out, as if it were not there."""
+    found = {}
+    for path in sorted(folder.glob(PARTS)):
+        try:
+            frame = polars().read_parquet(path.read_bytes())
+        except (OSError, polars().exceptions.PolarsError):
+            continue
+        if {KEY, "outcome", "file"} <= set(frame.columns):
+            found[path] = frame
+    return found
+
+
+def keys_done(folder: Path) -> set[str]:
+    """Return the keys of the rows that need not be made again."""
+    return {
+        key
+        for frame in read_parts(folder).values()
+        for key, outcome in frame.select(KEY, "outcome").iter_rows()
+        if outcome != "died"
+    }
+
+
+def table(folder: Path, wanted: Sequence[str]) -> pl.DataFrame:
+    """Leave in the folder what is wanted, and return it, sorted by file.
+
+    An old row goes, one that is there twice, a half-written file. Rows that stay are written
+    before what held them goes, so that a run that is cut short here loses none.
+
+    Raises
+    ------
+    DataError
+        If a part went while it was wanted.
+    """
+    seen, frames = set[str](), []
+    parts = read_parts(folder)
+    for path in sorted(parts, key=lambda one: bool((parts[one]["outcome"] == "died").any())):
+        frame = parts[path]
+        stays = set(frame[KEY]) & set(wanted) - seen
+        seen |= stays
+        kept = frame.filter(polars().col(KEY).is_in(list(stays)))
+        if stays:
+            frames.append(kept)
+        if not stays or (kept.height != frame.height and write_part(folder, kept) != path):
+            path.unlink()
+    for path in (*(set(folder.glob(PARTS)) - read_parts(folder).keys()), *folder.glob(f".*{PART}")):
+        path.unlink()
+    if seen != set(wanted):
+        raise DataError(
+            f"{folder} holds {len(seen)} of {len(wanted)} rows: parts of it went while the "
+            "batch ran; run it again"
+        )
+    return cast("pl.DataFrame", polars().concat(frames).sort("file"))
+
+
+def claim(folder: Path) -> None:
+    """Make the folder of the results, or refuse one that holds something else.
+
+    Raises
+    ------
+    ExportError
+    """
+    if folder.exists() and not folder.is_dir():
+        raise ExportError(f"{folder} is a file; give a folder for the results")
+    ours = set(folder.glob(PARTS)) if folder.is_dir() else set()
+    foreign = sorted(set(folder.glob("*.parquet")) - ours) if folder.is_dir() else []
+    if foreign:
+        raise ExportError(
+            f"{foreign[0]} was not written by dashpot batch, and would be taken for rows of the "
+            "lot; give another folder"
+        )
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ExportError(
+            f"{folder}: cannot be made: {error.strerror or error}; give another place"
+        ) from None

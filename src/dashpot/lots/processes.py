@@ -1,0 +1,135 @@
+"""Worker processes of this machine: chunks in, rows out, whichever of them dies."""
+
+from __future__ import annotations
+
+import json
+import os
+import queue
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict
+from typing import Any, TypeAlias
+
+from dashpot.lots.choices import BatchChoices
+from dashpot.lots.parts import KEY, Task
+from dashpot.lots.row import empty
+
+Chunk: TypeAlias = tuple[Task, ...]
+Rows: TypeAlias = list[dict[str, Any]]
+
+LIVES = 3
+"""Workers that a file may cost before it is given up."""
+_ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+_BEGIN = f"import sys; sys.path[:] = {{path!r}}; from {__package__}.rows_worker import main; main()"
+
+
+def processors() -> int:
+    """How many this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def computed(
+    chunks: Sequence[Chunk], choices: BatchChoices, jobs: int
+) -> Iterator[tuple[Chunk, Rows]]:
+    """Yield each chunk with its rows, as they are done, by so many processes side by side.
+
+    A file whose workers die gets a row that says so.
+    """
+    waiting: queue.SimpleQueue[Chunk] = queue.SimpleQueue()
+    for one in chunks:
+        waiting.put(one)
+    done: queue.SimpleQueue[tuple[Chunk, Rows] | BaseException] = queue.SimpleQueue()
+    workers = [_Worker(choices) for _ in range(min(jobs, len(chunks)))]
+    over = threading.Event()
+    for worker in workers:
+        threading.Thread(target=_serve, args=(worker, waiting, done, over), daemon=True).start()
+    try:
+        for _ in chunks:
+            found = done.get()
+            if isinstance(found, BaseException):
+                raise found
+            yield found
+    finally:
+        over.set()
+        for worker in workers:
+            worker.end()
+
+
+def _serve(
+    worker: _Worker,
+    waiting: queue.SimpleQueue[Chunk],
+    done: queue.SimpleQueue[tuple[Chunk, Rows] | BaseException],
+    over: threading.Event,
+) -> None:
+    try:
+        while not over.is_set():
+            chunk = waiting.get_nowait()
+            done.put((chunk, [worker.row(one, over) for one in chunk]))
+    except queue.Empty:
+        worker.end()
+    except BaseException as error:  # noqa: BLE001 -- it is raised where the rows are waited for
+        done.put(error)
+
+
+class _Worker:
+    """One process, started when first asked, and again after its end."""
+
+    def __init__(self, choices: BatchChoices) -> None:
+        self._choices = choices
+        self._process: subprocess.Popen[bytes] | None = None
+
+    def row(self, task: Task, over: threading.Event) -> dict[str, Any]:
+        """Return the row of one file."""
+        for _ in range(LIVES):
+            answer = self._answer(task)
+            if answer.endswith(b"\n"):
+                found: dict[str, Any] = json.loads(answer)
+                return found | {KEY: task.key}
+            self.end()
+            if over.is_set():
+                break
+        return empty(task.entry, task.sha256, self._choices.columns) | {
+            "outcome": "died",
+            "reason": f"the process that read it died {LIVES} times: it may need more memory than "
+            "there is; run it again with fewer --jobs, or look at it with dashpot inspect",
+            KEY: task.key,
+        }
+
+    def _answer(self, task: Task) -> bytes:
+        """The line of an answer; cut short where the process died."""
+        try:
+            process = self._started()
+            assert process.stdin is not None and process.stdout is not None  # noqa: PT018, S101
+            question = {"entry": asdict(task.entry), "sha256": task.sha256}
+            process.stdin.write(json.dumps(question).encode() + b"\n")
+            process.stdin.flush()
+            return process.stdout.readline()
+        except (BrokenPipeError, ConnectionError):
+            return b""
+
+    def _started(self) -> subprocess.Popen[bytes]:
+        if self._process is None:
+            self._process = subprocess.Popen(  # noqa: S603 -- this interpreter, our module
+                [sys.executable, "-P", "-c", _BEGIN.format(path=sys.path)],
+                stdin=subprocess.PIPE, stdout=subprocess.PIPE, env={**os.environ, **_ONE_THREAD},
+            )  # fmt: skip
+            assert self._process.stdin is not None  # noqa: S101
+            self._process.stdin.write(json.dumps(self._choices.plain()).encode() + b"\n")
+        return self._process
+
+    def end(self) -> None:
+        """End the process, if there is one."""
+        process, self._process = self._process, None
+        if process is not None:
+            process.kill()
+            process.wait()
+            for pipe in (process.stdin, process.stdout):
+                if pipe is not None:
+                    try:
+                        pipe.close()
+                    except OSError:  # what it never read
+                        continue

@@ -1,0 +1,300 @@
+"""A batch: a row for each file, the numbers of a fit, the same table however it was stopped."""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from io import BytesIO
+from pathlib import Path
+
+import polars as pl
+import pytest
+from click.testing import CliRunner
+
+import dashpot as dp
+from dashpot.base.errors import DataError, ExportError, ReadError
+from dashpot.cli import main
+from dashpot.io.options import ReadOptions
+from dashpot.io.write import write_impact, write_relaxation
+from dashpot.lots import lot as lots
+from dashpot.lots.processes import LIVES
+from dashpot.simulation.impact import simulate_impact
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.solids.table_1 import PAPER
+
+ON_LINUX = pytest.mark.skipif(sys.platform != "linux", reason="processes are looked up in /proc")
+BY = r"lot(\w+)_seal(\d+)_rep(\d+)"
+QUICK = {"arms": 1, "quick": True, "by": BY}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Eight short tests of four seals, and three files that are none."""
+    place = tmp_path_factory.mktemp("tests")
+    for i in range(8):
+        made = simulate_relaxation((1 + 0.01 * i) * PAPER, hold_time=3.0, seed=i)
+        (place / f"lotA_seal{i // 2}_rep{i % 2}.csv").write_text(write_relaxation(made.test))
+    (place / "junk.csv").write_text("junk\n")
+    (place / "empty.csv").write_text("")
+    hits = simulate_impact(PAPER, mass=0.104, hits=1).test
+    (place / "hammer.csv").write_text(write_impact(hits))
+    return place
+
+
+@pytest.fixture(scope="module")
+def whole(folder):
+    """The table of a run that nothing stopped."""
+    return dp.batch(folder, jobs=2, **QUICK).table
+
+
+def as_bytes(table):
+    written = BytesIO()
+    table.write_parquet(written)
+    return written.getvalue()
+
+
+def row_of(table, name):
+    return next(one for one in table.to_dicts() if one["file"].endswith(name))
+
+
+def test_every_file_is_a_row_and_says_what_it_is(whole):
+    assert whole["file"].to_list() == sorted(whole["file"])
+    assert whole["outcome"].value_counts(sort=True).rows() == [
+        ("fitted", 8), ("refused", 2), ("other", 1)
+    ]  # fmt: skip
+    assert row_of(whole, "hammer.csv")["reason"] == "it is a hammer file: use dashpot impact"
+    assert "is empty (0 bytes)" in row_of(whole, "empty.csv")["reason"]
+    assert "no numbers under the header" in row_of(whole, "junk.csv")["reason"]
+    one = row_of(whole, "lotA_seal3_rep1.csv")
+    assert (one["lot"], one["seal"], one["repeat"]) == ("A", "3", "1")
+    assert row_of(whole, "junk.csv")["lot"] == ""
+
+
+def test_the_numbers_are_those_of_a_fit_to_the_last_digit(folder):
+    path = folder / "lotA_seal0_rep0.csv"
+    (row,) = dp.batch(path, arms=2, mass="104g", seals=2).table.to_dicts()
+    test = dp.prepare(dp.read_relaxation(path))
+    fit = dp.fit(test, arms=2)
+    assert row["k_inf_N_per_m"] == fit.model.k_inf
+    assert (row["k_1_N_per_m"], row["k_2_N_per_m"]) == fit.model.k
+    assert (row["tau_1_s"], row["tau_2_s"]) == fit.model.tau
+    assert row["k_0_N_per_m"] == fit.model.k_0
+    assert row["k_end_N_per_m"] == fit.model.relaxation(test.hold_time)
+    assert row["k_1_se_N_per_m"] == fit.standard_error["k"][0]
+    assert (row["k_inf_low_N_per_m"], row["k_inf_high_N_per_m"]) == fit.intervals()["k_inf"]
+    assert (row["k_end_low_N_per_m"], row["k_end_high_N_per_m"]) == fit.left_open["k_end"]
+    assert row["verdict"] == fit.verdict.use
+    failed = [one.name for one in fit.checks if one.failed and one.grade != "note"]
+    assert row["failed_checks"].split() == list(dict.fromkeys(failed))
+    assert row["sha256"] == test.source.sha256
+    mode = dp.predict_frf(2 * fit.model, mass=0.104).modes()[0]
+    assert row["frequency_Hz"] == pytest.approx(mode.frequency, rel=1e-4)
+
+
+def test_a_second_run_computes_nothing_and_a_changed_file_alone_is_fitted_again(
+    folder, whole, tmp_path
+):
+    tests = tmp_path / "tests"
+    tests.mkdir()
+    for path in folder.iterdir():
+        (tests / path.name).write_bytes(path.read_bytes())
+    out = tmp_path / "lot"
+    first = dp.batch(tests, output=out, jobs=1, **QUICK)
+    assert first.computed == 11
+    again = dp.batch(tests, output=out, jobs=2, **QUICK)
+    assert again.computed == 0
+    assert as_bytes(again.table) == as_bytes(first.table)
+    (tests / "junk.csv").write_bytes((folder / "lotA_seal0_rep0.csv").read_bytes())
+    changed = dp.batch(tests, output=out, **QUICK)
+    assert changed.computed == 1
+    assert row_of(changed.table, "junk.csv")["outcome"] == "fitted"
+    # the parts hold what the table holds: no row of the old file, none twice
+    on_disk = pl.read_parquet(out / "*.parquet").sort("file")
+    assert as_bytes(on_disk) == as_bytes(changed.table)
+    other = dp.batch(tests, output=out, **{**QUICK, "arms": 2})
+    assert other.computed == 11
+    assert pl.read_parquet(out / "*.parquet").height == 11
+    assert other.table["k_2_N_per_m"].drop_nulls().len() > 0
+
+
+def test_a_part_that_is_damaged_is_made_again(folder, whole, tmp_path):
+    dp.batch(folder, output=tmp_path, jobs=2, **QUICK)
+    victim = sorted(tmp_path.glob("part-*.parquet"))[0]
+    victim.write_bytes(victim.read_bytes()[:100])
+    (tmp_path / ".0.part").write_text("half of a part")
+    again = dp.batch(folder, output=tmp_path, jobs=2, **QUICK)
+    assert 0 < again.computed < 11
+    assert as_bytes(again.table) == as_bytes(whole)
+    assert not list(tmp_path.glob(".*.part"))
+
+
+def alive(process):
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def children(process):
+    try:
+        text = Path(f"/proc/{process}/task/{process}/children").read_text()
+    except OSError:
+        return []
+    # each is started by a thread of its own
+    for task in Path(f"/proc/{process}/task").glob("*/children"):
+        text += " " + task.read_text()
+    return sorted({int(one) for one in text.split()})
+
+
+def run_and_kill(folder, out, chance, *, parent):
+    """Run a batch in chunks of one; kill it, or its workers, at random."""
+    code = (
+        "import sys, dashpot as dp, dashpot.lots.lot as lots; lots.CHUNK = 1;"
+        f"dp.batch(sys.argv[1], output=sys.argv[2], jobs=2, **{QUICK!r})"
+    )
+    words = [sys.executable, "-c", code, str(folder), str(out)]
+    seen = []
+    with subprocess.Popen(words) as running:
+        delay = chance.uniform(0.0, 2.0)
+        while running.poll() is None:
+            time.sleep(delay)
+            seen = children(running.pid) or seen
+            if parent:
+                running.kill()
+                break
+            if seen and chance.random() < 0.7:
+                try:
+                    os.kill(chance.choice(seen), signal.SIGKILL)
+                except ProcessLookupError:
+                    continue
+            delay = chance.uniform(0.3, 1.0)
+    until = time.monotonic() + 20
+    while any(map(alive, seen)) and time.monotonic() < until:
+        time.sleep(0.02)
+    assert not any(map(alive, seen)), "a worker outlived its parent"
+
+
+def killed_and_completed(folder, whole, out, seed):
+    chance = random.Random(seed)  # noqa: S311 -- when to kill
+    run_and_kill(folder, out, chance, parent=seed % 2 == 0)
+    parts = [pl.read_parquet(one) for one in out.glob("part-*.parquet")]
+    there = sum((one["outcome"] != "died").sum() for one in parts)
+    again = dp.batch(folder, output=out, jobs=2, **QUICK)
+    assert again.computed == 11 - there
+    assert as_bytes(again.table) == as_bytes(whole)
+
+
+@ON_LINUX
+@pytest.mark.parametrize("seed", range(4))
+def test_killed_at_random_and_run_again_the_table_is_the_same(folder, whole, tmp_path, seed):
+    killed_and_completed(folder, whole, tmp_path, seed)
+
+
+@ON_LINUX
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(100, 150))
+def test_killed_fifty_times_the_table_is_the_same(folder, whole, tmp_path, seed):
+    killed_and_completed(folder, whole, tmp_path, seed)
+
+
+@ON_LINUX
+def test_a_file_that_its_workers_die_of_is_a_row_and_is_tried_again(folder, whole, tmp_path):
+    """The worker is made to leave at one file, as one would that ran out of memory."""
+    deadly = tmp_path / "site"
+    deadly.mkdir()
+    (deadly / "sitecustomize.py").write_text(
+        "import os, sys\n"
+        "def hook(event, args):\n"
+        "    if event == 'open' and str(args[0]).endswith('lotA_seal1_rep0.csv'):\n"
+        "        open(os.environ['DEATHS'], 'a').write('x')\n"
+        "        os._exit(9)\n"
+        "if 'rows_worker' in ' '.join(sys.orig_argv):\n"
+        "    sys.addaudithook(hook)\n"
+    )
+    deaths, out = tmp_path / "deaths", tmp_path / "lot"
+    path = os.pathsep.join(filter(None, (str(deadly), os.environ.get("PYTHONPATH"))))
+    code = (
+        f"import dashpot as dp; dp.batch({str(folder)!r}, output={str(out)!r}, jobs=1, **{QUICK!r})"
+    )
+    env = {**os.environ, "PYTHONPATH": path, "DEATHS": str(deaths)}
+    subprocess.run([sys.executable, "-c", code], env=env, check=True)
+    assert deaths.read_text() == "x" * LIVES
+    found = pl.read_parquet(out / "*.parquet")
+    assert row_of(found, "lotA_seal1_rep0.csv")["outcome"] == "died"
+    assert f"died {LIVES} times" in row_of(found, "lotA_seal1_rep0.csv")["reason"]
+    assert sum(found["outcome"] == "fitted") == 7
+    again = dp.batch(folder, output=out, jobs=1, **QUICK)
+    assert again.computed == 1
+    assert as_bytes(again.table) == as_bytes(whole)
+
+
+def test_the_command_prints_logs_and_judges(folder, tmp_path):
+    out = tmp_path / "lot"
+    words = ["batch", str(folder), "-o", str(out), "--arms", "1", "--quick", "--by", BY]
+    planned = CliRunner().invoke(main, [*words, "--dry-run", "--json", "--jobs", "2"])
+    plan = json.loads(planned.stdout)
+    assert (plan["files"], plan["done"], plan["chunks"], plan["jobs"]) == (11, 0, 2, 2)
+    assert plan["seconds"] > 0
+    assert not out.exists()
+    ran = CliRunner().invoke(main, [*words, "--json", "--jobs", "2"])
+    assert ran.exit_code == 0, ran.output
+    assert json.loads(ran.stdout)["outcomes"] == {"fitted": 8, "refused": 2, "other": 1}
+    log = (out / "batch.log").read_text().splitlines()
+    assert len(log) == 2
+    assert " 11 of 11 tests" in log[-1]
+    strict = CliRunner().invoke(main, [*words, "--strict", "-v"])
+    assert strict.exit_code == 1
+    assert "0 now, 11 were there" in strict.stdout
+    assert "it is a hammer file: use dashpot impact" in strict.stdout
+    plan = json.loads(CliRunner().invoke(main, [*words, "--dry-run", "--json"]).stdout)
+    assert (plan["done"], plan["chunks"], plan["seconds"]) == (11, 0, 0)
+    good = [*words[:1], str(folder / "lotA_seal0_rep0.csv"), *words[2:], "--strict"]
+    assert CliRunner().invoke(main, good).exit_code == 0
+
+
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        ({"quick": True}, "--quick needs the number of arms"),
+        ({"mass": 0.0}, "expected a number > 0"),
+        ({"seals": float("nan")}, "expected a number > 0"),
+        ({"jobs": 0}, "a number of processes >= 1"),
+        ({"options": ReadOptions(modulus="E")}, "is fitted by"),
+        ({"by": "("}, "no regular expression"),
+        ({"by": "lot"}, "0 groups"),
+        ({"by": "(a)(b)(c)(d)"}, "4 groups"),
+        ({"by": "(?P<batch>a)"}, "batch"),
+        ({"by": r"(nowhere)"}, "fits none of 11 paths"),
+    ],
+)  # fmt: skip
+def test_a_choice_that_makes_no_sense_is_refused(folder, tmp_path, given, says):
+    with pytest.raises(DataError, match=says):
+        dp.batch(folder, output=tmp_path / "lot", **given)
+    assert not (tmp_path / "lot").exists()
+
+
+def test_a_folder_of_something_else_is_refused_and_two_runs_do_not_share_one(folder, tmp_path):
+    (tmp_path / "sales.parquet").write_bytes(b"PAR1")
+    with pytest.raises(ExportError, match=r"sales\.parquet was not written by dashpot batch"):
+        dp.batch(folder, output=tmp_path, **QUICK)
+    file = tmp_path / "file"
+    file.write_text("x")
+    with pytest.raises(ExportError, match="is a file; give a folder"):
+        dp.batch(folder, output=file, **QUICK)
+    out = tmp_path / "lot"
+    lots.claim(out)
+    with lots.alone(out / ".lock", "it"), pytest.raises(DataError, match="in use by another"):
+        dp.batch(folder, output=out, **QUICK)
+
+
+def test_a_path_that_names_nothing_is_refused(tmp_path):
+    for path in ("nowhere.csv", "*.none"):
+        with pytest.raises(ReadError, match=r"no such file|fits no file"):
+            dp.batch(tmp_path / path, **QUICK)
+    with pytest.raises(ReadError, match="no file is there"):
+        dp.batch(tmp_path, **QUICK)
