@@ -835,6 +835,12 @@ IMPACT = [
     ),
     Case("resonance", lambda x: impact.resonance(measured(), MODE if x else None), 10.0, 0),
     Case(
+        "modes_within_band",
+        lambda x: impact.modes_within_band([MODE] * 2, (MODE.frequency + x, 99.0)),
+        0.0,
+        1e-6,
+    ),
+    Case(
         "record_long_enough",
         lambda x: impact.record_long_enough(measured(record=x / MODE.decay), MODE),
         6.001,
@@ -1045,7 +1051,7 @@ LIMITS = {
     },
     "vibration/impact": {
         "hits_enough": 3, "coherence": 0.9, "lines_in_half_power_band": 1.5, "hammer_excites": -10,
-        "frf_dissipates": -0.3,
+        "frf_dissipates": -0.3, "modes_within_band": 0,
         "hits_agree": 0.1, "amplitude_linear": 1, "rocking_cancelled": 0.05, "hits_centred": 0.25,
         "mass_line": 0.05,
     },

@@ -18,7 +18,7 @@ from dashpot.cli import COMMANDS, main
 from dashpot.workflow.assumptions import ASSUMPTIONS
 
 SOURCES = Path(dashpot.__file__).parent
-READING = ("inspect", "fit", "predict", "impact", "compare", "identify", "report")
+READING = ("inspect", "fit", "predict", "impact", "modes", "compare", "identify", "report")
 BENCH = ("inspect", "fit", "predict", "identify", "report")
 MEASURED = ("compare", "identify", "report")
 SPEAKERS: dict[str, tuple[str, ...]] = {
@@ -31,6 +31,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "fitting/relaxation.py:_temperatures": ("fit",),
     "fitting/identification/": ("identify", "report"),
     "vibration/comparison/": MEASURED,
+    "vibration/impact/checks.py:modes_within_band": ("modes",),
     "export/": ("export",),
     "report/answer.py": ("export",),
     "workflow/fits.py": ("fit",),

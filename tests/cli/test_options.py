@@ -78,6 +78,7 @@ def test_what_cannot_be_is_refused(words, says):
         ("predict", (Machine, ReadOptions)),
         ("inspect", (ReadOptions,)),
         ("impact", (ReadOptions, HammerChoices)),
+        ("modes", (ReadOptions,)),
         ("compare", (ReadOptions, HammerChoices)),
         ("identify", (ReadOptions, HammerChoices, Machine)),
         ("report", (ReadOptions, Specimen, HammerChoices, Machine)),

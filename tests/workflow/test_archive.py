@@ -34,6 +34,7 @@ from dashpot.workflow.archive import from_json, to_json
 from dashpot.workflow.impacts import ImpactMode, ImpactResult
 from dashpot.workflow.inspections import InspectedFile, Inspections, Preparation
 from dashpot.workflow.job import Job
+from dashpot.workflow.measured_modes import MeasuredMode, MeasuredModes
 
 SOURCE = Source("seal.csv", "0" * 64, "text", ("time [s]",), ("a note",), simulated=True)
 TIME = np.linspace(0, 1, 11)
@@ -105,6 +106,11 @@ NOUNS = [
     compare(PREDICTED, replace(MEASURED, shift=0.0, record=None)),
     plan(depth=8e-3, ramp_time=1.0, hold_time=40.0, rate=100.0, noise=5e-3, at=12.71),
     ImpactResult(MEASURED, MODES, "Hv", "none", "frf.csv"),
+    MeasuredModes(
+        MEASURED,
+        (MeasuredMode(12.7, 0.03, 0.01, None, "rational", 0.0, -0.06, None, 0.1),),
+        (5.0, 30.0),
+    ),
     INSPECTIONS,
     Job("a.csv", ("b.csv",), mass=0.104, arms="auto", band=(5.0, 40.0)),
 ]

@@ -28,6 +28,7 @@ COMMANDS = {
     "fit": "The solid behind a relaxation test, and how well it is known.",
     "predict": "The FRF of a mass on the fitted seal.",
     "impact": "Hammer hits to an FRF, natural frequency and damping.",
+    "modes": "Natural frequencies, damping and residues of a measured FRF.",
     "compare": "The predicted FRF against a measured one.",
     "identify": "Maxwell parameters from vibration, alone or jointly.",
     "app": "The same in a browser: drop a file, drag a handle.",

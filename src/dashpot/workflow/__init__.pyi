@@ -16,6 +16,8 @@ from .inspections import Inspections as Inspections
 from .inspections import inspect_files as inspect_files
 from .job import HammerChoices as HammerChoices
 from .job import Job as Job
+from .measured_modes import MeasuredModes as MeasuredModes
+from .measured_modes import modes_file as modes_file
 from .predictions import Prediction as Prediction
 from .predictions import predict_files as predict_files
 from .project import create as create

@@ -30,6 +30,7 @@ from dashpot.workflow.documents import DIGEST, digest_of, edited, mistyped, once
 from dashpot.workflow.impacts import ImpactResult
 from dashpot.workflow.inspections import InspectedFile, Inspections
 from dashpot.workflow.job import Job
+from dashpot.workflow.measured_modes import MeasuredModes
 from dashpot.workflow.study import Study
 
 SCHEMAS: dict[str, type] = {
@@ -46,6 +47,7 @@ SCHEMAS: dict[str, type] = {
     "dashpot/impact-test@1": ImpactTest,
     "dashpot/frf@1": FRF,
     "dashpot/impact@1": ImpactResult,
+    "dashpot/modes@1": MeasuredModes,
     "dashpot/inspection@1": Inspections,
     "dashpot/comparison@1": Comparison,
     "dashpot/plan@1": Plan,
@@ -298,6 +300,10 @@ def _impact_contract(result: ImpactResult, plain: dict[str, Any]) -> dict[str, A
     }
 
 
+def _modes_contract(_found: MeasuredModes, plain: dict[str, Any]) -> dict[str, Any]:
+    return {**{key: plain["frf"][key] for key in ("checks", "source")}, **plain}
+
+
 def _inspected_contract(_file: InspectedFile, plain: dict[str, Any]) -> dict[str, Any]:
     refusal, ready = plain.pop("refusal"), plain.pop("preparation")
     account = {"error": refusal} if refusal else ready
@@ -311,6 +317,7 @@ _CONTRACTS: dict[type, Callable[[Any, dict[str, Any]], dict[str, Any]]] = {
     Comparison: _comparison_contract,
     Study: _study_contract,
     ImpactResult: _impact_contract,
+    MeasuredModes: _modes_contract,
     InspectedFile: _inspected_contract,
 }
 

@@ -120,8 +120,8 @@ def impact_files(
         ImpactMode(
             mode.frequency,
             mode.damping_ratio,
-            _finite(mode.frequency_se),
-            _finite(mode.damping_ratio_se),
+            finite(mode.frequency_se),
+            finite(mode.damping_ratio_se),
             mode.method,
         )
         for mode in modes
@@ -142,16 +142,20 @@ def read_measured(
     Its checks are about the resonance in `band`, Hz.
     """
     if len(paths) == 1 and inspect_file(paths[0], options=options).kind == "frf":
-        return None, _judged(read_frf(paths[0], options=options), band)
+        return None, judged(read_frf(paths[0], options=options), band)
     impact = hits_in(list(paths), options, f"an FRF or {HITS}")
     return impact, average(impact, choices=choices, mass=mass, band=band)
 
 
-def _judged(frf: FRF, band: tuple[float, float] | None) -> FRF:
-    """Return an FRF that was averaged elsewhere with what it says of itself at the peak."""
+def judged(frf: FRF, band: tuple[float, float] | None, main: Mode | None = None) -> FRF:
+    """Return an FRF that was averaged elsewhere with what it says of itself at its peak.
+
+    The peak is the highest in `band`, Hz, or that of a mode.
+    """
     near = frf.to("accelerance")
     near = near if band is None else near.band(*band)
-    at = int(np.argmin(np.abs(near.frequency - find_peak(near).frequency)))
+    peak = find_peak(near) if main is None else main
+    at = int(np.argmin(np.abs(near.frequency - peak.frequency)))
     judged = [frf_dissipates(complex(near.value[at]), float(near.frequency[at]))]
     if frf.coherence is not None:
         judged.append(coherence(near, at))
@@ -416,8 +420,8 @@ def direct_document(straight: DynamicStiffness) -> dict[str, Any]:
         "damping": straight.damping.tolist(),
         "loss_factor": straight.loss_factor.tolist(),
         "loss_factor_sd": straight.loss_factor_sd.tolist(),
-        "stiffness_band_hz": [_finite(end) for end in straight.storage_band],
-        "loss_band_hz": [_finite(end) for end in straight.loss_band],
+        "stiffness_band_hz": [finite(end) for end in straight.storage_band],
+        "loss_band_hz": [finite(end) for end in straight.loss_band],
     }
 
 
@@ -435,5 +439,6 @@ def direct_table(straight: DynamicStiffness) -> str:
     return head + "".join(",".join(map(repr, row)) + "\n" for row in zip(*columns, strict=True))
 
 
-def _finite(value: float) -> float | None:
+def finite(value: float) -> float | None:
+    """Return a number, or None where it is not known."""
     return value if np.isfinite(value) else None

@@ -29,7 +29,7 @@ _FIT_TAKES = "dashpot fit takes a ramp and the hold after it"
 WANTED_BY: MappingProxyType[str, tuple[str, str]] = MappingProxyType({
     "relaxation": ("a relaxation test", "use dashpot fit or dashpot report"),
     "impact": ("a hammer file", "use dashpot impact"),
-    "frf": ("an FRF", "use dashpot compare or dashpot identify"),
+    "frf": ("an FRF", "use dashpot modes, dashpot compare or dashpot identify"),
     "transmissibility": (
         "a transmissibility",
         "dashpot fits none yet; measure the force too, which makes it an FRF",

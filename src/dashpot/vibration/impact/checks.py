@@ -194,6 +194,19 @@ def resonance(frf: FRF, main: Mode | None) -> Finding:
     )
 
 
+@criterion("modes outside", "<=", 0.0, "a pole beyond the lines stands for what lies there")
+def modes_within_band(modes: Sequence[Mode], band: tuple[float, float]) -> Finding:
+    """The modes lie where there are lines."""
+    outside = [m.frequency for m in modes if not band[0] <= m.frequency <= band[1]]
+    listed = ", ".join(f"{frequency:.4g}" for frequency in outside)
+    return Finding(
+        f"every mode lies between {band[0]:.4g} and {band[1]:.4g} Hz",
+        float(len(outside)),
+        instead=f"the mode at {listed} Hz lies outside the lines between {band[0]:.4g} and "
+        f"{band[1]:.4g} Hz: it stands for what is beyond them; widen the band (--band)",
+    )
+
+
 @criterion("record, s", ">=", source=f"{TIME_CONSTANTS} time constants: FRF errors below 0.5 %")
 def record_long_enough(frf: FRF, main: Mode) -> Finding:
     """The record holds the decay."""
