@@ -265,3 +265,14 @@ def test_intervals_cover_the_truth() -> None:
             [low <= truth <= high for truth, (low, high) in zip(truths, ends, strict=True)]
         )
     assert (np.mean(inside, axis=0) >= 0.9).all()
+
+
+@pytest.mark.parametrize(("moved", "fails"), [(0.0097, False), (0.0103, True)])
+def test_a_part_that_moves_before_the_load_has_no_zero(moved: float, fails: bool) -> None:
+    x = ramped(CLOCK)
+    # the medians of the first and the last third lie 1 s apart
+    rate = moved * float(x.max()) / (1 - 1.5 * moved)
+    found = dp.fit(CreepTest(CLOCK, x + rate * np.minimum(CLOCK, 0), LOAD))
+    (check,) = [check for check in found.checks if check.name == "load_begins_at_rest"]
+    assert check.failed is fails
+    assert "% of the travel" in check.says

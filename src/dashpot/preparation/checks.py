@@ -27,6 +27,8 @@ MIN_HOLD_OVER_RAMP = 10.0
 MIN_RAMP_SAMPLES = 10.0
 FLAT_SAMPLES = 5.0
 MAX_UNRESOLVED = 0.125
+# of the travel, before the load: k_inf is then about half as wrong
+MAX_STIR = 0.01
 # of a held load; a controller that hunts by more moves the part with it
 MAX_LOAD_CHANGE = 0.02
 # so many samples may lie beside the sharp corners of a ramp
@@ -476,8 +478,23 @@ def load_begins_at_rest(test: LoadHold) -> Finding:
     """The record shows the part at rest before the load: the zero of the displacement."""
     before = int(np.searchsorted(test.time, test.onset))
     count = f"{before} sample{'s' * (before != 1)}"
+    zero = f"{before} samples before the load give the zero of the displacement"
+    third = before // 3
+    # under a load that is on record the part may move
+    unloaded = before and float(np.ptp(test.load[:before])) < MAX_PRELOAD * test.level
+    if before >= MIN_BASELINE and unloaded:
+        first, last = test.displacement[:third], test.displacement[before - third : before]
+        travel = float(np.ptp(test.displacement))
+        moved = abs(median(last) - median(first)) / travel
+        chance = 4 * test.displacement_noise * np.sqrt(2 / third)
+        return Finding(
+            f"{zero}, and move by {100 * moved:.2g} % of the travel",
+            float(before),
+            ": the part still moves under an earlier load; let it rest, or record that load too",
+            faulted=moved > max(MAX_STIR, chance / travel),
+        )
     return Finding(
-        f"{before} samples before the load give the zero of the displacement",
+        zero,
         float(before),
         instead=f"only {count} before the load, expected at least {MIN_BASELINE:.0f}: the "
         "displacement's own zero is taken for that of the unloaded part, and what it gave at once "
