@@ -11,6 +11,7 @@ import pytest
 from kit import hardening
 from kit.fits import a_fit
 
+from dashpot.fitting.identification.explanations import as_other_count
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.relaxation import fit
 from dashpot.preparation.prepare import prepare
@@ -227,3 +228,15 @@ def test_a_spring_needs_no_arm_and_no_dashpot() -> None:
 def test_a_hand_made_fit_without_a_law_is_taken_as_it_is() -> None:
     found = identify(hammer(2), fit=a_fit(TABLE_1, relative=0.01), mass=MASS, seals=2)
     assert "stiffness_factor" not in {item.name for item in found.nuisance}
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [
+        (2.19, "2 times as many"), (2.21, ""), (1.81, "2 times as many"), (1.79, ""),
+        (0.5, "one in 2"), (1.0, ""), (3.0, "3 times as many"),
+    ],
+)  # fmt: skip
+def test_seals_as_stiff_as_another_number_of_them_are_told_as_that(value: float, said: str) -> None:
+    assert as_other_count(value).startswith(f", as {said} of them" if said else "")
+    assert bool(as_other_count(value)) is bool(said)

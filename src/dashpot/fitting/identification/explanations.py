@@ -39,6 +39,8 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 #: what the model lacks may decide between causes by this part of what they explain
 LACKING = 0.02
 TOLERANCE = 1e-11
+# stiffnesses within this part of a whole multiple look like another number of seals
+_LIKE_A_COUNT = 0.1
 
 
 @dataclass(frozen=True)
@@ -286,9 +288,19 @@ def _percent(value: float, error: float) -> str:
     return f"{with_error(100 * abs(value - 1), 100 * error)} % {more}"
 
 
+def as_other_count(value: float) -> str:
+    """Say so where the seals are as stiff as another number of them would be."""
+    times = max(value, 1 / value)
+    if round(times) < 2 or abs(times / round(times) - 1) > _LIKE_A_COUNT:
+        return ""
+    many = f"{round(times)} times as many" if value > 1 else f"one in {round(times)}"
+    return f", as {many} of them would be: is their number right (--seals)"
+
+
 _SENTENCES: dict[str, Callable[[float, float], str]] = {
     "stiffness": lambda value, error: (
         f"the seals under the hammer are {_percent(value, error)} than in the relaxation test"
+        f"{as_other_count(value)}"
     ),
     "k_inf": lambda value, error: (
         f"at rest alone (k_inf) the seals under the hammer are {_percent(value, error)} than in "
