@@ -29,7 +29,7 @@ from dashpot.records.estimate import Nuisance
 from dashpot.records.fit import Explanation, Moved, Status
 from dashpot.records.frf import Hit
 from dashpot.records.specimen import Specimen
-from dashpot.report import html
+from dashpot.report import answer, html
 from dashpot.report.figures import Drawn
 from dashpot.report.summary import MOST_WORDS
 from dashpot.report.tables import Table
@@ -587,6 +587,8 @@ def test_an_inferred_mass_is_called_inferred(sketch):
     assert (
         "was inferred from the measured FRF, so the agreement in frequency proves nothing" in text
     )
+    found = replace(S, mass_inferred=True)
+    assert answer.under_mass(found, recommendation(found))[0].endswith("inferred from the FRF")
 
 
 def test_a_fit_in_trouble_says_so_at_the_top(sketch):

@@ -188,7 +188,11 @@ def under_mass(study: Study, found: Recommendation) -> tuple[str, tuple[Row, ...
         return "", ()
     grams, seals = rounded(1e3 * study.mass, digits=4), study.seals
     said = f"{grams} g on {seals:g} seal{'' if seals == 1 else 's'}"
-    return said + (", as given" if not found.recommended else ""), rows(found.under_mass)
+    if study.mass_inferred:
+        said += ", the mass inferred from the FRF"
+    elif not found.recommended:
+        said += ", as given"
+    return said, rows(found.under_mass)
 
 
 def rows(answers: Iterable[Answer]) -> tuple[Row, ...]:
