@@ -322,3 +322,21 @@ def test_a_file_of_the_command_line_is_there_at_once(browser, files):
         page.done()
         assert "8.00 mm" in page.at.locator(".files").inner_text()
         page.close()
+
+
+def test_a_mass_may_be_typed_with_its_unit(visit, files):
+    page = visit(files / "seal_8mm.csv")
+    page.done()
+    for words in ("114.8 g", "0.1148kg"):
+        page.at.locator("#mass").fill(words)
+        page.at.keyboard.press("Enter")
+        page.at.locator("#command").filter(has_text="--mass 114.8g").wait_for()
+        assert page.at.locator("#mass").input_value() == "114.8"
+        page.at.locator("#mass").fill("")
+        page.at.keyboard.press("Enter")
+        page.at.locator("#command").filter(has_not_text="--mass").wait_for()
+    page.at.locator("#mass").fill("114.8")
+    page.at.keyboard.press("Enter")
+    page.at.locator("#seals").fill("0")
+    page.at.keyboard.press("Enter")
+    page.at.get_by_role("alert").filter(has_text="seals = 0").wait_for()

@@ -142,6 +142,11 @@ function fileList() {
   document.body.classList.toggle("empty", !state.files.length);
   for (const button of all('[data-needs="test"]')) button.disabled = !test();
 }
+// a mass may be typed with its unit
+function inGrams(/** @type {string} */ text) {
+  const [, number, unit] = text.match(/^(.*?)\s*(k?g)?$/) || [];
+  return unit === "kg" ? String(+(1000 * +number).toPrecision(12)) : number;
+}
 function views() {
   const one = state.files.find((file) => file.id === state.current);
   const asks = one && one.asked, hits = one && one.kind === "impact" && one.mark === "good" && test();
@@ -438,9 +443,9 @@ document.addEventListener("change", (event) => {
   }
   if (at.dataset.cut) { const value = parseFloat(at.value.replace(",", ".")); cut(at.dataset.cut, Number.isFinite(value) ? value : null, false); return; }
   const text = String(at.value || "").trim().replace(",", ".");
-  if (at.id === "mass") { state.job.mass = text && `${text}g`; $("mass-slider").value = 0; state.mass = +text; settle(); }
+  if (at.id === "mass") { const said = inGrams(text); state.job.mass = said && `${said}g`; $("mass-slider").value = 0; state.mass = +said; settle(); }
   else if (at.id === "mass-slider") settle();
-  else if (at.id === "seals") { state.job.seals = +text || 1; settle(); }
+  else if (at.id === "seals") { state.job.seals = text ? +text : 1; settle(); }
   else if (at.id === "compression") { state.job.compression = text && `${text}mm`; settle(); }
   else if (at.id.startsWith("specimen-")) {
     const name = at.id.slice(9), unit = SPECIMEN[name], of = test();
