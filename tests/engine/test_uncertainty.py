@@ -33,6 +33,25 @@ def test_autocovariance_is_the_plain_sum() -> None:
     r = np.random.default_rng(1).standard_normal(137)
     plain = [r[: len(r) - lag] @ r[lag:] / len(r) for lag in range(len(r))]
     np.testing.assert_allclose(autocovariance(r), plain, atol=1e-14)
+    np.testing.assert_allclose(autocovariance(r, 20), plain[:20], atol=1e-14)
+
+
+@pytest.mark.parametrize(("cycles", "late"), [(0.2, True), (0.4, True), (3.0, False)])
+def test_what_a_fit_took_is_given_back_however_late_the_cut(cycles: float, late: bool) -> None:
+    """Three rounds of the plain sums, whether or not a third of the lags shows the cut."""
+    n = 400
+    wave = np.sin(2 * np.pi * cycles * np.arange(n) / n)
+    residual = wave - wave.mean()
+    gamma = autocovariance(residual)
+    taken = 1.0 - np.arange(n) / n  # of a constant, whose column of Q is 1 / sqrt(n)
+    kept = gamma[: geyer_cut(gamma)]
+    for _ in range(3):
+        kappa = max(1.0, 2.0 * kept.sum() / kept[0] - 1.0)
+        given = gamma + gamma[0] * min(kappa, n / 2.0) * taken / n
+        kept = given[: geyer_cut(given)]
+    assert (len(kept) > n // 3) is late
+    found = noise_of(residual, np.ones((n, 1)))
+    np.testing.assert_allclose(found.autocovariance, kept, atol=1e-12)
 
 
 def test_the_cut_stops_where_a_pair_of_lags_falls_to_zero() -> None:

@@ -32,6 +32,8 @@ _WORTH_GIVING_BACK = 0.005
 _ROUNDS = 3
 # so few lags cost less one by one than by Fourier transforms
 _FEW_LAGS, _FEW_TERMS = 16, 8
+# most noise ends within this part of all lags, which costs two thirds of all
+_MOST_END = 1 / 3
 # slow noise is sought in about so many means to a record, never of fewer samples than that; so many
 # times the scatter of its power under white noise is no chance: one white record in 100 has more
 _MEANS, _FEWEST, _BY_CHANCE = 1024, 4, 6.0
@@ -121,11 +123,11 @@ def _seen(residual: FloatArray, jacobian: FloatArray | None, *, rounding: float 
         return Noise(n, kept[:1] * whitened, 1.0, 2.0)
     kappa = _kappa(kept)
     if jacobian is not None and parameters * kappa > _WORTH_GIVING_BACK * n:
-        gamma, taken = autocovariance(residual) if gamma is None else gamma, _taken(jacobian)
-        for _ in range(_ROUNDS):
-            given = gamma + gamma[0] * min(kappa, n / (2.0 * parameters)) * taken / n
-            kept = given[: geyer_cut(given)]
-            kappa = _kappa(kept)
+        gamma = autocovariance(residual, max(int(_MOST_END * n), 1)) if gamma is None else gamma
+        kept = _given_back(gamma, kappa, jacobian)
+        if len(kept) == len(gamma) < n:
+            kept = _given_back(autocovariance(residual), kappa, jacobian)
+        kappa = _kappa(kept)
     else:
         kept = kept * whitened
     steps = np.diff(residual)
@@ -136,32 +138,49 @@ def _kappa(gamma: FloatArray) -> float:
     return max(1.0, float(2.0 * gamma.sum() / gamma[0] - 1.0))
 
 
-def _taken(jacobian: FloatArray) -> FloatArray:
-    r"""Return :math:`\sum_k \sum_i Q_{ik} Q_{i+l,k}` at every lag l."""
-    n = len(jacobian)
-    size = fast_length(2 * n)
+def _given_back(gamma: FloatArray, kappa: float, jacobian: FloatArray) -> FloatArray:
+    """The autocovariance with what the fit took out of it, cut; uncut if all lags are too few."""
+    n, parameters = jacobian.shape
+    taken, kept = _taken(jacobian, len(gamma)), gamma
+    for _ in range(_ROUNDS):
+        given = gamma + gamma[0] * min(kappa, n / (2.0 * parameters)) * taken / n
+        kept = given[: geyer_cut(given)]
+        if len(kept) == len(gamma) < n:
+            break
+        kappa = _kappa(kept)
+    return kept
+
+
+def _taken(jacobian: FloatArray, lags: int) -> FloatArray:
+    r"""Return :math:`\sum_k \sum_i Q_{ik} Q_{i+l,k}` at l = 0 .. `lags` - 1."""
+    size = fast_length(len(jacobian) + lags)
     basis = _orthonormal([jacobian])
     even = basis.columns[0] @ np.linalg.inv(np.linalg.cholesky(basis.gram)).T
     power = np.zeros(size // 2 + 1)
     for column in even.T:  # one by one they stay in cache
         spectrum = np.fft.rfft(column, size)
         power += spectrum.real**2 + spectrum.imag**2
-    return np.asarray(np.fft.irfft(power, size)[:n])
+    return np.asarray(np.fft.irfft(power, size)[:lags])
 
 
-def autocovariance(residual: FloatArray) -> FloatArray:
-    r"""Return :math:`\gamma_l = \frac1n \sum_i r_i r_{i+l}`, l = 0 .. n - 1, by one FFT each."""
+def autocovariance(residual: FloatArray, lags: int | None = None) -> FloatArray:
+    r"""Return :math:`\gamma_l = \frac1n \sum_i r_i r_{i+l}`, l = 0 .. `lags` - 1, by one FFT each.
+
+    All n lags by default.
+    """
     n = residual.shape[-1]
-    size = fast_length(2 * n)
+    lags = n if lags is None else lags
+    size = fast_length(n + lags)
     spectrum = np.fft.rfft(residual, size)
     power = spectrum.real**2 + spectrum.imag**2
-    return np.asarray(np.fft.irfft(power, size)[..., :n] / n)
+    return np.asarray(np.fft.irfft(power, size)[..., :lags] / n)
 
 
 def initial_sequence(residual: FloatArray) -> tuple[FloatArray, FloatArray | None]:
-    """Return :func:`autocovariance` up to :func:`geyer_cut`, and all of it if that took all.
+    """Return :func:`autocovariance` up to :func:`geyer_cut`, and what of it was transformed.
 
-    Lag by lag while lags are few.
+    Lag by lag while lags are few, and none transformed; all lags only if the part where most noise
+    ends does not show the cut.
     """
     n, found = len(residual), [float(residual @ residual)]
     for lag in range(1, min(_FEW_LAGS, n - 1), 2):
@@ -170,7 +189,9 @@ def initial_sequence(residual: FloatArray) -> tuple[FloatArray, FloatArray | Non
         if found[-2] + found[-1] <= 0.0:
             return np.array(found[: max(lag - 1, 1)]) / n, None
         found.append(float(residual[lag + 1 :] @ residual[: -lag - 1]))
-    gamma = autocovariance(residual)
+    gamma = autocovariance(residual, max(int(_MOST_END * n), 1))
+    if geyer_cut(gamma) == len(gamma):
+        gamma = autocovariance(residual)
     return gamma[: geyer_cut(gamma)], gamma
 
 
