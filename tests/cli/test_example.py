@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 
 import pytest
 from click.testing import CliRunner
@@ -74,3 +75,14 @@ def test_three_depths_have_one_elastic_law(folder):
 
 def test_every_example_is_told_of() -> None:
     assert list(workflow.CAPTIONS) == list(workflow.EXAMPLES)
+
+
+def test_a_material_goes_on_to_a_deck_and_its_temperature_with_it(folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    words = ["fit", "sweeps.csv", "--at", "25degC", "-o", "rubber.json"]
+    done = CliRunner().invoke(main, words)
+    follow = shlex.split(done.stderr.splitlines()[-1].removeprefix("next: dashpot "))
+    assert follow[:2] == ["export", "rubber.json"]
+    deck = CliRunner().invoke(main, follow)
+    assert deck.exit_code == 0, deck.output
+    assert "(25 degC)" in deck.stdout

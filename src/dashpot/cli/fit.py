@@ -75,7 +75,7 @@ def command(
         None if output == "-" else _text.fit(found, asked=choices["arms"]),
         found.checks,
         verdict=found.verdict,
-        follow=_follow(files, output),
+        follow=_follow(files, output, found),
     )
 
 
@@ -88,12 +88,18 @@ def _shift_table(found: dp.Fit) -> str:
     return write_shifts(found.temperatures, comments=stamp)
 
 
-def _follow(files: tuple[str, ...], output: str | None) -> str:
+def _follow(files: tuple[str, ...], output: str | None, found: dp.Fit) -> str:
     if not output:
         again = options.given(but=("as_json", "strict", "verbose", "picture", "overwrite", "open"))
         why = "keeps it for predict, compare, export"
         return typed("fit", *files, *again, "-o", "fit.json", why=why)
-    return "" if output == "-" else typed("predict", output, "--mass", "MASS", "--seals", 2)
+    if output == "-":
+        return ""
+    if found.unit == "Pa":  # no mass rests on a material
+        deck = ("export", output, "--to", "abaqus", "--form", "prony", "--units", "mm-t-s")
+        missing = ("--temperature", "TEMPERATURE") if found.specimen.temperature is None else ()
+        return typed(*deck, *missing)
+    return typed("predict", output, "--mass", "MASS", "--seals", 2)
 
 
 def _figure(found: dp.Fit, records: tuple[Any, ...]) -> dp.plot.Picture:

@@ -109,7 +109,9 @@ class DynamicTest(ByValue, Described):
         DataError
             If there are none.
         """
-        return self.only(near(self.temperature, si(temperature, "temperature")))
+        kelvin = si(temperature, "temperature")
+        chosen = self.only(near(self.temperature, kelvin))
+        return replace(chosen, specimen=replace(self.specimen, temperature=kelvin))
 
     @property
     def several_temperatures(self) -> bool:
