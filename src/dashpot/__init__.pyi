@@ -63,6 +63,7 @@ from .vibration.comparison.compare import infer_mass as infer_mass
 from .vibration.comparison.comparison import Comparison as Comparison
 from .vibration.impact.frf_estimation import estimate_frf as estimate_frf
 from .vibration.modal.dynamic_stiffness import dynamic_stiffness as dynamic_stiffness
+from .vibration.systems.prediction import isolation_frequency as isolation_frequency
 from .vibration.systems.prediction import predict_frf as predict_frf
 from .vibration.systems.system import Mount as Mount
 from .vibration.systems.system import System as System

@@ -31,7 +31,11 @@ def test_the_peak_is_found_between_the_lines(step: float, start: float) -> None:
 
 
 @settings(max_examples=25, deadline=None)
-@given(kind=st.sampled_from(list(Kind)), shift=st.floats(0, 3), mass=st.floats(0.02, 0.2))
+@given(
+    kind=st.sampled_from(sorted(set(Kind) - {Kind.TRANSMISSIBILITY})),
+    shift=st.floats(0, 3),
+    mass=st.floats(0.02, 0.2),
+)
 def test_kind_and_window_do_not_move_it(kind: Kind, shift: float, mass: float) -> None:
     lines = np.arange(1, 60, 0.1)
     plain = find_peak(predict_frf(PAPER, mass=mass, frequency=lines))

@@ -361,6 +361,9 @@ def prediction(found: Prediction, *, mass: float, seals: float) -> Text:
     on = f"{mass * 1e3:.6g} g on {seals:g} seal{'s' * (seals != 1)}"
     does = "is largest" if found.at_edge else "peaks"
     lines = [f"{on}: {found.frf.kind} {does} at {hz:.5g} Hz with {height:.5g} {found.frf.unit}"]
+    isolated = found.document.get("isolation_hz")
+    if isolated is not None:
+        lines.append(f"  above {isolated:.5g} Hz the mass moves less than its base")
     if found.at_edge:
         lines.append(f"  that is the end of the band, and no peak{_wider(found.modes)}")
     for mode in found.modes:

@@ -31,6 +31,10 @@ from dashpot.cli._shell import File, Outcome, grams, read_fit, reports, typed, w
     type=click.Choice(["accelerance", "mobility", "receptance", "dynamic_stiffness"]),
     default="accelerance",
     show_default=True,
+    help="Of the mass and a force on it.",
+)
+@click.option(
+    "--base", is_flag=True, help="The base moves instead: the transmissibility to the mass."
 )
 @click.option(
     "--with",
@@ -46,19 +50,26 @@ from dashpot.cli._shell import File, Outcome, grams, read_fit, reports, typed, w
 @reports
 @options.machine
 @options.reading
-def command(*, fit: str, picture: str | None, output: str | None, **choices: Any) -> Outcome:
+def command(
+    *, fit: str, picture: str | None, output: str | None, base: bool, **choices: Any
+) -> Outcome:
     """Predict the frequency response of a mass on the seal of FIT (a fit's JSON file).
 
-    The standard errors of the fit become limits of the prediction; with the record that was
-    fitted (--with) so does the bound over unresolved arms.
+    The standard errors of the fit become limits of the accelerance A; with the record that was
+    fitted (--with) so does the bound over unresolved arms. Where the base moves (--base) the motion
+    relative to it, T - 1 = -m A, has m times the same limits.
 
     \b
     dashpot predict fit.json --mass 104g --seals 2
     dashpot predict fit.json --mass 104g --seals 2 --band 1:50Hz -o frf.csv
+    dashpot predict fit.json --mass 104g --seals 2 --base
     dashpot predict fit.json --mass 104g --seals 2 --with seal_8mm.csv --plot frf.png
     dashpot predict moving.json --mass 104g --seals 2 --temperature -10degC
     """
     fitted = read_fit(fit)
+    if base:
+        _no_other_kind()
+        choices["kind"] = "transmissibility"
     found = workflow.predict_files(fitted, **choices)
     if picture:
         named = dp.plot.stamp(
@@ -67,8 +78,8 @@ def command(*, fit: str, picture: str | None, output: str | None, **choices: Any
         drawn = dp.plot.frf(
             found.frf,
             labels=("predicted",),
-            band=found.limits,
-            interval=found.interval,
+            band=None if base else found.limits,
+            interval=None if base else found.interval,
             stamp=named,
         )
         write_figure(picture, drawn)
@@ -93,3 +104,10 @@ def command(*, fit: str, picture: str | None, output: str | None, **choices: Any
             why="tests it with a hammer",
         ),
     )
+
+
+def _no_other_kind() -> None:
+    """Refuse the transmissibility and another kind together."""
+    source = click.get_current_context().get_parameter_source("kind")
+    if source is click.core.ParameterSource.COMMANDLINE:
+        raise click.UsageError("--kind is of a force on the mass, --base of none: leave one out")

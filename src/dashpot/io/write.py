@@ -10,6 +10,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.atomic import write_whole
+from dashpot.base.errors import DataError
 from dashpot.base.version import byline
 from dashpot.io.formats.uff import COHERENCE, FRF_
 from dashpot.io.source import extra
@@ -142,6 +143,10 @@ def frf_uff(frf: FRF, *, title: str = "dashpot FRF") -> bytes:
     second dataset 58 (function type 6). The window's shift, the record and the number of averages
     stand in the identification lines.
     """
+    if frf.kind is Kind.TRANSMISSIBILITY:
+        raise DataError(
+            "UFF 58 is written of a motion and a force; write a transmissibility as text"
+        )
     pyuff = extra("pyuff", "pyuff", "UFF files")
     motion = frf.to(Kind.RECEPTANCE) if frf.kind is Kind.DYNAMIC_STIFFNESS else frf
     stamp = "simulated" if any(source.simulated for source in frf.source) else "NONE"

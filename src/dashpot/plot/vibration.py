@@ -46,6 +46,7 @@ SHOWN = {
     Kind.MOBILITY: ("(mm/s)/N", 1e3),
     Kind.ACCELERANCE: ("1/kg", 1.0),
     Kind.DYNAMIC_STIFFNESS: ("N/mm", 1e-3),
+    Kind.TRANSMISSIBILITY: ("m/m", 1.0),
 }
 INTERVAL, BOUND = "95 % interval of the parameters", "bound over unresolved arms"
 

@@ -24,12 +24,13 @@ from dashpot.base.provenance import Source, Step
 
 
 class Kind(StrEnum):
-    """What the FRF relates, motion per force or its inverse (ISO 2041 names)."""
+    """What the FRF relates: motion per force, its inverse, or motion per base motion (ISO 2041)."""
 
     RECEPTANCE = "receptance"  # x / F, m/N
     MOBILITY = "mobility"  # v / F, m/(N s)
     ACCELERANCE = "accelerance"  # a / F, 1/kg
     DYNAMIC_STIFFNESS = "dynamic_stiffness"  # F / x, N/m
+    TRANSMISSIBILITY = "transmissibility"  # x / x of the base, both absolute
 
 
 UNITS = {
@@ -37,6 +38,7 @@ UNITS = {
     Kind.MOBILITY: "m/(N s)",
     Kind.ACCELERANCE: "(m/s^2)/N",
     Kind.DYNAMIC_STIFFNESS: "N/m",
+    Kind.TRANSMISSIBILITY: "m/m",
 }
 
 # a line whose random error is larger than this part of its value says nothing about a peak
@@ -148,8 +150,13 @@ class FRF(ByValue, Pictured):
         kind: Kind | str = Kind.ACCELERANCE,
         shift: float = 0.0,
     ) -> FRF:
-        """The FRF, of any kind, whose receptance at `frequency`, Hz, is this."""
+        """The FRF, of any kind per force, whose receptance at `frequency`, Hz, is this."""
         kind, s = Kind(kind), np.asarray(2j * np.pi * frequency + shift)
+        if kind is Kind.TRANSMISSIBILITY:
+            raise DataError(
+                "a receptance alone is no transmissibility, which is of a base that moves; "
+                "expected a kind per force, such as accelerance"
+            )
         return cls(frequency, _as_kind(receptance, s, kind), kind, shift=shift)
 
     @property
@@ -182,15 +189,35 @@ class FRF(ByValue, Pictured):
         """The SI unit of `value`."""
         return UNITS[self.kind]
 
-    def to(self, kind: Kind | str) -> FRF:
-        """The same FRF as receptance, mobility, accelerance or dynamic stiffness.
+    def to(self, kind: Kind | str, *, mass: float | None = None) -> FRF:
+        r"""The same FRF as receptance, mobility, accelerance or dynamic stiffness.
 
         Motion is differentiated by a factor s, so a windowed FRF stays exact. The line at
         frequency 0 is dropped where it would divide by zero.
+
+        A base that moves pulls at a rigid mass as its inertia would, so that the transmissibility
+        T to it and its accelerance A are one another's measure,
+
+        .. math:: T = 1 - m A, \qquad T - 1 = -m A
+
+        the second being the motion relative to the base.
+
+        Parameters
+        ----------
+        kind : Kind or str
+        mass : float, optional
+            kg; to and from a transmissibility. What follows from it is as well known as the mass.
+
+        Raises
+        ------
+        DataError
+            If the mass cannot be, or is needed and missing.
         """
         kind = Kind(kind)
         if kind is self.kind:
             return self
+        if Kind.TRANSMISSIBILITY in {kind, self.kind}:
+            return self._over_base(kind, mass)
         old = self.only((np.abs(self.s) > 0) & (np.abs(self.value) > 0))
         if old.kind in _POWERS:
             receptance = old.value / old.s ** _POWERS[old.kind]
@@ -200,6 +227,26 @@ class FRF(ByValue, Pictured):
         # a relative error is the same for every kind
         sd = None if old.sd is None else old.sd * np.abs(value) / np.abs(old.value)
         return replace(old, value=value, kind=kind, sd=sd)
+
+    def _over_base(self, kind: Kind, mass: float | None) -> FRF:
+        """The same to or from a transmissibility; see :meth:`to`."""
+        if mass is None or not (np.isfinite(mass) and mass > 0):
+            given = "no mass is given" if mass is None else f"mass = {mass!r} kg"
+            raise DataError(
+                "a transmissibility relates two motions, the others a motion and a force, and only "
+                f"the mass between them, > 0 kg, tells one by the other: {given} "
+                "(Python: frf.to(kind, mass=m))"
+            )
+        if self.kind is Kind.TRANSMISSIBILITY:
+            value, sd = (1 - self.value) / mass, self._scatter(1 / mass)
+            return replace(self, value=value, kind=Kind.ACCELERANCE, sd=sd).to(kind)
+        old = self.to(Kind.ACCELERANCE)
+        return replace(old, value=1 - mass * old.value, kind=kind, sd=old._scatter(mass))
+
+    def _scatter(self, scale: float) -> FloatArray | None:
+        """What is known of the random error, scaled: a sum with 1 keeps it, the coherence not."""
+        known = self.scatter_of_one if self.random_sd is None else self.random_sd
+        return None if known is None else scale * known
 
     @property
     def random_sd(self) -> FloatArray | None:

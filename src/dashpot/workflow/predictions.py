@@ -15,10 +15,15 @@ from dashpot.fitting.temperature.checks import temperature_tested
 from dashpot.io.options import ReadOptions
 from dashpot.records.bounds import FRFBounds
 from dashpot.records.fit import Fit
-from dashpot.records.frf import FRF, Mode
+from dashpot.records.frf import FRF, Kind, Mode
 from dashpot.records.machine import Machine
 from dashpot.vibration.systems.operating_point import OperatingPoint
-from dashpot.vibration.systems.prediction import model_modes, moving_mass, predict_frf
+from dashpot.vibration.systems.prediction import (
+    isolation_frequency,
+    model_modes,
+    moving_mass,
+    predict_frf,
+)
 from dashpot.workflow.checks import prediction_informed
 from dashpot.workflow.job import known_of_a_test
 from dashpot.workflow.prepared import at_their_temperatures, prepared_files, refuse_others
@@ -164,6 +169,8 @@ def predict_files(
         "imag": frf.value.imag.tolist(),
         "limits": _plain(here, limits, rests.point, mass=moving, seals=seals, frf=frf),
     }
+    if frf.kind is Kind.TRANSMISSIBILITY:
+        document["isolation_hz"] = isolation_frequency(solid, moving)
     # what the test must inform is the resonance, inside the band or not
     felt = modes[0].frequency if at_edge and modes else peak[0]
     rested = rest_checks(rests.point, mass)

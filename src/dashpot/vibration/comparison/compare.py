@@ -66,7 +66,8 @@ def compare(
         (:mod:`~dashpot.vibration.systems.operating_point`), and tells which arms the relaxation
         test saw.
     mass : float, optional
-        kg; with a solid known but no mass given, the mass inside `predicted` is used.
+        kg; with a solid known but no mass given, the mass inside `predicted` is used. A
+        transmissibility needs it: it is held against as the accelerance that it implies.
     seals : float
         How many such solids carry the mass.
     band : (float, float), optional
@@ -82,9 +83,9 @@ def compare(
     """
     mass, band = si(mass, "mass"), si_range(band, "frequency")
     compression = si(compression, "length")
-    measured = measured.to(Kind.ACCELERANCE)
+    measured = measured.to(Kind.ACCELERANCE, mass=mass)
     measured = measured if band is None else measured.band(*band)
-    given = _on_lines(predicted.to(Kind.ACCELERANCE), measured)
+    given = _on_lines(predicted.to(Kind.ACCELERANCE, mass=mass), measured)
     model, mass, point = _assembled(
         given, model, fit, mass=mass, seals=seals, compression=compression
     )

@@ -109,10 +109,16 @@ def dynamic_stiffness(
     it the phase hides its damping. With an exponential window everything is at
     :math:`s = j\omega + a`.
 
+    From a transmissibility T to the mass,
+
+    .. math:: n K^* = m\omega^2 \frac{T}{T - 1}, \qquad
+              \delta K^* = K^* \frac{\delta m}{m}, \qquad
+              n\,\delta K^* = -\frac{m\omega^2\,j\varphi T}{(T - 1)^2}
+
     Parameters
     ----------
     frf : FRF
-        Measured, any kind.
+        Measured, any kind, a transmissibility too.
     mass : float
         kg.
     seals : float
@@ -133,12 +139,16 @@ def dynamic_stiffness(
         if not (np.isfinite(given) and given > 0):
             raise DataError(f"{name} = {given!r}; expected a number > 0")
     mass_sd = 0.01 * mass if mass_sd is None else mass_sd
-    measured = frf.to(Kind.ACCELERANCE)
+    over_base = frf.kind is Kind.TRANSMISSIBILITY
+    measured = frf.to(Kind.ACCELERANCE, mass=mass)
     measured = measured if band is None else measured.band(*band)
     measured = measured.only(measured.usable)
     s, value, scatter = measured.s, measured.value, measured.random_sd
     raw = s**2 / value
     K = (raw - mass * s**2) / seals
+    phase, of_mass = raw / seals, mass_sd * s.imag**2 / seals
+    if over_base:  # the phase is that of T = 1 - m A, and the stiffness proportional to the mass
+        phase, of_mass = phase * (1 / (mass * value) - 1), mass_sd / mass * np.abs(K.real)
     random = np.zeros(len(s)) if scatter is None else scatter * np.abs(raw / value) / seals
     arrays = {
         "frequency": measured.frequency,
@@ -148,9 +158,9 @@ def dynamic_stiffness(
         "loss_factor": K.imag / K.real,
         "storage_random": random,
         "loss_random": random,
-        "storage_mass": mass_sd * s.imag**2 / seals,
-        "storage_phase": phase_sd * np.abs(raw.imag) / seals,
-        "loss_phase": phase_sd * np.abs(raw.real) / seals,
+        "storage_mass": of_mass,
+        "storage_phase": phase_sd * np.abs(phase.imag),
+        "loss_phase": phase_sd * np.abs(phase.real),
     }
     found = DynamicStiffness(
         **{name: frozen(values) for name, values in arrays.items()},

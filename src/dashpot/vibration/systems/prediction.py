@@ -15,6 +15,8 @@ from dashpot.solids.maxwell import Solid
 from dashpot.vibration.checks import seal_mass_negligible
 from dashpot.vibration.systems.operating_point import operating_point
 
+ROUNDING = 1e-14
+"""A frequency that falls by no more, relatively, has been found."""
 LINES, REACH = 4001, 10.0
 """Lines of a prediction, and how far from its peak they go, as a factor, if none are given."""
 DIED = 50.0
@@ -38,6 +40,11 @@ def predict_frf(
 
     Eq. (7) prints a magnitude with a factor :math:`-\omega^2`; the sign belongs to the complex
     accelerance, which is what is returned, phase included.
+
+    Where the base moves and no force acts, ``kind="transmissibility"`` is the motion of the mass
+    over that of the base, both absolute; less 1 it is the motion relative to the base:
+
+    .. math:: T(s) = \frac{K(s)}{m s^2 + K(s)} = 1 - m A(s)
 
     Parameters
     ----------
@@ -72,14 +79,40 @@ def predict_frf(
     model = _assembled(model, mass, seals, compression)
     f = _lines(model.k_0, mass) if frequency is None else samples("frequency", frequency)
     s = 2j * np.pi * f + shift
+    stiffness = model.stiffness_at(s)
     with np.errstate(divide="ignore", invalid="ignore"):
-        receptance = 1 / (mass * s**2 + model.stiffness_at(s))
+        receptance = 1 / (mass * s**2 + stiffness)
     if not np.isfinite(receptance).all():
         i = int(np.flatnonzero(~np.isfinite(receptance))[0])
         raise DataError(
             f"the response at {f[i]:g} Hz is infinite: the solid has no stiffness there"
         )
+    if Kind(kind) is Kind.TRANSMISSIBILITY:
+        return FRF(f, stiffness * receptance, Kind.TRANSMISSIBILITY, shift=shift)
     return FRF.of_receptance(f, receptance, kind=kind, shift=shift)
+
+
+def isolation_frequency(model: Solid, mass: float) -> float:
+    r"""Frequency above which the mass moves less than its base, |T| < 1, Hz.
+
+    There :math:`m\omega^2 = 2 K'(\omega)`. Since K' does not fall with frequency,
+    :math:`\omega \leftarrow \sqrt{2 K'(\omega) / m}` comes down from the glassy stiffness to the
+    highest such frequency and passes none.
+
+    Parameters
+    ----------
+    model : Solid
+        All the seals together.
+    mass : float
+        kg.
+    """
+    _checked(mass)
+    arms = model.maxwell
+    omega, last = float(np.sqrt(2 * (arms.k_inf + sum(arms.k)) / mass)), np.inf
+    while omega < last * (1 - ROUNDING):
+        stiffness = float(arms.complex_stiffness(np.array([omega])).real[0])
+        omega, last = float(np.sqrt(2 * max(stiffness, 0.0) / mass)), omega
+    return omega / (2 * np.pi)
 
 
 def _at(model: Solid | Fit, temperature: Quantity) -> Fit:

@@ -1,0 +1,155 @@
+"""A mass on a base that moves: numbers of the stiffness alone, ways back, what a phase does."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import dashpot as dp
+from dashpot.base.errors import DataError
+from dashpot.cli import main
+from dashpot.io.readers.inspect import inspect_file
+from dashpot.io.write import frf_uff, write_frf
+from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER, PAPER_MASS
+
+AT = [5.0, 10.0, 12.71, 18.0, 30.0, 50.0]
+SIZES = {
+    "paper": (1.183257, 2.624950, 112.751428, 0.994372, 0.218777, 0.069088),
+    "broad": (1.190153, 2.649497, 17.790061, 1.010716, 0.225496, 0.072152),
+}
+SEALS = {"paper": (PAPER, PAPER_MASS, 17.974582), "broad": (BROAD, BROAD_MASS, 18.048812)}
+
+
+def over_base(name="broad", frequency=AT):
+    seal, mass, _ = SEALS[name]
+    return dp.predict_frf(2 * seal, mass=mass, frequency=frequency, kind="transmissibility")
+
+
+@pytest.mark.parametrize("name", SEALS)
+def test_the_known_numbers(name):
+    found = over_base(name)
+    assert np.abs(found.value) == pytest.approx(SIZES[name], abs=6e-7)
+    assert found.unit == "m/m"
+    seal, mass, isolated = SEALS[name]
+    assert dp.isolation_frequency(2 * seal, mass) == pytest.approx(isolated, rel=1e-7)
+    there = over_base(name, [isolated * (1 - 1e-4), isolated * (1 + 1e-4)])
+    assert abs(there.value[0]) > 1 > abs(there.value[1])
+
+
+def test_a_base_at_rest_in_the_limits():
+    slow, fast = over_base(frequency=[1e-4, 1e5]).value
+    assert slow == pytest.approx(1.0, abs=1e-6)
+    assert abs(fast) < 1e-7
+
+
+@pytest.mark.parametrize("kind", ["accelerance", "receptance", "mobility", "dynamic_stiffness"])
+def test_the_mass_leads_there_and_back(kind):
+    seal, mass, _ = SEALS["broad"]
+    known = over_base()
+    other = known.to(kind, mass=mass)
+    asked = dp.predict_frf(2 * seal, mass=mass, frequency=AT, kind=kind)
+    assert other.value == pytest.approx(asked.value, rel=1e-11)
+    assert other.to("transmissibility", mass=mass).value == pytest.approx(known.value, rel=1e-11)
+
+
+def test_the_stiffness_comes_back_and_its_errors_are_those_of_the_ratio():
+    seal, mass, _ = SEALS["broad"]
+    f = np.arange(4.0, 32.0, 0.01)
+    known = over_base(frequency=f)
+    found = dp.dynamic_stiffness(known, mass)
+    K = (2 * seal).complex_stiffness(2 * np.pi * f)
+    assert found.storage == pytest.approx(K.real, rel=1e-12, abs=1e-12 * abs(K).max())
+    assert found.loss == pytest.approx(K.imag, abs=1e-12 * abs(K).max())
+    turn = 1e-6
+    turned = dp.dynamic_stiffness(replace(known, value=known.value * np.exp(1j * turn)), mass)
+    degree = np.pi / 180 / turn
+    assert found.loss_phase == pytest.approx(degree * abs(turned.loss - K.imag), rel=1e-3, abs=1e-2)
+    heavy = dp.dynamic_stiffness(known, 1.01 * mass)
+    assert heavy.storage == pytest.approx(1.01 * K.real, rel=1e-10)
+    assert found.storage_mass == pytest.approx(0.01 * K.real, rel=1e-10)
+
+
+def test_one_degree_hides_the_loss_away_from_the_peak():
+    mass = PAPER_MASS
+    known = over_base("paper", np.array([5.0, 12.71, 30.0]))
+    K = 2 * PAPER.complex_stiffness(2 * np.pi * known.frequency)
+    w2 = mass * (2 * np.pi * known.frequency) ** 2
+    assert (K.imag / K.real) == pytest.approx([0.0225, 0.00887, 0.00376], rel=5e-3)
+    turned = known.value * np.exp(1j * np.pi / 180)
+    seen = w2 * turned / (turned - 1)
+    mine = 1 / replace(known, value=turned).to("receptance", mass=mass).value + w2
+    assert mine == pytest.approx(seen, rel=1e-10)
+    size = np.abs(seen.imag / seen.real)
+    assert size == pytest.approx([0.0727, 0.00887, 0.0181], rel=0.02)
+    lines = over_base("paper", np.arange(4.0, 32.0, 0.005))
+    low, high = dp.dynamic_stiffness(lines, mass).loss_band
+    assert 5 < low < 12.71 < high < 30
+
+
+def test_the_scatter_is_that_of_the_ratio():
+    mass = BROAD_MASS
+    known = over_base()
+    sized = replace(known, sd=0.01 * np.abs(known.value))
+    assert sized.to("accelerance", mass=mass).sd == pytest.approx(sized.sd / mass)
+    hits = replace(known, coherence=np.full(len(AT), 0.9), averages=4)
+    assert hits.to("accelerance", mass=mass).random_sd == pytest.approx(hits.random_sd / mass)
+    alone = replace(hits, averages=0).to("accelerance", mass=mass)
+    assert alone.random_sd == pytest.approx(2 * hits.random_sd / mass)
+
+
+def test_two_transmissibilities_are_compared_by_their_mass():
+    f = np.arange(4.0, 40.0, 0.02)
+    measured = over_base(frequency=f)
+    predicted = dp.predict_frf(2 * PAPER, mass=BROAD_MASS, frequency=f, kind="transmissibility")
+    told = dp.compare(predicted, measured, mass=BROAD_MASS)
+    forced = [one.to("accelerance", mass=BROAD_MASS) for one in (predicted, measured)]
+    assert told.frac == pytest.approx(dp.compare(*forced, mass=BROAD_MASS).frac)
+    assert dp.compare(measured, measured, mass=BROAD_MASS).frac == pytest.approx(1)
+    with pytest.raises(DataError, match="only the mass between them"):
+        dp.compare(predicted, measured)
+
+
+def test_what_cannot_be_is_refused():
+    with pytest.raises(DataError, match="no mass is given"):
+        over_base().to("accelerance")
+    for mass in (0.0, -1.0, np.nan, np.inf):
+        with pytest.raises(DataError, match="mass = "):
+            over_base().to("receptance", mass=mass)
+    with pytest.raises(DataError, match="no mass is given"):
+        over_base(frequency=np.arange(4.0, 40.0, 0.1)).modes()
+    with pytest.raises(DataError, match="write a transmissibility as text"):
+        frf_uff(over_base())
+    with pytest.raises(DataError, match="no transmissibility"):
+        dp.FRF.of_receptance(np.array(AT), np.ones(6, complex), kind="transmissibility")
+
+
+def test_what_is_written_is_known_as_a_transmissibility(tmp_path):
+    path = tmp_path / "base.csv"
+    write_frf(over_base(frequency=np.arange(4.0, 40.0, 0.1)), path)
+    assert inspect_file(path).kind == "transmissibility"
+
+
+def test_the_command_line_predicts_over_a_base(tmp_path):
+    fit = tmp_path / "fit.json"
+    arms = [{"k": k, "tau": t} for k, t in zip(PAPER.k, PAPER.tau, strict=True)]
+    fit.write_text(
+        json.dumps({"schema": "dashpot/fit@1", "model": {"k_inf": PAPER.k_inf, "arms": arms}})
+    )
+    words = ["predict", str(fit), "--mass", f"{1e3 * PAPER_MASS}g", "--seals", "2", "--base"]
+    result = CliRunner().invoke(main, [*words, "--json", "--plot", str(tmp_path / "t.svg")])
+    assert result.exit_code == 0, result.output
+    found = json.loads(result.stdout)
+    assert (found["kind"], found["unit"]) == ("transmissibility", "m/m")
+    assert found["isolation_hz"] == pytest.approx(17.974582, rel=1e-7)
+    size = np.hypot(found["real"], found["imag"])
+    assert np.interp(5.0, found["frequency_hz"], size) == pytest.approx(1.183257, rel=1e-4)
+    # relative to the base it moves m times the accelerance, which has the limits
+    plain = CliRunner().invoke(main, [*words[:-1], "--json"])
+    assert json.loads(plain.stdout)["limits"] == found["limits"]
+    text = CliRunner().invoke(main, words).output
+    assert "above 17.975 Hz the mass moves less than its base" in text
+    refused = CliRunner().invoke(main, [*words, "--kind", "mobility"])
+    assert refused.exit_code == 2
+    assert "--base" in refused.output
