@@ -11,13 +11,16 @@ import sys
 import time
 from io import BytesIO
 from pathlib import Path
+from statistics import NormalDist
 
+import numpy as np
 import polars as pl
 import pytest
 from click.testing import CliRunner
 
 import dashpot as dp
 from dashpot.base.errors import DataError, ExportError, ReadError
+from dashpot.base.version import is_ours
 from dashpot.cli import main
 from dashpot.io.options import ReadOptions
 from dashpot.io.write import write_impact, write_relaxation
@@ -133,6 +136,71 @@ def test_a_part_that_is_damaged_is_made_again(folder, whole, tmp_path):
     assert not list(tmp_path.glob(".*.part"))
 
 
+def made(rows):
+    """A lot of rows that were never fitted."""
+    every = {"outcome": "fitted", "verdict": "use", "seal": "", "lot": "", "hold_s": 40.0}
+    every |= {"k_inf_se_N_per_m": 0.5, "repeat": ""}
+    table = pl.DataFrame([{**every, "file": f"{i}.csv", **one} for i, one in enumerate(rows)])
+    return dp.Lot(table, 0)
+
+
+def test_the_scatter_of_a_lot_is_that_of_its_lots_seals_repeats_and_fits():
+    rng = np.random.default_rng(5)
+    rows = []
+    for lot in range(6):
+        mean = rng.normal(200, 4)
+        for seal in range(25):
+            own = rng.normal(mean, 6)
+            rows += [
+                {"lot": str(lot), "seal": str(seal), "k_inf_N_per_m": rng.normal(own, 2)}
+                for _ in range(4)
+            ]
+    rows.append({**rows[0], "k_inf_N_per_m": 1e6, "verdict": "do not use"})
+    rows.append({**rows[0], "k_inf_N_per_m": 1e6, "outcome": "refused"})
+    found = {one.source: one for one in made(rows).components()}
+    assert list(found) == ["lot", "seal", "repeat", "fit"]
+    for source, sd in (("lot", 4), ("seal", 6), ("repeat", np.sqrt(2**2 - 0.5**2))):
+        low, high = found[source].interval
+        assert low <= sd**2 <= high
+    assert found["fit"].variance == pytest.approx(0.25)
+    # one lot: no level of lots; no repeats: seals, in which their tests are hidden
+    one = made(rows[:100])
+    assert [c.source for c in one.components()] == ["seal", "repeat", "fit"]
+    first = made(rows[:600:4])
+    assert [c.source for c in first.components()] == ["lot", "seal", "fit"]
+    with pytest.raises(DataError, match="no sources to tell apart"):
+        made(rows[:4]).components()
+    for name in ("file", "k_9"):
+        with pytest.raises(DataError, match="no column of numbers"):
+            one.components(name)
+
+
+def test_what_stands_out_of_its_lot_and_what_was_held_short_is_named():
+    rows = [
+        {"lot": lot, "k_end_N_per_m": mean + NormalDist().inv_cdf((i + 0.5) / 20)}
+        for lot, mean in (("A", 100.0), ("B", 200.0))
+        for i in range(20)
+    ]
+    rows[3] |= {"k_end_N_per_m": 109.0, "hold_s": 37.9}
+    rows[25] |= {"k_end_N_per_m": 185.0}
+    rows[26] |= {"hold_s": 38.1}
+    lot = made(rows)
+    assert [file for file, _ in lot.outliers()] == ["25.csv", "3.csv"]
+    assert [away > 0 for _, away in lot.outliers()] == [False, True]
+    assert lot.short_holds == ("3.csv",)
+    few = [{"k_end_N_per_m": value} for value in (1.0, 1.1, 0.9, 1.2, 1.6)]
+    assert made(few).outliers() == ()
+
+
+def test_the_table_goes_to_a_spreadsheet_without_formulas():
+    rows = [{"file": name, "k_end_N_per_m": -1.5} for name in ("=1+1", "-2", "@a", "+b", "a=b")]
+    byline, *lines = made(rows).csv().splitlines()
+    assert is_ours(byline.encode())
+    place = lines[0].split(",").index("file")
+    assert [line.split(",")[place] for line in lines[1:]] == ["'=1+1", "'-2", "'@a", "'+b", "a=b"]
+    assert "-1.5" in lines[1].split(",")
+
+
 def alive(process):
     try:
         return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
@@ -244,6 +312,7 @@ def test_the_command_prints_logs_and_judges(folder, tmp_path):
     ran = CliRunner().invoke(main, [*words, "--json", "--jobs", "2"])
     assert ran.exit_code == 0, ran.output
     assert json.loads(ran.stdout)["outcomes"] == {"fitted": 8, "refused": 2, "other": 1}
+    assert len((out / "lot.csv").read_text().splitlines()) == 13
     log = (out / "batch.log").read_text().splitlines()
     assert len(log) == 2
     assert " 11 of 11 tests" in log[-1]

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import asdict
+from math import isfinite
 from typing import Any, Literal
 
 import click
 
 import dashpot as dp
+from dashpot.base.errors import DataError
 from dashpot.cli import _options as options
-from dashpot.cli._shell import File, Folder, Outcome, note_written, reports
+from dashpot.cli._shell import File, Folder, Outcome, reports, write
 from dashpot.cli._terminal import Text
 from dashpot.io.options import ReadOptions
+from dashpot.lots.scatter import Component
 
 
 @click.command("batch")
@@ -75,7 +78,8 @@ def command(
         paths, output=output, arms=arms, method=method, quick=quick, mass=mass, seals=seals,
         by=by, manifest=manifest, jobs=jobs, options=options,
     )  # fmt: skip
-    note_written(output)
+    write(f"{output}/lot.csv", lot.csv())
+    scatter = _scatter(lot)
     document = {
         "schema": "dashpot/batch@1",
         "folder": output,
@@ -83,8 +87,16 @@ def command(
         "computed": lot.computed,
         "outcomes": lot.outcomes,
         "verdicts": lot.verdicts,
+        "components": [asdict(one) for one in scatter],
+        "outliers": [
+            {"file": file, "robust_deviations": away if isfinite(away) else None}
+            for file, away in lot.outliers()
+        ],
+        "short_holds": list(lot.short_holds),
     }
-    return Outcome(document, Text(_told(document), _others(lot)), lot.checks)
+    return Outcome(
+        document, Text([*_told(document), *_shares(scatter), *_out(lot)], _others(lot)), lot.checks
+    )
 
 
 def _planned(plan: dict[str, Any]) -> list[str]:
@@ -112,3 +124,32 @@ def _others(lot: dp.Lot) -> list[str]:
     """Every file that was not fitted, with its sentence."""
     columns = lot.table.select("file", "outcome", "reason").iter_rows()
     return [f"  {file}: {reason}" for file, outcome, reason in columns if outcome != "fitted"]
+
+
+def _scatter(lot: dp.Lot) -> tuple[Component, ...]:
+    """The components of the relaxed stiffness, where lots or seals were named."""
+    try:
+        return lot.components()
+    except DataError:
+        return ()
+
+
+def _shares(scatter: tuple[Component, ...]) -> list[str]:
+    lines = []
+    for one in scatter:
+        low, high = one.interval or (one.variance, one.variance)
+        between = f" ({low**0.5:.3g} to {high**0.5:.3g})" if one.interval else ""
+        lines.append(
+            f"  {one.source:<9} {one.variance**0.5:.3g}{between} N/m, {100 * one.share:.3g} % of "
+            "the variance"
+        )
+    return ["scatter of k_inf, standard deviations:", *lines] if lines else []
+
+
+def _out(lot: dp.Lot) -> list[str]:
+    """The tests to look at."""
+    away = [
+        f"  stands out  {file}: {one:+.1f} robust deviations from its lot"
+        for file, one in lot.outliers()
+    ]
+    return [*away, *(f"  short hold  {file}" for file in lot.short_holds)]

@@ -1,0 +1,233 @@
+"""Where the scatter of a lot comes from, and which of its tests stand out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from statistics import NormalDist
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import DataError
+from dashpot.base.student_t import t_quantile
+
+Groups: TypeAlias = npt.NDArray[np.int64]
+
+STANDS_OUT = 3.5
+"""Robust standard deviations from the median, of many values (Iglewicz and Hoaglin, 1993)."""
+_EFFICIENCY = 0.5
+"""Degrees of freedom of a median absolute deviation, for each value but one; a little careful."""
+SHORT = 0.95
+"""Of the median hold."""
+_PER_MAD = 1.482602218505602
+"""Standard deviations of a normal distribution in its median absolute deviation."""
+
+
+@dataclass(frozen=True)
+class Component:
+    """One source of scatter.
+
+    Attributes
+    ----------
+    source : str
+        ``"lot"``, ``"seal"``, ``"repeat"`` or ``"fit"``.
+    variance : float
+        In the square of the quantity's unit; an estimate below 0 is given as 0.
+    interval : (float, float) or None
+        95 %; None for the fits' own errors, which each fit states.
+    freedom : int or None
+        Degrees of freedom of its mean square.
+    share : float
+        Of the sum of all variances.
+    """
+
+    source: str
+    variance: float
+    interval: tuple[float, float] | None
+    freedom: int | None
+    share: float = 0.0
+
+
+@dataclass(frozen=True)
+class _Stratum:
+    """Mean square at one level, and the coefficients of the components in its expectation."""
+
+    source: str
+    square: float
+    freedom: int
+    expects: tuple[float, ...]
+
+
+def components(
+    values: FloatArray,
+    levels: Sequence[tuple[str, Sequence[str]]],
+    *,
+    within: str = "repeat",
+    errors: FloatArray | None = None,
+    level: float = 0.95,
+) -> tuple[Component, ...]:
+    r"""Return the components of variance of a nested design, the outermost first.
+
+    Expected mean squares of the unbalanced nested classification (Searle, Casella and McCulloch,
+    Variance Components, 1992, appendix F). The last component, called as `within` says, is what is
+    left inside the innermost level, less the mean square of the fits' own errors, ``"fit"``, if
+    those are given. The innermost interval is that of :math:`\chi^2`; the others are those of Ting
+    et al. (1990) for a difference of mean squares, exact enough at any size where the design is
+    balanced, an approximation where it is not.
+
+    Parameters
+    ----------
+    values : array, shape (n,)
+    levels : sequence of (str, sequence of str)
+        Name of each level and the label of every value in it, outermost first; a label inside
+        another is that of another thing.
+    within : str
+    errors : array, shape (n,), optional
+        Standard errors of the values.
+    level : float
+
+    Raises
+    ------
+    DataError
+        If there are no repeats, or only one of a level.
+    """
+    labels = [np.asarray(one) for _, one in levels]
+    groups: list[Groups] = []
+    for depth in range(1, len(labels) + 1):
+        keys = list(zip(*labels[:depth], strict=True))
+        groups.append(np.unique(keys, axis=0, return_inverse=True)[1].reshape(-1))
+    names = [name for name, _ in levels]
+    strata = _strata(np.asarray(values, dtype=float), groups, [*names, within])
+    found = _estimates(strata, level)
+    if errors is not None:
+        found = [*found[:-1], *_split(found[-1], float(np.mean(np.square(errors))))]
+    whole = sum(one.variance for one in found)
+    return tuple(
+        Component(one.source, one.variance, one.interval, one.freedom,
+                  one.variance / whole if whole > 0 else 0.0)
+        for one in found
+    )  # fmt: skip
+
+
+def _strata(values: FloatArray, groups: list[Groups], names: list[str]) -> list[_Stratum]:
+    n = len(values)
+    whole = np.zeros(n, dtype=np.int64)
+    own = np.arange(n)
+    nested = [whole, *groups, own]
+    counts = [len(np.unique(one)) for one in nested]
+    found = []
+    for depth in range(1, len(nested)):
+        freedom = counts[depth] - counts[depth - 1]
+        if freedom < 1:
+            what = names[depth - 1]
+            raise DataError(
+                f"the scatter of each {what} cannot be told: there is no more than one {what} "
+                "of each kind; leave that level out, or test more"
+            )
+        square = float(
+            np.sum((_means(values, nested[depth]) - _means(values, nested[depth - 1])) ** 2)
+        )
+        expects = [
+            (_weight(nested[inner], nested[depth]) - _weight(nested[inner], nested[depth - 1]))
+            / freedom
+            for inner in range(1, len(nested))
+        ]
+        found.append(_Stratum(names[depth - 1], square / freedom, freedom, tuple(expects)))
+    return found
+
+
+def _means(values: FloatArray, group: Groups) -> FloatArray:
+    """The mean of the group of each value."""
+    return np.asarray((np.bincount(group, values) / np.bincount(group))[group])
+
+
+def _weight(inner: Groups, outer: Groups) -> float:
+    """Coefficient of the variance of `inner` in the sum of squares of the means of `outer`."""
+    size = np.bincount(outer)
+    pairs, count = np.unique(np.stack([outer, inner]), axis=1, return_counts=True)
+    return float(np.sum(count**2 / size[pairs[0]]))
+
+
+def _estimates(strata: list[_Stratum], level: float) -> list[Component]:
+    """Solve the expectations from the innermost out."""
+    found: list[Component] = []
+    estimates: list[float] = []  # of the levels inside, as they came out
+    for place in range(len(strata) - 1, -1, -1):
+        stratum = strata[place]
+        inside = stratum.expects[place + 1 :]
+        own = stratum.expects[place]
+        below = sum(c * v for c, v in zip(inside, estimates, strict=True))
+        variance = (stratum.square - below) / own
+        if place == len(strata) - 1:
+            ends = _of_square(stratum, level)
+        else:
+            ends = _of_difference(stratum, strata[place + 1], below, own, level)
+        found.insert(0, Component(stratum.source, max(variance, 0.0), ends, stratum.freedom))
+        estimates.insert(0, variance)
+    return found
+
+
+def _of_square(stratum: _Stratum, level: float) -> tuple[float, float]:
+    from scipy.stats import chi2  # few need it, and it costs time to import
+
+    tail = (1 - level) / 2
+    total = stratum.freedom * stratum.square
+    upper, lower = (chi2.ppf(p, stratum.freedom) for p in (1 - tail, tail))
+    return float(total / upper), float(total / lower)
+
+
+def _of_difference(
+    outer: _Stratum, inner: _Stratum, below: float, own: float, level: float
+) -> tuple[float, float]:
+    """Modified large-sample limits of (outer mean square - below) / own."""
+    from scipy.stats import chi2, f
+
+    tail, n1, n2 = (1 - level) / 2, outer.freedom, inner.freedom
+    m1, m2 = outer.square / own, max(below, 0.0) / own
+    g1, h2 = 1 - n1 / chi2.ppf(1 - tail, n1), n2 / chi2.ppf(tail, n2) - 1
+    h1, g2 = n1 / chi2.ppf(tail, n1) - 1, 1 - n2 / chi2.ppf(1 - tail, n2)
+    high, low = f.ppf(1 - tail, n1, n2), f.ppf(tail, n1, n2)
+    g12 = ((high - 1) ** 2 - (g1 * high) ** 2 - h2**2) / high
+    h12 = ((1 - low) ** 2 - (h1 * low) ** 2 - g2**2) / low
+    under = (g1 * m1) ** 2 + (h2 * m2) ** 2 + g12 * m1 * m2
+    over = (h1 * m1) ** 2 + (g2 * m2) ** 2 + h12 * m1 * m2
+    middle = m1 - m2
+    lower, upper = middle - np.sqrt(max(under, 0.0)), middle + np.sqrt(max(over, 0.0))
+    return max(float(lower), 0.0), max(float(upper), 0.0)
+
+
+def _split(within: Component, fit: float) -> tuple[Component, Component]:
+    """What repeats scatter beyond what their fits know, and that."""
+    assert within.interval is not None  # noqa: S101
+    low, high = (max(end - fit, 0.0) for end in within.interval)
+    left = max(within.variance - fit, 0.0)
+    return (
+        Component(within.source, left, (low, high), within.freedom),
+        Component("fit", fit, None, None),
+    )
+
+
+def robust_distance(values: FloatArray) -> FloatArray:
+    """Distance of each value from the median in robust standard deviations, 1.4826 MAD.
+
+    Infinite where more than half of the values are one and this is another.
+    """
+    away = np.asarray(values, dtype=float) - np.median(values)
+    scale = _PER_MAD * np.median(np.abs(away))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(away == 0, 0.0, away / scale)
+
+
+def stands_out(values: FloatArray) -> FloatArray:
+    """Return the robust distances that are too large for chance, and 0 for the others.
+
+    The limit is 3.5 for many values, and for few the quantile of Student's t that is as rare: the
+    deviation is then known badly, and 3.5 would accuse one of 20 of five good values.
+    """
+    away = robust_distance(values)
+    rare = 1 - 2 * NormalDist().cdf(-STANDS_OUT)
+    limit = t_quantile(rare, _EFFICIENCY * (len(away) - 1))
+    return np.where(np.abs(away) > limit, away, 0.0)

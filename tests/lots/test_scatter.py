@@ -1,0 +1,117 @@
+"""Components of variance against a worked example of a textbook, and by their laws."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from dashpot.base.errors import DataError
+from dashpot.lots.scatter import components, robust_distance, stands_out
+
+# Box, Hunter and Hunter, Statistics for Experimenters (1978), section 17.3: moisture of pigment
+# paste, 15 batches, two samples of each, two tests of each sample
+PASTE = """
+40 39 30 30  26 28 25 26  29 28 14 15  30 31 24 24  19 20 17 17  33 32 26 24  23 24 32 33
+34 34 29 29  27 27 31 31  13 16 27 24  25 23 25 27  29 29 31 32  19 20 29 30  23 24 25 25
+39 37 26 28
+"""
+VALUES = np.array(PASTE.split(), dtype=float)
+BATCH = [str(i // 4) for i in range(60)]
+SAMPLE = [str(i // 2 % 2) for i in range(60)]
+
+
+def test_the_paste_of_box_hunter_and_hunter():
+    """Their table: mean squares 86.5, 58.0, 0.9 with 14, 15, 30; components 7.1, 28.5, 0.9."""
+    batch, sample, test = components(VALUES, [("batch", BATCH), ("sample", SAMPLE)])
+    assert (batch.freedom, sample.freedom, test.freedom) == (14, 15, 30)
+    assert batch.variance == pytest.approx(7.1, abs=0.05)
+    assert sample.variance == pytest.approx(28.5, abs=0.05)
+    assert test.variance == pytest.approx(0.92, abs=0.005)
+    assert 4 * batch.variance + 2 * sample.variance + test.variance == pytest.approx(86.5, abs=0.05)
+    assert 2 * sample.variance + test.variance == pytest.approx(58.0, abs=0.05)
+    assert batch.share + sample.share + test.share == pytest.approx(1)
+    # exact: 30 mean squares over the quantiles 46.98 and 16.79 of chi-square with 30 (any table)
+    assert test.interval == pytest.approx((27.5 / 46.979, 27.5 / 16.791), rel=1e-4)
+    assert batch.interval[0] == 0 < batch.variance < batch.interval[1]
+    assert 0 < sample.interval[0] < sample.variance < sample.interval[1]
+
+
+@pytest.mark.parametrize(("sds", "seeds"), [((2.0, 3.0, 1.0), 400), ((0.5, 1.0, 3.0), 400)])
+def test_intervals_hold_the_truth_as_often_as_they_say(sds, seeds):
+    lot = np.repeat(np.arange(8), 24)
+    seal = np.repeat(np.arange(48), 4) % 6
+    held = np.zeros(3)
+    for seed in range(seeds):
+        rng = np.random.default_rng(seed)
+        values = (
+            rng.normal(0, sds[0], 8)[lot]
+            + rng.normal(0, sds[1], 48)[np.repeat(np.arange(48), 4)]
+            + rng.normal(0, sds[2], 192)
+        )
+        found = components(values, [("lot", lot.astype(str)), ("seal", seal.astype(str))])
+        held += [c.interval[0] <= sd**2 <= c.interval[1] for c, sd in zip(found, sds, strict=True)]
+    # 95 % of 400, within four standard deviations of such a count
+    assert (held / seeds > 0.95 - 4 * np.sqrt(0.05 * 0.95 / seeds)).all(), held / seeds
+
+
+def test_an_unbalanced_design_is_unbiased():
+    lot = np.repeat(np.arange(6), [2, 5, 9, 14, 3, 17])
+    seal = np.arange(50) // 2
+    rng = np.random.default_rng(1)
+    total = np.zeros(3)
+    for _ in range(600):
+        values = rng.normal(0, 2, 6)[lot] + rng.normal(0, 1, 25)[seal] + rng.normal(0, 0.5, 50)
+        # no estimate is cut at 0 here but the lots', which are large
+        found = components(values, [("lot", lot.astype(str)), ("seal", seal.astype(str))])
+        total += [one.variance for one in found]
+    assert total / 600 == pytest.approx([4, 1, 0.25], rel=0.1)
+
+
+def test_the_errors_of_the_fits_come_off_the_repeats():
+    levels = [("batch", BATCH), ("sample", SAMPLE)]
+    whole = components(VALUES, levels)
+    *outer, repeat, fit = components(VALUES, levels, errors=np.full(60, 0.5))
+    assert [one.variance for one in outer] == [one.variance for one in whole[:2]]
+    assert fit.variance == pytest.approx(0.25)
+    assert repeat.variance == pytest.approx(whole[2].variance - 0.25)
+    *_, none, fit = components(VALUES, levels, errors=np.full(60, 5.0))
+    assert (none.variance, none.interval[0]) == (0, 0)
+
+
+def test_what_cannot_be_told_is_refused():
+    with pytest.raises(DataError, match="scatter of each repeat"):
+        components(np.arange(4.0), [("seal", list("abcd"))])
+    with pytest.raises(DataError, match="scatter of each lot"):
+        components(np.arange(4.0), [("lot", list("aaaa")), ("seal", list("aabb"))])
+
+
+def test_the_labels_of_seals_begin_again_in_each_lot():
+    values = np.arange(8.0)
+    again = components(values, [("lot", list("aaaabbbb")), ("seal", list("11221122"))])
+    apart = components(values, [("lot", list("aaaabbbb")), ("seal", list("11223344"))])
+    assert again == apart
+
+
+def test_what_stands_out_is_counted_in_robust_deviations():
+    rng = np.random.default_rng(2)
+    values = rng.normal(10, 1, 100_001)
+    assert robust_distance(values).std() == pytest.approx(1, rel=0.02)
+    assert robust_distance(np.array([1.0, 1.0, 1.0, 2.0])).tolist() == [0, 0, 0, np.inf]
+
+
+@pytest.mark.parametrize(("size", "below", "above"), [(10, 9.0, 9.2), (1001, 3.51, 3.54)])
+def test_the_limit_is_3_5_in_a_large_lot_and_wider_in_a_small_one(size, below, above):
+    """Quantiles of t at 2.33e-4 a side with 4.5 and 500 degrees of freedom."""
+    for far, out in ((below, False), (above, True)):
+        # all but one lie evenly from -1 to 1 about the median, so that the scale is theirs
+        values = np.linspace(-1, 1, size)
+        scale = 1.482602218505602 * np.median(np.abs(values - np.median(values)))
+        values[-1] = np.median(values) + far * scale
+        assert bool(stands_out(values)[-1]) is out
+
+
+@pytest.mark.parametrize("size", [5, 8, 20, 100])
+def test_good_tests_are_accused_no_more_often_than_one_in_a_thousand(size):
+    rng = np.random.default_rng(size)
+    lots = rng.normal(size=(40_000 // size, size))
+    assert sum(np.count_nonzero(stands_out(one)) for one in lots) <= 55  # 40 and 2.4 sd of it
