@@ -153,3 +153,16 @@ def test_the_command_line_predicts_over_a_base(tmp_path):
     refused = CliRunner().invoke(main, [*words, "--kind", "mobility"])
     assert refused.exit_code == 2
     assert "--base" in refused.output
+
+
+def test_the_limits_of_the_accelerance_are_called_so(tmp_path):
+    seal = tmp_path / "seal.csv"
+    run = CliRunner().invoke
+    assert run(main, ["simulate", "relaxation", "-o", str(seal)]).exit_code == 0
+    assert run(main, ["fit", str(seal), "-o", str(tmp_path / "fit.json")]).exit_code == 0
+    words = ["predict", str(tmp_path / "fit.json"), "--mass", "114.8g", "--seals", "2"]
+    words += ["--with", str(seal), "--band", "10:16Hz", "-v"]
+    forced = run(main, words).output
+    moved = " ".join(run(main, [*words, "--base"]).output.split())
+    assert "of the accelerance A the motion relative to the base is m A times" in moved
+    assert "relative to the base" not in forced
