@@ -86,3 +86,12 @@ def test_a_material_goes_on_to_a_deck_and_its_temperature_with_it(folder, monkey
     deck = CliRunner().invoke(main, follow)
     assert deck.exit_code == 0, deck.output
     assert "(25 degC)" in deck.stdout
+
+
+def test_a_temperature_other_than_the_files_own_is_told_in_full(folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    words = ["fit", "at_23degC.csv", "--arms", "1", "-v", "--temperature"]
+    said = "the header says 'temperature: 23 degC'; the temperature is 60 degC, as given"
+    for given, told in (("60degC", True), ("23degC", False)):
+        text = " ".join(CliRunner().invoke(main, [*words, given]).stdout.split())
+        assert (said in text) is told

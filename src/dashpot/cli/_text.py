@@ -94,6 +94,8 @@ def fit(found: Fit, *, asked: int | str = "auto") -> Text:
             for item in found.nuisance
         )
         (details if residual.unit == "N" else lines).append(f"  nuisance    {listed}")
+    read = [f"{source.file}: {note}" for source in found.source for note in source.notes]
+    details += [f"  read        {ascii_only(note)}" for note in read]
     return Text(lines, [*details, *_orders(found)])
 
 
