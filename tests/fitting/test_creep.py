@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -276,3 +278,11 @@ def test_a_part_that_moves_before_the_load_has_no_zero(moved: float, fails: bool
     (check,) = [check for check in found.checks if check.name == "load_begins_at_rest"]
     assert check.failed is fails
     assert "% of the travel" in check.says
+
+
+def test_a_curve_called_by_its_symbol_and_unit_is_a_compliance(tmp_path: Path) -> None:
+    time = np.geomspace(0.01, 100, 40)
+    rows = "".join(f"{t:.6g},{j:.6g}\n" for t, j in zip(time, T1.compliance(time), strict=True))
+    (tmp_path / "curve.csv").write_text("time [s],J(t) [1/Pa]\n" + rows)
+    assert dp.inspect_file(tmp_path / "curve.csv").kind == "creep"
+    assert isinstance(dp.read_creep(tmp_path / "curve.csv"), dp.CreepCompliance)

@@ -91,6 +91,7 @@ class _NamedColumns:
         names = [column.name.casefold() for column in self.table.columns]
         header = " ".join(self.table.header).casefold()
         named = any("compliance" in name and "machine" not in name for name in names)
+        named = named or self.has("creep_compliance", least=2.5)  # J(t), in 1/Pa
         return named or ("creep" in header and "relax" not in header)
 
     def spectral(self) -> bool:
