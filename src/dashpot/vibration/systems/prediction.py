@@ -93,7 +93,7 @@ def predict_frf(
 
 
 def isolation_frequency(model: Solid, mass: float) -> float:
-    r"""Frequency above which the mass moves less than its base, |T| < 1, Hz.
+    r"""Frequency above which the mass moves less than its base, Hz.
 
     There :math:`m\omega^2 = 2 K'(\omega)`. Since K' does not fall with frequency,
     :math:`\omega \leftarrow \sqrt{2 K'(\omega) / m}` comes down from the glassy stiffness to the
