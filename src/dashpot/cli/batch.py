@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict
 from math import isfinite
+from pathlib import Path
 from typing import Any, Literal
 
 import click
@@ -53,8 +54,9 @@ def command(
 ) -> Outcome:
     r"""Fit every relaxation test in PATH (files, folders, patterns), one row of a table each.
 
-    LOT gets the table as Parquet parts, with a log. A file that is no such test, or cannot be read,
-    is a row that says why. Stopped or killed, the same command goes on where it was.
+    LOT gets the table as Parquet parts and lot.csv, the page lot.html, and a log. A file that is
+    no such test, or cannot be read, is a row that says why. Stopped or killed, the same command
+    goes on where it was.
 
     \b
     dashpot batch tests/ -o lot
@@ -64,6 +66,8 @@ def command(
     """
     if not paths and manifest is None:
         raise click.UsageError("give files, folders or patterns, or --manifest FILE")
+    from dashpot.lots.page import html  # jinja and figures are not needed to list options
+
     if dry_run:
         from dashpot.lots.choices import BatchChoices
         from dashpot.lots.lot import plan_batch
@@ -79,6 +83,7 @@ def command(
         by=by, manifest=manifest, jobs=jobs, options=options,
     )  # fmt: skip
     write(f"{output}/lot.csv", lot.csv())
+    write(f"{output}/lot.html", html(lot, title=Path(output).resolve().name))
     scatter = _scatter(lot)
     document = {
         "schema": "dashpot/batch@1",

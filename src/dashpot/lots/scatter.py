@@ -231,3 +231,23 @@ def stands_out(values: FloatArray) -> FloatArray:
     rare = 1 - 2 * NormalDist().cdf(-STANDS_OUT)
     limit = t_quantile(rare, _EFFICIENCY * (len(away) - 1))
     return np.where(np.abs(away) > limit, away, 0.0)
+
+
+_SPACING = 3 / 1.128
+"""Of mean moving ranges of two: three standard deviations (AIAG, Statistical Process Control)."""
+
+
+def control_limits(values: FloatArray) -> tuple[float, float, float] | None:
+    r"""Return mean, lower and upper control limit of individual values in their order.
+
+    .. math:: \bar x \pm 3\,\overline{MR}/d_2, \qquad d_2 = 1.128
+
+    with the mean moving range of two neighbours; None of fewer than two values. Source: AIAG,
+    Statistical Process Control, 2nd ed., individuals and moving range chart.
+    """
+    x = np.asarray(values, dtype=float)
+    if len(x) < 2:
+        return None
+    reach = _SPACING * float(np.mean(np.abs(np.diff(x))))
+    mean = float(x.mean())
+    return mean, mean - reach, mean + reach

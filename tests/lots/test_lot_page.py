@@ -1,0 +1,80 @@
+"""The page of a lot: what it says, and nothing loaded; control limits by a worked example."""
+
+import base64
+import hashlib
+import re
+from dataclasses import replace
+from html import unescape
+from itertools import product
+
+import numpy as np
+import pytest
+from kit import browser
+
+import dashpot as dp
+from dashpot.io.write import write_relaxation
+from dashpot.lots.page import html
+from dashpot.lots.scatter import control_limits
+from dashpot.simulation.relaxation import Rig, simulate_relaxation
+from dashpot.solids.table_1 import PAPER
+
+BY = r"lot(\w+)_seal(\d+)_rep(\d+)"
+
+
+def test_control_limits_are_those_of_the_worked_example():
+    # NIST/SEMATECH e-Handbook of Statistical Methods, 6.3.2.2: a flow rate, ten samples
+    flow = [49.6, 47.6, 49.9, 51.3, 47.8, 51.2, 52.6, 52.4, 53.6, 52.1]
+    mean, low, high = control_limits(np.array(flow))
+    assert (mean, low, high) == pytest.approx((50.81, 45.8159, 55.8041), abs=6e-5)
+    assert control_limits(np.array([1.0])) is None
+
+
+@pytest.fixture(scope="module")
+def lot(tmp_path_factory):
+    place = tmp_path_factory.mktemp("lot")
+    rig = replace(Rig(), rate=100.0)
+    for seed, (of, seal, repeat) in enumerate(product("AB", range(3), range(2))):
+        stiff = 1 + 0.02 * seal + 0.004 * repeat
+        hold = 3.0 if (of, seal, repeat) == ("B", 2, 1) else 6.0
+        made = simulate_relaxation(stiff * PAPER, rig=rig, hold_time=hold, seed=seed)
+        name = f"lot{of}_seal{seal}_rep{repeat}.csv"
+        (place / name).write_text(write_relaxation(made.test))
+    (place / "<b>junk & co.csv").write_text("no table\nat all\n")
+    return dp.batch(place, arms=1, by=BY, jobs=1)
+
+
+def test_the_page_says_what_the_lot_is(lot):
+    page = html(lot, title="L24 <117>")
+    assert "12 of 13 files are tests that were fitted" in page
+    assert "Use with care" in page
+    assert "L24 &lt;117&gt;" in page
+    assert "control limits of each lot" in page
+    for source in ("lot", "seal", "repeat"):
+        assert f'<th scope="row">{source}</th>' in page
+    assert "lotB_seal2_rep1.csv: held for less than 95 %" in page
+    assert page.count('<td class="file">') == 12
+
+
+def test_what_comes_from_a_file_is_escaped_and_nothing_is_loaded(lot):
+    page = html(lot)
+    assert "<b>junk" not in page
+    assert "&lt;b&gt;junk &amp; co.csv" in page
+    assert "<script" not in page
+    assert not re.findall(r'(?:src|href)="(?!#)', page)
+    (style,) = re.findall(r"<style>(.*?)</style>", page, re.DOTALL)
+    digest = base64.b64encode(hashlib.sha256(style.encode()).digest()).decode()
+    assert f"style-src 'sha256-{digest}'" in unescape(page)
+
+
+def test_without_labels_every_test_is_a_point(lot):
+    nothing = lot.table["lot"].str.slice(0, 0)
+    page = html(replace(lot, table=lot.table.with_columns(lot=nothing, seal=nothing)))
+    assert "Stiffness at the end of the hold, tests" in page
+    assert "Not told apart" in page
+
+
+@browser.needs_browser
+@pytest.mark.parametrize("width", [390, 1366])
+def test_nothing_is_cut(lot, tmp_path, width):
+    script = "return document.documentElement.scrollWidth"
+    assert browser.probe(tmp_path, html(lot), script, width=width, height=800) <= width
