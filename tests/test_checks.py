@@ -89,6 +89,12 @@ def simple(chance: float, excess: float, slope: tuple[float, float] | None = Non
     return several.thermorheologically_simple(chance, excess, temperatures=3, slope=slope)
 
 
+def b_of(departure: float) -> TemperatureShifts:
+    """The shifts of a colder test whose stiffness departs so far from T/T_r, in ln b_T."""
+    cold = Shift(270.0, 2.0, 0.1, 0.9 * float(np.exp(departure)))
+    return replace(TESTED, shifts=(cold, TESTED.shifts[1]))
+
+
 def warming(kelvin: float) -> Nuisance:
     return Nuisance("warming of test 1", kelvin, 0.1, "K")
 
@@ -890,6 +896,8 @@ TEMPERATURE = [
     Case("thermorheologically_simple", lambda x: simple(0.0, x), 0.99 * 5e-6, 1.01 * 5e-6),
     Case("thermorheologically_simple", lambda x: simple(0.5, 5e-4, (x, 0.01)), 0.0499, 0.0501),
     Case("thermorheologically_simple", lambda x: simple(0.5, 5e-4, (0.1, 0.1 / x)), 2.99, 3.01),
+    Case("stiffness_of_one_seal", lambda x: several.stiffness_of_one_seal(b_of(x)), 0.1499, 0.1501),
+    Case("stiffness_of_one_seal", lambda x: several.stiffness_of_one_seal(b_of(-x)), None, 0.1501),
     Case("temperature_steady", lambda x: several.temperature_steady([warming(x)]), 0.99, 1.01),
     Case("temperature_steady", lambda x: several.temperature_steady([warming(-x)]), None, 1.01),
     Case("shifts_told_apart", whole(several.shifts_told_apart), 3, 2),
@@ -1032,7 +1040,7 @@ LIMITS = {
         "slope_known": 0.05, "element_explains": 1.02, "families_told_apart": 100,
     },
     "fitting/temperature": {
-        "overlap": 1.5, "thermorheologically_simple": 0.0027,
+        "overlap": 1.5, "thermorheologically_simple": 0.0027, "stiffness_of_one_seal": 0.15,
         "temperature_steady": 1, "shifts_told_apart": 3, "temperature_tested": 0,
     },
     "fitting/identification": {

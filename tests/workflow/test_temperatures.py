@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -41,6 +42,15 @@ def test_temperatures_stand_in_the_order_of_the_files(bench, found):
     assert found.shifts[0].log10_a_t == pytest.approx(cold.log10_a(273.15), abs=0.01)
     swapped, _ = fit_files(bench, temperatures=(273.15, 296.15))
     assert {"shift_monotone"} <= {check.name for check in swapped.checks if check.failed}
+
+
+def test_another_seal_is_no_cold_one(bench, found, tmp_path):
+    assert found.verdict.use == "use"
+    cool = dp.read_relaxation(bench[1])
+    other = tmp_path / "other.csv"
+    other.write_text(write_relaxation(replace(cool, force=0.75 * cool.force)))
+    mixed, _ = fit_files((bench[0], other), temperatures=(296.15, 273.15))
+    assert "stiffness_of_one_seal" in {check.name for check in mixed.verdict.because}
 
 
 def test_one_temperature_is_for_all_files(bench):

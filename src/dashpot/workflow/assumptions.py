@@ -88,6 +88,7 @@ ASSUMPTIONS = (
             "temperature_steady",
             "temperature_tested",
             "shift_monotone",
+            "stiffness_of_one_seal",
             "thermorheologically_simple",
         ),
         ("--temperature",),

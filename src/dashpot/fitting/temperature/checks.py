@@ -21,6 +21,8 @@ ROUNDING, TOO_MUCH = 5e-6, 1e-3
 APART = 0.05
 # K over a record
 STEADY = 1.0
+# of ln b_T: rubbers, filled ones too, stay within a few per cent of T/T_r over a tested step
+ELSEWISE = 0.15
 MAX_BACK = 3.0
 
 
@@ -81,6 +83,22 @@ def temperature_steady(warming: Sequence[Nuisance]) -> Finding:
         "recorded, as far as its force tells",
         worst.value,
         ": let the seal soak longer, and record its temperature",
+    )
+
+
+@criterion("|ln b_T - ln T/T_r|", "<=", ELSEWISE, "our choice: three times what rubbers show")
+def stiffness_of_one_seal(moved: TemperatureShifts) -> Finding:
+    """Stiffness itself follows temperature about as rubber's does, as T/T_r."""
+    away = [
+        float(np.log(shift.b_t * moved.reference / shift.temperature)) for shift in moved.shifts
+    ]
+    worst = int(np.argmax(np.abs(away)))
+    at = celsius(moved.shifts[worst].temperature)
+    return Finding(
+        f"at {at} every stiffness is {100 * np.expm1(away[worst]):+.2g} % from where the "
+        "elasticity of rubber puts it",
+        abs(away[worst]),
+        ": is it the same piece, at the same depth and length, and is the temperature right?",
     )
 
 

@@ -417,6 +417,7 @@ def _of_shifts(found: Thermal, shifts: TemperatureShifts, laid: LawThroughShifts
             temperatures=len(temperatures),
             slope=None if slope is None else (slope.value, slope.standard_error),
         ),
+        checks.stiffness_of_one_seal(shifts),
         checks.temperature_steady(warming),
         checks.shifts_told_apart(len(temperatures)),
     ]
