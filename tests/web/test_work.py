@@ -128,6 +128,15 @@ def test_a_warm_and_a_cold_test_share_one_solid(store, at_home):
         ask("settle", store, job=job | {"cuts": {"hold_end": 20.0}})
 
 
+def test_a_hammer_without_a_mass_is_no_verdict_yet(store, asked):
+    bare = {key: value for key, value in asked.items() if key not in {"mass", "seals"}}
+    head = ask("study", store, job=bare | {"joint": False})
+    assert "mass of the block" in head["hint"]
+    fit = dp.from_json(ask("take", store, job=bare, what="fit")["text"])
+    assert fit.verdict.use.capitalize() in head["verdict"]
+    assert not ask("study", store, job=asked | {"joint": False})["hint"]
+
+
 def test_a_fractional_solid_shows_its_own_four(store, asked):
     head = ask("settle", store, job=asked | {"arms": "auto", "family": "fractional"})
     assert head["solid"].count("<tr>") == 6  # its four, the end of the hold, the head

@@ -42,6 +42,10 @@ Verb = Callable[[Mapping[str, Any], Path], bytes]
 
 KEPT = 8
 """Results of each kind that a worker remembers."""
+HINT = (
+    "Give the mass of the block and the number of seals: the hammer is then held against what the "
+    "relaxation test predicts."
+)
 LIVE_LINES = np.geomspace(0.3, 3.0, 301)
 """Lines of a response that follows the mass, as multiples of its peak's frequency."""
 
@@ -250,11 +254,15 @@ def study(request: Mapping[str, Any], folder: Path) -> bytes:
     job = job_of(request.get("job"), folder)
     widths = mapping(request.get("widths", {}), "widths")
     found = _study(job)
-    weighed = [check for check in found.weighed if check.failed]
-    passed = [check for check in found.weighed if not check.failed]
+    # what a hammer says of a mass that nobody gave, on one seal, is no verdict yet
+    asks = found.mass_inferred
+    judged, said = (found.fit.checks, found.fit.verdict) if asks else (found.weighed, found.verdict)
+    weighed = [check for check in judged if check.failed]
+    passed = [check for check in judged if not check.failed]
     head: dict[str, Any] = {
-        "verdict": views.verdict(found.verdict, False),
-        "colour": views.COLOURS[found.verdict.use],
+        "verdict": views.verdict(said, False),
+        "colour": views.COLOURS[said.use],
+        "hint": HINT if asks else "",
         "answers": views.answers(found),
         "checks": views.check_list([*weighed, *passed]),
         "frf": views.study_panel(found, widths.get("frf", 800.0)),
@@ -262,8 +270,6 @@ def study(request: Mapping[str, Any], folder: Path) -> bytes:
         "hit_panels": views.hit_panels(found, widths),
         "hammer": views.hammer_line(found),
         "joint": None if found.joint is None else views.solid_table(found.joint),
-        "mass": found.mass,
-        "mass_inferred": found.mass_inferred,
         "simulated": bool(simulated(found)),
         "command": command(job),
     }

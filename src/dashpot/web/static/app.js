@@ -287,6 +287,8 @@ function study() {
     end();
     verdict(head);
     stale(false);
+    $("hint").textContent = head.hint;
+    $("hint").hidden = !head.hint;
     panel("frf", head.frf);
     for (const [name, html] of Object.entries(head.hit_panels)) panel(name, html);
     $("hit-table").innerHTML = head.hits;
