@@ -106,6 +106,7 @@ def _pattern(piece: str) -> str:
     return f"({NUMBER})" if DECIMAL.fullmatch(piece) else re.escape(piece)
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("page", [page for page in PAGES if commands(page)])
 def test_every_command_runs_as_it_stands(page, bench):
     """In the page's order, in a folder with the example files."""

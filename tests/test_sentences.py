@@ -19,6 +19,8 @@ from dashpot.simulation.impact import simulate_impact
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.table_1 import BROAD, BROAD_MASS
 
+pytestmark = pytest.mark.once
+
 CODE = re.compile(
     r"_|--|`|\+-|[<>=]=|\b(?:None|nan|inf|True|False)\b|\de[+-]\d|\w{2,}\("
     # an equation has a symbol and blanks about its sign

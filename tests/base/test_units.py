@@ -108,7 +108,7 @@ def test_quantities_as_people_write_them() -> None:
         ("104", "has no unit; add a unit of mass to it, for example '104g'"),
         ("g", "is not a quantity"),
         ("104N", "'N' is a unit of force"),
-        ("1,5g", "is not a known unit"),
+        ("1,5g", "write '1.5g' with a point"),
         ("", "is not a quantity"),
     ],
 )

@@ -8,6 +8,8 @@ import pytest
 from dashpot.base.errors import DataError
 from dashpot.lots.scatter import components, robust_distance, stands_out
 
+pytestmark = pytest.mark.once
+
 # Box, Hunter and Hunter, Statistics for Experimenters (1978), section 17.3: moisture of pigment
 # paste, 15 batches, two samples of each, two tests of each sample
 PASTE = """

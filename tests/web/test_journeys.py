@@ -15,7 +15,7 @@ from dashpot import workflow
 from dashpot.cli import main
 
 pytest.importorskip("playwright", reason="Playwright drives the browser: pip install playwright")
-pytestmark = needs_browser
+pytestmark = [needs_browser, pytest.mark.once]
 
 
 @pytest.fixture(scope="module")

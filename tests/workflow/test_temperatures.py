@@ -18,6 +18,8 @@ from dashpot.workflow.job import Job
 from dashpot.workflow.shifting import ShiftChoices
 from dashpot.workflow.study import characterise
 
+pytestmark = pytest.mark.once
+
 MASS, BAND = 0.1148, (8.0, 18.0)
 
 
