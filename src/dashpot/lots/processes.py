@@ -6,12 +6,12 @@ import json
 import os
 import queue
 import subprocess
-import sys
 import threading
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from typing import Any, TypeAlias
 
+from dashpot.base.processes import interpreter, one_thread
 from dashpot.lots.choices import BatchChoices
 from dashpot.lots.parts import KEY, Task
 from dashpot.lots.row import empty
@@ -21,8 +21,6 @@ Rows: TypeAlias = list[dict[str, Any]]
 
 LIVES = 3
 """Workers that a file may cost before it is given up."""
-_ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-_BEGIN = f"import sys; sys.path[:] = {{path!r}}; from {__package__}.rows_worker import main; main()"
 
 
 def processors() -> int:
@@ -114,8 +112,8 @@ class _Worker:
     def _started(self) -> subprocess.Popen[bytes]:
         if self._process is None:
             self._process = subprocess.Popen(  # noqa: S603 -- this interpreter, our module
-                [sys.executable, "-P", "-c", _BEGIN.format(path=sys.path)],
-                stdin=subprocess.PIPE, stdout=subprocess.PIPE, env={**os.environ, **_ONE_THREAD},
+                interpreter("dashpot.lots.rows_worker"),
+                stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=one_thread(),
             )  # fmt: skip
             assert self._process.stdin is not None  # noqa: S101
             self._process.stdin.write(json.dumps(self._choices.plain()).encode() + b"\n")

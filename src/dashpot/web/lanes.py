@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import json
-import os
-import sys
 import time
 from pathlib import Path
 from typing import Any
 
 from dashpot.base.errors import DashpotError, DataError
+from dashpot.base.processes import interpreter, one_thread
 from dashpot.web import wire
-
-_ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
 
 class StoppedError(DashpotError):
@@ -79,12 +76,10 @@ class Lane:
     async def start(self) -> asyncio.subprocess.Process:
         """Start the worker if none is there."""
         if self._process is None or self._process.returncode is not None:
-            begin = f"import sys; sys.path[:] = {sys.path!r}; "
-            begin += "from dashpot.web.worker import main; main()"
             self._process = await asyncio.create_subprocess_exec(
-                sys.executable, "-P", "-c", begin, str(self._folder),
+                *interpreter("dashpot.web.worker"), str(self._folder),
                 stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE,
-                env={**os.environ, **_ONE_THREAD},
+                env=one_thread(),
             )  # fmt: skip
         return self._process
 

@@ -6,7 +6,6 @@ have cost to import. One that serves several files would carry what one of them 
 
 from __future__ import annotations
 
-import os
 import signal
 import subprocess
 import sys
@@ -16,12 +15,12 @@ from contextlib import contextmanager, suppress
 from typing import BinaryIO, TypeVar, cast
 
 from dashpot.base.errors import ReadError
+from dashpot.base.processes import interpreter, one_thread
 from dashpot.io.child import limits, messages
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw
 
 A = TypeVar("A", bound=messages.Answer)
-_ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 _MARK = "--read-for-dashpot"
 _frozen_children: list[str] = []
 
@@ -93,7 +92,7 @@ def _child(seconds: float, late: threading.Event) -> Iterator[subprocess.Popen[b
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
-            env={**os.environ, **_ONE_THREAD},
+            env=one_thread(),
             creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
         )
     except OSError as error:
@@ -125,9 +124,7 @@ def _command() -> list[str]:
                 "text (its maker: call dashpot.io.child.process.frozen_support first)"
             )
         return [sys.executable, *_frozen_children]
-    start = f"import sys; sys.path[:] = {sys.path!r}; "
-    start += "from dashpot.io.child.serve import main; main()"
-    return [sys.executable, "-P", "-W", "ignore", "-c", start]
+    return interpreter("dashpot.io.child.serve", "-W", "ignore")
 
 
 def _death(what: str, code: int, seconds: float | None) -> str:
