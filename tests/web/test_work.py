@@ -205,7 +205,7 @@ def test_whatever_comes_from_a_file_is_escaped(store):
     assert "<script>" not in json.dumps(found, default=str)
 
 
-@pytest.mark.parametrize("what", ["report", "fit", "picture", "frf", "profile"])
+@pytest.mark.parametrize("what", ["report", "fit", "picture", "frf"])
 def test_what_can_be_taken_away(store, asked, what):
     told = ask("take", store, job=asked | {"joint": False}, what=what)
     assert told["name"]

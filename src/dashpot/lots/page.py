@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import base64
-import hashlib
 from collections.abc import Iterator, Sequence
 from functools import cache
 from importlib import resources
@@ -13,9 +11,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from dashpot.base import numbers
 from dashpot.base.arrays import FloatArray
-from dashpot.base.checks import Use, verdict
+from dashpot.base.checks import verdict
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import counted, rounded
 from dashpot.base.version import byline
@@ -35,12 +32,12 @@ from dashpot.plot.picture import (
     around,
     around_log,
 )
-from dashpot.plot.svg import strip, swatch
+from dashpot.report.figures import Drawn, drawn
+from dashpot.report.pages import COLOURS, digest, environment
 
-COLOURS: dict[Use, str] = {"use": "good", "use with care": "care", "do not use": "bad"}
 CURVES = 200
 """Drawn at most, evenly over the lot; more would be one stain."""
-WIDE, PHONE = 1180.0, 350.0
+WIDE = 1180.0
 _CURVE = Pen("measured", 0.8)
 _MEAN = Pen("fit", 2.0)
 _THREAD = Pen("ref", 0.8)
@@ -54,29 +51,22 @@ class Point(NamedTuple):
     stiffness: float
 
 
-class Figure(NamedTuple):
-    """A drawing in two widths, with its key."""
-
-    wide: str
-    narrow: str
-    key: tuple[tuple[str, str], ...]
-
-
 def html(lot: Lot, *, title: str = "Lot") -> str:
     """Return the page of a lot as one self-contained file: no network, no script.
 
     Whatever came from a file or its name is escaped.
     """
     style = f"{tokens.css()}\n{_part('lot.css')}"
-    digest = base64.b64encode(hashlib.sha256(style.encode()).digest()).decode()
     found = verdict(lot.checks, sound="every file is a test whose fit may be used")
     points = tuple(_points(lot))
     return str(
-        _template().render(
+        environment("dashpot.lots")
+        .get_template("lot.html")
+        .render(
             title=title,
             byline=byline("lot"),
             style=style,
-            policy=f"default-src 'none'; style-src 'sha256-{digest}'; base-uri 'none'; "
+            policy=f"default-src 'none'; style-src {digest(style)}; base-uri 'none'; "
             "form-action 'none'",
             verdict=found,
             colour=COLOURS[found.use],
@@ -91,21 +81,6 @@ def html(lot: Lot, *, title: str = "Lot") -> str:
             tests=_tests(lot),
         )
     )
-
-
-@cache
-def _template() -> Any:
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    environment = Environment(
-        loader=PackageLoader("dashpot.lots"), autoescape=True, undefined=StrictUndefined,
-        trim_blocks=True, lstrip_blocks=True,
-    )  # fmt: skip
-    environment.filters.update(
-        readable=numbers.readable,
-        sentence=lambda text: text[:1].upper() + text[1:] + ("" if text.endswith(".") else "."),
-    )
-    return environment.get_template("lot.html")
 
 
 @cache
@@ -183,14 +158,8 @@ def _relaxation(row: dict[str, Any], time: FloatArray) -> FloatArray:
     return np.asarray(1e-3 * k)
 
 
-def _drawn(name: str, panel: Panel) -> Figure:
-    key = Picture(name, "", ((panel,),)).key
-    samples = tuple((swatch(mark, name=f"{name}-k{i}"), mark.label) for i, mark in enumerate(key))
-    wide, narrow = (
-        strip((panel,), name=f"{name}-{kind}", width=width, kind=kind)
-        for kind, width in (("wide", WIDE), ("narrow", PHONE))
-    )
-    return Figure(wide, narrow, samples)
+def _drawn(name: str, panel: Panel) -> Drawn:
+    return drawn(Picture(name, panel.y.label, ((panel,),)), width=WIDE)
 
 
 # -- words and tables -----------------------------------------------------------------------------
@@ -239,9 +208,7 @@ def _tests(lot: Lot) -> list[dict[str, str]]:
             "once": _read(row["k_0_N_per_m"], 1e-3),
             "frequency": _read(row.get("frequency_Hz")),
             "verdict": row["verdict"] or "point estimate",
-            "mark": {"use": "good", "use with care": "care", "do not use": "bad"}.get(
-                row["verdict"], ""
-            ),
+            "mark": COLOURS.get(row["verdict"], ""),
             "reason": row["reason"] or "",
         }
         for row in rows

@@ -2,27 +2,21 @@
 
 from __future__ import annotations
 
-import base64
-import hashlib
 import platform
 from functools import cache
 from importlib import metadata, resources
 from typing import Any
 
-from dashpot.base import numbers
-from dashpot.base.checks import Use
 from dashpot.base.provenance import Step
 from dashpot.base.version import __version__, byline
 from dashpot.plot import tokens
 from dashpot.report import answer, summary, tables
 from dashpot.report.figures import figures_of
+from dashpot.report.pages import COLOURS, digest, environment
 from dashpot.workflow.recommendation import recommendation
 from dashpot.workflow.study import Study
 
 __all__ = ["html"]
-
-COLOURS: dict[Use, str] = {"use": "good", "use with care": "care", "do not use": "bad"}
-"""The style of each verdict; its words stand beside the colour."""
 
 
 def html(study: Study) -> str:
@@ -43,29 +37,7 @@ def html(study: Study) -> str:
     str
         The text of the file; the same study gives the same text.
     """
-    return str(_template().render(_contents(study)))
-
-
-@cache
-def _template() -> Any:
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    environment = Environment(
-        loader=PackageLoader("dashpot.report"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters.update(
-        words=numbers.words,
-        sentence=lambda text: text[:1].upper() + text[1:] + ("" if text.endswith(".") else "."),
-        readable=numbers.readable,
-        shorter=numbers.shorter,
-        rounded=numbers.rounded,
-        hertz=numbers.hertz,
-    )
-    return environment.get_template("report.html")
+    return str(environment("dashpot.report").get_template("report.html").render(_contents(study)))
 
 
 @cache
@@ -80,11 +52,6 @@ def _charts() -> str:
     return resources.files("dashpot.plot").joinpath("charts.js").read_text("utf-8").strip()
 
 
-def _hash(text: str) -> str:
-    """What a content security policy calls the one script or style that may stand in a page."""
-    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
-
-
 def _contents(study: Study) -> dict[str, Any]:
     length = study.prepared.specimen.length
     stages = summary.stages(study)
@@ -96,8 +63,8 @@ def _contents(study: Study) -> dict[str, Any]:
         "byline": byline("report"),
         "style": style,
         "script": script,
-        "policy": f"default-src 'none'; img-src data:; style-src {_hash(style)}; "
-        f"script-src {_hash(script)}; base-uri 'none'; form-action 'none'",
+        "policy": f"default-src 'none'; img-src data:; style-src {digest(style)}; "
+        f"script-src {digest(script)}; base-uri 'none'; form-action 'none'",
         "title": summary.title(study),
         "header": answer.header(study),
         "verdict": study.verdict,

@@ -179,15 +179,22 @@ async def _body(request: Request) -> bytes:
     return body
 
 
+# by their place: naming a room's package would import the room
+_HOUSE = resources.files("dashpot")
+
+
 def _names() -> set[str]:
-    own = {one.name for one in resources.files("dashpot.web").joinpath("static").iterdir()}
+    own = {one.name for one in _HOUSE.joinpath("web", "static").iterdir()}
     return own | {"charts.js"}
 
 
 def _static(name: str) -> str:
     if name == "charts.js":
-        return resources.files("dashpot.plot").joinpath(name).read_text("utf-8")
-    text = resources.files("dashpot.web").joinpath("static", name).read_text("utf-8")
+        return _HOUSE.joinpath("plot", name).read_text("utf-8")
+    text = _HOUSE.joinpath("web", "static", name).read_text("utf-8")
+    if name == "index.html":
+        icons = _HOUSE.joinpath("report", "templates", "icons.html").read_text("utf-8")
+        return text.replace("<!-- icons -->", icons)
     return f"{tokens.css()}\n{text}" if name == "app.css" else text
 
 

@@ -7,15 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from dashpot import plot
-from dashpot.base import numbers, units
+from dashpot.base import units
 from dashpot.base.arrays import FloatArray
-from dashpot.base.checks import Check, Use, Verdict
+from dashpot.base.checks import Check, Verdict
 from dashpot.base.numbers import duration, rounded, symbol
 from dashpot.base.units import Dimension
 from dashpot.io.columns.kinds import WANTED_BY
@@ -28,12 +27,12 @@ from dashpot.records.frf import FRF, Hit
 from dashpot.records.relaxation import RampHold
 from dashpot.report import answer
 from dashpot.report.answer import GRADES, Row
+from dashpot.report.pages import COLOURS, environment
 from dashpot.report.tables import parameters
 from dashpot.workflow.inspections import InspectedFile
 from dashpot.workflow.recommendation import recommendation
 from dashpot.workflow.study import Study
 
-COLOURS: dict[Use, str] = {"use": "good", "use with care": "care", "do not use": "bad"}
 ROLES = ("time", "displacement", "force", "hammer", "acceleration")
 """What a column of a relaxation test or of a hammer test can be."""
 TAKEN = ("relaxation", "impact", "frf")
@@ -53,24 +52,9 @@ LIVE_POINTS = 240
 """Of a curve that follows a handle: more than a panel has px across a bend."""
 
 
-@cache
-def _environment() -> Any:
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    environment = Environment(
-        loader=PackageLoader("dashpot.web"), autoescape=True, undefined=StrictUndefined,
-        trim_blocks=True, lstrip_blocks=True,
-    )  # fmt: skip
-    environment.filters.update(
-        readable=numbers.readable,
-        sentence=lambda text: text[:1].upper() + text[1:] + ("" if text.endswith(".") else "."),
-    )
-    return environment
-
-
 def piece(name: str, **values: Any) -> str:
     """A piece of the page, from its template; whatever came from a file is escaped."""
-    return str(_environment().get_template(f"{name}.html").render(values))
+    return str(environment("dashpot.web").get_template(f"{name}.html").render(values))
 
 
 # -- panels ---------------------------------------------------------------------------------------
@@ -226,9 +210,9 @@ def live_response(predicted: FRF) -> Live:
 # -- pieces of the page ---------------------------------------------------------------------------
 
 
-def verdict(found: Verdict, simulated: bool) -> str:
+def verdict(found: Verdict) -> str:
     """The verdict in colour and words."""
-    return piece("verdict", verdict=found, colour=COLOURS[found.use], simulated=simulated)
+    return piece("verdict", verdict=found, colour=COLOURS[found.use])
 
 
 class Term(NamedTuple):

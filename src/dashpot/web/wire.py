@@ -19,8 +19,6 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 
 _LENGTH = struct.Struct("<I")
-MOST = 1 << 30
-"""Bytes of one message, at most."""
 
 
 def packed(head: Mapping[str, Any], arrays: Mapping[str, FloatArray] | None = None) -> bytes:

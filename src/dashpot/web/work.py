@@ -25,6 +25,7 @@ from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.report.figures import stamp
+from dashpot.report.pages import COLOURS
 from dashpot.report.summary import simulated
 from dashpot.vibration.systems.prediction import predict_frf
 from dashpot.web import views, wire
@@ -206,8 +207,8 @@ def settle(request: Mapping[str, Any], folder: Path) -> bytes:
         panels["frf"] = views.response_panel(_predicted(found, job), widths.get("frf", 800.0))
     return wire.packed(
         {
-            "verdict": views.verdict(found.verdict, False),
-            "colour": views.COLOURS[found.verdict.use],
+            "verdict": views.verdict(found.verdict),
+            "colour": COLOURS[found.verdict.use],
             "solid": views.solid_table(found),
             "checks": views.check_list(found.checks),
             "beside": views.piece("beside", rows=views.beside(found, by_eq5)),
@@ -260,8 +261,8 @@ def study(request: Mapping[str, Any], folder: Path) -> bytes:
     weighed = [check for check in judged if check.failed]
     passed = [check for check in judged if not check.failed]
     head: dict[str, Any] = {
-        "verdict": views.verdict(said, False),
-        "colour": views.COLOURS[said.use],
+        "verdict": views.verdict(said),
+        "colour": COLOURS[said.use],
         "hint": HINT if asks else "",
         "answers": views.answers(found),
         "checks": views.check_list([*weighed, *passed]),
@@ -294,7 +295,6 @@ def take(request: Mapping[str, Any], folder: Path) -> bytes:
         "joint": lambda: ("joint.json", "application/json", to_json(_joint(job))),
         "deck": lambda: _deck(request, job),
         "picture": lambda: _picture(job),
-        "profile": lambda: ("profile.toml", "application/toml", dump_profile(job.reading)),
         "frf": lambda: ("frf.csv", "text/csv", _lines(job)),
     }
     if what not in makers:
