@@ -4,11 +4,22 @@ default:
     @just --list
 
 # lint, format, types, layers
-check:
+check: scripts
     ruff format --check .
     ruff check .
     mypy
     lint-imports
+
+# format, lint and types of the scripts of app and report
+scripts:
+    #!/usr/bin/env bash
+    set -euo pipefail
+    command -v deno >/dev/null || { echo "no deno here: the scripts are not checked (pip install deno)"; exit 0; }
+    export NO_COLOR=1 DENO_NO_UPDATE_CHECK=1
+    mapfile -t scripts < <(git ls-files -co --exclude-standard 'src/*.js')
+    deno fmt --check "${scripts[@]}"
+    deno lint "${scripts[@]}"
+    deno check -q "${scripts[@]}"
 
 # the tests, doctests and the examples in the docs
 test *args:

@@ -104,7 +104,7 @@ def test_the_policy_lets_the_page_work_and_nothing_complains(tmp_path, page):
     )
     assert 'class="read"' in said.stdout  # the script has run
     assert not re.search(r"CONSOLE|Content Security Policy", said.stderr)
-    changed = page.replace('"use strict";', '"use strict"; ', 1)
+    changed = page.replace("export class Figure", "export  class Figure", 1)
     (tmp_path / "page.html").write_text(changed, encoding="utf-8")
     said = browser.run(
         tmp_path, "--virtual-time-budget=3000", "--dump-dom", f"file://{tmp_path / 'page.html'}"
@@ -199,7 +199,7 @@ def test_paper_has_all_that_is_folded(tmp_path, page):
     if reader is None:
         pytest.skip("no pdftotext on this machine (apt-get install poppler-utils)")
     # without the script, which opens the folds, too
-    bare = re.sub(r"<script>.*</script>", "", page, flags=re.DOTALL)
+    bare = re.sub(r"<script.*</script>", "", page, flags=re.DOTALL)
     for name, text in (("with", page), ("without", bare)):
         (tmp_path / f"{name}.html").write_text(text, encoding="utf-8")
         browser.run(tmp_path, "--no-pdf-header-footer", f"--print-to-pdf={tmp_path / name}.pdf",

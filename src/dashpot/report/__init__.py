@@ -56,7 +56,8 @@ def _contents(study: Study) -> dict[str, Any]:
     length = study.prepared.specimen.length
     stages = summary.stages(study)
     style = f"{tokens.css()}\n{_part('report.css')}"
-    script = f"{_charts()}\n{_part('report.js')}"
+    # the one page holds the modules one after the other, so the second imports nothing
+    script = f"{_charts()}\n{_part('report.js').partition(chr(10))[2]}"
     found = recommendation(study)
     return {
         "study": study,

@@ -107,6 +107,10 @@ def application(desk: Desk) -> Starlette:
             return Response("there is no such file", status_code=404)
         return Response(_static(name), media_type=kind)
 
+    async def charts(_: Request) -> Response:
+        script = _HOUSE.joinpath("plot", "charts.js").read_text("utf-8")
+        return Response(script, media_type=_KINDS["js"])
+
     async def files(request: Request) -> Response:
         name = request.query_params.get("name", "file")
         identity = await desk.store.keep(name, request.stream())
@@ -158,6 +162,8 @@ def application(desk: Desk) -> Starlette:
         routes=[
             Route("/", page),
             Route("/static/{name}", static),
+            # the page's modules name it by its place in the house
+            Route("/plot/charts.js", charts),
             Route("/api/files", files, methods=["POST"]),
             Route("/api/example", example, methods=["POST"]),
             Route("/api/cancel", cancel, methods=["POST"]),
@@ -184,13 +190,10 @@ _HOUSE = resources.files("dashpot")
 
 
 def _names() -> set[str]:
-    own = {one.name for one in _HOUSE.joinpath("web", "static").iterdir()}
-    return own | {"charts.js"}
+    return {one.name for one in _HOUSE.joinpath("web", "static").iterdir()}
 
 
 def _static(name: str) -> str:
-    if name == "charts.js":
-        return _HOUSE.joinpath("plot", name).read_text("utf-8")
     text = _HOUSE.joinpath("web", "static", name).read_text("utf-8")
     if name == "index.html":
         icons = _HOUSE.joinpath("report", "templates", "icons.html").read_text("utf-8")

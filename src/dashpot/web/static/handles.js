@@ -1,23 +1,40 @@
-// @ts-check
-// A handle on the time axis of a panel: by pointer, by touch, by keyboard; a slider to who cannot see it.
+// A handle on the time axis of a panel: by pointer, by touch, by keyboard; a slider to who cannot
+// see it. What it is moved to it tells as an event "moved" of name, value (null: as found) and held.
+
+/** @typedef {import("../../plot/charts.js").Figure} Figure */
+/** @typedef {import("./panels.js").Clock} Clock */
+
+const EDGE = 0.01;
+const RIGHT = 0.8;
+const ENDS_STEP = /^(Arrow|Page)/;
 
 export class Handle {
-  /** @param {string} panel @param {string} label @param {(value: number | null, held: boolean) => void} moved */
-  constructor(panel, label, moved) {
+  constructor(
+    /** @type {string} */ name,
+    /** @type {string} */ panel,
+    /** @type {string} */ label,
+  ) {
+    this.name = name;
     this.panel = panel;
     this.label = label;
-    this.moved = moved;
     this.value = 0;
     this.shift = 0;
     this.held = false;
+    /** @type {Clock} */
     this.clock = { first: 0, last: 1, step: 0.001 };
+    /** @type {Figure | null} */
     this.figure = null;
-    const made = document.createElement("button");
-    made.className = `handle ${label === "ramp end" ? "right" : "left-of"}`;
+    this.element = this.made();
+    document.addEventListener("zoomed", () => this.put());
+    addEventListener("resize", () => this.put());
+  }
+
+  made() {
+    const made = document.createElement("button"), words = document.createElement("span");
+    made.className = "handle";
     made.setAttribute("role", "slider");
-    made.setAttribute("aria-label", label);
-    const words = document.createElement("span");
-    words.textContent = label;
+    made.setAttribute("aria-label", this.label);
+    words.textContent = this.label;
     words.setAttribute("aria-hidden", "true");
     made.append(words);
     made.addEventListener("pointerdown", (event) => {
@@ -26,66 +43,113 @@ export class Handle {
       made.setPointerCapture(event.pointerId);
       this.held = true;
     });
-    made.addEventListener("pointermove", (event) => { if (this.held) this.to(this.under(event.clientX), true); });
-    const drop = () => { if (this.held) { this.held = false; this.moved(this.value, false); } };
+    made.addEventListener("pointermove", (event) => {
+      if (this.held) this.to(this.under(event.clientX));
+    });
+    const drop = () => {
+      if (!this.held) return;
+      this.held = false;
+      this.tell(this.value, false);
+    };
     made.addEventListener("pointerup", drop);
     made.addEventListener("pointercancel", drop);
     made.addEventListener("keydown", (event) => this.key(event));
-    made.addEventListener("keyup", (event) => { if (event.key.startsWith("Arrow") || event.key.startsWith("Page")) this.moved(this.value, false); });
-    this.element = made;
-    for (const kind of ["pointerup", "dblclick", "keyup"]) document.addEventListener(kind, () => requestAnimationFrame(() => this.put()));
-    addEventListener("resize", () => this.put());
+    made.addEventListener("keyup", (event) => {
+      if (ENDS_STEP.test(event.key)) this.tell(this.value, false);
+    });
+    return made;
   }
-  byHand(/** @type {boolean} */ yes) { this.element.classList.toggle("by-hand", yes); }
+
+  tell(/** @type {number | null} */ value, /** @type {boolean} */ held) {
+    const detail = { name: this.name, value, held };
+    this.element.dispatchEvent(new CustomEvent("moved", { bubbles: true, detail }));
+  }
+
+  byHand(/** @type {boolean} */ yes) {
+    this.element.classList.toggle("by-hand", yes);
+  }
+
   /** Stand at a value on the clock of the record; the axis counts from `shift`. */
-  place(/** @type {any} */ figure, /** @type {number} */ value, /** @type {any} */ clock, /** @type {number} */ shift) {
-    if (!figure) { this.element.remove(); return; }
+  place(
+    /** @type {Figure | null | undefined} */ figure,
+    /** @type {number} */ value,
+    /** @type {Clock | null} */ clock,
+    /** @type {number} */ shift,
+  ) {
+    const card = figure?.svg.closest(".card");
+    if (!figure || !card) {
+      this.element.remove();
+      return;
+    }
     this.figure = figure;
-    this.clock = clock;
+    this.clock = clock || this.clock;
     this.shift = shift || 0;
     if (!this.held) this.value = value;
     // beside the drawing, not in it: one that is drawn anew must not take the focus away
-    const card = figure.svg.closest(".card");
     if (this.element.parentElement !== card) card.append(this.element);
     this.put();
   }
-  scale() {
-    const svg = this.figure.svg;
-    return svg.getBoundingClientRect().width / svg.viewBox.baseVal.width;
+
+  /** The axes, how large a unit of the drawing is on the screen, and where it begins there. */
+  frame(/** @type {Figure} */ figure) {
+    const { svg, panels: [axes] } = figure, on = svg.getBoundingClientRect();
+    return { axes, on, scale: on.width / svg.viewBox.baseVal.width };
   }
+
   put() {
-    if (!this.figure || !this.figure.svg.isConnected) return;
-    const axes = this.figure.panels[0], [x, y, w, h] = axes.box, [x0, , x1] = axes.view, scale = this.scale();
+    const card = this.element.parentElement, figure = this.figure;
+    if (!figure?.svg.isConnected || !card) return;
+    const { axes, on, scale } = this.frame(figure), about = card.getBoundingClientRect();
+    const [x, y, w, h] = axes.box, [x0, , x1] = axes.view;
     const part = (axes.x.unit(this.value - this.shift) - x0) / (x1 - x0);
-    const svg = this.figure.svg.getBoundingClientRect(), card = this.element.parentElement.getBoundingClientRect();
-    const style = this.element.style, left = svg.left - card.left - 1, top = svg.top - card.top - 1;
-    this.element.hidden = !(part >= -0.01 && part <= 1.01);
-    style.left = `${left + scale * (x + w * part)}px`;
-    style.top = `${top + scale * y}px`;
-    style.height = `${scale * h}px`;
-    this.element.classList.toggle("left-of", part > 0.8 || this.label === "contact");
-    this.element.classList.toggle("right", !(part > 0.8 || this.label === "contact"));
-    this.element.setAttribute("aria-valuemin", String(this.clock.first));
-    this.element.setAttribute("aria-valuemax", String(this.clock.last));
-    this.element.setAttribute("aria-valuenow", String(+this.value.toFixed(6)));
-    this.element.setAttribute("aria-valuetext", `${this.label} ${+this.value.toFixed(4)} s`);
+    const right = part <= RIGHT && this.label !== "contact", { element, clock } = this;
+    element.hidden = !(part >= -EDGE && part <= 1 + EDGE);
+    element.style.left = `${on.left - about.left - 1 + scale * (x + w * part)}px`;
+    element.style.top = `${on.top - about.top - 1 + scale * y}px`;
+    element.style.height = `${scale * h}px`;
+    element.classList.toggle("left-of", !right);
+    element.classList.toggle("right", right);
+    element.setAttribute("aria-valuemin", String(clock.first));
+    element.setAttribute("aria-valuemax", String(clock.last));
+    element.setAttribute("aria-valuenow", String(+this.value.toFixed(6)));
+    element.setAttribute("aria-valuetext", `${this.label} ${+this.value.toFixed(4)} s`);
   }
+
   under(/** @type {number} */ clientX) {
-    const axes = this.figure.panels[0], [x, , w] = axes.box, [x0, , x1] = axes.view;
-    const px = (clientX - this.figure.svg.getBoundingClientRect().left) / this.scale();
-    return axes.x.value(x0 + (Math.min(Math.max(px, x), x + w) - x) / w * (x1 - x0)) + this.shift;
+    if (!this.figure) return this.value;
+    const { axes, on, scale } = this.frame(this.figure);
+    const [x, , w] = axes.box, [x0, , x1] = axes.view;
+    const part = (Math.min(Math.max((clientX - on.left) / scale, x), x + w) - x) / w;
+    return axes.x.value(x0 + part * (x1 - x0)) + this.shift;
   }
-  to(/** @type {number} */ value, /** @type {boolean} */ held) {
-    const { first, last, step } = this.clock;
-    const snapped = first + Math.round((Math.min(Math.max(value, first), last) - first) / step) * step;
+
+  to(/** @type {number} */ value) {
+    const { first, last, step } = this.clock, within = Math.min(Math.max(value, first), last);
+    const snapped = first + Math.round((within - first) / step) * step;
     this.value = +snapped.toPrecision(12);
     this.put();
-    this.moved(this.value, held);
+    this.tell(this.value, true);
   }
+
   key(/** @type {KeyboardEvent} */ event) {
     const step = this.clock.step * (event.shiftKey ? 10 : 1);
-    const by = { ArrowLeft: -step, ArrowDown: -step, ArrowRight: step, ArrowUp: step, PageDown: -100 * step, PageUp: 100 * step }[event.key];
-    if (by !== undefined) { event.preventDefault(); event.stopPropagation(); this.to(this.value + by, true); }
-    if (event.key === "Home") { event.preventDefault(); this.moved(null, false); }
+    /** @type {Record<string, number>} */
+    const moves = {
+      ArrowLeft: -step,
+      ArrowDown: -step,
+      ArrowRight: step,
+      ArrowUp: step,
+      PageDown: -100 * step,
+      PageUp: 100 * step,
+    };
+    if (event.key in moves) {
+      event.preventDefault();
+      event.stopPropagation();
+      this.to(this.value + moves[event.key]);
+    }
+    if (event.key === "Home") {
+      event.preventDefault();
+      this.tell(null, false);
+    }
   }
 }

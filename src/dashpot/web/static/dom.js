@@ -1,0 +1,42 @@
+// Elements of the page by name; one that is not there is a fault of the page's own.
+
+export function $(/** @type {string} */ id) {
+  const found = document.getElementById(id);
+  if (!found) throw new Error(`the page has no #${id}`);
+  return found;
+}
+
+export const field = (/** @type {string} */ id) => /** @type {HTMLInputElement} */ ($(id));
+
+/** @returns {HTMLElement[]} */
+export const all = (/** @type {string} */ query, /** @type {ParentNode} */ root = document) =>
+  [
+    ...root.querySelectorAll(query),
+  ].map((one) => /** @type {HTMLElement} */ (one));
+
+/** @type {(card: string) => HTMLElement | null} */
+export const panelCard = (name) => document.querySelector(`[data-panel="${name}"]`);
+
+export const words = (/** @type {unknown} */ error) =>
+  error instanceof Error ? error.message : String(error);
+
+export function status(/** @type {string} */ said) {
+  $("status").textContent = said;
+}
+
+export function refuse(/** @type {string} */ said) {
+  $("refusal").textContent = said;
+  $("refusal").hidden = !said;
+}
+
+/** An element with what it has and holds. */
+export function made(
+  /** @type {string} */ tag,
+  /** @type {Record<string, string>} */ attributes = {},
+  /** @type {(Node | string)[]} */ ...inner
+) {
+  const element = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
+  element.append(...inner);
+  return element;
+}

@@ -1,0 +1,172 @@
+// Files in and out: opened, asked about, shown, taken away.
+import { $, all, field, made, refuse, status, words } from "./dom.js";
+import { hammers, isHammer, isTest, job, shown, state, test } from "./job.js";
+import { settle, study } from "./questions.js";
+import { fileList, views } from "./shown.js";
+import { ask, call, send } from "./wire.js";
+
+/** @typedef {import("./job.js").OpenFile} OpenFile */
+
+const LINGER = 10_000;
+
+async function look(/** @type {OpenFile} */ one) {
+  const { head } = await send("inspect", { file: one.id, options: one.options });
+  Object.assign(one, head, { asked: head.asked || "" });
+  if (isTest(one) || isHammer(one)) one.asked = "";
+}
+
+/** Read files that the server has, and show the first that asks something. */
+export async function opened(/** @type {{id: string, name: string}[]} */ found) {
+  const already = new Set(state.files.map((one) => one.id));
+  /** @type {OpenFile[]} */
+  const added = found.filter((one) => !already.has(one.id))
+    .map((one) => ({ ...one, options: {} }));
+  state.files.push(...added);
+  fileList();
+  for (const one of added) {
+    status(`reading ${one.name}`);
+    try {
+      await look(one);
+    } catch (error) {
+      const said = words(error);
+      Object.assign(one, { mark: "bad", line: said });
+      refuse(said.startsWith(one.name) ? said : `${one.name}: ${said}`);
+    }
+  }
+  const asks = added.find((one) => one.asked);
+  const first = added.find((one) => one.kind === "relaxation");
+  state.current = (asks || first || shown() || added[0] || state.files[0])?.id || "";
+  fileList();
+  settle();
+}
+
+/** Send files to the server, and read them. */
+export async function take(/** @type {Iterable<File>} */ list) {
+  refuse("");
+  const found = [];
+  for (const file of list) {
+    status(`opening ${file.name}`);
+    try {
+      found.push(await call("POST", `/api/files?name=${encodeURIComponent(file.name)}`, file));
+    } catch (error) {
+      refuse(words(error));
+    }
+  }
+  await opened(found);
+}
+
+export async function example() {
+  status("making the example");
+  const example = await call("POST", "/api/example");
+  state.job.mass = example.mass;
+  state.job.seals = example.seals;
+  await opened(example.files);
+}
+
+export function show(/** @type {string} */ id) {
+  const before = test();
+  state.current = id;
+  fileList();
+  views();
+  // what was hidden had no width to be drawn at
+  if (test() !== before || $("hits-page").hidden) settle();
+  else study();
+}
+
+/** Show the file so many places further on. */
+export function step(/** @type {number} */ by) {
+  const { files, current } = state, n = files.length;
+  const i = files.findIndex((one) => one.id === current);
+  if (n) show(files[(i + by + n) % n].id);
+}
+
+export function remove(/** @type {string} */ id) {
+  state.files = state.files.filter((one) => one.id !== id);
+  state.current = state.files[0]?.id || "";
+  if (!hammers().length) state.joint = false;
+  state.job.cuts = {};
+  fileList();
+  views();
+  settle();
+}
+
+export function join(/** @type {string} */ id, /** @type {boolean} */ yes) {
+  const one = state.files.find((file) => file.id === id), of = test();
+  if (one) one.together = yes;
+  if (yes && of) of.together = true;
+  fileList();
+  settle();
+}
+
+// -- what is asked of a file ----------------------------------------------------------------------
+
+function answers() {
+  const one = shown();
+  if (!one) return null;
+  /** @type {import("./job.js").Options} */
+  const options = { ...one.options, units: { ...one.options.units } };
+  for (const select of all("[data-role-of]")) {
+    const number = select.dataset.roleOf;
+    const role = /** @type {HTMLSelectElement} */ (select).value;
+    /** @type {HTMLSelectElement | null} */
+    const unit = document.querySelector(`[data-unit-of="${number}"]`);
+    if (!role) continue;
+    if (role === "acceleration") {
+      options.acceleration = [...new Set([...(options.acceleration || []), number])];
+    } else options[role] = number;
+    if (unit?.value) options.units[role] = unit.value;
+  }
+  return { one, options };
+}
+
+export async function answer() {
+  const given = answers();
+  if (!given) return;
+  given.one.options = given.options;
+  try {
+    await look(given.one);
+    refuse("");
+  } catch (error) {
+    refuse(words(error));
+  }
+  fileList();
+  settle();
+}
+
+export async function profile() {
+  const given = answers();
+  if (given) save((await send("profile", { options: given.options })).head);
+}
+
+// -- what is taken away ---------------------------------------------------------------------------
+
+function save(/** @type {{name: string, kind: string, text: string}} */ file) {
+  const href = URL.createObjectURL(new Blob([file.text], { type: file.kind }));
+  const link = made("a", { href, download: file.name });
+  document.body.append(link);
+  link.click();
+  link.remove();
+  setTimeout(() => URL.revokeObjectURL(href), LINGER);
+}
+
+export function away(/** @type {Record<string, any>} */ what) {
+  status(`making ${what.target || what.what}`);
+  $("cancel").hidden = false;
+  ask("slow", "take", { job: job(), ...what }, ({ head }) => {
+    $("cancel").hidden = true;
+    save(head);
+    refuse("");
+    status(`saved ${head.name}`);
+  }, (said) => {
+    $("cancel").hidden = true;
+    refuse(said);
+    status("not made");
+  });
+}
+
+export function project() {
+  ask("slow", "project", { job: job(), folder: field("folder").value }, ({ head }) => {
+    refuse("");
+    status(`kept in ${head.folder}`);
+  }, refuse);
+}

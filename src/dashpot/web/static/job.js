@@ -1,0 +1,139 @@
+// What is asked: the open files and the choices, a job for the server, and the way back.
+import { all } from "./dom.js";
+import { call } from "./wire.js";
+
+/** @typedef {Record<string, any>} Options Of reading a file: roles, units */
+/**
+ * @typedef {object} OpenFile
+ * @property {string} id
+ * @property {string} name
+ * @property {Options} options
+ * @property {string} [kind]
+ * @property {string} [line]
+ * @property {string} [mark]
+ * @property {string} [asked]
+ * @property {boolean} [simulated]
+ * @property {boolean} [together]
+ * @property {string} [temperature]
+ */
+/**
+ * @typedef {object} Choices
+ * @property {string} mass
+ * @property {number} seals
+ * @property {string} compression
+ * @property {"auto" | number} arms
+ * @property {string} method
+ * @property {string} law
+ * @property {string} family
+ * @property {Record<string, number>} cuts
+ * @property {Record<string, string>} specimen
+ * @property {{accept: string[], reject: string[]}} hammer
+ */
+/** @typedef {{files: OpenFile[], current: string, joint: boolean, mass: number, job: Choices}} State */
+
+const HAMMERS = ["impact", "frf"];
+const STEPS_BACK = 100;
+
+/** @returns {State} */
+const fresh = () => ({
+  files: [],
+  current: "",
+  joint: false,
+  mass: 0,
+  job: {
+    mass: "",
+    seals: 1,
+    compression: "",
+    arms: "auto",
+    method: "full",
+    law: "auto",
+    family: "maxwell",
+    cuts: {},
+    specimen: {},
+    hammer: { accept: [], reject: [] },
+  },
+});
+
+export let state = fresh();
+
+export function become(/** @type {Partial<State>} */ kept) {
+  state = { ...fresh(), ...kept };
+}
+
+export const isTest = (/** @type {OpenFile} */ one) =>
+  one.kind === "relaxation" && one.mark === "good";
+export const isHammer = (/** @type {OpenFile} */ one) =>
+  HAMMERS.includes(one.kind || "") && one.mark === "good";
+export const shown = () => state.files.find((one) => one.id === state.current);
+
+/** The test that is fitted. */
+export function test() {
+  const one = shown();
+  return one && isTest(one) ? one : state.files.find(isTest);
+}
+
+/** Tests of the same seal, at another temperature or depth, that are fitted with it. */
+export const together = () =>
+  state.files.filter((one) => one.together && test()?.together && isTest(one) && one !== test());
+export const hammers = () => state.files.filter(isHammer);
+
+/** The job of the server; its fields are those of the command line. */
+export function job() {
+  const of = test(), by = hammers(), also = together();
+  const warmth = [of, ...also].map((one) => one?.temperature || "");
+  const several = also.length > 0;
+  return {
+    ...state.job,
+    relaxation: of ? of.id : "",
+    reading: of ? of.options : {},
+    joint: state.joint,
+    specimen: several ? state.job.specimen : { ...state.job.specimen, temperature: warmth[0] },
+    further: also.map((one) => one.id),
+    temperatures: several && warmth.some(Boolean) ? warmth : [],
+    cuts: several ? {} : state.job.cuts,
+    impact: by.map((one) => one.id),
+    reading_impact: by.length ? by[0].options : {},
+  };
+}
+
+/** How wide each panel is drawn, px. */
+export function widths() {
+  /** @type {Record<string, number>} */
+  const found = {};
+  for (const card of all("[data-panel]")) {
+    if (card.clientWidth) found[card.dataset.panel || ""] = card.clientWidth - 18;
+  }
+  return found;
+}
+
+// -- the way back ---------------------------------------------------------------------------------
+
+/** @type {{key: string, kept: string}[]} */
+const past = [];
+
+/** What of the state the user chose; what a file was found to be is none of it. */
+const key = () => {
+  const { job, joint, mass, files } = state;
+  return JSON.stringify([
+    job,
+    joint,
+    mass,
+    files.map((one) => [one.id, one.options, one.together, one.temperature]),
+  ]);
+};
+
+/** Keep the state: for a page that is loaded again, and for the way back. */
+export function remember() {
+  const kept = JSON.stringify(state);
+  if (past.at(-1)?.key !== key()) past.push({ key: key(), kept });
+  if (past.length > STEPS_BACK) past.shift();
+  call("PUT", "/api/state", kept).catch(() => {});
+}
+
+/** Become what it was before the last choice; false where there is nothing before. */
+export function undo() {
+  if (past.at(-1)?.key === key()) past.pop();
+  const last = past.at(-1);
+  if (last) become(JSON.parse(last.kept));
+  return !!last;
+}

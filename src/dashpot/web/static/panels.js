@@ -1,0 +1,57 @@
+// The drawn panels: zoom and read-off, curves that follow, handles on their time axes.
+import { Figure } from "../../plot/charts.js";
+import { all, field, panelCard } from "./dom.js";
+import { Handle } from "./handles.js";
+import { state, together } from "./job.js";
+
+/** @typedef {{first: number, last: number, step: number}} Clock Of a record, s */
+
+/** @type {Record<string, Figure | null>} */
+const figures = {};
+
+/** @type {Record<string, Handle>} */
+export const handles = {
+  onset: new Handle("onset", "ramp", "contact"),
+  ramp_end: new Handle("ramp_end", "ramp", "ramp end"),
+  hold_end: new Handle("hold_end", "hold", "hold end"),
+};
+
+/** Put a drawing in its panel. */
+export function panel(/** @type {string} */ name, /** @type {string} */ html) {
+  const card = panelCard(name), body = card?.querySelector(".body");
+  const out = card?.querySelector(".read");
+  if (!card || !body || !out || !html) return;
+  body.innerHTML = html;
+  card.classList.remove("stale");
+  const svg = /** @type {SVGSVGElement | null} */ (body.querySelector("svg.figure"));
+  const label = card.querySelector("figcaption")?.textContent || "";
+  figures[name] = svg && new Figure(svg, out, label);
+}
+
+/** Lay bare curves into the drawings; their names are `panel/curve/x` and `panel/curve/y`. */
+export function curves(/** @type {Record<string, Float32Array>} */ arrays) {
+  for (const at of Object.keys(arrays).filter((one) => one.endsWith("/x"))) {
+    const [name, curve] = at.split("/"), figure = figures[name];
+    if (!figure) continue;
+    const path = all(".plot path[data-name]", figure.svg)
+      .find((one) => one.dataset.name?.startsWith(curve));
+    path?.setAttribute("d", figure.panels[0].path(arrays[at], arrays[`${name}/${curve}/y`]));
+  }
+}
+
+/** Stand where the cuts are: the handles, and the numbers in the fields. */
+export function placeHandles(
+  /** @type {Record<string, number>} */ cuts,
+  /** @type {Clock | null} */ clock = null,
+) {
+  /** @type {Record<string, number>} */
+  const at = { ...cuts, ...state.job.cuts };
+  for (const [name, handle] of Object.entries(handles)) {
+    // what is cut by hand is one test
+    const figure = together().length ? null : figures[handle.panel];
+    handle.place(figure, at[name], clock, handle.panel === "hold" ? at.onset : 0);
+    handle.byHand(name in state.job.cuts);
+    const number = field(`cut-${name}`);
+    if (document.activeElement !== number) number.value = String(+at[name].toFixed(4));
+  }
+}

@@ -1,0 +1,122 @@
+// Questions to the server, and where their answers stand. The page computes no number.
+import { $, panelCard, refuse, status } from "./dom.js";
+import { hammers, job, remember, state, test, widths } from "./job.js";
+import { curves, panel, placeHandles } from "./panels.js";
+import { choices, fields, fileList, solid, stale, tables, verdict, views } from "./shown.js";
+import { ask, call, cancelled } from "./wire.js";
+
+const PATIENCE = 400;
+const seconds = (/** @type {number} */ since, digits = 1) =>
+  `${((performance.now() - since) / 1000).toFixed(digits)} s`;
+
+/** While a handle is held: bare curves, and both fits' numbers. */
+export function live() {
+  if (!test()) return;
+  ask("live", "live", { job: job() }, ({ head, arrays }) => {
+    curves(arrays);
+    $("beside").innerHTML = head.beside;
+    refuse("");
+    placeHandles(head.cuts);
+    performance.mark("dashpot-live");
+  }, refuse);
+}
+
+/** The fit with its intervals and checks, and every panel of the test. */
+export function settle() {
+  choices();
+  fields();
+  views();
+  remember();
+  if (!test()) {
+    const open = state.files.some((one) => one.asked);
+    status(open ? "a question is open" : "no relaxation test is open");
+    return;
+  }
+  stale(true);
+  status("fitting");
+  const since = performance.now();
+  ask("settle", "settle", { job: job(), widths: widths() }, ({ head }) => {
+    refuse("");
+    tables.fit = head.solid;
+    if (!state.joint) tables.joint = "";
+    verdict(head);
+    for (const [name, html] of Object.entries(head.panels)) panel(name, html);
+    $("checks").innerHTML = head.checks;
+    $("beside").innerHTML = head.beside;
+    $("beside").hidden = !Object.keys(state.job.cuts).length;
+    $("command").textContent = head.command;
+    $("simulated").hidden = !head.simulated;
+    $("answers").innerHTML = "";
+    const auto = document.querySelector('[data-arms="auto"]');
+    const chosen = state.job.arms === "auto" && head.arms !== "";
+    if (auto) auto.textContent = chosen ? `auto: ${head.arms}` : "auto";
+    solid();
+    const [first, last] = head.clock;
+    placeHandles(head.cuts, { first, last, step: head.step });
+    status(`settled in ${seconds(since, 2)}`);
+    study();
+  }, (said) => {
+    refuse(said);
+    status("not fitted");
+  });
+}
+
+/** The whole story: bound, hammer, joint fit. It takes seconds and can be cancelled. */
+export function study() {
+  if (!test()) return;
+  const since = performance.now();
+  $("cancel").hidden = false;
+  let over = false;
+  const timer = setInterval(async () => {
+    const at = await call("GET", "/api/working").catch(() => null);
+    if (over) return;
+    const doing = at && at.seconds !== null ? at.doing || "bounding the response" : "working";
+    status(`${doing}, ${seconds(since)}`);
+  }, PATIENCE);
+  const end = () => {
+    over = true;
+    clearInterval(timer);
+    $("cancel").hidden = true;
+  };
+  ask("slow", "study", { job: job(), widths: widths() }, ({ head }) => {
+    end();
+    told(head);
+    status(`done in ${seconds(since)}`);
+  }, (said) => {
+    end();
+    stale(false);
+    if (said !== cancelled) refuse(said);
+    status(said === cancelled ? "cancelled" : "stopped");
+  }, end);
+}
+
+function told(/** @type {any} */ head) {
+  verdict(head);
+  stale(false);
+  $("hint").textContent = head.hint;
+  $("hint").hidden = !head.hint;
+  panel("frf", head.frf);
+  for (const [name, html] of Object.entries(head.hit_panels)) panel(name, html);
+  $("hit-table").innerHTML = head.hits;
+  for (const one of hammers()) one.line = head.hammer || one.line;
+  fileList();
+  $("answers").innerHTML = head.answers;
+  $("checks").innerHTML = head.checks;
+  $("command").textContent = head.command;
+  $("simulated").hidden = !head.simulated;
+  tables.joint = head.joint || "";
+  solid();
+  choices();
+}
+
+/** The response of the mass while it moves. */
+export function predict() {
+  if (!test() || !state.job.mass) return;
+  ask("mass", "predict", { job: job() }, ({ head, arrays }) => {
+    curves(arrays);
+    panelCard("frf")?.classList.add("stale");
+    status(`${head.peak}; limits: working`);
+    $("command").textContent = head.command;
+    performance.mark("dashpot-mass");
+  }, refuse);
+}

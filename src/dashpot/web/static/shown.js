@@ -1,0 +1,114 @@
+// What stands on the page beside the drawings: verdict, solid, choices, files, fields.
+import { $, all, field, made, panelCard } from "./dom.js";
+import { hammers, isTest, shown, state, test, together } from "./job.js";
+import { handles } from "./panels.js";
+
+const SPECIMEN = { name: "", lot: "", length: "mm" };
+const SVG = "http://www.w3.org/2000/svg";
+
+/** @type {{fit: string, joint: string}} */
+export const tables = { fit: "", joint: "" };
+
+export function verdict(/** @type {{verdict: string, colour: string}} */ head) {
+  $("verdict").innerHTML = head.verdict;
+  $("verdict").className = `verdict ${head.colour}`;
+}
+
+/** Say of verdict and response that they are of what was asked before. */
+export function stale(/** @type {boolean} */ yes) {
+  $("verdict").classList.toggle("stale", yes);
+  panelCard("frf")?.classList.toggle("stale", yes);
+}
+
+export function solid() {
+  const which = tables.joint && state.joint ? "joint" : "fit";
+  for (const button of all("[data-which]")) {
+    button.setAttribute("aria-pressed", String(button.dataset.which === which));
+    if (button.dataset.which === "joint") button.toggleAttribute("disabled", !tables.joint);
+  }
+  $("solid").innerHTML = tables[which];
+}
+
+export function choices() {
+  const { arms, method, law, family, cuts } = state.job;
+  for (const [name, value] of Object.entries({ arms, method, law, family })) {
+    for (const button of all(`[data-${name}]`)) {
+      button.setAttribute("aria-pressed", String(String(value) === button.dataset[name]));
+    }
+  }
+  $("reset").hidden = !Object.keys(cuts).length;
+  for (const [name, handle] of Object.entries(handles)) handle.byHand(name in cuts);
+  $("both").hidden = !hammers().length || state.joint || !test();
+}
+
+function mark(/** @type {string} */ name) {
+  const icon = document.createElementNS(SVG, "svg"), use = document.createElementNS(SVG, "use");
+  icon.setAttribute("class", "icon");
+  icon.setAttribute("aria-hidden", "true");
+  use.setAttribute("href", `#i-${name}`);
+  icon.append(use);
+  return icon;
+}
+
+export function fileList() {
+  const of = test();
+  $("files").replaceChildren(...state.files.map((one) => {
+    const words = made("span", {}, made("b", {}, one.name), made("i", {}, one.line || "reading"));
+    const item = made(
+      "li",
+      {},
+      made(
+        "button",
+        { class: "file", "data-show": one.id, "aria-current": String(one.id === state.current) },
+        mark(one.mark || "note"),
+        words,
+      ),
+    );
+    if (of && isTest(one) && one !== of) {
+      const box = made("input", { type: "checkbox", "data-together": one.id });
+      box.toggleAttribute("checked", together().includes(one));
+      item.append(made("label", { class: "with" }, box, " fit together"));
+    }
+    const away = { class: "link away", "data-remove": one.id, "aria-label": `remove ${one.name}` };
+    item.append(made("button", away, "\u00d7"));
+    return item;
+  }));
+  document.body.classList.toggle("empty", !state.files.length);
+  for (const button of all('[data-needs="test"]')) button.toggleAttribute("disabled", !of);
+}
+
+/** Which page is shown: a question, the hits, the panels, or what is missing. */
+export function views() {
+  const one = shown(), asks = one?.asked || "";
+  const hits = one?.kind === "impact" && one.mark === "good" && !!test();
+  $("question").hidden = !asks;
+  $("question").innerHTML = asks;
+  $("hits-page").hidden = !hits || !!asks;
+  $("missing").hidden = !!asks || !!test() || !hammers().length;
+  $("grid").hidden = !!asks || hits || !test();
+  $("verdict").hidden = !!asks || !test();
+}
+
+/** The numbers of the choices in their fields. */
+export function fields() {
+  const { job, mass } = state, grams = parseFloat(job.mass);
+  field("mass").value = job.mass.replace(/g$/, "");
+  field("seals").value = String(job.seals);
+  field("compression").value = job.compression.replace(/mm$/, "");
+  field("mass-slider").disabled = !job.mass;
+  field("mass-slider").value = String(mass && grams ? Math.log10(grams / mass) : 0);
+  field("specimen-temperature").value = (test()?.temperature || "").replace("degC", "");
+  for (const [name, unit] of Object.entries(SPECIMEN)) {
+    const said = job.specimen[name] || "";
+    field(`specimen-${name}`).value = unit ? said.slice(0, -unit.length) : said;
+  }
+}
+
+/** Take a field of the specimen. */
+export function describe(/** @type {string} */ name, /** @type {string} */ typed) {
+  const number = typed.trim().replace(",", "."), of = test();
+  if (name === "temperature") {
+    if (of) of.temperature = number && `${number}degC`;
+  } else if (number) state.job.specimen[name] = name === "length" ? `${number}mm` : typed.trim();
+  else delete state.job.specimen[name];
+}
