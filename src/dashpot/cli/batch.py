@@ -15,7 +15,7 @@ from dashpot.cli import _options as options
 from dashpot.cli._shell import File, Folder, Outcome, reports, write
 from dashpot.cli._terminal import Text
 from dashpot.io.options import ReadOptions
-from dashpot.lots.scatter import Component
+from dashpot.lots.statistics.scatter import Component
 
 
 @click.command("batch")

@@ -35,7 +35,7 @@ from dashpot.lots.parts import (
 )
 from dashpot.lots.processes import Rows, computed, processors
 from dashpot.lots.row import row
-from dashpot.lots.scatter import SHORT, Component, components, stands_out
+from dashpot.lots.statistics.scatter import SHORT, Component, components, stands_out
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -122,7 +122,7 @@ class Lot:
         """The tests that stand out of their lot: file, and distance in robust deviations.
 
         From the median of the lot, in 1.4826 times its median absolute deviation; the limit is
-        :func:`~dashpot.lots.scatter.stands_out`'s, 3.5 in a large lot.
+        :func:`~dashpot.lots.statistics.scatter.stands_out`'s, 3.5 in a large lot.
         """
         found = []
         for _, rows in self.used.drop_nulls(quantity).group_by("lot", maintain_order=True):

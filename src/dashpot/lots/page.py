@@ -17,7 +17,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.numbers import counted, rounded
 from dashpot.base.version import byline
 from dashpot.lots.lot import Lot
-from dashpot.lots.scatter import control_limits
+from dashpot.lots.statistics.control import individuals
 from dashpot.plot import tokens
 from dashpot.plot.picture import (
     Area,
@@ -113,10 +113,10 @@ def _chart(points: Sequence[Point]) -> Panel:
     edges = [y]
     for name, members in groupby(enumerate(points), key=lambda pair: pair[1].lot):
         at = np.array([i for i, _ in members])
-        limits = control_limits(y[at])
-        if limits is None:
+        if len(at) < 2:
             continue
-        mean, low, high = limits
+        limits, _ = individuals(y[at])
+        mean, low, high = limits.centre, float(limits.lower[0]), float(limits.upper[0])
         ends = np.array([at[0] + 0.5, at[-1] + 1.5])
         level = np.ones(2)
         marks.insert(0, Area(ends, low * level, high * level, "fit", "control limits of each lot"))

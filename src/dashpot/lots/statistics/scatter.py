@@ -53,7 +53,7 @@ class Component:
 
 @dataclass(frozen=True)
 class _Stratum:
-    """Mean square at one level, and the coefficients of the components in its expectation."""
+    """Mean square at one level, and in its expectation what this level and those inside count."""
 
     source: str
     square: float
@@ -71,12 +71,12 @@ def components(
 ) -> tuple[Component, ...]:
     r"""Return the components of variance of a nested design, the outermost first.
 
-    Expected mean squares of the unbalanced nested classification (Searle, Casella and McCulloch,
-    Variance Components, 1992, appendix F). The last component, called as `within` says, is what is
-    left inside the innermost level, less the mean square of the fits' own errors, ``"fit"``, if
-    those are given. The innermost interval is that of :math:`\chi^2`; the others are those of Ting
-    et al. (1990) for a difference of mean squares, exact enough at any size where the design is
-    balanced, an approximation where it is not.
+    The analysis of variance of the nested classification; where it is unbalanced, by the mean
+    squares of unweighted means: each lot counts as one, each seal as one of its lot (Burdick and
+    Graybill, Confidence Intervals on Variance Components, 1992, chapter 5). The last component,
+    called as `within` says, is what is left inside the innermost level, less the mean square of the
+    fits' own errors, ``"fit"``, if those are given. The innermost interval is that of
+    :math:`\chi^2`; the others are those of Ting et al. (1990) for a difference of mean squares.
 
     Parameters
     ----------
@@ -113,13 +113,12 @@ def components(
 
 
 def _strata(values: FloatArray, groups: list[Groups], names: list[str]) -> list[_Stratum]:
-    n = len(values)
-    whole = np.zeros(n, dtype=np.int64)
-    own = np.arange(n)
-    nested = [whole, *groups, own]
-    counts = [len(np.unique(one)) for one in nested]
-    found = []
-    for depth in range(1, len(nested)):
+    """Mean squares of unweighted means: worked out from the innermost, outermost given first."""
+    nested = [np.zeros(len(values), dtype=np.int64), *groups, np.arange(len(values))]
+    counts = [int(one.max()) + 1 for one in nested]
+    means, inside = values, np.ones((1, len(values)))  # each row: what a variance adds to a mean
+    found: list[_Stratum] = []
+    for depth in range(len(nested) - 1, 0, -1):
         freedom = counts[depth] - counts[depth - 1]
         if freedom < 1:
             what = names[depth - 1]
@@ -127,28 +126,17 @@ def _strata(values: FloatArray, groups: list[Groups], names: list[str]) -> list[
                 f"the scatter of each {what} cannot be told: there is no more than one {what} "
                 "of each kind; leave that level out, or test more"
             )
-        square = float(
-            np.sum((_means(values, nested[depth]) - _means(values, nested[depth - 1])) ** 2)
-        )
-        expects = [
-            (_weight(nested[inner], nested[depth]) - _weight(nested[inner], nested[depth - 1]))
-            / freedom
-            for inner in range(1, len(nested))
-        ]
-        found.append(_Stratum(names[depth - 1], square / freedom, freedom, tuple(expects)))
+        parent = np.zeros(counts[depth], dtype=np.int64)
+        parent[nested[depth]] = nested[depth - 1]
+        size = np.bincount(parent)
+        above = np.bincount(parent, means) / size
+        square = float(np.sum((means - above[parent]) ** 2)) / freedom
+        expects = inside @ (1 - 1 / size)[parent] / freedom
+        found.insert(0, _Stratum(names[depth - 1], square, freedom, tuple(expects)))
+        means = above
+        inside = np.array([np.bincount(parent, row) / size**2 for row in inside])
+        inside = np.vstack([np.ones(len(above)), inside])
     return found
-
-
-def _means(values: FloatArray, group: Groups) -> FloatArray:
-    """The mean of the group of each value."""
-    return np.asarray((np.bincount(group, values) / np.bincount(group))[group])
-
-
-def _weight(inner: Groups, outer: Groups) -> float:
-    """Coefficient of the variance of `inner` in the sum of squares of the means of `outer`."""
-    size = np.bincount(outer)
-    pairs, count = np.unique(np.stack([outer, inner]), axis=1, return_counts=True)
-    return float(np.sum(count**2 / size[pairs[0]]))
 
 
 def _estimates(strata: list[_Stratum], level: float) -> list[Component]:
@@ -157,8 +145,7 @@ def _estimates(strata: list[_Stratum], level: float) -> list[Component]:
     estimates: list[float] = []  # of the levels inside, as they came out
     for place in range(len(strata) - 1, -1, -1):
         stratum = strata[place]
-        inside = stratum.expects[place + 1 :]
-        own = stratum.expects[place]
+        own, *inside = stratum.expects
         below = sum(c * v for c, v in zip(inside, estimates, strict=True))
         variance = (stratum.square - below) / own
         if place == len(strata) - 1:
@@ -231,23 +218,3 @@ def stands_out(values: FloatArray) -> FloatArray:
     rare = 1 - 2 * NormalDist().cdf(-STANDS_OUT)
     limit = t_quantile(rare, _EFFICIENCY * (len(away) - 1))
     return np.where(np.abs(away) > limit, away, 0.0)
-
-
-_SPACING = 3 / 1.128
-"""Of mean moving ranges of two: three standard deviations (AIAG, Statistical Process Control)."""
-
-
-def control_limits(values: FloatArray) -> tuple[float, float, float] | None:
-    r"""Return mean, lower and upper control limit of individual values in their order.
-
-    .. math:: \bar x \pm 3\,\overline{MR}/d_2, \qquad d_2 = 1.128
-
-    with the mean moving range of two neighbours; None of fewer than two values. Source: AIAG,
-    Statistical Process Control, 2nd ed., individuals and moving range chart.
-    """
-    x = np.asarray(values, dtype=float)
-    if len(x) < 2:
-        return None
-    reach = _SPACING * float(np.mean(np.abs(np.diff(x))))
-    mean = float(x.mean())
-    return mean, mean - reach, mean + reach

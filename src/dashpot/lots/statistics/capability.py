@@ -1,0 +1,148 @@
+"""How well a lot keeps within two limits: Cp and Cpk, as far as so many seals know them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import DataError
+
+Ends: TypeAlias = tuple[float, float]
+_Index: TypeAlias = tuple[float | None, Ends | None]
+_SUSPECT = 0.05
+"""Below it normal values are rare."""
+
+
+@dataclass(frozen=True)
+class Capability:
+    """Of values that scatter, between limits.
+
+    Attributes
+    ----------
+    count : int
+        Of values.
+    mean, deviation : float
+        Of the values, and their standard deviation.
+    lower, upper : float or None
+        The limits asked for.
+    cp, cpk : float or None
+        None where the values do not scatter; ``cp`` also where there is one limit.
+    cp_interval, cpk_interval : (float, float) or None
+        95 %, of normal values.
+    outside : int
+        Values beyond a limit.
+    outside_interval : (float, float)
+        95 %: which share of such seals lies outside, whatever their distribution.
+    normal : float or None
+        P-value of the test of Shapiro and Wilk; None of fewer than three values, or equal ones.
+    """
+
+    count: int
+    mean: float
+    deviation: float
+    lower: float | None
+    upper: float | None
+    cp: float | None
+    cp_interval: Ends | None
+    cpk: float | None
+    cpk_interval: Ends | None
+    outside: int
+    outside_interval: Ends
+    normal: float | None
+
+    @property
+    def suspect(self) -> bool:
+        """Whether the values are hardly normal, so that Cp and Cpk say little."""
+        return self.normal is not None and self.normal < _SUSPECT
+
+
+def capability(
+    values: FloatArray, lower: float | None, upper: float | None, *, level: float = 0.95
+) -> Capability:
+    r"""Return Cp and Cpk of values, each with its interval, and the counts outside.
+
+    .. math:: C_p = \frac{U - L}{6s}, \qquad
+        C_{pk} = \min\left(\frac{U - \bar x}{3s}, \frac{\bar x - L}{3s}\right)
+
+    with s of all values: what AIAG calls Ppk, and ISO 22514-2 a capability where the values are in
+    control. The interval of Cp is that of :math:`\chi^2`. Those of each half of Cpk are exact, of
+    the noncentral t distribution (Chou, Owen and Borrego, Journal of Quality Technology 22, 1990).
+    Cpk has the lower one of their lower ends, and the lower one of their upper ends, each there
+    with half the tail, as either half may be the smaller one: from two values on it holds the truth
+    at least as often as it says. The share outside has the interval of Clopper and Pearson.
+
+    Raises
+    ------
+    DataError
+        If there are fewer than two values, or no limit, or the limits are exchanged.
+    """
+    x = np.asarray(values, dtype=float)
+    if len(x) < 2:
+        raise DataError(f"capability of {len(x)} value: expected two or more")
+    if lower is None and upper is None:
+        raise DataError("capability without a limit; give a lower one, an upper one, or both")
+    if lower is not None and upper is not None and lower >= upper:
+        raise DataError(f"the lower limit {lower:g} is not below the upper one, {upper:g}")
+    from scipy.stats import shapiro  # few need it, and it costs time to import
+
+    mean, deviation = float(x.mean()), float(x.std(ddof=1))
+    beyond = np.zeros(len(x), dtype=bool)
+    beyond |= False if lower is None else x < lower
+    beyond |= False if upper is None else x > upper
+    outside = int(np.count_nonzero(beyond))
+    scatters = deviation > 1e-12 * abs(mean)
+    unknown: _Index = (None, None)
+    cp, cpk = unknown, unknown
+    if scatters:
+        cp, cpk = _indices(mean, deviation, lower, upper, n=len(x), level=level)
+    return Capability(
+        len(x), mean, deviation, lower, upper, *cp, *cpk,
+        outside, share_interval(outside, len(x), level),
+        float(shapiro(x).pvalue) if scatters and len(x) > 2 else None,
+    )  # fmt: skip
+
+
+def _indices(
+    mean: float, deviation: float, lower: float | None, upper: float | None, *, n: int, level: float
+) -> tuple[_Index, _Index]:
+    from scipy.stats import chi2
+
+    tail = (1 - level) / 2
+    halves = [
+        side / (3 * deviation)
+        for side in (
+            math.inf if lower is None else mean - lower,
+            math.inf if upper is None else upper - mean,
+        )
+    ]
+    known = [one for one in halves if math.isfinite(one)]
+    low = min(_true_index(one, n, 1 - tail) for one in known)
+    high = min(_true_index(one, n, tail / len(known)) for one in known)
+    of_cpk = min(known), (low, high)
+    if lower is None or upper is None:
+        return (None, None), of_cpk
+    cp = (upper - lower) / (6 * deviation)
+    near, far = (cp * math.sqrt(float(chi2.ppf(p, n - 1)) / (n - 1)) for p in (tail, 1 - tail))
+    return (cp, (near, far)), of_cpk
+
+
+def _true_index(index: float, n: int, tail: float) -> float:
+    """Return the true index under which n values give this one, or a smaller one, so rarely."""
+    from scipy.special import nctdtrinc
+
+    scale = 3 * math.sqrt(n)
+    return float(nctdtrinc(n - 1, tail, scale * index)) / scale
+
+
+def share_interval(count: int, of: int, level: float = 0.95) -> Ends:
+    """Return the exact interval of a share of which `count` of so many were seen."""
+    from scipy.stats import beta
+
+    tail = (1 - level) / 2
+    low = 0.0 if count == 0 else float(beta.ppf(tail, count, of - count + 1))
+    high = 1.0 if count == of else float(beta.ppf(1 - tail, count + 1, of - count))
+    return low, high
