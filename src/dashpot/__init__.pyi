@@ -50,7 +50,9 @@ from .records.relaxation import RampHold as RampHold
 from .records.relaxation import RelaxationTest as RelaxationTest
 from .records.specimen import Specimen as Specimen
 from .records.superposition import Superposition as Superposition
+from .solids import friction as friction
 from .solids import networks as networks
+from .solids import stiffening as stiffening
 from .solids.elastic import compare_with_curve as compare_with_curve
 from .solids.fractional import FractionalZener as FractionalZener
 from .solids.maxwell import GeneralizedMaxwell as GeneralizedMaxwell
@@ -63,6 +65,7 @@ from .vibration.comparison.compare import infer_mass as infer_mass
 from .vibration.comparison.comparison import Comparison as Comparison
 from .vibration.impact.frf_estimation import estimate_frf as estimate_frf
 from .vibration.modal.dynamic_stiffness import dynamic_stiffness as dynamic_stiffness
+from .vibration.systems.level import response_at_level as response_at_level
 from .vibration.systems.prediction import isolation_frequency as isolation_frequency
 from .vibration.systems.prediction import predict_frf as predict_frf
 from .vibration.systems.system import Mount as Mount

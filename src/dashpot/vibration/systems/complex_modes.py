@@ -102,7 +102,7 @@ def _starts(system: System) -> list[complex]:
     """Where to look for each mode: the stiffness at its own frequency, not the glassy one."""
     E = system.stretch
     inverse = np.linalg.inv(system.mass_matrix)
-    glass = np.array([mount.solid.k_0 for mount in system.mounts])
+    glass = np.array([mount.felt.k_0 for mount in system.mounts])
     squared = np.sort(np.linalg.eigvals(inverse @ (E.T * glass) @ E).real)
     starts = []
     for rank, value in enumerate(squared):
@@ -141,7 +141,7 @@ def _newton(
 
 def _derivative(system: System, s: complex) -> ComplexArray:
     """dD/ds: 2 s M + E^T K'(s) E."""
-    slopes = np.array([complex(mount.solid.slope_at(s)) for mount in system.mounts])
+    slopes = np.array([complex(mount.felt.slope_at(s)) for mount in system.mounts])
     E = system.stretch
     return np.asarray(2 * s * system.mass_matrix + (E.T * slopes) @ E)
 
@@ -154,7 +154,7 @@ def _is_rigid(system: System, s: complex) -> bool:
     """True near 0 if the system has motions that stretch no mount."""
     free = len(system.dofs) > np.linalg.matrix_rank(system.stretch)
     inertia = float(np.trace(system.mass_matrix))
-    glass = float(sum(mount.solid.k_0 for mount in system.mounts))
+    glass = float(sum(mount.felt.k_0 for mount in system.mounts))
     return bool(free and abs(s) ** 2 * inertia <= _RIGID * glass)
 
 

@@ -68,7 +68,7 @@ def state_space(system: System, *, moving: Sequence[int] = ()) -> StateSpace:
     """
     E, G = system.stretch, system.base_stretch[:, list(moving)]
     n = len(system.dofs)
-    solids = [mount.solid.maxwell for mount in system.mounts]
+    solids = [mount.felt.maxwell for mount in system.mounts]
     glass = np.array([solid.k_0 for solid in solids])
     viscous = np.array([solid.b for solid in solids])
     arm_mount = np.array([i for i, solid in enumerate(solids) for _ in solid.k], dtype=np.intp)
@@ -221,7 +221,7 @@ def _observe(
     u_dot = np.concatenate((slope[:, :1], slope), axis=1)
     stretch = system.stretch @ z[:n] + system.base_stretch @ u
     speed = system.stretch @ z[n : 2 * n] + system.base_stretch @ u_dot
-    solids = [mount.solid.maxwell for mount in system.mounts]
+    solids = [mount.felt.maxwell for mount in system.mounts]
     glass = np.array([solid.k_0 for solid in solids])
     viscous = np.array([solid.b for solid in solids])
     tension = np.asarray(glass[:, None] * stretch + viscous[:, None] * speed)

@@ -13,6 +13,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
 from dashpot.records.frf import FRF, Kind
 from dashpot.solids.maxwell import Solid
+from dashpot.solids.rate_independent import AmplitudeDependent, Linearised, amplitudes
 
 MOTIONS = ("x", "y", "z", "rx", "ry", "rz")
 """Translations, m, and small rotations, rad, about the global axes."""
@@ -101,6 +102,11 @@ class Mount:
         The direction in which it acts; need not have length 1.
     rotary : bool
         True for a torsional mount about `along`: its solid is then in N m/rad.
+    friction : AmplitudeDependent or None
+        What stands beside the solid and answers to amplitude: friction, stiffening, both.
+    amplitude : float or None
+        Amplitude of the stretch, m (rad), at which every linear answer takes the friction; None
+        leaves it to :func:`~dashpot.vibration.systems.level.response_at_level`.
     """
 
     solid: Solid
@@ -108,11 +114,33 @@ class Mount:
     at: Vector = (0.0, 0.0, 0.0)
     along: Vector = (0.0, 0.0, 1.0)
     rotary: bool = False
+    friction: AmplitudeDependent | None = None
+    amplitude: float | None = None
 
     def __post_init__(self) -> None:
         if self.between[0] == self.between[1]:
             raise DataError(f"a mount joins '{self.between[0]}' to itself")
         _unit_vector(self.along)
+        if self.amplitude is not None:
+            amplitudes(self.amplitude)
+
+    @property
+    def felt(self) -> Solid:
+        """The linear solid that the mount is: its own, or what it is at the amplitude given.
+
+        Raises
+        ------
+        DataError
+            If there is friction and no amplitude.
+        """
+        if self.friction is None:
+            return self.solid
+        if self.amplitude is None:
+            raise DataError(
+                f"the mount between {' and '.join(self.between)} has friction, and what it is "
+                "depends on how far it moves; give it an amplitude, or ask response_at_level"
+            )
+        return Linearised(self.solid, self.friction, self.amplitude)
 
 
 @dataclass(frozen=True)
@@ -207,7 +235,7 @@ class System:
     def mount_stiffness(self, s: npt.ArrayLike) -> ComplexArray:
         """K of each mount at s, 1/s, shape (..., mounts)."""
         s = np.asarray(s, dtype=complex)
-        rows = [mount.solid.stiffness_at(s) for mount in self.mounts]
+        rows = [mount.felt.stiffness_at(s) for mount in self.mounts]
         return np.stack(rows, axis=-1) if rows else np.zeros((*s.shape, 0), dtype=complex)
 
     def dynamic_stiffness(self, s: npt.ArrayLike) -> ComplexArray:

@@ -1,0 +1,340 @@
+r"""Friction as small values: Coulomb, Jenkins, Iwan, Berg, and Kraus's law of the Payne effect.
+
+Sources: P. Gaillard and R. Singh, Applied Acoustics 60 (2000) 37 (Coulomb, Jenkins); W. D. Iwan,
+J. Appl. Mech. 33 (1966) 893; M. Berg, Vehicle System Dynamics 30 (1998) 197; G. Kraus, J. Appl.
+Polym. Sci. Symp. 39 (1984) 75. A rotary element is the same value in N m, N m/rad and rad.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.errors import DataError
+from dashpot.solids.rate_independent import InParallel, RateIndependent, above_zero, amplitudes
+
+_Path = tuple[tuple[float, float], ...]
+
+
+class Masing(RateIndependent):
+    r"""An element that follows Masing's rules: a branch is its first loading, twice as large.
+
+    .. math:: F(x) = F_r \pm 2\, g(|x - x_r| / 2)
+
+    from the last turning point (x_r, F_r), with the first loading (backbone) g; a branch that
+    closes a loop goes on as if that loop had never been.
+    """
+
+    @abstractmethod
+    def backbone(self, x: npt.ArrayLike) -> FloatArray:
+        """Force, N, of the first loading, at x >= 0, m."""
+
+    def unloading(self, x: FloatArray, amplitude: FloatArray) -> FloatArray:
+        """Force, N, from the tip of the loop downwards."""
+        return np.asarray(self.backbone(amplitude) - 2 * self.backbone((amplitude - x) / 2))
+
+    def start(self) -> _Path:
+        """At rest, where the first loading begins."""
+        return ((0.0, 0.0), (0.0, 0.0))
+
+    def step(self, state: _Path, x: float) -> tuple[float, _Path]:
+        """Force, N, and the turning points that are not forgotten, the present place last."""
+        *turns, here = state
+        way = x - here[0]
+        if way == 0:
+            return here[1], state
+        if way * (here[0] - turns[-1][0]) < 0:
+            turns.append(here)
+        while len(turns) > 2 and (x - turns[-2][0]) * way >= 0:
+            del turns[-2:]
+        if len(turns) == 2 and abs(x) >= abs(turns[1][0]) and x * turns[1][0] < 0:
+            del turns[1]  # past the mirror of its end the first loading goes on
+        x_r, f_r = turns[-1]
+        share = 1 if len(turns) == 1 else 2
+        rise = share * float(self.backbone(abs(x - x_r) / share))
+        force = f_r + float(np.copysign(rise, x - x_r))
+        return force, (*turns, (x, force))
+
+
+@dataclass(frozen=True)
+class Jenkins(Masing):
+    r"""A spring and a Coulomb slider in series: elastic up to its yield displacement, then slips.
+
+    .. math:: N = k \left[\frac{\theta - \tfrac12 \sin 2\theta}{\pi}
+        + j \frac4\pi \frac{x_y}{X}\left(1 - \frac{x_y}{X}\right)\right], \quad
+        \cos\theta = 1 - \frac{2 x_y}{X}, \quad x_y = \frac{F_c}{k}
+
+    and N = k while X does not exceed x_y.
+
+    Attributes
+    ----------
+    k : float
+        N/m, > 0 (N m/rad for a rotary element, whose amplitudes are in rad).
+    slip : float
+        Force F_c at which it slips, N, > 0.
+    """
+
+    k: float
+    slip: float
+
+    def __post_init__(self) -> None:
+        above_zero(self, "k", "slip")
+
+    @property
+    def yields_at(self) -> float:
+        """Yield displacement x_y = F_c / k, m."""
+        return self.slip / self.k
+
+    def backbone(self, x: npt.ArrayLike) -> FloatArray:
+        """Force, N, of the first loading."""
+        return np.minimum(self.k * np.asarray(x), self.slip)
+
+    def stiffness(self, amplitude: npt.ArrayLike) -> ComplexArray:
+        """Equivalent stiffness, N/m, in closed form."""
+        return self.k * slipping_share(amplitudes(amplitude), self.yields_at)
+
+    def __mul__(self, count: float) -> Jenkins:
+        """`count` in parallel."""
+        return replace(self, k=count * self.k, slip=count * self.slip)
+
+
+def slipping_share(amplitude: npt.ArrayLike, yields_at: npt.ArrayLike) -> ComplexArray:
+    """Equivalent stiffness of a Jenkins element over its k; broadcasts over both, m."""
+    r = np.minimum(np.divide(yields_at, amplitude), 1.0)
+    theta = np.arccos(1 - 2 * r)
+    return np.asarray((theta - np.sin(2 * theta) / 2) / np.pi + 4j / np.pi * r * (1 - r))
+
+
+@dataclass(frozen=True)
+class Coulomb(RateIndependent):
+    r"""A dry slider: :math:`N = 4j F_c / (\pi X)`.
+
+    Attributes
+    ----------
+    slip : float
+        F_c, N, > 0.
+    """
+
+    slip: float
+
+    def __post_init__(self) -> None:
+        above_zero(self, "slip")
+
+    def unloading(self, x: FloatArray, amplitude: FloatArray) -> FloatArray:
+        """The slider's force against the motion, N."""
+        return np.where(np.asarray(x) > -np.asarray(amplitude), -self.slip, -self.slip)
+
+    def stiffness(self, amplitude: npt.ArrayLike) -> ComplexArray:
+        """Equivalent stiffness, N/m, in closed form."""
+        return np.asarray(4j * self.slip / (np.pi * amplitudes(amplitude)))
+
+    def start(self) -> tuple[float, float]:
+        """Displacement and force."""
+        return (0.0, 0.0)
+
+    def step(self, state: tuple[float, float], x: float) -> tuple[float, tuple[float, float]]:
+        """Force, N; it stays what it was while nothing moves."""
+        force = state[1] if x == state[0] else float(np.copysign(self.slip, x - state[0]))
+        return force, (x, force)
+
+    def __mul__(self, count: float) -> Coulomb:
+        """`count` in parallel."""
+        return Coulomb(count * self.slip)
+
+
+@dataclass(frozen=True)
+class Iwan(Masing):
+    r"""Jenkins elements of every yield displacement up to 2 F_u / k, equally many of each.
+
+    .. math:: g(x) = k x - \frac{k^2 x^2}{4 F_u}, \quad x \le \frac{2 F_u}{k}; \qquad
+        N = k\left(1 - \frac{k X}{4 F_u}\right) + j \frac{k^2 X}{3 \pi F_u}
+
+    Attributes
+    ----------
+    k : float
+        Stiffness before anything slips, N/m, > 0.
+    slip : float
+        Force F_u at which all slip, N, > 0.
+    """
+
+    k: float
+    slip: float
+
+    def __post_init__(self) -> None:
+        above_zero(self, "k", "slip")
+
+    def backbone(self, x: npt.ArrayLike) -> FloatArray:
+        """Force, N, of the first loading."""
+        x = np.minimum(x, 2 * self.slip / self.k)
+        return np.asarray(self.k * x - (self.k * x) ** 2 / (4 * self.slip))
+
+    def stiffness(self, amplitude: npt.ArrayLike) -> ComplexArray:
+        """Equivalent stiffness, N/m, in closed form, also beyond 2 F_u / k."""
+        last = 2 * self.slip / self.k / amplitudes(amplitude)  # the largest yield over X
+        r = np.minimum(last, 1.0)
+        theta = np.arccos(1 - 2 * r)
+        slips = (np.sin(theta) - theta * np.cos(theta) - np.sin(theta) ** 3 / 3) / (2 * np.pi)
+        lost = 4 / np.pi * (r**2 / 2 - r**3 / 3)
+        return np.asarray(self.k / last * (slips + (last - r) + 1j * lost))
+
+    def __mul__(self, count: float) -> Iwan:
+        """`count` in parallel."""
+        return replace(self, k=count * self.k, slip=count * self.slip)
+
+
+@dataclass(frozen=True)
+class Berg(RateIndependent):
+    r"""Berg's smooth friction: from each turning point towards the limit force.
+
+    .. math:: F = F_r + \frac{x - x_r}{x_2 (1 - \mu) + (x - x_r)} (F_{max} - F_r), \quad
+        \mu = F_r / F_{max} \quad (x \text{ rising})
+
+    Attributes
+    ----------
+    limit : float
+        Largest friction force F_max, N, > 0.
+    half_way : float
+        x_2, m, > 0: where half of F_max is reached from rest.
+    """
+
+    limit: float
+    half_way: float
+
+    def __post_init__(self) -> None:
+        above_zero(self, "limit", "half_way")
+
+    def _from(self, turn: Any, way: Any, up: Any) -> Any:
+        """Force after moving `way` >= 0 from a turning point; `up` is +1 or -1."""
+        mu = up * turn / self.limit
+        return turn + way / (self.half_way * (1 - mu) + way) * (up * self.limit - turn)
+
+    def unloading(self, x: FloatArray, amplitude: FloatArray) -> FloatArray:
+        """Force, N, on the branch of the steady loop, whose tip force is in closed form."""
+        X, h = np.asarray(amplitude), self.half_way
+        tip = self.limit / (2 * h) * (np.sqrt(h**2 + X**2 + 6 * h * X) - h - X)
+        return np.asarray(self._from(tip, X - x, -1))
+
+    def start(self) -> tuple[float, float, float, float]:
+        """Last turning point (m, N), then the present place (m, N)."""
+        return (0.0, 0.0, 0.0, 0.0)
+
+    def step(
+        self, state: tuple[float, float, float, float], x: float
+    ) -> tuple[float, tuple[float, float, float, float]]:
+        """Force, N; only the last turning point is remembered."""
+        x_r, f_r, here, force = state
+        if x == here:
+            return force, state
+        up = 1 if x > here else -1
+        if up * (here - x_r) < 0:
+            x_r, f_r = here, force
+        force = float(self._from(f_r, abs(x - x_r), up))
+        return force, (x_r, f_r, x, force)
+
+    def __mul__(self, count: float) -> Berg:
+        """`count` in parallel."""
+        return replace(self, limit=count * self.limit)
+
+
+@dataclass(frozen=True)
+class Kraus(RateIndependent):
+    r"""Kraus's law of the Payne effect: what a strain sweep shows, and no more.
+
+    .. math:: N = \frac{k}{1 + u^{2m}} + j k'' \frac{2 u^m}{1 + u^{2m}}, \quad u = X / X_c
+
+    Attributes
+    ----------
+    k : float
+        Stiffness that is lost with amplitude, N/m, > 0.
+    half_way : float
+        X_c, m, > 0: where half of it is lost and the loss is largest.
+    m : float
+        Exponent, 0 < m < 1.
+    loss : float or None
+        k'', N/m, >= 0; None ties it to the rest by the rule of broad friction, k'' = m k / pi.
+    """
+
+    k: float
+    half_way: float
+    m: float = 0.5
+    loss: float | None = None
+
+    def __post_init__(self) -> None:
+        above_zero(self, "k", "half_way", "m")
+        if self.m >= 1 or (self.loss is not None and not self.loss >= 0):
+            raise DataError(
+                f"Kraus's law with m = {self.m:g}, loss = {self.loss}; expected 0 < m < 1 and a "
+                "loss >= 0, or None"
+            )
+
+    @property
+    def greatest_loss(self) -> float:
+        """k'', N/m, given or tied."""
+        return self.m * self.k / np.pi if self.loss is None else self.loss
+
+    def stiffness(self, amplitude: npt.ArrayLike) -> ComplexArray:
+        """Equivalent stiffness, N/m."""
+        u = (amplitudes(amplitude) / self.half_way) ** self.m
+        return np.asarray((self.k + 2j * self.greatest_loss * u) / (1 + u**2))
+
+    def unloading(self, x: FloatArray, amplitude: FloatArray) -> FloatArray:
+        """The ellipse of the equivalent stiffness, N: the law knows no other loop."""
+        N = self.stiffness(amplitude)
+        velocity = np.sqrt(np.maximum(np.asarray(amplitude) ** 2 - np.asarray(x) ** 2, 0.0))
+        return np.asarray(N.real * x - N.imag * velocity)
+
+    def start(self) -> Any:
+        """Refused: a law of amplitudes has no path.
+
+        Raises
+        ------
+        DataError
+        """
+        raise DataError(
+            "Kraus's law gives stiffness and loss at an amplitude and has no force along a path; "
+            "take Jenkins elements that lose as much stiffness: friction.jenkins_like"
+        )
+
+    def step(self, state: Any, x: float) -> tuple[float, Any]:  # noqa: ARG002
+        """Refused, as :meth:`start`."""
+        return self.start()  # type: ignore[no-any-return]  # it raises
+
+    def __mul__(self, count: float) -> Kraus:
+        """`count` in parallel."""
+        loss = None if self.loss is None else count * self.loss
+        return replace(self, k=count * self.k, loss=loss)
+
+
+def jenkins_like(element: RateIndependent, *, to: float, per_decade: int = 10) -> InParallel:
+    """Jenkins elements that lose stiffness with amplitude as another element does.
+
+    Their loss follows from what they lose (broad friction), not from the element's own.
+
+    Parameters
+    ----------
+    element : RateIndependent
+        Its storage must fall with amplitude, as friction's does.
+    to : float
+        Largest amplitude they are for, m; they cover three decades below it.
+    per_decade : int
+        Yield displacements in a decade.
+    """
+    from scipy.optimize import nnls  # costs an import that few need
+
+    grid = np.geomspace(to / 1e3, to, 3 * per_decade + 1)
+    # what slips beyond the largest amplitude is a spring there
+    yields = np.append(grid, 1e3 * to)
+    share = slipping_share(grid[:, None], yields).real
+    k, _ = nnls(share, element.stiffness(grid).real)
+    return InParallel(
+        tuple(
+            Jenkins(float(each), float(each * at))
+            for each, at in zip(k, yields, strict=True)
+            if each > 1e-9 * k.sum()
+        )
+    )

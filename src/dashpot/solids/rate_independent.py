@@ -1,0 +1,362 @@
+r"""Elements whose answer depends on how far they move, alone and beside or behind a solid.
+
+Under x(t) = Re X e^{+j omega t} an element answers with a loop; its first harmonic is the
+equivalent stiffness (describing function)
+
+.. math:: N(X) = \frac{1}{\pi X} \int_0^{2\pi} F(\varphi)\, e^{-j\varphi} d\varphi, \qquad
+    W = \pi X^2 \operatorname{Im} N
+
+with the energy W lost in a cycle.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from dashpot.base.arrays import ComplexArray, FloatArray, increasing, same_length, samples
+from dashpot.base.errors import DataError
+from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
+
+_NODES = 400
+"""Nodes of the quadrature over half a cycle, where an element has no closed first harmonic."""
+
+
+class AmplitudeDependent(ABC):
+    """A part whose complex stiffness depends on frequency and amplitude."""
+
+    @abstractmethod
+    def equivalent(self, omega: npt.ArrayLike, amplitude: npt.ArrayLike) -> ComplexArray:
+        """First harmonic of the force over X, N/m, at rad/s and amplitudes X > 0, m; broadcasts."""
+
+    @abstractmethod
+    def start(self) -> Any:
+        """State of the part at rest, at displacement and force zero."""
+
+    @abstractmethod
+    def advance(self, state: Any, dt: float, x: float) -> tuple[float, Any]:
+        """Force, N, after a straight step of dt, s, to a displacement, m; the state there."""
+
+    @abstractmethod
+    def __mul__(self, count: float) -> AmplitudeDependent:
+        """`count` equal parts in parallel."""
+
+    def __rmul__(self, count: float) -> AmplitudeDependent:
+        """As ``part * count``."""
+        return self * count
+
+    def __add__(self, other: object) -> InParallel:
+        """Two parts side by side: their forces add."""
+        if not isinstance(other, AmplitudeDependent | Solid):
+            return NotImplemented
+        return InParallel((self, other))
+
+    def __radd__(self, other: object) -> InParallel:
+        """As ``part + other``."""
+        return self + other
+
+    def path_force(self, t: npt.ArrayLike, displacement: npt.ArrayLike) -> FloatArray:
+        """Force, N, along displacements, m, straight between times, s; from rest at zero."""
+        time, x = increasing("t", samples("t", t)), samples("displacement", displacement)
+        same_length(t=time, displacement=x)
+        state, found = self.start(), []
+        for dt, place in zip(np.diff(time, prepend=time[0]).tolist(), x.tolist(), strict=True):
+            force, state = self.advance(state, dt, place)
+            found.append(force)
+        return np.array(found)
+
+
+class RateIndependent(AmplitudeDependent):
+    """An element whose force depends on the path of its displacement, not on time.
+
+    A new element gives :meth:`unloading`, :meth:`start`, :meth:`step` and the product with a
+    number; its first harmonic follows, where it has no closed one of its own.
+    """
+
+    @abstractmethod
+    def unloading(self, x: FloatArray, amplitude: FloatArray) -> FloatArray:
+        """Force, N, on the way from +amplitude to -amplitude of the steady loop, at x, m."""
+
+    @abstractmethod
+    def step(self, state: Any, x: float) -> tuple[float, Any]:
+        """Force, N, at the next displacement, m, and the state there."""
+
+    @abstractmethod
+    def __mul__(self, count: float) -> RateIndependent:
+        """`count` equal elements in parallel."""
+
+    def advance(self, state: Any, dt: float, x: float) -> tuple[float, Any]:  # noqa: ARG002
+        """As :meth:`step`: time does not matter."""
+        return self.step(state, x)
+
+    def equivalent(self, omega: npt.ArrayLike, amplitude: npt.ArrayLike) -> ComplexArray:
+        """As :meth:`stiffness`, at every frequency."""
+        return np.asarray(self.stiffness(amplitude) + 0 * np.asarray(omega))
+
+    def stiffness(self, amplitude: npt.ArrayLike) -> ComplexArray:
+        """Equivalent stiffness N(X), N/m, at amplitudes X > 0, m: the first harmonic over X."""
+        X = amplitudes(amplitude)
+        phase, weights = _half_cycle()
+        force = self.unloading(X[..., None] * np.cos(phase), X[..., None])
+        return np.asarray(2 / np.pi * (force * np.exp(-1j * phase)) @ weights / X)
+
+    def energy(self, amplitude: npt.ArrayLike) -> FloatArray:
+        r"""Energy lost in a cycle, J: :math:`\pi X^2 \operatorname{Im} N(X)`."""
+        X = amplitudes(amplitude)
+        return np.asarray(np.pi * X**2 * self.stiffness(X).imag)
+
+    def secant(self, amplitude: npt.ArrayLike) -> FloatArray:
+        """Force over displacement at the tip of the steady loop, N/m."""
+        X = amplitudes(amplitude)
+        return np.asarray(self.unloading(X, X) / X)
+
+    def force(self, displacement: npt.ArrayLike) -> FloatArray:
+        """Force, N, along a path of displacements, m, that starts from rest at zero."""
+        state, found = self.start(), []
+        for x in samples("displacement", displacement).tolist():
+            force, state = self.step(state, x)
+            found.append(force)
+        return np.array(found)
+
+    def loop(self, amplitude: float, *, points: int = 400) -> tuple[FloatArray, FloatArray]:
+        """The steady loop: displacement, m, and force, N, once round from +amplitude."""
+        X = float(amplitudes(amplitude))
+        half = X * np.cos(np.linspace(0, np.pi, points // 2 + 1))
+        down = self.unloading(half, np.full_like(half, X))
+        return np.concatenate((half, -half[1:])), np.concatenate((down, -down[1:]))
+
+
+@dataclass(frozen=True)
+class InParallel(AmplitudeDependent):
+    """Parts that share one displacement: solids, elements, or both; their forces add.
+
+    Attributes
+    ----------
+    parts : tuple of Solid or AmplitudeDependent
+        At least one; those that are themselves in parallel are laid out side by side.
+    """
+
+    parts: tuple[Solid | AmplitudeDependent, ...]
+
+    def __post_init__(self) -> None:
+        flat = tuple(
+            part
+            for one in self.parts
+            for part in (one.parts if isinstance(one, InParallel) else (one,))
+        )
+        if not flat or not all(isinstance(part, Solid | AmplitudeDependent) for part in flat):
+            raise DataError(
+                f"parts = {self.parts!r}; expected solids or elements, at least one of them"
+            )
+        object.__setattr__(self, "parts", flat)
+
+    def equivalent(self, omega: npt.ArrayLike, amplitude: npt.ArrayLike) -> ComplexArray:
+        """Complex stiffness, N/m: the sum of the parts."""
+        return np.asarray(sum(equivalent(part, omega, amplitude) for part in self.parts))
+
+    def start(self) -> tuple[Any, ...]:
+        """The parts at rest."""
+        return tuple(part.start() for part in self._marched)
+
+    def advance(self, state: tuple[Any, ...], dt: float, x: float) -> tuple[float, tuple[Any, ...]]:
+        """Force, N, and the states of the parts."""
+        found = [part.advance(each, dt, x) for part, each in zip(self._marched, state, strict=True)]
+        return sum(force for force, _ in found), tuple(each for _, each in found)
+
+    def __mul__(self, count: float) -> InParallel:
+        """`count` of each."""
+        return InParallel(tuple(part * count for part in self.parts))
+
+    @cached_property
+    def _marched(self) -> tuple[AmplitudeDependent | _Arms, ...]:
+        return tuple(_marched(part) for part in self.parts)
+
+
+@dataclass(frozen=True)
+class InSeries(AmplitudeDependent):
+    r"""A solid and, behind it, a part whose stiffness depends on amplitude: one force in both.
+
+    .. math:: \frac1K = \frac1{K_1(\omega)} + \frac1{N(\omega, X_2)}, \qquad
+        X = X_2 \left|1 + \frac{N(\omega, X_2)}{K_1(\omega)}\right|
+
+    with the amplitude X_2 over the second.
+
+    Attributes
+    ----------
+    solid : Solid
+    behind : AmplitudeDependent
+    """
+
+    solid: Solid
+    behind: AmplitudeDependent
+
+    def equivalent(self, omega: npt.ArrayLike, amplitude: npt.ArrayLike) -> ComplexArray:
+        """Complex stiffness, N/m; the solid's own while the part behind it is stuck."""
+        w, X = np.broadcast_arrays(np.asarray(omega, dtype=float), amplitudes(amplitude))
+        first = self.solid.complex_stiffness(w)
+        # both dissipate, so the part behind never moves further than the whole
+        low, high = np.full(X.shape, np.log(1e-12)), np.zeros(X.shape)
+        for _ in range(60):
+            middle = (low + high) / 2
+            behind = X * np.exp(middle)
+            short = behind * np.abs(1 + self.behind.equivalent(w, behind) / first) < X
+            low, high = np.where(short, middle, low), np.where(short, high, middle)
+        second = self.behind.equivalent(w, X * np.exp(high))
+        whole = first * second / (first + second)
+        return np.asarray(np.where(high < np.log(1e-11), first, whole))
+
+    def start(self) -> tuple[Any, Any, float]:
+        """Both at rest, and the displacement of the part behind."""
+        return _Arms(self.solid).start(), self.behind.start(), 0.0
+
+    def advance(
+        self, state: tuple[Any, Any, float], dt: float, x: float
+    ) -> tuple[float, tuple[Any, Any, float]]:
+        """Force, N, where that of the solid equals that of the part behind it."""
+        from scipy.optimize import brentq  # costs an import that few need
+
+        first, second, before = state
+        arms = _Arms(self.solid)
+
+        def over(y: float) -> float:
+            return self.behind.advance(second, dt, y)[0] - arms.advance(first, dt, x - y)[0]
+
+        # the difference rises with y: widen until it changes its sign
+        reach = abs(x - before) + 1e-15
+        low, high = before - reach, before + reach
+        while over(low) > 0:
+            low -= 2 * (high - low)
+        while over(high) < 0:
+            high += 2 * (high - low)
+        y = float(brentq(over, low, high, xtol=1e-15 * (1 + abs(before) + reach)))
+        force, first = arms.advance(first, dt, x - y)
+        return force, (first, self.behind.advance(second, dt, y)[1], y)
+
+    def __mul__(self, count: float) -> InSeries:
+        """`count` in parallel."""
+        return InSeries(self.solid * count, self.behind * count)
+
+
+@dataclass(frozen=True)
+class Linearised(Solid):
+    """A solid beside a part that is held at one amplitude: the linear solid of that amplitude.
+
+    Attributes
+    ----------
+    solid : Solid
+    beside : AmplitudeDependent
+    amplitude : float
+        m.
+    """
+
+    solid: Solid
+    beside: AmplitudeDependent
+    amplitude: float
+
+    @property
+    def k_inf(self) -> float:  # type: ignore[override]  # others keep it as a field
+        """Stiffness, N/m, of slow motion of that amplitude."""
+        return self.solid.k_inf + float(self.beside.equivalent(0.0, self.amplitude).real)
+
+    @property
+    def k_0(self) -> float:  # type: ignore[override]
+        """Stiffness, N/m, of fast motion of that amplitude."""
+        return self.solid.k_0 + float(self.beside.equivalent(1e12, self.amplitude).real)
+
+    @property
+    def maxwell(self) -> GeneralizedMaxwell:
+        """Refused: friction loses the same at every frequency, which no arm does.
+
+        Raises
+        ------
+        DataError
+        """
+        raise DataError(
+            "friction has no arms, and so no linear equations in time; its answers are "
+            "response_at_level, newton_modes and the FRF at an amplitude, or path_force in time"
+        )
+
+    def stiffness_at(self, s: npt.ArrayLike) -> ComplexArray:
+        """Stiffness on the Laplace plane, N/m, `s` in 1/s; the part's is that of Im s."""
+        s = np.asarray(s, dtype=complex)
+        beside = self.beside.equivalent(np.abs(s.imag), self.amplitude)
+        lost = np.where(s.imag < 0, beside.conj(), beside)
+        return np.asarray(self.solid.stiffness_at(s) + lost)
+
+    def __mul__(self, count: float) -> Linearised:
+        """`count` in parallel."""
+        return replace(self, solid=self.solid * count, beside=self.beside * count)
+
+    __rmul__ = __mul__
+
+
+@dataclass(frozen=True)
+class _Arms:
+    """A solid, stepped along a path that is straight between its samples."""
+
+    solid: Solid
+
+    def start(self) -> tuple[float, FloatArray]:
+        """Displacement, m, and the elongation of the springs of its arms, m."""
+        return 0.0, np.zeros(self.solid.maxwell.arms)
+
+    def advance(
+        self, state: tuple[float, FloatArray], dt: float, x: float
+    ) -> tuple[float, tuple[float, FloatArray]]:
+        """Force, N, exact for a straight step; a step of no time is a jump."""
+        maxwell = self.solid.maxwell
+        k, tau = np.asarray(maxwell.k), np.asarray(maxwell.tau)
+        before, elongation = state
+        z = dt / tau
+        mean = -np.expm1(-z) / z if dt > 0 else np.ones_like(tau)
+        elongation = np.exp(-z) * elongation + mean * (x - before)
+        viscous = maxwell.b * (x - before) / dt if dt > 0 else 0.0
+        return float(maxwell.k_inf * x + k @ elongation + viscous), (x, elongation)
+
+
+def equivalent(
+    part: Solid | AmplitudeDependent, omega: npt.ArrayLike, amplitude: npt.ArrayLike
+) -> ComplexArray:
+    """Complex stiffness, N/m, of a solid or of a part that depends on amplitude."""
+    if isinstance(part, AmplitudeDependent):
+        return part.equivalent(omega, amplitude)
+    return np.asarray(part.complex_stiffness(omega) + 0 * np.asarray(amplitude))
+
+
+def amplitudes(amplitude: npt.ArrayLike) -> FloatArray:
+    """Amplitudes as an array.
+
+    Raises
+    ------
+    DataError
+        If one is not a number above 0.
+    """
+    X = np.asarray(amplitude, dtype=float)
+    if not (np.isfinite(X) & (X > 0)).all():
+        bad = X[~(np.isfinite(X) & (X > 0))].flat[0]
+        raise DataError(f"amplitude = {bad:g}; expected a displacement > 0, in m")
+    return X
+
+
+def above_zero(element: Any, *names: str) -> None:
+    """Refuse an element one of whose numbers is not above 0."""
+    for name in names:
+        value = getattr(element, name)
+        if not (np.isfinite(value) and value > 0):
+            raise DataError(f"{type(element).__name__}: {name} = {value!r}; expected a number > 0")
+
+
+def _marched(part: Solid | AmplitudeDependent) -> AmplitudeDependent | _Arms:
+    return part if isinstance(part, AmplitudeDependent) else _Arms(part)
+
+
+def _half_cycle() -> tuple[FloatArray, FloatArray]:
+    """Phases of half a cycle and their weights, crowded at both turns, where a branch bends."""
+    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+    phase = np.pi / 2 * (1 + np.sin(np.pi / 2 * nodes))
+    return phase, weights * np.pi**2 / 4 * np.cos(np.pi / 2 * nodes)
