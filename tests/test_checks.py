@@ -908,6 +908,7 @@ TEMPERATURE = [
 LOTS = [
     Case("files_fitted", lambda x: lots.files_fitted(int(x), 9), 0, 1),
     Case("fits_usable", lambda x: lots.fits_usable(int(x), 9), 0, 1),
+    Case("hammers_compared", lambda x: lots.hammers_compared(int(x), 9), 0, 1),
 ]
 
 WORKFLOW = [
@@ -1048,7 +1049,7 @@ LIMITS = {
         "gain_believable": 2.5, "delay_believable": 2.5, "stiffness_believable": 2.5,
         "earlier_fit_kept": 2.5, "dashpot_not_missed": 50, "arms_identified": 0.5,
     },
-    "lots": {"files_fitted": 0, "fits_usable": 0},
+    "lots": {"files_fitted": 0, "fits_usable": 0, "hammers_compared": 0},
     "planning": {"tip_excites": -10},
     "vibration": {
         "seal_mass_negligible": 0.02, "mass_of_a_block": 1e-3, "compression_tested": 1,

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from dashpot.base.errors import ReadError
+from dashpot.base.errors import DataError, ReadError
 from dashpot.lots.entries import Entry, entries
 
 
@@ -99,4 +99,76 @@ def test_a_toml_that_is_none_is_refused(here, text):
 def test_a_listed_file_that_is_missing_stays_listed(here):
     Path("m.csv").write_text("file\ngone.csv\n")
     (one,) = entries([], manifest="m.csv", without=Path("lot"))
-    assert (one.file, one.sha256()) == ("gone.csv", "")
+    assert (one.file, one.hashes()) == ("gone.csv", ("",))
+
+
+@pytest.fixture
+def pairs(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name in ("t/A_1.csv", "t/A_2.csv", "t/A_10.csv", "t/A_1_hammer1.csv", "t/A_1_hammer2.csv",
+                 "t/A_2_hammer.csv", "hits/A-2.uff"):  # fmt: skip
+        Path(name).parent.mkdir(parents=True, exist_ok=True)
+        Path(name).write_text(name)
+    return tmp_path
+
+
+def hammers(*paths, **how):
+    found = entries(paths, without=Path("lot"), **how)
+    return {Path(one.file).stem: [Path(h).name for h in one.hammer] for one in found}
+
+
+def test_hammers_are_paired_by_the_name_of_the_test_and_are_no_tests_themselves(pairs):
+    by_stem = {"A_1": ["A_1_hammer1.csv", "A_1_hammer2.csv"], "A_2": ["A_2_hammer.csv"], "A_10": []}
+    assert hammers("t", pair="{stem}_hammer*.csv") == by_stem
+    # by the labels, which the hammer's own path has too
+    assert hammers("t", by=r"(\w)_(\d+)", pair="{lot}_{seal}_hammer*") == by_stem
+    # in another folder, and one hammer for all the repeats of a seal
+    Path("t/A_2_again.csv").write_text("")
+    elsewhere = hammers("t/A_2.csv", "t/A_2_again.csv", "hits", by=r"(\w)[_-](\d+)",
+                        pair="../hits/{lot}-{seal}.uff")  # fmt: skip
+    assert elsewhere == {"A_2": ["A-2.uff"], "A_2_again": ["A-2.uff"]}
+
+
+def test_a_name_with_the_marks_of_a_pattern_finds_its_own_hammer(pairs):
+    for name in ("s[1].csv", "s[1]_h.csv", "s1_h.csv"):
+        Path(name).write_text(name)
+    assert hammers("s[1].csv", pair="{stem}_h.csv") == {"s[1]": ["s[1]_h.csv"]}
+
+
+@pytest.mark.parametrize(
+    ("pair", "says"),
+    [
+        ("*_hammer*.csv", "holds no name in braces"),
+        ("{name}_hammer*.csv", "holds name in braces"),
+        ("{stem", "is no pattern"),
+        ("{seal}*.csv", "give --by too"),
+        ("{stem}_hits.csv", "A_1_hits.csv"),
+        ("{stem}*.csv", "fits the tests themselves"),
+    ],
+)
+def test_a_pattern_that_pairs_nothing_says_why(pairs, pair, says):
+    with pytest.raises(DataError, match=re.escape(says)):
+        entries(["t"], pair=pair, without=Path("lot"))
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("m.csv", "file,hammer\nt/A_1.csv,t/A_1_hammer1.csv; hits/A-2.uff\nt/A_2.csv,\n"),
+        (
+            "m.toml",
+            """[[test]]
+            file = "t/A_1.csv"
+            hammer = ["t/A_1_hammer1.csv", "hits/A-2.uff"]
+            [[test]]
+            file = "t/A_2.csv"
+            """,
+        ),
+    ],
+)
+def test_a_manifest_names_the_hammers_and_wins_over_a_pattern(pairs, name, text):
+    Path(name).write_text(text)
+    listed = {"A_1": ["A_1_hammer1.csv", "A-2.uff"], "A_2": []}
+    assert hammers(manifest=name) == listed
+    paired = hammers(manifest=name, pair="{stem}_hammer*.csv")
+    assert paired == listed | {"A_2": ["A_2_hammer.csv"]}

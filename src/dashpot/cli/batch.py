@@ -12,9 +12,10 @@ import click
 import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.cli import _options as options
+from dashpot.cli._options import over_profile
 from dashpot.cli._shell import File, Folder, Outcome, reports, write
 from dashpot.cli._terminal import Text
-from dashpot.io.options import ReadOptions
+from dashpot.io.options import OF_HAMMER, OF_HAMMER_ALONE, ReadOptions
 from dashpot.lots.statistics.scatter import Component
 
 
@@ -31,8 +32,17 @@ from dashpot.lots.statistics.scatter import Component
 )
 @click.option(
     "--manifest", type=File(), metavar="FILE",
-    help="CSV or TOML: file, lot, seal, repeat, temperature, mass.",
+    help="CSV or TOML: file, lot, seal, repeat, temperature, mass, hammer.",
 )  # fmt: skip
+@click.option(
+    "--pair",
+    metavar="PATTERN",
+    help="Hammer files of a test: '{stem}_hammer*.csv', '{seal}_*.uff'.",
+)
+@click.option("--joint", is_flag=True, help="One solid for a ramp and hold and its hammer.")
+@click.option(
+    "--impact-profile", type=File(), metavar="FILE", help="Saved answers for the hammer files."
+)
 @click.option("--jobs", type=click.IntRange(1), help="Processes [default: one per processor].")
 @click.option("--dry-run", is_flag=True, help="Say what would be done, and how long it takes.")
 @reports
@@ -48,39 +58,47 @@ def command(
     seals: float,
     by: str | None,
     manifest: str | None,
+    pair: str | None,
+    joint: bool,
+    impact_profile: str | None,
     jobs: int | None,
     dry_run: bool,
     options: ReadOptions,
 ) -> Outcome:
-    r"""Fit every relaxation test in PATH (files, folders, patterns), one row of a table each.
+    r"""Fit every test in PATH (files, folders, patterns), one row of a table each.
 
-    LOT gets the table as Parquet parts and lot.csv, the page lot.html, and a log. A file that is
-    no such test, or cannot be read, is a row that says why. Stopped or killed, the same command
+    LOT gets the table as Parquet parts and lot.csv, the page lot.html, and a log. A file that has
+    no fit, or cannot be read, is a row that says why. Stopped or killed, the same command
     goes on where it was.
 
     \b
     dashpot batch tests/ -o lot
     dashpot batch tests/ -o lot --by 'lot(\w+)_seal(\d+)_rep(\d+)' --mass 104g --seals 2
     dashpot batch --manifest tests.csv -o lot --arms 2 --quick --jobs 8
+    dashpot batch tests/ -o lot --pair '{stem}_hammer*.csv' --mass 104g --seals 2
     dashpot batch tests/ -o lot --dry-run
     """
     if not paths and manifest is None:
         raise click.UsageError("give files, folders or patterns, or --manifest FILE")
     from dashpot.lots.page import html  # jinja and figures are not needed to list options
 
+    # columns named for one kind of file need not exist in the other's; units do no harm
+    of_impact = over_profile(options.only(("units", *OF_HAMMER)), impact_profile)
+    options = options.without(OF_HAMMER_ALONE)
     if dry_run:
         from dashpot.lots.choices import BatchChoices
         from dashpot.lots.lot import plan_batch
 
         planned = plan_batch(
-            paths, output=output, by=by, manifest=manifest, jobs=jobs,
-            choices=BatchChoices(arms, method, quick, mass, seals, options),
+            paths, output=output, by=by, manifest=manifest, pair=pair, jobs=jobs,
+            choices=BatchChoices(arms, method, quick, mass, seals, options, of_impact, joint),
         )  # fmt: skip
         document = {"schema": "dashpot/batch-plan@1", **asdict(planned)}
         return Outcome(document, Text(_planned(asdict(planned))))
     lot = dp.batch(
         paths, output=output, arms=arms, method=method, quick=quick, mass=mass, seals=seals,
-        by=by, manifest=manifest, jobs=jobs, options=options,
+        by=by, manifest=manifest, pair=pair, joint=joint, jobs=jobs, options=options,
+        impact_options=of_impact,
     )  # fmt: skip
     write(f"{output}/lot.csv", lot.csv())
     write(f"{output}/lot.html", html(lot, title=Path(output).resolve().name))
@@ -92,6 +110,7 @@ def command(
         "computed": lot.computed,
         "outcomes": lot.outcomes,
         "verdicts": lot.verdicts,
+        "agreements": lot.agreements,
         "components": [asdict(one) for one in scatter],
         "outliers": [
             {"file": file, "robust_deviations": away if isfinite(away) else None}
@@ -121,8 +140,8 @@ def _told(document: dict[str, Any]) -> list[str]:
         f"files       {document['files']}: {counted(document['outcomes'])}",
         f"computed    {document['computed']} now, {there} were there",
     ]
-    verdicts = counted(document["verdicts"])
-    return [*lines, f"verdicts    {verdicts}"] if verdicts else lines
+    judged = {"verdicts": document["verdicts"], "hammers": document["agreements"]}
+    return [*lines, *(f"{name:<12}{counted(found)}" for name, found in judged.items() if found)]
 
 
 def _others(lot: dp.Lot) -> list[str]:

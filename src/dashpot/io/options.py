@@ -183,6 +183,8 @@ OF_HAMMER = (
     "acceleration", "hammer", "frequency", "real", "imaginary", "magnitude", "phase", "coherence",
 )  # fmt: skip
 """Fields that speak of a hammer test, whatever other file a command reads."""
+OF_HAMMER_ALONE = tuple(name for name in OF_HAMMER if name != "frequency")
+"""Those that no dynamic sweep has too."""
 OF_BENCH = ("displacement", "cycle")
 """Fields that speak of a relaxation test so."""
 

@@ -31,7 +31,10 @@ class BatchChoices:
         Of the block on the seals, kg, where a test has none of its own.
     seals : float
         Under that mass.
-    reading : ReadOptions
+    reading, reading_impact : ReadOptions
+        Of the tests, and of the hammer's files.
+    joint : bool
+        Where a hammer is paired with a ramp and hold: one solid for both.
     """
 
     arms: int | Literal["auto"] = "auto"
@@ -40,6 +43,8 @@ class BatchChoices:
     mass: float | None = field(default=None, metadata={"unit": "mass"})
     seals: float = 1.0
     reading: ReadOptions = field(default_factory=ReadOptions)
+    reading_impact: ReadOptions = field(default_factory=ReadOptions)
+    joint: bool = False
 
     def __post_init__(self) -> None:
         si_fields(self)
@@ -52,16 +57,18 @@ class BatchChoices:
             raise DataError(f"mass = {self.mass!r} kg; expected a number > 0")
         if not (math.isfinite(self.seals) and self.seals > 0):
             raise DataError(f"seals = {self.seals!r}; expected a number > 0")
-        if self.reading.modulus is not None:
-            raise DataError(
-                "a batch is of relaxation tests; a relaxation modulus (--modulus) is fitted by "
-                "dashpot fit"
-            )
+        if self.joint and self.quick:
+            raise DataError("--joint weighs both tests by their errors, which --quick leaves out")
 
     @property
     def columns(self) -> int:
         """Arms that a row has room for."""
-        return MOST_ARMS if self.arms == "auto" else self.arms
+        return MOST_ARMS if self.arms == "auto" or self.joint else self.arms
+
+    @property
+    def bench(self) -> ReadOptions:
+        """How a test is read, before it is known to be a modulus."""
+        return self.reading.without(("modulus",))
 
     def plain(self) -> dict[str, Any]:
         """As JSON holds it."""
@@ -70,8 +77,11 @@ class BatchChoices:
     @staticmethod
     def from_plain(plain: dict[str, Any]) -> BatchChoices:
         """From what :meth:`plain` gave."""
-        reading = plain["reading"] | {"units": dict(plain["reading"]["units"])}
-        return BatchChoices(**{**plain, "reading": ReadOptions(**reading)})
+        options = {
+            name: ReadOptions(**(plain[name] | {"units": dict(plain[name]["units"])}))
+            for name in ("reading", "reading_impact")
+        }
+        return BatchChoices(**(plain | options))
 
     def calibration(self) -> str:
         """The hash of the calibration that the readings are turned by; empty without one."""

@@ -10,6 +10,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from string import Formatter
 from typing import Any
 
 from dashpot.base.errors import DashpotError, DataError, ReadError
@@ -19,7 +20,7 @@ from dashpot.io.source import open_raw
 
 LABELS = ("lot", "seal", "repeat")
 _QUANTITIES = ("temperature", "mass")
-_KNOWN = ("file", *LABELS, *_QUANTITIES)
+_KNOWN = ("file", *LABELS, *_QUANTITIES, "hammer")
 _MANIFEST = 1 << 26
 """Bytes of the largest manifest."""
 _BLOCK = 1 << 20
@@ -28,16 +29,18 @@ _HEAD = 1 << 12
 
 @dataclass(frozen=True)
 class Entry:
-    """One file of a batch.
+    """One test of a batch.
 
     Attributes
     ----------
     file : str
-        Its path.
+        The path of its record.
     lot, seal, repeat : str
         Which lot, which seal of it, and which test of that seal; empty where nobody said.
     temperature, mass : float or None
         Of the test, K; of the block on the seal, kg.
+    hammer : tuple of str
+        The hammer's files, or an FRF, of the block on such seals.
     """
 
     file: str
@@ -46,19 +49,30 @@ class Entry:
     repeat: str = ""
     temperature: float | None = None
     mass: float | None = None
+    hammer: tuple[str, ...] = ()
 
-    def sha256(self) -> str:
-        """The hash of its contents; empty where they cannot be read."""
-        digest = hashlib.sha256()
-        try:
-            if not Path(self.file).is_file():
-                return ""
-            with Path(self.file).open("rb") as stream:
-                while block := stream.read(_BLOCK):
-                    digest.update(block)
-        except (OSError, ValueError):
+    @staticmethod
+    def from_plain(plain: dict[str, Any]) -> Entry:
+        """From what JSON held of it."""
+        return Entry(**{**plain, "hammer": tuple(plain["hammer"])})
+
+    def hashes(self) -> tuple[str, ...]:
+        """SHA-256 of the contents of its file and of its hammer's."""
+        return tuple(map(hashed, (self.file, *self.hammer)))
+
+
+def hashed(path: str) -> str:
+    """Return the SHA-256 of a file's contents; empty where they cannot be read."""
+    digest = hashlib.sha256()
+    try:
+        if not Path(path).is_file():
             return ""
-        return digest.hexdigest()
+        with Path(path).open("rb") as stream:
+            while block := stream.read(_BLOCK):
+                digest.update(block)
+    except (OSError, ValueError):
+        return ""
+    return digest.hexdigest()
 
 
 def entries(
@@ -66,9 +80,10 @@ def entries(
     *,
     manifest: str | Path | None = None,
     by: str | None = None,
+    pair: str | None = None,
     without: Path,
 ) -> tuple[Entry, ...]:
-    """Return the files that paths, folders and patterns name, each once, sorted by path.
+    """Return the tests that paths, folders and patterns name, each once, sorted by path.
 
     Parameters
     ----------
@@ -79,6 +94,9 @@ def entries(
         CSV or TOML; the files it lists are added to the paths, and its labels win over `by`.
     by : str, optional
         A regular expression whose groups, named or in this order, are lot, seal and repeat.
+    pair : str, optional
+        The pattern of a test's hammer files, seen from its folder: ``"{stem}_hammer*.csv"``; it may
+        hold {stem}, the name of the test's file without its suffix, {lot}, {seal} and {repeat}.
     without : Path
         The folder of the results.
 
@@ -87,7 +105,7 @@ def entries(
     ReadError
         If a path names nothing, or the manifest is not one.
     DataError
-        If the expression is none, or fits no file.
+        If the expression is none, or fits no file, or a pattern pairs nothing.
     """
     listed = {} if manifest is None else _manifest(Path(manifest))
     leave = {os.path.realpath(manifest)} if manifest is not None else set()
@@ -107,7 +125,53 @@ def entries(
     for path, said in listed.items():
         place = os.path.realpath(path)
         found[place] = replace(found[place], **said)
-    return tuple(sorted(found.values(), key=lambda one: one.file))
+    every = sorted(found.values(), key=lambda one: one.file)
+    return _tests(every if pair is None else _paired(every, pair))
+
+
+def _tests(every: Sequence[Entry]) -> tuple[Entry, ...]:
+    """All but the files that are another's hammer."""
+    hammers = {os.path.realpath(path) for one in every for path in one.hammer}
+    return tuple(one for one in every if os.path.realpath(one.file) not in hammers)
+
+
+def _paired(every: Sequence[Entry], pair: str) -> list[Entry]:
+    """The entries with their hammers, but for those whose manifest names some."""
+    try:
+        names = {name for _, name, _, _ in Formatter().parse(pair) if name is not None}
+    except ValueError as error:
+        raise DataError(f"--pair '{pair}' is no pattern: {error}") from None
+    if not names or names - {"stem", *LABELS}:
+        raise DataError(
+            f"--pair '{pair}' holds {', '.join(sorted(names)) or 'no name'} in braces; expected "
+            "some of {stem}, {lot}, {seal} and {repeat}, as in '{stem}_hammer*.csv'"
+        )
+    unnamed = names.isdisjoint({"stem"}) and not any(
+        getattr(one, name) for one in every for name in names
+    )
+    if unnamed:
+        raise DataError(f"--pair '{pair}': no test has a lot, seal or repeat: give --by too")
+    found = [one if one.hammer else replace(one, hammer=_hammers(one, pair)) for one in every]
+    if not any(one.hammer for one in found):
+        example = Path(every[0].file).parent / _filled(every[0], pair)
+        raise DataError(f"--pair '{pair}' finds no hammer file, such as {example}")
+    if not _tests(found):
+        raise DataError(
+            f"--pair '{pair}' fits the tests themselves, so that all are hammers: name the "
+            "hammer's files alone"
+        )
+    return found
+
+
+def _filled(one: Entry, pair: str) -> str:
+    known = {"stem": Path(one.file).stem, "lot": one.lot, "seal": one.seal, "repeat": one.repeat}
+    return pair.format(**{name: glob.escape(value) for name, value in known.items()})
+
+
+def _hammers(one: Entry, pair: str) -> tuple[str, ...]:
+    folder = Path(one.file).parent
+    found = folder.glob(_filled(one, pair))
+    return tuple(sorted(str(path) for path in found if path.is_file()))
 
 
 def _expanded(path: str, without: Path) -> Iterator[str]:
@@ -199,6 +263,7 @@ def _manifest(path: Path) -> dict[str, dict[str, Any]]:
         file, said = _stated(where, row)
         if str(path.parent / file) in listed:
             raise ReadError(f"{where}: {file} is listed twice; keep one")
+        said["hammer"] = tuple(str(path.parent / one) for one in said.get("hammer", ()))
         listed[str(path.parent / file)] = said
     return listed
 
@@ -209,11 +274,17 @@ def _stated(where: str, row: object) -> tuple[str, dict[str, Any]]:
     unknown = [str(name) for name in row if name not in _KNOWN]
     if unknown:
         raise ReadError(f"{where}: '{unknown[0]}' is unknown; known are {', '.join(_KNOWN)}")
-    given = {name: str(value).strip() for name, value in row.items() if value not in (None, "")}
+    several = row.get("hammer")
+    listed = several if isinstance(several, list) else str(several or "").split(";")
+    given = {
+        name: str(value).strip()
+        for name, value in row.items()
+        if value not in (None, "") and name != "hammer"
+    }
     file = given.pop("file", "")
     if not file:
         raise ReadError(f"{where}: it names no file; fill the column 'file'")
-    said: dict[str, Any] = {}
+    said: dict[str, Any] = {"hammer": [str(one).strip() for one in listed if str(one).strip()]}
     for name, value in given.items():
         try:
             said[name] = parse_quantity(value, name) if name in _QUANTITIES else value

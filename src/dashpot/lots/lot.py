@@ -20,7 +20,7 @@ from dashpot.base.units import Quantity, si
 from dashpot.base.version import byline
 from dashpot.io.options import ReadOptions
 from dashpot.io.write import neutral
-from dashpot.lots.checks import files_fitted, fits_usable
+from dashpot.lots.checks import files_fitted, fits_usable, hammers_compared
 from dashpot.lots.choices import BatchChoices
 from dashpot.lots.entries import entries
 from dashpot.lots.parts import (
@@ -67,13 +67,18 @@ class Lot:
 
     @property
     def outcomes(self) -> dict[str, int]:
-        """How many files were ``fitted``, ``refused``, ``other`` tests, or ``died``."""
+        """How many files were ``fitted``, ``refused``, ``other`` tests, ``died`` or ``changed``."""
         return dict(Counter(self.table["outcome"]).most_common())
 
     @property
     def verdicts(self) -> dict[str, int]:
         """How many fits are for use, for use with care, and not for use."""
         return dict(Counter(one for one in self.table["verdict"] if one).most_common())
+
+    @property
+    def agreements(self) -> dict[str, int]:
+        """What their hammers make of the predictions: for use, with care, or not for use."""
+        return dict(Counter(one for one in self.table["agreement"] if one).most_common())
 
     @property
     def used(self) -> pl.DataFrame:
@@ -134,9 +139,9 @@ class Lot:
 
     @property
     def short_holds(self) -> tuple[str, ...]:
-        """Files of tests that were held for less than 95 % of the median hold of their lot."""
+        """Files of tests held for less than 95 % of the median hold of their kind in their lot."""
         column = polars().col
-        least = SHORT * column("hold_s").median().over("lot")
+        least = SHORT * column("hold_s").median().over("lot", "kind")
         return tuple(self.table.filter(column("hold_s") < least)["file"])
 
     def csv(self) -> str:
@@ -154,9 +159,11 @@ class Lot:
     def checks(self) -> tuple[Check, ...]:
         """Whether every file became a fit, and every fit may be used."""
         fitted = self.outcomes.get("fitted", 0)
+        paired = self.table.filter(polars().col("hammer") != "").height
         return (
             files_fitted(self.table.height - fitted, self.table.height),
             fits_usable(self.verdicts.get("do not use", 0), fitted),
+            hammers_compared(paired - sum(self.agreements.values()), paired),
         )
 
 
@@ -194,13 +201,18 @@ def batch(
     seals: float = 1.0,
     by: str | None = None,
     manifest: str | Path | None = None,
+    pair: str | None = None,
+    joint: bool = False,
     jobs: int | None = None,
     options: ReadOptions | None = None,
+    impact_options: ReadOptions | None = None,
 ) -> Lot:
-    r"""Fit every relaxation test in files, folders and patterns, one row each.
+    r"""Fit every test in files, folders and patterns, one row each.
 
-    Each test is fitted alone, as :func:`~dashpot.fitting.relaxation.fit` does it. A file that is
-    none, or cannot be read, is a row that says why. Rows are kept in `output` as Parquet parts by
+    Each test is fitted alone, in the way that suits it, as ``dashpot fit`` does it: a ramp and
+    hold, a creep test, a dynamic sweep, a master curve, a relaxation modulus. A hammer that is
+    paired with it is held against what it predicts. A file that has no fit, or cannot be read, is a
+    row that says why. Rows are kept in `output` as Parquet parts by
     the hash of what decides them: configuration, version, contents; a second run, whatever ended
     the first, makes only those that are missing, and ends with the same table.
 
@@ -220,10 +232,17 @@ def batch(
         A regular expression for the path, whose groups are lot, seal and repeat:
         ``r"lot(\w+)_seal(\d+)_rep(\d+)"``; named groups may stand in any order.
     manifest : path, optional
-        CSV or TOML with the columns file, lot, seal, repeat, temperature, mass.
+        CSV or TOML with the columns file, lot, seal, repeat, temperature, mass, hammer.
+    pair : str, optional
+        The pattern of the hammer's files of a test, seen from its folder:
+        ``"{stem}_hammer*.csv"``, with {lot}, {seal} and {repeat} too. They are no rows of their
+        own.
+    joint : bool
+        Fit a ramp and hold and its hammer together.
     jobs : int, optional
         Processes side by side; by default as many as there are processors.
-    options : ReadOptions, optional
+    options, impact_options : ReadOptions, optional
+        What is known of the files of the tests, and of the hammer.
 
     Raises
     ------
@@ -234,9 +253,12 @@ def batch(
     """
     polars()
     side = _jobs(jobs)
-    choices = BatchChoices(arms, method, quick, si(mass, "mass"), seals, options or ReadOptions())
+    choices = BatchChoices(
+        arms, method, quick, si(mass, "mass"), seals, options or ReadOptions(),
+        impact_options or ReadOptions(), joint,
+    )  # fmt: skip
     with _folder(output) as folder:
-        asked = _asked(paths, choices, manifest=manifest, by=by, folder=folder)
+        asked = _asked(paths, choices, manifest=manifest, by=by, pair=pair, folder=folder)
         claim(folder)
         with alone(folder / _LOCK, str(folder)):
             missing = _missing(asked, folder)
@@ -251,6 +273,7 @@ def plan_batch(
     output: str | Path,
     by: str | None = None,
     manifest: str | Path | None = None,
+    pair: str | None = None,
     jobs: int | None = None,
     choices: BatchChoices,
 ) -> BatchPlan:
@@ -262,7 +285,7 @@ def plan_batch(
         As :func:`batch`.
     """
     folder, side = Path(output), _jobs(jobs)
-    asked = _asked(paths, choices, manifest=manifest, by=by, folder=folder)
+    asked = _asked(paths, choices, manifest=manifest, by=by, pair=pair, folder=folder)
     missing = _missing(asked, folder)
     chunks = len(_chunks(missing, side))
     each = _seconds_each(missing[:_TIMED], choices)
@@ -273,10 +296,10 @@ def plan_batch(
 def _seconds_each(some: Sequence[Task], choices: BatchChoices) -> float:
     if not some:
         return 0.0
-    row(some[0].entry, some[0].sha256, choices)  # what is imported once does not count
+    row(some[0].entry, some[0].hashes, choices)  # what is imported once does not count
     began = time.perf_counter()
     for one in some:
-        row(one.entry, one.sha256, choices)
+        row(one.entry, one.hashes, choices)
     return (time.perf_counter() - began) / len(some)
 
 
@@ -301,11 +324,12 @@ def _asked(
     *,
     manifest: str | Path | None,
     by: str | None,
+    pair: str | None,
     folder: Path,
 ) -> tuple[Task, ...]:
     several = [paths] if isinstance(paths, str | Path) else list(paths)
     doing("finding and hashing the files")
-    return tasks(entries(several, manifest=manifest, by=by, without=folder), choices)
+    return tasks(entries(several, manifest=manifest, by=by, pair=pair, without=folder), choices)
 
 
 def _missing(asked: Sequence[Task], folder: Path) -> list[Task]:

@@ -14,8 +14,8 @@ from dashpot.base.atomic import PART, write_whole
 from dashpot.base.errors import DataError, ExportError
 from dashpot.base.version import __version__
 from dashpot.lots.choices import BatchChoices
+from dashpot.lots.columns import AGAIN, COUNTS, NUMBERS, TEXTS, arm_columns
 from dashpot.lots.entries import Entry
-from dashpot.lots.row import COUNTS, NUMBERS, TEXTS, arm_columns
 
 if TYPE_CHECKING:
     import polars as pl
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 KEY = "key"
 """The column that names what decided a row."""
 PARTS = "part-*.parquet"
-_FORM = 1
+_FORM = 2
 """Of a row; another one is another key."""
 
 
@@ -34,14 +34,14 @@ class Task:
     Attributes
     ----------
     entry : Entry
-    sha256 : str
-        Of the file's contents.
+    hashes : tuple of str
+        Of the contents of its file, and of its hammer's.
     key : str
         SHA-256 of everything that decides the row.
     """
 
     entry: Entry
-    sha256: str
+    hashes: tuple[str, ...]
     key: str
 
 
@@ -51,9 +51,9 @@ def tasks(entries: Iterable[Entry], choices: BatchChoices) -> tuple[Task, ...]:
     common = hashlib.sha256(json.dumps(decides, sort_keys=True).encode())
 
     def task(entry: Entry) -> Task:
-        key, sha256 = common.copy(), entry.sha256()
-        key.update(json.dumps([asdict(entry), sha256], sort_keys=True).encode())
-        return Task(entry, sha256, key.hexdigest())
+        key, hashes = common.copy(), entry.hashes()
+        key.update(json.dumps([asdict(entry), hashes], sort_keys=True).encode())
+        return Task(entry, hashes, key.hexdigest())
 
     return tuple(map(task, entries))
 
@@ -111,7 +111,7 @@ def keys_done(folder: Path) -> set[str]:
         key
         for frame in read_parts(folder).values()
         for key, outcome in frame.select(KEY, "outcome").iter_rows()
-        if outcome != "died"
+        if outcome not in AGAIN
     }
 
 
@@ -128,7 +128,7 @@ def table(folder: Path, wanted: Sequence[str]) -> pl.DataFrame:
     """
     seen, frames = set[str](), []
     parts = read_parts(folder)
-    for path in sorted(parts, key=lambda one: bool((parts[one]["outcome"] == "died").any())):
+    for path in sorted(parts, key=lambda one: bool(parts[one]["outcome"].is_in(AGAIN).any())):
         frame = parts[path]
         stays = set(frame[KEY]) & set(wanted) - seen
         seen |= stays

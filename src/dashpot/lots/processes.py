@@ -13,8 +13,8 @@ from typing import Any, TypeAlias
 
 from dashpot.base.processes import interpreter, one_thread
 from dashpot.lots.choices import BatchChoices
+from dashpot.lots.columns import empty
 from dashpot.lots.parts import KEY, Task
-from dashpot.lots.row import empty
 
 Chunk: TypeAlias = tuple[Task, ...]
 Rows: TypeAlias = list[dict[str, Any]]
@@ -90,7 +90,7 @@ class _Worker:
             self.end()
             if over.is_set():
                 break
-        return empty(task.entry, task.sha256, self._choices.columns) | {
+        return empty(task.entry, task.hashes[0], self._choices.columns) | {
             "outcome": "died",
             "reason": f"the process that read it died {LIVES} times: it may need more memory than "
             "there is; run it again with fewer --jobs, or look at it with dashpot inspect",
@@ -102,7 +102,7 @@ class _Worker:
         try:
             process = self._started()
             assert process.stdin is not None and process.stdout is not None  # noqa: PT018, S101
-            question = {"entry": asdict(task.entry), "sha256": task.sha256}
+            question = {"entry": asdict(task.entry), "hashes": task.hashes}
             process.stdin.write(json.dumps(question).encode() + b"\n")
             process.stdin.flush()
             return process.stdout.readline()

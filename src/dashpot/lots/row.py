@@ -1,85 +1,62 @@
-"""One file to one row: what was found, or the sentence why not."""
+"""One test to one row: what was found, or the sentence why not."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import islice
 from typing import Any
 
-import dashpot as dp
+import numpy as np
+
 from dashpot.base.checks import Check
-from dashpot.base.errors import DashpotError, ReadError
-from dashpot.io.columns.kinds import WANTED_BY
+from dashpot.base.errors import DashpotError
+from dashpot.io.columns.kinds import MASTER, WANTED_BY
 from dashpot.io.source import open_raw
 from dashpot.lots.choices import BatchChoices
+from dashpot.lots.columns import empty, of_solid
 from dashpot.lots.entries import Entry
-from dashpot.preparation.motion import loading_in
+from dashpot.lots.hammer import held_against_hammer, of_hammer_alone
+from dashpot.records.creep import CreepCompliance, LoadHold
+from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import Fit
+from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.relaxation import RampHold
 from dashpot.records.specimen import Specimen
+from dashpot.workflow.fits import Record, fit_files
+from dashpot.workflow.inspections import inspect_files
 from dashpot.workflow.resting import at_rest
 
-TEXTS = (
-    "file", "sha256", "lot", "seal", "repeat", "kind", "outcome", "verdict", "reason",
-    "failed_checks", "status", "method", "version",
-)  # fmt: skip
-"""The columns of words; `outcome` is ``fitted``, ``refused``, ``other`` or ``died``."""
-COUNTS = ("bytes", "samples", "arms")
-NUMBERS = (
-    "temperature_K", "mass_kg", "depth_m", "ramp_s", "hold_s", "force_noise_N", "k_0_N_per_m",
-    "k_end_N_per_m", "k_end_low_N_per_m", "k_end_high_N_per_m", "k_inf_N_per_m",
-    "k_inf_se_N_per_m", "k_inf_low_N_per_m", "k_inf_high_N_per_m", "rms_N", "frequency_Hz",
-    "damping_ratio",
-)  # fmt: skip
+_FITTED = ("relaxation", "dma", "master-curve", "creep")
+"""Kinds that have a fit: what is wrong with such a file is its own sentence."""
+_PAIR = "say of which test (--pair, or the column 'hammer' of --manifest), or use dashpot identify"
+_RESONANCES = ("impact", "frf")
+_USES = {"impact": _PAIR, "frf": _PAIR, "modulus": "name its column (--modulus)"}
+"""What a batch makes of kinds that wait for a word."""
 
 
-def arm_columns(arms: int) -> tuple[str, ...]:
-    """The columns of the arms, and of their standard errors."""
-    return tuple(
-        f"{name}_{j}{unit}"
-        for j in range(1, arms + 1)
-        for name, unit in (
-            ("k", "_N_per_m"), ("k", "_se_N_per_m"), ("tau", "_s"), ("tau", "_se_s")
-        )
-    )  # fmt: skip
-
-
-def empty(entry: Entry, sha256: str, arms: int) -> dict[str, Any]:
-    """Return the row of a file of which nothing is known yet."""
-    numbers = dict.fromkeys((*COUNTS, *NUMBERS, *arm_columns(arms)))
-    told = {name: getattr(entry, name) for name in ("file", "lot", "seal", "repeat")}
-    return (
-        dict.fromkeys(TEXTS, "")
-        | numbers
-        | told
-        | {
-            "sha256": sha256,
-            "temperature_K": entry.temperature,
-            "mass_kg": entry.mass,
-            "version": dp.__version__,
-        }
-    )
-
-
-def row(entry: Entry, sha256: str, choices: BatchChoices) -> dict[str, Any]:
-    """Return the row of one file; whatever is wrong with the file is said in it.
+def row(entry: Entry, hashes: Sequence[str], choices: BatchChoices) -> dict[str, Any]:
+    """Return the row of one test; whatever is wrong with its files is said in it.
 
     Parameters
     ----------
     entry : Entry
-    sha256 : str
-        What the contents hashed to when the batch began.
+    hashes : sequence of str
+        What the contents of its file, and of its hammer's, hashed to when the batch began.
     choices : BatchChoices
     """
-    found = empty(entry, sha256, choices.columns)
+    found = empty(entry, hashes[0], choices.columns)
     if entry.mass is None:
         found["mass_kg"] = choices.mass
     try:
-        raw = open_raw(entry.file)
-        found["bytes"] = raw.size
-        if raw.sha256 != sha256:
-            raise ReadError(f"{entry.file} changed while the batch ran; run it again")
-        found |= _fitted(entry, choices, found)
+        changed = _changed(entry, hashes)
+        if changed:
+            return found | {
+                "outcome": "changed",
+                "reason": f"{changed} changed while the batch ran; run it again",
+            }
+        found["bytes"] = open_raw(entry.file).size
+        found |= _answered(entry, choices, found)
     except DashpotError as error:
         found |= {"outcome": "refused", "reason": str(error)}
     except Exception as error:  # noqa: BLE001 -- one file's fault is one row
@@ -90,80 +67,133 @@ def row(entry: Entry, sha256: str, choices: BatchChoices) -> dict[str, Any]:
     return {name: _finite(value) for name, value in found.items()}
 
 
-def _fitted(entry: Entry, choices: BatchChoices, found: Mapping[str, Any]) -> dict[str, Any]:
-    kind = "relaxation"
+def _changed(entry: Entry, hashes: Sequence[str]) -> str:
+    """The first file that is not what it was, if one is."""
+    files = zip((entry.file, *entry.hammer), entry.hashes(), hashes, strict=True)
+    return next((file for file, now, then in files if now != then), "")
+
+
+def _answered(entry: Entry, choices: BatchChoices, found: Mapping[str, Any]) -> dict[str, Any]:
+    """What a fit says, or what the file is that has none."""
+    specimen = Specimen(temperature=entry.temperature)
+    how: dict[str, Any] = {
+        "arms": choices.arms, "method": choices.method, "intervals": not choices.quick,
+        "specimen": specimen,
+    }  # fmt: skip
+    bench = choices.bench
     try:
-        test = dp.read_relaxation(
-            entry.file, options=choices.reading, specimen=Specimen(temperature=entry.temperature)
-        )
-        loading = loading_in(test.time, test.displacement, test.force)
-        kind = loading if loading in WANTED_BY else kind
-    except ReadError:
-        kind = dp.inspect_file(entry.file, options=choices.reading).kind
-        if kind not in WANTED_BY or kind == "relaxation":
-            raise
-    if kind != "relaxation":
-        what, use = WANTED_BY[kind]
-        return {"kind": kind, "outcome": "other", "reason": f"it is {what}: {use}"}
-    record = dp.prepare(test, cycle=choices.reading.cycle)
-    fit = dp.fit(record, arms=choices.arms, method=choices.method, intervals=not choices.quick)
-    numbers = _of_record(record) | _of_fit(fit, record)
-    if not choices.quick:
-        numbers |= _judged(fit)
-    try:
-        return numbers | _under_mass(fit, found["mass_kg"], choices.seals)
+        fit, records = fit_files((entry.file,), options=bench, **how)
     except DashpotError as error:
-        said = (numbers.get("reason", ""), f"under the mass: {error}")
-        return numbers | {"reason": "; ".join(filter(None, said))}
+        kind = inspect_files((entry.file,), options=bench).files[0].kind
+        if kind == "modulus" and choices.reading.modulus is not None:
+            fit, records = fit_files((entry.file,), options=choices.reading, **how)
+        elif kind in WANTED_BY and kind not in _FITTED:
+            what, use = WANTED_BY[kind][0], _USES.get(kind, WANTED_BY[kind][1])
+            told = {"kind": kind, "outcome": "other", "reason": f"it is {what}: {use}"}
+            return told | (
+                of_hammer_alone(entry, choices, found["mass_kg"]) if kind in _RESONANCES else {}
+            )
+        else:
+            return {"kind": kind, "outcome": "refused", "reason": str(error)}
+    return _of_test(fit, records[0], entry, choices, found)
 
 
-def _of_record(record: RampHold) -> dict[str, Any]:
-    return {
-        "kind": "relaxation",
-        "samples": len(record.time),
-        "temperature_K": record.specimen.temperature,
-        "depth_m": record.depth,
-        "ramp_s": record.ramp_time,
-        "hold_s": record.hold_time,
-        "force_noise_N": record.force_noise,
-    }
+def _of_test(
+    fit: Fit,
+    record: Record,
+    entry: Entry,
+    choices: BatchChoices,
+    found: Mapping[str, Any],
+) -> dict[str, Any]:
+    numbers, mass = _of_record(record), found["mass_kg"]
+    said: list[str] = []
+    if entry.hammer:
+        try:
+            fit, held = held_against_hammer(fit, record, entry, choices, mass)
+            said.append(held.pop("reason"))
+            numbers |= held
+        except DashpotError as error:
+            said.append(f"hammer: {error}")
+    numbers |= _of_fit(fit, numbers.get("hold_s"), choices.columns)
+    if not choices.quick:
+        numbers |= _judged(fit, choices.columns)
+    try:
+        numbers |= _under_mass(fit, mass, choices.seals)
+    except DashpotError as error:
+        said.append(f"under the mass: {error}")
+    reasons = "; ".join(filter(None, (numbers.get("reason", ""), *said)))
+    return numbers | {"reason": reasons}
 
 
-def _of_fit(fit: Fit, record: RampHold) -> dict[str, Any]:
-    model = fit.model
+def _of_record(record: Record) -> dict[str, Any]:
+    kelvin = getattr(record, "specimen", Specimen()).temperature
+    found: dict[str, Any] = {} if kelvin is None else {"temperature_K": kelvin}
+    if isinstance(record, RampHold):
+        return found | {
+            "kind": "relaxation",
+            "samples": len(record.time),
+            "depth_m": record.depth,
+            "ramp_s": record.ramp_time,
+            "hold_s": record.hold_time,
+            "force_noise_N": record.force_noise,
+        }
+    if isinstance(record, LoadHold):
+        times = {"ramp_s": record.ramp_time, "hold_s": record.hold_time}
+        return found | {"kind": "creep", "samples": len(record.time)} | times
+    if isinstance(record, CreepCompliance | RelaxationModulus):
+        kind = "modulus" if isinstance(record, RelaxationModulus) else "creep"
+        return found | {"kind": kind, "samples": len(record.time), "hold_s": record.time[-1]}
+    if isinstance(record, DynamicTest):
+        wide = np.log10(np.max(record.frequency) / np.min(record.frequency)) >= MASTER
+        kind = "master-curve" if wide else "dma"
+        return found | {"kind": kind, "samples": len(record.frequency)}
+    return found | {"kind": "master-curve"}
+
+
+def _of_fit(fit: Fit, hold: float | None, room: int) -> dict[str, Any]:
+    model, unit = fit.model, fit.unit
     found: dict[str, Any] = {
         "outcome": "fitted",
         "status": fit.status.name.lower(),
         "method": fit.method,
         "arms": model.arms,
-        "k_inf_N_per_m": model.k_inf,
-        "k_0_N_per_m": model.k_0,
-        "k_end_N_per_m": float(model.relaxation(record.hold_time)),
-        "rms_N": fit.residual.rms,
+        of_solid("inf", unit): model.k_inf,
+        of_solid("0", unit): model.k_0,
     }
-    for j, (k, tau) in enumerate(zip(model.k, model.tau, strict=True), start=1):
-        found |= {f"k_{j}_N_per_m": k, f"tau_{j}_s": tau}
+    if hold is not None:
+        found[of_solid("end", unit)] = float(model.relaxation(hold))
+    if fit.residual.unit == "N":
+        found["rms_N"] = fit.residual.rms
+    for j, (k, tau) in _arms(model.k, model.tau, room):
+        found |= {of_solid(f"{j}", unit): k, f"tau_{j}_s": tau}
     return found
 
 
-def _judged(fit: Fit) -> dict[str, Any]:
+def _judged(fit: Fit, room: int) -> dict[str, Any]:
     """Errors, intervals, checks and verdict."""
     low, high = fit.intervals()["k_inf"]
-    error, verdict = fit.standard_error, fit.verdict
+    error, verdict, unit = fit.standard_error, fit.verdict, fit.unit
     found: dict[str, Any] = {
         "verdict": verdict.use,
         "reason": "" if verdict.use == "use" else verdict.says,
         "failed_checks": " ".join(_failed(fit.checks)),
-        "k_inf_se_N_per_m": error["k_inf"],
-        "k_inf_low_N_per_m": low,
-        "k_inf_high_N_per_m": high,
+        of_solid("inf_se", unit): error["k_inf"],
+        of_solid("inf_low", unit): low,
+        of_solid("inf_high", unit): high,
     }
     if fit.left_open is not None:
         low, high = fit.left_open["k_end"]
-        found |= {"k_end_low_N_per_m": low, "k_end_high_N_per_m": high}
-    for j, (k, tau) in enumerate(zip(error["k"], error["tau"], strict=True), start=1):
-        found |= {f"k_{j}_se_N_per_m": k, f"tau_{j}_se_s": tau}
+        found |= {of_solid("end_low", unit): low, of_solid("end_high", unit): high}
+    for j, (k, tau) in _arms(error["k"], error["tau"], room):
+        found |= {of_solid(f"{j}_se", unit): k, f"tau_{j}_se_s": tau}
     return found
+
+
+def _arms(
+    k: Sequence[float], tau: Sequence[float], room: int
+) -> Iterator[tuple[int, tuple[float, float]]]:
+    """The arms from 1; a curve may have more than a row has room for."""
+    return enumerate(islice(zip(k, tau, strict=True), room), start=1)
 
 
 def _failed(checks: tuple[Check, ...]) -> list[str]:
@@ -172,7 +202,7 @@ def _failed(checks: tuple[Check, ...]) -> list[str]:
 
 def _under_mass(fit: Fit, mass: float | None, seals: float) -> dict[str, Any]:
     """The mode of the mass at rest on the seals, as ``dashpot predict`` has it."""
-    if mass is None:
+    if mass is None or fit.unit != "N/m":
         return {}
     rests = at_rest(fit, mass=mass, seals=seals).tangent
     return {"frequency_Hz": rests.frequency, "damping_ratio": rests.damping_ratio}

@@ -29,7 +29,7 @@ def main() -> None:
     choices = BatchChoices.from_plain(json.loads(questions.get()))
     while True:
         asked = json.loads(questions.get())
-        found = row(Entry(**asked["entry"]), asked["sha256"], choices)
+        found = row(Entry.from_plain(asked["entry"]), asked["hashes"], choices)
         answers.write(json.dumps(found, allow_nan=False).encode() + b"\n")
         answers.flush()
 

@@ -37,6 +37,7 @@ class _Choices(TypedDict):
     thorough: bool
     law: Literal["auto", "linear", "nonlinear"]
     family: Literal["maxwell", "fractional", "auto"]
+    intervals: bool
 
 
 def fit_files(
@@ -48,6 +49,7 @@ def fit_files(
     thorough: bool = False,
     law: Literal["auto", "linear", "nonlinear"] = "auto",
     family: Literal["maxwell", "fractional", "auto"] = "maxwell",
+    intervals: bool = True,
     filter: str | None = None,
     cuts: Cuts | None = None,
     specimen: Specimen | None = None,
@@ -65,8 +67,9 @@ def fit_files(
     Parameters
     ----------
     files : sequence of path
-    arms, method, thorough, law, family
-        As in :func:`~dashpot.fitting.relaxation.fit`.
+    arms, method, thorough, law, family, intervals
+        As in :func:`~dashpot.fitting.relaxation.fit`; sweeps, moduli and creep always have
+        intervals.
     depth_law : bool
         Tests of different depths share their relaxation times, and by method ``"full"`` an elastic
         law (:func:`~dashpot.fitting.depth.fit_depths`); each has its own stiffnesses.
@@ -117,7 +120,7 @@ def fit_files(
     ]
     choices: _Choices = {
         "method": method, "depth_law": depth_law, "thorough": thorough, "law": law,
-        "family": family,
+        "family": family, "intervals": intervals,
     }  # fmt: skip
     crept = _creep(tests)
     if crept is not None:

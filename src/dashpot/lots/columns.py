@@ -1,0 +1,62 @@
+"""The columns of a row."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import dashpot as dp
+from dashpot.lots.entries import Entry
+
+TEXTS = (
+    "file", "sha256", "hammer", "lot", "seal", "repeat", "kind", "outcome", "verdict", "agreement",
+    "reason", "failed_checks", "status", "method", "version",
+)  # fmt: skip
+"""The columns of words; `outcome` is ``fitted``, ``refused``, ``other``, or one of `AGAIN`."""
+AGAIN = ("died", "changed")
+"""Outcomes that another run may mend: such a file is tried again."""
+COUNTS = ("bytes", "samples", "arms")
+_OF_THE_SOLID = ("0", "end", "end_low", "end_high", "inf", "inf_se", "inf_low", "inf_high")
+
+
+def of_solid(what: str, unit: str) -> str:
+    """Return the column of a stiffness: k of a part (`unit` N/m), E of a material (Pa)."""
+    return f"k_{what}_N_per_m" if unit == "N/m" else f"E_{what}_Pa"
+
+
+NUMBERS = (
+    "temperature_K", "mass_kg", "depth_m", "ramp_s", "hold_s", "force_noise_N",
+    *(of_solid(what, "N/m") for what in _OF_THE_SOLID), "rms_N", "frequency_Hz", "damping_ratio",
+    "predicted_Hz", "predicted_damping_ratio", "measured_Hz", "measured_se_Hz",
+    "measured_damping_ratio", "measured_damping_ratio_se", "peak_dB", "frac",
+    *(of_solid(what, "Pa") for what in _OF_THE_SOLID),
+)  # fmt: skip
+
+
+def arm_columns(arms: int) -> tuple[str, ...]:
+    """The columns of the arms, and of their standard errors."""
+    return tuple(
+        name
+        for j in range(1, arms + 1)
+        for name in (
+            of_solid(f"{j}", "N/m"), of_solid(f"{j}_se", "N/m"), f"tau_{j}_s", f"tau_{j}_se_s",
+            of_solid(f"{j}", "Pa"), of_solid(f"{j}_se", "Pa"),
+        )
+    )  # fmt: skip
+
+
+def empty(entry: Entry, sha256: str, arms: int) -> dict[str, Any]:
+    """Return the row of a file of which nothing is known yet."""
+    numbers = dict.fromkeys((*COUNTS, *NUMBERS, *arm_columns(arms)))
+    told = {name: getattr(entry, name) for name in ("file", "lot", "seal", "repeat")}
+    return (
+        dict.fromkeys(TEXTS, "")
+        | numbers
+        | told
+        | {
+            "sha256": sha256,
+            "hammer": "; ".join(entry.hammer),
+            "temperature_K": entry.temperature,
+            "mass_kg": entry.mass,
+            "version": dp.__version__,
+        }
+    )

@@ -1,0 +1,128 @@
+"""A row: every kind of file has one, by its fit or with the sentence why not; a hammer with it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from kit.kinds import ARMS, MASS, STIFFNESS, files
+
+import dashpot as dp
+from dashpot.io.options import ReadOptions
+from dashpot.io.write import write_frf
+from dashpot.lots.choices import BatchChoices
+from dashpot.lots.columns import AGAIN
+from dashpot.lots.entries import Entry
+from dashpot.lots.row import row
+from dashpot.workflow import compare_files
+from dashpot.workflow.job import HammerChoices
+
+FITTED = {"relaxation", "creep", "dma", "master-curve", "modulus"}
+ONE_ARM = BatchChoices(arms=1, reading=ReadOptions(modulus="Relaxation modulus"))
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    place = tmp_path_factory.mktemp("kinds")
+    for name, (text, _) in files().items():
+        (place / name).write_text(text)
+    return place
+
+
+def row_of(entry, choices=ONE_ARM):
+    return row(entry, entry.hashes(), choices)
+
+
+@pytest.mark.parametrize("name", sorted(set(files()) - {"trios.txt"}))
+def test_every_kind_is_a_row_by_its_fit_or_with_the_sentence_why_not(folder, name):
+    kind = files()[name][1]
+    found = row_of(Entry(str(folder / name)))
+    assert found["kind"] == kind
+    assert found["outcome"] == ("fitted" if kind in FITTED else "other")
+    if kind in FITTED:
+        material = found["k_inf_N_per_m"] is None
+        assert material == (kind not in {"relaxation", "creep"} or name == "compliance.csv")
+        assert found["E_inf_Pa" if material else "k_inf_N_per_m"] >= 0
+        assert (found["E_1_Pa" if material else "k_1_N_per_m"], found["tau_1_s"]) > (0, 0)
+        assert (found["rms_N"] is None) == (kind != "relaxation")
+    else:
+        assert found["reason"].startswith(("it is a", "it is an"))
+        assert found["k_inf_N_per_m"] is None
+    if kind in {"impact", "frf"}:
+        assert found["measured_Hz"] == pytest.approx(14.6, abs=0.1)
+
+
+def test_a_modulus_whose_column_nobody_named_says_which_option_names_it(folder):
+    found = row_of(Entry(str(folder / "modulus.csv")), BatchChoices(arms=1))
+    assert found["outcome"] == "other"
+    assert "name its column (--modulus)" in found["reason"]
+
+
+def test_a_file_of_no_kind_is_refused_in_the_words_of_its_reader(folder):
+    found = row_of(Entry(str(folder / "trios.txt")))
+    assert (found["kind"], found["outcome"]) == ("creep", "refused")
+    assert "no force is held" in found["reason"]
+
+
+def test_a_hammer_is_held_against_its_test_as_the_comparison_does_it(folder):
+    bench, hammer = str(folder / "seal.csv"), str(folder / "hammer.csv")
+    found = row_of(Entry(bench, hammer=(hammer,), mass=MASS), replace(ONE_ARM, seals=2))
+    fit = dp.fit(dp.read_relaxation(bench), arms=1)
+    agreed = compare_files(
+        fit, [hammer], hammer=HammerChoices(), options=ReadOptions(), mass=MASS, seals=2
+    )
+    held = agreed.comparison
+    assert (found["predicted_Hz"], found["measured_Hz"]) == (held.predicted_hz, held.measured_hz)
+    assert found["predicted_damping_ratio"] == held.predicted_damping
+    assert found["measured_damping_ratio"] == held.measured_damping
+    assert (found["peak_dB"], found["frac"]) == (held.ratio_db, held.frac)
+    assert found["k_inf_N_per_m"] == fit.model.k_inf
+    assert found["agreement"] == held.verdict.use == "do not use"
+    assert "hammer: " in found["reason"]
+    assert found["verdict"] == fit.verdict.use
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"mass": None}, "hammer: no mass is known"),
+        ({"file": "dma.csv"}, "hammer: a test of a material"),
+        ({"hammer": ("nowhere.csv",)}, "hammer: "),
+        ({"hammer": ("triangle.csv",)}, "hammer: "),
+    ],
+)
+def test_a_hammer_that_cannot_be_held_against_it_leaves_the_fit(folder, monkeypatch, changes, says):
+    monkeypatch.chdir(folder)
+    entry = replace(Entry("seal.csv", hammer=("frf.csv",), mass=MASS), **changes)
+    found = row_of(entry)
+    assert (found["outcome"], found["agreement"]) == ("fitted", "")
+    assert says in found["reason"]
+
+
+@pytest.mark.once
+def test_a_joint_fit_finds_the_damping_that_the_bench_alone_misses(folder, tmp_path):
+    """Beside the arms of the bench's file the hammer's seals have one of 10 ms."""
+    seal = dp.GeneralizedMaxwell(STIFFNESS, (40.0, *(k for k, _ in ARMS)), (0.01, 0.5, 16.0))
+    frf = dp.predict_frf(2 * seal, mass=MASS, frequency=np.linspace(6, 30, 60))
+    noise = np.random.default_rng(7).standard_normal((2, 60)) * abs(frf.value) / 200
+    hammer = tmp_path / "frf.csv"
+    hammer.write_text(write_frf(replace(frf, value=frf.value + noise[0] + 1j * noise[1])))
+    entry = Entry(str(folder / "seal.csv"), hammer=(str(hammer),), mass=MASS)
+    found = row_of(entry, BatchChoices(arms=2, seals=2, joint=True))
+    (mode,) = frf.modes()
+    assert (found["method"], found["agreement"]) == ("joint", "use with care")
+    assert found["measured_damping_ratio"] == pytest.approx(mode.damping_ratio, rel=0.02)
+    assert found["damping_ratio"] == pytest.approx(mode.damping_ratio, rel=0.02)
+    assert found["frequency_Hz"] == pytest.approx(mode.frequency, rel=2e-3)
+    assert found["predicted_damping_ratio"] < mode.damping_ratio / 2
+
+
+@pytest.mark.parametrize("which", [0, 1])
+def test_a_file_that_changed_since_it_was_hashed_is_tried_again(folder, which):
+    entry = Entry(str(folder / "seal.csv"), hammer=(str(folder / "frf.csv"),))
+    hashes = list(entry.hashes())
+    hashes[which] = "another"
+    found = row(entry, hashes, ONE_ARM)
+    assert found["outcome"] in AGAIN
+    assert f"{(entry.file, *entry.hammer)[which]} changed while" in found["reason"]
