@@ -33,6 +33,15 @@ def test_a_line_is_found_where_the_sampling_puts_it(frequency: float, alias: flo
     np.testing.assert_allclose(found.force(TIME), hum, atol=3e-4)
 
 
+def test_a_prime_number_of_samples_finds_the_same_line() -> None:
+    hum = 3e-3 * np.sin(2 * np.pi * 37.3 * TIME + 0.4)
+    (even,), (prime,) = (
+        hum_lines(TIME[:n], (noisy(0) + hum)[:n], noise=4e-3) for n in (20_000, 19_997)
+    )
+    assert prime.frequency == pytest.approx(even.frequency, abs=1e-4)
+    assert prime.amplitude == pytest.approx(even.amplitude, rel=1e-3)
+
+
 def test_two_lines_of_unlike_size_are_told_apart() -> None:
     lines = Hum(50.0, 20e-3, 0.0, 0.0), Hum(51.0, 0.0, 1e-3, 0.0)
     force = noisy(1) + sum(line.force(TIME) for line in lines)

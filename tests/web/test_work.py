@@ -90,6 +90,36 @@ def test_what_is_shown_are_the_digits_of_the_fit(store, asked):
     assert head["cuts"]["ramp_end"] == 2.6
 
 
+def test_a_record_is_read_once_for_every_lane(store):
+    text = workflow.EXAMPLES["seal_8mm.csv"]()
+    identity = store.put("once.csv", text.encode())
+    assert not ask("inspect", store, file=identity)["long"]
+    (store.folder / identity / "once.csv").write_text("no table any more")
+    work._test.cache_clear()  # as another lane would begin
+    work._prepared.cache_clear()
+    job = {"relaxation": identity, "specimen": {"name": "A"}}
+    again = json.loads(ask("take", store, job=job, what="fit")["text"])
+    fresh = dp.fit(dp.prepare(dp.read_relaxation(store.folder / store.put("once.csv", text.encode())
+                                                 / "once.csv")))  # fmt: skip
+    assert again["model"] == json.loads(dp.to_json(fresh))["model"]
+    assert again["source"] == json.loads(dp.to_json(fresh))["source"]
+    assert again["specimen"]["name"] == "A"
+
+
+def test_of_a_long_record_a_part_is_shown_first(store, files, monkeypatch):
+    job = {"relaxation": files["seal_8mm.csv"], "arms": 2}
+    rows = ask("inspect", store, file=job["relaxation"])
+    assert not rows["long"]
+    whole = ask("settle", store, job=job, quick=True)
+    assert whole["solid"] == ask("settle", store, job=job)["solid"]
+    monkeypatch.setattr(work, "WHILE_HELD", 4000)
+    assert ask("inspect", store, file=job["relaxation"])["long"]
+    part = ask("settle", store, job=job, quick=True)
+    assert part["panels"].keys() == whole["panels"].keys()
+    assert part["solid"] != whole["solid"]
+    assert ask("settle", store, job=job)["solid"] == whole["solid"]
+
+
 def test_a_handle_moves_the_curves_within_a_page_of_bytes(store, asked):
     whole = work.VERBS["live"]({"job": asked}, store.folder)
     assert len(whole) < 30_000

@@ -11,8 +11,11 @@ from kit.fits import a_fit
 
 from dashpot.base.errors import FitError, ReadError
 from dashpot.io.options import ReadOptions
+from dashpot.io.readers.relaxation import read_relaxation, relaxation_in
+from dashpot.io.text import rows
 from dashpot.io.write import write_relaxation
 from dashpot.records.frf import FRF
+from dashpot.records.specimen import Specimen
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.table_1 import PAPER
@@ -86,6 +89,26 @@ def test_an_inspection_says_what_preparation_sees(seal, sweep):
     assert found.files[0].preparation.ramp_time == pytest.approx(1.0, abs=0.02)
     assert found.files[1].preparation is None
     assert found.checks == found.files[0].preparation.checks
+
+
+def test_an_inspection_and_its_reader_parse_the_numbers_once(tmp_path, monkeypatch):
+    text = write_relaxation(simulate_relaxation(PAPER, hold_time=5.0).test)
+    first, last = text.rstrip("\n").rsplit("\n", 1)
+    path = tmp_path / "seal.csv"
+    # a reading that is none: what takes it out for one must leave it to the other
+    path.write_text(f"{first}\n{last.rsplit(',', 1)[0]},9.9e37\n")
+    parsed = []
+    plain = rows.load_rows
+    monkeypatch.setattr(
+        "dashpot.io.formats.text.load_rows", lambda *a, **k: parsed.append(1) or plain(*a, **k)
+    )
+    (found,) = inspect_files([path]).files
+    assert len(parsed) == 1
+    assert "overload mark" in " ".join(found.warnings)
+    direct = read_relaxation(path)
+    kept = []
+    inspect_files([path], read=lambda file: kept.append(relaxation_in(file, Specimen())) or kept[0])
+    assert kept[0] == direct
 
 
 # -- an FRF from elsewhere ------------------------------------------------------------------------

@@ -44,15 +44,16 @@ def hum_lines(time: FloatArray, force: FloatArray, *, noise: float) -> tuple[Hum
         return ()
     step = (time[-1] - time[0]) / (n - 1)
     window = np.hanning(n)
+    bins = _quick(n)
     # the straight line between the ends leaks most
     rest = force - np.interp(time, time[[0, -1]], [force[:20].mean(), force[-20:].mean()])
     found: list[Hum] = []
     for _ in range(_MOST_LINES):
-        power = np.abs(np.fft.rfft(window * rest)) ** 2
+        power = np.abs(np.fft.rfft(window * rest, bins)) ** 2
         at = _strongest(power, int(np.ceil(_FEWEST_CYCLES)))
         if at is None:
             break
-        frequency = _refined(rest, step, at / (n * step))
+        frequency = _refined(rest, step, at / (bins * step))
         c = _transform(rest * window, step, frequency) * 2 / window.sum()
         line = Hum(frequency, float(c.real), float(-c.imag), float(time[0]))
         if line.amplitude < _TOO_SMALL * noise:
@@ -60,6 +61,18 @@ def hum_lines(time: FloatArray, force: FloatArray, *, noise: float) -> tuple[Hum
         found.append(line)
         rest = rest - line.force(time)
     return tuple(found)
+
+
+def _quick(n: int) -> int:
+    """The next number of bins without a prime factor beyond 5: a prime takes ten times as long."""
+    while True:
+        rest = n
+        for factor in (2, 3, 5):
+            while rest % factor == 0:
+                rest //= factor
+        if rest == 1:
+            return n
+        n += 1
 
 
 def hum_step(lines: tuple[Hum, ...]) -> tuple[Step, ...]:

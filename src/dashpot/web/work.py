@@ -19,16 +19,17 @@ from dashpot.base.errors import DashpotError, DataError
 from dashpot.base.progress import doing
 from dashpot.fitting.relaxation import fit
 from dashpot.io.options import ReadOptions, dump_profile
-from dashpot.io.readers.relaxation import read_relaxation
+from dashpot.io.readers.relaxation import read_relaxation, relaxation_in
 from dashpot.preparation.prepare import prepare
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
 from dashpot.records.relaxation import RampHold, RelaxationTest
+from dashpot.records.specimen import Specimen
 from dashpot.report.figures import stamp
 from dashpot.report.pages import COLOURS
 from dashpot.report.summary import simulated
 from dashpot.vibration.systems.prediction import predict_frf
-from dashpot.web import views, wire
+from dashpot.web import records, views, wire
 from dashpot.web.requests import job_of, mapping, part
 from dashpot.web.store import path_in
 from dashpot.workflow.archive import to_json
@@ -43,6 +44,8 @@ Verb = Callable[[Mapping[str, Any], Path], bytes]
 
 KEPT = 8
 """Results of each kind that a worker remembers."""
+WHILE_HELD = 300_000
+"""Samples that are prepared while a handle is held; all of them are once it is let go."""
 HINT = (
     "Give the mass of the block and the number of seals: the hammer is then held against what the "
     "relaxation test predicts."
@@ -54,9 +57,7 @@ LIVE_LINES = np.geomspace(0.3, 3.0, 301)
 # -- results by job -------------------------------------------------------------------------------
 
 
-@lru_cache(KEPT)
-def _test(path: str, reading: ReadOptions, specimen: Any) -> RelaxationTest:
-    return read_relaxation(path, options=reading, specimen=specimen)
+_test = lru_cache(KEPT)(records.relaxation)
 
 
 def _tests(job: Job) -> tuple[RelaxationTest, ...]:
@@ -67,12 +68,15 @@ def _tests(job: Job) -> tuple[RelaxationTest, ...]:
 
 
 @lru_cache(KEPT)
-def _prepared(job: Job) -> tuple[RampHold, ...]:
+def _prepared(job: Job, most: int | None) -> tuple[RampHold, ...]:
+    """The tests of a job, prepared; of each as many samples as there are, or `most`."""
     tests = _tests(job)
+    if most is not None and all(len(test.time) <= most for test in tests):
+        return _prepared(job, None)
     job.cuts.refuse_several(len(tests))
     return tuple(
         prepare(
-            test,
+            _thinned(test, most),
             filter=job.filter,
             machine=job.machine,
             cycle=job.reading.cycle,
@@ -82,10 +86,19 @@ def _prepared(job: Job) -> tuple[RampHold, ...]:
     )
 
 
+def _thinned(test: RelaxationTest, most: int | None) -> RelaxationTest:
+    """The test with every so manieth sample."""
+    step = 1 if most is None else -(-len(test.time) // most)
+    if step == 1:
+        return test
+    few = {name: getattr(test, name)[::step] for name in ("time", "displacement", "force")}
+    return replace(test, **few)
+
+
 @lru_cache(KEPT)
-def _fitted(job: Job, intervals: bool) -> Fit:
+def _fitted(job: Job, intervals: bool, most: int | None) -> Fit:
     return fit(
-        _prepared(_of_test(job)),
+        _prepared(_of_test(job), most),
         arms=job.arms,
         method=job.method,
         law=job.law,
@@ -94,31 +107,31 @@ def _fitted(job: Job, intervals: bool) -> Fit:
     )
 
 
-def _beside(job: Job, found: Fit) -> Fit | None:
+def _beside(job: Job, found: Fit, most: int | None = None) -> Fit | None:
     """The fit of eq. (5) with as many arms, of one test; None where it has nothing to say."""
     if found.family != "maxwell" or job.further:
         return None
-    return _by_eq5(_of_test(job), found.model.arms)
+    return _by_eq5(_of_test(job), found.model.arms, most)
 
 
 @lru_cache(KEPT)
-def _by_eq5(job: Job, arms: int) -> Fit | None:
+def _by_eq5(job: Job, arms: int, most: int | None) -> Fit | None:
     try:
-        return fit(_prepared(job), arms=arms, method="hold", intervals=False)
+        return fit(_prepared(job, most), arms=arms, method="hold", intervals=False)
     except DashpotError:
         return None
 
 
-def _shown(job: Job, found: Fit) -> tuple[RelaxationTest, RampHold]:
+def _shown(job: Job, found: Fit, most: int | None = None) -> tuple[RelaxationTest, RampHold]:
     """The test that is drawn: that of the temperature of the solid."""
-    prepared = _prepared(_of_test(job))
+    prepared = _prepared(_of_test(job), most)
     first = of_solid(found, prepared)
     return _tests(job)[first], prepared[first]
 
 
 @lru_cache(KEPT)
 def _study(job: Job) -> Study:
-    return run(job)
+    return run(job, read=_test)
 
 
 def _of_test(job: Job) -> Job:
@@ -152,10 +165,11 @@ def inspect(request: Mapping[str, Any], folder: Path) -> bytes:
     (found,) = inspect_files(
         [path],
         options=options,
-        read=lambda *_: _tests(job)[0],
-        prepared=lambda *_: _prepared(_of_test(job))[0],
+        read=lambda file: records.keep(str(path), options, relaxation_in(file, Specimen())),
+        prepared=lambda *_: _prepared(_of_test(job), WHILE_HELD)[0],
     ).files
     head = views.file_row(found)
+    head["long"] = found.rows > WHILE_HELD
     if head["mark"] != "good" or found.kind not in views.TAKEN:
         head["asked"] = views.asked(found, _consequences(path, found, options))
     return wire.packed({**head, "name": path.name})
@@ -189,19 +203,23 @@ def _consequences(
 def live(request: Mapping[str, Any], folder: Path) -> bytes:
     """The point estimate while a handle is held: curves and numbers, no intervals."""
     job = job_of(request.get("job"), folder)
-    found = _fitted(_of_fit(job), job.arms == "auto")
-    _, prepared = _shown(job, found)
-    shown = views.live_test(found, prepared, _beside(job, found))
+    found = _fitted(_of_fit(job), job.arms == "auto", WHILE_HELD)
+    _, prepared = _shown(job, found, WHILE_HELD)
+    shown = views.live_test(found, prepared, _beside(job, found, WHILE_HELD))
     return wire.packed({"beside": shown.words, "cuts": _cuts(prepared)}, shown.arrays)
 
 
 def settle(request: Mapping[str, Any], folder: Path) -> bytes:
-    """The fit with its intervals and checks, every panel of the test, and the command line."""
+    """The fit with its intervals and checks, every panel of the test, and the command line.
+
+    A `quick` one is of a part of the samples, to have something to look at meanwhile.
+    """
     job = job_of(request.get("job"), folder)
     widths = mapping(request.get("widths", {}), "widths")
-    found = _fitted(_of_fit(job), True)
-    test, prepared = _shown(job, found)
-    by_eq5 = _beside(job, found)
+    most = WHILE_HELD if request.get("quick") is True else None
+    found = _fitted(_of_fit(job), True, most)
+    test, prepared = _shown(job, found, most)
+    by_eq5 = _beside(job, found, most)
     panels = views.test_panels(found, prepared, by_eq5, widths)
     if job.mass is not None:
         panels["frf"] = views.response_panel(_predicted(found, job), widths.get("frf", 800.0))
@@ -239,7 +257,7 @@ def predict(request: Mapping[str, Any], folder: Path) -> bytes:
     job = job_of(request.get("job"), folder)
     if job.mass is None:
         raise DataError("no mass is given: say what rests on the seals, such as 104 g")
-    found = _fitted(_of_fit(job), job.arms == "auto")
+    found = _fitted(_of_fit(job), job.arms == "auto", None)
     top = np.sqrt(job.seals * found.solid.k_0 / job.mass) / (2 * np.pi)
     lines = top * LIVE_LINES
     shown = views.live_response(
@@ -291,7 +309,7 @@ def take(request: Mapping[str, Any], folder: Path) -> bytes:
     what = request.get("what")
     makers: dict[object, Callable[[], tuple[str, str, str]]] = {
         "report": lambda: ("report.html", "text/html", report.html(_told(job))),
-        "fit": lambda: ("fit.json", "application/json", to_json(_fitted(_of_fit(job), True))),
+        "fit": lambda: ("fit.json", "application/json", to_json(_fitted(_of_fit(job), True, None))),
         "joint": lambda: ("joint.json", "application/json", to_json(_joint(job))),
         "deck": lambda: _deck(request, job),
         "picture": lambda: _picture(job),
@@ -330,7 +348,7 @@ def _deck(request: Mapping[str, Any], job: Job) -> tuple[str, str, str]:
     target, units = request.get("target"), request.get("units", "mm-t-s")
     if target not in export.TARGETS:
         raise DataError(f"'{target}' is no solver; expected one of {', '.join(export.TARGETS)}")
-    solid = _joint(job) if request.get("joint") is True else _fitted(_of_fit(job), True)
+    solid = _joint(job) if request.get("joint") is True else _fitted(_of_fit(job), True, None)
     allow = ("all",) if request.get("anyway") is True else ()
     text = export.TARGETS[str(target)](solid, units=units, allow=allow)
     suffix = {"nastran": "bdf", "abaqus": "inp", "calculix": "inp", "csv": "csv"}.get(

@@ -12,13 +12,16 @@ from dashpot.base.errors import DashpotError
 from dashpot.base.provenance import Step
 from dashpot.io.columns.kinds import WANTED_BY
 from dashpot.io.options import ReadOptions
-from dashpot.io.readers.inspect import Inspection, inspect_file
-from dashpot.io.readers.relaxation import read_relaxation
+from dashpot.io.readers.channels import Opened, opened, read_once
+from dashpot.io.readers.inspect import Inspection, inspect_opened
+from dashpot.io.readers.relaxation import relaxation_in
+from dashpot.io.source import about
 from dashpot.preparation.motion import loading_in
 from dashpot.preparation.prepare import prepare
 from dashpot.records.relaxation import RampHold, RelaxationTest
+from dashpot.records.specimen import Specimen
 
-Reader: TypeAlias = Callable[[str | Path, ReadOptions], RelaxationTest]
+Reader: TypeAlias = Callable[[Opened], RelaxationTest]
 Preparer: TypeAlias = Callable[[RelaxationTest, ReadOptions], RampHold]
 
 
@@ -77,15 +80,16 @@ def inspect_files(
 ) -> Inspections:
     """Inspect files, and prepare those that are relaxation tests and leave no question open.
 
-    `read` and `prepared` stand in for the reader and for preparation where they remember.
+    `read` and `prepared` stand in for the reader and for preparation where they remember. What
+    the inspection and the reader both need of a file is read once.
     """
     options = options or ReadOptions()
     by = read or _read, prepared or _prepared
     return Inspections(tuple(_inspected(path, options, *by) for path in files))
 
 
-def _read(path: str | Path, options: ReadOptions) -> RelaxationTest:
-    return read_relaxation(path, options=options)
+def _read(file: Opened) -> RelaxationTest:
+    return relaxation_in(file, Specimen())
 
 
 def _prepared(record: RelaxationTest, options: ReadOptions) -> RampHold:
@@ -95,12 +99,15 @@ def _prepared(record: RelaxationTest, options: ReadOptions) -> RampHold:
 def _inspected(
     path: str | Path, options: ReadOptions, read: Reader, prepared: Preparer
 ) -> InspectedFile:
-    found = inspect_file(path, options=options)
+    with opened(path, options, sure=False) as bare:
+        file = read_once(bare)
+        found = inspect_opened(file)
     plain = {one.name: getattr(found, one.name) for one in fields(found)}
     if found.kind != "relaxation" or found.questions:
         return InspectedFile(**plain)
     try:
-        record = read(path, options)
+        with about(file.raw.name):
+            record = read(file)
         loading = loading_in(record.time, record.displacement, record.force)
         if loading in {"creep", "triangle", "cyclic"}:
             plain |= {"kind": loading, "reason": f"it is {WANTED_BY[loading][0]}"}

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Literal
+from typing import Literal, TypeAlias
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from dashpot.fitting.nonlinear_ramp.ladder import LawName
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.uncertainty.prediction_bounds import parameter_band, unseen_arm_band
 from dashpot.io.logo import read_logo
-from dashpot.io.options import OF_HAMMER
+from dashpot.io.options import OF_HAMMER, ReadOptions
 from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.preparation.prepare import prepare
 from dashpot.records.bounds import FRFBounds, StiffnessBounds
@@ -30,6 +30,7 @@ from dashpot.records.frf import FRF
 from dashpot.records.impact import ImpactTest
 from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold, RelaxationTest
+from dashpot.records.specimen import Specimen
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness, dynamic_stiffness
 from dashpot.vibration.modal.peaks import find_peak
@@ -41,6 +42,8 @@ from dashpot.workflow.job import Cuts, Job
 from dashpot.workflow.prepared import answered_in
 from dashpot.workflow.resting import AtRest, at_rest, family_checks, frf_limits, rest_checks
 from dashpot.workflow.shifting import each_specimen
+
+Reader: TypeAlias = Callable[[str, ReadOptions, Specimen | None], RelaxationTest]
 
 COMPARED_ORDERS = (1, 2)
 """The numbers of arms that the paper's Fig. 4 compares."""
@@ -323,12 +326,15 @@ def of_solid(chosen: Fit, tests: Sequence[RampHold]) -> int:
     )
 
 
-def run(job: Job) -> Study:
-    """Read the files of a job and characterise the seal."""
+def run(job: Job, *, read: Reader | None = None) -> Study:
+    """Read the files of a job and characterise the seal.
+
+    `read` stands in for the reader of the relaxation tests where it remembers.
+    """
     files = job.relaxation, *job.further
     doing(f"reading {_named(files)}")
     test, *further = (
-        read_relaxation(file, options=job.reading, specimen=one)
+        (read or _read)(file, job.reading, one)
         for file, one in zip(
             files, each_specimen(job.specimen, job.temperatures, len(files)), strict=True
         )
@@ -364,6 +370,10 @@ def run(job: Job) -> Study:
     )
     logo = "" if job.logo is None else read_logo(job.logo)
     return replace(study, checks=(*study.checks, *noted), title=job.title, logo=logo)
+
+
+def _read(file: str, options: ReadOptions, specimen: Specimen | None) -> RelaxationTest:
+    return read_relaxation(file, options=options, specimen=specimen)
 
 
 def _named(files: Sequence[str]) -> str:

@@ -79,6 +79,21 @@ def opened(path: str | Path, options: ReadOptions | None, *, sure: bool = True) 
         yield Opened(raw, table, options)
 
 
+def read_once(file: Opened) -> Opened:
+    """Return the file as one whose numbers are not read again where the same columns are."""
+    known: dict[tuple[int, ...], Loaded] = {}
+
+    def load(indexes: Sequence[int]) -> Loaded:
+        asked = tuple(indexes)
+        if asked not in known:
+            known.clear()
+            known[asked] = file.table.load(indexes)
+        # who cleans them must not clean the next one's
+        return replace(known[asked], values=known[asked].values.copy())
+
+    return replace(file, table=replace(file.table, load=load))
+
+
 def refuse_summary(file: Opened) -> None:
     """Refuse a table of one row per cycle, unless the user names its columns."""
     options = file.options

@@ -147,10 +147,11 @@ def inspect_file(path: str | Path, *, options: ReadOptions | None = None) -> Ins
         If the file cannot be opened or holds no table.
     """
     with channels.opened(path, options, sure=False) as file:
-        return _inspected(file)
+        return inspect_opened(file)
 
 
-def _inspected(file: Opened) -> Inspection:
+def inspect_opened(file: Opened) -> Inspection:
+    """Return what is in a file that is open."""
     raw, table, options = file.raw, file.table, file.options
     kind, reason = kind_of(table, options)
     roles, questions = _proposal(file, kind)

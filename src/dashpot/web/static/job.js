@@ -13,6 +13,7 @@ import { call } from "./wire.js";
  * @property {string} [mark]
  * @property {string} [asked]
  * @property {boolean} [simulated]
+ * @property {boolean} [long]
  * @property {boolean} [together]
  * @property {string} [temperature]
  */

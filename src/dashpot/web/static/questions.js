@@ -27,15 +27,18 @@ export function settle() {
   fields();
   views();
   remember();
-  if (!test()) {
+  const of = test();
+  if (!of) {
     const open = state.files.some((one) => one.asked);
     status(open ? "a question is open" : "no relaxation test is open");
     return;
   }
   stale(true);
-  status("fitting");
-  const since = performance.now();
-  ask("settle", "settle", { job: job(), widths: widths() }, ({ head }) => {
+  // of a long record a part is drawn at once
+  const quick = !!of.long, since = performance.now();
+  of.long = false;
+  status(quick ? "fitting a part of the samples" : "fitting");
+  ask("settle", "settle", { job: job(), widths: widths(), quick }, ({ head }) => {
     refuse("");
     tables.fit = head.solid;
     if (!state.joint) tables.joint = "";
@@ -53,6 +56,7 @@ export function settle() {
     solid();
     const [first, last] = head.clock;
     placeHandles(head.cuts, { first, last, step: head.step });
+    if (quick) return settle();
     status(`settled in ${seconds(since, 2)}`);
     study();
   }, (said) => {
