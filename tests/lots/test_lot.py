@@ -100,6 +100,27 @@ def test_the_numbers_are_those_of_a_fit_to_the_last_digit(folder):
     assert row["frequency_Hz"] == pytest.approx(mode.frequency, rel=1e-4)
 
 
+def test_stiffness_and_loss_are_those_of_the_fit_where_they_were_asked_for(folder):
+    path = folder / "lotA_seal0_rep0.csv"
+    (row,) = dp.batch(path, arms=2, at=["12.7Hz", 0.1], compression="2.6mm").table.to_dicts()
+    test = dp.prepare(dp.read_relaxation(path))
+    fit = dp.fit(test, arms=2)
+    solid = fit.model_at(2.6e-3)
+    for name, frequency in (("12.7Hz", 12.7), ("0.1Hz", 0.1)):
+        value = solid.complex_stiffness(2 * np.pi * frequency)
+        assert row[f"storage_at_{name}_2.6mm_N_per_m"] == value.real
+        assert row[f"loss_at_{name}_2.6mm_N_per_m"] == value.imag
+        assert row[f"loss_factor_at_{name}_2.6mm"] == value.imag / value.real
+    assert row["k_end_at_2.6mm_N_per_m"] == solid.relaxation(test.hold_time)
+    assert (row["band_low_Hz"], row["band_high_Hz"]) == fit.band
+    (deep,) = dp.batch(path, at="5Hz", compression=1.0, mass=0.1, **QUICK).table.to_dicts()
+    assert "compression" in deep["reason"]
+    assert deep["storage_at_5Hz_1000mm_N_per_m"] is None
+    assert deep["frequency_Hz"] > 0
+    with pytest.raises(DataError, match="at = -1"):
+        dp.batch(path, at=-1.0, **QUICK)
+
+
 def test_a_second_run_computes_nothing_and_a_changed_file_alone_is_fitted_again(
     folder, whole, tmp_path
 ):
@@ -343,7 +364,7 @@ def test_the_command_prints_logs_and_judges(folder, tmp_path):
         ({"jobs": 0}, "a number of processes >= 1"),
         ({"by": "("}, "no regular expression"),
         ({"by": "lot"}, "0 groups"),
-        ({"by": "(a)(b)(c)(d)"}, "4 groups"),
+        ({"by": "(a)(b)(c)(d)(e)"}, "5 groups"),
         ({"by": "(?P<batch>a)"}, "batch"),
         ({"by": r"(nowhere)"}, "fits none of 11 paths"),
     ],

@@ -28,11 +28,19 @@ from dashpot.lots.statistics.scatter import Component
 @click.option("--mass", type=options.Quantity("mass"), help="Block mass: adds its frequency.")
 @options.seals
 @click.option(
+    "--at", type=options.Quantity("frequency"), multiple=True,
+    help="Adds stiffness and loss factor there, e.g. 12.7Hz; repeat it for more.",
+)  # fmt: skip
+@click.option(
+    "--compression", type=options.Quantity("length"), multiple=True,
+    help="Of the seals, for these [default: as tested]; repeat it for more.",
+)  # fmt: skip
+@click.option(
     "--by", metavar="REGEX", help=r"Lot, seal, repeat from the path: 'lot(\w+)_seal(\d+)_rep(\d+)'."
 )
 @click.option(
     "--manifest", type=File(), metavar="FILE",
-    help="CSV or TOML: file, lot, seal, repeat, temperature, mass, hammer.",
+    help="CSV or TOML: file, lot, seal, repeat, operator, temperature, mass, hammer.",
 )  # fmt: skip
 @click.option(
     "--pair",
@@ -56,6 +64,8 @@ def command(
     quick: bool,
     mass: float | None,
     seals: float,
+    at: tuple[float, ...],
+    compression: tuple[float, ...],
     by: str | None,
     manifest: str | None,
     pair: str | None,
@@ -91,14 +101,16 @@ def command(
 
         planned = plan_batch(
             paths, output=output, by=by, manifest=manifest, pair=pair, jobs=jobs,
-            choices=BatchChoices(arms, method, quick, mass, seals, options, of_impact, joint),
+            choices=BatchChoices(
+                arms, method, quick, mass, seals, options, of_impact, joint, at, compression
+            ),
         )  # fmt: skip
         document = {"schema": "dashpot/batch-plan@1", **asdict(planned)}
         return Outcome(document, Text(_planned(asdict(planned))))
     lot = dp.batch(
         paths, output=output, arms=arms, method=method, quick=quick, mass=mass, seals=seals,
-        by=by, manifest=manifest, pair=pair, joint=joint, jobs=jobs, options=options,
-        impact_options=of_impact,
+        at=at, compression=compression, by=by, manifest=manifest, pair=pair, joint=joint,
+        jobs=jobs, options=options, impact_options=of_impact,
     )  # fmt: skip
     write(f"{output}/lot.csv", lot.csv())
     write(f"{output}/lot.html", html(lot, title=Path(output).resolve().name))

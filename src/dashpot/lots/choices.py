@@ -4,17 +4,24 @@ from __future__ import annotations
 
 import hashlib
 import math
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
 from dashpot.base.errors import DataError
-from dashpot.base.units import si_fields
+from dashpot.base.units import Dimension, Quantity, si, si_fields
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import open_raw
 
 MOST_ARMS = 6
 """The most that are tried where their number is left to choose."""
+
+
+def several(given: Quantity | Sequence[Quantity], dimension: Dimension) -> tuple[float, ...]:
+    """Return one quantity or several in SI."""
+    quantities = [given] if isinstance(given, str | float | int) else given
+    return tuple(si(one, dimension) for one in quantities)
 
 
 @dataclass(frozen=True)
@@ -35,6 +42,11 @@ class BatchChoices:
         Of the tests, and of the hammer's files.
     joint : bool
         Where a hammer is paired with a ramp and hold: one solid for both.
+    at : tuple of float
+        Frequencies, Hz, at which each row has storage and loss stiffness and loss factor.
+    compression : tuple of float
+        Of the seals, m, for these and for the stiffness at the end of the hold; without any, the
+        depth of each test.
     """
 
     arms: int | Literal["auto"] = "auto"
@@ -45,6 +57,8 @@ class BatchChoices:
     reading: ReadOptions = field(default_factory=ReadOptions)
     reading_impact: ReadOptions = field(default_factory=ReadOptions)
     joint: bool = False
+    at: tuple[float, ...] = ()
+    compression: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         si_fields(self)
@@ -57,6 +71,12 @@ class BatchChoices:
             raise DataError(f"mass = {self.mass!r} kg; expected a number > 0")
         if not (math.isfinite(self.seals) and self.seals > 0):
             raise DataError(f"seals = {self.seals!r}; expected a number > 0")
+        for name in ("at", "compression"):
+            found = tuple(dict.fromkeys(getattr(self, name)))
+            object.__setattr__(self, name, found)
+            wrong = [one for one in found if not (math.isfinite(one) and one > 0)]
+            if wrong:
+                raise DataError(f"{name} = {wrong[0]!r}; expected numbers > 0")
         if self.joint and self.quick:
             raise DataError("--joint weighs both tests by their errors, which --quick leaves out")
 

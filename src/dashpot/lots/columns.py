@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, TypeAlias
 
 import dashpot as dp
-from dashpot.lots.entries import Entry
+from dashpot.lots.choices import BatchChoices
+from dashpot.lots.entries import LABELS, Entry
 
+Where: TypeAlias = tuple[float | None, float | None]
+"""A frequency and a compression."""
 TEXTS = (
-    "file", "sha256", "hammer", "lot", "seal", "repeat", "kind", "outcome", "verdict", "agreement",
+    "file", "sha256", "hammer", *LABELS, "kind", "outcome", "verdict", "agreement",
     "reason", "failed_checks", "status", "method", "version",
 )  # fmt: skip
 """The columns of words; `outcome` is ``fitted``, ``refused``, ``other``, or one of `AGAIN`."""
@@ -25,7 +28,8 @@ def of_solid(what: str, unit: str) -> str:
 
 NUMBERS = (
     "temperature_K", "mass_kg", "depth_m", "ramp_s", "hold_s", "force_noise_N",
-    *(of_solid(what, "N/m") for what in _OF_THE_SOLID), "rms_N", "frequency_Hz", "damping_ratio",
+    *(of_solid(what, "N/m") for what in _OF_THE_SOLID), "rms_N", "band_low_Hz",
+    "band_high_Hz", "frequency_Hz", "damping_ratio",
     "predicted_Hz", "predicted_damping_ratio", "measured_Hz", "measured_se_Hz",
     "measured_damping_ratio", "measured_damping_ratio_se", "peak_dB", "frac",
     *(of_solid(what, "Pa") for what in _OF_THE_SOLID),
@@ -44,10 +48,38 @@ def arm_columns(arms: int) -> tuple[str, ...]:
     )  # fmt: skip
 
 
-def empty(entry: Entry, sha256: str, arms: int) -> dict[str, Any]:
+def asked_columns(choices: BatchChoices, unit: str) -> dict[Where, tuple[str, ...]]:
+    """Return the columns of each frequency, Hz, and compression, m, that was asked for.
+
+    Without a frequency, that of the stiffness at the end of the hold; without a compression, those
+    at the depth of the test. A material (`unit` Pa) has no compression.
+    """
+    part = unit == "N/m"
+    ending = "N_per_m" if part else "Pa"
+    deep = choices.compression if part else ()
+    found: dict[Where, tuple[str, ...]] = {
+        (None, one): (f"k_end_at_{1e3 * one:g}mm_{ending}",) for one in deep
+    }
+    for frequency in choices.at:
+        for about in deep or (None,):
+            where = f"at_{frequency:g}Hz{'' if about is None else f'_{1e3 * about:g}mm'}"
+            found[frequency, about] = (
+                f"storage_{where}_{ending}", f"loss_{where}_{ending}", f"loss_factor_{where}",
+            )  # fmt: skip
+    return found
+
+
+def chosen_columns(choices: BatchChoices) -> tuple[str, ...]:
+    """Return the columns that depend on the choices, all of numbers."""
+    asked = (asked_columns(choices, unit).values() for unit in ("N/m", "Pa"))
+    names = (name for of in asked for several in of for name in several)
+    return (*arm_columns(choices.columns), *dict.fromkeys(names))
+
+
+def empty(entry: Entry, sha256: str, choices: BatchChoices) -> dict[str, Any]:
     """Return the row of a file of which nothing is known yet."""
-    numbers = dict.fromkeys((*COUNTS, *NUMBERS, *arm_columns(arms)))
-    told = {name: getattr(entry, name) for name in ("file", "lot", "seal", "repeat")}
+    numbers = dict.fromkeys((*COUNTS, *NUMBERS, *chosen_columns(choices)))
+    told = {name: getattr(entry, name) for name in ("file", *LABELS)}
     return (
         dict.fromkeys(TEXTS, "")
         | numbers

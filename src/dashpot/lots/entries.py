@@ -18,7 +18,7 @@ from dashpot.base.units import parse_quantity
 from dashpot.base.version import is_ours, is_record
 from dashpot.io.source import open_raw
 
-LABELS = ("lot", "seal", "repeat")
+LABELS = ("lot", "seal", "repeat", "operator")
 _QUANTITIES = ("temperature", "mass")
 _KNOWN = ("file", *LABELS, *_QUANTITIES, "hammer")
 _MANIFEST = 1 << 26
@@ -41,6 +41,8 @@ class Entry:
         Of the test, K; of the block on the seal, kg.
     hammer : tuple of str
         The hammer's files, or an FRF, of the block on such seals.
+    operator : str
+        Who, or which rig, tested; empty where nobody said.
     """
 
     file: str
@@ -50,6 +52,7 @@ class Entry:
     temperature: float | None = None
     mass: float | None = None
     hammer: tuple[str, ...] = ()
+    operator: str = ""
 
     @staticmethod
     def from_plain(plain: dict[str, Any]) -> Entry:
@@ -93,7 +96,8 @@ def entries(
     manifest : path, optional
         CSV or TOML; the files it lists are added to the paths, and its labels win over `by`.
     by : str, optional
-        A regular expression whose groups, named or in this order, are lot, seal and repeat.
+        A regular expression whose groups, named or in this order, are lot, seal, repeat and
+        operator.
     pair : str, optional
         The pattern of a test's hammer files, seen from its folder: ``"{stem}_hammer*.csv"``; it may
         hold {stem}, the name of the test's file without its suffix, {lot}, {seal} and {repeat}.
@@ -230,7 +234,8 @@ def _labels(by: str | None, files: Sequence[str]) -> dict[str, dict[str, Any]]:
     ):
         raise DataError(
             f"--by '{by}' has {pattern.groups} groups ({', '.join(named) or 'none'}); expected up "
-            r"to three, named or in the order of lot, seal, repeat: 'lot(\w+)_seal(\d+)_rep(\d+)'"
+            r"to four, named or in the order of lot, seal, repeat, operator: "
+            r"'lot(\w+)_seal(\d+)_rep(\d+)'"
         )
     matched = {file: pattern.search(Path(file).as_posix()) for file in files}
     if not any(matched.values()):

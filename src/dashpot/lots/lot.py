@@ -21,7 +21,7 @@ from dashpot.base.version import byline
 from dashpot.io.options import ReadOptions
 from dashpot.io.write import neutral
 from dashpot.lots.checks import files_fitted, fits_usable, hammers_compared
-from dashpot.lots.choices import BatchChoices
+from dashpot.lots.choices import BatchChoices, several
 from dashpot.lots.entries import entries
 from dashpot.lots.parts import (
     Task,
@@ -199,6 +199,8 @@ def batch(
     quick: bool = False,
     mass: Quantity | None = None,
     seals: float = 1.0,
+    at: Quantity | Sequence[Quantity] = (),
+    compression: Quantity | Sequence[Quantity] = (),
     by: str | None = None,
     manifest: str | Path | None = None,
     pair: str | None = None,
@@ -228,11 +230,17 @@ def batch(
     mass : float, optional
         Of a block, kg, on so many `seals`: the table then has its frequency and damping ratio. The
         manifest may give each test its own.
+    at : float or sequence of float
+        Frequencies, Hz: the table then has storage and loss stiffness and loss factor there.
+    compression : float or sequence of float
+        Of the seals, m, for these and for the stiffness at the end of the hold: of small vibration
+        about it. By default each test's own depth.
     by : str, optional
-        A regular expression for the path, whose groups are lot, seal and repeat:
+        A regular expression for the path, whose groups are lot, seal, repeat and operator:
         ``r"lot(\w+)_seal(\d+)_rep(\d+)"``; named groups may stand in any order.
     manifest : path, optional
-        CSV or TOML with the columns file, lot, seal, repeat, temperature, mass, hammer.
+        CSV or TOML with the columns file, lot, seal, repeat, operator, temperature, mass,
+        hammer.
     pair : str, optional
         The pattern of the hammer's files of a test, seen from its folder:
         ``"{stem}_hammer*.csv"``, with {lot}, {seal} and {repeat} too. They are no rows of their
@@ -255,7 +263,8 @@ def batch(
     side = _jobs(jobs)
     choices = BatchChoices(
         arms, method, quick, si(mass, "mass"), seals, options or ReadOptions(),
-        impact_options or ReadOptions(), joint,
+        impact_options or ReadOptions(), joint, several(at, "frequency"),
+        several(compression, "length"),
     )  # fmt: skip
     with _folder(output) as folder:
         asked = _asked(paths, choices, manifest=manifest, by=by, pair=pair, folder=folder)
@@ -348,7 +357,7 @@ def _compute(missing: Sequence[Task], choices: BatchChoices, folder: Path, jobs:
     doing(f"{len(missing)} tests in {len(chunks)} chunks")
     with (folder / LOG).open("a", encoding="utf-8") as log:
         for chunk, rows in computed(chunks, choices, jobs):
-            path = write_part(folder, framed(rows, choices.columns))
+            path = write_part(folder, framed(rows, choices))
             done += len(chunk)
             rate = done / (time.monotonic() - began)
             left = (len(missing) - done) / rate

@@ -14,7 +14,7 @@ from dashpot.base.atomic import PART, write_whole
 from dashpot.base.errors import DataError, ExportError
 from dashpot.base.version import __version__
 from dashpot.lots.choices import BatchChoices
-from dashpot.lots.columns import AGAIN, COUNTS, NUMBERS, TEXTS, arm_columns
+from dashpot.lots.columns import AGAIN, COUNTS, NUMBERS, TEXTS, chosen_columns
 from dashpot.lots.entries import Entry
 
 if TYPE_CHECKING:
@@ -69,10 +69,10 @@ def polars() -> Any:
     return pl
 
 
-def schema(arms: int) -> dict[str, Any]:
+def schema(choices: BatchChoices) -> dict[str, Any]:
     """Return the columns of the table and their types."""
     kind = polars()
-    numbers = (*NUMBERS, *arm_columns(arms))
+    numbers = (*NUMBERS, *chosen_columns(choices))
     texts = dict.fromkeys((*TEXTS, KEY), kind.String)
     return texts | dict.fromkeys(COUNTS, kind.Int64) | dict.fromkeys(numbers, kind.Float64)
 
@@ -87,9 +87,9 @@ def write_part(folder: Path, rows: pl.DataFrame) -> Path:
     return path
 
 
-def framed(rows: Sequence[Mapping[str, Any]], arms: int) -> pl.DataFrame:
+def framed(rows: Sequence[Mapping[str, Any]], choices: BatchChoices) -> pl.DataFrame:
     """Return rows as a table."""
-    return cast("pl.DataFrame", polars().DataFrame(rows, schema=schema(arms)))
+    return cast("pl.DataFrame", polars().DataFrame(rows, schema=schema(choices)))
 
 
 def read_parts(folder: Path) -> dict[Path, pl.DataFrame]:

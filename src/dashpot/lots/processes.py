@@ -90,7 +90,7 @@ class _Worker:
             self.end()
             if over.is_set():
                 break
-        return empty(task.entry, task.hashes[0], self._choices.columns) | {
+        return empty(task.entry, task.hashes[0], self._choices) | {
             "outcome": "died",
             "reason": f"the process that read it died {LIVES} times: it may need more memory than "
             "there is; run it again with fewer --jobs, or look at it with dashpot inspect",

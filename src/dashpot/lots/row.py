@@ -14,9 +14,10 @@ from dashpot.base.errors import DashpotError
 from dashpot.io.columns.kinds import MASTER, WANTED_BY
 from dashpot.io.source import open_raw
 from dashpot.lots.choices import BatchChoices
-from dashpot.lots.columns import empty, of_solid
+from dashpot.lots.columns import asked_columns, empty, of_solid
 from dashpot.lots.entries import Entry
 from dashpot.lots.hammer import held_against_hammer, of_hammer_alone
+from dashpot.records.compression import refuse_far
 from dashpot.records.creep import CreepCompliance, LoadHold
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import Fit
@@ -45,7 +46,7 @@ def row(entry: Entry, hashes: Sequence[str], choices: BatchChoices) -> dict[str,
         What the contents of its file, and of its hammer's, hashed to when the batch began.
     choices : BatchChoices
     """
-    found = empty(entry, hashes[0], choices.columns)
+    found = empty(entry, hashes[0], choices)
     if entry.mass is None:
         found["mass_kg"] = choices.mass
     try:
@@ -118,6 +119,10 @@ def _of_test(
     if not choices.quick:
         numbers |= _judged(fit, choices.columns)
     try:
+        numbers |= _asked(fit, choices, numbers.get("hold_s"))
+    except DashpotError as error:
+        said.append(str(error))
+    try:
         numbers |= _under_mass(fit, mass, choices.seals)
     except DashpotError as error:
         said.append(f"under the mass: {error}")
@@ -157,6 +162,8 @@ def _of_fit(fit: Fit, hold: float | None, room: int) -> dict[str, Any]:
         "status": fit.status.name.lower(),
         "method": fit.method,
         "arms": model.arms,
+        "band_low_Hz": fit.band[0],
+        "band_high_Hz": fit.band[1],
         of_solid("inf", unit): model.k_inf,
         of_solid("0", unit): model.k_0,
     }
@@ -198,6 +205,23 @@ def _arms(
 
 def _failed(checks: tuple[Check, ...]) -> list[str]:
     return list(dict.fromkeys(one.name for one in checks if one.failed and one.grade != "note"))
+
+
+def _asked(fit: Fit, choices: BatchChoices, hold: float | None) -> dict[str, Any]:
+    """Stiffness and loss where they were asked for: of small vibration about a compression."""
+    found: dict[str, Any] = {}
+    for (frequency, compression), columns in asked_columns(choices, fit.unit).items():
+        solid = fit.model
+        if compression is not None:
+            refuse_far(compression, fit.elastic_law, fit.specimen.height)
+            solid = fit.model_at(compression)
+        if frequency is not None:
+            value = complex(solid.complex_stiffness(2 * math.pi * frequency))
+            numbers = value.real, value.imag, value.imag / value.real
+            found |= dict(zip(columns, numbers, strict=True))
+        elif hold is not None:
+            found[columns[0]] = float(solid.relaxation(hold))
+    return found
 
 
 def _under_mass(fit: Fit, mass: float | None, seals: float) -> dict[str, Any]:
