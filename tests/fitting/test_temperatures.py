@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from operator import itemgetter
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from kit import cold
 import dashpot as dp
 from dashpot.fitting.uncertainty.prediction_bounds import parameter_band
 from dashpot.records.bounds import StiffnessBounds
+from dashpot.simulation.relaxation import Climate, Rig, simulate_relaxation
 
 ROOM, FRIDGE = 23.0, 0.0
 PAIR, TRIPLE = (ROOM, FRIDGE), (ROOM, 10.0, FRIDGE)
@@ -81,6 +83,16 @@ def test_the_cold_solid_is_known_by_the_cold_test(pair):
     assert error < 0.2 * float(np.sqrt(pair.covariance[arm, arm]))
     true = np.log(0.0125) + np.log(10) * cold.log10_a(273.15)
     assert abs(found - true) < 3 * error < 0.05
+
+
+def test_the_point_alone_is_that_of_the_whole_fit(pair):
+    records = cold.records("hidden", PAIR, 0)
+    point = dp.fit(records, arms=3, intervals=False)
+    assert np.allclose(point.model.k, pair.model.k, rtol=1e-9)
+    assert point.shifts[0].log10_a_t == pytest.approx(pair.shifts[0].log10_a_t, abs=1e-9)
+    assert {check.name for check in point.checks} == {"uncertainty_estimated"}
+    assert point.shifts[0].se == point.at_temperature("0degC").standard_error["k_inf"] == np.inf
+    assert dp.from_json(dp.to_json(point)) == point
 
 
 def test_two_temperatures_are_told_that_three_see_more(pair, triple):
@@ -234,3 +246,28 @@ def test_twenty_pairs_find_the_shift_and_the_damping():
     assert np.sum(np.array(damping) < 0.03) == 20
     assert (np.sum(holds, axis=0) >= 18).all()
     assert (np.sum(within, axis=0) >= 18).all()
+
+
+@pytest.mark.slow
+def test_counts_that_beat_with_the_samples_are_within_the_bounds():
+    """Rigs of 500 Hz and 20 um: each motion meets the counts elsewhere."""
+    k_inf, k, tau = cold.BROAD
+    solid = dp.GeneralizedMaxwell(
+        k_inf, *zip(*sorted(zip(k, tau, strict=True), key=itemgetter(1)), strict=True)
+    )
+    inside = []
+    for seed in range(20):
+        random = np.random.default_rng(seed)
+        ramp = 1 + 0.05 * random.uniform(-1, 1)
+        tests = []
+        for i, celsius in enumerate(PAIR):
+            gap, baseline = 20e-6 * random.uniform(), 1.5 + 0.01 * random.uniform()
+            rig = Rig(rate=500.0, encoder=20e-6, gap=gap, baseline=baseline)
+            climate = Climate(celsius + 273.15)
+            made = simulate_relaxation(
+                solid, ramp_time=ramp, rig=rig, seed=1000 * seed + i, climate=climate
+            )
+            tests.append(made.test)
+        inside.append(held("broad", dp.unseen_arm_band(dp.fit(tests), tests, LINES)))
+    assert np.mean(inside, axis=0).min() >= 0.85
+    assert np.mean(inside) >= 0.94

@@ -58,8 +58,9 @@ from dashpot.fitting.relaxation_data import fitted_data, held_data
 from dashpot.fitting.repeats import refuse_copies
 from dashpot.fitting.shift_law import ShiftLaw
 from dashpot.fitting.temperature.joint import Vertical
+from dashpot.fitting.temperature.optimum import reference_of, temperatures_of
 from dashpot.fitting.temperature.reduced import Own, bent_block
-from dashpot.fitting.temperature.thermal_fit import fit_thermal, reference_of, temperatures_of
+from dashpot.fitting.temperature.thermal_fit import fit_thermal
 from dashpot.fitting.uncertainty.encoder import Encoder
 from dashpot.fitting.uncertainty.estimate import Estimate, residual_of
 from dashpot.fitting.uncertainty.informed_band import informed_band
@@ -208,6 +209,7 @@ def fit(
             vertical=vertical,
             shift_law=shift_law,
             reference=reference_of(temperatures, si(reference, "temperature")),
+            intervals=intervals,
         )
     if law == "nonlinear":
         return _by_ramp(records, ramp_law(records, law=law, arms=count), count)

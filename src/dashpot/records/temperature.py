@@ -145,7 +145,7 @@ class TemperatureShifts(ByValue):
         part = self.covariance[: len(self.shifts), : len(self.shifts)]
         if self.law_parameters:
             part = self.law_covariance
-        variance = float(gradient @ part @ gradient) + self._between(temperature) ** 2
+        variance = float(carried(gradient[None], part)[0, 0]) + self._between(temperature) ** 2
         se = float(np.sqrt(max(variance, 0.0)))
         errors = [shift.b_t_se / shift.b_t for shift in self.shifts]
         at = [shift.temperature for shift in self.shifts]
@@ -190,7 +190,7 @@ class TemperatureShifts(ByValue):
             else:
                 by[row, row] = b_t
                 by[row, -2] = b_t * values.get(name, 0.0)
-        return np.asarray(by @ self._with_shifts(temperature, covariance) @ by.T)
+        return carried(by, self._with_shifts(temperature, covariance))
 
     def _with_shifts(self, temperature: float, covariance: FloatArray) -> FloatArray:
         """Covariance of a solid's parameters, of ln a_T, ln b_T at T, and of the slope."""
@@ -240,7 +240,7 @@ class TemperatureShifts(ByValue):
         turn = np.array([np.interp(every, at, one) for one in np.eye(len(at))]).T - near
         turn[every == temperature] = 0.0
         both = np.kron(np.diag([scale, 1.0]), turn)
-        covariance = both @ self.covariance @ both.T
+        covariance = carried(both, self.covariance)
         # what the shift there may be off by, all others are
         others = np.append(every != temperature, np.zeros(len(every))) * scale
         covariance = covariance + self._between(temperature) ** 2 * np.outer(others, others)
@@ -357,6 +357,16 @@ def near(temperature: FloatArray | None, asked: float) -> BoolArray:
             f"no sample within {ONE_TEMPERATURE / 2:g} K of {celsius(asked)}; the test has {listed}"
         )
     return np.asarray(within)
+
+
+def carried(turn: FloatArray, covariance: FloatArray) -> FloatArray:
+    """Covariance of `turn` times what has this one; where it is infinite, so is what it reaches."""
+    unknown = np.isinf(np.diag(covariance))
+    found = np.asarray(turn @ np.where(np.isfinite(covariance), covariance, 0.0) @ turn.T)
+    reached = (turn[:, unknown] != 0).any(axis=1)
+    found[reached], found[:, reached] = 0.0, 0.0
+    found[reached, reached] = np.inf
+    return found
 
 
 def shifted_log_tau(log_tau: FloatArray, log_a: float, slope: float) -> FloatArray:

@@ -145,6 +145,16 @@ class Joint:
             *(("slope",) if order > 1 else ()),
         )
 
+    def shift_rows(self, names: Sequence[str]) -> FloatArray:
+        """What picks log10 a_T and ln b_T of every temperature out of the parameters named."""
+        count = len(self.temperatures)
+        turn = np.zeros((2 * count, len(names)))
+        for i in self.further:
+            turn[i, names.index(f"ln_a_{i}")] = 1 / np.log(10.0)
+            if f"ln_b_{i}" in names:
+                turn[count + i, names.index(f"ln_b_{i}")] = 1.0
+        return turn
+
     def part(self, block: Block, i: int, point: Point) -> Part:
         """One test of temperature i, in the rows of a block whose fixed column k_inf is first."""
         names, n = self.names(point.order), point.order
@@ -198,8 +208,11 @@ class Joint:
 
     def errors(self, point: Point) -> FloatArray:
         """Standard errors of what is shared, k relative, under white noise of unit variance."""
-        _, by = self._all(point)
-        return np.sqrt(np.diag(white(by, 1.0)))
+        return np.sqrt(np.diag(self.covariance(point)))
+
+    def covariance(self, point: Point) -> FloatArray:
+        """Covariance of what is shared, k relative, under white noise of unit variance."""
+        return white(self._all(point)[1], 1.0)
 
     def _all(self, point: Point) -> tuple[FloatArray, FloatArray]:
         """Residual and derivatives of every test, and what is known of g."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.engine.inference.covariance import Noise, noise_of, sandwich
-from dashpot.fitting.temperature.joint import Joint, Point
+from dashpot.fitting.temperature.joint import Joint, Part, Point
 from dashpot.fitting.temperature.reduced import Own
 from dashpot.fitting.uncertainty.encoder import Encoder, Kernel, encoder_rows
 from dashpot.fitting.uncertainty.estimate import rounding
@@ -71,7 +71,7 @@ class Knowledge:
     @property
     def shift_covariance(self) -> FloatArray:
         """Of log10 a_T of every temperature, then of ln b_T; zero where nothing was sought."""
-        turn = self._shift_rows
+        turn = self.joint.shift_rows(self.names)
         return np.asarray(turn @ self.covariance @ turn.T)
 
     @property
@@ -81,34 +81,14 @@ class Knowledge:
         every = np.eye(len(self.names))
         slope = every[[self.names.index("slope")]] if "slope" in self.names else 0 * every[:1]
         rows = np.concatenate((every[solid], slope))
-        columns = np.concatenate((self._shift_rows, slope))
+        columns = np.concatenate((self.joint.shift_rows(self.names), slope))
         return np.asarray(rows @ self.covariance @ columns.T)
-
-    @property
-    def _shift_rows(self) -> FloatArray:
-        """What picks log10 a_T and ln b_T out of what was fitted."""
-        count = len(self.joint.temperatures)
-        turn = np.zeros((2 * count, len(self.names)))
-        for i in self.joint.further:
-            turn[i, self.names.index(f"ln_a_{i}")] = 1 / np.log(10.0)
-            if f"ln_b_{i}" in self.names:
-                turn[count + i, self.names.index(f"ln_b_{i}")] = 1.0
-        return turn
 
     @property
     def nuisances(self) -> tuple[Nuisance, ...]:
         """The columns of each test, and how arms shift apart."""
-        found = []
-        for name, value in zip(
-            self.names[len(self.names) - len(self.own) :], self.own, strict=True
-        ):
-            kind, _, test = name.partition("@")
-            title = f"{kind} of test {int(test) + 1}"
-            found.append(Nuisance(title, float(value), self.error(name), _UNITS[kind]))
-        if "slope" in self.names:
-            slope = Nuisance("shift slope", self.point.slope, self.error("slope"), "1/decade")
-            found.append(slope)
-        return tuple(found)
+        own = self.names[len(self.names) - len(self.own) :]
+        return nuisances(own, self.own, self.point, self.error)
 
     @property
     def residual(self) -> Residual:
@@ -124,6 +104,57 @@ class Knowledge:
             kappa=len(every) / self.effective,
             durbin_watson=float(np.average(watson, weights=weights)),
         )
+
+
+def nuisances(
+    names: Sequence[str], own: FloatArray, point: Point, error: Callable[[str], float]
+) -> tuple[Nuisance, ...]:
+    """Return the columns of each test, ``"offset@0"``, and how arms shift apart, in words."""
+    found = []
+    for name, value in zip(names, own, strict=True):
+        kind, _, test = name.partition("@")
+        title = f"{kind} of test {int(test) + 1}"
+        found.append(Nuisance(title, float(value), error(name), _UNITS[kind]))
+    if point.order > 1:
+        found.append(Nuisance("shift slope", point.slope, error("slope"), "1/decade"))
+    return tuple(found)
+
+
+class Left(NamedTuple):
+    """What a point leaves of one test, N, the coefficients of the test's own columns fitted.
+
+    Attributes
+    ----------
+    left : array, shape (n,)
+    own : array
+    part : Part
+    columns : array, shape (n, q)
+        Of the test's own.
+    """
+
+    left: FloatArray
+    own: FloatArray
+    part: Part
+    columns: FloatArray
+
+
+def left_of(joint: Joint, test: Own, i: int, point: Point) -> Left:
+    """Return what a point leaves of every sample of test i."""
+    weight, exact = 1 / test.spread, test.block.exact
+    part = joint.part(exact, int(joint.at[i]), point)
+    columns = exact.evaluate(np.zeros(0), False).fixed[:, test.own_columns]
+    rows, target = test.prior_rows
+    own = np.linalg.lstsq(
+        np.concatenate((weight * columns, rows[:, test.own_columns])),
+        np.concatenate((weight * part.residual, target)),
+        rcond=None,
+    )[0]
+    return Left(part.residual - columns @ own, own, part, columns)
+
+
+def own_names(tests: Sequence[Own]) -> tuple[str, ...]:
+    """Return the columns of each test, ``"offset@0"``."""
+    return tuple(f"{kind}@{i}" for i, test in enumerate(tests) for kind in test.kinds)
 
 
 class _Test(NamedTuple):
@@ -154,7 +185,7 @@ class _Test(NamedTuple):
 def known(joint: Joint, tests: Sequence[Own], point: Point) -> Knowledge:
     """Return what all samples say of a point, the columns of every test fitted beside it."""
     shared = joint.names(point.order)
-    names = (*shared, *(f"{kind}@{i}" for i, test in enumerate(tests) for kind in test.kinds))
+    names = (*shared, *own_names(tests))
     parts = [_of(joint, test, i, point, names) for i, test in enumerate(tests)]
     before = np.concatenate([part.before for part in parts])
     if "slope" in names:
@@ -178,17 +209,9 @@ def known(joint: Joint, tests: Sequence[Own], point: Point) -> Knowledge:
 
 
 def _of(joint: Joint, test: Own, i: int, point: Point, names: tuple[str, ...]) -> _Test:
-    at, weight, exact = int(joint.at[i]), 1 / test.spread, test.block.exact
-    part, shared = joint.part(exact, at, point), len(joint.names(point.order))
-    columns = exact.evaluate(np.zeros(0), False).fixed[:, test.own_columns]
-    rows, target = test.prior_rows
-    rows = rows[:, test.own_columns]
-    own = np.linalg.lstsq(
-        np.concatenate((weight * columns, rows)),
-        np.concatenate((weight * part.residual, target)),
-        rcond=None,
-    )[0]
-    left = part.residual - columns @ own
+    at, weight, shared = int(joint.at[i]), 1 / test.spread, len(joint.names(point.order))
+    left, own, part, columns = left_of(joint, test, i, point)
+    rows = test.prior_rows[0][:, test.own_columns]
     here = [names.index(f"{kind}@{i}") for kind in test.kinds]
     natural = np.ones(shared)
     natural[1 : 1 + point.order] = np.exp(-point.log_k)

@@ -9,12 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, worst
-from dashpot.base.errors import FitError
-from dashpot.base.provenance import Step
 from dashpot.engine.blocks.block import Block
-from dashpot.engine.inference.order import DECISIVE, Choice, chance_beyond, choose, significant
+from dashpot.engine.inference.order import chance_beyond, significant
 from dashpot.engine.solver.variable_projection import Solution, solve
 from dashpot.fitting.checks import relaxation as solid_questions
 from dashpot.fitting.checks.relaxation import hold_long_enough
@@ -35,89 +32,41 @@ from dashpot.fitting.checks.temperature import (
 from dashpot.fitting.pipeline import certified, ended
 from dashpot.fitting.relaxation_data import relaxation_data
 from dashpot.fitting.repeats import end_stiffnesses
-from dashpot.fitting.shift_law import LawThroughShifts, ShiftLaw, law_through
+from dashpot.fitting.shift_law import LawThroughShifts, ShiftLaw
 from dashpot.fitting.temperature import checks
-from dashpot.fitting.temperature.joint import Joint, Point, Vertical
+from dashpot.fitting.temperature.joint import Vertical
 from dashpot.fitting.temperature.knowledge import Knowledge, known
+from dashpot.fitting.temperature.optimum import Optimum, optimum
+from dashpot.fitting.temperature.outcome import (
+    elastic_law,
+    law_of,
+    point_alone,
+    provenance,
+    shifts_of,
+)
 from dashpot.fitting.temperature.reduced import Own, moved
-from dashpot.fitting.temperature.search import Candidate, again, candidates, first_shifts
 from dashpot.fitting.uncertainty.informed_band import informed_alone, informed_band
 from dashpot.fitting.uncertainty.left_open import end_of_hold
 from dashpot.preparation.checks import of_records
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.estimate import ParameterEstimate, parameter_names
-from dashpot.records.fit import Evidence, Fit, OrderScore, Provenance
-from dashpot.records.relaxation import RampHold
-from dashpot.records.temperature import SAME_TEMPERATURE, Shift, TemperatureShifts, celsius
-from dashpot.solids.elastic import ElasticLaw
+from dashpot.records.fit import Evidence, Fit, OrderScore
+from dashpot.records.temperature import TemperatureShifts
 
-# the standard temperature of rubber laboratories, K: the solid is that of the test nearest to it
-STANDARD = 296.15
-# what is known of how arms shift apart: two temperatures hardly tell, three do
-_SLOPE_OF_TWO, _SLOPE = 0.03, 0.3
 _ROUNDING = 1e-9
 
 
-def temperatures_of(records: Sequence[RampHold]) -> FloatArray:
-    """Return the temperatures of tests, K, rising; those of one temperature as their mean.
-
-    Empty unless every test has one.
-    """
-    found = sorted(
-        record.specimen.temperature for record in records if record.specimen.temperature is not None
-    )
-    if len(found) < len(records):
-        return np.zeros(0)
-    groups: list[list[float]] = []
-    for one in found:
-        if groups and one - groups[-1][0] <= SAME_TEMPERATURE:
-            groups[-1].append(one)
-        else:
-            groups.append([one])
-    return np.array([float(np.mean(group)) for group in groups])
-
-
-def reference_of(temperatures: FloatArray, asked: float | None) -> int:
-    """Return which temperature, K, is the reference: the one asked for, or nearest to 23 degC.
-
-    Raises
-    ------
-    FitError
-        If no test is of the temperature asked for.
-    """
-    apart = np.abs(temperatures - (STANDARD if asked is None else asked))
-    if asked is not None and apart.min() > SAME_TEMPERATURE:
-        listed = ", ".join(celsius(float(one)) for one in temperatures)
-        raise FitError(
-            f"no test is of the reference temperature {celsius(asked)}; expected one of {listed}"
-        )
-    return int(np.argmin(apart))
-
-
 class Thermal(NamedTuple):
-    """One solid at several temperatures, found and judged.
+    """One solid at several temperatures, found and known.
 
     Attributes
     ----------
-    tests : tuple of Own
-        With the columns of a seal that warms.
-    joint : Joint
-    tried : tuple of Candidate
-    choice : Choice or None
-        None if the number of arms was asked for.
+    best : Optimum
     knowledge : Knowledge
     """
 
-    tests: tuple[Own, ...]
-    joint: Joint
-    tried: tuple[Candidate, ...]
-    choice: Choice | None
+    best: Optimum
     knowledge: Knowledge
-
-    @property
-    def point(self) -> Point:
-        """The optimum."""
-        return self.knowledge.point
 
 
 def fit_thermal(
@@ -128,6 +77,7 @@ def fit_thermal(
     vertical: Vertical = "free",
     shift_law: ShiftLaw = "auto",
     reference: int = 0,
+    intervals: bool = True,
 ) -> Fit:
     r"""Fit one solid to tests at several temperatures.
 
@@ -149,8 +99,13 @@ def fit_thermal(
         As in :func:`~dashpot.fitting.shift_law.law_through`.
     reference : int
         Which of the temperatures the solid is that of.
+    intervals : bool
+        False, with a number of arms, returns the optimum alone, without errors, checks or bounds.
     """
-    found = _found(tests, reference, arms=arms, max_arms=max_arms, vertical=vertical)
+    best = optimum(tests, reference, arms=arms, max_arms=max_arms, vertical=vertical)
+    if not intervals and arms is not None:
+        return point_alone(best, vertical, shift_law, asked=arms)
+    found = Thermal(best, known(best.joint, best.tests, best.point))
     made = _assembled(found, vertical, shift_law, asked=arms)
     end = _end_of_hold(found, made)
     checks = (*made.checks, hold_long_enough(end))
@@ -161,8 +116,8 @@ def _end_of_hold(found: Thermal, made: Fit) -> EndOfHold | None:
     """What the tests at the reference leave open of the end of their hold; their ramps linear."""
     records = [
         test.record
-        for test, at in zip(found.tests, found.joint.at, strict=True)
-        if at == found.joint.reference and test.law is None
+        for test, at in zip(found.best.tests, found.best.joint.at, strict=True)
+        if at == found.best.joint.reference and test.law is None
     ]
     if not records:
         return None
@@ -174,127 +129,26 @@ def _end_of_hold(found: Thermal, made: Fit) -> EndOfHold | None:
     )
 
 
-def _found(
-    tests: Sequence[Own], reference: int, *, arms: int | None, max_arms: int, vertical: Vertical
-) -> Thermal:
-    temperatures = temperatures_of([test.record for test in tests])
-    at = np.array([int(np.argmin(np.abs(temperatures - test.temperature))) for test in tests])
-    slope = _SLOPE_OF_TWO if len(temperatures) == 2 else _SLOPE
-
-    def joint_of(every: Sequence[Own]) -> Joint:
-        blocks = [test.marginal for test in every]
-        return Joint(blocks, at, temperatures, reference, vertical, slope)
-
-    effective = sum(test.effective for test in tests)
-    joint = joint_of(tests)
-    most = max_arms if arms is None else arms
-    tried = candidates(joint, first_shifts(joint), most, effective=effective)
-    choice = _choice(joint, tried, exhausted=len(tried) - 1 < most)
-    # the columns of a warming seal are those of the solid found without them, then with them
-    for _ in range(2):
-        point = _taken(tried, choice, arms).point
-        tests = tuple(
-            _warmed(test, point, int(i), temperatures) for test, i in zip(tests, at, strict=True)
-        )
-        joint = joint_of(tests)
-        tried = again(joint, tried, effective)
-        choice = _choice(joint, tried, exhausted=len(tried) - 1 < most)
-    best = _ascending(_taken(tried, choice, arms).point)
-    return Thermal(
-        tuple(tests), joint, tried, choice if arms is None else None, known(joint, tests, best)
-    )
-
-
-def _warmed(test: Own, point: Point, i: int, temperatures: FloatArray) -> Own:
-    by_a, by_b = (np.gradient(one, temperatures)[i] for one in (point.log_a, point.log_b))
-    return test.warmed(point.solid_at(i), by_a=float(by_a), by_b=float(by_b))
-
-
-def _ascending(point: Point) -> Point:
-    order = np.argsort(point.log_tau)
-    return replace(point, log_k=point.log_k[order], log_tau=point.log_tau[order])
-
-
-def _choice(joint: Joint, tried: Sequence[Candidate], *, exhausted: bool) -> Choice:
-    numbers = [one.point.order for one in tried]
-    clear = []
-    for one in tried:
-        n, error = one.point.order, joint.errors(one.point)
-        clear.append(significant(np.ones(n), error[1 : 1 + n], error[1 + n : 1 + 2 * n]))
-    bics = [one.bic for one in tried]
-    return choose(numbers, bics, clear, exhausted=exhausted, decisive=DECISIVE)
-
-
-def _taken(tried: Sequence[Candidate], choice: Choice, asked: int | None) -> Candidate:
-    most = choice.arms if asked is None else asked
-    return [one for one in tried if one.point.order <= most][-1]
-
-
-# -- the shifts -----------------------------------------------------------------------------------
-
-
-def _law(found: Thermal, law: ShiftLaw) -> LawThroughShifts:
-    temperatures, covariance = found.joint.temperatures, found.knowledge.shift_covariance
-    count = len(temperatures)
-    return law_through(
-        temperatures,
-        found.point.log_a / np.log(10.0),
-        covariance[:count, :count],
-        reference=float(temperatures[found.joint.reference]),
-        law=law,
-    )
-
-
-def _shifts(found: Thermal, vertical: Vertical, laid: LawThroughShifts) -> TemperatureShifts:
-    covariance, count = found.knowledge.shift_covariance, len(found.joint.temperatures)
-    error = np.sqrt(np.diag(covariance))
-    b = np.exp(found.point.log_b)
-    rows = zip(
-        found.joint.temperatures,
-        found.point.log_a / np.log(10.0),
-        error[:count],
-        b,
-        b * error[count:],
-        strict=True,
-    )
-    shifts = tuple(Shift(*(float(one) for one in row)) for row in rows)
-    return TemperatureShifts(
-        laid.law,
-        shifts,
-        covariance,
-        laid.parameters,
-        laid.covariance,
-        vertical,
-        slope=found.point.slope,
-        cross=found.knowledge.cross,
-    )
-
-
 # -- the fit --------------------------------------------------------------------------------------
 
 
 def _assembled(
     found: Thermal, vertical: Vertical, shift_law: ShiftLaw, *, asked: int | None
 ) -> Fit:
-    laid = _law(found, shift_law)
-    shifts = _shifts(found, vertical, laid)
-    tests, point, knowledge = found.tests, found.point, found.knowledge
+    best, knowledge = found
+    tests, point = best.tests, best.point
+    errors = knowledge.shift_covariance
+    laid = law_of(best, errors, shift_law)
+    shifts = shifts_of(best, vertical, laid, errors, knowledge.cross)
     records = [test.record for test in tests]
     model = point.solid
     solution = _solution(found)
-    slower = [float(np.exp(point.log_a[i])) for i in found.joint.at]
+    slower = [float(np.exp(point.log_a[i])) for i in best.joint.at]
     band = informed_band(
         records, _reduced(found), stiffness=max(model.k_0, 1e-300), noise=1.0, slower=slower
     )
     answers = _checks(found, shifts, laid, band)
     failed = {check.name for check in answers if check.failed}
-    at_reference = [
-        test for test, i in zip(tests, found.joint.at, strict=True) if i == found.joint.reference
-    ]
-    deepest = max(at_reference, key=lambda test: test.record.depth)
-    law = ElasticLaw.linear(model.k_inf, deepest.record.depth)
-    if deepest.law is not None:
-        law = replace(deepest.law, stiffness=model.k_inf)
     return Fit(
         solid=model,
         status=ended(
@@ -317,37 +171,32 @@ def _assembled(
             certificate=certified(_reduced(found), solution),
             checks=(*(check for record in records for check in record.checks), *answers),
         ),
-        provenance=Provenance(
-            "full",
-            tuple(record.source for record in records if record.source is not None),
-            (*(step for record in records for step in record.steps), _step(found, shifts)),
-            replace(deepest.record.specimen, temperature=shifts.reference),
-        ),
-        elastic_law=law,
+        provenance=provenance(best, shifts),
+        elastic_law=elastic_law(best),
         temperatures=shifts,
     )
 
 
 def _reduced(found: Thermal) -> list[Block]:
     """Every test in the time of the reference."""
-    point = found.point
+    point = found.best.point
     return [
         moved(block, float(point.log_a[i]), float(point.log_b[i]), point.slope)
-        for block, i in zip(found.joint.blocks, found.joint.at, strict=True)
+        for block, i in zip(found.best.joint.blocks, found.best.joint.at, strict=True)
     ]
 
 
 def _solution(found: Thermal) -> Solution:
     """The optimum as the engine's, the shifts held."""
-    return solve(_reduced(found), found.point.order, log_tau_start=found.point.log_tau)
+    return solve(_reduced(found), found.best.point.order, log_tau_start=found.best.point.log_tau)
 
 
 def _orders(found: Thermal) -> tuple[OrderScore, ...]:
     """Every number tried; sums of squares in the noise of the fit taken."""
-    sse = found.knowledge.residual.sse / found.point.chi_square
+    sse = found.knowledge.residual.sse / found.best.point.chi_square
     scores = []
-    for one in found.tried:
-        n, error = one.point.order, found.joint.errors(one.point)
+    for one in found.best.tried:
+        n, error = one.point.order, found.best.joint.errors(one.point)
         clear = significant(np.ones(n), error[1 : 1 + n], error[1 + n : 1 + 2 * n])
         scores.append(OrderScore(n, sse * one.point.chi_square, one.bic, clear, one.point.solid))
     return tuple(scores)
@@ -360,10 +209,10 @@ def _checks(
     band: tuple[float, float],
 ) -> tuple[Check, ...]:
     """Return every check of the records, of the solid and of its shifts."""
-    tests, point, knowledge = found.tests, found.point, found.knowledge
+    tests, point, knowledge = found.best.tests, found.best.point, found.knowledge
     records, model = [test.record for test in tests], point.solid
     error = np.sqrt(np.diag(knowledge.of_solid))
-    solids = [point.solid_at(int(i)) for i in found.joint.at]
+    solids = [point.solid_at(int(i)) for i in found.best.joint.at]
     residual, each = knowledge.residual, list(zip(records, solids, strict=True))
     left = list(zip(records, knowledge.residuals, strict=True))
     k_inf = float(error[0])
@@ -373,7 +222,7 @@ def _checks(
         optimum_found(stationary=True),
         *of_records(records, method="full"),
         arms_distinct(model),
-        arms_supported(model, error, needed=found.choice is not None),
+        arms_supported(model, error, needed=found.best.choice is not None),
         tau_inside_window(
             model,
             (min(low), max(high)),
@@ -390,8 +239,8 @@ def _checks(
         *_of_shifts(found, shifts, laid),
         frequencies_informed(band),
     ]
-    if found.choice is not None:
-        answers.append(order_agreed(found.choice))
+    if found.best.choice is not None:
+        answers.append(order_agreed(found.best.choice))
     if len(records) > len(shifts.shifts):
         answers.append(solid_questions.same_specimen(end_stiffnesses(records)))
     return tuple(answers)
@@ -425,7 +274,7 @@ def _of_shifts(found: Thermal, shifts: TemperatureShifts, laid: LawThroughShifts
 
 def _of_law(found: Thermal, shifts: TemperatureShifts, laid: LawThroughShifts) -> tuple[Check, ...]:
     """How each shift lies against that of the next temperature, and the law against all."""
-    t, count = found.joint.temperatures, len(shifts.shifts)
+    t, count = found.best.joint.temperatures, len(shifts.shifts)
     between = np.diff(np.eye(count), axis=0)
     step = between @ [shift.log10_a_t for shift in shifts.shifts]
     error = np.sqrt(np.diag(between @ shifts.covariance[:count, :count] @ between.T))
@@ -439,8 +288,8 @@ def _of_law(found: Thermal, shifts: TemperatureShifts, laid: LawThroughShifts) -
 def _informed_at(found: Thermal, i: int) -> tuple[float, float]:
     """The band that the tests of one temperature inform, Hz at the reference."""
     each = [
-        informed_alone(block, stiffness=max(found.point.solid.k_0, 1e-300), noise=1.0)
-        for block, at in zip(_reduced(found), found.joint.at, strict=True)
+        informed_alone(block, stiffness=max(found.best.point.solid.k_0, 1e-300), noise=1.0)
+        for block, at in zip(_reduced(found), found.best.joint.at, strict=True)
         if at == i
     ]
     return min(low for low, _ in each), max(high for _, high in each)
@@ -452,7 +301,7 @@ def _misfit(found: Thermal) -> tuple[float, float]:
     The smaller probability, doubled, of two: what the joint fit leaves in the rows that a solid can
     reach, in units of the noise, and how much more that is than the free fits of each test leave.
     """
-    tests, point, joint = found.tests, found.point, found.joint
+    tests, point, joint = found.best.tests, found.best.point, found.best.joint
     floor = sum(block.floor for block in joint.blocks)
     rows = sum(len(block.target) for block in joint.blocks)
     parameters = len(joint.names(point.order))
@@ -470,22 +319,3 @@ def _misfit(found: Thermal) -> tuple[float, float]:
     samples = sum(test.effective for test in tests)
     beyond = max(left - (rows - parameters), 0.0) / samples
     return min(1.0, 2 * min(absolute, relative)), spread * float(np.sqrt(beyond)) / peak
-
-
-def _step(found: Thermal, shifts: TemperatureShifts) -> Step:
-    model = found.point.solid
-    listed = ", ".join(celsius(shift.temperature) for shift in shifts.shifts)
-    says = (
-        f"fitted a generalized Maxwell solid with {model.arms} arm{'s' * (model.arms != 1)} to "
-        f"{len(found.tests)} tests at {listed}; the solid is that of {celsius(shifts.reference)}, "
-        f"its shifts follow the {shifts.law.kind} law"
-    )
-    asked = "auto" if found.choice is not None else str(model.arms)
-    parameters = (
-        ("arms", asked),
-        ("vertical", shifts.vertical),
-        ("temperatures_K", ", ".join(repr(float(test.temperature)) for test in found.tests)),
-        ("reference_K", repr(shifts.reference)),
-        ("law", shifts.law.kind),
-    )
-    return Step("fit", parameters, says)

@@ -1,0 +1,142 @@
+"""What an optimum over several temperatures says: its shifts, their law, where it comes from."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.provenance import Step
+from dashpot.fitting.checks.solid import uncertainty_estimated
+from dashpot.fitting.shift_law import LawThroughShifts, ShiftLaw, law_through
+from dashpot.fitting.temperature.joint import Vertical
+from dashpot.fitting.temperature.knowledge import left_of, nuisances, own_names
+from dashpot.fitting.temperature.optimum import Optimum
+from dashpot.fitting.temperature.reduced import Own
+from dashpot.records.estimate import ParameterEstimate, Residual, parameter_names
+from dashpot.records.fit import Evidence, Fit, Provenance, Status
+from dashpot.records.temperature import Shift, TemperatureShifts, celsius
+from dashpot.solids.elastic import ElasticLaw
+
+
+def law_of(best: Optimum, covariance: FloatArray, law: ShiftLaw) -> LawThroughShifts:
+    """Return the law through the shifts, whose covariance begins with that of log10 a_T."""
+    joint, point, count = best.joint, best.point, len(best.joint.temperatures)
+    return law_through(
+        joint.temperatures,
+        point.log_a / np.log(10.0),
+        covariance[:count, :count],
+        reference=float(joint.temperatures[joint.reference]),
+        law=law,
+    )
+
+
+def shifts_of(
+    best: Optimum,
+    vertical: Vertical,
+    laid: LawThroughShifts,
+    covariance: FloatArray,
+    cross: FloatArray,
+) -> TemperatureShifts:
+    """Return the shifts, with what is known of them."""
+    joint, point = best.joint, best.point
+    count, b = len(joint.temperatures), np.exp(point.log_b)
+    error = np.sqrt(np.diag(covariance))
+    rows = zip(
+        joint.temperatures,
+        point.log_a / np.log(10.0),
+        error[:count],
+        b,
+        b * error[count:],
+        strict=True,
+    )
+    return TemperatureShifts(
+        laid.law,
+        tuple(Shift(*(float(one) for one in row)) for row in rows),
+        covariance,
+        laid.parameters,
+        laid.covariance,
+        vertical,
+        slope=point.slope,
+        cross=cross,
+    )
+
+
+def _deepest(best: Optimum) -> Own:
+    """The test at the reference whose elastic law and specimen are those of the solid."""
+    joint = best.joint
+    there = [test for test, i in zip(best.tests, joint.at, strict=True) if i == joint.reference]
+    return max(there, key=lambda test: test.record.depth)
+
+
+def elastic_law(best: Optimum) -> ElasticLaw:
+    """Return the elastic law at the reference."""
+    deepest, k_inf = _deepest(best), best.point.k_inf
+    if deepest.law is None:
+        return ElasticLaw.linear(k_inf, deepest.record.depth)
+    return replace(deepest.law, stiffness=k_inf)
+
+
+def provenance(best: Optimum, shifts: TemperatureShifts) -> Provenance:
+    """Return which records were fitted, and how."""
+    records = [test.record for test in best.tests]
+    return Provenance(
+        "full",
+        tuple(record.source for record in records if record.source is not None),
+        (*(step for record in records for step in record.steps), _step(best, shifts)),
+        replace(_deepest(best).record.specimen, temperature=shifts.reference),
+    )
+
+
+def _step(best: Optimum, shifts: TemperatureShifts) -> Step:
+    arms = best.point.order
+    listed = ", ".join(celsius(shift.temperature) for shift in shifts.shifts)
+    says = (
+        f"fitted a generalized Maxwell solid with {arms} arm{'s' * (arms != 1)} to "
+        f"{len(best.tests)} tests at {listed}; the solid is that of {celsius(shifts.reference)}, "
+        f"its shifts follow the {shifts.law.kind} law"
+    )
+    parameters = (
+        ("arms", "auto" if best.choice is not None else str(arms)),
+        ("vertical", shifts.vertical),
+        ("temperatures_K", ", ".join(repr(float(test.temperature)) for test in best.tests)),
+        ("reference_K", repr(shifts.reference)),
+        ("law", shifts.law.kind),
+    )
+    return Step("fit", parameters, says)
+
+
+def point_alone(best: Optimum, vertical: Vertical, law: ShiftLaw, *, asked: int) -> Fit:
+    """Return the optimum as a fit of which nothing more is known.
+
+    The law is laid through the shifts as white noise would leave them.
+    """
+    joint, point = best.joint, best.point
+    turn = joint.shift_rows(joint.names(point.order))
+    laid = law_of(best, turn @ joint.covariance(point) @ turn.T, law)
+    unknown = np.where(turn.any(axis=1), np.inf, 0.0)
+    shifts = shifts_of(best, vertical, laid, np.diag(unknown), np.empty(0))
+    each = [left_of(joint, test, i, point) for i, test in enumerate(best.tests)]
+    left = np.concatenate([one.left for one in each])
+    sse, names = float(left @ left), parameter_names(point.order)
+    return Fit(
+        solid=point.solid,
+        status=Status.FEWER_ARMS if point.order < asked else Status.CONVERGED,
+        estimate=ParameterEstimate(
+            parameters=names,
+            covariance=np.diag(np.full(len(names), np.inf)),
+            dof=0.0,
+            residual=Residual(len(left), sse, float(np.sqrt(sse / len(left)))),
+            nuisance=nuisances(
+                own_names(best.tests),
+                np.concatenate([one.own for one in each]),
+                point,
+                lambda _: np.inf,
+            ),
+        ),
+        evidence=Evidence((0.0, 0.0), checks=(uncertainty_estimated(made=False),)),
+        provenance=provenance(best, shifts),
+        elastic_law=elastic_law(best),
+        temperatures=shifts,
+    )
