@@ -657,13 +657,13 @@ IDENTIFICATION = [
     ),
     Case(
         "dashpot_not_missed",
-        lambda x: identification.dashpot_not_missed(x, 1, 0.1),
+        lambda x: identification.dashpot_not_missed(x, "1 arm", 0.1),
         49.9,
         50.1,
     ),
     Case(
         "dashpot_not_missed",
-        lambda x: identification.dashpot_not_missed(x, 1, 0.1, sure=False),
+        lambda x: identification.dashpot_not_missed(x, "1 arm", 0.1, sure=False),
         -0.1,
         0.1,
     ),

@@ -29,6 +29,8 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "fitting/modulus.py": ("fit",),
     "fitting/superposition/": ("fit",),
     "fitting/relaxation.py:_temperatures": ("fit",),
+    "fitting/relaxation.py:_refuse_shifts": ("fit",),
+    "fitting/fractional/choice.py:checked_family": ("fit", "identify", "report"),
     "fitting/identification/": ("identify", "report"),
     "vibration/comparison/": MEASURED,
     "vibration/impact/checks.py:modes_within_band": ("modes",),

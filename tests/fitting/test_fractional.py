@@ -8,7 +8,16 @@ from functools import cache
 
 import numpy as np
 import pytest
-from kit.trials import DISTURBANCES, LAWS, SOUND, Seal, record, relaxation_test
+from kit.trials import (
+    DISTURBANCES,
+    LAWS,
+    SOUND,
+    Seal,
+    impact_test,
+    record,
+    relaxation_test,
+    strike,
+)
 
 import dashpot as dp
 from dashpot.base.errors import FitError
@@ -17,7 +26,17 @@ from dashpot.engine.blocks.recorded import recorded_block
 from dashpot.fitting.fit_data import FitData
 from dashpot.fitting.fractional.choice import element, parts_from
 from dashpot.fitting.fractional.projection import Columns
+from dashpot.fitting.identification.frf_data import frf_data_of
+from dashpot.fitting.identification.likelihood import (
+    Constraints,
+    NuisancePriors,
+    Parameters,
+    Prior,
+    Problem,
+)
+from dashpot.fitting.identification.parametrisation import Element
 from dashpot.fitting.relaxation import Design, _data
+from dashpot.fitting.relaxation_data import relaxation_data
 from dashpot.fitting.uncertainty.prediction_bounds import parameter_band, unseen_arm_band
 from dashpot.records.estimate import ParameterEstimate, Residual
 
@@ -289,18 +308,121 @@ def test_a_master_curve_is_fitted_with_arms() -> None:
 
 # -- the hammer -----------------------------------------------------------------------------------
 
+MASS = 0.114
+RIG = {"mass": MASS, "seals": 2}
 
-def test_the_hammer_adds_an_arm_to_arms() -> None:
-    found = fitted(TRUTHS[0])
-    frf = dp.predict_frf(2 * found.solid, mass=0.104, frequency=np.linspace(4, 40, 145))
-    with pytest.raises(FitError, match="a fractional solid, and what the hammer adds is an arm"):
-        dp.identify(frf, fit=found, mass=0.104, seals=2)
-    test = pressed(Seal.fractional(*TRUTHS[0]))
-    joint = dp.identify(frf, tests=test, fit=found, mass=0.104, seals=2)
-    assert joint.family == "maxwell"
-    assert joint.model.arms <= 9
-    own = found.solid.loss_factor(RESONANCE)
-    assert joint.solid.loss_factor(RESONANCE) == pytest.approx(own, rel=0.05)
+
+@cache
+def hammered(seed: int = 2) -> dp.FRF:
+    return dp.estimate_frf(impact_test(strike(Seal.fractional(*TRUTHS[0]), seed=seed, **RIG)))
+
+
+def inside(found: dp.Fit, truth=TRUTHS[0]) -> bool:
+    known = {"k_inf": truth[0], "k_0": truth[0] + truth[1], "tau": truth[2], "alpha": truth[3]}
+    ends = found.solid_intervals()
+    return all(ends[name][0] <= value <= ends[name][1] for name, value in known.items())
+
+
+def test_a_hammer_alone_tells_a_fractional_seal_from_arms() -> None:
+    found = dp.identify(hammered(), family="auto", **RIG)
+    assert (found.family, found.method) == ("fractional", "frf")
+    assert inside(found)
+    # three arms follow the lines as well, and put the stiffness at rest elsewhere
+    other = found.alternative
+    assert (other.family, other.explains) == ("maxwell", True)
+    assert other.bic > 10
+    assert other.solid.k_inf > 1.2 * TRUTHS[0][0]
+    assert "a relaxation test of the seal tells them apart" in other.says
+    assert found.verdict.use == "use with care"
+
+
+def test_hammer_and_relaxation_share_one_fractional_solid() -> None:
+    test, alone = pressed(Seal.fractional(*TRUTHS[0])), fitted(TRUTHS[0])
+    joint = dp.identify(hammered(), tests=test, fit=alone, arms=6, family="auto", **RIG)
+    assert (joint.family, joint.method) == ("fractional", "joint")
+    assert inside(joint)
+    assert joint.alternative.bic > 50
+    error, before = joint.solid_standard_error, alone.solid_standard_error
+    assert error["k_0"] < 0.1 * before["k_0"]
+    assert error["k_inf"] < before["k_inf"]
+    moved = {one.name: one for one in joint.moved}
+    assert set(moved) == {"k_inf", "k_0", "tau", "alpha"}
+    assert moved["tau"].before == alone.solid.tau
+    assert moved["tau"].after_se == error["tau"]
+    assert all(abs(one.shift) < 3 for one in joint.moved)
+    true = Seal.fractional(*TRUTHS[0]).stiffness(np.array([RESONANCE]))[0]
+    assert joint.solid.loss(RESONANCE) == pytest.approx(true.imag, rel=0.005)
+    assert dp.from_json(dp.to_json(joint)) == joint
+
+
+def test_an_earlier_fractional_fit_is_a_prior_of_its_own_family() -> None:
+    found = dp.identify(hammered(), fit=fitted(TRUTHS[0]), family="fractional", **RIG)
+    assert inside(found)
+    assert found.alternative is None
+    assert found.solid_standard_error["k_inf"] < fitted(TRUTHS[0]).solid_standard_error["k_inf"]
+    for family in ("maxwell", "auto"):
+        with pytest.raises(FitError, match="ask for its own \\(--family fractional\\)"):
+            dp.identify(hammered(), fit=fitted(TRUTHS[0]), family=family, **RIG)
+
+
+def test_a_dashpot_is_found_beside_an_element() -> None:
+    damped = dp.FractionalZener(500.0, 200.0, 0.05, 0.5, b=0.05)
+    frf = dp.predict_frf(2 * damped, mass=MASS, frequency=np.linspace(4, 40, 73))
+    found = dp.identify(frf, **RIG, arms=1, family="auto", parallel_dashpot="auto")
+    assert found.solid.b == pytest.approx(0.05, rel=1e-3)
+    assert found.solid.alpha == pytest.approx(0.5, rel=1e-4)
+    assert found.parameters == ("k_inf", "k_0", "ln_tau", "alpha", "b")
+    known = {one.name: one for one in found.nuisance}
+    assert known["mass"].value == pytest.approx(MASS, rel=1e-4)
+
+
+@pytest.mark.once
+def test_a_seal_of_arms_keeps_them_under_the_hammer() -> None:
+    seal = Seal.of_arms(*BROAD)
+    frf = dp.estimate_frf(impact_test(strike(seal, seed=3, **RIG)))
+    found = dp.identify(frf, tests=pressed(seal), family="auto", arms=4, **RIG)
+    assert found.family == "maxwell"
+    assert not found.alternative.explains
+
+
+@pytest.mark.slow
+def test_an_element_that_the_hammer_contradicts_says_so() -> None:
+    seal = Seal.of_arms(*BROAD)
+    frf = dp.estimate_frf(impact_test(strike(seal, seed=3, **RIG)))
+    forced = dp.identify(frf, tests=pressed(seal), family="fractional", **RIG)
+    assert forced.verdict.use == "do not use"
+    assert any(one.name == "element_explains" and one.failed for one in forced.checks)
+    assert forced.alternative.explains
+
+
+def test_the_jacobian_of_an_element_is_the_slope_of_the_residual() -> None:
+    relaxation = relaxation_data(pressed(Seal.fractional(*TRUTHS[0])), fitted(TRUTHS[0]))
+    lines = frf_data_of(hammered(), seals=2, band=None)
+    priors = NuisancePriors(Prior(MASS, 1e-3), 0.01, 1e-4)
+    element = Element.of([relaxation])
+    problem = Problem((relaxation,), lines, priors, Constraints(), element, dashpot=True)
+    solid = dp.FractionalZener(480.0, 210.0, 0.06, 0.45, b=0.02)
+    theta = problem.pack(Parameters(solid, 0.11, 1.01, 1e-5))
+    again = problem.unpack(theta).model
+    for name in ("k_inf", "k_0", "tau", "alpha", "b"):
+        assert getattr(again, name) == pytest.approx(getattr(solid, name), rel=1e-12)
+    jacobian = problem.jacobian(theta)
+    for i, move in enumerate(np.eye(len(theta)) * 1e-5):
+        numeric = (problem.residual(theta + move) - problem.residual(theta - move)) / 2e-5
+        assert np.abs(jacobian[:, i] - numeric).max() <= 1e-3 * np.abs(numeric).max()
+
+
+@pytest.mark.parametrize(
+    "fitted_by",
+    [
+        lambda: dp.fit(pressed(Seal.of_arms(*PAPER)), arms=2, family="fractional"),
+        lambda: dp.fit_dynamic(sweep(RUBBER, noise=0.01), arms=2, family="fractional"),
+        lambda: dp.identify(hammered(), arms=2, family="fractional", **RIG),
+    ],
+)
+def test_a_number_of_arms_is_refused_where_there_are_none(fitted_by) -> None:
+    with pytest.raises(FitError, match="arms = 2, but a fractional solid has no number of arms"):
+        fitted_by()
 
 
 def coverage(seeds: int) -> dict[str, float]:

@@ -17,6 +17,7 @@ from dashpot.fitting.identification.likelihood import (
     Prior,
     Problem,
 )
+from dashpot.fitting.identification.parametrisation import Arms
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.relaxation_data import relaxation_data
 from dashpot.preparation.prepare import prepare
@@ -172,7 +173,7 @@ def test_the_jacobian_is_the_slope_of_the_residual(
         frf_data_of(broad_frf, seals=2, band=None),
         NuisancePriors(Prior(BROAD_MASS, 1e-3), 0.01, 1e-4),
         Constraints(static_stiffness=Prior(196.0, 1.0), natural_frequency=Prior(12.7, 0.1)),
-        arms=2,
+        sought=Arms(2),
         dashpot=True,
     )
     solid = GeneralizedMaxwell(190.0, (30.0, 120.0), (0.01, 0.5), 0.3)

@@ -224,7 +224,25 @@ def test_a_test_without_its_temperature_is_asked_for_it():
         dp.fit([chilled, nameless])
 
 
-@pytest.mark.parametrize("options", [{"method": "hold"}, {"depth_law": True}])
+@pytest.mark.parametrize(
+    ("options", "named"),
+    [
+        ({"reference": 293.15}, "--reference"),
+        ({"shift_law": "wlf", "vertical": "1"}, "--shift and --vertical"),
+    ],
+)
+def test_what_one_temperature_has_no_use_for_is_refused(options, named: str):
+    warm = cold.a_test("hidden", ROOM, 0)
+    for test in (warm, replace(warm, specimen=dp.Specimen())):
+        with pytest.raises(dp.FitError, match=f"leave out {named}"):
+            dp.fit(test, **options)
+    # what is said and so needs no choice
+    assert dp.fit(warm, reference=296.15, arms=2, intervals=False).temperatures is None
+
+
+@pytest.mark.parametrize(
+    "options", [{"method": "hold"}, {"depth_law": True}, {"family": "fractional"}]
+)
 def test_what_knows_of_no_temperature_is_refused(options):
     with pytest.raises(dp.FitError, match="several temperatures"):
         dp.fit(cold.records("hidden", PAIR, 0), **options)

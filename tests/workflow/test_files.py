@@ -64,7 +64,22 @@ def test_a_sweep_excludes_what_belongs_to_a_hold(sweep, choice):
         fit_files([sweep], arms=2, **choice)
 
 
-@pytest.mark.parametrize("choice", [{"depth_law": True}, {"method": "hold"}, {"filter": "x"}])
+@pytest.mark.parametrize("choice", [{"law": "nonlinear"}, {"filter": "median:3"}])
+def test_a_sweep_is_not_bent_and_not_filtered(sweep, choice):
+    with pytest.raises(FitError, match="leave out --law and --filter"):
+        fit_files([sweep], arms=2, **choice)
+
+
+@pytest.mark.parametrize(
+    "choice",
+    [
+        {"depth_law": True},
+        {"method": "hold"},
+        {"filter": "x"},
+        {"law": "nonlinear"},
+        {"family": "auto"},
+    ],
+)
 def test_a_modulus_excludes_what_belongs_to_a_ramp(seal, choice):
     with pytest.raises(FitError, match="a relaxation modulus is fitted without"):
         fit_files([seal], options=ReadOptions(modulus="E"), **choice)

@@ -240,12 +240,12 @@ def _moved(found: Fit) -> list[str]:
         return []
     rows = [["  moved", "before", "after", "by, in SE before"]]
     for item in found.moved:
-        unit, _, scale = _SHOWN.get(item.unit, (item.unit, "", 1.0))
-        after = f"{rounded(item.after * scale, item.after_se * scale)} {unit}"
+        unit, _, scale = _SHOWN.get(item.unit, (item.unit.replace("1", ""), "", 1.0))
+        after = f"{rounded(item.after * scale, item.after_se * scale)} {unit}".rstrip()
         if item.before is None:
             rows.append([f"  {item.name}", "-", after, "new"])
             continue
-        before = f"{rounded(item.before * scale, (item.before_se or 0.0) * scale)} {unit}"
+        before = f"{rounded(item.before * scale, (item.before_se or 0.0) * scale)} {unit}".rstrip()
         rows.append([f"  {item.name}", before, after, ascii_only(numbers.signed(item.shift))])
     return table(rows)
 

@@ -88,7 +88,10 @@ def command(
             "agreement in frequency then proves nothing; give --mass to test it"
         )
     checks = (*found.comparison.checks, *found.noted)
+    alone = fitted.method in ("full", "hold")
     with_tests = [word for source in fitted.source for word in ("--with", source.file)]
+    if fitted.alternative is not None:
+        with_tests += ["--family", "auto"]
     return Outcome(
         found.comparison,
         Text(lines, [f"  {arm}" for arm in found.comparison.arms]),
@@ -110,5 +113,7 @@ def command(
             f"{seals:g}",
             *given("options", "profile", "hammer"),
             why="fits both tests together",
-        ),
+        )
+        if alone
+        else "",
     )

@@ -44,6 +44,7 @@ _A_DECK = ("--to", "nastran", "--units", "mm-t-s", "-o", "seal.bdf")
 @options.compression
 @options.impact_temperature
 @options.arms
+@options.family
 @click.option("--parallel-dashpot", is_flag=True, help="A dashpot b beside the arms.")
 @click.option("--static-stiffness", type=Quantity("stiffness"), help="One seal, known.")
 @click.option("--natural-frequency", type=Quantity("frequency"), help="Known; constrains the fit.")
@@ -75,7 +76,8 @@ def command(
     """Identify the solid under a mass from the hits or the FRF in IMPACT|FRF.
 
     Stiffness k(f), damping c(f) and loss factor come straight from the FRF, with what 1 % of mass
-    and 1 degree of phase do to them; then a Maxwell solid is fitted to the FRF itself.
+    and 1 degree of phase do to them; then a solid with arms, or by --family a fractional one, is
+    fitted to the FRF itself.
 
     With a relaxation test (or its fit) both speak at once: the test tells the slow arms, the
     hammer the fast ones, and the result says which parameters moved.
@@ -83,6 +85,7 @@ def command(
     \b
     dashpot identify hammer.csv --mass 104g --seals 2 --arms 2
     dashpot identify hammer.csv --with seal_8mm.csv --mass 104g --seals 2 -o joint.json
+    dashpot identify hammer.csv --with seal_8mm.csv --mass 104g --seals 2 --family auto
     dashpot identify hammer.csv --with warm.csv --with cold.csv --mass 104g --seals 2
     """
     fits = [path for path in together if is_json(path)]

@@ -146,11 +146,12 @@ def _hammer_named() -> Iterator[None]:
 
 def _follow(job: Job, study: Study) -> str:
     """Return the command that keeps the solid which the report ends with."""
+    family = () if job.family == "maxwell" else ("--family", job.family)
     if study.joint is None or study.mass is None:
-        return typed(
-            "fit", job.relaxation, *job.further, "-o", "fit.json", why="keeps the solid for export"
-        )
-    words = ("--mass", grams(study.mass), "--seals", f"{study.seals:g}", "-o", "joint.json")
+        files = (job.relaxation, *job.further)
+        return typed("fit", *files, *family, "-o", "fit.json", why="keeps the solid for export")
+    rig = ("--mass", grams(study.mass), "--seals", f"{study.seals:g}")
+    words = (*rig, *family, "-o", "joint.json")
     records = (word for one in (job.relaxation, *job.further) for word in ("--with", one))
     together = ("identify", *job.impact, *records)
     return typed(*together, *words, why="keeps the solid for export")

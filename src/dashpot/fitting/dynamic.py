@@ -129,7 +129,7 @@ def fit_dynamic(
         option makes no sense.
     """
     temperature = si(temperature, "temperature")
-    checked_family(family)
+    checked_family(family, arms)
     data, moved = _at_one_temperature(data, temperature)
     if moved is not None and family != "maxwell":
         raise FitError(

@@ -155,7 +155,7 @@ def fit(
     intervals : bool
         False returns the optimum of the same model alone, without errors, checks or bounds: for a
         first look, or where a computation asks for many fits. A number of arms left to choose,
-        and a bent elastic law, need their errors all the same.
+        another family than arms, and a bent elastic law need their errors all the same.
     vertical : "free", "T/T_r" or "1"
         What the factor b_T of the stiffnesses may be, where the tests are of several temperatures.
     shift_law : "auto", "wlf", "arrhenius" or "free"
@@ -175,6 +175,7 @@ def fit(
         recorded history.
     """
     if isinstance(tests, Creep):
+        _refuse_shifts("a creep test is", vertical, shift_law, reference)
         if method != "full" or depth_law or law != "auto" or family != "maxwell":
             raise FitError(
                 "a creep test is fitted to its recorded force and to a linear solid with arms: it "
@@ -191,7 +192,7 @@ def fit(
     most = asked_arms(arms, max_arms)
     _checked_method(records, method)
     _checked_law(law, method, depth_law=depth_law)
-    _checked_family(family, law, depth_law=depth_law)
+    _checked_family(family, law, arms, depth_law=depth_law)
     design = Design(method, depth_law, _checked_nuisance(nuisance))
     count = None if arms == "auto" else most
     temperatures = _temperatures(records, design)
@@ -211,6 +212,8 @@ def fit(
             reference=reference_of(temperatures, si(reference, "temperature")),
             intervals=intervals,
         )
+    here = len(temperatures) == 1 and si(reference, "temperature") in {None, *temperatures.tolist()}
+    _refuse_shifts("the tests are", vertical, shift_law, None if here else reference)
     if law == "nonlinear":
         return _by_ramp(records, ramp_law(records, law=law, arms=count), count)
     data, first, holds = _data(records, design), None, _Holds(records)
@@ -266,6 +269,24 @@ def _temperatures(records: Sequence[RampHold], design: Design) -> FloatArray:
             "stiffnesses: leave out --method hold and --depth-law"
         )
     return found
+
+
+def _refuse_shifts(
+    what: str, vertical: Vertical, shift_law: ShiftLaw, reference: Quantity | None
+) -> None:
+    """Refuse what is asked of shifts where one temperature, or none, leaves nothing to shift."""
+    asked = {
+        "--reference": reference is not None,
+        "--shift": shift_law != "auto",
+        "--vertical": vertical != "free",
+    }
+    named = [flag for flag, given in asked.items() if given]
+    if named:
+        raise FitError(
+            f"{what} of one temperature as far as is known, and shifted to no other: leave out "
+            f"{' and '.join(named)}, or fit ramps and holds at several and say which "
+            "(--temperature 23degC --temperature 0degC)"
+        )
 
 
 def _own(record: RampHold, law: LawName) -> Own:
@@ -518,8 +539,8 @@ def _checked_law(law: str, method: str, *, depth_law: bool) -> None:
         )
 
 
-def _checked_family(family: str, law: str, *, depth_law: bool) -> None:
-    checked_family(family)
+def _checked_family(family: str, law: str, arms: int | str, *, depth_law: bool) -> None:
+    checked_family(family, arms)
     if family == "maxwell":
         return
     if depth_law:

@@ -96,9 +96,13 @@ def _joint(study: Study) -> str:
             f"{how}: {lead.says}."
         )
     return (
-        f"Fitted to both tests at once, a solid of {counted(joint.model.arms, 'arm')} "
+        f"Fitted to both tests at once, {_named(joint)} "
         f"{_meets(after)} in frequency and {max(abs(after.ratio_db), 0.1):.1f} dB at the peak."
     )
+
+
+def _named(fit: Fit) -> str:
+    return "a fractional solid" if fit.family == "fractional" else f"a solid of {fit.called}"
 
 
 def _meets(c: Comparison) -> str:

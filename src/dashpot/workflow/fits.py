@@ -102,10 +102,12 @@ def fit_files(
     if options.modulus is not None:
         known_of_a_test(machine, tests=0, add="a ramp and hold")
         cuts.refuse_several(0)
-        if depth_law or method == "hold" or filter or family != "maxwell":
+        refused = depth_law or method == "hold" or filter or law == "nonlinear"
+        if refused or family != "maxwell":
             raise FitError(
-                "a relaxation modulus is fitted without --depth-law, --method hold, --filter and "
-                "--family: it is the answer to a step already, and its solid has arms"
+                "a relaxation modulus is fitted without --depth-law, --method hold, --law, "
+                "--filter and --family: it is the answer to a step already, of a linear solid with "
+                "arms"
             )
         curves = [
             dp.read_modulus(path, options=options, specimen=one)
@@ -130,7 +132,7 @@ def fit_files(
             raise FitError("a creep test is fitted alone, without --filter")
         with about(Path(files[0]).name):
             record = load_hold(crept) if isinstance(crept, CreepTest) else crept
-            found = dp.fit(record, arms=arms, **choices)
+            found = dp.fit(record, arms=arms, **choices, **shifted_ramps(shifting))
         return found, (record,)
     sweeps = [test for test in tests if isinstance(test, DynamicTest)]
     cuts.refuse_several(sum(isinstance(test, RelaxationTest) for test in tests))
@@ -150,6 +152,11 @@ def fit_files(
         raise FitError(
             "a dynamic sweep is fitted alone, with others at other temperatures, or with "
             "relaxation tests of the same part, without --depth-law and --method hold"
+        )
+    if law == "nonlinear" or (filter and not prepared):
+        raise FitError(
+            "a dynamic sweep is of a linear solid, and nothing of it is filtered: leave out --law "
+            "and --filter, which are for ramps and holds"
         )
     sweep = one_temperature(sweeps, shifting, each[0])
     found = dp.fit_dynamic(

@@ -172,7 +172,12 @@ class Study(Pictured):
         if self.joint is not None:
             solid, held = self.joint, self.joint_comparison
         agreed = () if held is None else held.checks
-        every = (*self.fit.checks, *hammer, *solid.checks, *agreed, *self.checks)
+        of_test = self.fit.checks
+        if solid.alternative is not None:
+            # what the relaxation test cannot tell apart is asked of both tests
+            mine = {check.name for check in solid.checks} & {"families_told_apart"}
+            of_test = tuple(check for check in of_test if check.name not in mine)
+        every = (*of_test, *hammer, *solid.checks, *agreed, *self.checks)
         return tuple(dict.fromkeys(every))
 
     @property
@@ -270,8 +275,9 @@ def characterise(
         doing("fitting relaxation and hammer together")
         at = rests.point.compression
         both = identify(
-            measured, tests=every, fit=chosen, mass=given, seals=seals, band=band, compression=at
-        )
+            measured, tests=every, fit=chosen, mass=given, seals=seals, band=band, compression=at,
+            family=family,
+        )  # fmt: skip
         mended, agreement = _predicted(
             both,
             measured,

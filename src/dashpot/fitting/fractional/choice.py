@@ -42,6 +42,11 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 FAMILIES = ("maxwell", "fractional", "auto")
 # fall of BIC below which arms keep their place
 VERY_STRONG = 10.0
+# what tells two families apart that explain tests of a part, and of a material
+_FURTHER = {
+    "N/m": "a faster ramp, a colder test or a hammer",
+    "Pa": "a sweep to higher frequencies or a colder one",
+}
 # lines per decade on which two solids are compared
 _LINES = 40
 
@@ -118,8 +123,8 @@ class ChosenElement(Chosen):
         return replace(self, estimate=self.estimate._replace(covariance=covariance))
 
 
-def checked_family(family: str) -> None:
-    """Refuse a family that is none.
+def checked_family(family: str, arms: int | str = "auto") -> None:
+    """Refuse a family that is none, and a number of arms of a solid that has none.
 
     Raises
     ------
@@ -127,6 +132,11 @@ def checked_family(family: str) -> None:
     """
     if family not in FAMILIES:
         raise FitError(f'family = {family!r}; expected "maxwell", "fractional" or "auto"')
+    if family == "fractional" and arms != "auto":
+        raise FitError(
+            f"arms = {arms}, but a fractional solid has no number of arms: leave out --arms, or "
+            "fit both families (--family auto), of which --arms counts those of one"
+        )
 
 
 def element(data: FitData) -> ChosenElement:
@@ -187,10 +197,10 @@ class Choice:
 
     def alternative(self, band: tuple[float, float], unit: str = "N/m") -> Alternative:
         """The other family, as a fit keeps it; `band` is what the data inform, Hz."""
-        mine, other = self.best.solid, self.other
-        apart = parts_from(mine, other, band)
-        says = _says(mine, other, apart, self.bic, explains=self.explains, unit=unit)
-        return Alternative(other, self.bic, self.explains, apart, says)
+        return beside(
+            self.best.solid, self.other, self.bic, band, explains=self.explains,
+            further=_FURTHER[unit],
+        )  # fmt: skip
 
 
 class _Candidate(NamedTuple):
@@ -278,9 +288,9 @@ def beside_bent(bent: Fit, left: Sequence[FloatArray], one: ChosenElement) -> Fi
     parameters = len(bent.parameters) + len(bent.nuisance) + (len(law.knots) if law else 0)
     rise = fall + (len(one.estimate.names) - parameters) * float(np.log(effective))
     explains = rise < VERY_STRONG or not needed(fall, 1)
-    apart = parts_from(bent.solid, one.solid, bent.band)
-    says = _says(bent.solid, one.solid, apart, rise, explains=explains, unit=bent.unit)
-    other = Alternative(one.solid, rise, explains, apart, says)
+    other = beside(
+        bent.solid, one.solid, rise, bent.band, explains=explains, further=_FURTHER[bent.unit]
+    )
     checks = (*bent.checks, families_told_apart(other))
     return replace(bent, evidence=replace(bent.evidence, alternative=other, checks=checks))
 
@@ -327,29 +337,46 @@ def _apart(one: Solid, other: Solid, f: FloatArray) -> FloatArray:
     return np.asarray((np.abs(a.real / b.real - 1) > STIFFNESS_MATTERS) | (of_loss > LOSS_MATTERS))
 
 
-def _says(
-    mine: Solid, other: Solid, apart: float | None, rise: float, *, explains: bool, unit: str
-) -> str:
-    """Say what another family makes of the data, in numbers that no count of seals changes."""
+def beside(
+    mine: Solid,
+    other: Solid,
+    rise: float,
+    band: tuple[float, float],
+    *,
+    explains: bool,
+    further: str,
+) -> Alternative:
+    """Return another family's solid as a fit keeps it, in numbers that no count of seals changes.
+
+    Parameters
+    ----------
+    mine, other : Solid
+    rise : float
+        BIC of the other, less that of the fit's own.
+    band : (float, float)
+        What the data inform, Hz.
+    explains : bool
+        The data do not reject the other.
+    further : str
+        What would tell the two apart.
+    """
+    apart = parts_from(mine, other, band)
     if isinstance(other, FractionalZener):
         name = f"a fractional solid (alpha = {other.alpha:.3g})"
     else:
         arms = other.maxwell.arms
         name = f"a solid with {arms} arm{'s' * (arms != 1)}"
-    if not explains:
-        return f"{name} does not explain the data: its BIC is {rise:.3g} higher"
     both = f"{name} explains the data too (BIC {rise:+.3g})"
-    if apart is None:
-        return f"{both}, and predicts the same up to {HEARD:g} Hz"
-    at = max(10.0, 10.0 ** np.ceil(np.log10(apart)))
-    a, b = (complex(solid.complex_stiffness(2 * np.pi * at)) for solid in (mine, other))
-    further = (
-        "a faster ramp, a colder test or a hammer tells them apart"
-        if unit == "N/m"
-        else "a sweep to higher frequencies or a colder one tells them apart"
-    )
-    return (
-        f"{both}, but from {apart:.2g} Hz on the two part: at {at:g} Hz the loss factor is "
-        f"{a.imag / a.real:.3g} by this solid and {b.imag / b.real:.3g} by that, its stiffness "
-        f"{100 * (b.real / a.real - 1):+.2g} %; {further}"
-    )
+    if not explains:
+        says = f"{name} does not explain the data: its BIC is {rise:.3g} higher"
+    elif apart is None:
+        says = f"{both}, and predicts the same up to {HEARD:g} Hz"
+    else:
+        at = max(10.0, 10.0 ** np.ceil(np.log10(apart)))
+        a, b = (complex(solid.complex_stiffness(2 * np.pi * at)) for solid in (mine, other))
+        says = (
+            f"{both}, but from {apart:.2g} Hz on the two part: at {at:g} Hz the loss factor is "
+            f"{a.imag / a.real:.3g} by this solid and {b.imag / b.real:.3g} by that, its stiffness "
+            f"{100 * (b.real / a.real - 1):+.2g} %; {further} tells them apart"
+        )
+    return Alternative(other, rise, explains, apart, says)

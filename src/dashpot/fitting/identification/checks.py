@@ -157,17 +157,17 @@ mass_believable, gain_believable, delay_believable, stiffness_believable = map(
 
 
 @criterion("fall of BIC", "<=", DECISIVE, "0 beside arms that are not known", grade="note")
-def dashpot_not_missed(fall: float | None, arms: int, b: float, *, sure: bool = True) -> Finding:
+def dashpot_not_missed(fall: float | None, beside: str, b: float, *, sure: bool = True) -> Finding:
     """No parallel dashpot explains the lines much better.
 
-    `sure` are the arms that were found: each is known.
+    `beside` is the solid beside it, in words; `sure` is one of which every part is known.
     """
     if fall is None:
         return Finding(f"there is a parallel dashpot, of {b:.3g} N s/m")
     return Finding(
         "a parallel dashpot explains the lines no better",
         fall,
-        instead=f"{arms} arm{'s' * (arms != 1)} and a parallel dashpot of {b:.3g} N s/m lower BIC "
+        instead=f"{beside} and a parallel dashpot of {b:.3g} N s/m lower BIC "
         f"by {fall:.3g}: ask for one (dashpot identify --parallel-dashpot) (Python: "
         "parallel_dashpot=True)",
         limit=DECISIVE if sure else 0.0,

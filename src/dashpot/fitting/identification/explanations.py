@@ -34,7 +34,7 @@ from dashpot.fitting.identification.likelihood import (
 from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.records.fit import Explanation
 from dashpot.solids.elastic import ElasticLaw
-from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.maxwell import Solid
 
 #: what the model lacks may decide between causes by this part of what they explain
 LACKING = 0.02
@@ -114,12 +114,12 @@ class Disagreement:
     ----------
     explanations : tuple of Explanation
         The best first.
-    model : GeneralizedMaxwell
-        What the best makes of the same arms.
+    model : Solid
+        What the best makes of the same arms, or of the element.
     """
 
     explanations: tuple[Explanation, ...]
-    model: GeneralizedMaxwell
+    model: Solid
 
 
 def disagreement(

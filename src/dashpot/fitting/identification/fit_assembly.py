@@ -2,26 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, IndexArray
+from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.provenance import Source, Step
 from dashpot.fitting.checks.solid import optimum_found
 from dashpot.fitting.identification import checks
 from dashpot.fitting.identification.explanations import Disagreement, agreement
+from dashpot.fitting.identification.families import Rival, edged, family_checks
 from dashpot.fitting.identification.likelihood import DELAY_UNIT, UNCHANGED, Candidate
+from dashpot.fitting.identification.parametrisation import Arms
 from dashpot.fitting.pipeline import ended
-from dashpot.records.estimate import Nuisance, ParameterEstimate, Residual, parameter_names
+from dashpot.records.estimate import Nuisance, ParameterEstimate, Residual
 from dashpot.records.fit import Evidence, Fit, Moved, OrderScore, Provenance, Status
 from dashpot.records.frf import FRF
 from dashpot.records.relaxation import RampHold
 from dashpot.records.specimen import Specimen
 from dashpot.records.temperature import TemperatureShifts
-from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.fractional import FractionalZener
+from dashpot.solids.maxwell import Solid
 
 # what fails where hammer and relaxation, or hammer and balance, do not describe one seal
 AGREEMENT = {"lines_explained", "relaxation_still_explained", "mass_believable", "tests_agree"}
@@ -42,22 +45,28 @@ def assembled(
     frf: FRF,
     tests: Sequence[RampHold],
     before: Fit | None,
+    own: Fit | None,
     asked: int | str,
     most: int,
     apart: Disagreement | None,
+    rival: Rival | None,
     dashpot: tuple[Check, ...],
 ) -> Fit:
-    """The fit of one seal, with everything needed to judge it."""
-    problem, point = best.problem, best.point
-    covariance = best.covariance
-    order = np.argsort(best.theta[1 + problem.arms : 1 + 2 * problem.arms], kind="stable")
-    names, physical = _physical(covariance, point.model, order, dashpot=problem.dashpot)
+    """The fit of one seal, with everything needed to judge it.
+
+    `before` is what was known of the seal before the hammer, `own` that of the same family.
+    """
+    point, covariance = best.point, best.covariance
+    names, values, physical = _physical(best)
     if apart is not None:
         # which of the two solids is right is a doubt of its own
-        values = (_values(model, dashpot=problem.dashpot) for model in (point.model, apart.model))
-        physical = physical + np.outer(*[np.subtract(*values)] * 2)
+        physical = physical + np.outer(*[values - _physical(best, apart.model)[1]] * 2)
     residual, samples = _residual(best)
-    answers = (*_checks(best, covariance, before, apart), *dashpot)
+    band = _band(best, before)
+    other = None if rival is None else rival.alternative(band)
+    answers = (
+        *_checks(best, covariance, before, apart), *family_checks(best, rival, other), *dashpot
+    )  # fmt: skip
     law = None if before is None else before.elastic_law
     return Fit(
         solid=point.model,
@@ -70,11 +79,12 @@ def assembled(
             nuisance=_nuisance(best, covariance),
         ),
         evidence=Evidence(
-            band=_band(best, before),
+            band=band,
             orders=tuple(_score(candidate) for candidate in orders),
             checks=answers,
-            moved=() if before is None else _moved(before, point.model, names, physical),
+            moved=() if own is None else _moved(own, point.model, names, physical),
             explanations=() if apart is None else apart.explanations,
+            alternative=other,
         ),
         provenance=Provenance(
             "joint" if tests or before is not None else "frf",
@@ -103,19 +113,21 @@ def _specimen(tests: Sequence[RampHold], before: Fit | None) -> Specimen:
 
 
 def _physical(
-    covariance: FloatArray, model: GeneralizedMaxwell, order: IndexArray, *, dashpot: bool
-) -> tuple[tuple[str, ...], FloatArray]:
-    """Covariance of k_inf, k, ln tau and b from that of their logarithms, arms ascending."""
-    N = model.arms
-    rows = [0, *(1 + order), *(1 + N + order), *([1 + 2 * N] if dashpot else [])]
-    scale = [model.k_inf, *model.k, *np.ones(N), *([model.b] if dashpot else [])]
-    picked = covariance[np.ix_(rows, rows)] * np.outer(scale, scale)
-    return parameter_names(N, dashpot=dashpot), np.asarray(picked)
-
-
-def _values(model: GeneralizedMaxwell, *, dashpot: bool) -> FloatArray:
-    """Values of the parameters, named and ordered as the rows of their covariance."""
-    return np.array([model.k_inf, *model.k, *np.log(model.tau), *([model.b] if dashpot else [])])
+    best: Candidate, model: Solid | None = None
+) -> tuple[tuple[str, ...], FloatArray, FloatArray]:
+    """Names, values and covariance of the solid's parameters; values of another model, if given."""
+    problem = best.problem
+    model, sought = model or best.point.model, problem.sought
+    names, values, gradient = sought.physical(sought.pack(model))
+    rows = [*range(sought.size), *([problem.at["ln_b"]] if problem.dashpot else [])]
+    if problem.dashpot:
+        b = model.maxwell.b
+        names, values = (*names, "b"), np.append(values, b)
+        whole = np.zeros((len(gradient) + 1,) * 2)
+        whole[:-1, :-1], whole[-1, -1] = gradient, b
+        gradient = whole
+    covariance = best.covariance[np.ix_(rows, rows)]
+    return names, values, np.asarray(gradient @ covariance @ gradient.T)
 
 
 def _residual(best: Candidate) -> tuple[Residual, float]:
@@ -129,23 +141,20 @@ def _residual(best: Candidate) -> tuple[Residual, float]:
 
 def _score(candidate: Candidate) -> OrderScore:
     return OrderScore(
-        candidate.problem.arms,
+        candidate.point.model.maxwell.arms,
         candidate.chi2,
         candidate.bic,
         candidate.significant,
-        candidate.point.model,
+        candidate.point.model.maxwell,
     )
 
 
 def _status(best: Candidate, asked: int | str, most: int, answers: Sequence[Check]) -> Status:
     failed = {check.name for check in answers if check.failed}
-    low, high = best.problem.log_tau_range
-    N = best.problem.arms
-    log_tau = best.theta[1 + N : 1 + 2 * N]
     return ended(
         stationary="optimum_found" not in failed,
-        fewer=asked != "auto" and most > N,
-        at_bound=bool(np.any((log_tau < low + 1e-3) | (log_tau > high - 1e-3))),
+        fewer=asked != "auto" and most > best.point.model.maxwell.arms,
+        at_bound=edged(best),
         identified=best.significant,
         agreed=not failed & AGREEMENT,
     )
@@ -201,11 +210,14 @@ def _step(best: Candidate) -> Step:
 
 
 def _moved(
-    before: Fit, model: GeneralizedMaxwell, names: tuple[str, ...], covariance: FloatArray
+    before: Fit, solid: Solid, names: tuple[str, ...], covariance: FloatArray
 ) -> tuple[Moved, ...]:
     """Each parameter before and after; arms are matched by their relaxation times."""
     se = dict(zip(names, np.sqrt(np.diag(covariance)).tolist(), strict=True))
     old = dict(zip(before.parameters, np.sqrt(np.diag(before.covariance)), strict=True))
+    if isinstance(solid, FractionalZener):
+        return tuple(_moved_element(before, solid, se, old))
+    model = solid.maxwell
     rows = [
         Moved("k_inf", before.model.k_inf, _known(old, "k_inf"), model.k_inf, se["k_inf"], "N/m")
     ]
@@ -222,6 +234,24 @@ def _moved(
     if model.b > 0:
         rows.append(Moved("b", before.model.b, None, model.b, se["b"], "N s/m"))
     return tuple(rows)
+
+
+def _moved_element(
+    before: Fit, solid: FractionalZener, se: dict[str, float], old: dict[str, float]
+) -> Iterator[Moved]:
+    """So too of a fractional solid, whose parameters have one name each."""
+    for name, row, unit in (
+        ("k_inf", "k_inf", "N/m"), ("k_0", "k_0", "N/m"), ("tau", "ln_tau", "s"),
+        ("alpha", "alpha", "1"),
+    ):  # fmt: skip
+        was, now = getattr(before.solid, name), getattr(solid, name)
+        scales = (was, now) if row == "ln_tau" else (1.0, 1.0)
+        known = _known(old, row)
+        yield Moved(
+            name, was, None if known is None else scales[0] * known, now, scales[1] * se[row], unit
+        )
+    if solid.b > 0:
+        yield Moved("b", before.model.b, None, solid.b, se["b"], "N s/m")
 
 
 def _known(errors: dict[str, float], name: str) -> float | None:
@@ -248,8 +278,10 @@ def _checks(
         # before what follows from it
         answers.append(checks.tests_agree(lead))
     answers += agreement(best, why)
-    arms = best.problem.arms
-    worst = float(max(np.sqrt(np.diag(covariance))[1 : 1 + 2 * arms], default=0.0))
-    new = 0 if before is None else arms - before.model.arms
-    answers.append(checks.arms_identified(arms, worst, significant=best.significant, new=new))
+    if isinstance(best.problem.sought, Arms):
+        arms = best.problem.sought.count
+        worst = float(max(np.sqrt(np.diag(covariance))[1 : 1 + 2 * arms], default=0.0))
+        new = 0 if before is None else arms - before.model.arms
+        known = checks.arms_identified(arms, worst, significant=best.significant, new=new)
+        answers.append(known)
     return tuple(answers)

@@ -10,7 +10,7 @@ from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import DataError
 from dashpot.engine.blocks.block import Block, design_block
 from dashpot.records.frf import FRF, Kind
-from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.maxwell import Solid
 from dashpot.vibration.modal.peaks import find_peak
 from dashpot.vibration.systems.prediction import accelerance
 
@@ -44,9 +44,7 @@ class FRFData:
     seals: float
     peak_hz: float
 
-    def predict(
-        self, model: GeneralizedMaxwell, mass: float, gain: float, delay: float
-    ) -> ComplexArray:
+    def predict(self, model: Solid, mass: float, gain: float, delay: float) -> ComplexArray:
         r"""Accelerance as this rig would show it, `model` being one seal.
 
         .. math:: A(s) = g\,e^{-s d}\,\frac{s^2}{m s^2 + n K(s)}

@@ -2,21 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Literal, TypeAlias
+from typing import Literal
 
 import numpy as np
 
 from dashpot.base.checks import Check
-from dashpot.base.errors import DataError, FitError
-from dashpot.base.units import Dimension, Quantity, Range, si, si_range
+from dashpot.base.errors import FitError
+from dashpot.base.units import Quantity, Range, si, si_range
+from dashpot.engine.blocks.block import Block
 from dashpot.engine.inference.order import DECISIVE, choose
 from dashpot.engine.solver.variable_projection import solve_orders
+from dashpot.fitting.fractional.choice import checked_family
+from dashpot.fitting.fractional.projection import Columns
 from dashpot.fitting.identification.checks import dashpot_not_missed
 from dashpot.fitting.identification.explanations import disagreement
+from dashpot.fitting.identification.families import Rival, chosen_rival
 from dashpot.fitting.identification.fit_assembly import assembled
 from dashpot.fitting.identification.frf_data import frf_data_of
+from dashpot.fitting.identification.given import (
+    Before,
+    Given,
+    before_hammer,
+    known_of,
+    mass_of,
+    numbers_of,
+    point_of,
+    sd_of,
+    seals_of,
+)
 from dashpot.fitting.identification.likelihood import (
     UNCHANGED,
     Candidate,
@@ -27,25 +42,16 @@ from dashpot.fitting.identification.likelihood import (
     Problem,
     descend,
 )
-from dashpot.fitting.relaxation import fit as fit_tests
-from dashpot.fitting.relaxation_data import RelaxationData, relaxation_data
+from dashpot.fitting.identification.parametrisation import GONE, Arms, Element, with_dashpot
 from dashpot.fitting.repeats import refuse_copies
 from dashpot.preparation.ramp_holds import Tests, ramp_holds
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
-from dashpot.records.relaxation import RampHold
-from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.vibration.systems.operating_point import OperatingPoint, operating_point
+from dashpot.solids.fractional import FractionalZener
+from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
-Given: TypeAlias = Quantity | tuple[Quantity, Quantity] | None
-
-# a block on a workshop balance: 0.1 g of 100 g
-USUAL_MASS_SD = 0.001
 USUAL_GAIN_SD = 0.01
 USUAL_DELAY_SD = 1e-4
-MOST_ARMS = 3
-# an arm with less than this part of the stiffness has left
-GONE = 1e-6
 # a criterion this much above the best ends the search for more arms
 WORSE = 6.0
 # relative fall of chi-square that ends a search, and the last descent
@@ -70,6 +76,7 @@ def identify(
     band: Range | None = None,
     compression: Quantity | None = None,
     temperature: Quantity | None = None,
+    family: Literal["maxwell", "fractional", "auto"] = "maxwell",
 ) -> Fit:
     r"""Find the solid of one seal from the FRF of a mass on `seals` of them.
 
@@ -113,6 +120,10 @@ def identify(
     temperature : float, optional
         Of the seals under the hammer, K, where the tests are of several temperatures; by default
         that of their solid. The solid found is that of the hammer.
+    family : "maxwell", "fractional" or "auto"
+        Arms, a fractional Zener solid, or the one of the two that BIC prefers, as in
+        :func:`~dashpot.fitting.relaxation.fit`; `Fit.alternative` is then the other. An earlier fit
+        without its tests is a prior of its own family alone.
 
     Returns
     -------
@@ -125,38 +136,41 @@ def identify(
     DataError
         If there are too few lines, or an option cannot be.
     FitError
-        If there are fewer arms than the earlier fit has.
+        If there are fewer arms than the earlier fit has, or the family cannot be fitted.
     """
+    checked_family(family, arms)
     mass, mass_sd, delay_sd = si(mass, "mass"), si(mass_sd, "mass"), si(delay_sd, "time")
     band, compression = si_range(band, "frequency"), si(compression, "length")
     records = ramp_holds(tests)
     refuse_copies(records)
-    frf_data = frf_data_of(frf, seals=_seals(seals), band=band)
-    before, relaxations = _relaxations(records, fit, si(temperature, "temperature"))
-    point = _point(before, mass, seals, compression)
+    frf_data = frf_data_of(frf, seals=seals_of(seals), band=band)
+    before = before_hammer(records, fit, si(temperature, "temperature"), family)
+    point = point_of(before.known, mass, seals, compression)
     priors = NuisancePriors(
-        _mass(mass, mass_sd),
-        _sd("gain_sd", gain_sd),
-        _sd("delay_sd", delay_sd),
+        mass_of(mass, mass_sd),
+        sd_of("gain_sd", gain_sd),
+        sd_of("delay_sd", delay_sd),
         factor=UNCHANGED if point is None else Prior(point.factor, point.factor_se),
     )
     constraints = Constraints(
-        _known("static_stiffness", static_stiffness, "stiffness"),
-        _known("natural_frequency", natural_frequency, "frequency"),
-        _known("damping_ratio", damping_ratio, "strain"),
-        before if before is not None and not relaxations else None,
+        known_of("static_stiffness", static_stiffness, "stiffness"),
+        known_of("natural_frequency", natural_frequency, "frequency"),
+        known_of("damping_ratio", damping_ratio, "strain"),
+        before.known if not before.relaxations else None,
     )
-    whole = Problem(relaxations, frf_data, priors, constraints)
-    numbers = _numbers(arms, before)
+    whole = Problem(before.relaxations, frf_data, priors, constraints)
     dashpots = (False, True) if parallel_dashpot == "auto" else (bool(parallel_dashpot),)
-    found = _every([replace(whole, dashpot=dashpot) for dashpot in dashpots], numbers, before)
-    best = _chosen(found)
+    problems = [replace(whole, dashpot=dashpot) for dashpot in dashpots]
+    numbers = numbers_of(arms, before.arms)
+    best, found, rival = _best(problems, numbers, before, family)
     scale = best.line_scale
     final = descend(replace(best.problem, scale=scale), best.theta, tolerance=TIGHT)
+    known = before.known
+    own = before.element if isinstance(best.problem.sought, Element) else before.arms
     apart = disagreement(
         final,
-        lambda problem: _again(problem, final.point, numbers, before),
-        law=None if before is None else before.elastic_law,
+        lambda problem: _again(problem, final.point, numbers, own),
+        law=None if known is None else known.elastic_law,
         compression=None if point is None else point.compression,
     )
     return assembled(
@@ -164,13 +178,56 @@ def identify(
         [candidate.scaled(scale) for candidate in found],
         frf=frf,
         tests=records,
-        before=before,
+        before=known,
+        own=own,
         asked=arms,
         most=max(numbers),
         apart=apart,
+        rival=rival,
         # where two tests disagree, a dashpot only hides it
-        dashpot=() if apart else (_dashpot_missed(best, before),),
+        dashpot=() if apart else (_dashpot_missed(best, own),),
     )
+
+
+# -- the best solid of either family ----------------------------------------------------------
+
+
+def _best(
+    problems: Sequence[Problem], numbers: Sequence[int], before: Before, family: str
+) -> tuple[Candidate, list[Candidate], Rival | None]:
+    """The candidate to take, every number of arms tried beside it, and the other family's."""
+    one = None if family == "maxwell" else _element(problems, before)
+    if one is not None and before.known is not before.arms:
+        # an earlier fit of four parameters is no prior of arms
+        return one, [], None
+    found = _every(problems, numbers, before.arms)
+    best = _chosen(found)
+    if one is None:
+        return best, found, None
+    rival = chosen_rival(best, found, one, family)
+    return rival.best, found if rival.best is best else [], rival
+
+
+def _element(problems: Sequence[Problem], before: Before) -> Candidate:
+    """The best fractional element, from the linear start of dynamic stiffness."""
+    sought, tries = Element.of(before.relaxations), []
+    for problem in (replace(one, sought=sought) for one in problems):
+        columns = Columns(_stiffness_blocks(problem))
+        point, _ = columns.best()
+        fixed = dict(zip(columns.stack.names, point.fixed.tolist(), strict=True))
+        k_inf, b = max(fixed["k_inf"], 0.0), max(fixed.get("b", 0.0), 0.0)
+        tau, alpha = float(np.exp(point.at[0])), float(point.at[1])
+        starts = [(FractionalZener(k_inf + point.k, k_inf, tau, alpha, b), _mass(problem, fixed))]
+        if before.element is not None and isinstance(before.element.solid, FractionalZener):
+            starts.append((before.element.solid, _mass(problem, fixed)))
+        tries += [
+            descend(problem, problem.pack(_start(problem, solid, mass)), tolerance=LOOSE)
+            for solid, mass in starts
+            if mass > 0 and solid.k_0 > 0
+        ]
+    if not tries:
+        raise FitError("no fractional solid explains the FRF; widen --band, or fit arms")
+    return min(tries, key=lambda candidate: candidate.bic)
 
 
 # -- the best solid for each number of arms ---------------------------------------------------
@@ -204,13 +261,12 @@ def _candidates(
     given = _linear(whole, max(numbers)) if start is None else [start]
     found: list[Candidate] = []
     for number in numbers:
-        problem = replace(whole, arms=number)
-        starts = [one for one in given if one.model.arms == number]
+        problem = replace(whole, sought=Arms(number))
+        starts = [one for one in given if one.model.maxwell.arms == number]
         starts += _spread(problem, before)
         tries = [descend(problem, problem.pack(one), tolerance=LOOSE) for one in starts]
         best = min(tries, key=lambda candidate: candidate.cost)
-        model = best.point.model
-        if all(k > GONE * model.k_0 for k in model.k):
+        if best.problem.sought.whole(best.point.model):
             found.append(best)
         if found and best.bic > min(candidate.bic for candidate in found) + WORSE:
             break
@@ -221,8 +277,11 @@ def _again(
     problem: Problem, start: Parameters, numbers: Sequence[int], before: Fit | None
 ) -> Candidate:
     """The best of a problem with no more arms than a start has, from there."""
-    fewer = [number for number in numbers if number < problem.arms]
-    found = _candidates(problem, [*fewer, problem.arms], before, start=start)
+    if isinstance(problem.sought, Element):
+        return descend(problem, problem.pack(start), tolerance=LOOSE)
+    most = start.model.maxwell.arms
+    fewer = [number for number in numbers if number < most]
+    found = _candidates(problem, [*fewer, most], before, start=start)
     # where an arm has left every candidate, as it is
     return _chosen(found) if found else descend(problem, problem.pack(start), tolerance=LOOSE)
 
@@ -232,40 +291,57 @@ def _chosen(found: Sequence[Candidate]) -> Candidate:
     scale = min(found, key=lambda candidate: candidate.bic).line_scale
     best = []
     for dashpot in (False, True):
-        family = {one.problem.arms: one for one in found if one.problem.dashpot == dashpot}
-        if family:
-            sure = [one.scaled(scale).significant for one in family.values()]
-            bics = [one.bic for one in family.values()]
-            best.append(family[choose([*family], bics, sure, decisive=DECISIVE).arms])
+        ladder = {_arms(one): one for one in found if one.problem.dashpot == dashpot}
+        if ladder:
+            sure = [one.scaled(scale).significant for one in ladder.values()]
+            bics = [one.bic for one in ladder.values()]
+            best.append(ladder[choose([*ladder], bics, sure, decisive=DECISIVE).arms])
     return min(best, key=lambda candidate: candidate.bic)
 
 
 def _dashpot_missed(best: Candidate, before: Fit | None) -> Check:
     """Whether a parallel dashpot, beside the arms or in place of one, lowers the criterion."""
+    sought = best.problem.sought
     if best.problem.dashpot:
-        return dashpot_not_missed(None, best.problem.arms, best.point.model.b)
-    least = 0 if before is None else before.model.arms
+        return dashpot_not_missed(None, sought.counted(), best.point.model.maxwell.b)
     tries = []
-    for arms in range(max(best.problem.arms - 1, least), best.problem.arms + 1):
-        problem = replace(best.problem, dashpot=True, arms=arms)
-        tries += [
-            descend(problem, problem.pack(start), tolerance=LOOSE)
-            for start in _spread(problem, before)
-        ]
-    other = min(tries, key=lambda candidate: candidate.bic)
+    if isinstance(sought, Arms):
+        least = 0 if before is None else before.model.arms
+        for arms in range(max(sought.count - 1, least), sought.count + 1):
+            problem = replace(best.problem, dashpot=True, sought=Arms(arms))
+            tries += [(problem, start) for start in _spread(problem, before)]
+    else:
+        problem, point = replace(best.problem, dashpot=True), best.point
+        tries = [(problem, replace(point, model=_damped(problem, point.model)))]
+    found = [descend(problem, problem.pack(start), tolerance=LOOSE) for problem, start in tries]
+    other = min(found, key=lambda candidate: candidate.bic)
     sure = best.scaled(best.line_scale).significant
-    fall = best.bic - other.bic
-    return dashpot_not_missed(fall, other.problem.arms, other.point.model.b, sure=sure)
+    b = other.point.model.maxwell.b
+    return dashpot_not_missed(best.bic - other.bic, other.problem.sought.counted(), b, sure=sure)
+
+
+def _arms(candidate: Candidate) -> int:
+    return candidate.point.model.maxwell.arms
+
+
+def _stiffness_blocks(problem: Problem) -> list[Block]:
+    """Every test as a linear problem in the stiffnesses of the solid."""
+    blocks = [relaxation.weighted(i) for i, relaxation in enumerate(problem.relaxations)]
+    felt = replace(problem.frf_data, seals=problem.frf_data.seals * problem.priors.factor.value)
+    known = None if problem.priors.mass is None else problem.priors.mass.value
+    return [*blocks, felt.stiffness_block(known, dashpot=problem.dashpot)]
+
+
+def _mass(problem: Problem, fixed: Mapping[str, float]) -> float:
+    """The mass that is known, or that a linear solution found."""
+    known = problem.priors.mass
+    return fixed["mass@frf"] if known is None else known.value
 
 
 def _linear(problem: Problem, most: int) -> list[Parameters]:
     """Starts from the engine: dynamic stiffness is linear in the stiffnesses of the solid."""
-    known = None if problem.priors.mass is None else problem.priors.mass.value
-    blocks = [relaxation.weighted(i) for i, relaxation in enumerate(problem.relaxations)]
-    felt = replace(problem.frf_data, seals=problem.frf_data.seals * problem.priors.factor.value)
-    blocks.append(felt.stiffness_block(known, dashpot=problem.dashpot))
     starts = []
-    for solution in solve_orders(blocks, most):
+    for solution in solve_orders(_stiffness_blocks(problem), most):
         k = solution.arms[0]
         model = GeneralizedMaxwell(
             max(solution.coefficient("k_inf"), 0.0),
@@ -273,7 +349,8 @@ def _linear(problem: Problem, most: int) -> list[Parameters]:
             tuple(solution.tau),
             max(solution.coefficient("b"), 0.0) if problem.dashpot else 0.0,
         )
-        mass = known if known is not None else solution.coefficient("mass@frf")
+        fixed = dict(zip(solution.fixed_names, solution.fixed.tolist(), strict=True))
+        mass = _mass(problem, fixed)
         if mass > 0:
             starts.append(_start(problem, model, mass))
     return starts
@@ -290,7 +367,9 @@ def _spread(problem: Problem, before: Fit | None) -> list[Parameters]:
     if before is not None:
         level = level if prior is None else before.model.k_0
         base, part = before.model, 0.1
-    new = problem.arms - base.arms
+    assert isinstance(problem.sought, Arms)  # noqa: S101  # an element has a start of its own
+    arms = problem.sought.count
+    new = arms - base.arms
     if new < 0:
         return []
     starts = []
@@ -299,105 +378,18 @@ def _spread(problem: Problem, before: Fit | None) -> list[Parameters]:
             np.geomspace(1 / (reach * omega), reach / omega, new) if new > 1 else [1 / omega] * new
         )
         model = base + GeneralizedMaxwell(0.0, (part * level / max(new, 1),) * new, tuple(tau))
-        if model.arms == problem.arms:
+        if model.arms == arms:
             starts.append(_start(problem, model, mass))
     return starts
 
 
-def _start(problem: Problem, model: GeneralizedMaxwell, mass: float) -> Parameters:
-    if problem.dashpot and model.b <= 0:
-        # two percent of the stiffness at the peak
-        model = replace(model, b=0.02 * model.k_0 / (2 * np.pi * problem.frf_data.peak_hz))
-    return Parameters(model, mass, 1.0, 0.0, problem.priors.factor.value)
+def _start(problem: Problem, model: Solid, mass: float) -> Parameters:
+    return Parameters(_damped(problem, model), mass, 1.0, 0.0, problem.priors.factor.value)
 
 
-# -- what was given ---------------------------------------------------------------------------
-
-
-def _relaxations(
-    records: Sequence[RampHold], fit: Fit | None, temperature: float | None
-) -> tuple[Fit | None, tuple[RelaxationData, ...]]:
-    """The earlier fit, at the temperature of the hammer, and the tests that it was of."""
-    if not records:
-        if fit is not None and fit.family != "maxwell":
-            raise FitError(
-                "the earlier fit is of a fractional solid, and what the hammer adds is an arm: "
-                "give its relaxation tests with it, or a fit of family maxwell"
-            )
-        return fit if fit is None or temperature is None else fit.at_temperature(temperature), ()
-    # arms are matched to arms: of a fractional solid, those of the same tests
-    before = fit if fit is not None and fit.family == "maxwell" else fit_tests(list(records))
-    if temperature is not None:
-        before = before.at_temperature(temperature)
-    same = len(records) == 1 and before.method in {"full", "hold"}
-    alone = [before] if same else [fit_tests(record) for record in records]
-    return before, tuple(
-        relaxation_data(record, before, alone=own)
-        for record, own in zip(records, alone, strict=True)
-    )
-
-
-def _point(
-    before: Fit | None, mass: float | None, seals: float, compression: float | None
-) -> OperatingPoint | None:
-    """Where the seals are under the hammer; None if that makes no difference, or nothing tells."""
-    law = None if before is None else before.elastic_law
-    if before is None or law is None or law.kind == "linear":
-        return None
-    if mass is None and compression is None:
-        raise DataError(
-            "the stiffness of the seals depends on their compression: give --mass, or --compression"
-        )
-    return operating_point(before, mass=mass or 1.0, seals=seals, compression=compression)
-
-
-def _numbers(arms: int | str, before: Fit | None) -> list[int]:
-    least = 0 if before is None else before.model.arms
-    if arms == "auto":
-        return list(range(least, least + MOST_ARMS + 1))
-    if not isinstance(arms, int | np.integer) or arms < 0:
-        raise FitError(f'arms = {arms!r}; expected a number >= 0 or "auto"')
-    if arms < least:
-        raise FitError(
-            f"arms = {arms}, but the relaxation test alone has {least}: ask for at least as many, "
-            "one more for what only the hammer sees"
-        )
-    return [int(arms)]
-
-
-def _seals(seals: float) -> float:
-    if not (np.isfinite(seals) and seals > 0):
-        raise DataError(f"seals = {seals!r}; expected a number > 0")
-    return seals
-
-
-def _mass(mass: float | None, sd: float | None) -> Prior | None:
-    if mass is None:
-        return None
-    if not (np.isfinite(mass) and mass > 0):
-        raise DataError(f"mass = {mass!r} kg; expected a number > 0")
-    if sd is not None and sd >= mass:
-        raise DataError(
-            f"mass_sd = {sd:g} kg of a mass of {mass:g} kg; expected less: check its unit"
-        )
-    return Prior(mass, _sd("mass_sd", USUAL_MASS_SD * mass if sd is None else sd))
-
-
-def _sd(name: str, value: float) -> float:
-    if not (np.isfinite(value) and value >= 0):
-        raise DataError(f"{name} = {value!r}; expected a standard deviation >= 0")
-    return float(value)
-
-
-def _known(name: str, given: Given, dimension: Dimension) -> Prior | None:
-    if given is None:
-        return None
-    value, sd = si_range(given if isinstance(given, tuple) else (given, 0.0), dimension)
-    if not (np.isfinite(value) and value > 0):
-        raise DataError(f"{name} = {value!r}; expected a number > 0")
-    if name == "damping_ratio" and value >= 1:
-        raise DataError(
-            f"damping_ratio = {value:g}; expected a part of the critical damping, < 1: if it is "
-            f"in per cent, give {value / 100:g}"
-        )
-    return Prior(float(value), _sd(name, sd))
+def _damped(problem: Problem, model: Solid) -> Solid:
+    """The solid with a dashpot beside it, where one is sought."""
+    if not problem.dashpot or model.maxwell.b > 0:
+        return model
+    # two percent of the stiffness at the peak
+    return with_dashpot(model, 0.02 * model.k_0 / (2 * np.pi * problem.frf_data.peak_hz))

@@ -9,8 +9,9 @@ With r the weighted residuals of each test and a prior on each nuisance, the fit
            + \frac{\ln^2(m/m_0)}{\sigma_m^2} + \frac{\ln^2 g}{\sigma_g^2} + \frac{d^2}{\sigma_d^2}
            + \dots
 
-over :math:`\theta = (\ln k_\infty, \ln k_j, \ln\tau_j[, \ln b])`. Under the hammer a seal may be
-:math:`\lambda` times as stiff, as at another compression, or rest on a :math:`k_\infty` of its own.
+over :math:`\theta = (\ln k_\infty, \ln k_j, \ln\tau_j[, \ln b])`, or the numbers of a fractional
+element (:mod:`.parametrisation`). Under the hammer a seal may be :math:`\lambda` times as stiff, as
+at another compression, or rest on a :math:`k_\infty` of its own.
 Equalities, such as a measured
 static stiffness, enter as priors too narrow to bend. Source: J. Zhang and C. M. Richards, MSSP 21
 (2007), for the constraints; the joint likelihood is standard.
@@ -25,22 +26,26 @@ from functools import cached_property
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.engine.inference.order import significant
 from dashpot.fitting.identification.frf_data import FRFData
+from dashpot.fitting.identification.parametrisation import (
+    Arms,
+    Parametrisation,
+    on_another_spring,
+)
 from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.records.fit import Fit
-from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.fractional import FractionalZener
+from dashpot.solids.maxwell import Solid
 from dashpot.vibration.systems.prediction import ringing_pole
 
 # one unit of the delay parameter, s: of the order of what channels differ by
 DELAY_UNIT = 1e-4
 # an equality is a prior of this relative width
 EXACT = 1e-6
-# arms that lose this many powers of e are gone
-FADED = 1e-9
 # arms are sought this far, as a factor in time, beyond what the lines and tests could tell
 BEYOND = 3.0
 SMALLEST_SCATTER = 1e-9
+SPRING = Arms(0)
 
 
 @dataclass(frozen=True)
@@ -115,7 +120,7 @@ class Constraints:
 class Parameters:
     """A point of the parameter space, in physical terms."""
 
-    model: GeneralizedMaxwell
+    model: Solid
     mass: float
     gain: float
     delay: float
@@ -123,16 +128,17 @@ class Parameters:
     spring: float = 1.0
 
     @property
-    def felt(self) -> GeneralizedMaxwell:
+    def felt(self) -> Solid:
         """The seal under the hammer."""
-        return self.factor * replace(self.model, k_inf=self.spring * self.model.k_inf)
+        solid = self.model if self.spring == 1 else on_another_spring(self.model, self.spring)
+        return solid if self.factor == 1 else self.factor * solid
 
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """The residuals of one number of arms, as a function of a flat parameter vector.
+    """The residuals of one kind of solid, as a function of a flat parameter vector.
 
-    The vector holds ln k_inf, ln k_j, ln tau_j, ln b if there is a dashpot, then those of ln m,
+    The vector holds the numbers of the solid, ln b if there is a dashpot, then those of ln m,
     ln g, d / 0.1 ms, and of the logarithms of factor and spring, that are not known exactly.
 
     Attributes
@@ -141,7 +147,7 @@ class Problem:
     frf_data : FRFData
     priors : NuisancePriors
     constraints : Constraints
-    arms : int
+    sought : Parametrisation
     dashpot : bool
     scale : float
         What the standard deviation of the lines is multiplied by.
@@ -151,7 +157,7 @@ class Problem:
     frf_data: FRFData
     priors: NuisancePriors
     constraints: Constraints
-    arms: int = 0
+    sought: Parametrisation = SPRING
     dashpot: bool = False
     scale: float = 1.0
 
@@ -168,7 +174,7 @@ class Problem:
             "ln_spring": self.priors.spring.sd > 0,
         }
         names = [name for name, present in there.items() if present]
-        return {name: place for place, name in enumerate(names, start=1 + 2 * self.arms)}
+        return {name: place for place, name in enumerate(names, start=self.sought.size)}
 
     @property
     def log_tau_range(self) -> tuple[float, float]:
@@ -177,7 +183,9 @@ class Problem:
         windows.append(self.frf_data.stiffness_block(1.0, dashpot=False).window)
         before = self.constraints.before
         if before is not None and before.model.arms:
-            windows.append((before.model.tau[0] / BEYOND, before.model.tau[-1] * BEYOND))
+            solid = before.solid
+            known = (solid.tau,) if isinstance(solid, FractionalZener) else before.model.tau
+            windows.append((known[0] / BEYOND, known[-1] * BEYOND))
         low, high = min(w[0] for w in windows), max(w[1] for w in windows)
         return float(np.log(low / BEYOND)), float(np.log(high * BEYOND))
 
@@ -187,21 +195,17 @@ class Problem:
         """The vector of a point."""
         model = point.model
         nuisances = {
-            "ln_b": np.log(max(model.b, 1e-300)),
+            "ln_b": np.log(max(model.maxwell.b, 1e-300)),
             "ln_mass": np.log(point.mass),
             "ln_gain": np.log(point.gain),
             "delay": point.delay / DELAY_UNIT,
             "ln_factor": np.log(point.factor),
             "ln_spring": np.log(point.spring),
         }
-        k_inf = max(model.k_inf, FADED * max(model.k_0, 1e-300))
-        solid = np.log([k_inf, *model.k, *model.tau])
-        return np.append(solid, [nuisances[name] for name in self.at])
+        return np.append(self.sought.pack(model), [nuisances[name] for name in self.at])
 
     def unpack(self, theta: FloatArray) -> Parameters:
         """The point of a vector."""
-        N = self.arms
-        solid = np.exp(theta[: 1 + 2 * N])
         rest = {name: float(theta[place]) for name, place in self.at.items()}
         priors = self.priors
         known = 1.0 if priors.mass is None else priors.mass.value
@@ -210,12 +214,7 @@ class Problem:
             return float(np.exp(rest[name])) if name in rest else otherwise
 
         return Parameters(
-            model=GeneralizedMaxwell(
-                float(solid[0]),
-                tuple(solid[1 : 1 + N]),
-                tuple(solid[1 + N :]),
-                exp("ln_b", 0.0),
-            ),
+            model=self.sought.unpack(theta[: self.sought.size], exp("ln_b", 0.0)),
             mass=exp("ln_mass", known),
             gain=exp("ln_gain", 1.0),
             delay=rest.get("delay", 0.0) * DELAY_UNIT,
@@ -249,19 +248,15 @@ class Problem:
     def _relaxation_rows(
         self, relaxation: RelaxationData, theta: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        N = self.arms
-        k_inf, k = np.exp(theta[0]), np.exp(theta[1 : 1 + N])
-        rows = relaxation.rows(theta[1 + N : 1 + 2 * N])
-        model = k_inf * rows.spring + rows.arms @ k
-        jacobian = np.zeros((len(model), len(theta)))
-        jacobian[:, 0] = k_inf * rows.spring
-        jacobian[:, 1 : 1 + N] = rows.arms * k
-        jacobian[:, 1 + N : 1 + 2 * N] = rows.slopes * k
+        size = self.sought.size
+        found = self.sought.answer(relaxation, theta[:size])
+        residual, jacobian = found.residual, np.zeros((len(found.residual), len(theta)))
+        jacobian[:, :size] = found.jacobian
         if self.dashpot:
-            part = np.exp(theta[self.at["ln_b"]]) * rows.dashpot
-            model = model + part
+            part = np.exp(theta[self.at["ln_b"]]) * found.dashpot
+            residual = residual + part
             jacobian[:, self.at["ln_b"]] = part
-        return model - rows.target, jacobian
+        return residual, jacobian
 
     def frf_residual(self, theta: FloatArray) -> FloatArray:
         """Those of the lines, real then imaginary."""
@@ -277,10 +272,10 @@ class Problem:
         rows = np.array([*self._of_rig(point), *self._of_solid(point)], dtype=float)
         return np.append(rows, self.earlier_residual(point.model))
 
-    def earlier_residual(self, model: GeneralizedMaxwell) -> FloatArray:
+    def earlier_residual(self, model: Solid) -> FloatArray:
         """How far a solid is from the earlier fit, in its standard deviations; empty without."""
         before = self.constraints.before
-        return np.empty(0) if before is None else _before(before, model)
+        return np.empty(0) if before is None else _off(before, self.sought.kept(before, model))
 
     def _of_rig(self, point: Parameters) -> Iterator[float]:
         priors = self.priors
@@ -308,21 +303,13 @@ class Problem:
                 yield known.damping_ratio.off(-pole.real / abs(pole))
 
 
-def _before(fit: Fit, model: GeneralizedMaxwell) -> FloatArray:
-    """How far a solid's slowest arms are from an earlier fit's, in its standard deviations."""
-    N = fit.model.arms
-    own = {"k_inf": (model.k_inf, fit.model.k_inf)}
-    # faster arms than the earlier fit has are new: it says nothing about them
-    for j, (k, tau, k0, tau0) in enumerate(
-        zip(model.k[-N:], model.tau[-N:], fit.model.k, fit.model.tau, strict=True), start=1
-    ):
-        own[f"k_{j}"] = (k, k0)
-        own[f"ln_tau_{j}"] = (np.log(tau), np.log(tau0))
-    rows = [i for i, name in enumerate(fit.parameters) if name in own]
+def _off(fit: Fit, off: dict[str, float]) -> FloatArray:
+    """How far parameters are off an earlier fit, in its standard deviations."""
+    rows = [i for i, name in enumerate(fit.parameters) if name in off]
     covariance = fit.covariance[np.ix_(rows, rows)]
     known = np.isfinite(np.diag(covariance)) & (np.diag(covariance) > 0)
     pick = [rows[i] for i in np.flatnonzero(known)]
-    difference = np.array([np.subtract(*own[fit.parameters[i]]) for i in pick])
+    difference = np.array([off[fit.parameters[i]] for i in pick])
     root = np.linalg.cholesky(covariance[np.ix_(known, known)])
     return np.asarray(np.linalg.solve(root, difference))
 
@@ -344,7 +331,7 @@ def _differences(function: Callable[[FloatArray], FloatArray], theta: FloatArray
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """The optimum for one number of arms, with or without a parallel dashpot."""
+    """The optimum for one number of arms, or an element, with or without a parallel dashpot."""
 
     problem: Problem
     theta: FloatArray
@@ -364,24 +351,34 @@ class Candidate:
 
     @property
     def significant(self) -> bool:
-        """Every arm has k > 3 SE and SE(ln tau) < 0.5."""
-        se, arms = np.sqrt(np.diag(self.covariance)), self.problem.arms
-        return significant(np.ones(arms), se[1 : 1 + arms], se[1 + arms : 1 + 2 * arms])
+        """Every arm has k > 3 SE and SE(ln tau) < 0.5; the slope of an element is known."""
+        sought = self.problem.sought
+        return sought.identified(np.sqrt(np.diag(self.covariance))[: sought.size])
 
     @cached_property
     def bic(self) -> float:
         r"""Bayesian criterion with each test's own noise profiled: sum n ln(chi2/n) + p ln n."""
         problem, theta = self.problem, self.theta
         lines = 2.0 * len(problem.frf_data.lines.s)
-        misfit = float(np.sum((problem.frf_residual(theta) * problem.scale) ** 2))
         # below a millionth of the value, or of the noise, one misfit is as good as another
-        total, count = lines * np.log(max(misfit / lines, SMALLEST_SCATTER**2)), lines
+        total = lines * np.log(max(self.line_misfit / lines, SMALLEST_SCATTER**2))
         chi2s = problem.relaxation_chi2(theta)
         for relaxation, chi2 in zip(problem.relaxations, chi2s, strict=True):
             total += relaxation.samples * np.log(chi2 / relaxation.samples)
-            count += relaxation.samples
         prior = float(np.sum(problem.prior_residual(theta) ** 2))
-        return float(total + prior + len(theta) * np.log(count))
+        return float(total + prior + len(theta) * np.log(self.samples))
+
+    @property
+    def samples(self) -> float:
+        """Numbers that the lines hold, and effective samples of the relaxation tests."""
+        problem = self.problem
+        lines = 2.0 * len(problem.frf_data.lines.s)
+        return lines + sum(relaxation.samples for relaxation in problem.relaxations)
+
+    @cached_property
+    def line_misfit(self) -> float:
+        """Squared misfit of the lines in units of their own scatter, not scaled."""
+        return float(np.sum((self.problem.frf_residual(self.theta) * self.problem.scale) ** 2))
 
     @cached_property
     def chi2(self) -> float:
@@ -392,9 +389,8 @@ class Candidate:
     @property
     def line_scale(self) -> float:
         """What the standard deviation of the lines must be multiplied by to explain the misfit."""
-        residual = self.problem.frf_residual(self.theta) * self.problem.scale
-        spare = max(len(residual) - len(self.theta), 1)
-        rms = float(np.sqrt(residual @ residual / spare))
+        spare = max(2 * len(self.problem.frf_data.lines.s) - len(self.theta), 1)
+        rms = float(np.sqrt(self.line_misfit / spare))
         return max(rms, 1.0 if self.problem.frf_data.known_sd else SMALLEST_SCATTER)
 
     def scaled(self, scale: float) -> Candidate:
@@ -407,8 +403,8 @@ def descend(problem: Problem, start: FloatArray, *, tolerance: float) -> Candida
     from scipy.optimize import least_squares
 
     low, high = start - 25.0, start + 12.0
-    arms = slice(1 + problem.arms, 1 + 2 * problem.arms)
-    low[arms], high[arms] = problem.log_tau_range
+    size = problem.sought.size
+    low[:size], high[:size] = problem.sought.bounded(low[:size], high[:size], problem.log_tau_range)
     if "delay" in problem.at:
         low[problem.at["delay"]], high[problem.at["delay"]] = -1e3, 1e3
     result = least_squares(

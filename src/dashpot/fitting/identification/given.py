@@ -1,0 +1,157 @@
+"""What an identification is given: mass and rig, earlier fit, tests; each checked, as a prior."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+
+from dashpot.base.errors import DataError, FitError
+from dashpot.base.units import Dimension, Quantity, si_range
+from dashpot.fitting.identification.likelihood import Prior
+from dashpot.fitting.relaxation import fit as fit_tests
+from dashpot.fitting.relaxation_data import RelaxationData, relaxation_data
+from dashpot.records.fit import Fit
+from dashpot.records.relaxation import RampHold
+from dashpot.vibration.systems.operating_point import OperatingPoint, operating_point
+
+Given: TypeAlias = Quantity | tuple[Quantity, Quantity] | None
+
+# a block on a workshop balance: 0.1 g of 100 g
+USUAL_MASS_SD = 0.001
+MOST_ARMS = 3
+
+
+class Before(NamedTuple):
+    """What was known before the hammer.
+
+    Attributes
+    ----------
+    arms, element : Fit or None
+        The earlier fit of either family, at the temperature of the hammer.
+    relaxations : tuple of RelaxationData
+        The tests that they are of.
+    """
+
+    arms: Fit | None
+    element: Fit | None
+    relaxations: tuple[RelaxationData, ...]
+
+    @property
+    def known(self) -> Fit | None:
+        """The one that knows of elastic law and temperatures."""
+        return self.element if self.arms is None else self.arms
+
+
+def before_hammer(
+    records: Sequence[RampHold], fit: Fit | None, temperature: float | None, family: str
+) -> Before:
+    """The earlier fits, at the temperature of the hammer, and the tests that they are of.
+
+    Raises
+    ------
+    FitError
+        If the family asked for is not that of an earlier fit, or knows of one temperature alone.
+    """
+    if not records:
+        if fit is not None and fit.family != family:
+            raise FitError(
+                f"the earlier fit is of family {fit.family}, and without its relaxation tests no "
+                f"other can be fitted: ask for its own (--family {fit.family}), or give the tests "
+                "in its place"
+            )
+        if fit is not None and temperature is not None:
+            fit = fit.at_temperature(temperature)
+        return Before(None, fit, ()) if family == "fractional" else Before(fit, None, ())
+    # arms are matched to arms: of a fractional solid, those of the same tests
+    before = fit if fit is not None and fit.family == "maxwell" else fit_tests(list(records))
+    if family != "maxwell" and before.temperatures is not None:
+        raise FitError(
+            "tests at several temperatures share arms that move together: leave the family to be "
+            "maxwell, or give the tests of one temperature"
+        )
+    if temperature is not None:
+        before = before.at_temperature(temperature)
+    same = len(records) == 1 and before.method in {"full", "hold"}
+    alone = [before] if same else [fit_tests(record) for record in records]
+    found = tuple(
+        relaxation_data(record, before, alone=own)
+        for record, own in zip(records, alone, strict=True)
+    )
+    bent = before.elastic_law is not None and before.elastic_law.kind != "linear"
+    if family == "maxwell" or bent:
+        return Before(before, None, found)
+    element = fit if fit is not None and fit.family == "fractional" else None
+    return Before(before, element or fit_tests(list(records), family="fractional"), found)
+
+
+def point_of(
+    before: Fit | None, mass: float | None, seals: float, compression: float | None
+) -> OperatingPoint | None:
+    """Where the seals are under the hammer; None if that makes no difference, or nothing tells."""
+    law = None if before is None else before.elastic_law
+    if before is None or law is None or law.kind == "linear":
+        return None
+    if mass is None and compression is None:
+        raise DataError(
+            "the stiffness of the seals depends on their compression: give --mass, or --compression"
+        )
+    return operating_point(before, mass=mass or 1.0, seals=seals, compression=compression)
+
+
+def numbers_of(arms: int | str, before: Fit | None) -> list[int]:
+    """The numbers of arms to try: from those of the earlier fit on, or as asked."""
+    least = 0 if before is None else before.model.arms
+    if arms == "auto":
+        return list(range(least, least + MOST_ARMS + 1))
+    if not isinstance(arms, int | np.integer) or arms < 0:
+        raise FitError(f'arms = {arms!r}; expected a number >= 0 or "auto"')
+    if arms < least:
+        raise FitError(
+            f"arms = {arms}, but the relaxation test alone has {least}: ask for at least as many, "
+            "one more for what only the hammer sees"
+        )
+    return [int(arms)]
+
+
+def seals_of(seals: float) -> float:
+    """How many seals there are, > 0."""
+    if not (np.isfinite(seals) and seals > 0):
+        raise DataError(f"seals = {seals!r}; expected a number > 0")
+    return seals
+
+
+def mass_of(mass: float | None, sd: float | None) -> Prior | None:
+    """What is known of a mass, kg."""
+    if mass is None:
+        return None
+    if not (np.isfinite(mass) and mass > 0):
+        raise DataError(f"mass = {mass!r} kg; expected a number > 0")
+    if sd is not None and sd >= mass:
+        raise DataError(
+            f"mass_sd = {sd:g} kg of a mass of {mass:g} kg; expected less: check its unit"
+        )
+    return Prior(mass, sd_of("mass_sd", USUAL_MASS_SD * mass if sd is None else sd))
+
+
+def sd_of(name: str, value: float) -> float:
+    """A standard deviation, >= 0."""
+    if not (np.isfinite(value) and value >= 0):
+        raise DataError(f"{name} = {value!r}; expected a standard deviation >= 0")
+    return float(value)
+
+
+def known_of(name: str, given: Given, dimension: Dimension) -> Prior | None:
+    """A value, or a value and its standard deviation, as a prior."""
+    if given is None:
+        return None
+    value, sd = si_range(given if isinstance(given, tuple) else (given, 0.0), dimension)
+    if not (np.isfinite(value) and value > 0):
+        raise DataError(f"{name} = {value!r}; expected a number > 0")
+    if name == "damping_ratio" and value >= 1:
+        raise DataError(
+            f"damping_ratio = {value:g}; expected a part of the critical damping, < 1: if it is "
+            f"in per cent, give {value / 100:g}"
+        )
+    return Prior(float(value), sd_of(name, sd))

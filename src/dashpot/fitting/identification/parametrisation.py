@@ -1,0 +1,293 @@
+"""The solid that is sought, as free numbers: arms, or one fractional element.
+
+A parametrisation writes a solid as a vector and back, gives the force of a relaxation test and its
+derivative by that vector, and says what the vector's covariance means in physical terms. Mass,
+gain, delay and a parallel dashpot stand beside it (:mod:`.likelihood`).
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.engine.inference.order import significant
+from dashpot.fitting.fractional.checks import slope_known
+from dashpot.fitting.fractional.projection import ALPHA, BEYOND, SOUGHT, STEP
+from dashpot.fitting.relaxation_data import RelaxationData, Rows
+from dashpot.records.estimate import ELEMENT, parameter_names
+from dashpot.records.fit import Fit
+from dashpot.solids.fractional import FractionalZener, weights_at
+from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
+
+# arms that lose this many powers of e are gone
+FADED = 1e-9
+# an arm or an element with less than this part of the stiffness has left
+GONE = 1e-6
+_AT_EDGE = 1e-3
+
+
+class Answer(NamedTuple):
+    """What a solid makes of a relaxation test: its rows of unit noise, and their derivative.
+
+    Attributes
+    ----------
+    residual : array, shape (n,)
+        Of the solid without a parallel dashpot.
+    jacobian : array, shape (n, size)
+        By the parametrisation's own numbers.
+    dashpot : array, shape (n,)
+        The column of a parallel dashpot.
+    """
+
+    residual: FloatArray
+    jacobian: FloatArray
+    dashpot: FloatArray
+
+
+class Parametrisation(ABC):
+    """How a solid is written as `size` free numbers."""
+
+    @property
+    @abstractmethod
+    def size(self) -> int:
+        """How many numbers there are."""
+
+    @abstractmethod
+    def pack(self, solid: Solid) -> FloatArray:
+        """The numbers of a solid."""
+
+    @abstractmethod
+    def unpack(self, numbers: FloatArray, b: float) -> Solid:
+        """The solid of the numbers, beside a dashpot b."""
+
+    @abstractmethod
+    def answer(self, relaxation: RelaxationData, numbers: FloatArray) -> Answer:
+        """What the solid makes of a relaxation test."""
+
+    @abstractmethod
+    def bounded(
+        self, low: FloatArray, high: FloatArray, log_tau: tuple[float, float]
+    ) -> tuple[FloatArray, FloatArray]:
+        """Bounds of the numbers, those of relaxation times and slopes put in their places."""
+
+    @abstractmethod
+    def physical(self, numbers: FloatArray) -> tuple[tuple[str, ...], FloatArray, FloatArray]:
+        """Names and values of a fit's parameters, and their derivative by the numbers."""
+
+    @abstractmethod
+    def kept(self, before: Fit, solid: Solid) -> dict[str, float]:
+        """By how much a solid is off an earlier fit, by the names of that fit's parameters."""
+
+    @abstractmethod
+    def identified(self, error: FloatArray) -> bool:
+        """True if standard errors of the numbers leave none unknown."""
+
+    @abstractmethod
+    def whole(self, solid: Solid) -> bool:
+        """True if no part of the solid has left it."""
+
+    @abstractmethod
+    def at_edge(self, numbers: FloatArray, log_tau: tuple[float, float]) -> bool:
+        """True if a relaxation time or a slope stands at an end of what is sought."""
+
+    @abstractmethod
+    def counted(self) -> str:
+        """What is sought, in words."""
+
+
+@dataclass(frozen=True)
+class Arms(Parametrisation):
+    """Maxwell arms: ln k_inf, ln k_j, ln tau_j."""
+
+    count: int = 0
+
+    @property
+    def size(self) -> int:
+        """How many numbers there are."""
+        return 1 + 2 * self.count
+
+    def pack(self, solid: Solid) -> FloatArray:
+        """The numbers of a solid."""
+        model = solid.maxwell
+        k_inf = max(model.k_inf, FADED * max(model.k_0, 1e-300))
+        return np.log([k_inf, *model.k, *model.tau])
+
+    def unpack(self, numbers: FloatArray, b: float) -> GeneralizedMaxwell:
+        """The solid of the numbers, beside a dashpot b."""
+        solid, N = np.exp(numbers), self.count
+        return GeneralizedMaxwell(
+            float(solid[0]), tuple(solid[1 : 1 + N]), tuple(solid[1 + N :]), b
+        )
+
+    def answer(self, relaxation: RelaxationData, numbers: FloatArray) -> Answer:
+        """What it makes of a relaxation test."""
+        N = self.count
+        rows = relaxation.rows(numbers[1 + N :])
+        k_inf, k = np.exp(numbers[0]), np.exp(numbers[1 : 1 + N])
+        parts = (k_inf * rows.spring[:, None], rows.arms * k, rows.slopes * k)
+        force = parts[0][:, 0] + rows.arms @ k
+        return Answer(force - rows.target, np.concatenate(parts, axis=1), rows.dashpot)
+
+    def bounded(
+        self, low: FloatArray, high: FloatArray, log_tau: tuple[float, float]
+    ) -> tuple[FloatArray, FloatArray]:
+        """Bounds with those of relaxation times and slopes in their places."""
+        low[1 + self.count :], high[1 + self.count :] = log_tau
+        return low, high
+
+    def physical(self, numbers: FloatArray) -> tuple[tuple[str, ...], FloatArray, FloatArray]:
+        """Names, values and derivatives of a fit's parameters."""
+        N = self.count
+        order = np.argsort(numbers[1 + N :], kind="stable")
+        rows = np.array([0, *(1 + order), *(1 + N + order)])
+        values = np.concatenate((np.exp(numbers[: 1 + N]), numbers[1 + N :]))[rows]
+        scale = np.concatenate((values[: 1 + N], np.ones(N)))
+        return parameter_names(N), values, scale[:, None] * np.eye(self.size)[rows]
+
+    def kept(self, before: Fit, solid: Solid) -> dict[str, float]:
+        """By how much it is off an earlier fit."""
+        model, old, N = solid.maxwell, before.model, before.model.arms
+        off = {"k_inf": model.k_inf - old.k_inf}
+        # faster arms than the earlier fit has are new: it says nothing about them
+        pairs = zip(model.k[-N:], model.tau[-N:], old.k, old.tau, strict=True) if N else ()
+        for j, (k, tau, k0, tau0) in enumerate(pairs, start=1):
+            off |= {f"k_{j}": k - k0, f"ln_tau_{j}": float(np.log(tau / tau0))}
+        return off
+
+    def identified(self, error: FloatArray) -> bool:
+        """True if no number is unknown."""
+        N = self.count
+        return significant(np.ones(N), error[1 : 1 + N], error[1 + N :])
+
+    def whole(self, solid: Solid) -> bool:
+        """True if no part has left it."""
+        return all(k > GONE * solid.k_0 for k in solid.maxwell.k)
+
+    def at_edge(self, numbers: FloatArray, log_tau: tuple[float, float]) -> bool:
+        """True if it stands at an end of what is sought."""
+        low, high = log_tau
+        times = numbers[1 + self.count :]
+        return bool(np.any((times < low + _AT_EDGE) | (times > high - _AT_EDGE)))
+
+    def counted(self) -> str:
+        """In words."""
+        return f"{self.count} arm{'s' * (self.count != 1)}"
+
+
+class _Grid(NamedTuple):
+    """A relaxation test at fixed relaxation times, even in ln tau."""
+
+    log_tau: FloatArray
+    rows: Rows
+
+
+@dataclass(frozen=True, eq=False)
+class Element(Parametrisation):
+    """A fractional element: ln k_inf, ln of its own k, ln tau, alpha.
+
+    At fixed relaxation times its column is a weighted sum of columns of arms, so each relaxation
+    test is asked once (:mod:`dashpot.fitting.fractional.projection`).
+    """
+
+    grids: Mapping[RelaxationData, _Grid] = field(default_factory=lambda: MappingProxyType({}))
+
+    @classmethod
+    def of(cls, relaxations: Sequence[RelaxationData]) -> Element:
+        """An element beside these tests."""
+        grids = {}
+        for relaxation in relaxations:
+            low, high = np.log(relaxation.window)
+            count = int(np.ceil((high - low + 2 * BEYOND) / STEP))
+            log_tau = low - BEYOND + STEP * np.arange(count + 1.0)
+            grids[relaxation] = _Grid(log_tau, relaxation.rows(log_tau, slopes=False))
+        return cls(MappingProxyType(grids))
+
+    @property
+    def size(self) -> int:
+        """How many numbers there are."""
+        return 4
+
+    def pack(self, solid: Solid) -> FloatArray:
+        """The numbers of a solid."""
+        assert isinstance(solid, FractionalZener)  # noqa: S101  # nothing else is an element
+        k_inf, own = solid.k_inf, solid.k_0 - solid.k_inf
+        ends = [max(each, FADED * max(solid.k_0, 1e-300)) for each in (k_inf, own)]
+        return np.array([*np.log(ends), np.log(solid.tau), solid.alpha])
+
+    def unpack(self, numbers: FloatArray, b: float) -> FractionalZener:
+        """The solid of the numbers, beside a dashpot b."""
+        k_inf, own, tau = np.exp(numbers[:3]).tolist()
+        return FractionalZener(k_inf + own, k_inf, tau, float(numbers[3]), b)
+
+    def answer(self, relaxation: RelaxationData, numbers: FloatArray) -> Answer:
+        """What it makes of a relaxation test."""
+        log_tau, rows = self.grids[relaxation]
+        k_inf, own = np.exp(numbers[:2])
+        weights = weights_at(log_tau - numbers[2], float(numbers[3]))
+        column, by_tau, by_alpha = (own * (rows.arms @ part) for part in weights)
+        spring = k_inf * rows.spring
+        slopes = np.column_stack((spring, column, by_tau, by_alpha))
+        return Answer(spring + column - rows.target, slopes, rows.dashpot)
+
+    def bounded(
+        self, low: FloatArray, high: FloatArray, log_tau: tuple[float, float]
+    ) -> tuple[FloatArray, FloatArray]:
+        """Bounds with those of relaxation times and slopes in their places."""
+        (low[2], high[2]), (low[3], high[3]) = _element_ends(log_tau)
+        return low, high
+
+    def physical(self, numbers: FloatArray) -> tuple[tuple[str, ...], FloatArray, FloatArray]:
+        """Names, values and derivatives of a fit's parameters."""
+        k_inf, own = np.exp(numbers[:2])
+        gradient = np.eye(4)
+        gradient[:2, :2] = [[k_inf, 0.0], [k_inf, own]]
+        return ELEMENT, np.array([k_inf, k_inf + own, *numbers[2:]]), gradient
+
+    def kept(self, before: Fit, solid: Solid) -> dict[str, float]:
+        """By how much it is off an earlier fit."""
+        own, old = (self.physical(self.pack(one))[1] for one in (solid, before.solid))
+        return dict(zip(ELEMENT, (own - old).tolist(), strict=True))
+
+    def identified(self, error: FloatArray) -> bool:
+        """True if no number is unknown."""
+        return not slope_known(float(error[3]), edge=False).failed
+
+    def whole(self, solid: Solid) -> bool:
+        """True if no part has left it."""
+        return solid.k_0 - solid.k_inf > GONE * solid.k_0
+
+    def at_edge(self, numbers: FloatArray, log_tau: tuple[float, float]) -> bool:
+        """True if it stands at an end of what is sought."""
+        ends = _element_ends(log_tau)
+        return any(
+            not low + _AT_EDGE < number < high - _AT_EDGE
+            for number, (low, high) in zip(numbers[2:], ends, strict=True)
+        )
+
+    def counted(self) -> str:
+        """In words."""
+        return "a fractional element"
+
+
+def _element_ends(log_tau: tuple[float, float]) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Between which an element's ln tau and alpha are sought: its flank alone may be in sight."""
+    return (log_tau[0] - SOUGHT, log_tau[1] + SOUGHT), ALPHA
+
+
+def on_another_spring(solid: Solid, times: float) -> Solid:
+    """A solid whose k_inf alone is so many times as large."""
+    if isinstance(solid, FractionalZener):
+        k_inf = times * solid.k_inf
+        return replace(solid, k_inf=k_inf, k_0=solid.k_0 - solid.k_inf + k_inf)
+    return replace(solid.maxwell, k_inf=times * solid.k_inf)
+
+
+def with_dashpot(solid: Solid, b: float) -> Solid:
+    """A solid beside a dashpot of b in all, N s/m."""
+    return replace(solid if isinstance(solid, FractionalZener) else solid.maxwell, b=b)
