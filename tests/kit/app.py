@@ -60,8 +60,16 @@ class Page:
             self.complaints.append(f"left the machine: {request.url}")
 
     def done(self) -> None:
-        """Wait until nothing is computed any more."""
+        """Wait until nothing is computed any more, and all of it is."""
+        self.still()
         self.at.get_by_role("status").filter(has_text="done in").wait_for()
+
+    def still(self) -> None:
+        """Wait until no answer is awaited; what was just done to the page has then been heard."""
+        self.at.evaluate(
+            "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
+        )
+        self.at.locator("body:not([data-busy=true])").wait_for()
 
     def close(self) -> None:
         """Leave, and nothing may have gone wrong."""

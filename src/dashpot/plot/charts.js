@@ -210,6 +210,8 @@ export class Figure {
     this.cross = make("path", { class: "cross" }, svg);
     this.frame = make("rect", { class: "frame" }, svg);
     this.framed([0, 0, 0, 0]);
+    // what is read off is told; numbers at the axes, one by one, are noise
+    for (const one of svg.children) one.setAttribute("aria-hidden", "true");
     svg.tabIndex = 0;
     svg.setAttribute("role", "application");
     svg.removeAttribute("aria-hidden");

@@ -366,6 +366,7 @@ def _tagged(tags: list[Tag], panel: Panel, box: Box) -> list[Word]:
             (x + 10, y + 4, "start"), (x - 10, y + 4, "end"), (x + 10, y - 10, "start"),
             (x - 10, y - 10, "end"), (x + 14, y + 21, "start"), (x - 14, y + 21, "end"),
             (box.x + box.width - 4, y - 10, "end"), (box.x + 4, y - 10, "start"),
+            (box.x + box.width - 4, y + 21, "end"), (box.x + 4, y + 21, "start"),
         ]  # fmt: skip
         if not tag.dot:
             # beneath the words of the point that it shares
@@ -379,7 +380,10 @@ def _tagged(tags: list[Tag], panel: Panel, box: Box) -> list[Word]:
             and box.y - 4 <= one[0].y <= box.y + box.height - ROW
             and not any(_meet(one[0], other) for other in taken)
         ]
-        room, sx, sy, anchor = (free or choices)[0]
+        # where nothing is clear of the others, what stays inside is read
+        room, sx, sy, anchor = (
+            free[0] if free else min(choices, key=lambda one: _beyond(one[0], box))
+        )
         taken.append(room)
         made.append(Word(sx, sy, tag.text, tag.colour, tag.bold, anchor, halo=True))
     return made
@@ -388,6 +392,12 @@ def _tagged(tags: list[Tag], panel: Panel, box: Box) -> list[Word]:
 def _room(x: float, y: float, wide: float, anchor: Anchor) -> Box:
     left = x if anchor == "start" else x - wide if anchor == "end" else x - wide / 2
     return Box(left, y - 12, wide, ROW)
+
+
+def _beyond(room: Box, box: Box) -> float:
+    """How far some words reach out of the axes on either side, px."""
+    right = room.x + room.width - box.x - box.width - RIGHT
+    return max(box.x - room.x, 0.0) + max(right, 0.0)
 
 
 def _meet(one: Box, other: Box) -> bool:

@@ -26,6 +26,8 @@ _CHOICES = {
     "family": ("maxwell", "fractional", "auto"),
 }  # fmt: skip
 _TEXTS = ("title", "filter")
+LARGEST = 8000.0
+"""Of a drawing, px: no screen has more."""
 
 
 def job_of(given: object, folder: Path) -> Job:
@@ -96,6 +98,24 @@ def part(kind: type[T], given: object, name: str) -> T:
         if value not in (None, "")
     }
     return _made(lambda them: kind(**them), stated, name)
+
+
+def sizes_of(request: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
+    """Return width and height of each panel as the page has room for them, px.
+
+    Raises
+    ------
+    DataError
+        If one is no pair of numbers.
+    """
+    sizes = {}
+    for name, size in mapping(request.get("sizes", {}), "sizes").items():
+        known = isinstance(size, list) and len(size) == 2
+        if not known or not all(isinstance(one, (int, float)) for one in size):
+            raise DataError(f"sizes: {name} = {size!r}; expected [width, height] in px")
+        width, height = (min(max(float(one), 0.0), LARGEST) for one in size)
+        sizes[name] = width, height
+    return sizes
 
 
 def mapping(given: object, name: str) -> Mapping[str, Any]:

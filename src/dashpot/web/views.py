@@ -19,6 +19,7 @@ from dashpot.base.numbers import duration, rounded, symbol
 from dashpot.base.units import Dimension
 from dashpot.io.columns.kinds import WANTED_BY
 from dashpot.plot import relaxation
+from dashpot.plot.layout import ROW
 from dashpot.plot.picture import Line, Mark, Panel, Pen, Picture, Tag
 from dashpot.plot.svg import strip, swatch
 from dashpot.plot.thinning import extremes
@@ -44,10 +45,17 @@ SHORT = {
     "residual: range of samples": "range of samples", "residual: mean": "mean",
     "noise, one SD": "noise", "ramp": "", "eq. (5), hold only": "eq. (5)",
     "k∞, relaxation fit": "k∞", "relaxation fit": "arms",
+    "band that every accepted hit excites": "excited by all",
 }  # fmt: skip
 """What the key calls a mark where the title has said the rest."""
-TALL, LOW, WIDE = 106.0, 62.0, 170.0
-"""Heights of the plots, px: all five stand on a screen of 768."""
+Sizes = Mapping[str, tuple[float, float]]
+"""Width and height of the drawing of each panel, px."""
+UNKNOWN = (400.0, 180.0)
+"""Of one that is not shown yet, px."""
+AROUND = 2 * ROW + 6 + ROW + 4
+"""Of a drawing above and below its axes, px."""
+LEAST = 44.0
+"""Of a plot, px: below it no curve can be read."""
 LIVE_POINTS = 240
 """Of a curve that follows a handle: more than a panel has px across a bend."""
 
@@ -60,35 +68,42 @@ def piece(name: str, **values: Any) -> str:
 # -- panels ---------------------------------------------------------------------------------------
 
 
-def drawn(name: str, panels: tuple[Panel, ...], width: float) -> str:
-    """Panels one below the other as the page has them: the key, then the drawing."""
-    key = Picture(name, "", (panels,)).key
+def drawn(name: str, panel: Panel, sizes: Sizes) -> str:
+    """A panel as the page has it: the key, then the drawing at the size of its place."""
+    width, height = sizes.get(name, UNKNOWN)
+    panel = replace(panel, height=max(height - AROUND, LEAST))
+    key = Picture(name, "", ((panel,),)).key
     samples = [(swatch(mark, name=f"{name}-k{i}"), mark.label) for i, mark in enumerate(key)]
-    svg = strip(panels, name=name, width=max(width, 240.0), kind="figure")
+    svg = strip((panel,), name=name, width=max(width, 240.0), kind="figure")
     return piece("figure", key=samples, svg=svg)
 
 
-def test_panels(
-    fit: Fit, prepared: RampHold, by_eq5: Fit | None, widths: Mapping[str, float]
-) -> dict[str, str]:
+def test_panels(fit: Fit, prepared: RampHold, by_eq5: Fit | None, sizes: Sizes) -> dict[str, str]:
     """Ramp, hold, residual and spectrum of a fit."""
     chosen = relaxation.fitted(fit, (), prepared)[0]
-    hold = relaxation.force_panel([chosen], prepared, height=TALL)
+    hold = relaxation.force_panel([chosen], prepared)
     if by_eq5 is not None and fit.method != "hold":
         t, force = relaxation.fitted_force(by_eq5, prepared)
         curve = extremes(t, _scale(hold) * force, bins=200, log=True)
         marks = (*hold.marks[:-1], Line(*curve, EQ5, "eq. (5), hold only"), hold.marks[-1])
         hold = replace(hold, marks=marks)
     panels = {
-        "ramp": relaxation.ramp_panel([chosen], prepared, height=TALL),
+        "ramp": relaxation.ramp_panel([chosen], prepared),
         "hold": hold,
-        "residual": replace(relaxation.residual_panel(chosen, prepared), height=LOW),
-        "spectrum": replace(plot.spectrum(fit).panels[0], height=LOW),
+        "residual": relaxation.residual_panel(chosen, prepared),
+        "spectrum": _named(plot.spectrum(fit).panels[0], fit),
     }
-    return {
-        name: drawn(name, (_in_short(one),), widths.get(name, 400.0))
-        for name, one in panels.items()
-    }
+    return {name: drawn(name, _in_short(one), sizes) for name, one in panels.items()}
+
+
+def _named(panel: Panel, fit: Fit) -> Panel:
+    """The spectrum with the name of each arm at its tip."""
+    if fit.family != "maxwell":
+        return panel
+    scale = 1e-3 if fit.unit == "N/m" else 1e-6
+    arms = enumerate(zip(fit.model.tau, fit.model.k, strict=True), 1)
+    tags = [Tag(tau, scale * k, symbol(f"tau_{j}"), "fit", "filled") for j, (tau, k) in arms]
+    return replace(panel, marks=(*panel.marks, *tags))
 
 
 def _in_short(panel: Panel) -> Panel:
@@ -107,12 +122,12 @@ def _scale(panel: Panel) -> float:
     return {"N": 1.0, "mN": 1e3, "µN": 1e6, "nN": 1e9, "pN": 1e12}[panel.y.label.split(", ")[-1]]
 
 
-def response_panel(predicted: FRF, width: float) -> str:
+def response_panel(predicted: FRF, sizes: Sizes) -> str:
     """The predicted response before anything bounds it."""
-    return drawn("frf", (plot.resonance(None, predicted, height=WIDE).panels[0],), width)
+    return drawn("frf", plot.resonance(None, predicted).panels[0], sizes)
 
 
-def study_panel(study: Study, width: float) -> str:
+def study_panel(study: Study, sizes: Sizes) -> str:
     """The response of the mass, with all that is known of it; nothing without a mass."""
     if study.prediction is None:
         return ""
@@ -120,20 +135,19 @@ def study_panel(study: Study, width: float) -> str:
     failed = failed and study.joint.verdict.use == "do not use"  # type: ignore[union-attr]
     picture = plot.resonance(
         study.comparison, predicted, joint=study.joint_comparison, failed=failed,
-        band=study.frf_band, height=WIDE,
+        band=study.frf_band,
     )  # fmt: skip
-    return drawn("frf", (picture.panels[0],), width)
+    return drawn("frf", picture.panels[0], sizes)
 
 
-def hit_panels(study: Study, widths: Mapping[str, float]) -> dict[str, str]:
+def hit_panels(study: Study, sizes: Sizes) -> dict[str, str]:
     """The pulses of the hits, their spectra and the answers to them, one panel each."""
     if study.impact is None or study.measured is None:
         return {}
     strips = plot.hits(study.impact, study.measured).strips
     found = {"pulses": strips[0][0], "force": strips[1][0], "answers": strips[-1][0]}
     return {
-        name: drawn(name, (replace(one, title="", height=TALL),), widths.get(name, 500.0))
-        for name, one in found.items()
+        name: drawn(name, replace(_in_short(one), title=""), sizes) for name, one in found.items()
     }
 
 
@@ -224,6 +238,8 @@ class Term(NamedTuple):
     high: str
     unit: str
     mark: str
+    pads: tuple[str, ...] = ()
+    """What stands unseen behind value, low and high, so that points stand below each other."""
 
 
 def terms(fit: Fit) -> list[Term]:
@@ -261,7 +277,25 @@ def _term(name: str, value: float, ends: tuple[float, float], unit: str) -> Term
 
 def solid_table(fit: Fit) -> str:
     """The solid of one seal, each term with its interval and a mark."""
-    return piece("solid", terms=terms(fit), status=fit.status.value)
+    found, groups = terms(fit), []
+    for unit in dict.fromkeys(one.unit for one in found):
+        rows = [one for one in found if one.unit == unit]
+        columns = [_pads(texts) for texts in zip(*(row[1:4] for row in rows), strict=True)]
+        groups.append(
+            (unit, [one._replace(pads=pads) for one, *pads in zip(rows, *columns, strict=True)])
+        )
+    return piece("solid", groups=groups)
+
+
+def _pads(texts: Sequence[str]) -> list[str]:
+    """What each number lacks behind its point to be as long as the longest."""
+    behind = [len(text.partition(".")[2]) for text in texts]
+    return [
+        "." * (not short and max(behind) > 0) + "0" * (max(behind) - short)
+        if text[-1:].isdigit()
+        else ""
+        for text, short in zip(texts, behind, strict=True)
+    ]
 
 
 def check_list(checks: Sequence[Check]) -> str:

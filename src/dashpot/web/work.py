@@ -30,7 +30,7 @@ from dashpot.report.pages import COLOURS
 from dashpot.report.summary import simulated
 from dashpot.vibration.systems.prediction import predict_frf
 from dashpot.web import records, views, wire
-from dashpot.web.requests import job_of, mapping, part
+from dashpot.web.requests import job_of, part, sizes_of
 from dashpot.web.store import path_in
 from dashpot.workflow.archive import to_json
 from dashpot.workflow.command_lines import report_command
@@ -215,14 +215,14 @@ def settle(request: Mapping[str, Any], folder: Path) -> bytes:
     A `quick` one is of a part of the samples, to have something to look at meanwhile.
     """
     job = job_of(request.get("job"), folder)
-    widths = mapping(request.get("widths", {}), "widths")
+    sizes = sizes_of(request)
     most = WHILE_HELD if request.get("quick") is True else None
     found = _fitted(_of_fit(job), True, most)
     test, prepared = _shown(job, found, most)
     by_eq5 = _beside(job, found, most)
-    panels = views.test_panels(found, prepared, by_eq5, widths)
+    panels = views.test_panels(found, prepared, by_eq5, sizes)
     if job.mass is not None:
-        panels["frf"] = views.response_panel(_predicted(found, job), widths.get("frf", 800.0))
+        panels["frf"] = views.response_panel(_predicted(found, job), sizes)
     return wire.packed(
         {
             "verdict": views.verdict(found.verdict),
@@ -271,7 +271,7 @@ def predict(request: Mapping[str, Any], folder: Path) -> bytes:
 def study(request: Mapping[str, Any], folder: Path) -> bytes:
     """The whole story: bound, comparison, joint fit where asked, answers and verdict."""
     job = job_of(request.get("job"), folder)
-    widths = mapping(request.get("widths", {}), "widths")
+    sizes = sizes_of(request)
     found = _study(job)
     # what a hammer says of a mass that nobody gave, on one seal, is no verdict yet
     asks = found.mass_inferred
@@ -284,9 +284,9 @@ def study(request: Mapping[str, Any], folder: Path) -> bytes:
         "hint": HINT if asks else "",
         "answers": views.answers(found),
         "checks": views.check_list([*weighed, *passed]),
-        "frf": views.study_panel(found, widths.get("frf", 800.0)),
+        "frf": views.study_panel(found, sizes),
         "hits": "" if found.measured is None else views.hit_table(found.measured.hits),
-        "hit_panels": views.hit_panels(found, widths),
+        "hit_panels": views.hit_panels(found, sizes),
         "hammer": views.hammer_line(found),
         "joint": None if found.joint is None else views.solid_table(found.joint),
         "simulated": bool(simulated(found)),

@@ -18,7 +18,7 @@ const DECKS = {
   statespace: "State space",
   csv: "Table",
 };
-const NARROWER = 40;
+const NOTICED = 24;
 
 // -- buttons and keys -----------------------------------------------------------------------------
 
@@ -239,7 +239,7 @@ $("mass-slider").addEventListener("input", () => {
   predict();
 });
 
-// -- files that are dropped, and a window of another width ----------------------------------------
+// -- files that are dropped, and a window of another size ----------------------------------------
 
 let depth = 0;
 addEventListener("dragenter", (event) => {
@@ -259,12 +259,13 @@ addEventListener("drop", (event) => {
   if (event.dataTransfer) files.take([...event.dataTransfer.files]);
 });
 
-let wide = 0;
-new ResizeObserver(() => {
-  const now = document.body.clientWidth;
-  if (wide && Math.abs(now - wide) > NARROWER && test()) settle();
-  wide = now;
-}).observe(document.body);
+let [wide, tall] = [innerWidth, innerHeight];
+addEventListener("resize", () => {
+  const changed = Math.max(Math.abs(innerWidth - wide), Math.abs(innerHeight - tall));
+  if (changed < NOTICED || !test()) return;
+  [wide, tall] = [innerWidth, innerHeight];
+  settle();
+});
 
 // -- the beginning --------------------------------------------------------------------------------
 

@@ -31,7 +31,7 @@ export class Handle {
 
   made() {
     const made = document.createElement("button"), words = document.createElement("span");
-    made.className = "handle";
+    made.className = `handle ${this.label === "contact" ? "early" : ""}`;
     made.setAttribute("role", "slider");
     made.setAttribute("aria-label", this.label);
     words.textContent = this.label;

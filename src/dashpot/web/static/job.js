@@ -34,6 +34,7 @@ import { call } from "./wire.js";
 
 const HAMMERS = ["impact", "frf"];
 const STEPS_BACK = 100;
+const KEY = 18;
 
 /** @returns {State} */
 const fresh = () => ({
@@ -97,13 +98,20 @@ export function job() {
   };
 }
 
-/** How wide each panel is drawn, px. */
-export function widths() {
-  /** @type {Record<string, number>} */
+/** What room each panel has for its drawing, px: what its place leaves beside key and border. */
+export function sizes() {
+  /** @type {Record<string, [number, number]>} */
   const found = {};
+  // without the drawings of before, which would hold a place open
+  document.body.classList.add("measuring");
   for (const card of all("[data-panel]")) {
-    if (card.clientWidth) found[card.dataset.panel || ""] = card.clientWidth - 18;
+    const body = card.querySelector(".body"), { clientWidth: width, clientHeight: height } = card;
+    if (!width || !body) continue;
+    const { paddingLeft, paddingTop } = getComputedStyle(card), key = body.clientHeight || KEY;
+    const [x, y] = [2 * parseFloat(paddingLeft), 2 * parseFloat(paddingTop)];
+    found[card.dataset.panel || ""] = [width - x, height - y - key];
   }
+  document.body.classList.remove("measuring");
   return found;
 }
 

@@ -1,6 +1,6 @@
 // Questions to the server, and where their answers stand. The page computes no number.
-import { $, panelCard, refuse, status } from "./dom.js";
-import { hammers, job, remember, state, test, widths } from "./job.js";
+import { $, all, panelCard, refuse, status } from "./dom.js";
+import { hammers, job, remember, sizes, state, test } from "./job.js";
 import { curves, panel, placeHandles } from "./panels.js";
 import { choices, fields, fileList, solid, stale, tables, verdict, views } from "./shown.js";
 import { ask, call, cancelled } from "./wire.js";
@@ -21,8 +21,11 @@ export function live() {
   }, refuse);
 }
 
+/** A key that takes two lines is known when it stands there: its drawing is then to be lower. */
+const tooTall = () => all("[data-panel]").some((one) => one.scrollHeight > one.clientHeight + 2);
+
 /** The fit with its intervals and checks, and every panel of the test. */
-export function settle() {
+export function settle(again = false) {
   choices();
   fields();
   views();
@@ -38,25 +41,9 @@ export function settle() {
   const quick = !!of.long, since = performance.now();
   of.long = false;
   status(quick ? "fitting a part of the samples" : "fitting");
-  ask("settle", "settle", { job: job(), widths: widths(), quick }, ({ head }) => {
-    refuse("");
-    tables.fit = head.solid;
-    if (!state.joint) tables.joint = "";
-    verdict(head);
-    for (const [name, html] of Object.entries(head.panels)) panel(name, html);
-    $("checks").innerHTML = head.checks;
-    $("beside").innerHTML = head.beside;
-    $("beside").hidden = !Object.keys(state.job.cuts).length;
-    $("command").textContent = head.command;
-    $("simulated").hidden = !head.simulated;
-    $("answers").innerHTML = "";
-    const auto = document.querySelector('[data-arms="auto"]');
-    const chosen = state.job.arms === "auto" && head.arms !== "";
-    if (auto) auto.textContent = chosen ? `auto: ${head.arms}` : "auto";
-    solid();
-    const [first, last] = head.clock;
-    placeHandles(head.cuts, { first, last, step: head.step });
-    if (quick) return settle();
+  ask("settle", "settle", { job: job(), sizes: sizes(), quick }, ({ head }) => {
+    settled(head);
+    if (quick || (!again && tooTall())) return settle(true);
     status(`settled in ${seconds(since, 2)}`);
     study();
   }, (said) => {
@@ -65,8 +52,28 @@ export function settle() {
   });
 }
 
+function settled(/** @type {any} */ head) {
+  refuse("");
+  tables.fit = head.solid;
+  if (!state.joint) tables.joint = "";
+  verdict(head);
+  for (const [name, html] of Object.entries(head.panels)) panel(name, html);
+  $("checks").innerHTML = head.checks;
+  $("beside").innerHTML = head.beside;
+  $("beside").hidden = !Object.keys(state.job.cuts).length;
+  $("command").textContent = head.command;
+  $("simulated").hidden = !head.simulated;
+  $("answers").innerHTML = "";
+  const auto = document.querySelector('[data-arms="auto"]');
+  const chosen = state.job.arms === "auto" && head.arms !== "";
+  if (auto) auto.textContent = chosen ? `auto: ${head.arms}` : "auto";
+  solid();
+  const [first, last] = head.clock;
+  placeHandles(head.cuts, { first, last, step: head.step });
+}
+
 /** The whole story: bound, hammer, joint fit. It takes seconds and can be cancelled. */
-export function study() {
+export function study(again = false) {
   if (!test()) return;
   const since = performance.now();
   $("cancel").hidden = false;
@@ -82,9 +89,10 @@ export function study() {
     clearInterval(timer);
     $("cancel").hidden = true;
   };
-  ask("slow", "study", { job: job(), widths: widths() }, ({ head }) => {
+  ask("slow", "study", { job: job(), sizes: sizes() }, ({ head }) => {
     end();
     told(head);
+    if (!again && tooTall()) return study(true);
     status(`done in ${seconds(since)}`);
   }, (said) => {
     end();

@@ -43,6 +43,11 @@ const lanes = {};
 // an answer that is no longer asked for would flicker; a curve that follows should move
 const FOLLOWING = new Set(["live", "mass"]);
 
+/** Say to whoever looks at the page from outside whether an answer is awaited. */
+function awaited() {
+  document.body.dataset.busy = String(Object.values(lanes).some((one) => one.busy));
+}
+
 /** Ask in a lane; a later question of the lane replaces one that waits. */
 export function ask(
   /** @type {string} */ lane,
@@ -55,6 +60,7 @@ export function ask(
   const at = (lanes[lane] ||= { busy: false, next: null, dropped: () => {} });
   const go = async () => {
     at.busy = true;
+    awaited();
     try {
       const answer = await send(verb, request);
       if (at.next && !FOLLOWING.has(lane)) replaced();
@@ -67,6 +73,7 @@ export function ask(
       const next = at.next;
       at.next = null;
       next?.();
+      awaited();
     }
   };
   if (!at.busy) go();
