@@ -19,7 +19,8 @@ from typing import Any, BinaryIO
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.escapes import escaped
 
-_BLOCK = 1 << 20
+_BLOCK = 1 << 18
+"""Bytes read at once: their numbers fit in a processor's cache."""
 _HELD = 1 << 24
 """Bytes of the largest file that is kept in memory, and so opened once."""
 PIPED = 1 << 29

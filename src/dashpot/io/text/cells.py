@@ -37,11 +37,20 @@ def number(cell: str, mark: Mark) -> float | None:
     """Return the number in a cell, or None."""
     if _PLAIN[mark].match(cell):
         return float(cell.replace(",", ".").replace("d", "e").replace("D", "e"))
-    grouped = _GROUPED.get(mark)
-    if grouped is not None and grouped.match(cell):
+    if _is_grouped(cell, mark):
         whole, _, part = cell.partition("." if mark == "." else ",")
         return float(re.sub(r"[^\d+-]", "", whole) + "." + part)
     return None
+
+
+def is_number(cell: str, mark: Mark) -> bool:
+    """Whether :func:`number` finds one in a cell."""
+    return _PLAIN[mark].match(cell) is not None or _is_grouped(cell, mark)
+
+
+def _is_grouped(cell: str, mark: Mark) -> bool:
+    grouped = _GROUPED.get(mark)
+    return grouped is not None and grouped.match(cell) is not None
 
 
 def is_missing(cell: str) -> bool:
@@ -107,4 +116,4 @@ def _quoted(line: str, delimiter: str) -> list[str]:
 
 def numeric(cells: Sequence[str], mark: Mark) -> list[bool]:
     """Which cells hold a number."""
-    return [number(cell, mark) is not None for cell in cells]
+    return [is_number(cell, mark) for cell in cells]

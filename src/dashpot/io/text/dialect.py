@@ -79,7 +79,7 @@ class Dialect:
         """Whether a row of another width has all its numbers, and no number behind them."""
         behind = found[len(self.contents) :]
         reaches = not self.numbers or len(found) > self.numbers[-1]
-        return reaches and not any(cell.number(c, self.mark) is not None for c in behind)
+        return reaches and not any(cell.is_number(c, self.mark) for c in behind)
 
     def _has_numbers(self, found: Sequence[str]) -> bool:
         """Whether there are numbers enough, and more than words, where numbers are expected."""
@@ -114,16 +114,19 @@ class Dialect:
 
         Too few are fewer than all rows before it have, at least four.
         """
-        rows = [cell.split(line, self.delimiter) for line in lines if line.strip()]
-        digits = [[decimals(text, self.mark) for text in row] for row in rows]
-        if len(digits) < _STEADY or any(not row or row[-1] is None for row in digits):
+        rows = [line for line in lines if line.strip()]
+        if len(rows) < _STEADY:
             return False
-        *before, last = digits
-        return (
-            len({row[-1] for row in before}) == 1
-            and last[:-1] == before[-1][:-1]
-            and (last[-1] or 0) < (before[-1][-1] or 0)
-        )
+        before, last = (self._decimals(line) for line in rows[-2:])
+        if not (before and last) or last[:-1] != before[:-1]:
+            return False
+        printed, shorter = before[-1], last[-1]
+        if printed is None or shorter is None or shorter >= printed:
+            return False
+        return all(self._decimals(line)[-1:] == [printed] for line in rows[:-2])
+
+    def _decimals(self, line: str) -> list[int | None]:
+        return [decimals(text, self.mark) for text in cell.split(line, self.delimiter)]
 
     def value(self, text: str, column: int) -> float | None:
         """The number in a cell of a column, or None."""
@@ -153,8 +156,10 @@ def find_dialect(
     found = None if best is None else _from_the_top(lines, best)
     if found is not None and (found.mark, decimal) == (".", None) and found.delimiter != ",":
         # 1,234 is a number either way; 0,000 above it shows which
-        other = _from_the_top(lines, replace(found, mark=","))
-        found = other if other is not None and other.first < found.first else found
+        other = replace(found, mark=",")
+        if any(other.row(line) for line in lines[: found.first]):
+            other = _from_the_top(lines, other) or found
+            found = other if other.first < found.first else found
     return found
 
 
@@ -211,7 +216,7 @@ def _best_run(
 
 def decimals(text: str, mark: Mark) -> int | None:
     """Characters behind the decimal mark of a number, None if the cell is none."""
-    if cell.number(text, mark) is None:
+    if not cell.is_number(text, mark):
         return None
     place = max(map(text.rfind, mark))
     return len(text) - place - 1 if place >= 0 else 0
@@ -234,7 +239,7 @@ def _runs(rows: Sequence[list[str]], mark: Mark) -> Iterator[list[list[str]]]:
     run: list[list[str]] = []
     mask: list[bool] = []
     for row in rows:
-        is_number = [cell.number(c, mark) is not None or moment(c) is not None for c in row]
+        is_number = [cell.is_number(c, mark) or moment(c) is not None for c in row]
         if run and any(is_number) and _alike(mask, is_number, row):
             run.append(row)
             mask += is_number[len(mask) :]
@@ -260,7 +265,7 @@ def _alike(mask: list[bool], is_number: list[bool], row: list[str]) -> bool:
 
 def _content(cells: Sequence[str], mark: Mark) -> Content:
     """What the filled cells of a column hold, most of them."""
-    others = [text for text in cells if cell.number(text, mark) is None]
+    others = [text for text in cells if not cell.is_number(text, mark)]
     numbers = len(cells) - len(others)
     missing = sum(map(cell.is_missing, others))
     clocks = sum(moment(text) is not None for text in others)

@@ -98,7 +98,8 @@ def decoded(blocks: Iterable[bytes], encoding: str, *, found: bool = False) -> I
     try:
         for block in blocks:
             text = rest + decoder.decode(block)
-            cut = max(text.rfind("\n"), text.rfind("\r", 0, -1)) + 1
+            ended = text.rstrip("\r")  # what follows them tells what they end
+            cut = max(ended.rfind("\n"), ended.rfind("\r")) + 1
             rest = text[cut:]
             if cut:
                 yield _ends(text[:cut])
@@ -129,4 +130,5 @@ def _ends(text: str) -> str:
         text = text.replace("\ufeff", "")  # where files were joined
     if "\r" not in text:
         return text
-    return re.sub(r"(?<!\r)\r+\n", "\n", text).replace("\r", "\n")
+    text = text.replace("\r\n", "\n")
+    return text if "\r" not in text else re.sub(r"(?<!\r)\r+\n", "\n", text).replace("\r", "\n")

@@ -16,7 +16,7 @@ from dashpot.io.text import marks
 from dashpot.io.text.clock import ClockColumn
 from dashpot.io.text.dialect import LONGEST, Dialect, like_number
 from dashpot.io.text.header import changed
-from dashpot.io.text.plain import PlainRows
+from dashpot.io.text.plain import PlainRows, line_count
 
 _PATIENT = 64
 _MENTIONED = 50
@@ -140,7 +140,7 @@ def load_rows(
             text = text[cut:]
         if text:
             reader.read(text, line)
-            line += text.count("\n")
+            line += line_count(text)
             first = first or text.partition("\n")[0]
             tail = (tail + text[-_TAIL:])[-_TAIL:]
     values = _assembled(got, len(indexes))
@@ -234,7 +234,7 @@ class _Reader:
         if values is not None:
             self._add(values, line)
             return
-        count = text.count("\n")
+        count = line_count(text)
         if self.plain.possible and count > _PATIENT:
             cut = _after_lines(text, count // 2)
             self.read(text[:cut], line)

@@ -1,0 +1,143 @@
+"""Numbers of plain rows: both ways to read them give the same bits, or the same refusal."""
+
+from __future__ import annotations
+
+import sys
+from decimal import Decimal, getcontext
+from unittest.mock import patch
+
+import msgspec
+import numpy as np
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from dashpot.base.errors import ReadError
+from dashpot.io.text import plain
+from dashpot.io.text.dialect import Dialect
+from dashpot.io.text.encoding import decoded
+from dashpot.io.text.plain import PlainRows
+from dashpot.io.text.rows import load_rows
+
+assert msgspec, "imported, so that it is what reads"
+getcontext().prec = 1200  # halfway between the smallest doubles are 1075 digits
+
+doubles = st.floats(min_value=0, max_value=1e308)
+
+
+def halfway(low: float) -> str:
+    """The decimal right between a double and the next, written out."""
+    return str((Decimal(low) + Decimal(float(np.nextafter(low, np.inf)))) / 2).replace("E", "e")
+
+
+def printed(digits: int, value: float) -> str:
+    return f"{value:.{digits}e}"
+
+
+plain_numerals = st.one_of(
+    doubles.map(repr),
+    st.floats(max_value=2.3e-308, min_value=0).map(repr),  # subnormal
+    st.one_of(doubles, st.floats(min_value=0, max_value=1e-307)).map(halfway),
+    st.builds(printed, st.integers(0, 40), doubles),
+    st.from_regex(r"[1-9][0-9]{0,25}(\.[0-9]{1,25})?([eE][+-]?[0-9]{1,2})?", fullmatch=True),
+    st.sampled_from(["0", "0.0", "0e0", "1e-400", "9007199254740993", "1.000", "1e22", "1e23"]),
+)
+numerals = st.builds("{}{}".format, st.sampled_from(["", "-"]), plain_numerals)
+others = st.one_of(
+    st.builds("{}{}".format, st.sampled_from(["+", " ", "--", "+-"]), plain_numerals),
+    st.from_regex(r"\.[0-9]{1,5}|0[0-9]{1,3}|[0-9]{1,3}\.", fullmatch=True),
+    st.sampled_from(["1e400", "-1e309"]),
+)
+words = st.sampled_from(
+    ["", " ", "nan", "-nan", "inf", "Infinity", "null", "true", "1_0", "1 2", "[1]", "]", "0x1p3",
+     "1d5", "1,234", "1.234,5", "1e", "-", "n/a", "OVER", "³", "١", "\x00", '"2"', "5 "]
+)  # fmt: skip
+
+
+@st.composite
+def tables(draw: st.DrawFn) -> tuple[str, Dialect, tuple[int, ...]]:
+    """Rows of three cells, nearly all of them numbers, of some lab."""
+    width, mark = 3, draw(st.sampled_from([".", ",", ".,"]))
+    sign = draw(st.sampled_from([";", "\t", "|", " ", *([","] if mark == "." else [])]))
+    cells = draw(st.sampled_from([numerals, numerals, numerals | others, numerals | words]))
+    rows = draw(st.lists(st.lists(cells, min_size=width, max_size=width), min_size=1, max_size=6))
+    if mark != ".":
+        rows = [[text.replace(".", ",") for text in row] for row in rows]
+    more = draw(st.sampled_from(["", "", sign, 2 * sign]))
+    if draw(st.integers(0, 9)) == 0:
+        rows.append(["1"] * draw(st.integers(0, 5)))
+    if draw(st.integers(0, 5)) == 0:
+        rows = [[f'"{text}"' for text in row] for row in rows]
+    text = "".join(sign.join(row) + more + "\n" for row in rows)
+    wanted = draw(st.sampled_from([(0, 1, 2), (2, 0), (1,)]))
+    return text, Dialect(sign, mark, ("number",) * width, cells=width + len(more)), wanted
+
+
+def outcome(text: str, dialect: Dialect, indexes: tuple[int, ...]) -> tuple:
+    """Everything that is read, to the bit, or the sentence why not."""
+    try:
+        got = load_rows(lambda: iter([text]), dialect, indexes)
+    except ReadError as error:
+        return (str(error),)
+    # whatever the sign of what is no number
+    values = np.where(np.isnan(got.values), np.nan, got.values)
+    return (values.shape, values.tobytes(), got.lines, got.notes, got.starts, got.doubts)
+
+
+COMMA = Dialect(",", ".", ("number",) * 3, cells=3)
+
+
+@example(("-0,0,1\n", COMMA, (0, 1, 2)))
+@example(("1,2,-0\n", COMMA, (0, 1, 2)))
+@example(("\n", Dialect(",", ".", ("number",)), (0,)))
+@example((";\n1;\n", Dialect(";", ".", ("number",), cells=2), (0,)))
+@example(("1;;3;;\n4;;6;;\n", Dialect(";", ".", ("number",) * 3, cells=5), (0, 2)))
+@example(("1;2;3\n1;2\n1;2;3;4\n", Dialect(";", ".", ("number",) * 3, cells=3), (0, 2)))
+@example((3 * "1;2;3;4;\n", Dialect(";", ".", ("number",) * 3, cells=3), (0, 2)))
+@example(("1,5;2,5;3\n", Dialect(";", ".", ("number",) * 3, cells=3), (0, 1, 2)))
+@settings(max_examples=200)
+@given(tables())
+def test_the_fast_way_reads_the_same_bits_or_refuses_with_the_same_words(table):
+    with patch.object(PlainRows, "_from_json", return_value=None):
+        expected = outcome(*table)
+    assert outcome(*table) == expected
+
+
+@settings(max_examples=100)
+@given(st.lists(numerals.filter(lambda text: text != "-0"), min_size=1, max_size=30))
+def test_the_fast_way_reads_the_nearest_double(cells):
+    """Python's own conversion rounds correctly, whatever the decimal."""
+    reader = PlainRows(Dialect(",", ".", ("number",)), (0,))
+    found = reader._from_json("".join(f"{text}\n" for text in cells).encode(), 0)
+    assert found[:, 0].tobytes() == np.array([float(text) for text in cells]).tobytes()
+
+
+@pytest.mark.parametrize(("sign", "mark"), [(",", "."), (";", ","), ("\t", "."), (";", ".,")])
+@pytest.mark.parametrize("more", [0, 1, 2])
+def test_ordinary_rows_are_read_the_fast_way(sign, mark, more):
+    """Else the laws above would hold of nothing."""
+    rows = [["0.5", "-1.25e-3", "7"], ["12.125", "1E+5", "-0.0"]]
+    text = "".join(sign.join(row) + sign * more + "\n" for row in rows)
+    text = text.replace(".", ",") if mark == "," else text
+    reader = PlainRows(Dialect(sign, mark, ("number",) * 3), (2, 0))
+    with patch.object(PlainRows, "_parse", side_effect=AssertionError):
+        values = reader.read(text)
+    np.testing.assert_array_equal(values, [[7.0, 0.5], [-0.0, 12.125]])
+    assert np.signbit(values[1, 0])
+
+
+@pytest.mark.parametrize(("before", "fast"), [(-1, False), (0, True)])
+def test_msgspec_is_imported_once_it_saves_more_time_than_it_takes(monkeypatch, before, fast):
+    monkeypatch.delitem(sys.modules, "msgspec")
+    reader = PlainRows(COMMA, (0,))
+    text = b"1,2,3\n"
+    reader.met = plain._PAYS + before - len(text)
+    assert (reader._from_json(text, 0) is not None) is fast
+
+
+@pytest.mark.parametrize("size", range(1, 12))
+def test_ends_of_lines_are_one_however_the_blocks_are_cut(size):
+    """Some write two carriage returns before the end of a line, some nothing else."""
+    raw = b"1\r\r\n2\r\n3\r4\n\n5\r\r\n"
+    blocks = [raw[i : i + size] for i in range(0, len(raw), size)]
+    assert "".join(decoded(blocks, "utf-8")) == "1\n2\n3\n4\n\n5\n"
