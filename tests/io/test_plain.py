@@ -104,7 +104,7 @@ def test_the_fast_way_reads_the_same_bits_or_refuses_with_the_same_words(table):
 
 
 @settings(max_examples=100)
-@given(st.lists(numerals.filter(lambda text: text != "-0"), min_size=1, max_size=30))
+@given(st.lists(numerals.filter(lambda text: not text.endswith("-0")), min_size=1, max_size=30))
 def test_the_fast_way_reads_the_nearest_double(cells):
     """Python's own conversion rounds correctly, whatever the decimal."""
     reader = PlainRows(Dialect(",", ".", ("number",)), (0,))
