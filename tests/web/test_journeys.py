@@ -173,6 +173,10 @@ def test_both_tests_are_fitted_together(visit, files):
     page.done()
     assert "both tests" in page.at.locator("#answers").inner_text()
     assert "--no-joint" not in page.at.locator("#command").inner_text()
+    page.at.get_by_role("button", name="its base moves").click()
+    page.at.get_by_text("less than its base above").wait_for()
+    assert "predict joint.json" in page.at.locator("#command").inner_text()
+    assert "transmissibility" in page.at.locator('[data-panel="frf"]').inner_text()
 
 
 def test_a_warm_and_a_cold_test_are_fitted_together(visit, tmp_path):

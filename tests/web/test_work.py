@@ -13,9 +13,10 @@ from dashpot.cli import main
 from dashpot.io.write import write_relaxation
 from dashpot.simulation.relaxation import Rig, simulate_relaxation
 from dashpot.solids.table_1 import BROAD
-from dashpot.web import wire, work
+from dashpot.web import results, wire
 from dashpot.web.requests import job_of
 from dashpot.web.store import Store
+from dashpot.web.verbs import VERBS
 from dashpot.workflow.command_lines import report_command
 
 AT = {296.15: BROAD, 273.15: BROAD.shifted(10**1.498172, 273.15 / 296.15)}
@@ -43,7 +44,7 @@ def asked(files):
 
 
 def ask(verb, store, **request):
-    head, arrays = wire.unpacked(work.VERBS[verb](request, store.folder))
+    head, arrays = wire.unpacked(VERBS[verb](request, store.folder))
     return head | {"arrays": arrays}
 
 
@@ -74,7 +75,7 @@ def test_the_fit_is_that_of_the_command_digit_for_digit(store, asked, at_home):
 def test_the_command_line_gives_the_pages_numbers(store, asked, at_home, joint):
     head = ask("study", store, job=asked | {"joint": joint})
     study = typed(head["command"], "-o", "r.html", "--json")
-    page = work._study(job_of(asked | {"joint": joint}, store.folder))
+    page = results.study(job_of(asked | {"joint": joint}, store.folder))
     mine = json.loads(dp.to_json(page))
     for part in ("fit", "joint", "comparison"):
         assert mine[part] == study[part]
@@ -95,8 +96,8 @@ def test_a_record_is_read_once_for_every_lane(store):
     identity = store.put("once.csv", text.encode())
     assert not ask("inspect", store, file=identity)["long"]
     (store.folder / identity / "once.csv").write_text("no table any more")
-    work._test.cache_clear()  # as another lane would begin
-    work._prepared.cache_clear()
+    results.test.cache_clear()  # as another lane would begin
+    results.prepared.cache_clear()
     job = {"relaxation": identity, "specimen": {"name": "A"}}
     again = json.loads(ask("take", store, job=job, what="fit")["text"])
     fresh = dp.fit(dp.prepare(dp.read_relaxation(store.folder / store.put("once.csv", text.encode())
@@ -112,7 +113,7 @@ def test_of_a_long_record_a_part_is_shown_first(store, files, monkeypatch):
     assert not rows["long"]
     whole = ask("settle", store, job=job, quick=True)
     assert whole["solid"] == ask("settle", store, job=job)["solid"]
-    monkeypatch.setattr(work, "WHILE_HELD", 4000)
+    monkeypatch.setattr(results, "WHILE_HELD", 4000)
     assert ask("inspect", store, file=job["relaxation"])["long"]
     part = ask("settle", store, job=job, quick=True)
     assert part["panels"].keys() == whole["panels"].keys()
@@ -121,7 +122,7 @@ def test_of_a_long_record_a_part_is_shown_first(store, files, monkeypatch):
 
 
 def test_a_handle_moves_the_curves_within_a_page_of_bytes(store, asked):
-    whole = work.VERBS["live"]({"job": asked}, store.folder)
+    whole = VERBS["live"]({"job": asked}, store.folder)
     assert len(whole) < 30_000
     found = ask("live", store, job=asked)
     assert {"ramp/fit/x", "hold/fit/y", "residual/mean/y"} <= set(found["arrays"])
@@ -136,7 +137,25 @@ def test_a_response_follows_the_mass(store, asked):
     peaks = [one["arrays"]["frf/predicted/x"][one["arrays"]["frf/predicted/y"].argmax()]
              for one in (light, heavy)]  # fmt: skip
     assert peaks[0] / peaks[1] == pytest.approx(2**0.5, rel=0.02)
-    assert len(work.VERBS["predict"]({"job": asked}, store.folder)) < 30_000
+    assert len(VERBS["predict"]({"job": asked}, store.folder)) < 30_000
+
+
+@pytest.mark.parametrize("joint", [False, True])
+def test_a_base_that_moves_is_predicted_as_by_the_command(store, asked, at_home, joint):
+    job = asked | {"joint": joint}
+    head = ask("study", store, job=job, base=True)
+    fit = "joint" if joint else "fit"
+    (at_home / f"{fit}.json").write_text(ask("take", store, job=job, what=fit)["text"])
+    shell = typed(head["command"].splitlines()[1], "--json")
+    assert json.loads(ask("take", store, job=job, what="base-json")["text"]) == shell
+    assert f"{shell['isolation_hz']:.4g}" in head["frf"]
+    assert f"{shell['peak']['value']:.4g}" in head["frf"]
+    lines = ask("take", store, job=job, what="base")["text"]
+    assert repr(shell["real"][7]) in lines
+    moving = ask("predict", store, job=job, base=True)["arrays"]["frf/predicted/y"]
+    assert moving[0] == pytest.approx(1.0, abs=0.15)
+    with pytest.raises(dp.DataError, match="no mass"):
+        ask("take", store, job={"relaxation": asked["relaxation"]}, what="base")
 
 
 def test_a_warm_and_a_cold_test_share_one_solid(store, at_home):

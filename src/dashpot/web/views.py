@@ -20,17 +20,30 @@ from dashpot.base.units import Dimension
 from dashpot.io.columns.kinds import WANTED_BY
 from dashpot.plot import relaxation
 from dashpot.plot.layout import ROW
-from dashpot.plot.picture import Line, Mark, Panel, Pen, Picture, Tag
+from dashpot.plot.picture import (
+    PREDICTED,
+    REF,
+    Line,
+    Mark,
+    Panel,
+    Pen,
+    Picture,
+    Rule,
+    Tag,
+    joint_pen,
+)
 from dashpot.plot.svg import strip, swatch
 from dashpot.plot.thinning import extremes
+from dashpot.plot.vibration import SHOWN, Curve, magnitude_panel
 from dashpot.records.fit import Fit
-from dashpot.records.frf import FRF, Hit
+from dashpot.records.frf import FRF, Hit, Kind
 from dashpot.records.relaxation import RampHold
 from dashpot.report import answer
 from dashpot.report.answer import GRADES, Row
 from dashpot.report.pages import COLOURS, environment
 from dashpot.report.tables import parameters
 from dashpot.workflow.inspections import InspectedFile
+from dashpot.workflow.predictions import Prediction
 from dashpot.workflow.recommendation import recommendation
 from dashpot.workflow.study import Study
 
@@ -124,6 +137,9 @@ def _scale(panel: Panel) -> float:
 
 def response_panel(predicted: FRF, sizes: Sizes) -> str:
     """The predicted response before anything bounds it."""
+    if predicted.kind is Kind.TRANSMISSIBILITY:
+        curve = Curve(predicted, "predicted from relaxation", PREDICTED)
+        return drawn("frf", magnitude_panel([curve]), sizes)
     return drawn("frf", plot.resonance(None, predicted).panels[0], sizes)
 
 
@@ -138,6 +154,15 @@ def study_panel(study: Study, sizes: Sizes) -> str:
         band=study.frf_band,
     )  # fmt: skip
     return drawn("frf", picture.panels[0], sizes)
+
+
+def base_panel(found: Prediction, joint: bool, sizes: Sizes) -> str:
+    """The transmissibility to the mass, its peak, and from where on the mass is isolated."""
+    pen, name = joint_pen(failed=False) if joint else (PREDICTED, "predicted from relaxation")
+    panel = magnitude_panel([Curve(found.frf, name, pen, found.peak)], tagged=True)
+    isolated = Rule(found.document["isolation_hz"], REF, label="mass moves as its base does")
+    svg = drawn("frf", replace(panel, marks=(*panel.marks, isolated)), sizes)
+    return svg + piece("base", peak=found.peak, isolated=found.document["isolation_hz"])
 
 
 def hit_panels(study: Study, sizes: Sizes) -> dict[str, str]:
@@ -216,7 +241,8 @@ def live_response(predicted: FRF) -> Live:
     size = np.abs(predicted.value)
     top = int(size.argmax())
     words = (
-        f"{rounded(float(predicted.frequency[top]), digits=4)} Hz, {rounded(float(size[top]))} 1/kg"
+        f"{rounded(float(predicted.frequency[top]), digits=4)} Hz, {rounded(float(size[top]))} "
+        f"{SHOWN[predicted.kind][0]}"
     )
     return Live({"frf/predicted/x": predicted.frequency, "frf/predicted/y": size}, words)
 

@@ -14,7 +14,7 @@ import shutil
 import sys
 import threading
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from dashpot.base.errors import DashpotError
 from dashpot.base.progress import listening
@@ -30,10 +30,10 @@ def main() -> None:
     # whatever a library prints is no answer
     os.dup2(2, 1)
     threading.Thread(target=_listen, args=(source, questions, folder), daemon=True).start()
-    from dashpot.web import work  # the imports are what makes a worker worth keeping
+    from dashpot.web.verbs import VERBS  # the imports are what makes a worker worth keeping
 
     while True:
-        _answer(work, questions.get(), folder, answers)
+        _answer(VERBS, questions.get(), folder, answers)
 
 
 def _listen(source: BinaryIO, questions: queue.Queue[bytes], folder: Path) -> None:
@@ -44,7 +44,7 @@ def _listen(source: BinaryIO, questions: queue.Queue[bytes], folder: Path) -> No
     os._exit(0)
 
 
-def _answer(work: object, question: bytes, folder: Path, answers: BinaryIO) -> None:
+def _answer(verbs: Any, question: bytes, folder: Path, answers: BinaryIO) -> None:
     asked = json.loads(question)
 
     def send(kind: str, body: bytes) -> None:
@@ -53,7 +53,7 @@ def _answer(work: object, question: bytes, folder: Path, answers: BinaryIO) -> N
 
     try:
         with listening(lambda what: send("p", what.encode())):
-            send("d", getattr(work, "VERBS")[asked["verb"]](asked["request"], folder))  # noqa: B009
+            send("d", verbs[asked["verb"]](asked["request"], folder))
     except DashpotError as error:
         send("e", str(error).encode())
     except Exception as error:  # noqa: BLE001 -- a fault must not end the lane, nor tell of files

@@ -9,8 +9,11 @@ from typing import Any
 from dashpot.base.options import flag_of
 from dashpot.base.units import typed
 from dashpot.io.options import OF_HAMMER
+from dashpot.records.frf import FRF
 from dashpot.workflow.job import Job
 
+FIT = "fit.json"
+"""What the solid is called that one command writes and the next reads."""
 IMPACT_PROFILE = "hammer.toml"
 """What the answers for the impact files are called, where options cannot give them."""
 
@@ -76,6 +79,25 @@ def report_command(job: Job) -> str:
         words += words_of(noun)
     words += _of_impact(job)
     return shlex.join(words)
+
+
+def predict_command(job: Job, frf: FRF, fit: str = FIT) -> str:
+    """Return ``dashpot predict ... --base`` for the mass of a job on the solid in the file `fit`.
+
+    It gives the lines of `frf`, a transmissibility, evenly spaced.
+    """
+    words = ["dashpot", "predict", fit]
+    band = float(frf.frequency[0]), float(frf.frequency[-1])
+    given: tuple[tuple[str, str | None], ...] = (
+        ("--mass", None if job.mass is None else typed(job.mass, "mass")),
+        ("--seal-mass", None if job.seal_mass is None else typed(job.seal_mass, "mass")),
+        ("--seals", f"{job.seals!r}".removesuffix(".0")),
+        ("--compression", None if job.compression is None else typed(job.compression, "length")),
+        ("--band", _range(band)),
+    )
+    for flag, text in given:
+        words += [] if text is None else [flag, text]
+    return shlex.join([*words, "--base"])
 
 
 def _range(band: tuple[float, float]) -> str:

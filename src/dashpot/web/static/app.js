@@ -101,6 +101,10 @@ const buttons = {
   arms,
   show: files.show,
   remove: files.remove,
+  base: (said) => {
+    state.base = said === "yes";
+    settle();
+  },
   method: (name) => {
     state.job.method = name;
     settle();

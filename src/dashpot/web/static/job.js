@@ -30,7 +30,7 @@ import { call } from "./wire.js";
  * @property {Record<string, string>} specimen
  * @property {{accept: string[], reject: string[]}} hammer
  */
-/** @typedef {{files: OpenFile[], current: string, joint: boolean, mass: number, job: Choices}} State */
+/** @typedef {{files: OpenFile[], current: string, joint: boolean, base: boolean, mass: number, job: Choices}} State */
 
 const HAMMERS = ["impact", "frf"];
 const STEPS_BACK = 100;
@@ -41,6 +41,7 @@ const fresh = () => ({
   files: [],
   current: "",
   joint: false,
+  base: false,
   mass: 0,
   job: {
     mass: "",
@@ -122,10 +123,11 @@ const past = [];
 
 /** What of the state the user chose; what a file was found to be is none of it. */
 const key = () => {
-  const { job, joint, mass, files } = state;
+  const { job, joint, base, mass, files } = state;
   return JSON.stringify([
     job,
     joint,
+    base,
     mass,
     files.map((one) => [one.id, one.options, one.together, one.temperature]),
   ]);

@@ -41,7 +41,8 @@ export function settle(again = false) {
   const quick = !!of.long, since = performance.now();
   of.long = false;
   status(quick ? "fitting a part of the samples" : "fitting");
-  ask("settle", "settle", { job: job(), sizes: sizes(), quick }, ({ head }) => {
+  const asked = { job: job(), sizes: sizes(), quick, base: state.base };
+  ask("settle", "settle", asked, ({ head }) => {
     settled(head);
     if (quick || (!again && tooTall())) return settle(true);
     status(`settled in ${seconds(since, 2)}`);
@@ -89,7 +90,7 @@ export function study(again = false) {
     clearInterval(timer);
     $("cancel").hidden = true;
   };
-  ask("slow", "study", { job: job(), sizes: sizes() }, ({ head }) => {
+  ask("slow", "study", { job: job(), sizes: sizes(), base: state.base }, ({ head }) => {
     end();
     told(head);
     if (!again && tooTall()) return study(true);
@@ -124,7 +125,7 @@ function told(/** @type {any} */ head) {
 /** The response of the mass while it moves. */
 export function predict() {
   if (!test() || !state.job.mass) return;
-  ask("mass", "predict", { job: job() }, ({ head, arrays }) => {
+  ask("mass", "predict", { job: job(), base: state.base }, ({ head, arrays }) => {
     curves(arrays);
     panelCard("frf")?.classList.add("stale");
     status(`${head.peak}; limits: working`);

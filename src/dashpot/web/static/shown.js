@@ -36,6 +36,9 @@ export function choices() {
       button.setAttribute("aria-pressed", String(String(value) === button.dataset[name]));
     }
   }
+  for (const button of all("[data-base]")) {
+    button.setAttribute("aria-pressed", String(state.base === (button.dataset.base === "yes")));
+  }
   $("reset").hidden = !Object.keys(cuts).length;
   for (const [name, handle] of Object.entries(handles)) handle.byHand(name in cuts);
   $("both").hidden = !hammers().length || state.joint || !test();

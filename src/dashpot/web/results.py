@@ -1,0 +1,149 @@
+"""What a job gives, kept for the next question by the job that asked for it."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, replace
+from functools import lru_cache
+
+import numpy as np
+
+from dashpot.base.errors import DashpotError, DataError
+from dashpot.fitting.relaxation import fit
+from dashpot.preparation.prepare import prepare
+from dashpot.records.fit import Fit
+from dashpot.records.relaxation import RampHold, RelaxationTest
+from dashpot.web import records
+from dashpot.workflow.job import Job
+from dashpot.workflow.predictions import Prediction, predict_files
+from dashpot.workflow.shifting import each_specimen
+from dashpot.workflow.study import Study, of_solid, run
+
+KEPT = 8
+"""Results of each kind that a worker remembers."""
+WHILE_HELD = 300_000
+"""Samples that are prepared while a handle is held; all of them are once it is let go."""
+
+test = lru_cache(KEPT)(records.relaxation)
+"""The relaxation test in a file."""
+
+
+def tests(job: Job) -> tuple[RelaxationTest, ...]:
+    """The tests of a job, each with its own temperature where that is said."""
+    files = job.relaxation, *job.further
+    each = each_specimen(job.specimen, job.temperatures, len(files))
+    return tuple(test(file, job.reading, one) for file, one in zip(files, each, strict=True))
+
+
+@lru_cache(KEPT)
+def prepared(job: Job, most: int | None) -> tuple[RampHold, ...]:
+    """The tests of a job, prepared; of each as many samples as there are, or `most`."""
+    every = tests(job)
+    if most is not None and all(len(test.time) <= most for test in every):
+        return prepared(job, None)
+    job.cuts.refuse_several(len(every))
+    return tuple(
+        prepare(
+            _thinned(test, most),
+            filter=job.filter,
+            machine=job.machine,
+            cycle=job.reading.cycle,
+            **asdict(job.cuts),
+        )
+        for test in every
+    )
+
+
+def _thinned(test: RelaxationTest, most: int | None) -> RelaxationTest:
+    """The test with every second, third ... sample, so that at most so many are left."""
+    step = 1 if most is None else -(-len(test.time) // most)
+    if step == 1:
+        return test
+    few = {name: getattr(test, name)[::step] for name in ("time", "displacement", "force")}
+    return replace(test, **few)
+
+
+@lru_cache(KEPT)
+def fitted(job: Job, intervals: bool, most: int | None) -> Fit:
+    """The fit of a job's tests; with its intervals and checks if asked for."""
+    return fit(
+        prepared(of_test(job), most),
+        arms=job.arms,
+        method=job.method,
+        law=job.law,
+        family=job.family,
+        intervals=intervals,
+    )
+
+
+def beside(job: Job, found: Fit, most: int | None = None) -> Fit | None:
+    """The fit of eq. (5) with as many arms, of one test; None where it has nothing to say."""
+    if found.family != "maxwell" or job.further:
+        return None
+    return _by_eq5(of_test(job), found.model.arms, most)
+
+
+@lru_cache(KEPT)
+def _by_eq5(job: Job, arms: int, most: int | None) -> Fit | None:
+    try:
+        return fit(prepared(job, most), arms=arms, method="hold", intervals=False)
+    except DashpotError:
+        return None
+
+
+def shown(job: Job, found: Fit, most: int | None = None) -> tuple[RelaxationTest, RampHold]:
+    """The test that is drawn: that of the temperature of the solid."""
+    ready = prepared(of_test(job), most)
+    first = of_solid(found, ready)
+    return tests(job)[first], ready[first]
+
+
+@lru_cache(KEPT)
+def study(job: Job) -> Study:
+    """The whole story of a job."""
+    return run(job, read=test)
+
+
+@lru_cache(KEPT)
+def base_motion(job: Job) -> Prediction:
+    r"""The transmissibility to the mass of a job, as ``dashpot predict FIT --base`` predicts it.
+
+    By the solid of both tests where they are fitted together; where the job names no band, to
+    either side of the highest frequency of the peak, :math:`\sqrt{n k_0 / m} / 2\pi`.
+
+    Raises
+    ------
+    DataError
+        If the mass is not known.
+    """
+    found = study(job)
+    if found.mass is None:
+        raise DataError("no mass is given: say what rests on the seals, such as 104 g")
+    solid = found.joint or found.fit
+    top = np.sqrt(job.seals * solid.solid.k_0 / found.mass) / (2 * np.pi)
+    return predict_files(
+        solid,
+        mass=found.mass,
+        seals=job.seals,
+        band=job.band or (float(f"{top / 5:.2g}"), float(f"{4 * top:.2g}")),
+        kind="transmissibility",
+        compression=job.compression,
+    )
+
+
+def of_test(job: Job) -> Job:
+    """What of a job decides the prepared test."""
+    return Job(
+        job.relaxation,
+        further=job.further,
+        temperatures=job.temperatures,
+        filter=job.filter,
+        cuts=job.cuts,
+        specimen=job.specimen,
+        machine=job.machine,
+        reading=job.reading,
+    )
+
+
+def of_fit(job: Job) -> Job:
+    """What of a job decides the fit of the relaxation test."""
+    return replace(of_test(job), arms=job.arms, method=job.method, law=job.law, family=job.family)

@@ -1,0 +1,16 @@
+"""Every question that a page may put to a worker."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from dashpot.web import taking, work
+
+VERBS: Mapping[str, Callable[[Mapping[str, Any], Path], bytes]] = {
+    "inspect": work.inspect, "live": work.live, "settle": work.settle, "predict": work.predict,
+    "study": work.study, "take": taking.take, "profile": taking.profile,
+    "project": taking.project,
+}  # fmt: skip
+"""From the request and the folder of the files to a message."""
