@@ -17,8 +17,8 @@ from dashpot.solids.table_1 import PAPER
 
 ROOT = Path(__file__).resolve().parents[1]
 HEAVY = {
-    "matplotlib", "jinja2", "pandas", "polars", "pyarrow", "starlette", "uvicorn", "pint",
-    "scipy.optimize", "scipy.signal", "scipy.stats", "msgspec", "nptdms", "pyuff", "h5py",
+    "matplotlib", "jinja2", "pandas", "polars", "distributed", "pyarrow", "starlette", "uvicorn",
+    "pint", "scipy.optimize", "scipy.signal", "scipy.stats", "msgspec", "nptdms", "pyuff", "h5py",
 }  # fmt: skip
 
 

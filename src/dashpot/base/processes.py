@@ -19,3 +19,15 @@ def one_thread() -> dict[str, str]:
     """Return this environment with one thread of BLAS: beside other processes more only wait."""
     names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
     return {**os.environ, **dict.fromkeys(names, "1")}
+
+
+def long_lived() -> dict[str, str]:
+    """Return that environment for a process that makes arrays over and over: it keeps its memory.
+
+    The C library (of GNU) gives arrays of 100 kB back to the system as they come and go, and takes
+    them again page by page: a tenth of a fit, and half of one under the limit that dask sets.
+    """
+    return one_thread() | {
+        "MALLOC_TRIM_THRESHOLD_": f"{1 << 30}",
+        "MALLOC_MMAP_THRESHOLD_": f"{1 << 25}",
+    }

@@ -52,6 +52,9 @@ from dashpot.lots.statistics.scatter import Component
     "--impact-profile", type=File(), metavar="FILE", help="Saved answers for the hammer files."
 )
 @click.option("--jobs", type=click.IntRange(1), help="Processes [default: one per processor].")
+@click.option(
+    "--scheduler", metavar="ADDRESS", help="A dask.distributed cluster instead: tcp://host:8786."
+)
 @click.option("--dry-run", is_flag=True, help="Say what would be done, and how long it takes.")
 @reports
 @options.reading
@@ -72,6 +75,7 @@ def command(
     joint: bool,
     impact_profile: str | None,
     jobs: int | None,
+    scheduler: str | None,
     dry_run: bool,
     options: ReadOptions,
 ) -> Outcome:
@@ -86,6 +90,7 @@ def command(
     dashpot batch tests/ -o lot --by 'lot(\w+)_seal(\d+)_rep(\d+)' --mass 104g --seals 2
     dashpot batch --manifest tests.csv -o lot --arms 2 --quick --jobs 8
     dashpot batch tests/ -o lot --pair '{stem}_hammer*.csv' --mass 104g --seals 2
+    dashpot batch tests/ -o lot --scheduler tcp://host:8786
     dashpot batch tests/ -o lot --dry-run
     """
     if not paths and manifest is None:
@@ -101,6 +106,7 @@ def command(
 
         planned = plan_batch(
             paths, output=output, by=by, manifest=manifest, pair=pair, jobs=jobs,
+            scheduler=scheduler,
             choices=BatchChoices(
                 arms, method, quick, mass, seals, options, of_impact, joint, at, compression
             ),
@@ -110,7 +116,7 @@ def command(
     lot = dp.batch(
         paths, output=output, arms=arms, method=method, quick=quick, mass=mass, seals=seals,
         at=at, compression=compression, by=by, manifest=manifest, pair=pair, joint=joint,
-        jobs=jobs, options=options, impact_options=of_impact,
+        jobs=jobs, scheduler=scheduler, options=options, impact_options=of_impact,
     )  # fmt: skip
     write(f"{output}/lot.csv", lot.csv())
     write(f"{output}/lot.html", html(lot, title=Path(output).resolve().name))

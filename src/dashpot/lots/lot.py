@@ -22,6 +22,7 @@ from dashpot.io.options import ReadOptions
 from dashpot.io.write import neutral
 from dashpot.lots.checks import files_fitted, fits_usable, hammers_compared
 from dashpot.lots.choices import BatchChoices, several
+from dashpot.lots.engines import engine
 from dashpot.lots.entries import entries
 from dashpot.lots.parts import (
     Task,
@@ -33,7 +34,7 @@ from dashpot.lots.parts import (
     tasks,
     write_part,
 )
-from dashpot.lots.processes import Rows, computed, processors
+from dashpot.lots.processes import Engine, Rows
 from dashpot.lots.row import row
 from dashpot.lots.statistics.scatter import SHORT, Component, components, stands_out
 
@@ -206,6 +207,7 @@ def batch(
     pair: str | None = None,
     joint: bool = False,
     jobs: int | None = None,
+    scheduler: str | None = None,
     options: ReadOptions | None = None,
     impact_options: ReadOptions | None = None,
 ) -> Lot:
@@ -249,6 +251,9 @@ def batch(
         Fit a ramp and hold and its hammer together.
     jobs : int, optional
         Processes side by side; by default as many as there are processors.
+    scheduler : str, optional
+        Of a cluster of dask.distributed, ``"tcp://host:8786"``, whose workers make the rows: the
+        same dashpot is installed there, and the files have the same paths.
     options, impact_options : ReadOptions, optional
         What is known of the files of the tests, and of the hammer.
 
@@ -260,7 +265,7 @@ def batch(
         If `output` holds something else, or polars is missing.
     """
     polars()
-    side = _jobs(jobs)
+    made = engine(jobs, scheduler)
     choices = BatchChoices(
         arms, method, quick, si(mass, "mass"), seals, options or ReadOptions(),
         impact_options or ReadOptions(), joint, several(at, "frequency"),
@@ -272,7 +277,8 @@ def batch(
         with alone(folder / _LOCK, str(folder)):
             missing = _missing(asked, folder)
             if missing:
-                _compute(missing, choices, folder, side)
+                with made as making:
+                    _compute(missing, choices, folder, making)
             return Lot(table(folder, [one.key for one in asked]), len(missing))
 
 
@@ -284,6 +290,7 @@ def plan_batch(
     manifest: str | Path | None = None,
     pair: str | None = None,
     jobs: int | None = None,
+    scheduler: str | None = None,
     choices: BatchChoices,
 ) -> BatchPlan:
     """Say what :func:`batch` would do and how long it would take; nothing is written.
@@ -293,13 +300,14 @@ def plan_batch(
     ReadError, DataError, ExportError
         As :func:`batch`.
     """
-    folder, side = Path(output), _jobs(jobs)
+    folder, made = Path(output), engine(jobs, scheduler)
     asked = _asked(paths, choices, manifest=manifest, by=by, pair=pair, folder=folder)
     missing = _missing(asked, folder)
-    chunks = len(_chunks(missing, side))
+    with made as making:
+        chunks = len(_chunks(missing, making.side))
     each = _seconds_each(missing[:_TIMED], choices)
-    seconds = each * len(missing) / min(side, processors(), max(chunks, 1))
-    return BatchPlan(len(asked), len(asked) - len(missing), chunks, seconds, side)
+    seconds = each * len(missing) / min(making.at_once, max(chunks, 1))
+    return BatchPlan(len(asked), len(asked) - len(missing), chunks, seconds, making.side)
 
 
 def _seconds_each(some: Sequence[Task], choices: BatchChoices) -> float:
@@ -319,12 +327,6 @@ def _folder(output: str | Path | None) -> Iterator[Path]:
         return
     with tempfile.TemporaryDirectory() as folder:
         yield Path(folder)
-
-
-def _jobs(jobs: int | None) -> int:
-    if jobs is not None and jobs < 1:
-        raise DataError(f"jobs = {jobs}; expected a number of processes >= 1")
-    return jobs or processors()
 
 
 def _asked(
@@ -352,11 +354,11 @@ def _chunks(missing: Sequence[Task], jobs: int) -> list[tuple[Task, ...]]:
     return [tuple(missing[i : i + size]) for i in range(0, len(missing), size)]
 
 
-def _compute(missing: Sequence[Task], choices: BatchChoices, folder: Path, jobs: int) -> None:
-    chunks, done, began = _chunks(missing, jobs), 0, time.monotonic()
+def _compute(missing: Sequence[Task], choices: BatchChoices, folder: Path, by: Engine) -> None:
+    chunks, done, began = _chunks(missing, by.side), 0, time.monotonic()
     doing(f"{len(missing)} tests in {len(chunks)} chunks")
     with (folder / LOG).open("a", encoding="utf-8") as log:
-        for chunk, rows in computed(chunks, choices, jobs):
+        for chunk, rows in by.computed(chunks, choices):
             path = write_part(folder, framed(rows, choices))
             done += len(chunk)
             rate = done / (time.monotonic() - began)

@@ -7,11 +7,13 @@ import os
 import queue
 import subprocess
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict
-from typing import Any, TypeAlias
+from functools import partial
+from typing import Any, NamedTuple, TypeAlias
 
-from dashpot.base.processes import interpreter, one_thread
+from dashpot.base.processes import interpreter, long_lived
 from dashpot.lots.choices import BatchChoices
 from dashpot.lots.columns import empty
 from dashpot.lots.parts import KEY, Task
@@ -30,18 +32,40 @@ def processors() -> int:
     return os.cpu_count() or 1
 
 
-def computed(
-    chunks: Sequence[Chunk], choices: BatchChoices, jobs: int
-) -> Iterator[tuple[Chunk, Rows]]:
-    """Yield each chunk with its rows, as they are done, by so many processes side by side.
+class Engine(NamedTuple):
+    """What makes rows.
 
-    A file whose workers die gets a row that says so.
+    Attributes
+    ----------
+    side : int
+        Chunks that are made side by side.
+    at_once : int
+        How many of them have a processor of their own.
+    computed : callable
+        Yields each chunk with its rows, as they are done.
     """
+
+    side: int
+    at_once: int
+    computed: Callable[[Sequence[Chunk], BatchChoices], Iterator[tuple[Chunk, Rows]]]
+
+
+@contextmanager
+def processes(jobs: int | None) -> Iterator[Engine]:
+    """So many processes of this machine side by side; by default as many as processors."""
+    side = jobs or processors()
+    yield Engine(side, min(side, processors()), partial(_computed, side))
+
+
+def _computed(
+    jobs: int, chunks: Sequence[Chunk], choices: BatchChoices
+) -> Iterator[tuple[Chunk, Rows]]:
+    """A file whose workers die gets a row that says so."""
     waiting: queue.SimpleQueue[Chunk] = queue.SimpleQueue()
     for one in chunks:
         waiting.put(one)
     done: queue.SimpleQueue[tuple[Chunk, Rows] | BaseException] = queue.SimpleQueue()
-    workers = [_Worker(choices) for _ in range(min(jobs, len(chunks)))]
+    workers = [Worker(choices) for _ in range(min(jobs, len(chunks)))]
     over = threading.Event()
     for worker in workers:
         threading.Thread(target=_serve, args=(worker, waiting, done, over), daemon=True).start()
@@ -58,7 +82,7 @@ def computed(
 
 
 def _serve(
-    worker: _Worker,
+    worker: Worker,
     waiting: queue.SimpleQueue[Chunk],
     done: queue.SimpleQueue[tuple[Chunk, Rows] | BaseException],
     over: threading.Event,
@@ -73,11 +97,11 @@ def _serve(
         done.put(error)
 
 
-class _Worker:
-    """One process, started when first asked, and again after its end."""
+class Worker:
+    """One process, started when first asked in a folder, and again after its end."""
 
-    def __init__(self, choices: BatchChoices) -> None:
-        self._choices = choices
+    def __init__(self, choices: BatchChoices, folder: str | None = None) -> None:
+        self._choices, self._folder = choices, folder
         self._process: subprocess.Popen[bytes] | None = None
 
     def row(self, task: Task, over: threading.Event) -> dict[str, Any]:
@@ -113,7 +137,8 @@ class _Worker:
         if self._process is None:
             self._process = subprocess.Popen(  # noqa: S603 -- this interpreter, our module
                 interpreter("dashpot.lots.rows_worker"),
-                stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=one_thread(),
+                stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=long_lived(),
+                cwd=self._folder,
             )  # fmt: skip
             assert self._process.stdin is not None  # noqa: S101
             self._process.stdin.write(json.dumps(self._choices.plain()).encode() + b"\n")

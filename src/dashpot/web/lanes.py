@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from dashpot.base.errors import DashpotError, DataError
-from dashpot.base.processes import interpreter, one_thread
+from dashpot.base.processes import interpreter, long_lived
 from dashpot.web import wire
 
 
@@ -79,7 +79,7 @@ class Lane:
             self._process = await asyncio.create_subprocess_exec(
                 *interpreter("dashpot.web.worker"), str(self._folder),
                 stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE,
-                env=one_thread(),
+                env=long_lived(),
             )  # fmt: skip
         return self._process
 
