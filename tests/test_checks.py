@@ -23,6 +23,7 @@ from dashpot.export import checks as export
 from dashpot.fitting.checks import creep, curves, relaxation, solid, temperature
 from dashpot.fitting.fractional import checks as fractional
 from dashpot.fitting.identification import checks as identification
+from dashpot.fitting.level import checks as level
 from dashpot.fitting.nonlinear_ramp import checks as ramp
 from dashpot.fitting.repeats import EndStiffness
 from dashpot.fitting.shift_law import LawScore
@@ -905,6 +906,14 @@ TEMPERATURE = [
     Case("temperature_tested", lambda x: several.temperature_tested(TESTED, 270 - x), 0, 0.01),
 ]
 
+LEVEL = [
+    Case("level_matters", lambda x: level.level_matters(x, (1e-4, 1e-3), "m"), 20.1, 19.9),
+    Case("amplitudes_spread", lambda x: level.amplitudes_spread(x, "m"), 3.01, 2.99),
+    Case("softening_seen", level.softening_seen, 2.01, 1.99),
+    Case("law_followed", level.law_followed, 0.0299, 0.0301),
+    Case("levels_followed", lambda x: level.levels_followed(x * 0.01, 0.01), 1.99, 2.01),
+]
+
 LOTS = [
     Case("files_fitted", lambda x: lots.files_fitted(int(x), 9), 0, 1),
     Case("fits_usable", lambda x: lots.fits_usable(int(x), 9), 0, 1),
@@ -992,6 +1001,7 @@ STAGES = {
     "fitting/nonlinear_ramp": RAMP,
     "fitting/fractional": FRACTIONAL,
     "fitting/temperature": TEMPERATURE,
+    "fitting/level": LEVEL,
     "lots": LOTS,
     "planning": PLANNING,
     "vibration": VIBRATION,
@@ -1049,6 +1059,10 @@ LIMITS = {
         "gain_believable": 2.5, "delay_believable": 2.5, "stiffness_believable": 2.5,
         "earlier_fit_kept": 2.5, "dashpot_not_missed": 50, "arms_identified": 0.5,
     },
+    "fitting/level": {
+        "level_matters": 20, "amplitudes_spread": 3, "softening_seen": 2, "law_followed": 0.03,
+        "levels_followed": 2,
+    },
     "lots": {"files_fitted": 0, "fits_usable": 0, "hammers_compared": 0},
     "planning": {"tip_excites": -10},
     "vibration": {
@@ -1083,6 +1097,7 @@ GRADES = {
         },
         "fitting/identification": {"dashpot_not_missed"},
         "fitting/temperature": {"shifts_told_apart"},
+        "fitting/level": {"level_matters"},
         "fitting/nonlinear_ramp": {"clocks_agree", "offset_believable", "drift_believable"},
         "workflow": {"hold_fit_possible", "history_complete", "files_listed"},
     },

@@ -16,6 +16,8 @@ from .fitting.depth import fit_depths as fit_depths
 from .fitting.dynamic import fit_dynamic as fit_dynamic
 from .fitting.fit_many import fit_many as fit_many
 from .fitting.identification.identify import identify as identify
+from .fitting.level.frfs import fit_levels as fit_levels
+from .fitting.level.sweep import fit_amplitude as fit_amplitude
 from .fitting.modulus import fit_modulus as fit_modulus
 from .fitting.relaxation import fit as fit
 from .fitting.spectrum import dynamic_master_curve as dynamic_master_curve
@@ -37,6 +39,8 @@ from .lots.lot import Lot as Lot
 from .lots.lot import batch as batch
 from .planning.plan import plan as plan
 from .preparation.prepare import prepare as prepare
+from .records.amplitude import AmplitudeFit as AmplitudeFit
+from .records.amplitude import AmplitudeSweep as AmplitudeSweep
 from .records.creep import CreepCompliance as CreepCompliance
 from .records.creep import CreepTest as CreepTest
 from .records.dynamic import DynamicTest as DynamicTest
@@ -44,6 +48,7 @@ from .records.fit import Fit as Fit
 from .records.fit import Status as Status
 from .records.frf import FRF as FRF
 from .records.impact import ImpactTest as ImpactTest
+from .records.level import LevelFit as LevelFit
 from .records.machine import Machine as Machine
 from .records.modulus import RelaxationModulus as RelaxationModulus
 from .records.relaxation import RampHold as RampHold

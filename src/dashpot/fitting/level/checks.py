@@ -1,0 +1,71 @@
+"""What an amplitude sweep, or FRFs at several levels, can be trusted with, as criteria."""
+
+from __future__ import annotations
+
+from dashpot.base.checks import Finding, criterion
+
+MATTERS = 20.0
+FAR_ENOUGH = 2.0
+
+
+@criterion(
+    "2 ln likelihood ratio",
+    ">",
+    MATTERS,
+    "linear truths: at most 12 over 40 seeds; slipping ones at least 199",
+    grade="note",
+)
+def level_matters(gain: float, amplitudes: tuple[float, float], of: str) -> Finding:
+    """Stiffness or loss moves with amplitude."""
+    low, high = amplitudes
+    return Finding(
+        f"friction explains what arms alone do not (2 ln L = {gain:.3g})",
+        gain,
+        instead=f"no dependence on amplitude is seen from {low:.3g} to {high:.3g} {of} (2 ln L = "
+        f"{gain:.3g}): the solid is linear there, and nothing is said of larger amplitudes",
+    )
+
+
+@criterion("range of amplitudes", ">=", 3.0, "sweeps of one amplitude: other levels 7 % wrong")
+def amplitudes_spread(ratio: float, of: str) -> Finding:
+    """The tests cover amplitudes far enough apart to show what amplitude does."""
+    return Finding(
+        f"the amplitudes ({of}) span a factor of {ratio:.3g}",
+        ratio,
+        ", too narrow: each slider looks like a spring and a loss; test at a second level",
+    )
+
+
+@criterion("largest amplitude / X_c", ">=", FAR_ENOUGH, "below it the exponent and the share trade")
+def softening_seen(reach: float) -> Finding:
+    """The sweep goes beyond the amplitude where half of the stiffness is lost."""
+    return Finding(
+        f"the largest amplitude is {reach:.3g} times that at which half is lost",
+        reach,
+        ": the exponent was set to 0.5, and how much is lost in the end is extrapolated; sweep to "
+        "larger amplitudes",
+    )
+
+
+@criterion("residual / modulus", "<=", 0.03, "real sweeps of filled rubbers leave 0.3 to 3 %")
+def law_followed(residual: float) -> Finding:
+    """The law follows the sweep."""
+    return Finding(
+        f"what is left is {100 * residual:.2g} % of the modulus",
+        residual,
+        ": this rubber softens in another way; take its numbers only where they were measured",
+    )
+
+
+@criterion("residual / noise", "<=", 2.0, "twice the scatter is seen by eye")
+def levels_followed(residual: float, noise: float | None) -> Finding:
+    """One solid with friction follows the FRFs of every level."""
+    says = f"what is left is {100 * residual:.2g} % of F/X"
+    if noise is None:
+        return Finding(says + "; the FRFs do not say how much of it is their noise")
+    return Finding(
+        f"{says}, noise {100 * noise:.2g} %",
+        residual / noise,
+        ": no arms and sliders explain every level; check the mass, the levels and whether the "
+        "spring stiffens",
+    )

@@ -1,0 +1,213 @@
+"""From FRFs at several levels to arms and sliders: linear, with the measured amplitude."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.errors import DataError
+from dashpot.base.units import Quantity, Range, si, si_range
+from dashpot.fitting.level.checks import (
+    MATTERS,
+    amplitudes_spread,
+    level_matters,
+    levels_followed,
+)
+from dashpot.records.frf import FRF, Kind
+from dashpot.records.level import LevelFit
+from dashpot.solids.friction import Jenkins, slipping_share
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+_PER_DECADE = 10
+_FINER = 8
+"""A second grid between the neighbours of every slider found: a sharp one leaves 0.05 % without."""
+_NOTHING = 1e-9
+_DRAWS = 60
+_LEAST = 8
+"""Lines at a level."""
+
+
+def fit_levels(
+    frfs: Sequence[FRF],
+    levels: Sequence[Quantity],
+    *,
+    mass: Quantity,
+    seals: float = 1.0,
+    band: Range | None = None,
+    seed: int = 0,
+) -> LevelFit:
+    r"""Fit one solid and its friction to FRFs of one mass at several levels.
+
+    Each line is a measured stiffness at a measured amplitude, and every unknown is linear in it:
+
+    .. math:: \frac{F_i}{X_i} + m\omega_i^2 = k_\infty
+        + \sum_j k_j \frac{j\omega_i\tau_j}{1 + j\omega_i\tau_j}
+        + \sum_s k_s\, J(|X_i|; x_s), \qquad k \ge 0
+
+    over grids of tau and of yield displacements (J of a Jenkins element), weighted by 1/|F/X|.
+    Friction is taken where it explains what arms alone do not by 2 ln L > 20. No balance of
+    harmonics is needed; noise of the amplitude does no harm (5 %: 0.4 % of the stiffness).
+
+    Parameters
+    ----------
+    frfs : sequence of FRF
+        Per force, or transmissibilities.
+    levels : sequence of str or float
+        Amplitude of the force at each, N, constant over the lines; of a transmissibility that of
+        the ground's acceleration, m/s^2.
+    mass : str or float
+        kg.
+    seals : float
+        That carry it.
+    band : str or (float, float), optional
+        Hz.
+    seed : int
+        Of the draws that say how well all is known.
+
+    Raises
+    ------
+    DataError
+        If the levels do not belong to the FRFs, or a level has too few lines.
+    """
+    if len(frfs) != len(levels) or not frfs:
+        raise DataError(
+            f"{len(frfs)} FRFs and {len(levels)} levels; expected one level for each FRF"
+        )
+    kilograms = si(mass, "mass")
+    rows = [
+        _rows(frf, level, kilograms, seals, band) for frf, level in zip(frfs, levels, strict=True)
+    ]
+    omega, X, K, weight = (np.concatenate(each) for each in zip(*rows, strict=True))
+    low, high = float(X.min()) / 2, float(X.max())
+    count = max(round(_PER_DECADE * np.log10(high / low)), 2)
+    problem = _Problem(omega, X, weight, np.geomspace(low, high, count + 1)[:-1])
+    alone, plain = problem.solve(K, friction=False)
+    finer, (whole, both) = problem.with_sliders(K)
+    n = 2 * len(K)
+    floor = n * 1e-20
+    rss_plain, rss_both = (max(float((np.abs(r) ** 2).sum()), floor) for r in (plain, both))
+    gain = n * float(np.log(rss_plain / rss_both))
+    chosen, left = (whole, both) if gain > MATTERS else (alone, plain)
+    scatter = float(np.sqrt((np.abs(left) ** 2).mean() / 2))
+    rng = np.random.default_rng(seed)
+    draws = []
+    inertia = kilograms * omega**2 / seals
+    direct = K + left / weight - inertia  # F/X of the fit itself
+    for _ in range(_DRAWS):
+        # one error of the FRF is in the stiffness and in the amplitude
+        off = 1 + scatter * (rng.normal(size=len(K)) + 1j * rng.normal(size=len(K)))
+        other, again = direct * off + inertia, replace(problem, X=X / np.abs(off))
+        if gain > MATTERS:  # where the sliders are found moves, too
+            grid, (k, _) = again.with_sliders(other)
+            draws.append(grid.parts(k))
+        else:
+            draws.append(again.parts(again.solve(other, friction=False)[0]))
+    solid, sliders = (finer if gain > MATTERS else problem).parts(chosen)
+    range_ = (float(X.min()), float(X.max()))
+    known = _noise(frfs)
+    return LevelFit(
+        solid,
+        sliders,
+        range_,
+        (float(omega.min() / 2 / np.pi), float(omega.max() / 2 / np.pi)),
+        float(np.sqrt((np.abs(left) ** 2).mean())),
+        float(np.sqrt((np.abs(plain) ** 2).mean())),
+        tuple(draws),
+        kilograms,
+        seals,
+        (
+            level_matters(gain, range_, "m"),
+            amplitudes_spread(range_[1] / range_[0], "m"),
+            levels_followed(float(np.sqrt((np.abs(left) ** 2).mean())), known),
+        ),
+        tuple(one for frf in frfs for one in frf.source),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Problem:
+    omega: FloatArray
+    X: FloatArray
+    weight: FloatArray
+    #: yield displacements, m: beyond the largest amplitude a slider is a spring
+    yields: FloatArray
+
+    @property
+    def tau(self) -> FloatArray:
+        """Relaxation times that the band can tell from a spring and a dashpot, s."""
+        low, high = 1 / self.omega.max() / 30, 1 / self.omega.min() * 30
+        return np.geomspace(low, high, round(_PER_DECADE / 2 * np.log10(high / low)) + 1)
+
+    def with_sliders(self, K: ComplexArray) -> tuple[_Problem, tuple[FloatArray, ComplexArray]]:
+        """Solved on a coarse grid, and on a finer one about the sliders found there."""
+        k, _ = self.solve(K, friction=True)
+        found = np.flatnonzero(k[1 + len(self.tau) :] > _NOTHING * float(k.sum()))
+        step = self.yields[1] / self.yields[0]
+        near = step ** (np.arange(-_FINER, _FINER + 1) / _FINER)
+        finer = np.unique((self.yields[found, None] * near).round(15))
+        fine = replace(self, yields=finer) if len(found) else self
+        return fine, fine.solve(K, friction=True)
+
+    def _columns(self, friction: bool) -> ComplexArray:
+        product = 1j * self.omega[:, None] * self.tau
+        found = [np.ones((len(self.X), 1), dtype=complex), product / (1 + product)]
+        if friction:
+            found.append(slipping_share(self.X[:, None], self.yields))
+        return np.hstack(found)
+
+    def solve(self, K: ComplexArray, *, friction: bool) -> tuple[FloatArray, ComplexArray]:
+        """Coefficients >= 0 and the weighted residual."""
+        from scipy.optimize import nnls  # costs an import that few need
+
+        A = self._columns(friction) * self.weight[:, None]
+        y = K * self.weight
+        k, _ = nnls(np.vstack((A.real, A.imag)), np.concatenate((y.real, y.imag)))
+        return k, np.asarray(A @ k - y)
+
+    def parts(self, k: FloatArray) -> tuple[GeneralizedMaxwell, tuple[Jenkins, ...]]:
+        """The solid and the sliders; those that are nothing are left out."""
+        arms, sliders = k[1 : 1 + len(self.tau)], k[1 + len(self.tau) :]
+        least = _NOTHING * float(k.sum())
+        solid = GeneralizedMaxwell(
+            float(k[0]), tuple(arms[arms > least]), tuple(self.tau[arms > least])
+        )
+        return solid, tuple(
+            Jenkins(float(each), float(each * at))
+            for each, at in zip(sliders, self.yields, strict=False)
+            if each > least
+        )
+
+
+def _rows(
+    frf: FRF, level: Quantity, mass: float, seals: float, band: Range | None
+) -> tuple[FloatArray, FloatArray, ComplexArray, FloatArray]:
+    """Frequencies rad/s, amplitudes m, stiffness of one seal N/m, weights: usable lines."""
+    limits = si_range(band, "frequency")
+    lines = frf.only(frf.usable)
+    lines = lines if limits is None else lines.band(*limits)
+    if len(lines.value) < _LEAST:
+        raise DataError(
+            f"{len(lines.value)} usable lines at the level {level}; expected {_LEAST} or more"
+        )
+    over_base = lines.kind is Kind.TRANSMISSIBILITY
+    size = si(level, "acceleration" if over_base else "force")
+    if not size > 0:
+        raise DataError(f"level = {level!r}; expected an amplitude > 0")
+    receptance = lines.to(Kind.RECEPTANCE, mass=mass)
+    pull = mass * size if over_base else size
+    direct = 1 / receptance.value
+    K = (direct + mass * lines.omega**2) / seals
+    return lines.omega, np.abs(receptance.value) * pull, K, np.asarray(seals / np.abs(direct))
+
+
+def _noise(frfs: Sequence[FRF]) -> float | None:
+    """Relative scatter of the FRFs; None where they carry none."""
+    known = [
+        float(np.median(frf.random_sd[frf.usable] / np.abs(frf.value[frf.usable])))
+        for frf in frfs
+        if frf.random_sd is not None
+    ]
+    return float(np.sqrt(2) * np.median(known)) if known else None

@@ -1,0 +1,93 @@
+"""What a rubber loses with amplitude as a share of its stiffness at every frequency."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from dashpot.base.arrays import ComplexArray
+from dashpot.base.errors import DataError
+from dashpot.solids.maxwell import Solid
+from dashpot.solids.rate_independent import AmplitudeDependent, above_zero, amplitudes
+
+
+@dataclass(frozen=True)
+class Softening(AmplitudeDependent):
+    r"""The change of a solid with amplitude, to stand beside it: :math:`K^*(\omega)[\phi(X) - 1]`.
+
+    .. math:: \phi = 1 - d\left[1 - \frac{1}{1 + u^{2m}}\right]
+        + j\,\frac{d\,m}{\pi}\,\frac{2 u^m}{1 + u^{2m}}, \quad u = \frac{X}{X_c}
+
+    Kraus's law as a factor on a linear solid, its loss tied to its softening (broad friction).
+
+    Attributes
+    ----------
+    solid : Solid
+        The solid that it stands beside: what a vanishing amplitude feels.
+    share : float
+        d, the part of the stiffness that large amplitudes lose, 0 < d <= 1.
+    half_way : float
+        X_c, m, > 0.
+    m : float
+        Exponent, 0 < m < 1.
+    """
+
+    solid: Solid
+    share: float
+    half_way: float
+    m: float = 0.5
+
+    def __post_init__(self) -> None:
+        above_zero(self, "share", "half_way", "m")
+        if self.share > 1 or self.m >= 1:
+            raise DataError(
+                f"Softening: share = {self.share:g}, m = {self.m:g}; expected a share of at most 1 "
+                "and an exponent below 1"
+            )
+
+    @classmethod
+    def measured_at(
+        cls, solid: Solid, amplitude: float, share: float, half_way: float, m: float = 0.5
+    ) -> tuple[Solid, Softening]:
+        """The linear solid, and its softening, where `solid` was measured at an amplitude, m.
+
+        Its storage is taken back to a vanishing amplitude; the friction's loss stays in it.
+        """
+        linear = solid * (1 / float(softened(amplitude, share, half_way, m).real))
+        return linear, cls(linear, share, half_way, m)
+
+    def equivalent(self, omega: npt.ArrayLike, amplitude: npt.ArrayLike) -> ComplexArray:
+        """Change of the complex stiffness, N/m: its real part is below 0."""
+        change = softened(amplitude, self.share, self.half_way, self.m) - 1
+        return np.asarray(self.solid.complex_stiffness(omega) * change)
+
+    def start(self) -> Any:
+        """Refused: a law of amplitudes has no path.
+
+        Raises
+        ------
+        DataError
+        """
+        raise DataError(
+            "a softening gives stiffness and loss at an amplitude and has no force along a path; "
+            "take Jenkins elements beside the solid instead"
+        )
+
+    def advance(self, state: Any, dt: float, x: float) -> tuple[float, Any]:  # noqa: ARG002
+        """Refused, as :meth:`start`."""
+        return self.start()  # type: ignore[no-any-return]  # it raises
+
+    def __mul__(self, count: float) -> Softening:
+        """`count` in parallel."""
+        return replace(self, solid=self.solid * count)
+
+
+def softened(
+    amplitude: npt.ArrayLike, share: float, half_way: float, m: float = 0.5
+) -> ComplexArray:
+    """Complex stiffness over that of a vanishing amplitude: phi of :class:`Softening`."""
+    u = (amplitudes(amplitude) / half_way) ** m
+    return np.asarray(1 - share * (u**2 - 2j * m / np.pi * u) / (1 + u**2))

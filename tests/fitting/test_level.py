@@ -1,0 +1,237 @@
+"""Laws of amplitude from sweeps, and sliders from FRFs at several levels; truths built apart."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from dashpot.base.errors import DataError, FitError
+from dashpot.fitting.level.frfs import fit_levels
+from dashpot.fitting.level.sweep import fit_amplitude
+from dashpot.records.amplitude import AmplitudeSweep
+from dashpot.records.frf import FRF, Kind
+
+MASS = 0.104
+X = np.geomspace(1e-4, 0.02, 13)
+
+
+def payne(X, d=0.55, X_c=2e-3, m=0.5):
+    """Softening and its loss by the rule of broad friction, written out."""
+    u = (X / X_c) ** (2 * m)
+    return 1 - d + d / (1 + u) + 1j * d * m / np.pi * 2 * np.sqrt(u) / (1 + u)
+
+
+def sweep(K, X=X, hz=10.0, noise=0.0, seed=0, **words):
+    rng = np.random.default_rng(seed)
+    K = K * (1 + noise * (rng.normal(size=len(X)) + 1j * rng.normal(size=len(X))))
+    hz = np.broadcast_to(hz, X.shape)
+    return AmplitudeSweep(hz, X, K.real, K.imag, **words)
+
+
+class TestSweep:
+    def test_a_factor_is_found_to_the_last_digit(self):
+        found = fit_amplitude(sweep(5e6 * (1 + 0.1j) * payne(X)))
+        assert found.law == "factor"
+        assert (found.lost, found.half_way, found.m) == pytest.approx((0.55, 2e-3, 0.5), rel=1e-4)
+        assert found.linear[0] == pytest.approx(5e6 * (1 + 0.1j), rel=1e-4)
+        assert found.ratio(3e-3) == pytest.approx(complex(payne(3e-3)), rel=1e-4)
+        assert found.verdict.use == "use"
+
+    def test_an_element_beside_a_solid_is_found(self):
+        K = 400 * (1 + 0.05j) + 200 * (payne(X, d=1.0) - 1)
+        found = fit_amplitude(sweep(K, unit="N/m", of="m"))
+        assert found.law == "additive"
+        assert found.lost == pytest.approx(200, rel=1e-3)
+        assert found.element().stiffness(1e-3) == pytest.approx(
+            200 * complex(payne(1e-3, d=1.0)), rel=1e-3
+        )
+
+    @pytest.mark.parametrize("law", ["factor", "additive"])
+    def test_two_frequencies_tell_which(self, law):
+        low, high = 5e6 * (1 + 0.08j), 9e6 * (1 + 0.4j)
+        change = payne(X, d=1.0) - 1
+        parts = [L * payne(X) if law == "factor" else L + 2.5e6 * change for L in (low, high)]
+        both, tones = np.concatenate((X, X)), np.repeat([10.0, 100.0], len(X))
+        found = fit_amplitude(sweep(np.concatenate(parts), both, tones, noise=0.005, seed=3))
+        assert found.law == law
+        assert found.half_way == pytest.approx(2e-3, rel=0.05)
+
+    def test_its_errors_hold_the_truth(self):
+        held = 0
+        for seed in range(60):
+            found = fit_amplitude(
+                sweep(5e6 * (1 + 0.1j) * payne(X), noise=0.01, seed=seed), law="factor"
+            )
+            error = dict(found.se)
+            held += abs(found.half_way - 2e-3) < 2 * error["half_way"]
+            held += abs(found.lost - 0.55) < 2 * error["lost"]
+        assert 0.88 <= held / 120 <= 0.995
+
+    def test_a_short_sweep_sets_the_exponent_and_says_so(self):
+        short = np.geomspace(1e-5, 2e-3, 13)
+        found = fit_amplitude(sweep(5e6 * (1 + 0.1j) * payne(short), short, noise=0.003))
+        assert found.m == pytest.approx(0.5, abs=1e-6)
+        assert dict(found.se)["m"] == 0
+        assert any(c.name == "softening_seen" and c.failed for c in found.checks)
+        assert found.verdict.use == "use with care"
+
+    def test_a_linear_rubber_has_no_law(self):
+        for seed in range(10):
+            found = fit_amplitude(sweep(np.full(len(X), 5e6 * (1 + 0.1j)), noise=0.01, seed=seed))
+            assert found.law == "none", seed
+            assert (
+                "no dependence" in next(c for c in found.checks if c.name == "level_matters").says
+            )
+            assert found.ratio(1e-3) == 1
+
+    def test_the_first_samples_of_an_instrument_out_of_its_range(self):
+        K = 5e6 * (1 + 0.1j) * payne(X)
+        rng = np.random.default_rng(5)
+        K = K * (1 + 0.003 * (rng.normal(size=len(X)) + 1j * rng.normal(size=len(X))))
+        K[:2] *= [1.3 + 0.4j, 0.85 - 0.2j]
+        found = fit_amplitude(sweep(K))
+        assert found.left_out == 2
+        assert found.half_way == pytest.approx(2e-3, rel=0.1)
+
+    def test_a_rubber_that_does_not_follow_the_law(self):
+        steps = np.where(X < 1e-3, 5e6, 3e6) * (1 + 0.1j)
+        found = fit_amplitude(sweep(steps))
+        assert found.verdict.use == "use with care"
+
+    def test_too_few(self):
+        with pytest.raises(FitError, match="5 amplitudes"):
+            fit_amplitude(sweep(5e6 * payne(X[:5]), X[:5]))
+
+    @pytest.mark.parametrize("words", [{"unit": "mm"}, {"of": "mm"}])
+    def test_no_unit(self, words):
+        with pytest.raises(DataError, match="expected"):
+            sweep(5e6 * payne(X), **words)
+
+    def test_an_amplitude_of_nothing(self):
+        with pytest.raises(DataError, match="amplitude"):
+            sweep(5e6 * payne(X), np.concatenate(([0.0], X[1:])))
+
+
+def jenkins(X, k=100.0, F=0.05):
+    """The describing function of a Jenkins element, by its area and a sum over its loop."""
+    x_y = F / k
+    if x_y >= X:
+        return k + 0j
+    theta = np.arccos(1 - 2 * x_y / X)
+    return k / np.pi * (theta - np.sin(2 * theta) / 2) + 4j * F * (X - x_y) / np.pi / X**2
+
+
+def arms(w):
+    s = 1j * w
+    return 393 + 235 * s * 0.502 / (1 + s * 0.502) + 35.6 * s * 0.012 / (1 + s * 0.012)
+
+
+def measured(level, f, friction=jenkins, *, noise=0.01, seed=0, kind=Kind.ACCELERANCE):
+    """One balance a line, by a root of our own, and noise."""
+    rng = np.random.default_rng(seed)
+    w, out = 2 * np.pi * f, []
+    for one in w:
+
+        def over(u, one=one):
+            X = np.exp(u)
+            return np.log(abs(arms(one) + friction(X) - MASS * one**2) * X / level)
+
+        X = np.exp(brentq(over, np.log(1e-9), np.log(1)))
+        out.append(1 / (arms(one) + friction(X) - MASS * one**2))
+    H = np.array(out)
+    H = H * (1 + noise / np.sqrt(2) * (rng.normal(size=len(f)) + 1j * rng.normal(size=len(f))))
+    if kind is Kind.TRANSMISSIBILITY:
+        return FRF(f, 1 + MASS * w**2 * H, kind)
+    return FRF.of_receptance(f, H, kind=kind)
+
+
+F = np.linspace(8, 20, 61)
+LEVELS = (0.005, 0.05, 0.5)
+
+
+def three(friction=jenkins, seed=0, levels=LEVELS, **words):
+    return [
+        measured(level, F, friction, seed=10 * seed + i, **words) for i, level in enumerate(levels)
+    ]
+
+
+def worst(found, friction=jenkins, at=(2e-4, 1e-3, 4e-3)):
+    w = 2 * np.pi * 13.0
+    return max(
+        abs(complex(found.stiffness(w, X)) / (arms(w) + friction(X)) - 1)
+        for X in at
+        if found.covers(X)
+    )
+
+
+class TestLevels:
+    def test_stiffness_and_loss_at_every_amplitude(self):
+        for seed in range(6):
+            found = fit_levels(three(seed=seed), LEVELS, mass=MASS)
+            assert worst(found) < 0.01, seed
+            assert found.verdict.use == "use"
+            assert found.residual < 0.012
+            assert found.linear_residual > 0.05
+
+    def test_several_seals_are_one_seal_so_many_times(self):
+        one = fit_levels(three(), LEVELS, mass=MASS)
+        two = fit_levels(three(), LEVELS, mass=MASS, seals=2)
+        assert 2 * two.stiffness(80.0, 1e-3) == pytest.approx(one.stiffness(80.0, 1e-3), rel=1e-6)
+
+    def test_a_linear_truth_needs_no_sliders(self):
+        def nothing(X):
+            return 0j
+
+        for seed in range(12):
+            found = fit_levels(three(nothing, seed=seed), LEVELS, mass=MASS)
+            assert found.sliders == (), seed
+            assert "no dependence" in " ".join(
+                found.described + tuple(c.says for c in found.checks)
+            )
+
+    def test_transmissibility_says_the_same(self):
+        w0 = 2 * np.pi * 13
+        base = [
+            measured(level, F, seed=i, kind=Kind.TRANSMISSIBILITY) for i, level in enumerate(LEVELS)
+        ]
+        found = fit_levels(base, [level / MASS for level in LEVELS], mass=MASS)
+        assert worst(found) < 0.01
+        assert found.stiffness(w0, 1e-3).shape == ()
+
+    def test_a_wrong_mass_is_not_followed(self):
+        frfs = [
+            FRF(one.frequency, one.value, one.kind, sd=0.01 / np.sqrt(2) * np.abs(one.value))
+            for one in three()
+        ]
+        right, wrong = (fit_levels(frfs, LEVELS, mass=m) for m in (MASS, 1.3 * MASS))
+        assert right.verdict.use == "use"
+        assert wrong.verdict.use != "use"
+
+    def test_its_intervals_hold_the_truth(self):
+        held, w = [], 2 * np.pi * 13.0
+        for seed in range(12):
+            found = fit_levels(three(seed=40 + seed), LEVELS, mass=MASS)
+            for X in (2e-4, 1e-3, 4e-3):
+                for part in (np.real, np.imag):
+
+                    def follows(solid, sliders, X=X, part=part):
+                        K = solid.complex_stiffness(w) + sum(s.stiffness(X) for s in sliders)
+                        return float(part(K))
+
+                    low, high = found.interval(follows)
+                    held.append(low <= part(arms(w) + jenkins(X)) <= high)
+        assert 0.88 < np.mean(held) < 1
+
+    def test_one_level_of_one_amplitude_is_said(self):
+        far = np.linspace(30, 40, 30)  # above resonance the amplitude hardly moves
+        found = fit_levels([measured(0.05, far)], [0.05], mass=MASS)
+        assert any(c.name == "amplitudes_spread" and c.failed for c in found.checks)
+
+    def test_what_does_not_belong_together(self):
+        with pytest.raises(DataError, match="one level for each"):
+            fit_levels(three(), LEVELS[:2], mass=MASS)
+        with pytest.raises(DataError, match="usable lines"):
+            fit_levels(three(), LEVELS, mass=MASS, band="8:9Hz")
+        with pytest.raises(DataError, match="> 0"):
+            fit_levels(three(), [0.0, 0.1, 0.2], mass=MASS)
