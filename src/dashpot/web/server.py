@@ -149,6 +149,10 @@ def application(desk: Desk) -> Starlette:
         codes: dict[type, int] = {TooLargeError: 413, StoppedError: 409, FaultError: 500}
         return JSONResponse({"error": str(error)}, status_code=codes.get(type(error), 422))
 
+    async def fault(_: Request, error: Exception) -> Response:
+        words = f"a fault of dashpot's own: {type(error).__name__}; the shell's command says more"
+        return JSONResponse({"error": words}, status_code=500)
+
     @contextlib.asynccontextmanager
     async def lifespan(_: Starlette) -> AsyncIterator[None]:
         for lane in desk.lanes.values():
@@ -171,7 +175,7 @@ def application(desk: Desk) -> Starlette:
             Route("/api/state", state, methods=["GET", "PUT"]),
             Route("/api/{verb}", ask, methods=["POST"]),
         ],
-        exception_handlers={DashpotError: sentence},
+        exception_handlers={DashpotError: sentence, Exception: fault},
         lifespan=lifespan,
     )
 

@@ -13,6 +13,8 @@ from dashpot.base.errors import DataError, ReadError
 
 LIMIT = 200 << 20
 """Bytes of one file, at most."""
+MOST = 120
+"""Bytes of a name, at most: its end is kept, which says the format."""
 _ID = re.compile(r"[0-9a-f]{16}")
 
 
@@ -95,4 +97,5 @@ def plain_name(name: str) -> str:
     """Return the last part of a name, without what a file system or a terminal would obey."""
     last = re.split(r"[/\\]", name)[-1]
     clean = "".join(c if c.isprintable() and c not in '<>:"|?*' else "_" for c in last).strip(". ")
-    return clean[-120:] or "file"
+    # a file system counts bytes
+    return clean.encode()[-MOST:].decode(errors="ignore") or "file"
