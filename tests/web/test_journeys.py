@@ -174,7 +174,7 @@ def test_both_tests_are_fitted_together(visit, files):
     assert "both tests" in page.at.locator("#answers").inner_text()
     assert "--no-joint" not in page.at.locator("#command").inner_text()
     page.at.get_by_role("button", name="its base moves").click()
-    page.at.get_by_text("less than its base above").wait_for()
+    page.at.locator("[data-panel=frf]").get_by_text("less than its base above").first.wait_for()
     assert "predict joint.json" in page.at.locator("#command").inner_text()
     assert "transmissibility" in page.at.locator('[data-panel="frf"]').inner_text()
 

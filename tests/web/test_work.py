@@ -148,8 +148,8 @@ def test_a_base_that_moves_is_predicted_as_by_the_command(store, asked, at_home,
     (at_home / f"{fit}.json").write_text(ask("take", store, job=job, what=fit)["text"])
     shell = typed(head["command"].splitlines()[1], "--json")
     assert json.loads(ask("take", store, job=job, what="base-json")["text"]) == shell
-    assert f"{shell['isolation_hz']:.4g}" in head["frf"]
-    assert f"{shell['peak']['value']:.4g}" in head["frf"]
+    assert f"above {shell['isolation_hz']:.2f} Hz" in head["frf"]
+    assert f"{shell['peak']['frequency_hz']:.2f} Hz, {shell['peak']['value']:.3g}" in head["frf"]
     lines = ask("take", store, job=job, what="base")["text"]
     assert repr(shell["real"][7]) in lines
     moving = ask("predict", store, job=job, base=True)["arrays"]["frf/predicted/y"]

@@ -160,9 +160,9 @@ def base_panel(found: Prediction, joint: bool, sizes: Sizes) -> str:
     """The transmissibility to the mass, its peak, and from where on the mass is isolated."""
     pen, name = joint_pen(failed=False) if joint else (PREDICTED, "predicted from relaxation")
     panel = magnitude_panel([Curve(found.frf, name, pen, found.peak)], tagged=True)
-    isolated = Rule(found.document["isolation_hz"], REF, label="mass moves as its base does")
-    svg = drawn("frf", replace(panel, marks=(*panel.marks, isolated)), sizes)
-    return svg + piece("base", peak=found.peak, isolated=found.document["isolation_hz"])
+    hz = found.document["isolation_hz"]
+    isolated = Rule(hz, REF, label=f"less than its base above {rounded(hz, digits=4)} Hz")
+    return drawn("frf", replace(panel, marks=(*panel.marks, isolated)), sizes)
 
 
 def hit_panels(study: Study, sizes: Sizes) -> dict[str, str]:
