@@ -30,6 +30,7 @@ from dashpot.fitting.shift_law import LawScore
 from dashpot.fitting.temperature import checks as several
 from dashpot.io.readers import checks as reading
 from dashpot.lots import checks as lots
+from dashpot.lots.statistics.capability import capability
 from dashpot.planning import checks as planning
 from dashpot.planning.expected import Pulse, RecordNeed
 from dashpot.preparation import checks as preparation
@@ -918,6 +919,23 @@ LOTS = [
     Case("files_fitted", lambda x: lots.files_fitted(int(x), 9), 0, 1),
     Case("fits_usable", lambda x: lots.fits_usable(int(x), 9), 0, 1),
     Case("hammers_compared", lambda x: lots.hammers_compared(int(x), 9), 0, 1),
+    Case("tests_alike", lambda x: lots.tests_alike(int(x), 9), 0, 1),
+    Case(
+        "seals_within_limits",
+        lambda x: lots.seals_within_limits("k", "at most 1", ["pass"] + ["fail"] * int(x)),
+        0,
+        1,
+    ),
+    Case(
+        "capability_as_asked",
+        lambda x: lots.capability_as_asked(
+            "k", "A", capability(np.array([-1.0, 0.0, 1.0]), None, 3 * x), 1.33
+        ),
+        1.33,
+        1.3299,
+    ),
+    Case("stands_out_of_lot", lambda x: lots.stands_out_of_lot(int(x), 9), 0, 1),
+    Case("asked_in_band", lambda x: lots.asked_in_band([12.7] * int(x), int(x)), 0, 1),
 ]
 
 WORKFLOW = [
@@ -1063,7 +1081,9 @@ LIMITS = {
         "level_matters": 20, "amplitudes_spread": 3, "softening_seen": 2, "law_followed": 0.03,
         "levels_followed": 2,
     },
-    "lots": {"files_fitted": 0, "fits_usable": 0, "hammers_compared": 0},
+    "lots": {"files_fitted": 0, "fits_usable": 0, "hammers_compared": 0,
+             "tests_alike": 0, "seals_within_limits": 0,
+             "stands_out_of_lot": 0, "asked_in_band": 0},
     "planning": {"tip_excites": -10},
     "vibration": {
         "seal_mass_negligible": 0.02, "mass_of_a_block": 1e-3, "compression_tested": 1,
@@ -1087,6 +1107,7 @@ LIMITS = {
 #: what a failure means; of every other check, that the result is to be used with care
 GRADES = {
     "note": {
+        "lots": {"stands_out_of_lot"},
         "preparation": {
             "baseline_recorded", "single_loading", "overshoot_small", "range_used",
             "hold_outlasts_ramp", "load_held",

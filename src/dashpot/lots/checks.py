@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from dashpot.base.checks import Finding, criterion
+from dashpot.lots.statistics.capability import Capability
 
 
 @criterion("files without a fit", "<=", 0, "by definition")
@@ -32,4 +35,64 @@ def hammers_compared(without: int, paired: int) -> Finding:
         f"{paired - without} of {paired} hammers were held against their tests",
         without,
         ": the table has the reason of each other one",
+    )
+
+
+@criterion("tests made otherwise", "<=", 0, "by definition")
+def tests_alike(unlike: int, tests: int) -> Finding:
+    """Tests of a lot have one hold and depth, within 5 %, and one temperature, within 3 K."""
+    return Finding(
+        f"{tests - unlike} of {tests} fits are of tests that were made alike",
+        unlike,
+        ": the others, which the page names, are left out of the lot's statistics",
+    )
+
+
+@criterion("seals that do not pass", "<=", 0, "ISO 14253-1:2017, simple acceptance is not enough")
+def seals_within_limits(words: str, limits: str, decisions: Sequence[str]) -> Finding:
+    """Every seal is inside the limits that are asked for by more than its guard band."""
+    counts = {one: decisions.count(one) for one in ("fail", "not proven", "no result")}
+    said = {
+        "fail": "outside", "not proven": "inside by less than the guard band",
+        "no result": "without a test that is used",
+    }  # fmt: skip
+    broken = ", ".join(f"{count} {said[one]}" for one, count in counts.items() if count)
+    passed, every = decisions.count("pass"), len(decisions)
+    return Finding(
+        f"{passed} of {every} seals pass: {words} {limits}",
+        every - passed,
+        f"; {broken}",
+    )
+
+
+@criterion("Cpk", ">=", None, "asked for with the limits")
+def capability_as_asked(words: str, lot: str, of: Capability, asked: float) -> Finding:
+    """The lowest Cpk of the lots is as high as is asked for."""
+    low, high = of.cpk_interval or (0.0, 0.0)
+    where = f" of lot {lot}" if lot else ""
+    return Finding(
+        f"Cpk of {words}{where} is {of.cpk:.2f} ({low:.2f} to {high:.2f}, {of.count} seals) "
+        f"where {asked:.2f} is asked",
+        of.cpk,
+        ": test more seals" if high >= asked else ": the seals scatter too much, or lie off centre",
+        limit=asked,
+    )
+
+
+@criterion("seals and tests", "<=", 0, "Iglewicz and Hoaglin (1993), for few values wider",
+           grade="note")  # fmt: skip
+def stands_out_of_lot(out: int, seals: int) -> Finding:
+    """No seal of a lot, and no test of a seal, stands out of the others."""
+    return Finding(f"{out} of {seals} seals or their tests stand out", out, ": look at them")
+
+
+@criterion("tests beyond their band", "<=", 0, "by definition")
+def asked_in_band(frequencies: Sequence[float], tests: int) -> Finding:
+    """The frequencies at which stiffness and loss are asked for are those that the tests inform."""
+    where = ", ".join(f"{one:g}" for one in frequencies)
+    return Finding(
+        "the tests inform the frequencies that are asked for",
+        tests,
+        instead=f"{where} Hz lies beyond the band of {tests} tests: stiffness and loss there are "
+        "extrapolated; a faster ramp or a hammer test would tell",
     )

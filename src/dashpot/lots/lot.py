@@ -12,15 +12,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from dashpot.base.checks import Check
-from dashpot.base.errors import DataError
 from dashpot.base.lock import alone
 from dashpot.base.progress import doing
 from dashpot.base.units import Quantity, si
-from dashpot.base.version import byline
 from dashpot.io.options import ReadOptions
-from dashpot.io.write import neutral
-from dashpot.lots.checks import files_fitted, fits_usable, hammers_compared
 from dashpot.lots.choices import BatchChoices, several
 from dashpot.lots.engines import engine
 from dashpot.lots.entries import entries
@@ -36,12 +31,10 @@ from dashpot.lots.parts import (
 )
 from dashpot.lots.processes import Engine, Rows
 from dashpot.lots.row import row
-from dashpot.lots.statistics.scatter import SHORT, Component, components, stands_out
+from dashpot.lots.rows import Lot
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-
-    import polars as pl
 
 CHUNK = 25
 """Files of a chunk: what a run that is cut short loses at most, for each process."""
@@ -49,123 +42,6 @@ LOG = "batch.log"
 _LOCK = ".lock"
 _TIMED = 3
 """Tests that a dry run times."""
-
-
-@dataclass(frozen=True, eq=False)
-class Lot:
-    """Many tests, one row each.
-
-    Attributes
-    ----------
-    table : polars.DataFrame
-        Sorted by file; SI units, which the names of the columns end in.
-    computed : int
-        Rows that this run made; the others were there.
-    """
-
-    table: pl.DataFrame
-    computed: int
-
-    @property
-    def outcomes(self) -> dict[str, int]:
-        """How many files were ``fitted``, ``refused``, ``other`` tests, ``died`` or ``changed``."""
-        return dict(Counter(self.table["outcome"]).most_common())
-
-    @property
-    def verdicts(self) -> dict[str, int]:
-        """How many fits are for use, for use with care, and not for use."""
-        return dict(Counter(one for one in self.table["verdict"] if one).most_common())
-
-    @property
-    def agreements(self) -> dict[str, int]:
-        """What their hammers make of the predictions: for use, with care, or not for use."""
-        return dict(Counter(one for one in self.table["agreement"] if one).most_common())
-
-    @property
-    def used(self) -> pl.DataFrame:
-        """The rows that were fitted and whose verdict is not "do not use"."""
-        column = polars().col
-        return self.table.filter(
-            (column("outcome") == "fitted") & (column("verdict") != "do not use")
-        )
-
-    def components(self, quantity: str = "k_inf_N_per_m") -> tuple[Component, ...]:
-        """Where the scatter of a quantity comes from: lots, their seals, repeats, errors of fits.
-
-        Of the rows in `used`. A level that has one member, or whose labels nobody gave, is left
-        out; without repeats the scatter inside a lot is that of its seals and their tests. The
-        errors of the fits are known of ``k_inf_N_per_m``, unless they were left out.
-
-        Parameters
-        ----------
-        quantity : str
-            A column of numbers.
-
-        Raises
-        ------
-        DataError
-            If there is no such column, or nothing that repeats.
-        """
-        if quantity not in self.table.columns or not self.table[quantity].dtype.is_float():
-            raise DataError(f"'{quantity}' is no column of numbers of the table")
-        rows = self.used.drop_nulls(quantity)
-        lots, seals = rows["lot"].n_unique(), rows.select("lot", "seal").n_unique()
-        levels = [("lot", rows["lot"].to_list())] if lots > 1 else []
-        repeated = seals < rows.height
-        if seals > lots and repeated:
-            levels.append(("seal", rows["seal"].to_list()))
-        if not levels:
-            raise DataError(
-                "the scatter has no sources to tell apart: say which lot, seal and repeat each "
-                "test is, by --by or --manifest, of at least two lots or seals"
-            )
-        within = "repeat" if repeated else "seal"
-        known = quantity == "k_inf_N_per_m" and not rows["k_inf_se_N_per_m"].has_nulls()
-        errors = rows["k_inf_se_N_per_m"].to_numpy() if known else None
-        return components(rows[quantity].to_numpy(), levels, within=within, errors=errors)
-
-    def outliers(self, quantity: str = "k_end_N_per_m") -> tuple[tuple[str, float], ...]:
-        """The tests that stand out of their lot: file, and distance in robust deviations.
-
-        From the median of the lot, in 1.4826 times its median absolute deviation; the limit is
-        :func:`~dashpot.lots.statistics.scatter.stands_out`'s, 3.5 in a large lot.
-        """
-        found = []
-        for _, rows in self.used.drop_nulls(quantity).group_by("lot", maintain_order=True):
-            away = stands_out(rows[quantity].to_numpy())
-            found += [
-                (str(file), float(one)) for file, one in zip(rows["file"], away, strict=True) if one
-            ]
-        return tuple(sorted(found, key=lambda one: -abs(one[1])))
-
-    @property
-    def short_holds(self) -> tuple[str, ...]:
-        """Files of tests held for less than 95 % of the median hold of their kind in their lot."""
-        column = polars().col
-        least = SHORT * column("hold_s").median().over("lot", "kind")
-        return tuple(self.table.filter(column("hold_s") < least)["file"])
-
-    def csv(self) -> str:
-        """The table as CSV, below a line that names dashpot; no text is a spreadsheet's formula."""
-        pl = polars()
-        texts = [
-            pl.Series(one.name, [neutral(text) for text in one])
-            for one in self.table.select(pl.col(pl.String)).iter_columns()
-        ]
-        return (
-            f"# {byline('table of a batch of tests')}\n{self.table.with_columns(texts).write_csv()}"
-        )
-
-    @property
-    def checks(self) -> tuple[Check, ...]:
-        """Whether every file became a fit, and every fit may be used."""
-        fitted = self.outcomes.get("fitted", 0)
-        paired = self.table.filter(polars().col("hammer") != "").height
-        return (
-            files_fitted(self.table.height - fitted, self.table.height),
-            fits_usable(self.verdicts.get("do not use", 0), fitted),
-            hammers_compared(paired - sum(self.agreements.values()), paired),
-        )
 
 
 @dataclass(frozen=True)

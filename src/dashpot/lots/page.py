@@ -2,63 +2,58 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import hashlib
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from functools import cache
 from importlib import resources
-from itertools import groupby
 from math import isfinite
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import verdict
-from dashpot.base.errors import DataError
 from dashpot.base.numbers import counted, rounded
 from dashpot.base.version import byline
-from dashpot.lots.lot import Lot
-from dashpot.lots.statistics.control import individuals
+from dashpot.lots.figures import capability_picture, control_picture, curves_picture
+from dashpot.lots.limits import Judged
+from dashpot.lots.quantities import Quantity
+from dashpot.lots.rows import Lot, Seal
+from dashpot.lots.statistics.control import ENOUGH
+from dashpot.lots.statistics.gauge import LIMIT, TRUSTED
+from dashpot.lots.summary import OfQuantity, Summary, summary
 from dashpot.plot import tokens
-from dashpot.plot.picture import (
-    Area,
-    Axis,
-    Dots,
-    Line,
-    Mark,
-    Panel,
-    Pen,
-    Picture,
-    Tag,
-    around,
-    around_log,
-)
+from dashpot.plot.picture import Picture
 from dashpot.report.figures import Drawn, drawn
 from dashpot.report.pages import COLOURS, digest, environment
 
-CURVES = 200
-"""Drawn at most, evenly over the lot; more would be one stain."""
 WIDE = 1180.0
-_CURVE = Pen("measured", 0.8)
-_MEAN = Pen("fit", 2.0)
-_THREAD = Pen("ref", 0.8)
+THIRD = 440.0
+_GRAVITY = {"fail": 0, "not proven": 1, "no result": 2}
+_MARKS = {"fail": "bad", "not proven": "care", "no result": "note", "pass": "good", "look": "care"}
+_SOURCES = {
+    "repeatability": "repeats", "operator": "operators", "interaction": "operator and seal",
+    "gauge": "gauge R&R", "part": "seals", "total": "all",
+}  # fmt: skip
 
 
-class Point(NamedTuple):
-    """A seal, or a test whose seal nobody named: its lot, its name, and its stiffness, N/mm."""
-
-    lot: str
-    name: str
-    stiffness: float
-
-
-def html(lot: Lot, *, title: str = "Lot") -> str:
+def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
     """Return the page of a lot as one self-contained file: no network, no script.
 
     Whatever came from a file or its name is escaped.
+
+    Parameters
+    ----------
+    lot : Lot
+    title : str
+    found : Summary, optional
+        What it says; by default of the stiffness at the end of the hold, without limits.
     """
+    found = found or summary(lot)
     style = f"{tokens.css()}\n{_part('lot.css')}"
-    found = verdict(lot.checks, sound="every file is a test whose fit may be used")
-    points = tuple(_points(lot))
+    said = verdict(found.checks, sound="every file is a test whose fit may be used")
+    main = found.main
     return str(
         environment("dashpot.lots")
         .get_template("lot.html")
@@ -68,17 +63,31 @@ def html(lot: Lot, *, title: str = "Lot") -> str:
             style=style,
             policy=f"default-src 'none'; style-src {digest(style)}; base-uri 'none'; "
             "form-action 'none'",
-            verdict=found,
-            colour=COLOURS[found.use],
-            counts=_counts(lot, points),
-            what="seals: means of their tests" if _sealed(lot) else "tests",
-            chart=_drawn("chart", _chart(points)) if points else None,
-            curves=_drawn("curves", _curves(lot)) if points else None,
-            scatter=_scatter(lot),
-            outliers=[(file, f"{away:+.1f}") for file, away in lot.outliers()],
-            short=lot.short_holds,
-            others=_others(lot),
-            tests=_tests(lot),
+            verdict=replace(said, says=said.because[0].says) if said.because else said,
+            colour=COLOURS[said.use],
+            because=[one.says for one in said.because[1:]],
+            counts=_counts(lot, main),
+            quantity=main.quantity,
+            heading=main.quantity.title[:1].upper() + main.quantity.title[1:],
+            anchor=lambda name: f"a{hashlib.sha256(name.encode()).hexdigest()[:12]}",
+            what="mean of the tests of each seal" if _repeated(main) else "one test each",
+            chart=_drawn(control_picture(main.quantity, main.charts, main.seals, main.limits))
+            if main.seals
+            else None,
+            few=[name for name, one in main.charts.items() if len(one.seals) < ENOUGH],
+            enough=ENOUGH,
+            curves=_curves(lot, found),
+            capability=_capability(main),
+            lots=_lots(main),
+            scatter=_scatter(main),
+            gauge=_gauge(main),
+            flags=found.flags,
+            signals=list(_signals(main)),
+            heads=_heads(lot, main),
+            seals=_seals(lot, found),
+            judged=bool(main.judged),
+            tests=_tests(lot, main.quantity),
+            marks=_MARKS,
         )
     )
 
@@ -91,110 +100,210 @@ def _part(name: str) -> str:
 # -- figures --------------------------------------------------------------------------------------
 
 
-def _sealed(lot: Lot) -> bool:
-    return bool((lot.used["seal"] != "").any())
+def _drawn(picture: Picture, width: float = WIDE) -> Drawn:
+    return drawn(picture, width=width)
 
 
-def _points(lot: Lot) -> Iterator[Point]:
-    """One point for each seal, else for each test, lot by lot."""
-    rows = lot.used.drop_nulls("k_end_N_per_m").sort("lot", "seal", "file")
-    named = _sealed(lot)
-    told = zip(rows["lot"], rows["seal"] if named else rows["file"], rows["k_end_N_per_m"],
-               strict=True)  # fmt: skip
-    for (of, name), tests in groupby(told, key=lambda row: (row[0], row[1])):
-        yield Point(str(of), str(name), 1e-3 * float(np.mean([row[2] for row in tests])))
+def _curves(lot: Lot, found: Summary) -> Drawn | None:
+    rows = lot.used.drop_nulls("k_end_N_per_m").to_dicts()
+    odd = {(one.lot, one.seal) for one in found.flags if one.weighty}
+    files = [row["file"] for row in rows if (row["lot"], row["seal"] or row["file"]) in odd]
+    return _drawn(curves_picture(rows, files)) if rows else None
 
 
-def _chart(points: Sequence[Point]) -> Panel:
-    """Individual values with the control limits of each lot."""
-    x = np.arange(1, len(points) + 1, dtype=float)
-    y = np.array([one.stiffness for one in points])
-    marks: list[Mark] = [Line(x, y, _THREAD)]
-    edges = [y]
-    for name, members in groupby(enumerate(points), key=lambda pair: pair[1].lot):
-        at = np.array([i for i, _ in members])
-        if len(at) < 2:
-            continue
-        limits, _ = individuals(y[at])
-        mean, low, high = limits.centre, float(limits.lower[0]), float(limits.upper[0])
-        ends = np.array([at[0] + 0.5, at[-1] + 1.5])
-        level = np.ones(2)
-        marks.insert(0, Area(ends, low * level, high * level, "fit", "control limits of each lot"))
-        marks.append(Line(ends, mean * level, _MEAN, "mean of each lot"))
-        marks += [
-            Tag(x[i], y[i], points[i].name, "care-ink", "hollow")
-            for i in at
-            if not low <= y[i] <= high
-        ]
-        if name:
-            marks.append(Tag(ends[0], high, f"lot {name}", "soft"))
-        edges.append(np.array([low, high]))
-    marks.append(Dots(x, y, "measured", "seal or test", size=5.0))
-    axes = (
-        Axis("in the order of lot and seal, no.", (0.5, len(points) + 0.5)),
-        Axis("stiffness at the end of the hold, N/mm", around(*edges)),
-    )
-    return Panel(*axes, tuple(marks), height=200)
-
-
-def _curves(lot: Lot) -> Panel:
-    """The relaxation of every solid, from a hundredth of a second to the end of the hold."""
-    rows = lot.used.drop_nulls("k_end_N_per_m")
-    kept = np.unique(np.linspace(0, rows.height - 1, min(rows.height, CURVES)).astype(int))
-    time = np.geomspace(1e-2, max(float(rows["hold_s"].max() or 1.0), 1.0), 80)  # type: ignore[arg-type]
-    drawn = [_relaxation(rows.row(int(i), named=True), time) for i in kept]
-    marks = tuple(Line(time, k, _CURVE, "solid of each test") for k in drawn)
-    axes = (
-        Axis("time after a step, s", (float(time[0]), float(time[-1])), log=True),
-        Axis("stiffness k(t), N/mm", around_log(*drawn, margin=1.05), log=True),
-    )
-    return Panel(*axes, marks, height=170)
-
-
-def _relaxation(row: dict[str, Any], time: FloatArray) -> FloatArray:
-    k = np.full(len(time), float(row["k_inf_N_per_m"]))
-    for j in range(1, int(row["arms"]) + 1):
-        k += row[f"k_{j}_N_per_m"] * np.exp(-time / row[f"tau_{j}_s"])
-    return np.asarray(1e-3 * k)
-
-
-def _drawn(name: str, panel: Panel) -> Drawn:
-    return drawn(Picture(name, panel.y.label, ((panel,),)), width=WIDE)
+def _capability(main: OfQuantity) -> dict[str, Any] | None:
+    """The lot with the lowest Cpk, or the only one."""
+    known = {name: one for name, one in main.capability.items() if one.cpk is not None}
+    if not known or main.limits is None:
+        return None
+    worst = min(known, key=lambda name: known[name].cpk or 0.0)
+    one = known[worst]
+    low, high = one.cpk_interval or (0.0, 0.0)
+    near, far = one.outside_interval
+    return {
+        "lot": worst,
+        "several": len(known) > 1,
+        "cpk": f"{one.cpk:.2f}",
+        "from": f"{low:.2f}",
+        "to": f"{high:.2f}",
+        "cp": "" if one.cp is None else f"{one.cp:.2f}",
+        "count": one.count,
+        "outside": one.outside,
+        "share": f"{100 * near:.2g} to {100 * far:.2g} %",
+        "suspect": one.suspect,
+        "normal": None if one.normal is None else rounded(one.normal, digits=2),
+        "figure": _drawn(
+            capability_picture(
+                main.quantity, [seal for seal in main.seals if seal.lot == worst], main.limits
+            ),
+            THIRD,
+        ),
+    }
 
 
 # -- words and tables -----------------------------------------------------------------------------
 
 
-def _counts(lot: Lot, points: Sequence[Point]) -> str:
-    lots = len({one.lot for one in points})
-    told = f"{counted(lot.table.height, 'file')}, {counted(lot.used.height, 'fit')} used"
-    return f"{told}, {counted(lots, 'lot')}" if lots > 1 else told
+def _repeated(main: OfQuantity) -> bool:
+    return any(len(one.values) > 1 for one in main.seals)
 
 
-def _scatter(lot: Lot) -> list[tuple[str, str, str, str, str, float]]:
-    """Source, share in per cent, standard deviation and its ends, N/mm, and the share of a bar."""
-    try:
-        found = lot.components("k_end_N_per_m")
-    except DataError:
-        return []
-    rows = []
-    for one in found:
-        low, high = ("", "") if one.interval is None else (
-            rounded(1e-3 * end**0.5, digits=2) if isfinite(end) else "no limit"
-            for end in one.interval
-        )  # fmt: skip
-        sd = rounded(1e-3 * one.variance**0.5, digits=2)
-        rows.append((one.source, f"{100 * one.share:.1f}", sd, low, high, 100 * one.share))
+def _counts(lot: Lot, main: OfQuantity) -> str:
+    lots = {one.lot for one in main.seals}
+    told = [
+        counted(lot.table.height, "file"),
+        f"{counted(lot.used.height, 'fit')} used",
+        counted(len(main.seals), "seal") if _repeated(main) else "",
+        counted(len(lots), "lot") if len(lots) > 1 else "",
+    ]
+    depth, hold = (lot.used[name].median() for name in ("depth_m", "hold_s"))
+    for value, scale, unit in ((depth, 1e3, "mm"), (hold, 1.0, "s")):
+        if isinstance(value, float):
+            told.append(f"{scale * value:.4g} {unit}")
+    return ", ".join(filter(None, told))
+
+
+def _ends(interval: tuple[float, float], scale: float) -> tuple[str, str]:
+    low, high = (
+        rounded(scale * end, digits=2) if isfinite(end) else "no limit" for end in interval
+    )
+    return low, high
+
+
+def _scatter(main: OfQuantity) -> list[dict[str, Any]]:
+    """Source, share in per cent, standard deviation and its ends, and where its bar stands."""
+    rows, at = [], 0.0
+    for one in main.components:
+        low, high = ("", "")
+        if one.interval is not None:
+            low, high = _ends((one.interval[0] ** 0.5, one.interval[1] ** 0.5), main.quantity.scale)
+        rows.append({
+            "source": one.source, "share": f"{100 * one.share:.1f}", "low": low, "high": high,
+            "sd": rounded(main.quantity.scale * one.variance**0.5, digits=2),
+            "at": f"{at:.3f}", "width": f"{100 * one.share:.3f}", "wide": one.share > 0.2,
+        })  # fmt: skip
+        at += 100 * one.share
     return rows
 
 
-def _others(lot: Lot) -> list[tuple[str, str]]:
-    rows = lot.table.select("file", "outcome", "reason").iter_rows()
-    return [(file, reason) for file, outcome, reason in rows if outcome != "fitted"]
+def _gauge(main: OfQuantity) -> dict[str, Any] | None:
+    study, scale = main.gauge, main.quantity.scale
+    if study is None:
+        return None
+    rows = []
+    for one in study.variations:
+        shares = (f"{100 * end:.0f}" for end in one.share_interval)
+        rows.append((
+            _SOURCES[one.name], rounded(scale * one.deviation, digits=2),
+            *_ends(one.interval, scale), f"{100 * one.share:.1f}", *shares,
+        ))  # fmt: skip
+    share = study["gauge"].share
+    mark = "good" if share <= TRUSTED else "care" if share <= LIMIT else "bad"
+    low, high = (f"{end:.0f}" if isfinite(end) else "∞" for end in study.categories_interval)
+    tolerance = None
+    if main.limits is not None and None not in (main.limits.lower, main.limits.upper):
+        wide = (main.limits.upper or 0.0) - (main.limits.lower or 0.0)
+        tolerance = f"{100 * 6 * study['gauge'].deviation / wide:.1f}"
+    return {
+        "rows": rows, "mark": mark, "share": f"{100 * share:.1f}", "low": low, "high": high,
+        "categories": int(study.categories) if isfinite(study.categories) else "∞",
+        "operators": study.operators, "parts": study.parts, "tests": study.tests,
+        "left_out": study.left_out, "tolerance": tolerance,
+        "pooled": study.interaction_p is not None and "interaction" not in [
+            one.name for one in study.variations
+        ],
+    }  # fmt: skip
 
 
-def _tests(lot: Lot) -> list[dict[str, str]]:
-    """Every fitted test, those not to be used first."""
+def _signals(main: OfQuantity) -> Iterator[tuple[str, str, str]]:
+    """Lot, seal and rule, and the lots that stand out of all."""
+    for name, one in main.charts.items():
+        for at, rule in one.means.signals:
+            yield name, one.seals[at].name, rule
+    if main.lots is not None:
+        names, means, deviations = main.lots
+        for chart, what in ((means, "its mean"), (deviations, "its scatter")):
+            for at, rule in chart.signals:
+                yield names[at], "", f"{what} is {rule} of all lots"
+
+
+def _lots(main: OfQuantity) -> list[tuple[str, ...]]:
+    """Lot, seals, mean, standard deviation, control limits, Cpk and its ends."""
+    groups: dict[str, list[float]] = defaultdict(list)
+    for one in main.seals:
+        groups[one.lot].append(one.mean)
+    rows: list[tuple[str, ...]] = []
+    for name, values in groups.items():
+        shown, charts = main.quantity.shown, main.charts.get(name)
+        able = main.capability.get(name)
+        spread = float(np.std(values, ddof=1)) if len(values) > 1 else None
+        ends = ("", "")
+        if charts is not None:
+            ends = (shown(float(charts.means.lower[0])), shown(float(charts.means.upper[0])))
+        of_cpk = ("", "", "")
+        if able is not None and able.cpk is not None and able.cpk_interval is not None:
+            low, high = able.cpk_interval
+            of_cpk = f"{able.cpk:.2f}", f"{low:.2f}", f"{high:.2f}"
+        rows.append((name or "unnamed", f"{len(values)}", shown(float(np.mean(values))),
+                     shown(spread, digits=2), *ends, *of_cpk))  # fmt: skip
+    return rows
+
+
+def _heads(lot: Lot, main: OfQuantity) -> list[Quantity]:
+    """The further quantities of the table of seals."""
+    told = (main.quantity.name, "k_inf", "E_inf")
+    return [
+        one
+        for one in lot.quantities
+        if one.name not in told and not one.name.startswith("loss_at_")
+    ]
+
+
+def _seals(lot: Lot, found: Summary) -> list[dict[str, Any]]:
+    """Every seal, the gravest first: what fails, what is to be looked at, the others in order."""
+    main, means = found.main, _means(lot, found.main)
+    decisions: dict[tuple[str, str], Judged] = {(one.lot, one.seal): one for one in main.judged}
+    why = defaultdict(list)
+    for flag in found.flags:
+        if not flag.file or flag.weighty:
+            why[flag.lot, flag.seal or flag.file].append(flag.says)
+    rows = []
+    empty = [
+        Seal(key[0], key[1], (), np.array([])) for key in decisions if key not in
+        {(one.lot, one.name) for one in main.seals}
+    ]  # fmt: skip
+    for seal in (*main.seals, *empty):
+        key = seal.lot, seal.name
+        judged = decisions.get(key)
+        said = why[key]
+        if judged is not None and judged.decision == "not proven" and judged.guard is not None:
+            guard = main.quantity.read(judged.guard, digits=2)
+            said = [f"inside the limits by less than its guard band, {guard}", *said]
+        elif judged is not None and judged.decision == "fail":
+            said = ["outside the limits", *said]
+        word: str = judged.decision if judged is not None else ""
+        if said and word in ("", "pass"):
+            word = "look"
+        tested = len(seal.values) > 0
+        rows.append({
+            "lot": seal.lot, "name": seal.name, "tests": len(seal.files), "word": word or "ok",
+            "value": main.quantity.shown(seal.mean) if tested else "",
+            "sd": main.quantity.shown(seal.deviation, digits=2) if tested else "",
+            "more": [one.get(key, "") for one in means],
+            "why": "; ".join(said), "rank": (_GRAVITY.get(word, 3 if said else 4)),
+        })  # fmt: skip
+    return sorted(rows, key=lambda row: row["rank"])
+
+
+def _means(lot: Lot, main: OfQuantity) -> list[Mapping[tuple[str, str], str]]:
+    return [
+        {(seal.lot, seal.name): one.shown(seal.mean) for seal in lot.seals(one.name)}
+        for one in _heads(lot, main)
+    ]
+
+
+def _tests(lot: Lot, quantity: Quantity) -> list[dict[str, str]]:
+    """Every test that was fitted, those not to be used first."""
     gravity = {"do not use": 0, "use with care": 1}
     rows = [row for row in lot.table.iter_rows(named=True) if row["outcome"] == "fitted"]
     rows.sort(key=lambda row: (gravity.get(row["verdict"], 2), row["file"]))
@@ -204,16 +313,11 @@ def _tests(lot: Lot) -> list[dict[str, str]]:
             "lot": row["lot"],
             "seal": row["seal"],
             "repeat": row["repeat"],
-            "end": _read(row["k_end_N_per_m"], 1e-3),
-            "once": _read(row["k_0_N_per_m"], 1e-3),
-            "frequency": _read(row.get("frequency_Hz")),
+            "operator": row["operator"],
+            "value": quantity.shown(row[quantity.column]),
             "verdict": row["verdict"] or "point estimate",
             "mark": COLOURS.get(row["verdict"], ""),
             "reason": row["reason"] or "",
         }
         for row in rows
     ]
-
-
-def _read(value: float | None, scale: float = 1.0) -> str:
-    return "" if value is None else rounded(scale * value, digits=4)

@@ -41,7 +41,7 @@ def to_pandas(noun: object) -> Any:
     """
     made = frame(noun)
     index, *_ = made.columns
-    table = _library("pandas").DataFrame(made.columns).set_index(index)
+    table = library("pandas").DataFrame(made.columns).set_index(index)
     table.attrs["units"] = made.units
     return table
 
@@ -54,7 +54,7 @@ def to_xarray(noun: object) -> Any:
     DataError
         If xarray is not installed.
     """
-    xarray, made = _library("xarray"), frame(noun)
+    xarray, made = library("xarray"), frame(noun)
     index, *others = made.columns
 
     def variable(name: str) -> Any:
@@ -63,7 +63,8 @@ def to_xarray(noun: object) -> Any:
     return xarray.Dataset({name: variable(name) for name in others}, {index: variable(index)})
 
 
-def _library(name: str) -> Any:
+def library(name: str) -> Any:
+    """Return a library that the extra ``frames`` brings, or say so."""
     try:
         return import_module(name)
     except ImportError:

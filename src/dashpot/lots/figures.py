@@ -1,0 +1,168 @@
+"""The figures of a lot: control charts, capability, every curve."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.lots.quantities import Quantity
+from dashpot.plot.picture import (
+    Area,
+    Axis,
+    Dots,
+    Line,
+    Mark,
+    Panel,
+    Pen,
+    Picture,
+    Rule,
+    Tag,
+    around,
+    around_log,
+)
+
+if TYPE_CHECKING:
+    from dashpot.lots.limits import Limits
+    from dashpot.lots.rows import Charts, Seal
+
+CURVES = 200
+"""Drawn at most, evenly over the lot; more would be one stain."""
+_SAMPLES = 80
+_BARS = 6
+"""Bars at least, of a histogram."""
+_CURVE = Pen("measured", 0.8)
+_ODD = Pen("care", 2.0)
+_MEAN = Pen("fit", 2.0)
+_USUAL = Pen("fit", 1.4)
+_CEILING = Pen("fit", 1.4, (2, 3))
+_THREAD = Pen("ref", 0.8)
+_ASKED = Pen("bad", 1.6, (7, 4))
+_SHAPE = Pen("measured", 1.6)
+
+
+def control_picture(
+    quantity: Quantity,
+    charts: Mapping[str, Charts],
+    seals: Sequence[Seal],
+    limits: Limits | None = None,
+) -> Picture:
+    """Return seals in their order with the control limits of each lot, and the scatter inside.
+
+    Below the seals stand the standard deviations of their repeats, or, where no seal was tested
+    twice, the moving ranges of neighbours.
+    """
+    place = {(one.lot, one.name): i + 1.0 for i, one in enumerate(seals)}
+    axis = Axis("seal, in the order of lot and name", (0.5, max(len(seals), 1) + 0.5))
+    x = np.arange(1.0, len(seals) + 1)
+    y = quantity.scale * np.array([one.mean for one in seals])
+    marks: list[Mark] = [Line(x, y, _THREAD)]
+    edges, below, heights, titles = [y], list[Mark](), [np.zeros(1)], list[tuple[float, str]]()
+    repeated = any(one.repeats is not None for one in charts.values())
+    for name, one in charts.items():
+        at = np.array([place[seal.lot, seal.name] for seal in one.seals])
+        ends = np.array([at[0] - 0.5, at[-1] + 0.5])
+        least, centre, most = (
+            quantity.scale * value
+            for value in (float(one.means.lower[0]), one.means.centre, float(one.means.upper[0]))
+        )
+        level = np.ones(2)
+        marks.insert(
+            0, Area(ends, least * level, most * level, "fit", "control limits of each lot")
+        )
+        marks.append(Line(ends, centre * level, _MEAN, "mean of each lot"))
+        if name:
+            titles.append((float(ends[0]), name))
+        marks += [
+            Tag(float(at[i]), float(y[int(at[i]) - 1]), one.seals[i].name, "care-ink", "hollow")
+            for i in sorted({signal.point for signal in one.means.signals})
+        ]
+        edges.append(np.array([least, most]))
+        scatter = one.repeats if repeated else one.moving
+        if scatter is not None:
+            values = quantity.scale * scatter.values
+            ceiling = quantity.scale * scatter.upper
+            below += [
+                Line(ends, quantity.scale * scatter.centre * level, _USUAL),
+                Line(at, ceiling, _CEILING, "its upper control limit"),
+                Dots(at, values, "measured", size=4.0),
+            ]
+            below += [
+                Tag(float(at[i]), float(values[i]), one.seals[i].name, "care-ink", "hollow")
+                for i in {signal.point for signal in scatter.signals}
+            ]
+            heights += [values, ceiling]
+    for end in () if limits is None else (limits.lower, limits.upper):
+        if end is not None:
+            marks.append(Rule(quantity.scale * end, _ASKED, "limits asked", across=True))
+            edges.append(np.array([quantity.scale * end]))
+    marks.append(Dots(x, y, "measured", "seal: mean of its tests", size=5.0))
+    low, high = around(*edges)
+    # the names of the lots stand above all that is drawn
+    marks += [Tag(at, high, text, "soft") for at, text in titles]
+    reach = (low, high + 0.12 * (high - low) * bool(titles))
+    panels = [Panel(axis, Axis(quantity.title, reach), tuple(marks), height=190)]
+    if below:
+        what = "SD of repeats" if repeated else "moving range"
+        top = 1.15 * max(float(np.nanmax(one, initial=0.0)) for one in heights) or 1.0
+        title = f"{what}, {quantity.unit}".rstrip(", ")
+        panels.append(Panel(axis, Axis(title, (0.0, top)), tuple(below), height=70))
+    return Picture("chart", f"{quantity.title}: seals of each lot", (tuple(panels),))
+
+
+def capability_picture(quantity: Quantity, seals: Sequence[Seal], limits: Limits) -> Picture:
+    """Return the tests of one lot as a histogram, the normal curve of its seals, and the limits."""
+    tests = quantity.scale * np.concatenate([one.values for one in seals])
+    means = quantity.scale * np.array([one.mean for one in seals])
+    asked = [quantity.scale * end for end in (limits.lower, limits.upper) if end is not None]
+    counts, edges = np.histogram(tests, bins=max(_BARS, int(1.5 * np.sqrt(len(tests)))))
+    width, gap = edges[1] - edges[0], 0.08
+    bars = tuple(
+        Area(
+            left + width * np.array([gap, 1 - gap]), np.zeros(2), np.full(2, float(count)),
+            "fit", "tests", tint=0.55,
+        )
+        for left, count in zip(edges, counts, strict=False)
+        if count
+    )  # fmt: skip
+    mean, deviation = float(means.mean()), float(means.std(ddof=1))
+    span = around(edges, np.array(asked), margin=0.08)
+    marks: list[Mark] = [*bars, *(Rule(end, _ASKED, "limits asked") for end in asked)]
+    top = float(counts.max())
+    if deviation > 0:
+        x = np.linspace(*span, 161)
+        shape = np.exp(-0.5 * ((x - mean) / deviation) ** 2) / (deviation * np.sqrt(2 * np.pi))
+        shape *= len(tests) * width
+        marks.append(Line(x, shape, _SHAPE, "normal, from the means of the seals"))
+        top = max(top, float(shape.max()))
+    axes = Axis(quantity.title, span), Axis("tests", (0.0, 1.12 * top))
+    caption = f"{quantity.title}: tests of a lot and the limits asked"
+    return Picture("capability", caption, ((Panel(*axes, tuple(marks), height=150),),))
+
+
+def curves_picture(rows: Sequence[Mapping[str, Any]], odd: Sequence[str] = ()) -> Picture:
+    """Return the relaxation of the solid of every row, from 10 ms to the end of its hold."""
+    kept = np.unique(np.linspace(0, len(rows) - 1, min(len(rows), CURVES)).astype(int))
+    longest = max((float(one["hold_s"] or 0.0) for one in rows), default=0.0)
+    time = np.geomspace(1e-2, max(longest, 1.0), _SAMPLES)
+    shown = [rows[i] for i in kept] + [one for one in rows if one["file"] in odd]
+    drawn = [_relaxation(one, time) for one in shown]
+    marks = tuple(
+        Line(time, k, _ODD if one["file"] in odd else _CURVE,
+             "stands out" if one["file"] in odd else "solid of each test")
+        for one, k in zip(shown, drawn, strict=True)
+    )  # fmt: skip
+    axes = (
+        Axis("time after a step, s", (float(time[0]), float(time[-1])), log=True),
+        Axis("stiffness k(t), N/mm", around_log(*drawn, margin=1.05), log=True),
+    )
+    return Picture("curves", "relaxation of every solid", ((Panel(*axes, marks, height=170),),))
+
+
+def _relaxation(row: Mapping[str, Any], time: FloatArray) -> FloatArray:
+    k = np.full(len(time), float(row["k_inf_N_per_m"]))
+    for j in range(1, int(row["arms"]) + 1):
+        k += row[f"k_{j}_N_per_m"] * np.exp(-time / row[f"tau_{j}_s"])
+    return np.asarray(1e-3 * k)

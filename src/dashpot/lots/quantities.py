@@ -1,0 +1,97 @@
+"""The quantities of a lot: a column of its table, its name, and how people read it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from dashpot.base.errors import DataError
+from dashpot.base.numbers import rounded
+from dashpot.base.units import Dimension
+
+_UNITS: dict[str, tuple[str, float, Dimension]] = {
+    "_N_per_m": ("N/mm", 1e-3, "stiffness"), "_Hz": ("Hz", 1.0, "frequency"),
+    "_Pa": ("MPa", 1e-6, "stress"), "_s": ("s", 1.0, "time"), "_m": ("mm", 1e3, "length"),
+    "_N": ("N", 1.0, "force"), "_kg": ("g", 1e3, "mass"),
+}  # fmt: skip
+_WORDS = {
+    "k_end": "stiffness at the end of the hold", "k_0": "stiffness at once",
+    "k_inf": "equilibrium stiffness", "frequency": "frequency of the mass",
+    "damping_ratio": "damping ratio of the mass", "E_end": "modulus at the end",
+    "E_0": "modulus at once", "E_inf": "equilibrium modulus",
+}  # fmt: skip
+_KINDS = {"storage": "storage stiffness", "loss": "loss stiffness", "loss_factor": "loss factor"}
+
+
+class Quantity(NamedTuple):
+    """One column of numbers.
+
+    Attributes
+    ----------
+    name, column : str
+        Without its unit, as people type it, and with it: ``"k_end"``, ``"k_end_N_per_m"``.
+    words : str
+    unit : str
+        In which it is shown; empty for a plain number.
+    scale : float
+        From SI to that unit.
+    dimension : str or None
+    """
+
+    name: str
+    column: str
+    words: str
+    unit: str
+    scale: float
+    dimension: Dimension | None
+
+    @property
+    def title(self) -> str:
+        """Its words and its unit."""
+        return f"{self.words}, {self.unit}" if self.unit else self.words
+
+    def shown(self, value: float | None, *, digits: int = 4) -> str:
+        """A value, SI, in that unit without its word; empty where there is none."""
+        return "" if value is None else rounded(self.scale * value, digits=digits)
+
+    def read(self, value: float, *, digits: int = 4) -> str:
+        """A value, SI, with its unit."""
+        return f"{self.shown(value, digits=digits)} {self.unit}".strip()
+
+
+def quantity(name: str, columns: Sequence[str]) -> Quantity:
+    """Return the quantity of a name, or of a column.
+
+    Raises
+    ------
+    DataError
+        If no column is called so.
+    """
+    known = {one.name: one for one in map(_of, columns)} | {one: _of(one) for one in columns}
+    if name not in known:
+        there = ", ".join(sorted({one.name for one in map(_of, columns)}))
+        raise DataError(f"'{name}' is no column of numbers of the table; there are {there}")
+    return known[name]
+
+
+def _of(column: str) -> Quantity:
+    ending = next((one for one in _UNITS if column.endswith(one)), "")
+    name = column.removesuffix(ending)
+    unit, scale, dimension = _UNITS.get(ending, ("", 1.0, None))
+    return Quantity(name, column, _worded(name), unit, scale, dimension)
+
+
+def _worded(name: str) -> str:
+    kind, _, where = name.partition("_at_")
+    if not where:
+        return _WORDS.get(name, name.replace("_", " "))
+    places = [re.sub(r"(?<=[0-9])(?=Hz|mm)", " ", one) for one in where.split("_")]
+    said = _KINDS.get(kind) or _WORDS.get(kind, kind)
+    return " at ".join([said, *places])
+
+
+def natural(text: str) -> tuple[tuple[int, str], ...]:
+    """Return what sorts texts as people count: seal 2 before seal 10."""
+    parts = re.split(r"(\d+)", text)
+    return tuple((int(one), "") if one.isdecimal() else (-1, one) for one in parts)

@@ -1,0 +1,390 @@
+"""A lot: many tests, one row each, and what they say together."""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError, ReadError
+from dashpot.base.version import byline
+from dashpot.io.write import neutral
+from dashpot.lots.checks import files_fitted, fits_usable, hammers_compared, tests_alike
+from dashpot.lots.parts import polars, read_parts
+from dashpot.lots.quantities import Quantity, natural, quantity
+from dashpot.lots.statistics.capability import Capability, capability
+from dashpot.lots.statistics.control import Chart, individuals, means_and_deviations
+from dashpot.lots.statistics.difference import Difference, difference
+from dashpot.lots.statistics.gauge import Gauge, gauge
+from dashpot.lots.statistics.scatter import SHORT, Component, components, stands_out
+from dashpot.workflow.frames import library
+
+if TYPE_CHECKING:
+    import polars as pl
+
+    from dashpot.plot.picture import Picture
+
+ALIKE = 0.05
+"""Of the median of its lot: by how much hold and depth of a test may differ from it."""
+DEGREES = 3.0
+"""By how much its temperature may, K."""
+
+
+class Seal(NamedTuple):
+    """The tests of one seal; a test whose seal nobody named stands for itself.
+
+    Attributes
+    ----------
+    lot, name : str
+    files : tuple of str
+    values : array, shape (n,)
+        Of a quantity, SI.
+    """
+
+    lot: str
+    name: str
+    files: tuple[str, ...]
+    values: FloatArray
+
+    @property
+    def mean(self) -> float:
+        """Of its tests."""
+        return float(self.values.mean())
+
+    @property
+    def deviation(self) -> float | None:
+        """Standard deviation of its repeats; None of one test."""
+        return float(self.values.std(ddof=1)) if len(self.values) > 1 else None
+
+
+class Charts(NamedTuple):
+    """Control charts of one lot.
+
+    Attributes
+    ----------
+    seals : tuple of Seal
+        The points.
+    means, moving : Chart
+        Individual seals, and the moving ranges of neighbours.
+    repeats : Chart or None
+        Standard deviations of the repeats; None where no two seals were tested twice.
+    """
+
+    seals: tuple[Seal, ...]
+    means: Chart
+    moving: Chart
+    repeats: Chart | None
+
+
+@dataclass(frozen=True, eq=False)
+class Lot:
+    """Many tests, one row each.
+
+    A quantity is named as a column of the table, with its unit (``"k_end_N_per_m"``) or without
+    (``"k_end"``). Statistics are of the rows in `used`, and their replicates are seals: the mean
+    of its tests stands for a seal.
+
+    Attributes
+    ----------
+    table : polars.DataFrame
+        Sorted by file; SI units, which the names of the columns end in.
+    computed : int
+        Rows that this run made; the others were there.
+    """
+
+    table: pl.DataFrame
+    computed: int
+
+    @staticmethod
+    def read(folder: str | Path) -> Lot:
+        """Return the lot that a batch left in a folder.
+
+        Raises
+        ------
+        ReadError
+            If there is none.
+        """
+        parts = list(read_parts(Path(folder)).values())
+        if not parts:
+            raise ReadError(f"{folder} holds no rows of a batch; give the LOT of dashpot batch -o")
+        return Lot(polars().concat(parts, how="diagonal").sort("file"), 0)
+
+    @property
+    def outcomes(self) -> dict[str, int]:
+        """How many files were ``fitted``, ``refused``, ``other`` tests, ``died`` or ``changed``."""
+        return dict(Counter(self.table["outcome"]).most_common())
+
+    @property
+    def verdicts(self) -> dict[str, int]:
+        """How many fits are for use, for use with care, and not for use."""
+        return dict(Counter(one for one in self.table["verdict"] if one).most_common())
+
+    @property
+    def agreements(self) -> dict[str, int]:
+        """What their hammers make of the predictions: for use, with care, or not for use."""
+        return dict(Counter(one for one in self.table["agreement"] if one).most_common())
+
+    @cached_property
+    def fitted(self) -> pl.DataFrame:
+        """The rows that were fitted and whose verdict is not "do not use"."""
+        column = polars().col
+        return self.table.filter(
+            (column("outcome") == "fitted") & (column("verdict") != "do not use")
+        )
+
+    @cached_property
+    def unlike(self) -> dict[str, str]:
+        """Tests made otherwise than those of their kind and lot, by file, and how.
+
+        Hold and depth within 5 % of the median, temperature within 3 K; of an even number the
+        lower median, so that of two depths one is the lot's.
+        """
+        found: dict[str, str] = {}
+        for rows in self._groups(self.fitted, "lot", "kind"):
+            for name, what, scale, unit in (
+                ("hold_s", "held for", 1.0, "s"), ("depth_m", "pressed to", 1e3, "mm"),
+                ("temperature_K", "tested at", 1.0, "K"),
+            ):  # fmt: skip
+                if name not in rows.columns or rows[name].is_null().all():
+                    continue
+                usual = float(rows[name].quantile(0.5, interpolation="lower") or 0.0)
+                reach = DEGREES if unit == "K" else ALIKE * usual
+                for file, value in rows.drop_nulls(name).select("file", name).iter_rows():
+                    if abs(value - usual) > reach * (1 + 1e-9):
+                        told = f"{what} {scale * value:.3g} {unit}, its lot {scale * usual:.3g}"
+                        found.setdefault(file, f"{told} {unit}")
+        return found
+
+    @cached_property
+    def used(self) -> pl.DataFrame:
+        """The rows of the statistics: those `fitted`, less those `unlike` others of their lot."""
+        return self.fitted.filter(~polars().col("file").is_in(list(self.unlike)))
+
+    def quantity(self, name: str) -> Quantity:
+        """Return what a column is, by its name with or without the unit.
+
+        Raises
+        ------
+        DataError
+            If no column of numbers is called so.
+        """
+        numbers = [one for one, kind in self.table.schema.items() if kind.is_float()]
+        return quantity(name, numbers)
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """Those that say what the tests found, and of which there are values."""
+        pattern = r"[kE]_(end|0|inf)_|(storage|loss|loss_factor|k_end)_at_|frequency_|damping_ratio"
+        names = self.table.select(polars().col(f"^({pattern}).*$")).columns
+        wanted = [
+            one for one in names if not any(end in one for end in ("_se_", "_low_", "_high_"))
+        ]
+        return tuple(self.quantity(one) for one in wanted if self.table[one].count())
+
+    def seals(self, name: str = "k_end") -> tuple[Seal, ...]:
+        """Return the seals with their values of a quantity, in the order of lot and seal."""
+        column = self.quantity(name).column
+        groups: dict[tuple[str, str], list[tuple[str, float]]] = defaultdict(list)
+        rows = self.used.drop_nulls(column).select("lot", "seal", "file", column)
+        for lot, seal, file, value in rows.iter_rows():
+            groups[lot, seal or file].append((file, value))
+        ordered = sorted(groups, key=lambda key: (natural(key[0]), natural(key[1])))
+        return tuple(
+            Seal(*key, tuple(file for file, _ in groups[key]),
+                 np.array([value for _, value in groups[key]]))
+            for key in ordered
+        )  # fmt: skip
+
+    def components(self, name: str = "k_inf") -> tuple[Component, ...]:
+        """Where the scatter of a quantity comes from: lots, their seals, repeats, errors of fits.
+
+        A level that has one member, or whose labels nobody gave, is left out; without repeats the
+        scatter inside a lot is that of its seals and their tests. The errors of the fits are known
+        of ``k_inf``, unless they were left out.
+
+        Raises
+        ------
+        DataError
+            If there is no such column, or nothing that repeats.
+        """
+        seals, found = self.seals(name), self.quantity(name)
+        lots = [one.lot for one in seals for _ in one.files]
+        labels = [one.name for one in seals for _ in one.files]
+        levels = [("lot", lots)] if len(set(lots)) > 1 else []
+        repeated = len(seals) < len(lots)
+        if len(seals) > len(set(lots)) and repeated:
+            levels.append(("seal", labels))
+        if not levels:
+            raise DataError(
+                "the scatter has no sources to tell apart: say which lot, seal and repeat each "
+                "test is, by --by or --manifest, of at least two lots or seals"
+            )
+        errors = None
+        if found.name == "k_inf":
+            by_file = dict(self.used.select("file", "k_inf_se_N_per_m").iter_rows())
+            several = [by_file[file] for one in seals for file in one.files]
+            errors = None if None in several else np.array(several)
+        values = np.concatenate([one.values for one in seals])
+        return components(values, levels, within="repeat" if repeated else "seal", errors=errors)
+
+    def gauge(self, name: str = "k_end") -> Gauge:
+        """Return repeatability and reproducibility of the testing, with the seals as its parts.
+
+        Raises
+        ------
+        DataError
+            If no seal was tested twice, or not every operator tested two seals twice.
+        """
+        seals = self.seals(name)
+        of_file = dict(self.used.select("file", "operator").iter_rows())
+        files = [file for one in seals for file in one.files]
+        who = [of_file[file] for file in files]
+        parts = [f"{i}" for i, one in enumerate(seals) for _ in one.files]
+        if not seals:
+            raise DataError(f"no test that is used has a value of {name}")
+        return gauge(np.concatenate([one.values for one in seals]), parts, who)
+
+    def charts(self, name: str = "k_end") -> dict[str, Charts]:
+        """Return the control charts of each lot that has two seals, by lot.
+
+        Repeats of a seal do not say how seals differ, so the limits of the seals are those of
+        individuals and moving ranges, and the repeats have a chart of their standard deviations
+        (Wheeler, Advanced Topics in Statistical Process Control, 1995, chapter 9).
+        """
+        lots: dict[str, list[Seal]] = defaultdict(list)
+        for one in self.seals(name):
+            lots[one.lot].append(one)
+        return {lot: _charted(tuple(seals)) for lot, seals in lots.items() if len(seals) > 1}
+
+    def lot_chart(self, name: str = "k_end") -> tuple[tuple[str, ...], Chart, Chart] | None:
+        """Return lots, and the X-bar and s charts whose groups are the seals of each.
+
+        None of one lot, or where no lot has two seals.
+        """
+        lots: dict[str, list[float]] = defaultdict(list)
+        for one in self.seals(name):
+            lots[one.lot].append(one.mean)
+        if len(lots) < 2 or max(map(len, lots.values())) < 2:
+            return None
+        charts = means_and_deviations([np.array(values) for values in lots.values()])
+        return tuple(lots), *charts
+
+    def capability(
+        self, name: str, lower: float | None = None, upper: float | None = None
+    ) -> dict[str, Capability]:
+        """Return Cp and Cpk of the seals of each lot that has two, between limits in SI, by lot."""
+        lots: dict[str, list[float]] = defaultdict(list)
+        for one in self.seals(name):
+            lots[one.lot].append(one.mean)
+        return {
+            lot: capability(np.array(values), lower, upper)
+            for lot, values in lots.items()
+            if len(values) > 1
+        }
+
+    def compare(self, other: Lot, name: str = "k_end") -> Difference:
+        """Return by how much the seals of another lot differ from those of this one.
+
+        Raises
+        ------
+        DataError
+            If there are fewer than two seals of either.
+        """
+        mine, others = ([seal.mean for seal in one.seals(name)] for one in (self, other))
+        return difference(np.array(mine), np.array(others))
+
+    def only(self, name: str) -> Lot:
+        """Return one lot of several.
+
+        Raises
+        ------
+        DataError
+            If there is none of that name.
+        """
+        lots = sorted(set(self.table["lot"]), key=natural)
+        if name not in lots:
+            raise DataError(f"there is no lot '{name}'; there are {', '.join(filter(None, lots))}")
+        return Lot(self.table.filter(polars().col("lot") == name), 0)
+
+    def outliers(self, name: str = "k_end") -> tuple[tuple[str, float], ...]:
+        """The tests that stand out of their lot: file, and distance in robust deviations.
+
+        From the median of the lot, in 1.4826 times its median absolute deviation; the limit is
+        :func:`~dashpot.lots.statistics.scatter.stands_out`'s, 3.5 in a large lot.
+        """
+        column, found = self.quantity(name).column, []
+        for rows in self._groups(self.used.drop_nulls(column), "lot"):
+            away = stands_out(rows[column].to_numpy())
+            found += [
+                (str(file), float(one)) for file, one in zip(rows["file"], away, strict=True) if one
+            ]
+        return tuple(sorted(found, key=lambda one: -abs(one[1])))
+
+    @property
+    def short_holds(self) -> tuple[str, ...]:
+        """Files of tests held for less than 95 % of the median hold of their kind in their lot."""
+        column = polars().col
+        least = SHORT * column("hold_s").median().over("lot", "kind")
+        return tuple(self.table.filter(column("hold_s") < least)["file"])
+
+    def csv(self) -> str:
+        """The table as CSV, below a line that names dashpot; no text is a spreadsheet's formula."""
+        written = self.neutral().write_csv()
+        return f"# {byline('table of a batch of tests')}\n{written}"
+
+    def neutral(self) -> pl.DataFrame:
+        """The table with no text that a spreadsheet takes for a formula."""
+        made = polars()
+        texts = [
+            made.Series(one.name, [neutral(text) for text in one])
+            for one in self.table.select(made.col(made.String)).iter_columns()
+        ]
+        return self.table.with_columns(texts)
+
+    def to_pandas(self) -> Any:
+        """The table as a :class:`pandas.DataFrame`; it needs no pyarrow.
+
+        Raises
+        ------
+        DataError
+            If pandas is not installed.
+        """
+        return library("pandas").DataFrame(self.table.to_dict(as_series=False))
+
+    def plot(self, name: str = "k_end") -> Picture:
+        """The control charts of a quantity as a picture, which :func:`dashpot.plot.save` writes."""
+        from dashpot.lots.figures import control_picture
+
+        return control_picture(self.quantity(name), self.charts(name), self.seals(name))
+
+    @property
+    def checks(self) -> tuple[Check, ...]:
+        """Whether every file became a fit, every fit may be used, and tests of a lot are alike."""
+        fitted = self.outcomes.get("fitted", 0)
+        paired = self.table.filter(polars().col("hammer") != "").height
+        return (
+            files_fitted(self.table.height - fitted, self.table.height),
+            fits_usable(self.verdicts.get("do not use", 0), fitted),
+            hammers_compared(paired - sum(self.agreements.values()), paired),
+            tests_alike(len(self.unlike), self.fitted.height),
+        )
+
+    @staticmethod
+    def _groups(rows: pl.DataFrame, *by: str) -> Iterator[pl.DataFrame]:
+        names = [one for one in by if one in rows.columns]
+        for _, group in rows.group_by(names, maintain_order=True):
+            yield group
+
+
+def _charted(seals: Sequence[Seal]) -> Charts:
+    means, moving = individuals(np.array([one.mean for one in seals]))
+    groups = [one.values for one in seals]
+    several = sum(len(one) > 1 for one in groups) > 1
+    return Charts(tuple(seals), means, moving, means_and_deviations(groups)[1] if several else None)

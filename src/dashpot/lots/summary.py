@@ -1,0 +1,303 @@
+"""What a lot says, all of it, once: for the page, the shell and programs alike."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from math import isfinite
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError
+from dashpot.lots.checks import (
+    asked_in_band,
+    capability_as_asked,
+    seals_within_limits,
+    stands_out_of_lot,
+)
+from dashpot.lots.limits import Judged, Limits, judged
+from dashpot.lots.quantities import Quantity
+from dashpot.lots.rows import Charts, Lot, Seal
+from dashpot.lots.statistics.capability import Capability
+from dashpot.lots.statistics.control import BEYOND, Chart
+from dashpot.lots.statistics.gauge import Gauge
+from dashpot.lots.statistics.scatter import Component, robust_distance, stands_out
+
+
+class Flag(NamedTuple):
+    """Something to look at.
+
+    Attributes
+    ----------
+    lot, seal, file : str
+        Of which; `file` is empty where it is the seal.
+    says : str
+    weighty : bool
+        Whether the statistics feel it, or would.
+    """
+
+    lot: str
+    seal: str
+    file: str
+    says: str
+    weighty: bool = True
+
+
+@dataclass(frozen=True)
+class OfQuantity:
+    """The statistics of one quantity.
+
+    Attributes
+    ----------
+    quantity : Quantity
+    seals : tuple of Seal
+    charts : dict
+        Of each lot with two seals.
+    lots : (names, means, deviations) or None
+        The X-bar and s charts of the lots.
+    components : tuple of Component
+        Empty where nothing repeats.
+    gauge : Gauge or None
+        None where no seal was tested twice.
+    limits : Limits or None
+    capability : dict
+        Of each lot with two seals, where there are limits.
+    judged : tuple of Judged
+        Of each seal, where there are limits.
+    """
+
+    quantity: Quantity
+    seals: tuple[Seal, ...]
+    charts: dict[str, Charts]
+    lots: tuple[tuple[str, ...], Chart, Chart] | None
+    components: tuple[Component, ...]
+    gauge: Gauge | None
+    limits: Limits | None
+    capability: dict[str, Capability]
+    judged: tuple[Judged, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Summary:
+    """What a lot says.
+
+    Attributes
+    ----------
+    lot : Lot
+    main : OfQuantity
+        Of the quantity that the page shows.
+    others : tuple of OfQuantity
+        Of the further quantities that have limits.
+    flags : tuple of Flag
+    checks : tuple of Check
+    """
+
+    lot: Lot
+    main: OfQuantity
+    others: tuple[OfQuantity, ...]
+    flags: tuple[Flag, ...]
+    checks: tuple[Check, ...]
+
+    @property
+    def each(self) -> tuple[OfQuantity, ...]:
+        """The statistics of every quantity, the main one first."""
+        return (self.main, *self.others)
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """For programs: SI, full precision."""
+        return {
+            "statistics": [_plain(one) for one in self.each],
+            "flags": [one._asdict() for one in self.flags],
+            "unlike": [{"file": file, "says": says} for file, says in self.lot.unlike.items()],
+            "checks": [asdict(one) for one in self.checks],
+        }
+
+
+def summary(lot: Lot, *, quantity: str = "k_end", limits: Sequence[Limits] = ()) -> Summary:
+    """Return what a lot says of a quantity, and of those that have limits.
+
+    Raises
+    ------
+    DataError
+        If no column of numbers is called so.
+    """
+    main = lot.quantity(quantity)
+    asked = {one.quantity.name: one for one in limits}
+    first, *others = [
+        _of(lot, one, asked.get(one.name))
+        for one in (main, *(one.quantity for one in limits if one.quantity.name != main.name))
+    ]
+    flags = tuple(_flags(lot, first))
+    checks = (*_checks(lot, (first, *others), flags), *lot.checks)
+    return Summary(lot, first, tuple(others), flags, checks)
+
+
+def _of(lot: Lot, quantity: Quantity, limits: Limits | None) -> OfQuantity:
+    name = quantity.name
+    try:
+        scatter = lot.components(name)
+    except DataError:
+        scatter = ()
+    try:
+        gauge = lot.gauge(name)
+    except DataError:
+        gauge = None
+    within = {} if limits is None else lot.capability(name, limits.lower, limits.upper)
+    return OfQuantity(
+        quantity, lot.seals(name), lot.charts(name), lot.lot_chart(name), scatter, gauge,
+        limits, within, () if limits is None else judged(lot, limits),
+    )  # fmt: skip
+
+
+# -- what to look at ------------------------------------------------------------------------------
+
+
+def _flags(lot: Lot, of: OfQuantity) -> Iterator[Flag]:
+    quantity, charts = of.quantity, of.charts
+    for name, one in charts.items():
+        seals = one.seals
+        means = np.array([seal.mean for seal in seals])
+        away, far = robust_distance(means), stands_out(means)
+        beyond = {at for at, rule in one.means.signals if rule == BEYOND}
+        for i, seal in enumerate(seals):
+            if far[i] or i in beyond:
+                says = _far(quantity, seal, float(away[i])) + f", {BEYOND}" * (i in beyond)
+                yield Flag(name, seal.name, _only(seal), says)
+        if one.repeats is not None:
+            usual = one.repeats.centre
+            for at, _ in one.repeats.signals:
+                seal, scatter = seals[at], float(one.repeats.values[at])
+                yield Flag(
+                    name, seal.name, "",
+                    f"its repeats scatter by {quantity.read(scatter, digits=2)}, those of others "
+                    f"by {quantity.read(usual, digits=2)}: seated anew?",
+                )  # fmt: skip
+    yield from _odd_repeats(of)
+    labels = {row[0]: row[1:] for row in lot.table.select("file", "lot", "seal").iter_rows()}
+    for file, says in lot.unlike.items():
+        yield Flag(labels[file][0], labels[file][1], file, f"{says}: left out of the statistics")
+    for file, name, seal, outcome, verdict, reason in lot.table.select(
+        "file", "lot", "seal", "outcome", "verdict", "reason"
+    ).iter_rows():
+        if outcome != "fitted" or verdict == "do not use":
+            yield Flag(name, seal, file, reason or outcome, weighty=False)
+
+
+def _only(seal: Seal) -> str:
+    return seal.files[0] if len(seal.files) == 1 else ""
+
+
+def _far(quantity: Quantity, seal: Seal, away: float) -> str:
+    where = f"{'above' if away > 0 else 'below'} the median seal of its lot"
+    by = f"{abs(away):.1f} robust deviations " if isfinite(away) else ""
+    return f"{quantity.read(seal.mean)}, {by}{where}"
+
+
+def _odd_repeats(of: OfQuantity) -> Iterator[Flag]:
+    """Tests that stand out of the repeats of all seals, each against the mean of its own."""
+    several = [one for one in of.seals if len(one.values) > 2]
+    if not several:
+        return
+    # of n values about their own mean the deviation is smaller
+    away = [(one.values - one.mean) / np.sqrt(1 - 1 / len(one.values)) for one in several]
+    far = robust_distance(np.concatenate(away))
+    known = stands_out(np.concatenate(away))
+    files = [(one, file) for one in several for file in one.files]
+    for (seal, file), one, out in zip(files, far, known, strict=True):
+        if out and isfinite(one):
+            yield Flag(
+                seal.lot, seal.name, file,
+                f"{abs(one):.1f} robust deviations {'above' if one > 0 else 'below'} the other "
+                "tests of its seal",
+            )  # fmt: skip
+
+
+# -- checks ---------------------------------------------------------------------------------------
+
+
+def _checks(lot: Lot, each: Sequence[OfQuantity], flags: Sequence[Flag]) -> Iterator[Check]:
+    for one in each:
+        if one.limits is None:
+            continue
+        yield seals_within_limits(
+            one.quantity.words, str(one.limits), [judge.decision for judge in one.judged]
+        )
+        asked = one.limits.cpk
+        if asked is not None and one.capability:
+            known = {name: of for name, of in one.capability.items() if of.cpk is not None}
+            if known:
+                worst = min(known, key=lambda name: known[name].cpk or 0.0)
+                yield capability_as_asked(one.quantity.words, worst, known[worst], asked)
+    seals = {(one.lot, one.seal, one.file) for one in flags if one.weighty}
+    yield stands_out_of_lot(len(seals), len(each[0].seals))
+    beyond = [
+        (frequency, count)
+        for frequency in _frequencies(lot)
+        if (count := _out_of_band(lot, frequency))
+    ]
+    if _frequencies(lot):
+        yield asked_in_band([one for one, _ in beyond], max((n for _, n in beyond), default=0))
+
+
+def _frequencies(lot: Lot) -> tuple[float, ...]:
+    """Those that were asked for, Hz, by the columns of their loss factors."""
+    names = (one for one in lot.table.columns if one.startswith("loss_factor_at_"))
+    texts = (one.removeprefix("loss_factor_at_").partition("Hz")[0] for one in names)
+    return tuple(sorted({float(one) for one in texts}))
+
+
+def _out_of_band(lot: Lot, frequency: float) -> int:
+    """How many tests that are used do not inform a frequency, Hz."""
+    bands = lot.used.select("band_low_Hz", "band_high_Hz").drop_nulls().iter_rows()
+    return sum(not low <= frequency <= high for low, high in bands)
+
+
+# -- for programs ---------------------------------------------------------------------------------
+
+
+def _plain(one: OfQuantity) -> dict[str, Any]:
+    limits = one.limits
+    found: dict[str, Any] = {
+        "quantity": one.quantity.name,
+        "column": one.quantity.column,
+        "seals": [
+            {"lot": seal.lot, "seal": seal.name, "tests": len(seal.files), "mean": seal.mean,
+             "repeats_sd": seal.deviation}
+            for seal in one.seals
+        ],
+        "charts": [
+            {"lot": name, "seals": _chart(of.means), "moving_range": _chart(of.moving),
+             "repeats": None if of.repeats is None else _chart(of.repeats)}
+            for name, of in one.charts.items()
+        ],
+        "lots": None if one.lots is None else {
+            "names": list(one.lots[0]), "mean": _chart(one.lots[1]), "sd": _chart(one.lots[2]),
+        },
+        "components": [asdict(part) for part in one.components],
+        "gauge": None if one.gauge is None else asdict(one.gauge),
+    }  # fmt: skip
+    if limits is not None:
+        found |= {
+            "limits": {"lower": limits.lower, "upper": limits.upper, "cpk": limits.cpk},
+            "capability": [{"lot": name} | asdict(of) for name, of in one.capability.items()],
+            "judged": [judge._asdict() for judge in one.judged],
+        }
+    plain: dict[str, Any] = finite(found)
+    return plain
+
+
+def _chart(one: Chart) -> dict[str, Any]:
+    arrays = {name: getattr(one, name).tolist() for name in ("values", "lower", "upper")}
+    return arrays | {"centre": one.centre, "signals": [signal._asdict() for signal in one.signals]}
+
+
+def finite(value: Any) -> Any:
+    """Return a document in which no number is infinite or none: JSON has no word for it."""
+    if isinstance(value, dict):
+        return {name: finite(one) for name, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(one) for one in value]
+    return None if isinstance(value, float) and not isfinite(value) else value
