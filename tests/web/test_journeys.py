@@ -97,10 +97,36 @@ def test_what_cannot_be_read_says_so_in_the_readers_words(visit, files):
     assert page.at.get_by_role("alert").inner_text().count("noise.csv") == 1
 
 
-def test_a_file_that_the_page_has_no_place_for_says_what_it_is_and_who_takes_it(visit, files):
-    page = visit(files / "sweep.csv")
-    page.at.get_by_role("heading", name="sweep.csv is a dynamic (DMA) sweep").wait_for()
-    assert page.at.get_by_text("for this one: use dashpot fit").is_visible()
+def test_a_file_that_the_page_has_no_place_for_says_what_it_is_and_why(visit, tmp_path):
+    rows = "\n".join(f"{t},1,{900 - 9 * t},{90 - t}" for t in range(0, 60, 5))
+    head = "temperature [degC],frequency [Hz],storage modulus [MPa],loss modulus [MPa]"
+    (tmp_path / "warming.csv").write_text(f"{head}\n{rows}\n")
+    page = visit(tmp_path / "warming.csv")
+    page.at.get_by_role("heading", name="warming.csv is a temperature sweep").wait_for()
+    assert page.at.get_by_text("for this one:").is_visible()
+
+
+def test_a_sweep_is_fitted_beside_a_seal(visit, files):
+    page = visit(files / "seal_8mm.csv")
+    page.done()
+    shown = page.at.locator("#solid").inner_text()
+    page.at.locator("#pick").set_input_files(str(files / "sweep.csv"))
+    page.at.locator("#command").filter(has_text="dashpot fit sweep.csv").wait_for()
+    page.done()
+    figure = page.at.get_by_role("region", name="Fit of this file").locator("svg.figure")
+    assert figure.count() == 3
+    assert not page.at.get_by_role("group", name="Method").is_visible()
+    page.at.get_by_role("button", name="2", exact=True).click()
+    page.at.locator("#command").filter(has_text="sweep.csv --arms 2").wait_for()
+    with page.at.expect_download() as taken:
+        page.at.get_by_role("button", name="Save the solid").click()
+    assert json.loads(taken.value.path().read_text())["method"] == "dynamic"
+    page.at.keyboard.press("0")
+    page.at.locator("#command").filter(has_not_text="--arms").wait_for()
+    page.at.get_by_role("button", name=re.compile("seal_8mm.csv")).first.click()
+    page.at.locator("#command").filter(has_text="dashpot report").wait_for()
+    page.done()
+    assert page.at.locator("#solid").inner_text() == shown
 
 
 def test_a_hammer_alone_asks_for_the_relaxation_test(visit, files):

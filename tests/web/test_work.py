@@ -158,6 +158,25 @@ def test_a_base_that_moves_is_predicted_as_by_the_command(store, asked, at_home,
         ask("take", store, job={"relaxation": asked["relaxation"]}, what="base")
 
 
+@pytest.mark.parametrize(
+    ("name", "more"),
+    [("sweep.csv", {"arms": 2}), ("sweeps.csv", {}), ("curve.csv", {"temperature": "23degC"})],
+)
+def test_a_sweep_or_a_modulus_is_fitted_as_by_the_command(store, tmp_path, monkeypatch, name, more):
+    text = workflow.EXAMPLES[name]()
+    (tmp_path / name).write_text(text)
+    monkeypatch.chdir(tmp_path)
+    identity = store.put(name, text.encode())
+    assert ask("inspect", store, file=identity)["mark"] == "good"
+    head = ask("bench", store, file=identity, **more)
+    shell = typed(head["command"], "--json")
+    assert json.loads(ask("take-bench", store, file=identity, **more)["text"]) == shell
+    scale, unit = (1e-3, "N/mm") if name == "sweep.csv" else (1e-6, "MPa")
+    assert unit in head["solid"]
+    assert f"{scale * shell['model']['k_inf']:.3g}"[:3] in head["solid"]
+    assert head["figures"]
+
+
 def test_a_warm_and_a_cold_test_share_one_solid(store, at_home):
     ids = []
     for name, temperature in (("warm.csv", 296.15), ("cold.csv", 273.15)):

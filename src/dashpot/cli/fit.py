@@ -103,19 +103,8 @@ def _follow(files: tuple[str, ...], output: str | None, found: dp.Fit) -> str:
 
 
 def _figure(found: dp.Fit, records: tuple[Any, ...]) -> dp.plot.Picture:
-    first = records[0]
-    if isinstance(first, dp.Superposition):
-        return dp.plot.superposition(first, found)
-    if isinstance(first, dp.RelaxationModulus):
-        return dp.plot.modulus(found, first)
-    if found.method == "creep":
-        return dp.plot.creep(found, first)
-    if isinstance(first, dp.DynamicTest):
-        return dp.plot.stiffness(found, data=first)
-    if found.temperatures is not None:
-        return dp.plot.temperatures(found, records)
-    if len(records) > 1:
-        return dp.plot.fit(found, first)
-    method: Literal["full", "hold"] = "hold" if found.method == "hold" else "full"
-    others = [dp.fit(records, arms=n, method=method, intervals=False) for n in (1, 2)]  # Fig. 4
-    return dp.plot.fit(found, first, alternatives=others)
+    others: list[dp.Fit] = []
+    if len(records) == 1 and isinstance(records[0], dp.RampHold):
+        method: Literal["full", "hold"] = "hold" if found.method == "hold" else "full"
+        others = [dp.fit(records, arms=n, method=method, intervals=False) for n in (1, 2)]  # Fig. 4
+    return dp.plot.bench(found, records, alternatives=others)

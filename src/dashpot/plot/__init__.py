@@ -5,6 +5,7 @@ A :class:`~dashpot.plot.picture.Picture` is a frozen value, what is drawn before
 :func:`to_figure` a :class:`matplotlib.figure.Figure`. matplotlib is loaded for PNG and PDF only.
 """
 
+from dashpot.plot.bench import bench
 from dashpot.plot.bitmap import to_figure
 from dashpot.plot.columns import columns
 from dashpot.plot.creep import creep
@@ -24,6 +25,7 @@ from dashpot.plot.vibration import comparison, frf, nyquist, resonance
 
 __all__ = [
     "Picture",
+    "bench",
     "columns",
     "comparison",
     "creep",

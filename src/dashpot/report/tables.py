@@ -40,7 +40,10 @@ MENDED = "failed: mended by the joint fit"
 VALUE = ("", "value ± standard error", "unit")
 
 # the unit that people read, and its size in the SI unit before it
-READ = {"N/m": ("N/mm", 1e-3), "N s/m": ("N·s/mm", 1e-3)}
+READ = {
+    "N/m": ("N/mm", 1e-3), "N s/m": ("N·s/mm", 1e-3),
+    "Pa": ("MPa", 1e-6), "Pa s": ("MPa·s", 1e-6),
+}  # fmt: skip
 READ_OF_NUISANCE = {
     "N": ("mN", 1e3), "N/s": ("mN/s", 1e3), "kg": ("g", 1e3), "s": ("ms", 1e3), "1": ("–", 1.0),
 }  # fmt: skip
@@ -122,11 +125,13 @@ class Parameter(NamedTuple):
 def parameters(fit: Fit) -> Iterator[Parameter]:
     """k∞, then the stiffness, the dashpot and the relaxation time of every arm.
 
-    Of a fractional solid, its own four.
+    Of a fractional solid, its own four; of a material, moduli.
     """
+    of_k = fit.unit
+    of_b = "N s/m" if of_k == "N/m" else f"{of_k} s"
     if fit.family == "fractional":
         known, limits = fit.solid_standard_error, fit.solid_intervals()
-        for name, si in (("k_inf", "N/m"), ("k_0", "N/m"), ("tau", "s"), ("alpha", "")):
+        for name, si in (("k_inf", of_k), ("k_0", of_k), ("tau", "s"), ("alpha", "")):
             unit, f = READ.get(si, (si, 1.0))
             low, high = limits[name]
             value = f * getattr(fit.solid, name)
@@ -134,11 +139,11 @@ def parameters(fit: Fit) -> Iterator[Parameter]:
         return
     model, error, between = fit.model, fit.standard_error, fit.intervals(level=0.95)
     groups = (
-        ("k", "N/m", model.k, error["k"], between["k"]),
-        ("b", "N s/m", model.arm_b, error["b"], between["b"]),
+        ("k", of_k, model.k, error["k"], between["k"]),
+        ("b", of_b, model.arm_b, error["b"], between["b"]),
         ("tau", "s", model.tau, error["tau"], between["tau"]),
     )
-    every = [("k_inf", "N/m", model.k_inf, error["k_inf"], between["k_inf"])]
+    every = [("k_inf", of_k, model.k_inf, error["k_inf"], between["k_inf"])]
     for name, unit, *columns in groups:
         for j, (value, se, ends) in enumerate(zip(*columns, strict=True), start=1):
             every.append((f"{name}_{j}", unit, value, se, ends))

@@ -60,7 +60,7 @@ def job_of(given: object, folder: Path) -> Job:
         "seal_mass": _quantity(asked, "seal_mass", "mass"),
         "compression": _quantity(asked, "compression", "length"),
         "seals": _number(asked.get("seals", 1.0), "seals"),
-        "arms": _arms(asked.get("arms", "auto")),
+        "arms": arms_of(asked.get("arms", "auto")),
         "joint": asked.get("joint", True) is True,
         "band": _made(lambda text: si_range(text, "frequency"), asked.get("band") or None, "band"),
     }
@@ -162,7 +162,14 @@ def _number(given: object, name: str) -> float:
     return float(given)
 
 
-def _arms(given: object) -> Any:
+def arms_of(given: object) -> Any:
+    """Return a number of arms, or "auto".
+
+    Raises
+    ------
+    DataError
+        If it is neither.
+    """
     if given == "auto" or (isinstance(given, int) and not isinstance(given, bool) and given >= 0):
         return given
     raise DataError(f"arms = {given!r}; expected 'auto' or a whole number >= 0")

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 LANES = {
     "inspect": "settle", "live": "live", "predict": "live", "settle": "settle", "study": "slow",
-    "take": "slow", "profile": "live", "project": "slow",
+    "take": "slow", "profile": "live", "project": "slow", "bench": "slow", "take-bench": "slow",
 }  # fmt: skip
 """Which lane answers which verb."""
 MOST = 1 << 20
@@ -34,7 +34,7 @@ MOST = 1 << 20
 ANSWERS = 32
 """Answers that are kept, so that a page that was loaded again need not wait."""
 _KINDS = {"js": "text/javascript", "css": "text/css", "svg": "image/svg+xml"}
-_KEPT = {"settle", "study"}
+_KEPT = {"settle", "study", "bench"}
 
 
 class Desk:

@@ -41,7 +41,7 @@ from dashpot.records.relaxation import RampHold
 from dashpot.report import answer
 from dashpot.report.answer import GRADES, Row
 from dashpot.report.pages import COLOURS, environment
-from dashpot.report.tables import parameters
+from dashpot.report.tables import READ, parameters
 from dashpot.workflow.inspections import InspectedFile
 from dashpot.workflow.predictions import Prediction
 from dashpot.workflow.recommendation import recommendation
@@ -50,7 +50,9 @@ from dashpot.workflow.study import Study
 ROLES = ("time", "displacement", "force", "hammer", "acceleration")
 """What a column of a relaxation test or of a hammer test can be."""
 TAKEN = ("relaxation", "impact", "frf")
-"""The kinds of file that the page has a place for."""
+"""The kinds of file that a job is made of."""
+FITTED = ("dma", "master-curve", "modulus", "creep")
+"""Those that the page fits by themselves."""
 ASKED: tuple[Dimension, ...] = ("time", "length", "force", "acceleration")
 """What its unit can be one of."""
 EQ5 = Pen("ref", 1.6, (2, 3))
@@ -67,6 +69,10 @@ UNKNOWN = (400.0, 180.0)
 """Of one that is not shown yet, px."""
 AROUND = 2 * ROW + 6 + ROW + 4
 """Of a drawing above and below its axes, px."""
+SINGLE = 8
+"""Arms of a table that is read; more are a spectrum for a solver."""
+TWO, CARD = 700.0, 18.0
+"""Room for two cards beside each other, and what the border of a card takes, px."""
 LEAST = 44.0
 """Of a plot, px: below it no curve can be read."""
 LIVE_POINTS = 240
@@ -141,6 +147,22 @@ def response_panel(predicted: FRF, sizes: Sizes) -> str:
         curve = Curve(predicted, "predicted from relaxation", PREDICTED)
         return drawn("frf", magnitude_panel([curve]), sizes)
     return drawn("frf", plot.resonance(None, predicted).panels[0], sizes)
+
+
+def bench_panels(picture: Picture, width: float) -> list[tuple[str, str]]:
+    """What stands over each strip of a picture, and the strip; two in a row if they fit."""
+    narrow = width < TWO or len(picture.strips) == 1
+    found = []
+    for i, panels in enumerate(picture.strips):
+        name, title = f"bench{i}", panels[0].title or panels[0].y.label.partition(",")[0]
+        panels = (replace(panels[0], title=""), *panels[1:])  # noqa: PLW2901
+        key = Picture(name, "", (panels,)).key
+        samples = [(swatch(mark, name=f"{name}-k{j}"), mark.label) for j, mark in enumerate(key)]
+        svg = strip(
+            panels, name=name, width=(width if narrow else (width - 8) / 2) - CARD, kind="figure"
+        )
+        found.append((title, piece("figure", key=samples, svg=svg)))
+    return found
 
 
 def study_panel(study: Study, sizes: Sizes) -> str:
@@ -273,8 +295,9 @@ def terms(fit: Fit) -> list[Term]:
     rows = []
     end = fit.end_of_hold
     if end is not None:
-        value = 1e-3 * float(fit.solid.relaxation(end.time))
-        rows.append(_term(f"k({duration(end.time)})", value, _scaled(end.k_end, 1e-3), "N/mm"))
+        unit, scale = READ[fit.unit]
+        value = scale * float(fit.solid.relaxation(end.time))
+        rows.append(_term(f"k({duration(end.time)})", value, _scaled(end.k_end, scale), unit))
     # b = k tau says of an arm what k and tau say
     shown = (one for one in parameters(fit) if not one.name.startswith("b"))
     rows += [_term(one.name, one.value, one.ends, one.unit) for one in shown]
@@ -304,13 +327,16 @@ def _term(name: str, value: float, ends: tuple[float, float], unit: str) -> Term
 def solid_table(fit: Fit) -> str:
     """The solid of one seal, each term with its interval and a mark."""
     found, groups = terms(fit), []
+    dense = fit.model.arms > SINGLE
+    if dense:
+        found = [one for one in found if one.name == symbol("k_inf")]
     for unit in dict.fromkeys(one.unit for one in found):
         rows = [one for one in found if one.unit == unit]
         columns = [_pads(texts) for texts in zip(*(row[1:4] for row in rows), strict=True)]
         groups.append(
             (unit, [one._replace(pads=pads) for one, *pads in zip(rows, *columns, strict=True)])
         )
-    return piece("solid", groups=groups)
+    return piece("solid", groups=groups, tau=fit.model.tau if dense else ())
 
 
 def _pads(texts: Sequence[str]) -> list[str]:
@@ -360,6 +386,8 @@ def file_row(found: InspectedFile) -> dict[str, Any]:
             f"{rounded(1e3 * ready.depth)} mm, {rounded(ready.ramp_time)} s, "
             f"{rounded(ready.hold_time)} s"
         )
+    elif found.kind in FITTED and not found.questions:
+        line = found.refusal or WANTED_BY[found.kind][0]
     elif found.questions:
         line = "asks: " + ("a unit" if "--units" in found.questions[0].option else "a column")
     else:
@@ -378,10 +406,14 @@ def _heading(found: InspectedFile) -> str:
 
 def _stranger(found: InspectedFile) -> str:
     """What to do with a file of a kind that this page has no place for, if it is one."""
-    if found.questions or found.refusal or found.kind in TAKEN or found.kind not in WANTED_BY:
+    known = found.kind in (*TAKEN, *FITTED) or found.kind not in WANTED_BY
+    if found.questions or found.refusal or known:
         return ""
     advice = WANTED_BY[found.kind][1]
-    return f"this page takes relaxation tests, hammer files and FRFs; for this one: {advice}"
+    return (
+        "this page takes relaxation tests, hammer files, FRFs, sweeps, moduli and creep tests; for "
+        f"this one: {advice}"
+    )
 
 
 class Consequence(NamedTuple):

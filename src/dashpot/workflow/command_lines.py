@@ -8,7 +8,7 @@ from typing import Any
 
 from dashpot.base.options import flag_of
 from dashpot.base.units import typed
-from dashpot.io.options import OF_HAMMER
+from dashpot.io.options import OF_HAMMER, ReadOptions
 from dashpot.records.frf import FRF
 from dashpot.workflow.job import Job
 
@@ -79,6 +79,17 @@ def report_command(job: Job) -> str:
         words += words_of(noun)
     words += _of_impact(job)
     return shlex.join(words)
+
+
+def fit_command(
+    file: str, options: ReadOptions, *, arms: int | str = "auto", temperature: float | None = None
+) -> str:
+    """Return ``dashpot fit ...`` of one file."""
+    words = ["dashpot", "fit", file]
+    words += [] if arms == "auto" else ["--arms", str(arms)]
+    if temperature is not None:
+        words += ["--temperature", typed(temperature, "temperature")]
+    return shlex.join([*words, *words_of(options)])
 
 
 def predict_command(job: Job, frf: FRF, fit: str = FIT) -> str:

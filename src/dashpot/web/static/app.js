@@ -83,6 +83,7 @@ const acts = {
   profile: files.profile,
   project: files.project,
   cancel: () => call("POST", "/api/cancel"),
+  "take-bench": files.takeBench,
   report: () => files.away({ what: "report" }),
   menu: () => menu(!!$("menu").hidden),
   copy,

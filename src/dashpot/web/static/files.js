@@ -1,7 +1,7 @@
 // Files in and out: opened, asked about, shown, taken away.
 import { $, all, field, made, refuse, status, words } from "./dom.js";
-import { hammers, isHammer, isTest, job, shown, state, test } from "./job.js";
-import { settle, study } from "./questions.js";
+import { hammers, isBench, isHammer, isTest, job, shown, state, test } from "./job.js";
+import { bench, settle, study } from "./questions.js";
 import { fileList, views } from "./shown.js";
 import { ask, call, send } from "./wire.js";
 
@@ -12,7 +12,7 @@ const LINGER = 10_000;
 async function look(/** @type {OpenFile} */ one) {
   const { head } = await send("inspect", { file: one.id, options: one.options });
   Object.assign(one, head, { asked: head.asked || "" });
-  if (isTest(one) || isHammer(one)) one.asked = "";
+  if (isTest(one) || isHammer(one) || isBench(one)) one.asked = "";
 }
 
 /** Read files that the server has, and show the first that asks something. */
@@ -34,7 +34,7 @@ export async function opened(/** @type {{id: string, name: string}[]} */ found) 
     }
   }
   const asks = added.find((one) => one.asked);
-  const first = added.find((one) => one.kind === "relaxation");
+  const first = added.find((one) => one.kind === "relaxation") || added.find(isBench);
   state.current = (asks || first || shown() || added[0] || state.files[0])?.id || "";
   fileList();
   settle();
@@ -69,7 +69,7 @@ export function show(/** @type {string} */ id) {
   fileList();
   views();
   // what was hidden had no width to be drawn at
-  if (test() !== before || $("hits-page").hidden) settle();
+  if (bench() || test() !== before || $("hits-page").hidden) settle();
   else study();
 }
 
@@ -147,6 +147,12 @@ function save(/** @type {{name: string, kind: string, text: string}} */ file) {
   link.click();
   link.remove();
   setTimeout(() => URL.revokeObjectURL(href), LINGER);
+}
+
+/** The fit of the sweep, the modulus or the creep test that is shown. */
+export function takeBench() {
+  const of = bench();
+  if (of) ask("slow", "take-bench", of, ({ head }) => save(head), refuse);
 }
 
 export function away(/** @type {Record<string, any>} */ what) {

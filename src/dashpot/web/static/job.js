@@ -32,6 +32,7 @@ import { call } from "./wire.js";
  */
 /** @typedef {{files: OpenFile[], current: string, joint: boolean, base: boolean, mass: number, job: Choices}} State */
 
+const BENCH = ["dma", "master-curve", "modulus", "creep"];
 const HAMMERS = ["impact", "frf"];
 const STEPS_BACK = 100;
 const KEY = 18;
@@ -67,6 +68,8 @@ export const isTest = (/** @type {OpenFile} */ one) =>
   one.kind === "relaxation" && one.mark === "good";
 export const isHammer = (/** @type {OpenFile} */ one) =>
   HAMMERS.includes(one.kind || "") && one.mark === "good";
+export const isBench = (/** @type {OpenFile} */ one) =>
+  BENCH.includes(one.kind || "") && one.mark === "good";
 export const shown = () => state.files.find((one) => one.id === state.current);
 
 /** The test that is fitted. */

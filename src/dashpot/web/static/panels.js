@@ -1,6 +1,6 @@
 // The drawn panels: zoom and read-off, curves that follow, handles on their time axes.
 import { Figure } from "../../plot/charts.js";
-import { all, field, panelCard } from "./dom.js";
+import { all, field, made, panelCard } from "./dom.js";
 import { Handle } from "./handles.js";
 import { state, together } from "./job.js";
 
@@ -26,6 +26,23 @@ export function panel(/** @type {string} */ name, /** @type {string} */ html) {
   const svg = /** @type {SVGSVGElement | null} */ (body.querySelector("svg.figure"));
   const label = card.querySelector("figcaption")?.textContent || "";
   figures[name] = svg && new Figure(svg, out, label);
+}
+
+/** Put the strips of a figure one after the other, each with its title, and a way to keep them. */
+export function strips(
+  /** @type {HTMLElement} */ home,
+  /** @type {[string, string][]} */ drawn,
+) {
+  home.replaceChildren(...drawn.map(([title, html]) => {
+    const body = made("div", { class: "body" }), out = made("p", { class: "read" });
+    body.innerHTML = html;
+    const svg = /** @type {SVGSVGElement | null} */ (body.querySelector("svg.figure"));
+    if (svg) new Figure(svg, out, title);
+    const card = { class: drawn.length > 1 ? "card" : "card only" };
+    return made("figure", card, made("figcaption", {}, title), body, out);
+  }));
+  const button = made("button", { "data-act": "take-bench" }, "Save the solid (fit.json)");
+  home.append(made("p", { class: "buttons" }, button));
 }
 
 /** Lay bare curves into the drawings; their names are `panel/curve/x` and `panel/curve/y`. */

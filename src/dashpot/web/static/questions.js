@@ -1,7 +1,7 @@
 // Questions to the server, and where their answers stand. The page computes no number.
 import { $, all, panelCard, refuse, status } from "./dom.js";
-import { hammers, job, remember, sizes, state, test } from "./job.js";
-import { curves, panel, placeHandles } from "./panels.js";
+import { hammers, isBench, job, remember, shown, sizes, state, test } from "./job.js";
+import { curves, panel, placeHandles, strips } from "./panels.js";
 import { choices, fields, fileList, solid, stale, tables, verdict, views } from "./shown.js";
 import { ask, call, cancelled } from "./wire.js";
 
@@ -30,6 +30,7 @@ export function settle(again = false) {
   fields();
   views();
   remember();
+  if (bench()) return fitBench();
   const of = test();
   if (!of) {
     const open = state.files.some((one) => one.asked);
@@ -65,17 +66,24 @@ function settled(/** @type {any} */ head) {
   $("command").textContent = head.command;
   $("simulated").hidden = !head.simulated;
   $("answers").innerHTML = "";
-  const auto = document.querySelector('[data-arms="auto"]');
-  const chosen = state.job.arms === "auto" && head.arms !== "";
-  if (auto) auto.textContent = chosen ? `auto: ${head.arms}` : "auto";
+  chosenArms(head.arms);
   solid();
   const [first, last] = head.clock;
   placeHandles(head.cuts, { first, last, step: head.step });
 }
 
-/** The whole story: bound, hammer, joint fit. It takes seconds and can be cancelled. */
-export function study(again = false) {
-  if (!test()) return;
+function chosenArms(/** @type {number | ""} */ arms) {
+  const auto = document.querySelector('[data-arms="auto"]');
+  const chosen = state.job.arms === "auto" && arms !== "";
+  if (auto) auto.textContent = chosen ? `auto: ${arms}` : "auto";
+}
+
+/** A question that takes seconds, can be cancelled, and says meanwhile what is done. */
+function slowly(
+  /** @type {string} */ verb,
+  /** @type {any} */ request,
+  /** @type {(head: any) => unknown} */ done,
+) {
   const since = performance.now();
   $("cancel").hidden = false;
   let over = false;
@@ -90,17 +98,55 @@ export function study(again = false) {
     clearInterval(timer);
     $("cancel").hidden = true;
   };
-  ask("slow", "study", { job: job(), sizes: sizes(), base: state.base }, ({ head }) => {
+  ask("slow", verb, request, ({ head }) => {
     end();
-    told(head);
-    if (!again && tooTall()) return study(true);
-    status(`done in ${seconds(since)}`);
+    if (done(head) !== false) status(`done in ${seconds(since)}`);
   }, (said) => {
     end();
     stale(false);
     if (said !== cancelled) refuse(said);
     status(said === cancelled ? "cancelled" : "stopped");
   }, end);
+}
+
+/** The whole story: bound, hammer, joint fit. */
+export function study(again = false) {
+  if (!test()) return;
+  slowly("study", { job: job(), sizes: sizes(), base: state.base }, (head) => {
+    told(head);
+    if (again || !tooTall()) return true;
+    study(true);
+    return false;
+  });
+}
+
+/** What is asked of the file that is shown, if the page fits it by itself. */
+export function bench() {
+  const one = shown();
+  if (!one || !isBench(one)) return null;
+  const { id: file, options, temperature } = one, width = $("main").clientWidth - 16;
+  return { file, options, temperature, arms: state.job.arms, sizes: { bench: [width, 0] } };
+}
+
+function fitBench() {
+  stale(true);
+  slowly("bench", bench(), (head) => {
+    refuse("");
+    verdict(head);
+    stale(false);
+    chosenArms(head.arms);
+    tables.fit = head.solid;
+    tables.joint = "";
+    solid();
+    $("checks").innerHTML = head.checks;
+    $("answers").innerHTML = "";
+    $("beside").hidden = true;
+    $("hint").hidden = true;
+    $("command").textContent = head.command;
+    $("simulated").hidden = !head.simulated;
+    strips($("bench-page"), head.figures);
+    return true;
+  });
 }
 
 function told(/** @type {any} */ head) {

@@ -1,6 +1,6 @@
 // What stands on the page beside the drawings: verdict, solid, choices, files, fields.
 import { $, all, field, made, panelCard } from "./dom.js";
-import { hammers, isTest, shown, state, test, together } from "./job.js";
+import { hammers, isBench, isTest, shown, state, test, together } from "./job.js";
 import { handles } from "./panels.js";
 
 const SPECIMEN = { name: "", lot: "", length: "mm" };
@@ -41,8 +41,10 @@ export function choices() {
   }
   $("reset").hidden = !Object.keys(cuts).length;
   for (const [name, handle] of Object.entries(handles)) handle.byHand(name in cuts);
-  $("both").hidden = !hammers().length || state.joint || !test();
+  $("both").hidden = !hammers().length || state.joint || !test() || isBenchShown();
 }
+
+const isBenchShown = () => state.files.some((one) => one.id === state.current && isBench(one));
 
 function mark(/** @type {string} */ name) {
   const icon = document.createElementNS(SVG, "svg"), use = document.createElementNS(SVG, "use");
@@ -84,12 +86,15 @@ export function fileList() {
 export function views() {
   const one = shown(), asks = one?.asked || "";
   const hits = one?.kind === "impact" && one.mark === "good" && !!test();
+  const fitted = !!one && isBench(one);
+  document.body.classList.toggle("bench", fitted);
+  $("bench-page").hidden = !fitted;
   $("question").hidden = !asks;
   $("question").innerHTML = asks;
   $("hits-page").hidden = !hits || !!asks;
-  $("missing").hidden = !!asks || !!test() || !hammers().length;
-  $("grid").hidden = !!asks || hits || !test();
-  $("verdict").hidden = !!asks || !test();
+  $("missing").hidden = !!asks || fitted || !!test() || !hammers().length;
+  $("grid").hidden = !!asks || hits || fitted || !test();
+  $("verdict").hidden = !!asks || !(test() || fitted);
 }
 
 /** The numbers of the choices in their fields. */
@@ -100,16 +105,22 @@ export function fields() {
   field("compression").value = job.compression.replace(/mm$/, "");
   field("mass-slider").disabled = !job.mass;
   field("mass-slider").value = String(mass && grams ? Math.log10(grams / mass) : 0);
-  field("specimen-temperature").value = (test()?.temperature || "").replace("degC", "");
+  field("specimen-temperature").value = (described()?.temperature || "").replace("degC", "");
   for (const [name, unit] of Object.entries(SPECIMEN)) {
     const said = job.specimen[name] || "";
     field(`specimen-${name}`).value = unit ? said.slice(0, -unit.length) : said;
   }
 }
 
+/** The file whose temperature the field is. */
+function described() {
+  const one = shown();
+  return one && isBench(one) ? one : test();
+}
+
 /** Take a field of the specimen. */
 export function describe(/** @type {string} */ name, /** @type {string} */ typed) {
-  const number = typed.trim().replace(",", "."), of = test();
+  const number = typed.trim().replace(",", "."), of = described();
   if (name === "temperature") {
     if (of) of.temperature = number && `${number}degC`;
   } else if (number) state.job.specimen[name] = name === "length" ? `${number}mm` : typed.trim();
