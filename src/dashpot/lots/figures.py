@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.lots.quantities import Quantity
+from dashpot.lots.seals import Charts, Seal
 from dashpot.plot.picture import (
     Area,
     Axis,
@@ -23,10 +24,6 @@ from dashpot.plot.picture import (
     around,
     around_log,
 )
-
-if TYPE_CHECKING:
-    from dashpot.lots.limits import Limits
-    from dashpot.lots.rows import Charts, Seal
 
 CURVES = 200
 """Drawn at most, evenly over the lot; more would be one stain."""
@@ -47,12 +44,12 @@ def control_picture(
     quantity: Quantity,
     charts: Mapping[str, Charts],
     seals: Sequence[Seal],
-    limits: Limits | None = None,
+    asked: Sequence[float] = (),
 ) -> Picture:
     """Return seals in their order with the control limits of each lot, and the scatter inside.
 
     Below the seals stand the standard deviations of their repeats, or, where no seal was tested
-    twice, the moving ranges of neighbours.
+    twice, the moving ranges of neighbours. Limits that are `asked`, SI, are drawn across.
     """
     place = {(one.lot, one.name): i + 1.0 for i, one in enumerate(seals)}
     axis = Axis("seal, in the order of lot and name", (0.5, max(len(seals), 1) + 0.5))
@@ -94,10 +91,9 @@ def control_picture(
                 for i in {signal.point for signal in scatter.signals}
             ]
             heights += [values, ceiling]
-    for end in () if limits is None else (limits.lower, limits.upper):
-        if end is not None:
-            marks.append(Rule(quantity.scale * end, _ASKED, "limits asked", across=True))
-            edges.append(np.array([quantity.scale * end]))
+    for end in asked:
+        marks.append(Rule(quantity.scale * end, _ASKED, "limits asked", across=True))
+        edges.append(np.array([quantity.scale * end]))
     marks.append(Dots(x, y, "measured", "seal: mean of its tests", size=5.0))
     low, high = around(*edges)
     # the names of the lots stand above all that is drawn
@@ -112,11 +108,13 @@ def control_picture(
     return Picture("chart", f"{quantity.title}: seals of each lot", (tuple(panels),))
 
 
-def capability_picture(quantity: Quantity, seals: Sequence[Seal], limits: Limits) -> Picture:
+def capability_picture(
+    quantity: Quantity, seals: Sequence[Seal], asked: Sequence[float]
+) -> Picture:
     """Return the tests of one lot as a histogram, the normal curve of its seals, and the limits."""
     tests = quantity.scale * np.concatenate([one.values for one in seals])
     means = quantity.scale * np.array([one.mean for one in seals])
-    asked = [quantity.scale * end for end in (limits.lower, limits.upper) if end is not None]
+    ends = quantity.scale * np.array(asked)
     counts, edges = np.histogram(tests, bins=max(_BARS, int(1.5 * np.sqrt(len(tests)))))
     width, gap = edges[1] - edges[0], 0.08
     bars = tuple(
@@ -128,8 +126,8 @@ def capability_picture(quantity: Quantity, seals: Sequence[Seal], limits: Limits
         if count
     )  # fmt: skip
     mean, deviation = float(means.mean()), float(means.std(ddof=1))
-    span = around(edges, np.array(asked), margin=0.08)
-    marks: list[Mark] = [*bars, *(Rule(end, _ASKED, "limits asked") for end in asked)]
+    span = around(edges, ends, margin=0.08)
+    marks: list[Mark] = [*bars, *(Rule(end, _ASKED, "limits asked") for end in ends)]
     top = float(counts.max())
     if deviation > 0:
         x = np.linspace(*span, 161)

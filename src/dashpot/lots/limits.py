@@ -16,7 +16,8 @@ from dashpot.base.student_t import t_quantile
 from dashpot.base.units import parse_quantity
 from dashpot.io.source import open_raw
 from dashpot.lots.quantities import Quantity
-from dashpot.lots.rows import Lot, Seal
+from dashpot.lots.rows import Lot
+from dashpot.lots.seals import Seal
 
 Decision = Literal["pass", "not proven", "fail", "no result"]
 _KNOWN = ("lower", "upper", "cpk")
@@ -42,6 +43,11 @@ class Limits:
     lower: float | None = None
     upper: float | None = None
     cpk: float | None = None
+
+    @property
+    def ends(self) -> tuple[float, ...]:
+        """The limits that there are."""
+        return tuple(end for end in (self.lower, self.upper) if end is not None)
 
     def inside(self, value: float, guard: float = 0.0) -> bool:
         """Whether a value keeps to both limits, by so much."""

@@ -19,7 +19,8 @@ from dashpot.base.version import byline
 from dashpot.lots.figures import capability_picture, control_picture, curves_picture
 from dashpot.lots.limits import Judged
 from dashpot.lots.quantities import Quantity
-from dashpot.lots.rows import Lot, Seal
+from dashpot.lots.rows import Lot
+from dashpot.lots.seals import Seal
 from dashpot.lots.statistics.control import ENOUGH
 from dashpot.lots.statistics.gauge import LIMIT, TRUSTED
 from dashpot.lots.summary import OfQuantity, Summary, summary
@@ -54,6 +55,7 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
     style = f"{tokens.css()}\n{_part('lot.css')}"
     said = verdict(found.checks, sound="every file is a test whose fit may be used")
     main = found.main
+    asked = () if main.limits is None else main.limits.ends
     return str(
         environment("dashpot.lots")
         .get_template("lot.html")
@@ -71,7 +73,7 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
             heading=main.quantity.title[:1].upper() + main.quantity.title[1:],
             anchor=lambda name: f"a{hashlib.sha256(name.encode()).hexdigest()[:12]}",
             what="mean of the tests of each seal" if _repeated(main) else "one test each",
-            chart=_drawn(control_picture(main.quantity, main.charts, main.seals, main.limits))
+            chart=_drawn(control_picture(main.quantity, main.charts, main.seals, asked))
             if main.seals
             else None,
             few=[name for name, one in main.charts.items() if len(one.seals) < ENOUGH],
@@ -134,7 +136,9 @@ def _capability(main: OfQuantity) -> dict[str, Any] | None:
         "normal": None if one.normal is None else rounded(one.normal, digits=2),
         "figure": _drawn(
             capability_picture(
-                main.quantity, [seal for seal in main.seals if seal.lot == worst], main.limits
+                main.quantity,
+                [seal for seal in main.seals if seal.lot == worst],
+                main.limits.ends,
             ),
             THIRD,
         ),

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.version import byline
@@ -19,8 +18,9 @@ from dashpot.io.write import neutral
 from dashpot.lots.checks import files_fitted, fits_usable, hammers_compared, tests_alike
 from dashpot.lots.parts import polars, read_parts
 from dashpot.lots.quantities import Quantity, natural, quantity
+from dashpot.lots.seals import Charts, Seal, charted
 from dashpot.lots.statistics.capability import Capability, capability
-from dashpot.lots.statistics.control import Chart, individuals, means_and_deviations
+from dashpot.lots.statistics.control import Chart, means_and_deviations
 from dashpot.lots.statistics.difference import Difference, difference
 from dashpot.lots.statistics.gauge import Gauge, gauge
 from dashpot.lots.statistics.scatter import SHORT, Component, components, stands_out
@@ -35,52 +35,6 @@ ALIKE = 0.05
 """Of the median of its lot: by how much hold and depth of a test may differ from it."""
 DEGREES = 3.0
 """By how much its temperature may, K."""
-
-
-class Seal(NamedTuple):
-    """The tests of one seal; a test whose seal nobody named stands for itself.
-
-    Attributes
-    ----------
-    lot, name : str
-    files : tuple of str
-    values : array, shape (n,)
-        Of a quantity, SI.
-    """
-
-    lot: str
-    name: str
-    files: tuple[str, ...]
-    values: FloatArray
-
-    @property
-    def mean(self) -> float:
-        """Of its tests."""
-        return float(self.values.mean())
-
-    @property
-    def deviation(self) -> float | None:
-        """Standard deviation of its repeats; None of one test."""
-        return float(self.values.std(ddof=1)) if len(self.values) > 1 else None
-
-
-class Charts(NamedTuple):
-    """Control charts of one lot.
-
-    Attributes
-    ----------
-    seals : tuple of Seal
-        The points.
-    means, moving : Chart
-        Individual seals, and the moving ranges of neighbours.
-    repeats : Chart or None
-        Standard deviations of the repeats; None where no two seals were tested twice.
-    """
-
-    seals: tuple[Seal, ...]
-    means: Chart
-    moving: Chart
-    repeats: Chart | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -261,7 +215,7 @@ class Lot:
         lots: dict[str, list[Seal]] = defaultdict(list)
         for one in self.seals(name):
             lots[one.lot].append(one)
-        return {lot: _charted(tuple(seals)) for lot, seals in lots.items() if len(seals) > 1}
+        return {lot: charted(tuple(seals)) for lot, seals in lots.items() if len(seals) > 1}
 
     def lot_chart(self, name: str = "k_end") -> tuple[tuple[str, ...], Chart, Chart] | None:
         """Return lots, and the X-bar and s charts whose groups are the seals of each.
@@ -381,10 +335,3 @@ class Lot:
         names = [one for one in by if one in rows.columns]
         for _, group in rows.group_by(names, maintain_order=True):
             yield group
-
-
-def _charted(seals: Sequence[Seal]) -> Charts:
-    means, moving = individuals(np.array([one.mean for one in seals]))
-    groups = [one.values for one in seals]
-    several = sum(len(one) > 1 for one in groups) > 1
-    return Charts(tuple(seals), means, moving, means_and_deviations(groups)[1] if several else None)

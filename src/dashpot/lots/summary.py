@@ -19,7 +19,8 @@ from dashpot.lots.checks import (
 )
 from dashpot.lots.limits import Judged, Limits, judged
 from dashpot.lots.quantities import Quantity
-from dashpot.lots.rows import Charts, Lot, Seal
+from dashpot.lots.rows import Lot
+from dashpot.lots.seals import Charts, Seal
 from dashpot.lots.statistics.capability import Capability
 from dashpot.lots.statistics.control import BEYOND, Chart
 from dashpot.lots.statistics.gauge import Gauge

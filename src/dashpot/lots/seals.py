@@ -1,0 +1,65 @@
+"""The tests of one seal, and the charts of several."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.lots.statistics.control import Chart, individuals, means_and_deviations
+
+
+class Seal(NamedTuple):
+    """The tests of one seal; a test whose seal nobody named stands for itself.
+
+    Attributes
+    ----------
+    lot, name : str
+    files : tuple of str
+    values : array, shape (n,)
+        Of a quantity, SI.
+    """
+
+    lot: str
+    name: str
+    files: tuple[str, ...]
+    values: FloatArray
+
+    @property
+    def mean(self) -> float:
+        """Of its tests."""
+        return float(self.values.mean())
+
+    @property
+    def deviation(self) -> float | None:
+        """Standard deviation of its repeats; None of one test."""
+        return float(self.values.std(ddof=1)) if len(self.values) > 1 else None
+
+
+class Charts(NamedTuple):
+    """Control charts of one lot.
+
+    Attributes
+    ----------
+    seals : tuple of Seal
+        The points.
+    means, moving : Chart
+        Individual seals, and the moving ranges of neighbours.
+    repeats : Chart or None
+        Standard deviations of the repeats; None where no two seals were tested twice.
+    """
+
+    seals: tuple[Seal, ...]
+    means: Chart
+    moving: Chart
+    repeats: Chart | None
+
+
+def charted(seals: Sequence[Seal]) -> Charts:
+    """Return the control charts of the seals of one lot, two or more."""
+    means, moving = individuals(np.array([one.mean for one in seals]))
+    groups = [one.values for one in seals]
+    several = sum(len(one) > 1 for one in groups) > 1
+    return Charts(tuple(seals), means, moving, means_and_deviations(groups)[1] if several else None)
