@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dashpot.fitting.relaxation import fit
-from dashpot.preparation.denoising import between_counts, denoised, true_motion
+from dashpot.preparation.denoising import _without_flicker, between_counts, denoised, true_motion
 from dashpot.preparation.prepare import prepare
 from dashpot.simulation.relaxation import Rig, simulate_relaxation
 from dashpot.solids.table_1 import BROAD
@@ -45,6 +45,13 @@ def test_a_flicker_of_the_reading_is_no_motion() -> None:
     read = between_counts(t, counted)
     assert np.std(read[held]) < 1e-7
     assert np.std((read - true)[(t > 0.55) & (t < 1.45)]) < 4e-6
+
+
+def test_the_running_median_is_that_of_seven_neighbours() -> None:
+    """Exchanges that order every row of noughts and ones order every row (D. E. Knuth)."""
+    bits = (np.arange(128)[:, None] >> np.arange(7) & 1).astype(float).ravel()
+    windows = np.lib.stride_tricks.sliding_window_view(np.pad(bits, 3, mode="edge"), 7)
+    np.testing.assert_array_equal(_without_flicker(bits), np.median(windows, axis=1))
 
 
 def test_noise_is_averaged_where_the_motion_is_straight() -> None:

@@ -20,6 +20,14 @@ def noisy(seed: int, noise: float = 4e-3) -> np.ndarray:
     return DECAY + noise * np.random.default_rng(seed).standard_normal(len(TIME))
 
 
+def lines_of(force: np.ndarray, *, noise: float) -> tuple[Hum, ...]:
+    """Of a hold as long as it says, behind two seconds of something else."""
+    time = np.concatenate((np.arange(-2000, 0) / 1000, TIME))
+    lines, total = hum_lines(time, force, slice(2000, 2000 + len(force)), noise=noise)
+    np.testing.assert_array_equal(total, sum((one.force(time) for one in lines), 0 * time))
+    return lines
+
+
 def default(seed: int) -> RampHold:
     return prepare(simulate_relaxation(PAPER, seed=seed).test)
 
@@ -27,7 +35,7 @@ def default(seed: int) -> RampHold:
 @pytest.mark.parametrize(("frequency", "alias"), [(50.0, 50.0), (37.3, 37.3), (1050.0, 50.0)])
 def test_a_line_is_found_where_the_sampling_puts_it(frequency: float, alias: float) -> None:
     hum = 3e-3 * np.sin(2 * np.pi * frequency * TIME + 0.4)
-    (found,) = hum_lines(TIME, noisy(0) + hum, noise=4e-3)
+    (found,) = lines_of(noisy(0) + hum, noise=4e-3)
     assert found.frequency == pytest.approx(alias, abs=2e-3)
     assert found.amplitude == pytest.approx(3e-3, rel=0.05)
     np.testing.assert_allclose(found.force(TIME), hum, atol=3e-4)
@@ -35,9 +43,7 @@ def test_a_line_is_found_where_the_sampling_puts_it(frequency: float, alias: flo
 
 def test_a_prime_number_of_samples_finds_the_same_line() -> None:
     hum = 3e-3 * np.sin(2 * np.pi * 37.3 * TIME + 0.4)
-    (even,), (prime,) = (
-        hum_lines(TIME[:n], (noisy(0) + hum)[:n], noise=4e-3) for n in (20_000, 19_997)
-    )
+    (even,), (prime,) = (lines_of((noisy(0) + hum)[:n], noise=4e-3) for n in (20_000, 19_997))
     assert prime.frequency == pytest.approx(even.frequency, abs=1e-4)
     assert prime.amplitude == pytest.approx(even.amplitude, rel=1e-3)
 
@@ -45,15 +51,15 @@ def test_a_prime_number_of_samples_finds_the_same_line() -> None:
 def test_two_lines_of_unlike_size_are_told_apart() -> None:
     lines = Hum(50.0, 20e-3, 0.0, 0.0), Hum(51.0, 0.0, 1e-3, 0.0)
     force = noisy(1) + sum(line.force(TIME) for line in lines)
-    found = hum_lines(TIME, force, noise=4e-3)
+    found = lines_of(force, noise=4e-3)
     assert [one.frequency for one in found] == pytest.approx([50.0, 51.0], abs=5e-3)
 
 
 def test_noise_and_relaxation_are_no_hum() -> None:
-    assert not any(hum_lines(TIME, noisy(seed), noise=4e-3) for seed in range(40))
-    assert not hum_lines(TIME, DECAY, noise=0.0)
+    assert not any(lines_of(noisy(seed), noise=4e-3) for seed in range(40))
+    assert not lines_of(DECAY, noise=0.0)
     slow = noisy(2) + 5e-3 * np.sin(2 * np.pi * 0.2 * TIME)
-    assert not hum_lines(TIME, slow, noise=4e-3)  # four swings in the hold: relaxation may bend so
+    assert not lines_of(slow, noise=4e-3)  # four swings in the hold: relaxation may bend so
 
 
 def test_the_default_rig_is_fitted_to_its_noise() -> None:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from itertools import islice
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,10 +14,9 @@ import numpy as np
 from dashpot.base.checks import Check
 from dashpot.base.errors import DashpotError
 from dashpot.io.columns.kinds import MASTER, WANTED_BY
-from dashpot.io.source import open_raw
 from dashpot.lots.choices import BatchChoices
 from dashpot.lots.columns import asked_columns, empty, of_solid
-from dashpot.lots.entries import Entry
+from dashpot.lots.entries import Entry, hashed
 from dashpot.lots.hammer import held_against_hammer, of_hammer_alone
 from dashpot.records.compression import refuse_far
 from dashpot.records.creep import CreepCompliance, LoadHold
@@ -46,32 +47,37 @@ def row(entry: Entry, hashes: Sequence[str], choices: BatchChoices) -> dict[str,
         What the contents of its file, and of its hammer's, hashed to when the batch began.
     choices : BatchChoices
     """
-    found = empty(entry, hashes[0], choices)
+    found = empty(entry, "", choices)
     if entry.mass is None:
         found["mass_kg"] = choices.mass
+    answer: dict[str, Any]
     try:
-        changed = _changed(entry, hashes)
-        if changed:
-            return found | {
-                "outcome": "changed",
-                "reason": f"{changed} changed while the batch ran; run it again",
-            }
-        found["bytes"] = open_raw(entry.file).size
-        found |= _answered(entry, choices, found)
+        answer = _answered(entry, choices, found)
     except DashpotError as error:
-        found |= {"outcome": "refused", "reason": str(error)}
+        answer = {"outcome": "refused", "reason": str(error)}
     except Exception as error:  # noqa: BLE001 -- one file's fault is one row
-        found |= {
+        answer = {
             "outcome": "refused",
             "reason": f"a fault of dashpot's own: {type(error).__name__}; dashpot fit says more",
         }
+    changed = _changed(entry, hashes, answer.get("sha256"))
+    if changed:
+        answer = {
+            "outcome": "changed",
+            "reason": f"{changed} changed while the batch ran; run it again",
+        }
+    elif hashes[0]:
+        with suppress(OSError):  # gone, by now
+            answer["bytes"] = Path(entry.file).stat().st_size
+    found |= answer | {"sha256": hashes[0]}
     return {name: _finite(value) for name, value in found.items()}
 
 
-def _changed(entry: Entry, hashes: Sequence[str]) -> str:
-    """The first file that is not what it was, if one is."""
-    files = zip((entry.file, *entry.hammer), entry.hashes(), hashes, strict=True)
-    return next((file for file, now, then in files if now != then), "")
+def _changed(entry: Entry, hashes: Sequence[str], read: str | None) -> str:
+    """The first file that is not what it was, if one is; `read` is what a fit read of the first."""
+    now = (read or hashed(entry.file), *map(hashed, entry.hammer))
+    files = zip((entry.file, *entry.hammer), now, hashes, strict=True)
+    return next((file for file, found, then in files if found != then), "")
 
 
 def _answered(entry: Entry, choices: BatchChoices, found: Mapping[str, Any]) -> dict[str, Any]:
@@ -132,7 +138,9 @@ def _of_test(
 
 def _of_record(record: Record) -> dict[str, Any]:
     kelvin = getattr(record, "specimen", Specimen()).temperature
+    source = getattr(record, "source", None)
     found: dict[str, Any] = {} if kelvin is None else {"temperature_K": kelvin}
+    found |= {} if source is None else {"sha256": source.sha256}
     if isinstance(record, RampHold):
         return found | {
             "kind": "relaxation",

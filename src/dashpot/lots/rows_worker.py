@@ -22,6 +22,8 @@ def main() -> None:
     # whatever a library prints is no row
     os.dup2(2, 1)
     threading.Thread(target=_listen, args=(source, questions), daemon=True).start()
+    import msgspec  # noqa: F401 -- what is imported once and reads every file faster
+
     from dashpot.lots.choices import BatchChoices  # the imports are what makes a worker worth it
     from dashpot.lots.entries import Entry
     from dashpot.lots.row import row

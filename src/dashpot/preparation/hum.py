@@ -29,19 +29,26 @@ _FEWEST_SAMPLES = 400
 _TOO_SMALL = 0.02
 
 
-def hum_lines(time: FloatArray, force: FloatArray, *, noise: float) -> tuple[Hum, ...]:
-    """Return the lines of a force on a uniform clock, the strongest first.
+def hum_lines(
+    time: FloatArray, force: FloatArray, held: slice, *, noise: float
+) -> tuple[tuple[Hum, ...], FloatArray]:
+    """Return the lines of a force, the strongest first, and their sum at all times, N.
 
     Parameters
     ----------
-    time, force : array, shape (n,)
-        s and N, over the hold.
+    time : array, shape (m,)
+        s, of the whole record.
+    force : array, shape (n,)
+        N, over the hold, whose clock is uniform.
+    held : slice
+        The hold.
     noise : float
         Scatter of the force from sample to sample, N.
     """
-    n = len(time)
+    n, total = len(force), np.zeros(len(time))
     if n < _FEWEST_SAMPLES or noise == 0:
-        return ()
+        return (), total
+    everywhere, time = time, time[held]
     step = (time[-1] - time[0]) / (n - 1)
     window = np.hanning(n)
     bins = _quick(n)
@@ -59,8 +66,9 @@ def hum_lines(time: FloatArray, force: FloatArray, *, noise: float) -> tuple[Hum
         if line.amplitude < _TOO_SMALL * noise:
             break
         found.append(line)
-        rest = rest - line.force(time)
-    return tuple(found)
+        of_line = line.force(everywhere)
+        rest, total = rest - of_line[held], total + of_line
+    return tuple(found), total
 
 
 def _quick(n: int) -> int:

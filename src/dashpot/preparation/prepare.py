@@ -308,10 +308,11 @@ def _without_hum(record: RampHold) -> RampHold:
     time, force = record.time[held], record.force[held]
     if not evenly_sampled(time):
         return record
-    lines = hum_lines(time, without_spikes(time, force), noise=record.force_noise)
+    clean = without_spikes(time, force)
+    lines, hum = hum_lines(record.time, clean, held, noise=record.force_noise)
     if not lines:
         return record
-    force = record.force - np.sum([line.force(record.time) for line in lines], axis=0)
+    force = record.force - hum
     late = slice(held.start + (held.stop - held.start) // 10, held.stop)
     noise = scatter(record.time[late], force[late])
     return replace(record, force=force, force_noise=noise, hum=lines)

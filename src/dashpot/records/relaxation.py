@@ -96,7 +96,7 @@ class Hum:
     def force(self, time: FloatArray) -> FloatArray:
         """The line at times, s."""
         phase = 2 * np.pi * self.frequency * (time - self.origin)
-        return np.asarray(self.cosine * np.cos(phase) + self.sine * np.sin(phase))
+        return np.asarray(self.amplitude * np.cos(phase - np.arctan2(self.sine, self.cosine)))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
