@@ -49,7 +49,7 @@ def run(*words: str, code: int = 0) -> str:
     [
         ("fit hammer.csv", "this is a hammer file .*: use dashpot impact"),
         ("fit frf.csv", "this is an FRF .*: use dashpot modes, .*compare or .*identify"),
-        ("fit base.csv", "this is a transmissibility .*: dashpot fits none yet"),
+        ("fit base.csv", "this is a transmissibility .*: use dashpot compare or .*identify with"),
         ("fit trios.txt", "trios.txt: no force is held: expected a load that rises"),
         ("fit creep.csv --law linear", "no elastic law .*; leave them out"),
         ("fit creep.csv seal.csv", "a creep test is fitted alone"),
@@ -73,7 +73,7 @@ def run(*words: str, code: int = 0) -> str:
         ("compare fit.json seal.csv --mass 104g", "this is a relaxation test"),
         ("compare hammer.csv fit.json --mass 104g", "hammer.csv: .*expected a fit, as 'dashpot f"),
         ("identify seal.csv --mass 104g", "this is a relaxation test"),
-        ("identify base.csv --mass 104g", "this is a transmissibility"),
+        ("compare fit.json base.csv", "over the mass and neither alone: give the mass"),
         ("predict fit.json --mass 104", "for example '104g'"),
         ("predict fit.json --mass 104g --compression 8", "for example '8mm'"),
         ("fit seal.csv --temperature 23", "for example '23degC'"),

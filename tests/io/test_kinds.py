@@ -25,7 +25,7 @@ FILES = files()
 READERS = {
     read_relaxation: {"relaxation", "triangle", "cyclic"},
     read_impact: {"impact"},
-    read_frf: {"frf"},
+    read_frf: {"frf", "transmissibility"},
     read_dynamic: {"dma", "master-curve"},
     read_creep: {"creep", "relaxation", "triangle", "cyclic"},
 }

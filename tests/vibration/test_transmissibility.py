@@ -131,6 +131,78 @@ def test_what_is_written_is_known_as_a_transmissibility(tmp_path):
     assert inspect_file(path).kind == "transmissibility"
 
 
+def noisy(solid, mass, f, *, gain=1.0, delay=0.0, seed=0, scatter=0.005):
+    """A shaker's table under a mass: two accelerometers that are not alike."""
+    w = 2 * np.pi * f
+    K = solid.complex_stiffness(w)
+    T = gain * np.exp(-1j * w * delay) * K / (K - mass * w**2)
+    rng = np.random.default_rng(seed)
+    sd = scatter * np.abs(T) / np.sqrt(2)
+    return dp.FRF(
+        f,
+        T + sd * (rng.normal(size=len(f)) + 1j * rng.normal(size=len(f))),
+        "transmissibility",
+        sd=sd,
+    )
+
+
+@pytest.mark.parametrize(
+    ("solid", "mass"), [(PAPER, PAPER_MASS), (BROAD, BROAD_MASS)], ids=["paper", "broad"]
+)
+def test_a_solid_is_identified_on_a_base_whatever_its_sensors_gain_and_delay(solid, mass):
+    """At resonance 1 % of gain is 1 % of T; of the motion relative to the base it is far more."""
+    f = np.arange(6.0, 36.0, 0.1)
+    w = 2 * np.pi * np.array([9.0, 12.71, 18.0])
+    for seed, gain, delay in ((0, 1.012, -1e-4), (1, 0.99, 1.5e-4)):
+        frf = noisy(2 * solid, mass, f, gain=gain, delay=delay, seed=seed)
+        found = dp.identify(frf, mass=mass, seals=2)
+        K = found.model.complex_stiffness(w)
+        assert np.abs(K.real / solid.storage(w) - 1).max() < 0.01
+        # beside the resonance a delay is a loss; at it, it is not
+        assert abs(K[1].imag / solid.loss(w[1]) - 1) < 0.03
+        seen = {one.name: one for one in found.nuisance}
+        assert abs(seen["gain"].value - gain) < 4 * seen["gain"].standard_error
+
+
+def test_a_base_tells_the_stiffness_over_the_mass_alone():
+    with pytest.raises(DataError, match="neither alone"):
+        dp.identify(noisy(2 * PAPER, BROAD_MASS, np.arange(6.0, 36.0, 0.1)), seals=2)
+
+
+@pytest.mark.parametrize(
+    ("header", "units"),
+    [
+        ("frequency [Hz], real [g/g], imaginary [g/g]", ()),
+        ("f [Hz], transmissibility magnitude [-], phase [deg]", ()),
+        ("frequency [Hz], magnitude, phase [deg]", ("--units", "magnitude=g/g")),
+        ("frequency [Hz], magnitude [(mm/s^2)/(m/s^2)], phase [deg]", ()),
+    ],
+)
+def test_a_file_of_another_lab_is_compared_and_identified(tmp_path, header, units):
+    f = np.arange(5.0, 40.0, 0.05)
+    T = noisy(2 * PAPER, PAPER_MASS, f).value
+    scale = 1e3 if "mm/s^2" in header else 1.0
+    columns = (T.real, T.imag) if "real" in header else (scale * np.abs(T), np.degrees(np.angle(T)))
+    path, fit = tmp_path / "base.csv", tmp_path / "fit.json"
+    np.savetxt(path, np.column_stack((f, *columns)), delimiter=",", header=header, comments="")
+    arms = [{"k": k, "tau": t} for k, t in zip(PAPER.k, PAPER.tau, strict=True)]
+    fit.write_text(
+        json.dumps({"schema": "dashpot/fit@1", "model": {"k_inf": PAPER.k_inf, "arms": arms}})
+    )
+    mass = ["--mass", f"{1e3 * PAPER_MASS}g", "--seals", "2", *units]
+    picture = ["--plot", str(tmp_path / "t.svg")]
+    told = CliRunner().invoke(main, ["compare", str(fit), str(path), *mass, "--json", *picture])
+    assert told.exit_code == 0, told.output
+    said = json.loads(told.stdout)
+    assert said["checks"]
+    assert said["frac"] > 0.99
+    found = CliRunner().invoke(main, ["identify", str(path), *mass, "--arms", "1", "--json"])
+    assert found.exit_code == 0, found.output
+    direct = json.loads(found.stdout)["direct"]
+    at = np.interp(14.0, direct["frequency_hz"], direct["stiffness"])
+    assert at == pytest.approx(PAPER.storage(2 * np.pi * 14), rel=0.05)
+
+
 def test_the_command_line_predicts_over_a_base(tmp_path):
     fit = tmp_path / "fit.json"
     arms = [{"k": k, "tau": t} for k, t in zip(PAPER.k, PAPER.tau, strict=True)]

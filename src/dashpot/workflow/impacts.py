@@ -20,7 +20,7 @@ from dashpot.io.readers.impact import HITS, hits_in, read_impact
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.records.bounds import FRFBounds
 from dashpot.records.fit import Fit
-from dashpot.records.frf import FRF, Mode
+from dashpot.records.frf import FRF, Kind, Mode
 from dashpot.records.impact import ImpactTest
 from dashpot.records.machine import Machine
 from dashpot.records.specimen import Specimen
@@ -35,6 +35,7 @@ from dashpot.workflow.job import HammerChoices, known_of_a_test
 from dashpot.workflow.prepared import answered_in, prepared_files, refuse_others
 from dashpot.workflow.resting import LIMIT_LINES, AtRest, at_rest, formal_limits, frf_limits
 
+_RESPONSES = ("frf", "transmissibility")
 # rounds in which a mass and the stiffness under it find each other
 WEIGHINGS = 100
 
@@ -141,18 +142,30 @@ def read_measured(
 
     Its checks are about the resonance in `band`, Hz.
     """
-    if len(paths) == 1 and inspect_file(paths[0], options=options).kind == "frf":
-        return None, judged(read_frf(paths[0], options=options), band)
+    if len(paths) == 1 and inspect_file(paths[0], options=options).kind in _RESPONSES:
+        frf = read_frf(paths[0], options=options)
+        if frf.kind is Kind.TRANSMISSIBILITY and mass is None:
+            raise ReadError(
+                "the file holds a transmissibility, which tells the stiffness over the mass and "
+                "neither alone: give the mass (--mass)"
+            )
+        return None, judged(frf, band, mass=mass)
     impact = hits_in(list(paths), options, f"an FRF or {HITS}")
     return impact, average(impact, choices=choices, mass=mass, band=band)
 
 
-def judged(frf: FRF, band: tuple[float, float] | None, main: Mode | None = None) -> FRF:
+def judged(
+    frf: FRF,
+    band: tuple[float, float] | None,
+    main: Mode | None = None,
+    *,
+    mass: float | None = None,
+) -> FRF:
     """Return an FRF that was averaged elsewhere with what it says of itself at its peak.
 
-    The peak is the highest in `band`, Hz, or that of a mode.
+    The peak is the highest in `band`, Hz, or that of a mode; a transmissibility needs the mass, kg.
     """
-    near = frf.to("accelerance")
+    near = frf.to("accelerance", mass=mass)
     near = near if band is None else near.band(*band)
     peak = find_peak(near) if main is None else main
     at = int(np.argmin(np.abs(near.frequency - peak.frequency)))

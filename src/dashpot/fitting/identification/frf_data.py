@@ -36,6 +36,8 @@ class FRFData:
         their shares of it where there is a coherence.
     seals : float
     peak_hz : float
+    weighed : float or None
+        Of a transmissibility, the mass with which it was made an accelerance, kg.
     """
 
     lines: FRF
@@ -43,17 +45,23 @@ class FRFData:
     known_sd: bool
     seals: float
     peak_hz: float
+    weighed: float | None = None
 
     def predict(self, model: Solid, mass: float, gain: float, delay: float) -> ComplexArray:
         r"""Accelerance as this rig would show it, `model` being one seal.
 
         .. math:: A(s) = g\,e^{-s d}\,\frac{s^2}{m s^2 + n K(s)}
 
-        less what a cut record loses; g is the gain of acceleration over force, d its delay.
+        less what a cut record loses; g is the gain of acceleration over force, d its delay. Over a
+        base that moves both are of the upper over the lower sensor, and what the rig shows of
+        :math:`T = 1 - m A` is :math:`(1 - g\,e^{-s d}\,T) / m_0`, with the mass m_0 of the scale.
         """
         s = self.lines.s
         value = accelerance(self.seals * model, mass, s, self.lines.record, self.lines.pulse)
-        return np.asarray(gain * np.exp(-s * delay) * value)
+        seen = gain * np.exp(-s * delay)
+        if self.weighed is not None:
+            return np.asarray((1 - seen * (1 - mass * value)) / self.weighed)
+        return np.asarray(seen * value)
 
     def misfit(self, predicted: ComplexArray) -> FloatArray:
         """Weighted differences, real then imaginary, shape (2n,)."""
@@ -102,15 +110,22 @@ def _stacked(values: ComplexArray) -> FloatArray:
     return np.concatenate((values.real, values.imag))
 
 
-def frf_data_of(frf: FRF, *, seals: float, band: tuple[float, float] | None) -> FRFData:
+def frf_data_of(
+    frf: FRF, *, seals: float, band: tuple[float, float] | None, mass: float | None = None
+) -> FRFData:
     """Choose the lines of an FRF that a mass on seals can explain.
 
     Raises
     ------
     DataError
-        If fewer than 8 lines remain.
+        If fewer than 8 lines remain, or a transmissibility comes without the mass, kg.
     """
-    measured = frf.to(Kind.ACCELERANCE)
+    over_base = frf.kind is Kind.TRANSMISSIBILITY
+    if over_base and mass is None:
+        raise DataError(
+            "a transmissibility tells the stiffness over the mass, and neither alone: give the mass"
+        )
+    measured = frf.to(Kind.ACCELERANCE, mass=mass)
     peak = find_peak(measured if band is None else measured.band(*band)).frequency
     low, high = (peak / AROUND_THE_PEAK, peak * AROUND_THE_PEAK) if band is None else band
     keep = measured.usable & (measured.frequency >= low) & (measured.frequency <= high)
@@ -128,4 +143,4 @@ def frf_data_of(frf: FRF, *, seals: float, band: tuple[float, float] | None) -> 
         share = np.hypot(lines.scatter_of_one / size, FLOOR)
         scatter = size * share / np.sqrt(np.mean(share**2))
     sd = size if scatter is None else np.hypot(scatter, FLOOR * size)
-    return FRFData(lines, sd, known, float(seals), peak)
+    return FRFData(lines, sd, known, float(seals), peak, mass if over_base else None)

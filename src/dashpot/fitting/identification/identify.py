@@ -89,7 +89,7 @@ def identify(
     Parameters
     ----------
     frf : FRF
-        Measured, any kind.
+        Measured, any kind; a transmissibility with the mass, for it tells K/m alone.
     tests : RampHold, RelaxationTest or sequence of them
         Relaxation tests of the same seal, prepared.
     fit : Fit, optional
@@ -110,7 +110,8 @@ def identify(
     mass_sd : float, optional
         Standard deviation of the mass, kg; 0.1 % by default, 0 if exact.
     gain_sd, delay_sd : float
-        What acceleration over force may be off by, relative, and late by, s; 0 if exact.
+        What acceleration over force may be off by, relative, and late by, s; 0 if exact. Of a
+        transmissibility, the upper sensor over the lower.
     band : (float, float), optional
         Lines to explain, Hz; by default those within a factor of 3 of the peak.
     compression : float, optional
@@ -143,7 +144,7 @@ def identify(
     band, compression = si_range(band, "frequency"), si(compression, "length")
     records = ramp_holds(tests)
     refuse_copies(records)
-    frf_data = frf_data_of(frf, seals=seals_of(seals), band=band)
+    frf_data = frf_data_of(frf, seals=seals_of(seals), band=band, mass=mass)
     before = before_hammer(records, fit, si(temperature, "temperature"), family)
     point = point_of(before.known, mass, seals, compression)
     priors = NuisancePriors(

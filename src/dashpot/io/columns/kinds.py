@@ -31,8 +31,7 @@ WANTED_BY: MappingProxyType[str, tuple[str, str]] = MappingProxyType({
     "impact": ("a hammer file", "use dashpot impact"),
     "frf": ("an FRF", "use dashpot modes, dashpot compare or dashpot identify"),
     "transmissibility": (
-        "a transmissibility",
-        "dashpot fits none yet; measure the force too, which makes it an FRF",
+        "a transmissibility", "use dashpot compare or dashpot identify with the mass"
     ),
     "dma": ("a dynamic (DMA) sweep", "use dashpot fit"),
     "master-curve": ("a master curve of storage and loss", "use dashpot fit"),
@@ -81,11 +80,7 @@ class _NamedColumns:
         )
 
     def of_motions(self) -> bool:
-        """Whether a response is of a motion to the same motion, as under base excitation."""
-        return any(
-            "transmissib" in column.name.casefold() or _same_over_same(column.unit or "")
-            for column in self.table.columns
-        )
+        return of_motions(self.table)
 
     def crept(self) -> bool:
         names = [column.name.casefold() for column in self.table.columns]
@@ -165,6 +160,15 @@ def kind_of(table: Table, options: ReadOptions) -> tuple[FileKind, str]:
         decades = _decades(table, "time", options)
         return kind, reason + (f", over {decades:.0f} decades" if decades >= MASTER else "")
     return kind, reason
+
+
+def of_motions(table: Table) -> bool:
+    """Whether a response is of a motion to the same motion, as under base excitation."""
+    said = any("transmissib" in line.casefold() for line in table.header)
+    return said or any(
+        "transmissib" in column.name.casefold() or _same_over_same(column.unit or "")
+        for column in table.columns
+    )
 
 
 MASTER = 7.0

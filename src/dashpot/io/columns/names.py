@@ -13,7 +13,7 @@ _LONGEST = 500
 """Characters of a name; what is longer is cut."""
 _OF_TIME = re.compile(r"\A[A-Za-z]\(t\)\Z")  # E(t): no tonnes
 _IN_BRACKETS = re.compile(
-    r"[\[(<{]([^\[\](){}<>]*+(?:\([^()]*+\)[^\[\](){}<>]*+)?)[\])>}][\s,;:]*+\Z"
+    r"[\[(<{]([^\[\](){}<>]*+(?:\([^()]*+\)[^\[\](){}<>]*+){0,2})[\])>}][\s,;:]*+\Z"
 )
 _PRIMED = re.compile(r"[A-Za-z]['\"]{1,2}")
 """A modulus as rheologists write it: its quotes are no quotes."""

@@ -12,6 +12,7 @@ from dashpot.base import units
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.base.units import Dimension
+from dashpot.io.columns.kinds import of_motions
 from dashpot.io.columns.roles import Assigned, assign, list_columns, unit_for
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
@@ -27,6 +28,9 @@ _KINDS: tuple[tuple[Dimension, Dimension, Kind], ...] = (
     ("force", "length", Kind.DYNAMIC_STIFFNESS),
 )
 _SPECIAL = {"1/kg": Kind.ACCELERANCE, "m/(N*s)": Kind.MOBILITY, "m/(N·s)": Kind.MOBILITY}
+_MOTIONS: tuple[Dimension, ...] = ("length", "velocity", "acceleration")
+_NO_UNIT = ("", "1", "-", "db")
+"""Units of a ratio; they tell a transmissibility where a name or a comment does."""
 _FRF_ROLES: tuple[Role, ...] = ("frequency", "real", "imaginary", "magnitude", "phase", "coherence")
 _HIGHEST = 3e4
 """Hz; no hammer on rubber goes higher."""
@@ -50,7 +54,7 @@ def read_frf(path: str | Path, *, options: ReadOptions | None = None) -> FRF:
         If there is no FRF in the file, or its kind or unit is left open.
     """
     with channels.opened(path, options) as file:
-        channels.expect(file, ["frf"], "an FRF is", named=["real", "magnitude"])
+        channels.expect(file, ["frf", "transmissibility"], "an FRF is", named=["real", "magnitude"])
         index, kind, factor, hertz, radian = settled(file)
         loaded = channels.load(file.table, range(len(file.table.columns)), None)
         column = {role: loaded.values[:, i] for role, i in index.items()}
@@ -164,12 +168,15 @@ def _kind(file: Opened, role: Role, index: int) -> tuple[Kind, float]:
     column = file.table.columns[index]
     word = file.options.unit_of(role, column.name) or column.unit or ""
     ratio = _ratio(word)
+    if ratio is None and word.casefold() in _NO_UNIT and of_motions(file.table):
+        ratio = Kind.TRANSMISSIBILITY, 1.0
     if ratio is None:
         unit = f"the unit '{word}', which" if word else "no unit, and so"
         raise ReadError(
             f"'{column.name}' has {unit} tells no FRF; "
-            "expected motion per force such as (m/s^2)/N, g/N, m/N, or force per motion such as "
-            f'N/m; add --units "{role}=(m/s^2)/N", or write it into the header'
+            "expected motion per force such as (m/s^2)/N, g/N, m/N, force per motion such as N/m, "
+            f'or motion per motion such as g/g; add --units "{role}=(m/s^2)/N", or write it into '
+            "the header"
         )
     kind, factor = ratio
     if stated is not None and stated is not kind:
@@ -200,11 +207,19 @@ def _ratio(word: str) -> tuple[Kind, float] | None:
     if text in _SPECIAL:
         return _SPECIAL[text], 1.0
     swapped = re.fullmatch(r"\(?1/(\w+)\)?\s*[*·]\s*(.+)", text)  # (1/N)*(m/s^2)
-    top, slash, bottom = (swapped[2], "/", swapped[1]) if swapped else text.rpartition("/")
+    top, slash, bottom = text.rpartition("/")
+    if swapped:
+        top, bottom = swapped[2], swapped[1]
+    elif "/(" in text:
+        top, _, bottom = text.partition("/(")
     for upper, lower, kind in _KINDS if slash else ():
         a, b = units.find(top.strip("() "), upper), units.find(bottom.strip("() "), lower)
         if a is not None and b is not None:
             return kind, a.factor / b.factor
+    for motion in _MOTIONS if slash else ():
+        a, b = units.find(top.strip("() "), motion), units.find(bottom.strip("() "), motion)
+        if a is not None and b is not None:
+            return Kind.TRANSMISSIBILITY, a.factor / b.factor
     return None
 
 
