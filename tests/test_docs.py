@@ -25,8 +25,12 @@ PAGES = sorted(
     for path in (ROOT / "README.md", *(ROOT / "docs").rglob("*.md"))
     if "_build" not in path.parts
 )
-ELSEWHERE = {"demo": ".ci/run", "app": "tests/web/test_journeys.py"}
-"""Commands that another place runs: they take long."""
+ELSEWHERE = {
+    "demo": ".ci/run",
+    "app": "tests/web/test_journeys.py",
+    "watch": "tests/lots/test_watching.py",
+}
+"""Commands that another place runs: they take long, or have no end."""
 
 
 class Typed(NamedTuple):

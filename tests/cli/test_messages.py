@@ -47,7 +47,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "workflow/study.py": ("report",),
     "workflow/command_lines.py": ("report",),
     "workflow/outputs.py": ("fit", "report", "identify", "export", "predict", "inspect"),
-    "lots/": ("batch",),
+    "lots/": ("batch", "watch"),
     "web/server.py": ("app",),
     "web/": ("report",),
     "cli/": (),

@@ -16,7 +16,7 @@ import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.base.version import __version__
 from dashpot.io.write import write_relaxation
-from dashpot.lots import lot as lots
+from dashpot.lots import batches
 from dashpot.lots.choices import BatchChoices
 from dashpot.lots.cluster_worker import let_go, rows_of
 from dashpot.lots.entries import Entry
@@ -51,7 +51,7 @@ def as_bytes(table):
 def test_a_cluster_makes_the_same_table_though_a_worker_is_killed(folder, tmp_path, monkeypatch):
     distributed = pytest.importorskip("distributed")
     whole = dp.batch(folder, jobs=1, **QUICK).table
-    monkeypatch.setattr(lots, "CHUNK", 1)
+    monkeypatch.setattr(batches, "CHUNK", 1)
     killed = []
 
     def kill_one(by):
@@ -64,8 +64,8 @@ def test_a_cluster_makes_the_same_table_though_a_worker_is_killed(folder, tmp_pa
 
         return by._replace(computed=computed)
 
-    compute = lots._compute
-    monkeypatch.setattr(lots, "_compute", lambda *of: compute(*of[:-1], kill_one(of[-1])))
+    compute = batches._compute
+    monkeypatch.setattr(batches, "_compute", lambda *of: compute(*of[:-1], kill_one(of[-1])))
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=50
     ) as cluster:

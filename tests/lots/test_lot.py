@@ -23,7 +23,7 @@ from dashpot.base.errors import DataError, ExportError, ReadError
 from dashpot.base.version import is_ours
 from dashpot.cli import main
 from dashpot.io.write import write_impact, write_relaxation
-from dashpot.lots import lot as lots
+from dashpot.lots import batches
 from dashpot.lots.processes import LIVES
 from dashpot.simulation.impact import simulate_impact
 from dashpot.simulation.relaxation import simulate_relaxation
@@ -252,7 +252,7 @@ def children(process):
 def run_and_kill(folder, out, chance, *, parent):
     """Run a batch in chunks of one; kill it, or its workers, at random."""
     code = (
-        "import sys, dashpot as dp, dashpot.lots.lot as lots; lots.CHUNK = 1;"
+        "import sys, dashpot as dp, dashpot.lots.batches as batches; batches.CHUNK = 1;"
         f"dp.batch(sys.argv[1], output=sys.argv[2], jobs=2, **{QUICK!r})"
     )
     words = [sys.executable, "-c", code, str(folder), str(out)]
@@ -385,8 +385,7 @@ def test_a_folder_of_something_else_is_refused_and_two_runs_do_not_share_one(fol
     with pytest.raises(ExportError, match="is a file; give a folder"):
         dp.batch(folder, output=file, **QUICK)
     out = tmp_path / "lot"
-    lots.claim(out)
-    with lots.alone(out / ".lock", "it"), pytest.raises(DataError, match="in use by another"):
+    with batches.occupied(out), pytest.raises(DataError, match="in use by another"):
         dp.batch(folder, output=out, **QUICK)
 
 

@@ -69,7 +69,7 @@ def _failure(error: BaseException) -> Failure:
         says, shown = error.format_message() + hint, page.getvalue().rstrip("\n") + hint
         return Failure("UsageError", says, shown, error.exit_code)
     if isinstance(error, click.Abort | KeyboardInterrupt):
-        return _sentence("Interrupted", "interrupted", INTERRUPTED)
+        return _sentence("Interrupted", str(error) or "interrupted", INTERRUPTED)
     if isinstance(error, DashpotError):
         return _sentence(kind, str(error), BAD)
     if isinstance(error, OSError):

@@ -93,7 +93,7 @@ def reports(function: Callable[..., Outcome]) -> Callable[..., None]:
             if text:
                 to_stdout(text)
         finally:
-            for path in context.meta.get(_WRITTEN, []):
+            for path in dict.fromkeys(context.meta.get(_WRITTEN, [])):
                 to_stderr(f"wrote {path}")
         if context.meta.get(_OPENS):
             _open(context.meta.get(_WRITTEN, []))

@@ -85,6 +85,7 @@ def entries(
     by: str | None = None,
     pair: str | None = None,
     without: Path,
+    growing: bool = False,
 ) -> tuple[Entry, ...]:
     """Return the tests that paths, folders and patterns name, each once, sorted by path.
 
@@ -103,6 +104,8 @@ def entries(
         hold {stem}, the name of the test's file without its suffix, {lot}, {seal} and {repeat}.
     without : Path
         The folder of the results.
+    growing : bool
+        More files are to come: what fits none so far is no error.
 
     Raises
     ------
@@ -118,19 +121,32 @@ def entries(
         place = os.path.realpath(path)
         if place not in leave:
             found.setdefault(place, Entry(path))
-    if not found:
+    if not found and not growing:
         raise ReadError(
             f"{', '.join(map(str, paths)) or manifest}: no file is there; give files, folders, "
             "patterns such as 'tests/*.csv', or --manifest FILE"
         )
-    known = _labels(by, [one.file for one in found.values()])
+    known = _labels(by, [one.file for one in found.values()], growing=growing)
     for place, one in found.items():
         found[place] = replace(one, **known.get(one.file, {}))
     for path, said in listed.items():
         place = os.path.realpath(path)
         found[place] = replace(found[place], **said)
     every = sorted(found.values(), key=lambda one: one.file)
-    return _tests(every if pair is None else _paired(every, pair))
+    return _tests(every if pair is None else _paired(every, pair, growing=growing))
+
+
+def refuse_senseless(by: str | None, pair: str | None) -> None:
+    """Refuse an expression and a pattern that are none, before there are files to try them on.
+
+    Raises
+    ------
+    DataError
+    """
+    if by is not None:
+        _groups(by)
+    if pair is not None:
+        _names(pair)
 
 
 def _tests(every: Sequence[Entry]) -> tuple[Entry, ...]:
@@ -139,8 +155,28 @@ def _tests(every: Sequence[Entry]) -> tuple[Entry, ...]:
     return tuple(one for one in every if os.path.realpath(one.file) not in hammers)
 
 
-def _paired(every: Sequence[Entry], pair: str) -> list[Entry]:
+def _paired(every: Sequence[Entry], pair: str, *, growing: bool) -> list[Entry]:
     """The entries with their hammers, but for those whose manifest names some."""
+    names = _names(pair)
+    unnamed = names.isdisjoint({"stem"}) and not any(
+        getattr(one, name) for one in every for name in names
+    )
+    if unnamed and not growing:
+        raise DataError(f"--pair '{pair}': no test has a lot, seal or repeat: give --by too")
+    found = [one if one.hammer else replace(one, hammer=_hammers(one, pair)) for one in every]
+    if not any(one.hammer for one in found) and not growing:
+        example = Path(every[0].file).parent / _filled(every[0], pair)
+        raise DataError(f"--pair '{pair}' finds no hammer file, such as {example}")
+    if found and not _tests(found):
+        raise DataError(
+            f"--pair '{pair}' fits the tests themselves, so that all are hammers: name the "
+            "hammer's files alone"
+        )
+    return found
+
+
+def _names(pair: str) -> set[str]:
+    """What a pattern holds in braces."""
     try:
         names = {name for _, name, _, _ in Formatter().parse(pair) if name is not None}
     except ValueError as error:
@@ -150,32 +186,19 @@ def _paired(every: Sequence[Entry], pair: str) -> list[Entry]:
             f"--pair '{pair}' holds {', '.join(sorted(names)) or 'no name'} in braces; expected "
             "some of {stem}, {lot}, {seal} and {repeat}, as in '{stem}_hammer*.csv'"
         )
-    unnamed = names.isdisjoint({"stem"}) and not any(
-        getattr(one, name) for one in every for name in names
-    )
-    if unnamed:
-        raise DataError(f"--pair '{pair}': no test has a lot, seal or repeat: give --by too")
-    found = [one if one.hammer else replace(one, hammer=_hammers(one, pair)) for one in every]
-    if not any(one.hammer for one in found):
-        example = Path(every[0].file).parent / _filled(every[0], pair)
-        raise DataError(f"--pair '{pair}' finds no hammer file, such as {example}")
-    if not _tests(found):
-        raise DataError(
-            f"--pair '{pair}' fits the tests themselves, so that all are hammers: name the "
-            "hammer's files alone"
-        )
-    return found
+    return names
 
 
 def _filled(one: Entry, pair: str) -> str:
-    known = {"stem": Path(one.file).stem, "lot": one.lot, "seal": one.seal, "repeat": one.repeat}
+    known = {"stem": Path(one.file).stem} | {name: getattr(one, name) for name in LABELS}
     return pair.format(**{name: glob.escape(value) for name, value in known.items()})
 
 
 def _hammers(one: Entry, pair: str) -> tuple[str, ...]:
     folder = Path(one.file).parent
-    found = folder.glob(_filled(one, pair))
-    return tuple(sorted(str(path) for path in found if path.is_file()))
+    pattern = Path(glob.escape(str(folder))) / _filled(one, pair)
+    found = glob.glob(str(pattern), recursive=True)  # noqa: PTH207 -- it may be absolute
+    return tuple(sorted(path for path in found if Path(path).is_file()))
 
 
 def _expanded(path: str, without: Path) -> Iterator[str]:
@@ -219,9 +242,22 @@ def _result(path: Path) -> bool:
     return is_ours(head) and not is_record(head)
 
 
-def _labels(by: str | None, files: Sequence[str]) -> dict[str, dict[str, Any]]:
+def _labels(by: str | None, files: Sequence[str], *, growing: bool) -> dict[str, dict[str, Any]]:
     if by is None:
         return {}
+    pattern, named = _groups(by)
+    matched = {file: pattern.search(Path(file).as_posix()) for file in files}
+    if not any(matched.values()) and not growing:
+        raise DataError(f"--by '{by}' fits none of {len(files)} paths, such as {files[0]}")
+    return {
+        file: {name: one[i] or "" for i, name in enumerate(named, start=1)}
+        for file, one in matched.items()
+        if one
+    }
+
+
+def _groups(by: str) -> tuple[re.Pattern[str], tuple[str, ...]]:
+    """A regular expression, and which label each of its groups is."""
     try:
         pattern = re.compile(by)
     except re.error as error:
@@ -237,14 +273,7 @@ def _labels(by: str | None, files: Sequence[str]) -> dict[str, dict[str, Any]]:
             r"to four, named or in the order of lot, seal, repeat, operator: "
             r"'lot(\w+)_seal(\d+)_rep(\d+)'"
         )
-    matched = {file: pattern.search(Path(file).as_posix()) for file in files}
-    if not any(matched.values()):
-        raise DataError(f"--by '{by}' fits none of {len(files)} paths, such as {files[0]}")
-    return {
-        file: {name: one[i] or "" for i, name in enumerate(named, start=1)}
-        for file, one in matched.items()
-        if one
-    }
+    return pattern, named
 
 
 def _manifest(path: Path) -> dict[str, dict[str, Any]]:

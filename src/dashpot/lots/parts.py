@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from io import BytesIO
 from pathlib import Path
@@ -15,7 +15,7 @@ from dashpot.base.errors import DataError, ExportError
 from dashpot.base.version import __version__
 from dashpot.lots.choices import BatchChoices
 from dashpot.lots.columns import AGAIN, COUNTS, NUMBERS, TEXTS, chosen_columns
-from dashpot.lots.entries import Entry
+from dashpot.lots.entries import Entry, hashed
 
 if TYPE_CHECKING:
     import polars as pl
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 KEY = "key"
 """The column that names what decided a row."""
 PARTS = "part-*.parquet"
+SMALL = 25
+"""Rows below which a part is small, and how many such parts become one."""
 _FORM = 2
 """Of a row; another one is another key."""
 
@@ -45,13 +47,15 @@ class Task:
     key: str
 
 
-def tasks(entries: Iterable[Entry], choices: BatchChoices) -> tuple[Task, ...]:
-    """Return one task for each file: its key is of configuration, version and contents."""
+def tasks(
+    entries: Iterable[Entry], choices: BatchChoices, *, hashed: Callable[[str], str] = hashed
+) -> tuple[Task, ...]:
+    """Return one task for each test: its key is of configuration, version and contents."""
     decides = [_FORM, __version__, choices.plain(), choices.calibration()]
     common = hashlib.sha256(json.dumps(decides, sort_keys=True).encode())
 
     def task(entry: Entry) -> Task:
-        key, hashes = common.copy(), entry.hashes()
+        key, hashes = common.copy(), tuple(map(hashed, (entry.file, *entry.hammer)))
         key.update(json.dumps([asdict(entry), hashes], sort_keys=True).encode())
         return Task(entry, hashes, key.hexdigest())
 
@@ -139,12 +143,22 @@ def table(folder: Path, wanted: Sequence[str]) -> pl.DataFrame:
             path.unlink()
     for path in (*(set(folder.glob(PARTS)) - read_parts(folder).keys()), *folder.glob(f".*{PART}")):
         path.unlink()
+    _gather(folder)
     if seen != set(wanted):
         raise DataError(
             f"{folder} holds {len(seen)} of {len(wanted)} rows: parts of it went while the "
             "batch ran; run it again"
         )
     return cast("pl.DataFrame", polars().concat(frames).sort("file"))
+
+
+def _gather(folder: Path) -> None:
+    """Make one part of many small ones, which tests leave that come one by one."""
+    small = {path: one for path, one in read_parts(folder).items() if one.height < SMALL}
+    if len(small) >= SMALL:
+        whole = write_part(folder, polars().concat(list(small.values())))
+        for path in small.keys() - {whole}:
+            path.unlink()
 
 
 def claim(folder: Path) -> None:

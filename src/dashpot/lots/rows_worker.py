@@ -10,12 +10,14 @@ from __future__ import annotations
 import json
 import os
 import queue
+import signal
 import threading
 from typing import BinaryIO
 
 
 def main() -> None:
     """Answer until the input ends; the choices are its first line."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's to heed
     questions: queue.Queue[bytes] = queue.Queue()
     source = os.fdopen(os.dup(0), "rb")
     answers = os.fdopen(os.dup(1), "wb")

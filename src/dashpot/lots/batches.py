@@ -6,11 +6,11 @@ import datetime as dt
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 from dashpot.base.lock import alone
 from dashpot.base.progress import doing
@@ -18,8 +18,9 @@ from dashpot.base.units import Quantity, si
 from dashpot.io.options import ReadOptions
 from dashpot.lots.choices import BatchChoices, several
 from dashpot.lots.engines import engine
-from dashpot.lots.entries import entries
+from dashpot.lots.entries import Entry, entries
 from dashpot.lots.parts import (
+    SMALL,
     Task,
     claim,
     framed,
@@ -33,15 +34,43 @@ from dashpot.lots.processes import Engine, Rows
 from dashpot.lots.row import row
 from dashpot.lots.rows import Lot
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-CHUNK = 25
+CHUNK = SMALL
 """Files of a chunk: what a run that is cut short loses at most, for each process."""
 LOG = "batch.log"
 _LOCK = ".lock"
 _TIMED = 3
 """Tests that a dry run times."""
+
+
+@dataclass(frozen=True)
+class BatchJob:
+    """Which tests a batch takes, and who makes their rows.
+
+    The fields are the arguments of :func:`batch`.
+    """
+
+    paths: tuple[str | Path, ...]
+    output: Path
+    choices: BatchChoices
+    by: str | None = None
+    manifest: str | Path | None = None
+    pair: str | None = None
+    jobs: int | None = None
+    scheduler: str | None = None
+
+    def entries(self, *, growing: bool = False) -> tuple[Entry, ...]:
+        """The tests that are there now; where more are to come, none is no error."""
+        return entries(
+            self.paths, manifest=self.manifest, by=self.by, pair=self.pair, without=self.output,
+            growing=growing,
+        )  # fmt: skip
+
+    def tasks(self) -> tuple[Task, ...]:
+        """The rows that are asked for."""
+        doing("finding the files")
+        found = self.entries()
+        doing(f"hashing the files of {len(found)} tests")
+        return tasks(found, self.choices)
 
 
 @dataclass(frozen=True)
@@ -140,35 +169,50 @@ def batch(
     ExportError
         If `output` holds something else, or polars is missing.
     """
-    polars()
-    made = engine(jobs, scheduler)
     choices = BatchChoices(
         arms, method, quick, si(mass, "mass"), seals, options or ReadOptions(),
         impact_options or ReadOptions(), joint, several(at, "frequency"),
         several(compression, "length"),
     )  # fmt: skip
+    every = (paths,) if isinstance(paths, str | Path) else tuple(paths)
     with _folder(output) as folder:
-        asked = _asked(paths, choices, manifest=manifest, by=by, pair=pair, folder=folder)
-        claim(folder)
-        with alone(folder / _LOCK, str(folder)):
-            missing = _missing(asked, folder)
-            if missing:
-                with made as making:
-                    _compute(missing, choices, folder, making)
-            return Lot(table(folder, [one.key for one in asked]), len(missing))
+        return run_batch(BatchJob(every, folder, choices, by, manifest, pair, jobs, scheduler))
 
 
-def plan_batch(
-    paths: Sequence[str | Path] | str | Path,
-    *,
-    output: str | Path,
-    by: str | None = None,
-    manifest: str | Path | None = None,
-    pair: str | None = None,
-    jobs: int | None = None,
-    scheduler: str | None = None,
-    choices: BatchChoices,
-) -> BatchPlan:
+def run_batch(job: BatchJob) -> Lot:
+    """Make the rows of a batch that are missing, and return all."""
+    polars()
+    engine(job.jobs, job.scheduler)  # refuses what makes no sense before anything is written
+    asked = job.tasks()
+    with occupied(job.output):
+        return completed(job, asked)
+
+
+@contextmanager
+def occupied(folder: Path) -> Iterator[None]:
+    """Make the folder of the results, and keep others out of it."""
+    claim(folder)
+    with alone(folder / _LOCK, str(folder)):
+        yield
+
+
+def completed(job: BatchJob, asked: Sequence[Task]) -> Lot:
+    """Make of the rows asked for those that are missing, in a folder that is occupied."""
+    missing = _missing(asked, job.output)
+    if missing:
+        try:
+            with engine(job.jobs, job.scheduler) as made:
+                _compute(missing, job.choices, job.output, made)
+        except KeyboardInterrupt:
+            left = len(_missing(missing, job.output))
+            raise KeyboardInterrupt(
+                f"interrupted: {len(missing) - left} of {len(missing)} rows are made and kept in "
+                f"{job.output}, and the same command goes on from there"
+            ) from None
+    return Lot(table(job.output, [one.key for one in asked]), len(missing))
+
+
+def plan_batch(job: BatchJob) -> BatchPlan:
     """Say what :func:`batch` would do and how long it would take; nothing is written.
 
     Raises
@@ -176,12 +220,12 @@ def plan_batch(
     ReadError, DataError, ExportError
         As :func:`batch`.
     """
-    folder, made = Path(output), engine(jobs, scheduler)
-    asked = _asked(paths, choices, manifest=manifest, by=by, pair=pair, folder=folder)
-    missing = _missing(asked, folder)
+    polars()
+    made, asked = engine(job.jobs, job.scheduler), job.tasks()
+    missing = _missing(asked, job.output)
     with made as making:
         chunks = len(_chunks(missing, making.side))
-    each = _seconds_each(missing[:_TIMED], choices)
+    each = _seconds_each(missing[:_TIMED], job.choices)
     seconds = each * len(missing) / min(making.at_once, max(chunks, 1))
     return BatchPlan(len(asked), len(asked) - len(missing), chunks, seconds, making.side)
 
@@ -205,20 +249,6 @@ def _folder(output: str | Path | None) -> Iterator[Path]:
         yield Path(folder)
 
 
-def _asked(
-    paths: Sequence[str | Path] | str | Path,
-    choices: BatchChoices,
-    *,
-    manifest: str | Path | None,
-    by: str | None,
-    pair: str | None,
-    folder: Path,
-) -> tuple[Task, ...]:
-    several = [paths] if isinstance(paths, str | Path) else list(paths)
-    doing("finding and hashing the files")
-    return tasks(entries(several, manifest=manifest, by=by, pair=pair, without=folder), choices)
-
-
 def _missing(asked: Sequence[Task], folder: Path) -> list[Task]:
     done = keys_done(folder) if folder.is_dir() else set()
     return [one for one in asked if one.key not in done]
@@ -233,22 +263,22 @@ def _chunks(missing: Sequence[Task], jobs: int) -> list[tuple[Task, ...]]:
 def _compute(missing: Sequence[Task], choices: BatchChoices, folder: Path, by: Engine) -> None:
     chunks, done, began = _chunks(missing, by.side), 0, time.monotonic()
     doing(f"{len(missing)} tests in {len(chunks)} chunks")
+    for chunk, rows in by.computed(chunks, choices):
+        path = write_part(folder, framed(rows, choices))
+        done += len(chunk)
+        rate = done / (time.monotonic() - began)
+        left = (len(missing) - done) / rate
+        told = f"{done} of {len(missing)} tests, {rate:.1f} tests/s, {left:.0f} s left"
+        doing(told)
+        noted(folder, f"{path.name} {_counted(rows)}; {told}")
+
+
+def noted(folder: Path, what: str) -> None:
+    """Add a line to the log."""
     with (folder / LOG).open("a", encoding="utf-8") as log:
-        for chunk, rows in by.computed(chunks, choices):
-            path = write_part(folder, framed(rows, choices))
-            done += len(chunk)
-            rate = done / (time.monotonic() - began)
-            left = (len(missing) - done) / rate
-            told = f"{done} of {len(missing)} tests, {rate:.1f} tests/s, {left:.0f} s left"
-            doing(told)
-            log.write(f"{_now()} {path.name} {_counted(rows)}; {told}\n")
-            log.flush()
+        log.write(f"{dt.datetime.now(dt.UTC).isoformat(timespec='seconds')} {what}\n")
 
 
 def _counted(rows: Rows) -> str:
     counts: Counter[Any] = Counter(one["outcome"] for one in rows)
     return ", ".join(f"{count} {outcome}" for outcome, count in counts.most_common())
-
-
-def _now() -> str:
-    return dt.datetime.now(dt.UTC).isoformat(timespec="seconds")

@@ -1,0 +1,193 @@
+"""What the commands of many tests share: their options, the files they write, what they print."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from dataclasses import asdict
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+import dashpot as dp
+from dashpot.base.errors import DataError
+from dashpot.cli import _options as options
+from dashpot.cli._options import over_profile
+from dashpot.cli._shell import File, Folder, Outcome, write
+from dashpot.cli._terminal import Text
+from dashpot.io.options import OF_HAMMER, OF_HAMMER_ALONE, ReadOptions
+
+if TYPE_CHECKING:
+    from dashpot.lots.batches import BatchJob
+    from dashpot.lots.statistics.scatter import Component
+
+T = TypeVar("T")
+
+_DECLARED: tuple[Callable[..., Any], ...] = (
+    click.option(
+        "-o", "--output", type=Folder(), metavar="LOT", required=True, help="Folder to fill."
+    ),
+    options.arms,
+    options.method,
+    click.option("--quick", is_flag=True, help="The optimum alone; needs a number of --arms."),
+    click.option("--mass", type=options.Quantity("mass"), help="Block mass: adds its frequency."),
+    options.seals,
+    click.option(
+        "--at",
+        type=options.Quantity("frequency"),
+        multiple=True,
+        help="Adds stiffness and loss factor there, e.g. 12.7Hz; repeat it for more.",
+    ),
+    click.option(
+        "--compression",
+        type=options.Quantity("length"),
+        multiple=True,
+        help="Of the seals, for these [default: as tested]; repeat it for more.",
+    ),
+    click.option(
+        "--by",
+        metavar="REGEX",
+        help=r"Lot, seal, repeat from the path: 'lot(\w+)_seal(\d+)_rep(\d+)'.",
+    ),
+    click.option(
+        "--manifest",
+        type=File(),
+        metavar="FILE",
+        help="CSV or TOML: file, lot, seal, repeat, operator, temperature, mass, hammer.",
+    ),
+    click.option(
+        "--pair",
+        metavar="PATTERN",
+        help="Hammer files of a test: '{stem}_hammer*.csv', '{seal}_*.uff'.",
+    ),
+    click.option("--joint", is_flag=True, help="One solid for a ramp and hold and its hammer."),
+    click.option(
+        "--impact-profile", type=File(), metavar="FILE", help="Saved answers for the hammer files."
+    ),
+    click.option("--jobs", type=click.IntRange(1), help="Processes [default: one per processor]."),
+    click.option(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="A dask.distributed cluster instead: tcp://host:8786.",
+    ),
+    options.reading,
+)
+
+
+def of_many(function: Callable[..., T]) -> Callable[..., T]:
+    """Give a command of many tests its options; it receives `job`, which asks for its paths."""
+
+    @functools.wraps(function)
+    def command(
+        *,
+        output: str,
+        by: str | None,
+        manifest: str | None,
+        pair: str | None,
+        jobs: int | None,
+        scheduler: str | None,
+        impact_profile: str | None,
+        options: ReadOptions,
+        **given: Any,
+    ) -> T:
+        own = {name: given.pop(name) for name in _CHOSEN}
+
+        def job(*paths: str) -> BatchJob:
+            from dashpot.lots.batches import BatchJob  # polars and all are not needed for --help
+            from dashpot.lots.choices import BatchChoices
+
+            # columns named for one kind of file need not exist in the other's; units do no harm
+            of_impact = over_profile(options.only(("units", *OF_HAMMER)), impact_profile)
+            bench = options.without(OF_HAMMER_ALONE)
+            choices = BatchChoices(reading=bench, reading_impact=of_impact, **own)
+            return BatchJob(paths, Path(output), choices, by, manifest, pair, jobs, scheduler)
+
+        return function(job=job, **given)
+
+    for declare in reversed(_DECLARED):
+        command = declare(command)
+    return command
+
+
+_CHOSEN = ("arms", "method", "quick", "mass", "seals", "at", "compression", "joint")
+
+
+def write_lot(job: BatchJob, lot: dp.Lot) -> None:
+    """Write table and page beside the parts."""
+    from dashpot.lots.page import html  # jinja and figures are not needed to list options
+
+    write(f"{job.output}/lot.csv", lot.csv())
+    write(f"{job.output}/lot.html", html(lot, title=job.output.resolve().name))
+
+
+def outcome(job: BatchJob, lot: dp.Lot) -> Outcome:
+    """Return what is printed of a lot."""
+    scatter = _scatter(lot)
+    document = {
+        "schema": "dashpot/batch@1",
+        "folder": str(job.output),
+        "files": lot.table.height,
+        "computed": lot.computed,
+        "outcomes": lot.outcomes,
+        "verdicts": lot.verdicts,
+        "agreements": lot.agreements,
+        "components": [asdict(one) for one in scatter],
+        "outliers": [
+            {"file": file, "robust_deviations": away if isfinite(away) else None}
+            for file, away in lot.outliers()
+        ],
+        "short_holds": list(lot.short_holds),
+    }
+    return Outcome(
+        document, Text([*_told(document), *_shares(scatter), *_out(lot)], _others(lot)), lot.checks
+    )
+
+
+def _told(document: dict[str, Any]) -> list[str]:
+    def counted(counts: dict[str, int]) -> str:
+        return ", ".join(f"{count} {name}" for name, count in counts.items())
+
+    there = document["files"] - document["computed"]
+    lines = [
+        f"files       {document['files']}: {counted(document['outcomes'])}",
+        f"computed    {document['computed']} now, {there} were there",
+    ]
+    judged = {"verdicts": document["verdicts"], "hammers": document["agreements"]}
+    return [*lines, *(f"{name:<12}{counted(found)}" for name, found in judged.items() if found)]
+
+
+def _others(lot: dp.Lot) -> list[str]:
+    """Every file that was not fitted, with its sentence."""
+    columns = lot.table.select("file", "outcome", "reason").iter_rows()
+    return [f"  {file}: {reason}" for file, outcome, reason in columns if outcome != "fitted"]
+
+
+def _scatter(lot: dp.Lot) -> tuple[Component, ...]:
+    """The components of the relaxed stiffness, where lots or seals were named."""
+    try:
+        return lot.components()
+    except DataError:
+        return ()
+
+
+def _shares(scatter: tuple[Component, ...]) -> list[str]:
+    lines = []
+    for one in scatter:
+        low, high = one.interval or (one.variance, one.variance)
+        between = f" ({low**0.5:.3g} to {high**0.5:.3g})" if one.interval else ""
+        lines.append(
+            f"  {one.source:<9} {one.variance**0.5:.3g}{between} N/m, {100 * one.share:.3g} % of "
+            "the variance"
+        )
+    return ["scatter of k_inf, standard deviations:", *lines] if lines else []
+
+
+def _out(lot: dp.Lot) -> list[str]:
+    """The tests to look at."""
+    away = [
+        f"  stands out  {file}: {one:+.1f} robust deviations from its lot"
+        for file, one in lot.outliers()
+    ]
+    return [*away, *(f"  short hold  {file}" for file in lot.short_holds)]
