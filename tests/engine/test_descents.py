@@ -1,4 +1,4 @@
-"""Descents side by side: what a large residual adds to the curvature is learnt on the way."""
+"""Descents side by side: Newton's, with what a large residual adds to the curvature."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ CURVATURE = np.array([[4.0, 1.0], [1.0, 3.0]])
 
 def parabola(log_tau: np.ndarray, share: np.ndarray) -> Solved:
     """An SSE about the origin whose curvature is 1 + share times J'J."""
-    whole = (1.0 + share)[:, None, None] * CURVATURE
-    pull = -(whole @ log_tau[:, :, None])[..., 0]
+    bent = share[:, None, None] * CURVATURE
+    pull = -((CURVATURE + bent) @ log_tau[:, :, None])[..., 0]
     sse = 100.0 - np.vecdot(log_tau, pull)
     count = len(log_tau)
-    return Solved(sse, np.zeros((count, 1)), pull, np.tile(CURVATURE, (count, 1, 1)))
+    return Solved(sse, np.zeros((count, 1)), pull, np.tile(CURVATURE, (count, 1, 1)), bent)
 
 
 def trials_needed(descents: Descents) -> np.ndarray:
@@ -36,25 +36,34 @@ def trials_needed(descents: Descents) -> np.ndarray:
     return needed
 
 
-def test_the_next_problem_of_the_kind_is_solved_with_what_the_first_has_taught() -> None:
+def test_a_parabola_takes_two_trials_whatever_the_residual_adds() -> None:
     descents = Descents(np.tile([0.3, -0.2], (4, 1)), 1, np.full(4, 1e-9))
-    first = trials_needed(descents)
-    for i in range(4):
-        descents.start(i, np.array([-0.1, 0.25]))
-    second = trials_needed(descents)
-    assert np.all(first <= 6)
-    # two trials: where it begins, and where the whole curvature sends it
-    assert np.all(second <= 3)
+    # where it begins, and where the whole curvature sends it
+    assert np.all(trials_needed(descents) == 2)
     assert [descents.least(i) for i in range(4)] == pytest.approx([100.0] * 4, abs=1e-8)
 
 
-def test_what_a_failed_move_has_taught_is_forgotten() -> None:
-    descents = Descents(np.tile([0.3, -0.2], (4, 1)), 1, np.full(4, 1e-9))
-    trials_needed(descents)
-    assert np.abs(descents.bent[0]).max() > 1.0
-    worse = parabola(np.full((1, 2), 3.0), SHARES[:1])
-    descents.take(np.full((1, 2), 3.0), worse, np.array([0]))
-    assert np.all(descents.bent[0] == 0.0)
+@pytest.mark.parametrize(("share", "believed"), [(-0.89, True), (-0.91, False)])
+def test_a_curvature_that_the_residual_all_but_cancels_is_not_believed(
+    share: float, believed: bool
+) -> None:
+    descents = Descents(np.array([[0.01, 0.0]]), 1, np.array([1e-9]))
+    here, on = descents.here.copy(), np.array([0])
+    descents.take(here, parabola(here, np.array([share])), on)
+    newton, gauss = np.array([-0.01, 0.0]), (1.0 + share) * np.array([-0.01, 0.0])
+    assert descents.move[0] == pytest.approx(newton if believed else gauss, rel=1e-4, abs=1e-8)
+
+
+def test_after_a_move_that_failed_the_next_goes_a_quarter_as_far() -> None:
+    descents = Descents(np.array([[1.2, 0.0]]), 1, np.array([1e-9]))
+    here, on = descents.here.copy(), np.array([0])
+    descents.take(here, parabola(here, SHARES[2:3]), on)
+    went = float(np.abs(descents.move).max())
+    assert went == pytest.approx(1.2, rel=1e-4)
+    worse = parabola(np.array([[3.0, 0.0]]), SHARES[2:3])
+    descents.take(here + descents.move, worse, on)
+    assert float(np.abs(descents.move).max()) == pytest.approx(0.25 * went)
+    assert np.all(descents.here == here)
 
 
 @pytest.mark.parametrize(

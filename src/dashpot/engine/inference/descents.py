@@ -2,9 +2,8 @@ r"""Descents of many small reduced least-squares problems, side by side.
 
 Each is of a few ln tau, everything linear solved. Gauss and Newton's curvature J'J leaves out what
 the residual adds, :math:`\sum_i r_i \nabla^2 r_i`, and descends slowly where the residual is no
-noise. That part changes little from one problem of a profile to the next, so it is learnt from the
-gradients as they change, by the symmetric update of rank one, and believed where it is moderate.
-Source: J. E. Dennis, D. M. Gay and R. E. Welsch, ACM Trans. Math. Softw. 7 (1981) 348.
+noise. With it the step is Newton's; it is believed where it is a moderate part of J'J, so that the
+sum is a parabola that opens upward.
 """
 
 from __future__ import annotations
@@ -16,12 +15,11 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 
 _ITERATIONS = 8
-_FARTHEST = 1.5
+#: the longest move, and after one that failed, as a part of that
+_FARTHEST, _NEARER = 1.5, 0.25
 _RIDGE = 1e-13
 #: the curvature of the residual that is believed, as parts of J'J
-_BENT = -0.8, 1.0
-#: a change of gradient along a move, as a part of the whole, that tells of curvature
-_TOLD = 1e-4
+_BENT = -0.9, 4.0
 #: an SSE whose fall is foretold to so many tolerances is taken as fallen
 _FORETOLD = 5.0
 
@@ -30,13 +28,14 @@ class Solved(NamedTuple):
     """Trials of ln tau with everything linear solved.
 
     SSE (A,), linear parameters (A, p), gradient J'r (A, N) and curvature J'J (A, N, N) of the
-    reduced residual by the free ln tau.
+    reduced residual by the free ln tau, and what the residual adds to the curvature (A, N, N).
     """
 
     sse: FloatArray
     beta: FloatArray
     gradient: FloatArray
     curvature: FloatArray
+    bent: FloatArray
 
 
 class Descents:
@@ -60,15 +59,16 @@ class Descents:
             np.zeros((count, linear)),
             np.zeros((count, arms)),
             np.zeros((count, arms, arms)),
+            np.zeros((count, arms, arms)),
         )
-        self.move, self.bent = np.zeros_like(start), np.zeros((count, arms, arms))
+        self.move = np.zeros_like(start)
         self.promised, self.damping = np.zeros(count), np.full(count, 1e-6)
-        self.tried = np.zeros(count, int)
+        self.tried, self.reach = np.zeros(count, int), np.full(count, _FARTHEST)
 
     def start(self, i: int, log_tau: FloatArray) -> None:
         """Begin another problem like the last, or the same elsewhere."""
         self.here[i], self.move[i], self.known.sse[i] = log_tau, 0.0, np.inf
-        self.damping[i], self.tried[i] = 1e-6, 0
+        self.damping[i], self.tried[i], self.reach[i] = 1e-6, 0, _FARTHEST
 
     def least(self, i: int) -> float:
         """The least SSE of one descent, with what it was about to fall by if that is little."""
@@ -81,13 +81,17 @@ class Descents:
         known = self.known
         gain = known.sse[on] - found.sse
         better = gain > 0
-        self.bent[on] = self._bent(trial, found, on, better)
         kept = on[better]
         self.here[kept] = trial[better]
         for mine, new in zip(known, found, strict=True):
             mine[kept] = new[better]
         damping = self.damping[on]
         self.damping[on] = np.where(better, np.maximum(0.1 * damping, 1e-9), 10 * damping)
+        # where the parabola has failed it is believed nearby only
+        gone = np.abs(self.move[on]).max(axis=1, initial=0.0)
+        self.reach[on] = np.where(
+            better, np.minimum(2.0 * np.maximum(gone, self.reach[on]), _FARTHEST), _NEARER * gone
+        )
         self.tried[on] += 1
         self.move[on], self.promised[on] = self._step(on)
         return np.asarray(
@@ -96,22 +100,6 @@ class Descents:
             | (self.damping[on] > 1e6)
             | (self.tried[on] >= _ITERATIONS)
         )
-
-    def _bent(
-        self, trial: FloatArray, found: Solved, on: IndexArray, better: BoolArray
-    ) -> FloatArray:
-        """What the residual adds to J'J, so that it explains the last move; none if that failed."""
-        moved, bent = trial - self.here[on], self.bent[on]
-        change = self.known.gradient[on] - found.gradient
-        missed = change - ((found.curvature + bent) @ moved[:, :, None])[..., 0]
-        along = np.vecdot(missed, moved)
-        # the first trial of a problem has no move to explain
-        told = np.isfinite(self.known.sse[on]) & (
-            np.abs(along) > _TOLD * np.linalg.norm(missed, axis=1) * np.linalg.norm(moved, axis=1)
-        )
-        missed /= np.sqrt(np.where(told, np.abs(along), np.inf))[:, None]
-        learnt = bent + np.sign(along)[:, None, None] * missed[:, :, None] * missed[:, None, :]
-        return np.where(better[:, None, None], learnt, 0.0)
 
     def _step(self, on: IndexArray) -> tuple[FloatArray, FloatArray]:
         """The next move (A, N), and by how much the SSE would fall if it were parabolic."""
@@ -122,12 +110,22 @@ class Descents:
         size = curvature[:, arms, arms]
         stretch = np.where(size > 0, size, 1.0)
         curvature[:, arms, arms] = size + stretch * _RIDGE + (size <= 0)
-        bent = self.bent[on]
-        share = np.linalg.eigvals(np.linalg.solve(curvature, bent)).real
-        believed = (share.min(axis=1) > _BENT[0]) & (share.max(axis=1) < _BENT[1])
-        curvature += np.where(believed[:, None, None], bent, 0.0)
+        bent = self.known.bent[on]
+        curvature += np.where(_moderate(curvature, bent)[:, None, None], bent, 0.0)
         curvature[:, arms, arms] += stretch * self.damping[on][:, None]
         move = np.linalg.solve(curvature, gradient[:, :, None])[..., 0]
         longest = np.abs(move).max(axis=1, keepdims=True)
-        move = move * np.minimum(1.0, _FARTHEST / np.maximum(longest, 1e-300))
+        move = move * np.minimum(1.0, self.reach[on][:, None] / np.maximum(longest, 1e-300))
         return move, np.vecdot(move, gradient)
+
+
+def _moderate(curvature: FloatArray, bent: FloatArray) -> BoolArray:
+    """Which of some curvatures of residuals are moderate parts of J'J."""
+    share = np.linalg.solve(curvature, bent)
+    # the eigenvalues of the ratio are real, and none is larger than the root of their squares
+    least, most = _BENT
+    believed = (share * share.swapaxes(1, 2)).sum(axis=(1, 2)) < min(-least, most) ** 2
+    if not believed.all():
+        doubted = np.linalg.eigvals(share[~believed]).real
+        believed[~believed] = (doubted.min(axis=1) > least) & (doubted.max(axis=1) < most)
+    return np.asarray(believed)

@@ -15,6 +15,15 @@ model that is constant, and the deviance is the square of (v - optimum) / SE by 
 Everything else is fitted by variable projection: the linear parameters are solved exactly at each
 trial of the relaxation times. Both sides of every profile asked for walk together, so that one
 trial of all of them costs about what one of one costs; their columns are interpolated from a table.
+
+An arm so fast that none of its stiffness shows, or so slow that none of its b does, is no arm at
+all, and one slower than the record is a plateau. So however far k, tau or b of an arm go, and
+however low a plateau falls, it costs no more than to do without that arm, the others in their
+places,
+
+.. math:: D(v) \le D_0 = D(k = 0)
+
+and a walk that has met :math:`D_0` is at its end: beyond, any value will do.
 """
 
 from __future__ import annotations
@@ -40,12 +49,10 @@ _NODES_APART = 0.08
 _POINTS, _LEAPS = 20, 5
 #: an arm whose absence costs less deviance is one that the data do without
 _SPARE = 2.0
-#: first step of an arm in the place of another, as a part of the way to it
-_KNOWN = 1e-3
 #: the walk steps by a rise of the root of the deviance over which interpolation is good
 _RISE, _RISES = 0.7, 5.0
 #: a change of ln tau from one point of a walk to the next that may be foretold
-_FORETOLD = 0.1
+_FORETOLD = 0.7
 _RIDGE = 1e-13
 
 
@@ -126,23 +133,36 @@ class _Walk:
         self, asked: Asked, start: float, sign: float, limit: float, ends: tuple[float, float]
     ) -> None:
         self.asked, self.start, self.limit, self.ends = asked, start, limit, ends
+        self.sign = sign
         self.rise = max(_RISE, float(np.sqrt(limit)) / _RISES)
         self.step, self.root, self.at = sign * asked.step, 0.0, start
         self.walked: list[tuple[float, float]] = []
         self.leapt: list[tuple[float, float]] = []
         self.trials = self.leaps = 0
-        self.ended = self.exchanged = False
+        self.ended, self.without = False, np.inf
         self.goal = start
         self._aim()
 
     @property
     def points(self) -> list[tuple[float, float]]:
         """Values and deviances on the way out."""
-        if not self.leapt or self.root > np.sqrt(self.limit):
-            return self.walked
-        # a leap that the walk has passed says nothing of the way
-        passed = self.walked and (self.leapt[0][0] - self.walked[-1][0]) * self.step <= 0
-        return self.walked if passed else self.walked + self.leapt
+        met = self.walked
+        if self.leapt and self.root <= np.sqrt(self.limit):
+            # a leap that the walk has passed says nothing of the way
+            passed = met and (self.leapt[0][0] - met[-1][0]) * self.step <= 0
+            met = met if passed else met + self.leapt
+        if not np.isfinite(self.without):
+            return met
+        far = self.ends[int(self.sign > 0)]
+        least = [(value, min(deviance, self.without)) for value, deviance in met]
+        there = far in (self.start, met[-1][0] if met else self.start)
+        return least if there else [*least, (far, self.without)]
+
+    def spared(self, without: float) -> None:
+        """Take note of the deviance without its arm, which no value of the arm's exceeds."""
+        if without < self.limit:
+            self.without = self.limit = without
+            self.ended = self.ended or without < _SPARE
 
     def arrived(self, deviance: float) -> bool:
         """Take note of the deviance at the goal; True if the walk goes on from there."""
@@ -160,18 +180,6 @@ class _Walk:
         self._aim()
         return near
 
-    @property
-    def without(self) -> bool:
-        """True if the stiffness walked has arrived at zero, at no cost to speak of."""
-        last = self.walked[-1] if self.walked else (self.start, np.inf)
-        return self.asked.coordinate is Coordinate.LINEAR and last[0] == 0.0 and last[1] < _SPARE
-
-    def exchange(self, value: float) -> None:
-        """Go on from a value at which its arm and another have changed places."""
-        self.exchanged, self.leapt, self.leaps = True, [], 0
-        # the other arm is far better known than this one
-        self.goal, self.step = value, _KNOWN * (value - self.start)
-
     def _aim(self) -> None:
         self.goal = min(max(self.at + self.step, self.ends[0]), self.ends[1])
         self.step = self.goal - self.at
@@ -186,6 +194,7 @@ class _Together:
         self.optimum, self.fixed = optimum, len(stack.names)
         self.arms, self.groups = len(optimum.log_tau), len(stack.groups)
         outside = float(np.log(BEYOND))
+        self.plateaus = [i for i, name in enumerate(stack.names) if name.startswith("k_inf")]
         self.window = stack.bounds
         self.restricted = stack.restricted(self.arms, signed=False)
         self.reach = stack.bounds[0] - outside, stack.bounds[1] + outside
@@ -224,24 +233,15 @@ class _Together:
         return start - _OPEN_FOLDS, start + _OPEN_FOLDS
 
     def walk(self, walks: Sequence[_Walk]) -> None:
-        """Walk every side to its end.
-
-        An arm that the data do without may have any relaxation time: those sides stay open. Where
-        its stiffness or b meets a cliff it goes on in the place of the largest other arm, which
-        then is the one that the data do without.
-        """
-        spare = set[int]()
-        held = _Held(walks, self.fixed, self.arms, len(self.optimum.beta))
+        """Walk every side to its end."""
+        held = _Held([walk.asked for walk in walks], self.fixed, self.arms)
+        self._spare(walks, held)
         left = np.tile(self.optimum.log_tau, (len(walks), 1))
         goal = np.array([walk.goal for walk in walks])
-        tolerance = np.array([1e-3 * walk.asked.scale for walk in walks])
-        descents = Descents(left, len(self.optimum.beta), tolerance)
+        descents = self._descents(left, walks)
         here, known = descents.here, descents.known
         while (on := np.flatnonzero([not walk.ended for walk in walks])).size:
-            trial = np.clip(here[on] + descents.move[on], *self.reach)
-            trial = held.placed(trial, goal, on)
-            done = descents.take(trial, self._solved(trial, goal[on], held, on), on)
-            for i in on[done]:
+            for i in self._tried(descents, goal, held, on):
                 walk, at, foretold = walks[i], walks[i].at, np.zeros(self.arms)
                 if walk.arrived(self._deviance(walk, known.beta[i], here[i], descents.least(i))):
                     foretold = (here[i] - left[i]) * (walk.goal - walk.at) / (walk.at - at)
@@ -250,43 +250,62 @@ class _Together:
                     foretold[:] = 0.0
                 descents.start(i, left[i] + foretold)
                 goal[i] = walk.goal
-                if walk.without:
-                    spare |= held.arm_of(i)
-            for i in on.tolist():
-                if not held.arm_of(i) & spare:
-                    continue
-                walk = walks[i]
-                walk.ended = walk.ended or bool(held.log_tau[i])
-                if walk.leaps and not walk.exchanged:
-                    left[i] = self._exchanged(walk, left[i])
-                    descents.start(i, left[i])
-                    goal[i] = walk.goal
 
-    def _exchanged(self, walk: _Walk, log_tau: FloatArray) -> FloatArray:
-        """Where a walk goes on if its arm takes the place of the largest other arm, if it can."""
-        index = walk.asked.index - (self.fixed if walk.asked.coordinate is Coordinate.LINEAR else 0)
-        first, arm = index - index % self.arms, index % self.arms
-        k = self.optimum.beta[self.fixed + first :][: self.arms]
-        value = (
-            k if walk.asked.coordinate is Coordinate.LINEAR else self.optimum.log_tau + np.log(k)
+    def _spare(self, walks: Sequence[_Walk], held: _Held) -> None:
+        """Let each arm's walks know what it costs to do without the arm."""
+        if self.groups > 1:  # without its part in one group an arm is still there
+            return
+        of_arm = {arm: i for i, arm in enumerate(held.owner.tolist()) if arm >= 0}
+        if not of_arm:
+            return
+        first = [walks[i] for i in of_arm.values()]
+        none = _Held(
+            [Asked(Coordinate.LINEAR, self.fixed + arm, 0.0, 0.0) for arm in of_arm],
+            self.fixed,
+            self.arms,
         )
-        value = np.where(np.arange(self.arms) == arm, -np.inf, value)
-        other = int(np.argmax(value))
-        if not walk.at < value[other]:
-            walk.exchanged = True
-            return log_tau
-        walk.exchange(float(value[other]))
-        turned = self.optimum.log_tau.copy()
-        turned[[arm, other]] = turned[[other, arm]]
-        return turned
+        own = self.optimum.log_tau
+        descents = self._descents(np.tile(own, (len(first), 1)), first)
+        # the others keep their places: one that took the arm's would be the arm
+        between = (own[none.arm][:, None] + own) / 2.0
+        low = np.where(own > own[none.arm][:, None], between, self.reach[0])
+        high = np.where(own < own[none.arm][:, None], between, self.reach[1])
+        on = np.arange(len(first))
+        while on.size:
+            within = low[on], high[on]
+            on = np.setdiff1d(on, self._tried(descents, np.zeros(len(first)), none, on, within))
+        place = {arm: [i] for i, arm in enumerate(of_arm)}
+        for walk, arm, column in zip(walks, held.owner.tolist(), held.column, strict=True):
+            # a plateau that falls may have any of the arms, slower than all, in its place
+            falls = walk.sign < 0 and column in self.plateaus
+            for i in place[arm] if arm >= 0 else range(len(first) * falls):
+                beta, log_tau = descents.known.beta[i], descents.here[i]
+                walk.spared(self._deviance(walk, beta, log_tau, descents.least(i)))
+
+    def _descents(self, start: FloatArray, walks: Sequence[_Walk]) -> Descents:
+        tolerance = np.array([1e-3 * walk.asked.scale for walk in walks])
+        return Descents(start, len(self.optimum.beta), tolerance)
+
+    def _tried(
+        self,
+        descents: Descents,
+        goal: FloatArray,
+        held: _Held,
+        on: IndexArray,
+        within: tuple[FloatArray, FloatArray] | None = None,
+    ) -> IndexArray:
+        """Try each of the descents `on` once, in reach; those that are at their end."""
+        trial = np.clip(descents.here[on] + descents.move[on], *(within or self.reach))
+        trial = held.placed(trial, goal, on)
+        return on[descents.take(trial, self._solved(trial, goal[on], held, on), on)]
 
     def _deviance(self, walk: _Walk, beta: FloatArray, log_tau: FloatArray, sse: float) -> float:
         gain = walk.asked.relative_gain
         times = 1.0 if gain is None else gain(beta, log_tau)
         return max(float(sse) - self.best, 0.0) / (walk.asked.scale * times)
 
-    def _phi(self, log_tau: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Design matrix (A, p, n) and its slopes by ln tau (A, G, N, n), from the table."""
+    def _phi(self, log_tau: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Design matrix (A, p, n), its slopes and curves by ln tau (A, G, N, n), from the table."""
         place = (log_tau.ravel() - self.reach[0]) / self.apart
         node = np.clip(place.astype(int), 0, len(self.nodes) - 2)
         u = (place - node)[:, None, None]
@@ -296,18 +315,22 @@ class _Together:
         bend, twist = 3 * change - 2 * rise - fall, rise + fall - 2 * change
         column = below + u * (rise + u * (bend + u * twist))
         slope = (rise + u * (2 * bend + 3 * u * twist)) / self.apart
+        curve = (2 * bend + 6 * u * twist) / self.apart**2
         shape = (*log_tau.shape, self.groups, len(self.target))
-        arms, slopes = (part.reshape(shape).swapaxes(1, 2) for part in (column, slope))
+        arms, slopes, curves = (
+            part.reshape(shape).swapaxes(1, 2) for part in (column, slope, curve)
+        )
         trials = len(log_tau)
         still = np.broadcast_to(self.still, (trials, *self.still.shape))
-        return np.concatenate((still, arms.reshape(trials, -1, len(self.target))), axis=1), slopes
+        phi = np.concatenate((still, arms.reshape(trials, -1, len(self.target))), axis=1)
+        return phi, slopes, curves
 
     def _solved(self, log_tau: FloatArray, goal: FloatArray, held: _Held, on: IndexArray) -> Solved:
-        phi, slopes = self._phi(log_tau)
+        phi, slopes, curves = self._phi(log_tau)
         each, arm, column = np.arange(len(on)), held.arm[on], held.column[on]
         amount = held.amount(log_tau, goal, on)
         target = self.target - amount[:, None] * phi[each, column]
-        normal = _Normal(phi, held.free[on])
+        normal = _Normal(phi, held.free(phi.shape[1], on))
         beta = normal.solved(phi @ target[:, :, None])[..., 0]
         # what must not be negative rests at zero, the worst first
         while (beta[:, self.restricted] < 0).any():
@@ -319,18 +342,33 @@ class _Together:
         beta[each, column] += amount
         stiffness = beta[:, self.fixed :].reshape(len(on), self.groups, self.arms)
         turned = (slopes * stiffness[..., None]).sum(axis=1)
+        second = (curves * stiffness[..., None]).sum(axis=1)
         # k = exp(ln b - ln tau): the stiffness of an arm whose b is held falls as its ln tau rises
-        turned[each, arm] -= (amount * held.log_b[on])[:, None] * phi[each, column]
-        bent = turned - normal.solved(phi @ turned.swapaxes(1, 2)).swapaxes(1, 2) @ phi
-        gradient = np.vecdot(bent, residual[:, None, :])
-        curvature = bent @ bent.swapaxes(1, 2)
+        falls = (amount * held.log_b[on])[:, None]
+        columns = slopes.reshape(len(on), -1, slopes.shape[-1])
+        own, rising = phi[each, column], columns[each, np.maximum(column - self.fixed, 0)]
+        second[each, arm] -= falls * (2.0 * rising - own)
+        turned[each, arm] -= falls * own
+        # a coefficient and its own tau meet in the residual
+        meets = np.zeros((*beta.shape, self.arms))
+        place = np.arange(self.groups * self.arms)
+        meets[:, self.fixed + place, place % self.arms] = np.vecdot(columns, residual[:, None, :])
+        moment = phi @ turned.swapaxes(1, 2)
+        along, across = np.split(normal.solved(np.concatenate((moment, meets), axis=2)), 2, axis=2)
+        outside = turned - along.swapaxes(1, 2) @ phi
+        crossed = meets.swapaxes(1, 2) @ (along - 0.5 * across)
+        bent = crossed + crossed.swapaxes(1, 2)
+        index = np.arange(self.arms)
+        bent[:, index, index] -= np.vecdot(second, residual[:, None, :])
         moves = np.ones(log_tau.shape)
         moves[each, arm] = ~held.log_tau[on]
+        both = moves[:, :, None] * moves[:, None, :]
         return Solved(
             np.vecdot(residual, residual),
             beta,
-            gradient * moves,
-            curvature * moves[:, :, None] * moves[:, None, :],
+            np.vecdot(outside, residual[:, None, :]) * moves,
+            outside @ outside.swapaxes(1, 2) * both,
+            bent * both,
         )
 
 
@@ -357,21 +395,22 @@ class _Normal:
 class _Held:
     """Which coordinate each side holds."""
 
-    def __init__(self, walks: Sequence[_Walk], fixed: int, arms: int, linear: int) -> None:
-        kinds = [walk.asked.coordinate for walk in walks]
-        index = np.array([walk.asked.index for walk in walks])
-        self.fixed = fixed
+    def __init__(self, asked: Sequence[Asked], fixed: int, arms: int) -> None:
+        kinds = [one.coordinate for one in asked]
+        index = np.array([one.index for one in asked])
         self.log_tau = np.array([kind is Coordinate.LOG_TAU for kind in kinds])
         self.log_b = np.array([kind is Coordinate.LOG_B for kind in kinds])
         # where a relaxation time is held no coefficient is, and the column named stays free
         self.column: IndexArray = np.where(self.log_b | self.log_tau, fixed + index, index)
         self.arm: IndexArray = np.where(self.column >= fixed, (self.column - fixed) % arms, 0)
-        self.free: BoolArray = np.ones((len(walks), linear), dtype=bool)
-        self.free[np.arange(len(walks)), self.column] = self.log_tau
+        #: the arm that each belongs to; -1 of a fixed column
+        self.owner: IndexArray = np.where(self.column >= fixed, self.arm, -1)
 
-    def arm_of(self, walk: int) -> set[int]:
-        """The arm that a side belongs to; none of a fixed column."""
-        return {int(self.arm[walk])} if self.column[walk] >= self.fixed else set()
+    def free(self, linear: int, on: IndexArray) -> BoolArray:
+        """Which of the linear parameters each of the sides `on` leaves free."""
+        free = np.ones((len(on), linear), dtype=bool)
+        free[np.arange(len(on)), self.column[on]] = self.log_tau[on]
+        return free
 
     def placed(self, log_tau: FloatArray, goal: FloatArray, on: IndexArray) -> FloatArray:
         """The trials with a held relaxation time at its goal."""
