@@ -55,11 +55,12 @@ def certificate(blocks: Sequence[Block], solution: Solution) -> Optimality:
     groups = len(stack.groups)
     # k_inf resting at zero is no free direction: its column then is not swept out
     loose = ~(stack.restricted(0, signed=False) & (solution.fixed == 0))
-    grid = np.linspace(*stack.bounds, GRID)
+    grid, support = np.linspace(*stack.bounds, GRID), solution.log_tau
     best, left, dual_gradient, place = np.inf, 0.0, -np.inf, 0.0
     for round_ in range(ROUNDS):
         together = np.concatenate((solution.log_tau, grid))
-        offered = Grid(stack, log_tau=together, loose=loose)
+        near = np.append(np.ones(solution.order, bool), np.isin(grid, support))
+        offered = Grid(stack, log_tau=together, loose=loose, near=near)
         if round_ == 0:
             length = offered.length.reshape(groups, -1)[:, : solution.order]
             own = np.zeros((groups, len(together)))
@@ -70,9 +71,12 @@ def certificate(blocks: Sequence[Block], solution: Solution) -> Optimality:
             dual_gradient, place = float(towards.max()), float(together[np.argmax(towards)])
         best = min(best, offered.left)
         weight = offered.spectrum.sum(axis=0)
-        grid = _refined(together, weight, round_, stack.bounds)
-    best = min(best, _polished(stack, together, weight))
+        support = together[weight > 0]
+        grid = _refined(support, round_, stack.bounds)
     sse = stack.floor + left
+    # of a gap that is seen six digits will do
+    flat = CERTAIN * max(1e-3, (left - best) / sse if sse > 0 else 0.0)
+    best = min(best, _polished(stack, together, weight, flat))
     gap = 0.0 if left <= stack.nothing else max(0.0, left - best) / sse
     optimal = gap <= CERTAIN
     return Optimality(
@@ -83,18 +87,18 @@ def certificate(blocks: Sequence[Block], solution: Solution) -> Optimality:
     )
 
 
-def _refined(
-    grid: FloatArray, weight: FloatArray, round_: int, bounds: tuple[float, float]
-) -> FloatArray:
-    """The support of the spectrum, and a finer grid around each of its points."""
-    support = grid[weight > 0]
+def _refined(support: FloatArray, round_: int, bounds: tuple[float, float]) -> FloatArray:
+    """The support of a spectrum, and a finer grid around each of its points."""
     step = (bounds[1] - bounds[0]) / GRID / 8.0**round_
     near = support[:, None] + step * np.arange(-8, 9) / 8
     return np.array(sorted({*np.clip(near, *bounds).flat, *bounds}))
 
 
-def _polished(stack: Stack, grid: FloatArray, weight: FloatArray) -> float:
-    """SSE after the spectrum's arms, neighbours merged, have moved off the grid together."""
+def _polished(stack: Stack, grid: FloatArray, weight: FloatArray, flat: float) -> float:
+    """SSE after the spectrum's arms, neighbours merged, have moved off the grid together.
+
+    To `flat`, a part of it.
+    """
     order = np.flatnonzero(weight > 0)
     order = order[np.argsort(grid[order], kind="stable")]
     if not len(order):
@@ -102,5 +106,5 @@ def _polished(stack: Stack, grid: FloatArray, weight: FloatArray) -> float:
     runs = np.split(order, np.flatnonzero(np.diff(grid[order]) > ONE_ARM) + 1)
     start = np.array([weight[run] @ grid[run] / weight[run].sum() for run in runs])
     restricted = stack.restricted(len(start), signed=False)
-    local = descend(stack, start, restricted=restricted, flat=1e-3 * CERTAIN)
+    local = descend(stack, start, restricted=restricted, flat=flat)
     return np.inf if local is None else local.point.sse

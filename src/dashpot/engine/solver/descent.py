@@ -273,7 +273,8 @@ def descend(
 
     Far away a step must lower the SSE; within 1e-5 the SSE is flat to its last digits, so the
     undamped step itself decides: the descent ends when it falls below `finished`, or when, at
-    the rate of the last steps, next to nothing is left of it. Where the residual is large J'J is
+    the rate of the last steps, next to nothing is left of it, or when a step that promised no more
+    than rounding is refused. Where the residual is large J'J is
     a poor Hessian and such steps only creep; what the gradients say it lacks is then learned
     from step to step (as in J. E. Dennis, D. M. Gay, R. E. Welsch, *ACM Trans. Math. Softw.* 7,
     1981, with the symmetric rank-one update).
@@ -307,7 +308,7 @@ def descend(
             last, here = moved, new
             wrong = wrong + 1 if wanted is not None and (here.beta[wanted] < 0).any() else 0
             damping = 0.1 * damping * (moved >= TAIL)
-        elif moved < TAIL and damping == 0.0:
+        elif (moved < TAIL and damping == 0.0) or fall <= UNCHANGED * sse:
             return Local(here, count, True)
         else:
             damping = 10 * max(damping, 1e-6)

@@ -47,6 +47,7 @@ class Chain:
         self.stack, self.signed, self.thorough, self.seed = stack, signed, thorough, seed
         self.best: list[Local] = []
         self._attempts: dict[int, Local | None] = {}
+        self._starts_found: dict[int, FloatArray | None] = {}
 
     @property
     def reached(self) -> int:
@@ -64,8 +65,8 @@ class Chain:
         return peaks_of(self.grid)
 
     def leap(self, arms: int) -> bool:
-        """Go straight to `arms` if that leaves no doubt."""
-        found = self._undoubted(arms) if arms else None
+        """Go straight to `arms` if that leaves no doubt, as two that start as neighbours would."""
+        found = self._undoubted(arms) if arms and self._starts_apart(arms) else None
         if found is not None:
             self.best.append(found)
         return found is not None
@@ -101,8 +102,6 @@ class Chain:
 
     def _attempt(self, arms: int) -> Local | None:
         """The optimum next to the best set of grid points, or next to the spectrum's peaks."""
-        if self.thorough or self.signed or len(self.stack.groups) > 1:
-            return None
         if arms not in self._attempts:
             start = self._first_start(arms)
             self._attempts[arms] = (
@@ -112,11 +111,25 @@ class Chain:
             )
         return self._attempts[arms]
 
+    def _starts_apart(self, arms: int) -> bool:
+        """True if the best set of grid points has no two that are neighbours."""
+        start, (low, high) = self._first_start(arms), self.stack.bounds
+        if start is None or arms not in LOOK:
+            return start is not None
+        step = (high - low) / (LOOK[arms][1] - 1)
+        return bool((np.diff(start) > 1.5 * step).all())
+
     def _first_start(self, arms: int) -> FloatArray | None:
-        if arms in LOOK:
-            best_set, size = LOOK[arms]
-            return best_set(Grid(self.stack, size))
-        return next(iter(partitioned(self.grid, *self.peaks, arms, count=1)), None)
+        if self.thorough or self.signed or len(self.stack.groups) > 1:
+            return None
+        if arms not in self._starts_found:
+            if arms in LOOK:
+                best_set, size = LOOK[arms]
+                start = best_set(Grid(self.stack, size))
+            else:
+                start = next(iter(partitioned(self.grid, *self.peaks, arms, count=1)), None)
+            self._starts_found[arms] = start
+        return self._starts_found[arms]
 
     def extend(self, arms: int, *, negligible: float = 0.0, every: bool = True) -> None:
         """Add orders up to `arms`, or until none is better.
@@ -156,9 +169,10 @@ class Chain:
         """The SSE of the best positive spectrum on the grid and beside the last arms."""
         point = self.best[-1].point
         together = np.concatenate((point.log_tau, self.grid.log_tau))
+        near = np.arange(len(together)) < len(point.log_tau)
         fixed = point.beta[: len(self.stack.names)]
         loose = ~(self.stack.restricted(0, signed=False) & (fixed == 0))
-        return Grid(self.stack, log_tau=together, loose=loose).left
+        return Grid(self.stack, log_tau=together, loose=loose, near=near).left
 
     def _best_with(self, arms: int, *, starts: list[FloatArray] | None = None) -> Local | None:
         """The best of the optima next to all starts, finished; None if no arms carry as many."""

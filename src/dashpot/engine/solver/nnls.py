@@ -31,7 +31,7 @@ def nonnegative(gram: FloatArray, moment: FloatArray, near: BoolArray | None = N
     moment : array, shape (n,)
         A'y.
     near : array, shape (n,), optional
-        Which coefficients were above zero in a problem much like this one: it spares most solves.
+        Which coefficients are likely above zero: it spares most solves.
     """
     count = len(moment)
     ridged = gram + 1e-14 * float(np.trace(gram)) / max(count, 1) * np.eye(count)
@@ -45,7 +45,7 @@ def nonnegative(gram: FloatArray, moment: FloatArray, near: BoolArray | None = N
         return x
 
     free: BoolArray = moment > 0 if near is None else near.copy()
-    for _ in range(ROUNDS):
+    for _ in range(ROUNDS if near is None else 0):
         x = solved(free)
         wrong = np.where(free, x < 0, moment - gram @ x > nothing)
         if not wrong.any():

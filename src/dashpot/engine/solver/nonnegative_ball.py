@@ -22,6 +22,7 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.base.errors import FitError
+from dashpot.engine.solver.descent import triangle
 
 #: a gain below this part of the data is rounding
 NOTHING = 1e-13
@@ -128,17 +129,18 @@ def _face(
     """Return the farthest point of a face, and its multiplier; inf if the face has no aim."""
     if not columns.shape[1]:
         return np.zeros(0), 0.0 if aim is None else np.inf
-    q, r = np.linalg.qr(columns)
-    along = q.T @ target
+    count = columns.shape[1]
+    factor = triangle(np.concatenate((columns.T, target[None])))
+    inverse, along = np.linalg.inv(factor[:count, :count]), factor[:count, -1]
     if aim is None:
-        return np.linalg.solve(r, along), 0.0
-    h = np.linalg.solve(r.T, aim)
+        return np.asarray(inverse @ along), 0.0
+    h = aim @ inverse
     power = float(h @ h)
     if power == 0.0:
-        return np.linalg.solve(r, along), np.inf
-    rest = target - q @ along
+        return np.asarray(inverse @ along), np.inf
+    rest = factor[count:, -1]
     multiplier = float(np.sqrt(max(squared - float(rest @ rest), 0.0) / power))
-    return np.linalg.solve(r, along + multiplier * h), multiplier
+    return np.asarray(inverse @ (along + multiplier * h)), multiplier
 
 
 def _as_far_as_allowed(s: FloatArray, goal: FloatArray) -> tuple[FloatArray, BoolArray]:

@@ -100,6 +100,8 @@ class Grid:
         Of the :class:`Lattice`; columns of shape (n, G m).
     moment : array, shape (G m,)
         Inner products of columns with the target.
+    near : array, shape (m,), or None
+        Where the best spectrum is likely to have weight.
     """
 
     def __init__(
@@ -109,12 +111,13 @@ class Grid:
         *,
         log_tau: FloatArray | None = None,
         loose: BoolArray | None = None,
+        near: BoolArray | None = None,
     ) -> None:
         if log_tau is None:
             lattice, target = _KNOWN.of(stack, size)
         else:
             lattice, target = Lattice.of(stack, log_tau, loose)
-        self.stack = stack
+        self.stack, self.near = stack, near
         self.groups = len(stack.groups)
         self.log_tau, self.length, self.gram = lattice.log_tau, lattice.length, lattice.gram
         self.columns = lattice.rows.T
@@ -129,7 +132,8 @@ class Grid:
     @cached_property
     def spectrum(self) -> FloatArray:
         """Best non-negative spectrum on the grid, in unit columns, shape (G, m)."""
-        found = nonnegative(self.gram, self.moment)
+        near = None if self.near is None else np.tile(self.near, self.groups)
+        found = nonnegative(self.gram, self.moment, near)
         return np.asarray(found.reshape(self.groups, -1))
 
     @cached_property

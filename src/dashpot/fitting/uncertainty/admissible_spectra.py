@@ -95,7 +95,9 @@ class Spectra:
         count = int(np.ceil((high - low) / np.log(10) * PER_DECADE)) + 1
         own = np.log(np.asarray(further, dtype=float))
         log_tau = _merged(np.linspace(low, high, count), own)
+        # the fit is no bad spectrum: a plateau and its own arms
         left, weight = np.inf, np.zeros(len(log_tau) + 2)
+        weight[0], weight[2 + np.searchsorted(log_tau, own)] = 1.0, 1.0
         for _ in range(ROUNDS):
             before, left = left, self._on(relaxations, log_tau, weight)
             finer = _refined(log_tau, self.best[2:] > 0)
