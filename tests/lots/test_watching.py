@@ -15,7 +15,7 @@ from kit.kinds import bench, ramp_and_hold
 
 import dashpot as dp
 from dashpot.base.errors import DataError, ReadError
-from dashpot.lots import batches, entries, watching
+from dashpot.lots import batches
 from dashpot.lots.batches import BatchJob
 from dashpot.lots.choices import BatchChoices
 from dashpot.lots.parts import KEY, SMALL
@@ -122,16 +122,16 @@ def test_what_is_replaced_by_as_many_bytes_of_the_same_time_is_fitted_again(rig)
 
 def test_a_file_that_cannot_be_read_yet_is_a_row_until_it_can(rig, monkeypatch):
     (rig / "a.csv").write_text(TEXT)
-    read, locked = entries.hashed, [True]
+    opened, locked = Path.open, [True]
 
-    def hashed(path):
-        return "" if locked else read(path)
+    def refused(path, *how, **more):
+        if locked and path.name == "a.csv":
+            raise PermissionError(13, "Permission denied")
+        return opened(path, *how, **more)
 
-    monkeypatch.setattr(entries, "hashed", hashed)
-    monkeypatch.setattr(watching, "hashed", hashed)
+    monkeypatch.setattr(Path, "open", refused)
     story = Story((4.0, locked.clear), until(6.0))
-    assert [at for at, _ in story.tables] == [2.0, 4.0]
-    assert story.lot.table["sha256"][0] == read(str(rig / "a.csv"))
+    assert story.tables == [(2.0, {"a": "refused"}), (4.0, {"a": "fitted"})]
 
 
 def test_a_file_that_changes_under_the_fit_is_fitted_when_it_is_still(rig, monkeypatch):
