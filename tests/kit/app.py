@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -15,7 +17,12 @@ from kit.browser import PROGRAM
 def served(*files: str) -> Iterator[str]:
     """The address of a server with these files, until the end of the block."""
     words = [sys.executable, "-m", "dashpot", "app", "--no-browser", *files]
-    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as server:
+    with (
+        tempfile.TemporaryDirectory() as state,
+        subprocess.Popen(
+            words, stdout=subprocess.PIPE, text=True, env={**os.environ, "DASHPOT_STATE": state}
+        ) as server,
+    ):
         try:
             assert server.stdout is not None
             yield server.stdout.readline().strip()

@@ -22,6 +22,11 @@ from dashpot.workflow.command_lines import report_command
 AT = {296.15: BROAD, 273.15: BROAD.shifted(10**1.498172, 273.15 / 296.15)}
 
 
+@pytest.fixture(autouse=True)
+def _no_list_of_the_users_own(tmp_path, monkeypatch):
+    monkeypatch.setenv("DASHPOT_STATE", str(tmp_path / "state"))
+
+
 @pytest.fixture(scope="module")
 def store():
     store = Store()

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import fields
+from dataclasses import MISSING, fields
 from pathlib import Path
 from typing import Any, TypeVar
 
 from dashpot.base.errors import DashpotError, DataError
-from dashpot.base.units import si, si_range
+from dashpot.base.units import si, si_range, typed
 from dashpot.io.options import ReadOptions
 from dashpot.records.machine import Machine
 from dashpot.records.specimen import Specimen
@@ -79,6 +79,42 @@ def job_of(given: object, folder: Path) -> Job:
     return Job(**made)
 
 
+def page_of(job: Job) -> dict[str, Any]:
+    """Return the choices of a job as a page says them: what :func:`job_of` takes back exactly."""
+    quantities = (("mass", "mass"), ("seal_mass", "mass"), ("compression", "length"))
+    said: dict[str, Any] = {
+        name: typed(value, dimension)  # type: ignore[arg-type]
+        for name, dimension in quantities
+        if (value := getattr(job, name)) is not None
+    }
+    said |= {name: getattr(job, name) for name in ("seals", "arms", *_CHOICES)}
+    said |= {name: getattr(job, name) for name in _TEXTS if getattr(job, name)}
+    if job.band is not None:
+        said["band"] = f"{job.band[0]!r}:{typed(job.band[1], 'frequency')}"
+    said |= {name: _stated(getattr(job, name)) for name in ("cuts", "machine", "hammer")}
+    specimen = _stated(job.specimen)
+    warmth = [typed(one, "temperature") for one in job.temperatures]
+    if "temperature" in specimen:
+        warmth = [specimen.pop("temperature")]
+    return {
+        "job": said | {"specimen": specimen}, "joint": job.joint, "temperatures": warmth,
+        "reading": _stated(job.reading), "reading_impact": _stated(job.reading_impact),
+    }  # fmt: skip
+
+
+def _stated(noun: Any) -> dict[str, Any]:
+    """What a part of a job says that is not the default, as a page says it."""
+    said = {}
+    for one in fields(noun):
+        value = getattr(noun, one.name)
+        if value == one.default or (one.default_factory is not MISSING and not value):
+            continue
+        if isinstance(noun, Specimen) and "unit" in one.metadata:
+            value = typed(value, one.metadata["unit"])
+        said[one.name] = dict(value) if one.name == "units" else value
+    return said
+
+
 def part(kind: type[T], given: object, name: str) -> T:
     """Return a part of a job; a list is a tuple, and nothing is the default.
 
@@ -92,6 +128,8 @@ def part(kind: type[T], given: object, name: str) -> T:
     strange = sorted(asked.keys() - known)
     if strange:
         raise DataError(f"{name} has no '{strange[0]}'; it has {', '.join(sorted(known))}")
+    if asked.get("calibration"):
+        raise DataError("a page names no file beside those that it was given: no calibration")
     stated = {
         key: tuple(value) if isinstance(value, list) else value
         for key, value in asked.items()

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 LANES = {
     "inspect": "settle", "live": "live", "predict": "live", "settle": "settle", "study": "slow",
     "take": "slow", "profile": "live", "project": "slow", "bench": "slow", "take-bench": "slow",
+    "recent": "live", "folder": "settle", "row": "settle",
 }  # fmt: skip
 """Which lane answers which verb."""
 MOST = 1 << 20
@@ -43,16 +44,22 @@ class Desk:
     Parameters
     ----------
     files : sequence of path
-        Opened at once.
+        Opened at once; a folder is a project, or a lot.
     """
 
     def __init__(self, files: Sequence[str | Path] = ()) -> None:
         self.store = Store()
         self.lanes = {name: Lane(self.store.folder) for name in dict.fromkeys(LANES.values())}
         self.answers: OrderedDict[str, bytes] = OrderedDict()
-        opened = [(Path(path).name, self.store.put(Path(path).name, Path(path).read_bytes()))
-                  for path in files]  # fmt: skip
-        self.state: dict[str, Any] = {"open": [{"id": one, "name": name} for name, one in opened]}
+        places = [Path(path) for path in files]
+        self.state: dict[str, Any] = {
+            "open": [
+                {"id": self.store.put(one.name, one.read_bytes()), "name": one.name}
+                for one in places
+                if not one.is_dir()
+            ],
+            "folders": [str(one.resolve()) for one in places if one.is_dir()],
+        }
 
     async def answer(self, verb: str, body: bytes) -> bytes:
         """Return the answer to a question, from memory where it was put before."""

@@ -15,7 +15,7 @@ from dashpot.io.options import ReadOptions, dump_profile
 from dashpot.io.write import write_frf
 from dashpot.records.fit import Fit
 from dashpot.report.figures import stamp
-from dashpot.web import results, wire
+from dashpot.web import recent, results, wire
 from dashpot.web.requests import job_of, part
 from dashpot.workflow.archive import to_json
 from dashpot.workflow.job import Job
@@ -114,4 +114,5 @@ def project(request: Mapping[str, Any], folder: Path) -> bytes:
         raise DataError("no folder is named: type where the project is to be kept")
     home = workflow.create(Path(place).expanduser())
     _, page = workflow.record(home, job, page=report.html)
+    recent.remember(home.folder)
     return wire.packed({"folder": str(home.folder), "report": str(page), "head": home.head})

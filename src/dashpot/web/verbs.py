@@ -6,12 +6,13 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from dashpot.web import bench, taking, work
+from dashpot.web import bench, folders, taking, work
 
 VERBS: Mapping[str, Callable[[Mapping[str, Any], Path], bytes]] = {
     "inspect": work.inspect, "live": work.live, "settle": work.settle, "predict": work.predict,
     "study": work.study, "take": taking.take, "profile": taking.profile,
     "project": taking.project,
     "bench": bench.bench, "take-bench": bench.take_bench,
+    "recent": folders.listed, "folder": folders.folder, "row": folders.row,
 }  # fmt: skip
 """From the request and the folder of the files to a message."""

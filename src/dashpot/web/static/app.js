@@ -1,7 +1,9 @@
 // What the user does: buttons, keys, fields, files that are dropped; and how the page begins.
 import { $, field, made, status } from "./dom.js";
 import * as files from "./files.js";
+import * as folders from "./folders.js";
 import { become, remember, state, test, undo } from "./job.js";
+import * as lot from "./lot.js";
 import { live, predict, settle, study } from "./questions.js";
 import { choices, describe, fields, fileList, solid, views } from "./shown.js";
 import { call } from "./wire.js";
@@ -84,6 +86,9 @@ const acts = {
   project: files.project,
   cancel: () => call("POST", "/api/cancel"),
   "take-bench": files.takeBench,
+  folders: () => {
+    if (document.body.classList.toggle("folders")) field("folder-name").focus();
+  },
   report: () => files.away({ what: "report" }),
   menu: () => menu(!!$("menu").hidden),
   copy,
@@ -100,6 +105,9 @@ const buttons = {
   deck,
   which,
   arms,
+  folder: folders.openFolder,
+  row: folders.openRow,
+  sort: lot.sort,
   show: files.show,
   remove: files.remove,
   base: (said) => {
@@ -131,6 +139,7 @@ document.addEventListener("click", (event) => {
 const letters = {
   o: acts.open,
   h: acts.hammer,
+  f: acts.folders,
   e: () => !state.files.length && files.example(),
   j: () => !$("both").hidden && both(),
   r: () => test() && acts.report(),
@@ -246,6 +255,12 @@ $("mass-slider").addEventListener("input", () => {
 
 // -- files that are dropped, and a window of another size ----------------------------------------
 
+$("open-folder").addEventListener("submit", (event) => {
+  event.preventDefault();
+  folders.openFolder(field("folder-name").value);
+});
+$("lot-filter").addEventListener("input", lot.draw);
+
 let depth = 0;
 addEventListener("dragenter", (event) => {
   event.preventDefault();
@@ -283,7 +298,12 @@ if (kept.files) {
   fileList();
   fields();
   views();
+  if (state.lot) await lot.showLot();
   if (state.files.length) settle();
-} else if (kept.open?.length) await files.opened(kept.open);
-else fileList();
+} else {
+  if (kept.open?.length) await files.opened(kept.open);
+  else fileList();
+  for (const folder of kept.folders || []) await folders.openFolder(folder);
+}
+await folders.list();
 document.body.dataset.ready = "true";

@@ -1,6 +1,6 @@
 // Files in and out: opened, asked about, shown, taken away.
 import { $, all, field, made, refuse, status, words } from "./dom.js";
-import { hammers, isBench, isHammer, isTest, job, shown, state, test } from "./job.js";
+import { hammers, isBench, isHammer, isTest, job, LOT, shown, state, test } from "./job.js";
 import { bench, settle, study } from "./questions.js";
 import { fileList, views } from "./shown.js";
 import { ask, call, send } from "./wire.js";
@@ -16,11 +16,14 @@ async function look(/** @type {OpenFile} */ one) {
 }
 
 /** Read files that the server has, and show the first that asks something. */
-export async function opened(/** @type {{id: string, name: string}[]} */ found) {
+export async function opened(
+  /** @type {{id: string, name: string}[]} */ found,
+  /** @type {(id: string) => Partial<OpenFile>} */ known = () => ({}),
+) {
   const already = new Set(state.files.map((one) => one.id));
   /** @type {OpenFile[]} */
   const added = found.filter((one) => !already.has(one.id))
-    .map((one) => ({ ...one, options: {} }));
+    .map((one) => ({ ...one, options: {}, ...known(one.id) }));
   state.files.push(...added);
   fileList();
   for (const one of added) {
@@ -81,8 +84,9 @@ export function step(/** @type {number} */ by) {
 }
 
 export function remove(/** @type {string} */ id) {
+  if (id === LOT) state.lot = "";
   state.files = state.files.filter((one) => one.id !== id);
-  state.current = state.files[0]?.id || "";
+  state.current = state.files[0]?.id || (state.lot && LOT);
   if (!hammers().length) state.joint = false;
   state.job.cuts = {};
   fileList();

@@ -30,8 +30,10 @@ import { call } from "./wire.js";
  * @property {Record<string, string>} specimen
  * @property {{accept: string[], reject: string[]}} hammer
  */
-/** @typedef {{files: OpenFile[], current: string, joint: boolean, base: boolean, mass: number, job: Choices}} State */
+/** @typedef {{files: OpenFile[], current: string, joint: boolean, base: boolean, lot: string, mass: number, job: Choices}} State */
 
+/** What is shown where no file is. */
+export const LOT = "lot";
 const BENCH = ["dma", "master-curve", "modulus", "creep"];
 const HAMMERS = ["impact", "frf"];
 const STEPS_BACK = 100;
@@ -43,6 +45,7 @@ const fresh = () => ({
   current: "",
   joint: false,
   base: false,
+  lot: "",
   mass: 0,
   job: {
     mass: "",

@@ -1,6 +1,6 @@
 // Questions to the server, and where their answers stand. The page computes no number.
 import { $, all, panelCard, refuse, status } from "./dom.js";
-import { hammers, isBench, job, remember, shown, sizes, state, test } from "./job.js";
+import { hammers, isBench, job, LOT, remember, shown, sizes, state, test } from "./job.js";
 import { curves, panel, placeHandles, strips } from "./panels.js";
 import { choices, fields, fileList, solid, stale, tables, verdict, views } from "./shown.js";
 import { ask, call, cancelled } from "./wire.js";
@@ -30,6 +30,7 @@ export function settle(again = false) {
   fields();
   views();
   remember();
+  if (state.current === LOT) return;
   if (bench()) return fitBench();
   const of = test();
   if (!of) {

@@ -1,6 +1,6 @@
 // What stands on the page beside the drawings: verdict, solid, choices, files, fields.
 import { $, all, field, made, panelCard } from "./dom.js";
-import { hammers, isBench, isTest, shown, state, test, together } from "./job.js";
+import { hammers, isBench, isTest, LOT, shown, state, test, together } from "./job.js";
 import { handles } from "./panels.js";
 
 const SPECIMEN = { name: "", lot: "", length: "mm" };
@@ -41,7 +41,8 @@ export function choices() {
   }
   $("reset").hidden = !Object.keys(cuts).length;
   for (const [name, handle] of Object.entries(handles)) handle.byHand(name in cuts);
-  $("both").hidden = !hammers().length || state.joint || !test() || isBenchShown();
+  $("both").hidden = !hammers().length || state.joint || !test() || isBenchShown() ||
+    state.current === LOT;
 }
 
 const isBenchShown = () => state.files.some((one) => one.id === state.current && isBench(one));
@@ -78,7 +79,16 @@ export function fileList() {
     item.append(made("button", away, "\u00d7"));
     return item;
   }));
-  document.body.classList.toggle("empty", !state.files.length);
+  if (state.lot) {
+    const name = state.lot.replace(/[\\/]+$/, "").split(/[\\/]/).at(-1) || state.lot;
+    const says = made("span", {}, made("b", {}, name), made("i", {}, "a lot"));
+    const current = String(state.current === LOT);
+    const open = { class: "file", "data-show": LOT, "aria-current": current };
+    const away = { class: "link away", "data-remove": LOT, "aria-label": `remove ${name}` };
+    const button = made("button", open, mark("note"), says);
+    $("files").prepend(made("li", {}, button, made("button", away, "\u00d7")));
+  }
+  document.body.classList.toggle("empty", !state.files.length && !state.lot);
   for (const button of all('[data-needs="test"]')) button.toggleAttribute("disabled", !of);
 }
 
@@ -86,15 +96,17 @@ export function fileList() {
 export function views() {
   const one = shown(), asks = one?.asked || "";
   const hits = one?.kind === "impact" && one.mark === "good" && !!test();
-  const fitted = !!one && isBench(one);
+  const fitted = !!one && isBench(one), lot = state.current === LOT;
+  document.body.classList.toggle("in-lot", lot);
+  $("lot-page").hidden = !lot;
   document.body.classList.toggle("bench", fitted);
   $("bench-page").hidden = !fitted;
   $("question").hidden = !asks;
   $("question").innerHTML = asks;
   $("hits-page").hidden = !hits || !!asks;
-  $("missing").hidden = !!asks || fitted || !!test() || !hammers().length;
-  $("grid").hidden = !!asks || hits || fitted || !test();
-  $("verdict").hidden = !!asks || !(test() || fitted);
+  $("missing").hidden = lot || !!asks || fitted || !!test() || !hammers().length;
+  $("grid").hidden = lot || !!asks || hits || fitted || !test();
+  $("verdict").hidden = lot || !!asks || !(test() || fitted);
 }
 
 /** The numbers of the choices in their fields. */

@@ -1,0 +1,56 @@
+"""The folders that were kept or opened last: a list in the user's own place for such things."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from contextlib import suppress
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from dashpot.base.atomic import write_whole
+
+MOST = 12
+"""Folders of the list."""
+WHERE = "DASHPOT_STATE"
+"""Name of the variable that says where the list is kept instead."""
+
+
+def recent() -> list[dict[str, Any]]:
+    """Return folders that are still there, the last one first: path, name, and when (UTC)."""
+    return [one for one in _listed() if Path(one["folder"]).is_dir()]
+
+
+def remember(folder: Path) -> None:
+    """Put a folder at the head of the list; where it cannot be written nothing is kept."""
+    path = str(folder.resolve())
+    now = datetime.now(UTC).isoformat(timespec="seconds")
+    kept = [one for one in _listed() if one["folder"] != path]
+    listed = [{"folder": path, "name": folder.resolve().name, "when": now}, *kept][:MOST]
+    with suppress(OSError):
+        _place().parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        write_whole(_place(), json.dumps(listed, indent=1).encode())
+
+
+def _listed() -> list[dict[str, Any]]:
+    try:
+        found = json.loads(_place().read_text(encoding="utf-8"))
+        return [{name: str(one[name]) for name in ("folder", "name", "when")} for one in found]
+    except (OSError, ValueError, TypeError, KeyError):
+        return []
+
+
+def _place() -> Path:
+    """Where this system keeps what a program remembers of its user."""
+    stated = os.environ.get(WHERE)
+    if stated:
+        return Path(stated) / "recent.json"
+    home = Path.home()
+    by_system = {
+        "win32": Path(os.environ.get("LOCALAPPDATA", home / "AppData" / "Local")),
+        "darwin": home / "Library" / "Application Support",
+    }
+    usual = Path(os.environ.get("XDG_STATE_HOME") or home / ".local" / "state")
+    return by_system.get(sys.platform, usual) / "dashpot" / "recent.json"
