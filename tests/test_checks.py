@@ -330,6 +330,12 @@ CREEP = [
         0.799,
     ),
     Case("creep_finished", crept, 0.0499, 0.0501),
+    Case(
+        "flow_prevails",
+        lambda x: creep.flow_prevails(CreepSpectrum(1.0 - x, (), (), x), 1.0),
+        0.501,
+        0.499,
+    ),
     Case("flow_told", lambda x: creep.flow_told(True, x, 0.01), 10.01, 9.99),
     Case(
         "drift_is_no_flow",
@@ -1053,7 +1059,7 @@ LIMITS = {
         "hold_and_full_agree": 0.1, "filter_bias": 0.01, "separable": 0.01,
         "few_arms_suffice": 0.05, "kramers_kronig": 0.05, "loss_positive": 0, "storage_rises": 0.05,
         "compliance_rises": 0.8, "compliance_followed": 0.05, "creep_finished": 0.05,
-        "flow_told": 10, "displacement_followed": 2, "drift_is_no_flow": 2,
+        "flow_told": 10, "flow_prevails": 0.5, "displacement_followed": 2, "drift_is_no_flow": 2,
         "levels_agree": 0.03, "modulus_falls": 1.25,
         "data_agree": 1.3, "bands_meet": 10, "k_inf_known": 0.5, "force_followed": 1.75,
         "arms_where_force_relaxes": 0.02,

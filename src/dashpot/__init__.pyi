@@ -11,6 +11,7 @@ from .base.errors import ReadError as ReadError
 from .base.provenance import Source as Source
 from .base.version import __version__ as __version__
 from .engine.sums import fit_exponential_sum as fit_exponential_sum
+from .fitting.compliance import measured_compliance as measured_compliance
 from .fitting.creep import fit_creep as fit_creep
 from .fitting.depth import fit_depths as fit_depths
 from .fitting.dynamic import fit_dynamic as fit_dynamic

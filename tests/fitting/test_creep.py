@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from kit import cold
 
 import dashpot as dp
 from dashpot.base.errors import DataError, FitError
@@ -20,6 +22,7 @@ from dashpot.solids.interconversion import (
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.networks import creep_of, from_creep
 from dashpot.solids.table_1 import PAPER
+from dashpot.workflow import fit_files
 
 T1 = creep_of(PAPER)
 
@@ -286,3 +289,52 @@ def test_a_curve_called_by_its_symbol_and_unit_is_a_compliance(tmp_path: Path) -
     (tmp_path / "curve.csv").write_text("time [s],J(t) [1/Pa]\n" + rows)
     assert dp.inspect_file(tmp_path / "curve.csv").kind == "creep"
     assert isinstance(dp.read_creep(tmp_path / "curve.csv"), dp.CreepCompliance)
+
+
+def at_temperature(celsius: float, *, noise: float = 1e-6) -> CreepTest:
+    """The paper's seal as it creeps at another temperature, its clock and its size known."""
+    kelvin = celsius + 273.15
+    a_t, b_t = 10 ** cold.log10_a(kelvin), kelvin / cold.REFERENCE
+    there = CreepSpectrum(
+        T1.glass / b_t, tuple(d / b_t for d in T1.d), tuple(a_t * lam for lam in T1.lam)
+    )
+    return replace(
+        record(there, noise=noise, seed=round(celsius)), specimen=dp.Specimen(temperature=kelvin)
+    )
+
+
+def test_a_test_measures_the_compliance_that_a_step_would_have_shown() -> None:
+    """Also in the cold, where slow creep looks like a drift of the reading."""
+    for celsius in (23.0, 0.0):
+        found = dp.measured_compliance(at_temperature(celsius))
+        kelvin = celsius + 273.15
+        reduced = found.time / 10 ** cold.log10_a(kelvin)
+        expected = T1.compliance(reduced) * cold.REFERENCE / kelvin
+        np.testing.assert_allclose(found.compliance, expected, rtol=2e-3)
+        assert found.unit == "m/N"
+    short = at_temperature(23.0)
+    kept = short.time < 2.0
+    cut = CreepTest(short.time[kept], short.displacement[kept], short.force[kept])
+    with pytest.raises(FitError, match="hold longer"):
+        dp.measured_compliance(cut)
+
+
+@pytest.mark.once
+def test_creep_tests_at_several_temperatures_are_one_seal(tmp_path: Path) -> None:
+    files, temperatures = [], (23.0, 10.0, 0.0)
+    for celsius in temperatures:
+        test = at_temperature(celsius)
+        files.append(tmp_path / f"{celsius:g}.csv")
+        columns = np.column_stack((test.time, 1e3 * test.displacement, test.force))
+        head = "time [s],displacement [mm],force [N]"
+        np.savetxt(files[-1], columns, delimiter=",", header=head, comments="")
+    kelvin = [one + 273.15 for one in temperatures]
+    found, (curve,) = fit_files(files, temperatures=kelvin)
+    assert isinstance(curve, dp.Superposition)
+    for one in found.shifts:
+        assert one.log10_a_t == pytest.approx(cold.log10_a(one.temperature), abs=0.01)
+    assert found.temperatures.vertical == "T/T_r"
+    assert found.model.k == pytest.approx(PAPER.k, rel=0.02)
+    assert found.model.tau == pytest.approx(PAPER.tau, rel=0.02)
+    with pytest.raises(FitError, match="says no temperature"):
+        fit_files(files)

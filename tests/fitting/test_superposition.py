@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from kit.sweeps import REFERENCE, TEMPERATURES, arrhenius, moduli, sweeps, wlf
+from kit.sweeps import REFERENCE, TEMPERATURES, arrhenius, compliances, moduli, sweeps, wlf
 
 import dashpot as dp
 from dashpot.fitting.superposition.isotherms import isotherms_of
@@ -41,6 +41,44 @@ def test_exact_relaxation_moduli_give_their_shifts_back():
     np.testing.assert_allclose(
         found.solid.relaxation(found.curve.time), found.curve.modulus, rtol=2e-3
     )
+
+
+@pytest.mark.parametrize("flow", [0.0, 1e-6])
+def test_exact_creep_compliances_give_their_shifts_back(flow):
+    found = dp.superpose(compliances(noise=0.0, flow=flow), vertical="T/T_r", reference=REFERENCE)
+    np.testing.assert_allclose(shifts(found), TRUE, atol=2e-3)
+    assert found.temperatures.shifts[0].b_t == pytest.approx(TEMPERATURES[0] / REFERENCE)
+    np.testing.assert_allclose(
+        found.solid.creep(found.curve.time), found.curve.compliance, rtol=2e-3
+    )
+    assert (found.solid.k_inf == 0) == (flow > 0)
+
+
+def test_compliances_of_one_file_are_those_of_one_file_each():
+    parts = compliances()
+    columns = [
+        np.concatenate([getattr(one, name) for one in parts]) for name in ("time", "compliance")
+    ]
+    warm = np.repeat(TEMPERATURES, len(parts[0].time))
+    whole = dp.CreepCompliance(*columns, temperature=warm)
+    np.testing.assert_allclose(shifts(dp.superpose(whole)), shifts(dp.superpose(parts)), atol=1e-9)
+    assert whole.at(REFERENCE) == parts[4]
+    with pytest.raises(dp.FitError, match="one kind and one unit"):
+        dp.superpose([moduli(), parts[0]])
+
+
+def test_few_arms_or_the_spectrum_of_all_follow_a_master_curve_of_creep():
+    curve = dp.superpose(compliances(), reference=REFERENCE, vertical="T/T_r")
+    dense, few = dp.fit_creep(curve), dp.fit_creep(curve, arms=5)
+    assert dense.model.arms > 6
+    assert dense.creep is None
+    assert few.model.arms == len(few.creep.spectrum.d) == 5
+    assert few.temperatures == dense.temperatures == curve.temperatures
+    b_t, a_t = TEMPERATURES[6] / REFERENCE, 10 ** wlf(TEMPERATURES[6])
+    at = dense.at(TEMPERATURES[6]).creep(np.array([10.0]))
+    assert at == pytest.approx(dense.model.creep(np.array([10.0 / a_t])) / b_t, rel=0.02)
+    with pytest.raises(dp.FitError, match="no creep compliance"):
+        dp.fit_creep(dp.superpose(moduli()))
 
 
 def test_the_order_of_samples_and_the_unit_change_nothing():

@@ -131,3 +131,14 @@ def test_a_unit_that_is_no_compliance_is_named(tmp_path: Path) -> None:
     options = ReadOptions(creep_compliance="2")
     with pytest.raises(ReadError, match=r"labelled 'MPa'.*material compliance.*1/MPa"):
         read_creep(path, options=options)
+
+
+def test_a_column_of_temperature_tells_the_curves_of_one_file_apart(tmp_path: Path) -> None:
+    each = len(TIME)
+    head = "temperature [degC],time [s],creep compliance [1/MPa]"
+    warm = np.repeat([23.0, 0.0], each)
+    text = csv(head, warm, np.tile(TIME, 2), np.tile(COMPLIANCE, 2))
+    found = read_bench(written(tmp_path / "creep.csv", text))
+    assert isinstance(found, CreepCompliance)
+    assert found.several_temperatures
+    assert found.at("0degC").compliance == pytest.approx(1e-6 * COMPLIANCE)

@@ -2,8 +2,10 @@
 
 import numpy as np
 
+from dashpot.records.creep import CreepCompliance
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.modulus import RelaxationModulus
+from dashpot.records.specimen import Specimen
 
 REFERENCE = 293.15
 TEMPERATURES = REFERENCE + np.arange(-40.0, 41.0, 10.0)
@@ -55,3 +57,16 @@ def moduli(seed=0, *, noise=0.005, temperatures=TEMPERATURES, points=12):
     return RelaxationModulus(
         np.tile(time, len(temperatures)), value, temperature=np.repeat(temperatures, points)
     )
+
+
+def compliances(*, noise=0.005, seed=1, rubbery=True, flow=0.0):
+    """Creep compliances, two decades at each temperature, one test each; `flow` in 1/(Pa s)."""
+    draw = np.random.default_rng(seed).standard_normal
+    time, found = np.geomspace(1.0, 100.0, 14), []
+    for kelvin in TEMPERATURES:
+        reduced = time / 10 ** wlf(kelvin)
+        rise = -np.expm1(-reduced[:, None] / TAU) @ (SHARE / SHARE.sum())
+        value = (1 / GLASSY + rise / PLATEAU + flow * reduced) * (1 + noise * draw(len(time)))
+        b_t = kelvin / REFERENCE if rubbery else 1.0
+        found.append(CreepCompliance(time, value / b_t, specimen=Specimen(temperature=kelvin)))
+    return found

@@ -126,15 +126,19 @@ def creep(
     rate: float | None = None,
     noise_free: bool = False,
     seed: int = 0,
+    temperature: float | None = None,
+    wlf: TemperatureLaw | None = None,
     **_: object,
 ) -> tuple[str, str]:
     """Return a simulated creep test as CSV, and its truth as JSON."""
     from dashpot.io.write import write_relaxation
 
     room = dp.simulation
+    known = seal(model)
     made = room.simulate_creep(
-        seal(model).solid, load=load, ramp_time=ramp, hold_time=hold, seed=seed,
+        known.solid, load=load, ramp_time=ramp, hold_time=hold, seed=seed,
         rig=_chosen(room.Rig(), noise_free=noise_free, rate=rate),
+        climate=_climate(known, temperature, wlf),
     )  # fmt: skip
     comments = (*room.stamp(made.truth), "creep test: the force is held")
     return write_relaxation(made.test, comments=comments), room.truth_json(made.truth)

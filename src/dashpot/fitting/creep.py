@@ -42,6 +42,8 @@ from dashpot.fitting.fit_data import FitData, determinable_arms
 from dashpot.fitting.nuisance import Prior, at_rest
 from dashpot.fitting.pipeline import Chosen, asked_arms, assembled, chosen_arms, measured_in
 from dashpot.fitting.retardation import FLOW, GLASS, Retarded, spectrum_of
+from dashpot.fitting.spectrum import shared_where_few_fall_short
+from dashpot.fitting.superposition.superpose import superpose
 from dashpot.fitting.uncertainty.estimate import Estimate, estimated, rounding
 from dashpot.fitting.uncertainty.informed_band import informed_band
 from dashpot.fitting.uncertainty.load_error import load_rows
@@ -51,6 +53,8 @@ from dashpot.records.creep import Creep, CreepCompliance, CreepTest, LoadHold
 from dashpot.records.fit import Fit, Provenance
 from dashpot.records.machine import TOLD_DRIFT, UNKNOWN_DRIFT
 from dashpot.records.relaxation import quantum
+from dashpot.records.superposition import Superposition
+from dashpot.solids.interconversion import CreepSpectrum
 
 _NUISANCE = ("offset", "drift", "delay")
 # retardations of the first solution, which tells the velocity
@@ -71,7 +75,7 @@ _DOUBTED = 0.1
 
 
 def fit_creep(
-    test: Creep,
+    test: Creep | Superposition,
     *,
     arms: int | Literal["auto"] = "auto",
     thorough: bool = False,
@@ -87,8 +91,11 @@ def fit_creep(
 
     Parameters
     ----------
-    test : CreepTest, LoadHold or CreepCompliance
-        A raw test is prepared (``dashpot.preparation.creep.load_hold``).
+    test : CreepTest, LoadHold, CreepCompliance or Superposition
+        A raw test is prepared (``dashpot.preparation.creep.load_hold``). A compliance at several
+        temperatures is shifted to a master curve first, with the defaults of
+        :func:`~dashpot.fitting.superposition.superpose.superpose`; where few arms follow it less
+        closely than the spectrum that all temperatures share, that stands in their place.
     arms : int or "auto"
         Number of Maxwell arms: as many retardations, or one fewer and a flow. ``"auto"`` takes
         the number that BIC and the significance of every retardation both support.
@@ -110,6 +117,10 @@ def fit_creep(
         If no force is held, the compliance falls, or an option makes no sense.
     """
     asked_arms(arms, max_arms)
+    if isinstance(test, CreepCompliance) and test.temperature is not None:
+        test = superpose(test)
+    if isinstance(test, Superposition):
+        return _of_master_curve(test, arms, thorough=thorough, max_arms=max_arms)
     if isinstance(test, CreepCompliance):
         return _of_curve(test, arms, thorough=thorough, max_arms=max_arms)
     record = load_hold(test) if isinstance(test, CreepTest) else test
@@ -133,7 +144,7 @@ def _candidates(arms: int | Literal["auto"]) -> list[tuple[bool, int | Literal["
 
 def _data(record: LoadHold, *, flows: bool) -> FitData:
     """The displacement as an answer to the load, with what is known of its zero before it."""
-    known = _known(record)
+    known = known_before(record)
     time = evened(record.time - record.time[0])
     window = slice(known.first, None)
     block = retarding(
@@ -170,7 +181,8 @@ class _Known(NamedTuple):
     told: bool
 
 
-def _known(record: LoadHold) -> _Known:
+def known_before(record: LoadHold) -> _Known:
+    """Return what the samples before the load say of its zero, its drift and its clock."""
     time, x = record.time - record.time[0], record.displacement
     first = int(np.searchsorted(record.time, record.onset))
     travel = float(np.ptp(x))
@@ -271,6 +283,7 @@ def _fit_of_test(record: LoadHold, found: Retarded, arms: int | Literal["auto"])
     window = (2 * float(np.diff(record.time).min()), record.hold_time)
     answers = (
         *_checks(found, record.unit, window, "the record"),
+        *_flow_checks(creep, record.hold_time),
         checks.creep_finished(creep, record.hold_time, _most(record), unit=record.unit),
         *_drift_checks(record, found),
         checks.displacement_followed(record, residual),
@@ -352,11 +365,16 @@ def _checks(found: Retarded, unit: str, window: tuple[float, float], of: str) ->
     )
 
 
+def _flow_checks(creep: CreepSpectrum, hold: float) -> list[Check]:
+    """Whether a flow that was taken may be slow creep."""
+    return [checks.flow_prevails(creep, hold)] if creep.flow > 0 else []
+
+
 def _drift_checks(record: LoadHold, found: Retarded) -> list[Check]:
     """Whether a drift may be a flow, where none was taken."""
     if found.flows:
         return []
-    known = _known(record)
+    known = known_before(record)
     drift = found.solution.coefficient("drift")
     return [checks.drift_is_no_flow(drift, known.usual, told=known.told)]
 
@@ -435,6 +453,7 @@ def _of_curve(
     creep, unit = best.spectrum, curve.stiffness_unit
     answers = (
         *_checks(best, unit, window, "the curve"),
+        *_flow_checks(creep, float(t[-1])),
         checks.creep_finished(creep, float(t[-1]), 1 / float(values[-1]), unit=unit),
         checks.compliance_followed(best.estimate.rms, best.model.arms),
     )
@@ -452,6 +471,33 @@ def _of_curve(
         creep=best.creep,
     )
     return measured_in(fit, "1")
+
+
+def _of_master_curve(
+    moved: Superposition, arms: int | Literal["auto"], *, thorough: bool, max_arms: int
+) -> Fit:
+    """Return the fit of a compliance that was shifted together from several temperatures."""
+    curve = moved.curve
+    if not isinstance(curve, CreepCompliance):
+        raise FitError(
+            "this master curve is no creep compliance: fit_dynamic or fit_modulus fits it"
+        )
+    few = _of_curve(curve, arms, thorough=thorough, max_arms=max_arms)
+    few = replace(
+        few,
+        temperatures=moved.temperatures,
+        evidence=replace(few.evidence, checks=(*moved.checks, *few.checks)),
+        provenance=replace(
+            few.provenance, source=moved.sources, steps=(*moved.steps, *few.provenance.steps)
+        ),
+    )
+    if arms != "auto" or few.creep is None:
+        return few
+    error = few.creep.spectrum.compliance(curve.time) / curve.compliance - 1
+    found = shared_where_few_fall_short(few, error, moved, moved.checks)
+    if found is few:
+        return few
+    return replace(found, evidence=replace(found.evidence, creep=None))
 
 
 def _curve_block(

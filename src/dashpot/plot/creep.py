@@ -6,6 +6,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.numbers import rounded
+from dashpot.fitting.compliance import fitted_displacement
 from dashpot.plot.picture import (
     FIT,
     MEASURED,
@@ -78,19 +79,6 @@ def _test(fit: Fit, data: LoadHold) -> tuple[Panel, Panel]:
         height=90, note=f"rms {rms} {word}",
     )  # fmt: skip
     return upper, lower
-
-
-def fitted_displacement(fit: Fit, data: LoadHold) -> FloatArray:
-    """The displacement that the fit says at every sample, m, with its offset, drift and delay."""
-    time = data.time - data.time[0]
-    answer = fit.solid.displacement(time, data.load)
-    terms = {
-        "offset": np.ones(len(time)),
-        "drift": time,
-        "delay": np.gradient(answer, time),
-    }
-    told = [one.value * terms[one.name] for one in fit.nuisance if one.name in terms]
-    return np.asarray(answer + np.sum(told, axis=0))
 
 
 def _curve(fit: Fit, data: CreepCompliance) -> tuple[Panel, Panel]:

@@ -24,6 +24,7 @@ from dashpot.plot.picture import (
 from dashpot.plot.stamps import of_fit
 from dashpot.plot.stamps import stamp as stamped
 from dashpot.plot.tokens import TEMPERATURES
+from dashpot.records.creep import CreepCompliance
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import Fit
 from dashpot.records.modulus import RelaxationModulus
@@ -52,7 +53,7 @@ def superposition(data: Superposition, fit: Fit | None = None, *, stamp: str = "
     if isinstance(data.curve, DynamicTest):
         panels = _of_sweeps(data, data.curve, fit)
     else:
-        panels = _of_moduli(data, data.curve, fit)
+        panels = _of_curves(data, data.curve, fit)
     shifted = shift_panel(data.temperatures)
     caption = (
         "Master curve: every sample where it lies at the reference, from cold to warm, the "
@@ -91,15 +92,23 @@ def _of_sweeps(data: Superposition, curve: DynamicTest, fit: Fit | None) -> tupl
     return (*panels, palmen)
 
 
-def _of_moduli(data: Superposition, curve: RelaxationModulus, fit: Fit | None) -> tuple[Panel, ...]:
-    word, scale = _unit(curve.unit)
+def _of_curves(
+    data: Superposition, curve: RelaxationModulus | CreepCompliance, fit: Fit | None
+) -> tuple[Panel, ...]:
+    """A relaxation modulus, or a creep compliance, and what the solid leaves of it."""
     solid, said = _line(data, fit)
+    if isinstance(curve, CreepCompliance):
+        name, answer, value = "creep compliance", solid.maxwell.creep, curve.compliance
+        word, scale = ("1/MPa", 1e6) if curve.unit == "1/Pa" else ("mm/N", 1e3)
+    else:
+        name, answer, value = "relaxation modulus", solid.relaxation, curve.modulus
+        word, scale = _unit(curve.unit)
     t = np.geomspace(float(curve.time[0]), float(curve.time[-1]), 400)
-    line, measured = scale * solid.relaxation(t), scale * curve.modulus
-    left = 100 * (measured / (scale * solid.relaxation(curve.time)) - 1)
+    line, measured = scale * answer(t), scale * value
+    left = 100 * (value / answer(curve.time) - 1)
     across = Axis(f"reduced {TIME}", (float(t[0]), float(t[-1])), log=True)
     upper = Panel(
-        across, Axis(f"relaxation modulus, {word}", around_log(measured, line), log=True),
+        across, Axis(f"{name}, {word}", around_log(measured, line), log=True),
         (*_dots(data, curve.time, measured), Line(t, line, FIT, said)), height=220,
     )  # fmt: skip
     lower = Panel(

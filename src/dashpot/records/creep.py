@@ -13,11 +13,13 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, Step, of_file
+from dashpot.base.units import Quantity, si
+from dashpot.records.after_step import curve_at, several, since_a_step, span
 from dashpot.records.specimen import Specimen
 
 STRAIGHT = 16
 """Corners of a load that is ramps and holds, at most."""
-_COMPLIANCES = {"N/m": "m/N", "Pa": "1/Pa"}
+COMPLIANCES = {"N/m": "m/N", "Pa": "1/Pa"}
 """Unit of the compliance by that of the stiffness."""
 
 
@@ -57,7 +59,7 @@ class CreepTest(ByValue, Described):
             object.__setattr__(self, name, measured(name, getattr(self, name), minimum=8))
         same_length(time=self.time, displacement=self.displacement, force=self.force)
         increasing("time", self.time)
-        _known_unit(self.unit, _COMPLIANCES)
+        _known_unit(self.unit, COMPLIANCES)
 
     @property
     def described(self) -> tuple[str, ...]:
@@ -76,13 +78,15 @@ class CreepCompliance(ByValue, Described):
     Attributes
     ----------
     time : array, shape (n,)
-        s since the step, >= 0, strictly increasing.
+        s since the step, >= 0, strictly increasing; at several temperatures in any order.
     compliance : array, shape (n,)
         1/Pa for a material, m/N for a part (`unit`).
     unit : str
         ``"1/Pa"`` or ``"m/N"``.
     specimen : Specimen
     source : Source or None
+    temperature : array, shape (n,), or None
+        K, where the curve was measured at several; to be shifted together.
 
     Raises
     ------
@@ -95,19 +99,31 @@ class CreepCompliance(ByValue, Described):
     unit: str = "1/Pa"
     specimen: Specimen = field(default_factory=Specimen)
     source: Source | None = None
+    temperature: FloatArray | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "time", increasing("time", measured("time", self.time)))
-        object.__setattr__(self, "compliance", measured("compliance", self.compliance))
-        same_length(time=self.time, compliance=self.compliance)
-        if self.time[0] < 0:
-            raise DataError(f"time[0] = {self.time[0]:g} s; expected the time since the step, >= 0")
-        _known_unit(self.unit, _COMPLIANCES.values())
+        since_a_step(self, "compliance")
+        _known_unit(self.unit, COMPLIANCES.values())
+
+    def at(self, temperature: Quantity) -> CreepCompliance:
+        """The samples within a kelvin of a temperature, K, in order of time.
+
+        Raises
+        ------
+        DataError
+            If there are none, or two at the same time.
+        """
+        return curve_at(self, "compliance", si(temperature, "temperature"))
+
+    @property
+    def several_temperatures(self) -> bool:
+        """Whether the samples are too far apart in temperature to be of one solid."""
+        return several(self.temperature)
 
     @property
     def stiffness_unit(self) -> str:
         """Unit of what the inverse gives: ``"Pa"`` or ``"N/m"``."""
-        return next(stiffness for stiffness, one in _COMPLIANCES.items() if one == self.unit)
+        return next(stiffness for stiffness, one in COMPLIANCES.items() if one == self.unit)
 
     @property
     def described(self) -> tuple[str, ...]:
@@ -116,7 +132,7 @@ class CreepCompliance(ByValue, Described):
             of_file(self.source, len(self.time)),
             (
                 f"{self.compliance[0]:.5g} to {self.compliance[-1]:.5g} {self.unit} over "
-                f"{self.time[0]:.4g} to {self.time[-1]:.5g} s"
+                f"{self.time.min():.4g} to {self.time.max():.5g} s{span(self.temperature)}"
             ),
         )
 
@@ -185,7 +201,7 @@ class LoadHold(ByValue, Described):
             )
         if not (np.isfinite(self.level) and self.level > 0):
             raise DataError(f"level = {self.level!r}; expected a load > 0")
-        _known_unit(self.unit, _COMPLIANCES)
+        _known_unit(self.unit, COMPLIANCES)
 
     @property
     def ramp_time(self) -> float:

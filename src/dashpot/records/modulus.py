@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
-import numpy as np
-
-from dashpot.base.arrays import ByValue, FloatArray, increasing, measured, same_length
+from dashpot.base.arrays import ByValue, FloatArray
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, of_file
 from dashpot.base.units import Quantity, si
-from dashpot.records.specimen import Specimen, tested_at
-from dashpot.records.temperature import ONE_TEMPERATURE, near
+from dashpot.records.after_step import curve_at, several, since_a_step, span
+from dashpot.records.specimen import Specimen
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -46,18 +44,7 @@ class RelaxationModulus(ByValue, Described):
     temperature: FloatArray | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "time", measured("time", self.time))
-        object.__setattr__(self, "modulus", measured("modulus", self.modulus))
-        if self.temperature is not None:
-            object.__setattr__(self, "temperature", measured("temperature", self.temperature))
-            tested_at("temperature", self.temperature.min(), self.temperature.max())
-        else:
-            increasing("time", self.time)
-        same_length(time=self.time, modulus=self.modulus, temperature=self.temperature)
-        if self.time.min() < 0:
-            raise DataError(
-                f"time begins at {self.time.min():g} s; expected the time since the step, >= 0"
-            )
+        since_a_step(self, "modulus")
         if self.unit not in {"Pa", "N/m"}:
             raise DataError(f"unit '{self.unit}' of the modulus; expected 'Pa' or 'N/m'")
 
@@ -69,32 +56,20 @@ class RelaxationModulus(ByValue, Described):
         DataError
             If there are none, or two at the same time.
         """
-        kelvin = si(temperature, "temperature")
-        chosen = np.flatnonzero(near(self.temperature, kelvin))
-        chosen = chosen[np.argsort(self.time[chosen], kind="stable")]
-        return replace(
-            self,
-            time=self.time[chosen],
-            modulus=self.modulus[chosen],
-            temperature=None,
-            specimen=replace(self.specimen, temperature=kelvin),
-        )
+        return curve_at(self, "modulus", si(temperature, "temperature"))
 
     @property
     def several_temperatures(self) -> bool:
         """Whether the samples are too far apart in temperature to be of one solid."""
-        return self.temperature is not None and bool(np.ptp(self.temperature) > ONE_TEMPERATURE)
+        return several(self.temperature)
 
     @property
     def described(self) -> tuple[str, ...]:
         """Which curve it is, and what it covers."""
-        warm = ""
-        if self.temperature is not None:
-            warm = f", {self.temperature.min():.5g} to {self.temperature.max():.5g} K"
         return (
             of_file(self.source, len(self.time)),
             (
                 f"{self.modulus[0]:.5g} to {self.modulus[-1]:.5g} {self.unit} over "
-                f"{self.time.min():.4g} to {self.time.max():.5g} s{warm}"
+                f"{self.time.min():.4g} to {self.time.max():.5g} s{span(self.temperature)}"
             ),
         )

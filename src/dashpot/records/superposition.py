@@ -8,6 +8,7 @@ from dashpot.base.arrays import ByValue, FloatArray, same_length, samples
 from dashpot.base.checks import Check
 from dashpot.base.offered import Pictured
 from dashpot.base.provenance import Source, Step
+from dashpot.records.creep import CreepCompliance
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.temperature import TemperatureShifts, celsius
@@ -20,9 +21,9 @@ class Superposition(ByValue, Pictured):
 
     Attributes
     ----------
-    curve : DynamicTest or RelaxationModulus
+    curve : DynamicTest, RelaxationModulus or CreepCompliance
         The master curve: every sample where it lies at the reference, in reduced frequency or
-        time, rising; moduli over b_T.
+        time, rising; moduli over b_T, compliances times b_T.
     temperature : array, shape (n,)
         At which each of its samples was measured, K.
     temperatures : TemperatureShifts
@@ -35,7 +36,7 @@ class Superposition(ByValue, Pictured):
     steps : tuple of Step
     """
 
-    curve: DynamicTest | RelaxationModulus
+    curve: DynamicTest | RelaxationModulus | CreepCompliance
     temperature: FloatArray
     temperatures: TemperatureShifts
     solid: GeneralizedMaxwell

@@ -12,7 +12,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
 from dashpot.records.creep import CreepTest
 from dashpot.records.specimen import Specimen
-from dashpot.simulation.relaxation import Rig, in_steps
+from dashpot.simulation.relaxation import Climate, Rig, in_steps
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # a loop of more damping does not swing, and follows about as this one
@@ -26,7 +26,7 @@ class CreepTruth(ByValue):
     Attributes
     ----------
     model : GeneralizedMaxwell
-        The seal.
+        The seal at the temperature of the test.
     load : float
         As commanded, N.
     ramp_time, hold_time, recovery_time : float
@@ -36,6 +36,8 @@ class CreepTruth(ByValue):
     displacement, force : array, shape (n,)
         Plate position, m, and seal force, N, at the samples of the record, before encoder
         and load cell.
+    climate : Climate or None
+        What made `model` of the seal at the reference; None if no temperature was stated.
     """
 
     model: GeneralizedMaxwell
@@ -47,6 +49,7 @@ class CreepTruth(ByValue):
     seed: int
     displacement: FloatArray
     force: FloatArray
+    climate: Climate | None = None
 
     def __post_init__(self) -> None:
         for name in ("displacement", "force"):
@@ -70,6 +73,7 @@ def simulate_creep(
     recovery_time: Quantity = 0.0,
     rig: Rig | None = None,
     seed: int = 0,
+    climate: Climate | None = None,
 ) -> SimulatedCreep:
     r"""A load reached in `ramp_time`, held for `hold_time`, and taken off as fast if asked for.
 
@@ -79,7 +83,7 @@ def simulate_creep(
     Parameters
     ----------
     model : GeneralizedMaxwell
-        One piece of seal.
+        One piece of seal; with a `climate`, at the reference of its law.
     load : float
         N.
     ramp_time, hold_time : float
@@ -90,6 +94,8 @@ def simulate_creep(
         ``Rig()`` if not given.
     seed : int
         Of the noise.
+    climate : Climate, optional
+        Makes the seal that of its temperature, which the record's specimen then states.
 
     Raises
     ------
@@ -104,6 +110,8 @@ def simulate_creep(
             raise DataError(f"{name} = {value!r}; expected a number > 0")
     if not (np.isfinite(recovery_time) and recovery_time >= 0):
         raise DataError(f"recovery_time = {recovery_time!r}; expected a number >= 0")
+    if climate is not None:
+        model = climate.felt(model)
     held = ramp_time + hold_time
     corners, heights = [0.0, ramp_time, held], [0.0, load, load]
     if recovery_time:
@@ -120,9 +128,15 @@ def simulate_creep(
         time,
         in_steps(measured, rig.encoder),
         rig.read(time, force, random),
-        specimen=Specimen(length=rig.length, notes="simulated"),
+        specimen=Specimen(
+            length=rig.length,
+            temperature=None if climate is None else climate.temperature,
+            notes="simulated",
+        ),
     )
-    truth = CreepTruth(model, load, ramp_time, hold_time, recovery_time, rig, seed, position, force)
+    truth = CreepTruth(
+        model, load, ramp_time, hold_time, recovery_time, rig, seed, position, force, climate
+    )
     return SimulatedCreep(test, truth)
 
 

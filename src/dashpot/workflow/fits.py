@@ -124,16 +124,26 @@ def fit_files(
         "method": method, "depth_law": depth_law, "thorough": thorough, "law": law,
         "family": family, "intervals": intervals,
     }  # fmt: skip
-    crept = _creep(tests)
-    if crept is not None:
+    crept = [_as_creep(test) for test in tests]
+    if any(one is not None for one in crept):
         known_of_a_test(machine, tests=0, add="a ramp and hold")
         cuts.refuse_several(0)
-        if len(tests) > 1 or filter:
-            raise FitError("a creep test is fitted alone, without --filter")
+        if None in crept or filter:
+            raise FitError(
+                "a creep test is fitted alone, or with others at other temperatures, without "
+                "--filter"
+            )
         with about(Path(files[0]).name):
-            record = load_hold(crept) if isinstance(crept, CreepTest) else crept
-            found = dp.fit(record, arms=arms, **choices, **shifted_ramps(shifting))
-        return found, (record,)
+            record = _creep([one for one in crept if one is not None], shifting, each[0])
+            if isinstance(record, Superposition):
+                if method != "full" or depth_law or law != "auto" or family != "maxwell":
+                    raise FitError(
+                        "creep at several temperatures has a linear solid with arms: leave out "
+                        "--method, --depth-law, --law and --family"
+                    )
+                return dp.fit_creep(record, arms=arms, thorough=thorough), (record,)
+            further = {} if shifting.at is not None else shifted_ramps(shifting)
+            return dp.fit(record, arms=arms, **choices, **further), (record,)
     sweeps = [test for test in tests if isinstance(test, DynamicTest)]
     cuts.refuse_several(sum(isinstance(test, RelaxationTest) for test in tests))
     prepared = tuple(
@@ -169,15 +179,24 @@ def fit_files(
     return found, (sweep, *prepared)
 
 
-def _creep(
-    tests: Sequence[RelaxationTest | DynamicTest | CreepTest | CreepCompliance],
+def _as_creep(
+    test: RelaxationTest | DynamicTest | CreepTest | CreepCompliance,
 ) -> CreepTest | CreepCompliance | None:
-    """The first that is a creep test, by its file or by what its force and displacement do."""
-    for one in tests:
-        if isinstance(one, CreepTest | CreepCompliance):
-            return one
-        if isinstance(one, RelaxationTest):
-            signals = one.time, one.displacement, one.force
-            if loading_in(*signals) == "creep":
-                return CreepTest(*signals, specimen=one.specimen, source=one.source)
+    """The test if it is one of creep, by its file or by what its force and displacement do."""
+    if isinstance(test, CreepTest | CreepCompliance):
+        return test
+    if isinstance(test, RelaxationTest):
+        signals = test.time, test.displacement, test.force
+        if loading_in(*signals) == "creep":
+            return CreepTest(*signals, specimen=test.specimen, source=test.source)
     return None
+
+
+def _creep(
+    tests: Sequence[CreepTest | CreepCompliance], shifting: ShiftChoices, specimen: Specimen | None
+) -> LoadHold | CreepCompliance | Superposition:
+    """One record of creep as it is fitted, or the compliances of several, shifted together."""
+    if len(tests) == 1 and isinstance(tests[0], CreepTest):
+        return load_hold(tests[0])
+    curves = [dp.measured_compliance(one) if isinstance(one, CreepTest) else one for one in tests]
+    return one_temperature(curves, shifting, specimen)  # type: ignore[return-value]

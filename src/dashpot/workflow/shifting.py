@@ -9,8 +9,7 @@ from typing import Any
 import dashpot as dp
 from dashpot.base.errors import FitError
 from dashpot.base.options import option
-from dashpot.records.dynamic import DynamicTest
-from dashpot.records.modulus import RelaxationModulus
+from dashpot.fitting.superposition.isotherms import Measured
 from dashpot.records.specimen import Specimen
 from dashpot.records.superposition import Superposition
 
@@ -23,7 +22,7 @@ def _vertical(word: str) -> str:
 
 @dataclass(frozen=True)
 class ShiftChoices:
-    """How tests at several temperatures are shifted: sweeps or moduli to a master curve.
+    """How tests at several temperatures are shifted: sweeps, moduli or creep to a master curve.
 
     Of ramps and holds, which find their shifts in one fit, `at` and `shifts` say nothing. All but
     `at` are arguments of :func:`~dashpot.fitting.superposition.superpose.superpose`; `shifts` names
@@ -78,22 +77,22 @@ def shifted_ramps(choices: ShiftChoices) -> dict[str, Any]:
     Raises
     ------
     FitError
-        If a choice is for sweeps and moduli alone.
+        If a choice is for sweeps, moduli and creep alone.
     """
     if choices.at is not None or choices.shifts is not None:
         raise FitError(
-            "--at and --shifts are for sweeps and moduli; ramps and holds find their own shifts: "
-            "leave them out"
+            "--at and --shifts are for sweeps, moduli and creep; ramps and holds find their own "
+            "shifts: leave them out"
         )
     vertical = "free" if choices.vertical == "auto" else choices.vertical
     return {"reference": choices.reference, "shift_law": choices.law, "vertical": vertical}
 
 
 def one_temperature(
-    tests: Sequence[DynamicTest] | Sequence[RelaxationModulus],
+    tests: Sequence[Measured],
     choices: ShiftChoices,
     specimen: Specimen | None,
-) -> DynamicTest | RelaxationModulus | Superposition:
+) -> Measured | Superposition:
     """Return the test as it is, the part of one temperature, or the master curve of them all.
 
     Raises

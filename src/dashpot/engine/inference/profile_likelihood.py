@@ -273,7 +273,8 @@ class _Together:
         on = np.arange(len(first))
         while on.size:
             within = low[on], high[on]
-            on = np.setdiff1d(on, self._tried(descents, np.zeros(len(first)), none, on, within))
+            ended = self._tried(descents, np.zeros(len(first)), none, on, within)
+            on = on[~np.isin(on, ended)]  # `numpy.setdiff1d` imports masked arrays
         place = {arm: [i] for i, arm in enumerate(of_arm)}
         for walk, arm, column in zip(walks, held.owner.tolist(), held.column, strict=True):
             # a plateau that falls may have any of the arms, slower than all, in its place

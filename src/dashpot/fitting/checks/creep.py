@@ -22,6 +22,8 @@ MAX_TO_COME = 0.05
 TOLD = 10.0
 # a displacement missed by so many times its noise is not followed
 MISSED, NOT_FOLLOWED = 2.0, 10.0
+# of the displacement at the end of a hold: a flow of less may be a slow retardation
+FLOWED = 0.5
 # times what a channel usually drifts
 DRIFTS = 2.0
 # of the travel: a misfit below it does not matter
@@ -80,6 +82,23 @@ def flow_told(flows: bool, difference: float, se_of_flow: float | None) -> Findi
         instead=f"the record hardly tells a part that comes to rest from one that flows: one that "
         f"{word} was taken, by {difference:.3g} in BIC; k_inf may be 0. Hold longer, or record a "
         "recovery",
+    )
+
+
+@criterion(
+    "flow / displacement at the end", ">=", FLOWED, "our choice: a slow retardation shows less"
+)
+def flow_prevails(creep: CreepSpectrum, hold: float) -> Finding:
+    """The flow that was found moved the part by more than a slow retardation would have.
+
+    `hold` is in s.
+    """
+    share = creep.flow * hold / float(creep.compliance(hold))
+    return Finding(
+        f"{100 * share:.2g} % of the displacement at the end is flow",
+        share,
+        ": a part that comes to rest later than the record ends looks the same, so k_inf is not 0 "
+        "by what was measured; hold longer, or record a recovery",
     )
 
 

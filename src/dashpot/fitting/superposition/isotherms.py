@@ -1,9 +1,13 @@
 r"""What was measured at one temperature, as rows of a positive spectrum that is shifted.
 
-With :math:`v = x / (a_T \tau)` over time, :math:`z = \omega a_T \tau` over frequency:
+With :math:`v = t / (a_T \tau)` over time, :math:`z = \omega a_T \tau` over frequency:
 
 .. math:: E(t) = b_T \Bigl(E_\infty + \sum_k h_k e^{-v_k}\Bigr), \qquad
-          E^*(\omega) = b_T \Bigl(E_\infty + \sum_k h_k \frac{j z_k}{1 + j z_k}\Bigr)
+          E^*(\omega) = b_T \Bigl(E_\infty + \sum_k h_k \frac{j z_k}{1 + j z_k}\Bigr), \qquad
+          J(t) = \frac{1}{b_T} \Bigl(J_g + \sum_k h_k (1 - e^{-v_k})\Bigr)
+
+with retardation times in the place of relaxation times in the last, the slowest of them, far beyond
+what was measured, as good as a flow.
 
 Residuals are over the size of the measured modulus; storage and loss both over :math:`|E^*|`, for
 a loss relative to itself weighs most where it is nearly zero.
@@ -20,12 +24,19 @@ import numpy as np
 from dashpot.base.arrays import ComplexArray, FloatArray, IndexArray, median
 from dashpot.base.errors import FitError
 from dashpot.base.provenance import Source
+from dashpot.records.creep import CreepCompliance
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.temperature import ONE_TEMPERATURE, celsius
 
-Measured: TypeAlias = DynamicTest | RelaxationModulus
-Domain: TypeAlias = Literal["frequency", "time"]
+Measured: TypeAlias = DynamicTest | RelaxationModulus | CreepCompliance
+Domain: TypeAlias = Literal["frequency", "time", "creep"]
+
+_COLUMNS: dict[type, tuple[str, ...]] = {
+    DynamicTest: ("frequency", "storage", "loss"),
+    RelaxationModulus: ("time", "modulus"),
+    CreepCompliance: ("time", "compliance"),
+}
 
 # an isotherm of fewer values has no place of its own along the axis
 LEAST = 2
@@ -43,7 +54,7 @@ class Isotherm:
     at : array, shape (n,)
         Angular frequency, rad/s, or time, s; rising.
     value : array, shape (m,)
-        Storage, then loss (m = 2 n), or the modulus (m = n), over `size`.
+        Storage, then loss (m = 2 n), or the modulus or compliance (m = n), over `size`.
     size : array, shape (m,)
         What errors are relative to, in the unit of the data.
     """
@@ -58,7 +69,7 @@ class Isotherm:
     def window(self) -> tuple[float, float]:
         """The shortest and the longest relaxation time that it sees there, natural logarithms."""
         ends = np.log(self.at[[0, -1]])
-        low, high = ends if self.domain == "time" else -ends[::-1]
+        low, high = -ends[::-1] if self.domain == "frequency" else ends
         return float(low), float(high)
 
     @property
@@ -66,6 +77,10 @@ class Isotherm:
         """The complex modulus, in the unit of the data, shape (n,)."""
         n, value = len(self.at), self.value * self.size
         return np.asarray(value[:n] + 1j * value[n:], dtype=complex)
+
+    def vertical(self, ln_b: float) -> float:
+        """Factor of its values where stiffnesses are b_T times those of the reference."""
+        return float(np.exp(-ln_b if self.domain == "creep" else ln_b))
 
     def columns(self, ln_tau: FloatArray, ln_a: float) -> FloatArray:
         """Rows of the plateau and of unit arms at the reference, shape (m, 1 + k)."""
@@ -76,17 +91,19 @@ class Isotherm:
         return np.concatenate((plateau, unit), axis=1) / self.size[:, None]
 
     def _unit(self, ln_tau: FloatArray, ln_a: float) -> FloatArray:
-        if self.domain == "time":
-            return np.exp(-self.at[:, None] * np.exp(-ln_tau - ln_a))
+        if self.domain != "frequency":
+            v = self.at[:, None] * np.exp(-ln_tau - ln_a)
+            return np.exp(-v) if self.domain == "time" else -np.expm1(-v)
         z = self.at[:, None] * np.exp(ln_tau + ln_a)
         storage = 1 - 1 / (1 + z * z)
         return np.concatenate((storage, z / (1 + z * z)))
 
     def slope(self, ln_tau: FloatArray, ln_a: float, h: FloatArray) -> FloatArray:
         r"""Derivative of the rows' sum, arms `h`, in :math:`\ln a_T`, shape (m,)."""
-        if self.domain == "time":
+        if self.domain != "frequency":
             v = self.at[:, None] * np.exp(-ln_tau - ln_a)
-            return np.asarray((np.exp(-v) * v) @ h / self.size)
+            sign = 1.0 if self.domain == "time" else -1.0
+            return np.asarray(sign * (np.exp(-v) * v) @ h / self.size)
         z = self.at[:, None] * np.exp(ln_tau + ln_a)
         share = 1 / (1 + z * z)
         storage, loss = 2 * share * (1 - share), z * share * (2 * share - 1)
@@ -103,11 +120,11 @@ def joined(data: Measured | Sequence[Measured]) -> tuple[Measured, tuple[Source,
     FitError
         If they are of different kinds or units, or one has no temperature.
     """
-    tests = [data] if isinstance(data, DynamicTest | RelaxationModulus) else list(data)
+    tests = [data] if isinstance(data, Measured) else list(data)
     if len({(type(test), test.unit) for test in tests}) != 1:
         raise FitError(
             "a master curve takes tests of one kind and one unit: sweeps, or relaxation moduli, "
-            "all in Pa or all in N/m"
+            "or creep compliances, all of a material or all of a part"
         )
     sources = tuple(test.source for test in tests if test.source is not None)
     warm = [_with_temperature(test, i) for i, test in enumerate(tests, start=1)]
@@ -115,13 +132,11 @@ def joined(data: Measured | Sequence[Measured]) -> tuple[Measured, tuple[Source,
     def all_of(name: str) -> FloatArray:
         return np.concatenate([getattr(test, name) for test in warm])
 
-    names = ("storage", "loss", "frequency") if isinstance(warm[0], DynamicTest) else (
-        "modulus", "time"
-    )  # fmt: skip
-    columns = [all_of(name) for name in (*names, "temperature")]
+    names = (*_COLUMNS[type(warm[0])], "temperature")
+    columns = [all_of(name) for name in names]
     # a row that stands twice is one measurement
     kept = np.sort(np.unique(np.column_stack(columns), axis=0, return_index=True)[1])
-    whole: Any = dict(zip((*names, "temperature"), (one[kept] for one in columns), strict=True))
+    whole: Any = dict(zip(names, (one[kept] for one in columns), strict=True))
     return replace(warm[0], **whole), sources
 
 
@@ -169,10 +184,12 @@ def isotherms_of(data: Measured) -> tuple[Isotherm, ...]:
             found.append(Isotherm(kelvin, "frequency", part.omega, value, both))
         else:
             rising = chosen[np.argsort(data.time[chosen], kind="stable")]
-            time, modulus = data.time[rising], data.modulus[rising]
-            _above_zero(modulus, kelvin)
+            name = _COLUMNS[type(data)][1]
+            time, values = data.time[rising], getattr(data, name)[rising]
+            _above_zero(values, kelvin, name)
             _above_zero(time, kelvin, "time")
-            found.append(Isotherm(kelvin, "time", time, np.ones(len(chosen)), modulus))
+            domain: Domain = "time" if isinstance(data, RelaxationModulus) else "creep"
+            found.append(Isotherm(kelvin, domain, time, np.ones(len(chosen)), values))
     return tuple(found)
 
 

@@ -27,6 +27,8 @@ _LN10 = float(np.log(10.0))
 COARSE, FINE = 4, 8
 # of the grid beyond the data: the shifts are to be free of where it ends
 BEYOND = _LN10
+# a retardation so far beyond the data is a flow
+FLOWS = 4 * _LN10
 _MOST_LN_A, _MOST_LN_B = 0.5, 0.3
 _ITERATIONS, _GRIDS = 60, 4
 _STILL, _LEAST_GAIN, _STUCK = 1e-4, 1e-8, 1e6
@@ -105,7 +107,8 @@ def grid_of(
     windows = np.array([one.window for one in isotherms]) - np.asarray(ln_a)[:, None]
     low, high = float(windows[:, 0].min()) - beyond, float(windows[:, 1].max()) + beyond
     count = int(np.ceil((high - low) / _LN10 * per_decade)) + 1
-    return np.linspace(low, high, count)
+    grid = np.linspace(low, high, count)
+    return np.append(grid, high + FLOWS) if isotherms[0].domain == "creep" else grid
 
 
 def spectrum_at(
@@ -118,7 +121,7 @@ def spectrum_at(
     """Return the spectrum at given shifts, its columns and its residuals."""
     columns = np.concatenate(
         [
-            np.exp(b) * one.columns(ln_tau, float(a))
+            one.vertical(float(b)) * one.columns(ln_tau, float(a))
             for one, a, b in zip(isotherms, ln_a, ln_b, strict=True)
         ]
     )
@@ -148,9 +151,10 @@ class _Problem:
         for j, i in enumerate(self.free):
             rows = slice(ends[i], ends[i + 1])
             slope = self.isotherms[i].slope(self.ln_tau, float(ln_a[i]), h[1:])
-            jacobian[rows, j] = np.exp(ln_b[i]) * slope
+            jacobian[rows, j] = self.isotherms[i].vertical(float(ln_b[i])) * slope
             if self.free_b:
-                jacobian[rows, len(self.free) + j] = columns[rows] @ h
+                sign = np.sign(np.log(self.isotherms[i].vertical(1.0)))
+                jacobian[rows, len(self.free) + j] = sign * (columns[rows] @ h)
         if len(self.free):
             q = np.linalg.qr(columns[:, h > 0])[0]
             jacobian -= q @ (q.T @ jacobian)

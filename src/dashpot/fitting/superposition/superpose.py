@@ -15,6 +15,7 @@ from dashpot.base.errors import FitError
 from dashpot.base.provenance import Step
 from dashpot.base.units import Quantity, si
 from dashpot.fitting.checks.temperature import (
+    MIN_BIC_MARGIN,
     law_follows_shifts,
     overlap,
     shift_monotone,
@@ -34,10 +35,11 @@ from dashpot.fitting.superposition.joint_spectrum import (
     vertical_step,
 )
 from dashpot.fitting.superposition.neighbours import chained_starts
+from dashpot.records.creep import CreepCompliance
 from dashpot.records.dynamic import DynamicTest
-from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.superposition import Superposition
 from dashpot.records.temperature import ONE_TEMPERATURE, Shift, TemperatureShifts, celsius
+from dashpot.solids.interconversion import CreepSpectrum, relaxation_spectrum
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 Vertical: TypeAlias = Literal["auto", "1", "T/T_r", "free"]
@@ -48,6 +50,8 @@ ROOM = 296.15
 _LN10 = float(np.log(10.0))
 # decades to which shifts are known that come without an error: as curves are overlaid by eye
 _BY_EYE = 0.1
+# relative misfit that is of no instrument
+_NO_MATTER = 1e-3
 # degrees of freedom that the temperatures alone must leave, for their scatter to be known
 _LEAST_DOF = 10
 
@@ -60,7 +64,7 @@ def superpose(
     vertical: Vertical = "auto",
     shifts: Sequence[Shift] = (),
 ) -> Superposition:
-    r"""Shift sweeps or moduli at several temperatures onto one positive spectrum.
+    r"""Shift sweeps, moduli or creep at several temperatures onto one positive spectrum.
 
     .. math:: E^*_i(\omega) = b_i \Bigl(E_\infty + \sum_k h_k
         \frac{j\omega a_i\tau_k}{1 + j\omega a_i\tau_k}\Bigr), \qquad h_k \ge 0
@@ -71,8 +75,9 @@ def superpose(
 
     Parameters
     ----------
-    data : DynamicTest, RelaxationModulus or sequence of one of them
-        Several temperatures, as the samples of one test or in one test each.
+    data : DynamicTest, RelaxationModulus, CreepCompliance or sequence of one of them
+        Several temperatures, as the samples of one test or in one test each. A creep compliance is
+        shifted as :math:`J(t) = J_r(t/a_T)/b_T`, onto one positive spectrum of retardations.
     reference : float, optional
         K, or a text such as ``"25degC"``: the tested temperature within 2 K of it; by default that
         nearest to 23 degC.
@@ -290,8 +295,22 @@ def _solid(isotherms: Sequence[Isotherm], best: Shifted) -> tuple[GeneralizedMax
     beyond = _LN10 / 2 if isotherms[0].domain == "frequency" else 0.0
     ln_tau = grid_of(isotherms, best.ln_a, beyond)
     h, _, residual = spectrum_at(isotherms, best.ln_a, best.ln_b, ln_tau)
-    k, tau = h[1:], np.exp(ln_tau)
-    solid = GeneralizedMaxwell(float(h[0]), tuple(k[k > 0]), tuple(tau[k > 0]))
+    tau = np.exp(ln_tau)
+    if isotherms[0].domain == "creep":
+        # what comes to rest, as long as no flow is needed
+        at_rest, _, left = spectrum_at(isotherms, best.ln_a, best.ln_b, ln_tau[:-1])
+        alone, with_flow = float(left @ left), max(float(residual @ residual), 1e-300)
+        closer = len(left) * float(np.log(alone / with_flow))
+        if closer < MIN_BIC_MARGIN or alone < len(left) * _NO_MATTER**2:
+            h, residual = np.append(at_rest, 0.0), left
+        d, there = h[1:-1], h[1:-1] > 0
+        creep = CreepSpectrum(
+            float(h[0]), tuple(d[there]), tuple(tau[:-1][there]), float(h[-1] / tau[-1])
+        )
+        solid = GeneralizedMaxwell(*relaxation_spectrum(creep))
+    else:
+        k, there = h[1:], h[1:] > 0
+        solid = GeneralizedMaxwell(float(h[0]), tuple(k[there]), tuple(tau[there]))
     return solid, float(np.sqrt(np.mean(residual**2)))
 
 
@@ -313,14 +332,15 @@ def _master(
             test.source,
         )  # fmt: skip
         return curve, temperature[order]
-    time, modulus = at / a, np.concatenate([one.size for one in isotherms]) / b
+    time, value = at / a, np.concatenate([one.size for one in isotherms])
+    value = value * b if isinstance(test, CreepCompliance) else value / b
     order = np.argsort(time, kind="stable")
-    time, modulus, temperature = time[order], modulus[order], temperature[order]
+    time, value, temperature = time[order], value[order], temperature[order]
     # two temperatures at the very same time are one sample of the curve
     first = np.concatenate(([True], np.diff(time) > 1e-12 * time[1:]))
     of = np.cumsum(first) - 1
-    modulus = np.bincount(of, modulus) / np.bincount(of)
-    curve = RelaxationModulus(time[first], modulus, test.unit, specimen, test.source)
+    value = np.bincount(of, value) / np.bincount(of)
+    curve = type(test)(time[first], value, test.unit, specimen, test.source)
     return curve, temperature[first]
 
 

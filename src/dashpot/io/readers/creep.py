@@ -10,12 +10,13 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.provenance import Source
-from dashpot.io.columns.roles import score
+from dashpot.io.columns.roles import assign, score
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels, checks
 from dashpot.io.readers.channels import Channel, Opened
-from dashpot.io.readers.relaxation import joined, recorded
+from dashpot.io.readers.modulus import over_time
+from dashpot.io.readers.relaxation import recorded
 from dashpot.io.readers.stated import stated_specimen
 from dashpot.records.creep import CreepCompliance, CreepTest
 from dashpot.records.specimen import Specimen
@@ -70,17 +71,15 @@ def creep_in(file: Opened, specimen: Specimen) -> CreepTest | CreepCompliance:
     named = ["displacement", "force", "stress", "strain", "creep_compliance"]
     channels.expect(file, ["creep", "relaxation"], "a creep test is", named=named)
     # rows on an even clock need no column of time
-    needless = file.options.rate is not None and wanted is not _CURVE
-    chosen = channels.choose(file, wanted[1:] if needless else wanted)
     specimen, said = stated_specimen(file, specimen)
+    if wanted is _CURVE:
+        return _curve(file, specimen, said)
+    needless = file.options.rate is not None
+    chosen = channels.choose(file, wanted[1:] if needless else wanted)
 
     def source(notes: list[str]) -> Source:
         return channels.source(file, [one.says for one in chosen], [*notes, *said])
 
-    if wanted is _CURVE:
-        time, compliance, notes = _curve(file, chosen)
-        unit = "m/N" if chosen[1].unit.dimension == "compliance" else "1/Pa"
-        return CreepCompliance(time, compliance, unit, specimen, source(notes))
     values, notes = recorded(file, chosen)
     time, moved, pushed = (values[role] for role in wanted)
     if wanted is _PART:
@@ -103,15 +102,18 @@ def _refuse_sizes(
     channels.refuse_sizes(file, answers)
 
 
-def _curve(file: Opened, chosen: Sequence[Channel]) -> tuple[FloatArray, FloatArray, list[str]]:
-    """Time, compliance and notes; a file of several steps must say which."""
-    loaded = channels.load(file.table, [one.index for one in chosen], file.options.segment)
-    notes = [*file.table.notes]
-    if len(loaded.starts) > 1:
-        notes.append(joined(loaded.values[:, 0], loaded))
-    rows, gaps = channels.whole_rows(loaded)
-    time, compliance = (channels.si(rows[:, j].copy(), c.unit) for j, c in enumerate(chosen))
-    return time, compliance, [*notes, *gaps]
+def _curve(file: Opened, specimen: Specimen, said: list[str]) -> CreepCompliance:
+    """A compliance over time, where a column of temperature says several, at each of them."""
+    columns = channels.answered(file, [assign(file.table, role, file.options) for role in _CURVE])
+    chosen, values, warm, notes = over_time(file, columns)
+    return CreepCompliance(
+        values["time"],
+        values["creep_compliance"],
+        "m/N" if chosen[1].unit.dimension == "compliance" else "1/Pa",
+        specimen,
+        channels.source(file, [one.says for one in chosen], [*file.table.notes, *notes, *said]),
+        warm,
+    )
 
 
 def _suits(file: Opened, role: Role, least: float) -> bool:

@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
+from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.io.columns.kinds import WANTED_BY
 from dashpot.io.columns.roles import Assigned, assign, quoted
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels
-from dashpot.io.readers.channels import Opened
+from dashpot.io.readers.channels import Channel, Opened
+from dashpot.io.readers.relaxation import joined
 from dashpot.io.readers.stated import stated_specimen, temperatures_of_segments
+from dashpot.records.after_step import several
 from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.specimen import Specimen
-from dashpot.records.temperature import ONE_TEMPERATURE
 
 _ROLES: tuple[Role, ...] = ("time", "modulus")
 
@@ -38,19 +41,7 @@ def read_modulus(
         found = [assign(file.table, role, file.options) for role in _ROLES]
         columns = channels.answered(file, found)
         _refuse_compliance(file, columns[1])
-        temperature = assign(file.table, "temperature", file.options)
-        taken = {one.index for one in columns}
-        if isinstance(temperature, Assigned) and temperature.index not in taken:
-            columns = [*columns, temperature]
-        chosen = channels.with_units(file, columns)
-        indexes = [one.index for one in chosen]
-        loaded = channels.load(file.table, indexes, file.options.segment)
-        rows, notes = channels.whole_rows(loaded)
-        values = {c.role: channels.si(rows[:, j].copy(), c.unit) for j, c in enumerate(chosen)}
-        warm = values.get("temperature", temperatures_of_segments(file, loaded))
-        if warm is not None:
-            warm = warm[np.isfinite(loaded.values).all(axis=1)] if len(warm) > len(rows) else warm
-        several = warm is not None and np.ptp(warm) > ONE_TEMPERATURE
+        chosen, values, warm, notes = over_time(file, columns)
         specimen, said = stated_specimen(file, specimen or Specimen())
         return RelaxationModulus(
             values["time"],
@@ -58,8 +49,33 @@ def read_modulus(
             "N/m" if chosen[1].unit.dimension == "stiffness" else "Pa",
             specimen,
             channels.source(file, [one.says for one in chosen], (*file.table.notes, *notes, *said)),
-            warm if several else None,
+            warm,
         )
+
+
+def over_time(
+    file: Opened, columns: Sequence[Assigned]
+) -> tuple[list[Channel], dict[Role, FloatArray], FloatArray | None, Sequence[str]]:
+    """Return time and value after a step in SI units, by role, and the temperature, K, of each row.
+
+    None for the last unless a column, or the lines over the segments, say several.
+    """
+    temperature = assign(file.table, "temperature", file.options)
+    taken = {one.index for one in columns}
+    if isinstance(temperature, Assigned) and temperature.index not in taken:
+        columns = [*columns, temperature]
+    chosen = channels.with_units(file, columns)
+    loaded = channels.load(file.table, [one.index for one in chosen], file.options.segment)
+    rows, notes = channels.whole_rows(loaded)
+    values = {c.role: channels.si(rows[:, j].copy(), c.unit) for j, c in enumerate(chosen)}
+    warm = values.get("temperature", temperatures_of_segments(file, loaded))
+    if warm is not None:
+        warm = warm[np.isfinite(loaded.values).all(axis=1)] if len(warm) > len(rows) else warm
+    if not several(warm):
+        warm = None
+        if len(loaded.starts) > 1:
+            notes = (*notes, joined(loaded.values[:, 0], loaded))
+    return chosen, values, warm, notes
 
 
 def _refuse_compliance(file: Opened, one: Assigned) -> None:

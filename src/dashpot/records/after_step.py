@@ -1,0 +1,59 @@
+"""What curves after a step share that may have been measured at several temperatures."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any, TypeVar
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, increasing, measured, same_length
+from dashpot.base.errors import DataError
+from dashpot.records.specimen import tested_at
+from dashpot.records.temperature import ONE_TEMPERATURE, near
+
+Curve = TypeVar("Curve", bound=Any)
+
+
+def since_a_step(curve: Any, value: str) -> None:
+    """Check time, value and temperature of a curve in the making, and freeze them.
+
+    Raises
+    ------
+    DataError
+        If the arrays differ in length, are not finite, or time falls or starts below 0.
+    """
+    for name in ("time", value):
+        object.__setattr__(curve, name, measured(name, getattr(curve, name)))
+    if curve.temperature is None:
+        increasing("time", curve.time)
+    else:
+        object.__setattr__(curve, "temperature", measured("temperature", curve.temperature))
+        tested_at("temperature", curve.temperature.min(), curve.temperature.max())
+    columns = {name: getattr(curve, name) for name in ("time", value, "temperature")}
+    same_length(**columns)
+    if curve.time.min() < 0:
+        raise DataError(
+            f"time begins at {curve.time.min():g} s; expected the time since the step, >= 0"
+        )
+
+
+def curve_at(curve: Curve, value: str, kelvin: float) -> Curve:
+    """Return the samples of a curve within a kelvin of a temperature, K, in order of time."""
+    chosen = np.flatnonzero(near(curve.temperature, kelvin))
+    chosen = chosen[np.argsort(curve.time[chosen], kind="stable")]
+    parts = {name: getattr(curve, name)[chosen] for name in ("time", value)}
+    specimen = replace(curve.specimen, temperature=kelvin)
+    return replace(curve, temperature=None, specimen=specimen, **parts)
+
+
+def several(temperature: FloatArray | None) -> bool:
+    """Whether samples are too far apart in temperature, K, to be of one solid."""
+    return temperature is not None and bool(np.ptp(temperature) > ONE_TEMPERATURE)
+
+
+def span(temperature: FloatArray | None) -> str:
+    """From which to which temperature, in words; nothing if there is but one."""
+    if temperature is None:
+        return ""
+    return f", {temperature.min():.5g} to {temperature.max():.5g} K"
