@@ -336,6 +336,23 @@ def test_a_hammer_alone_tells_a_fractional_seal_from_arms() -> None:
     assert found.verdict.use == "use with care"
 
 
+@pytest.mark.once
+def test_along_its_narrow_valley_the_optimum_is_found() -> None:
+    # loss of 1 %, and little of the spectrum in sight: slope and relaxation time trade
+    solid = dp.FractionalZener(208.198, 121.189, 6.186, 0.3822)
+    frf = dp.predict_frf(2 * solid, mass=0.0633, frequency=np.linspace(5, 38, 100))
+    draw = np.random.default_rng(4).standard_normal((2, 100))
+    sd = 1e-3 * np.abs(frf.value) / np.sqrt(2)
+    noisy = replace(frf, value=frf.value + sd * (draw[0] + 1j * draw[1]), sd=sd, averages=5)
+    rig = {"mass": 0.0633, "seals": 2, "family": "fractional"}
+    found = dp.identify(noisy, **rig)
+    held = dp.identify(noisy, **rig, static_stiffness=(solid.k_inf, 0.01))
+    assert held.solid.k_inf == pytest.approx(solid.k_inf, abs=0.02)
+    # the whole valley is at hand, so nothing on it is better
+    assert found.residual.sse <= held.residual.sse
+    assert inside(found, (solid.k_inf, solid.k_0 - solid.k_inf, solid.tau, solid.alpha))
+
+
 def test_hammer_and_relaxation_share_one_fractional_solid() -> None:
     test, alone = pressed(Seal.fractional(*TRUTHS[0])), fitted(TRUTHS[0])
     joint = dp.identify(hammered(), tests=test, fit=alone, arms=6, family="auto", **RIG)

@@ -96,6 +96,18 @@ def test_arms_faster_than_the_pulse_leave_nothing_at_the_end_of_the_record() -> 
     assert np.abs(found - whole).max() > 0
 
 
+def test_a_flat_spectrum_of_a_hundred_decades_leaves_its_poles_their_digits() -> None:
+    s = 2j * np.pi * LINES
+    flat = FractionalZener(900.0, 400.0, 0.3, 0.08)
+    assert flat.maxwell.tau[-1] / flat.maxwell.tau[0] > 1e80
+    cut = accelerance(2 * flat, MASS, s, 2.0, pulse=0.01)
+    # in the band of the lines few of its arms are more than springs and dashpots
+    few = flat.arms(1e-7, (1e-2, 1e4))
+    known = accelerance(2 * few, MASS, s, 2.0, pulse=0.01)
+    assert np.abs(cut - known).max() < 1e-4 * np.abs(known).max()
+    assert np.abs(cut - accelerance(2 * flat, MASS, s)).max() > 0.5 * np.abs(known).max()
+
+
 def test_the_mass_behind_its_peak_is_found() -> None:
     fine = np.linspace(10.0, 30.0, 2001)
     frf = predict_frf(2 * SEAL, mass=MASS, frequency=fine)

@@ -135,18 +135,21 @@ class Columns:
 
     def best(self) -> tuple[Point, bool]:
         """The element that leaves least, from the best of a grid of starts."""
+        ended = [self.descend(point.at) for point in self.starts(_STARTS)]
+        return min(ended, key=lambda pair: pair[0].sse)
+
+    def starts(self, count: int) -> list[Point]:
+        """The best points of a grid, no two of nearly the same relaxation time."""
         low, high = self.bounds
         times = np.arange(low[0], high[0], 1 / _PER_FOLD)
         tried = [self.point(np.array([t, slope])) for t in times for slope in _SLOPES]
-        tried.sort(key=lambda point: point.sse)
-        starts: list[Point] = []
-        for point in tried:
-            if all(abs(point.at[0] - one.at[0]) > 2 / _PER_FOLD for one in starts):
-                starts.append(point)
-            if len(starts) == _STARTS:
+        found: list[Point] = []
+        for point in sorted(tried, key=lambda point: point.sse):
+            if all(abs(point.at[0] - one.at[0]) > 2 / _PER_FOLD for one in found):
+                found.append(point)
+            if len(found) == count:
                 break
-        ended = [self.descend(point.at) for point in starts]
-        return min(ended, key=lambda pair: pair[0].sse)
+        return found
 
     def solution(self, point: Point, *, converged: bool) -> Solution:
         """An element as the arms that stand for it, in the engine's own terms."""

@@ -54,6 +54,10 @@ USUAL_GAIN_SD = 0.01
 USUAL_DELAY_SD = 1e-4
 # a criterion this much above the best ends the search for more arms
 WORSE = 6.0
+# a fractional element lies in a narrow valley of slope and relaxation time: so many starts along it
+ELEMENT_STARTS = 4
+# steps after which the best of them are known, and how many are then taken to the end
+ROUGH, FINISHED = 25, 2
 # relative fall of chi-square that ends a search, and the last descent
 LOOSE, TIGHT = 1e-9, 1e-13
 
@@ -165,7 +169,7 @@ def identify(
     numbers = numbers_of(arms, before.arms)
     best, found, rival = _best(problems, numbers, before, family)
     scale = best.line_scale
-    final = descend(replace(best.problem, scale=scale), best.theta, tolerance=TIGHT)
+    final = descend(replace(best.problem, scale=scale), best.theta, tolerance=TIGHT, central=True)
     known = before.known
     own = before.element if isinstance(best.problem.sought, Element) else before.arms
     apart = disagreement(
@@ -213,18 +217,24 @@ def _element(problems: Sequence[Problem], before: Before) -> Candidate:
     """The best fractional element, from the linear start of dynamic stiffness."""
     sought, tries = Element.of(before.relaxations), []
     for problem in (replace(one, sought=sought) for one in problems):
+        starts = []
         columns = Columns(_stiffness_blocks(problem))
-        point, _ = columns.best()
-        fixed = dict(zip(columns.stack.names, point.fixed.tolist(), strict=True))
-        k_inf, b = max(fixed["k_inf"], 0.0), max(fixed.get("b", 0.0), 0.0)
-        tau, alpha = float(np.exp(point.at[0])), float(point.at[1])
-        starts = [(FractionalZener(k_inf + point.k, k_inf, tau, alpha, b), _mass(problem, fixed))]
+        for point in (columns.best()[0], *columns.starts(ELEMENT_STARTS)):
+            fixed = dict(zip(columns.stack.names, point.fixed.tolist(), strict=True))
+            k_inf, b = max(fixed["k_inf"], 0.0), max(fixed.get("b", 0.0), 0.0)
+            tau, alpha = float(np.exp(point.at[0])), float(point.at[1])
+            solid = FractionalZener(k_inf + point.k, k_inf, tau, alpha, b)
+            starts.append((solid, _mass(problem, fixed)))
         if before.element is not None and isinstance(before.element.solid, FractionalZener):
-            starts.append((before.element.solid, _mass(problem, fixed)))
+            starts.append((before.element.solid, starts[0][1]))
+        rough = [
+            descend(problem, problem.pack(_start(problem, *one)), tolerance=LOOSE, most=ROUGH)
+            for one in starts
+            if one[1] > 0 and one[0].k_0 > 0
+        ]
+        rough.sort(key=lambda candidate: candidate.cost)
         tries += [
-            descend(problem, problem.pack(_start(problem, solid, mass)), tolerance=LOOSE)
-            for solid, mass in starts
-            if mass > 0 and solid.k_0 > 0
+            descend(problem, one.theta, tolerance=LOOSE, central=True) for one in rough[:FINISHED]
         ]
     if not tries:
         raise FitError("no fractional solid explains the FRF; widen --band, or fit arms")
@@ -279,7 +289,7 @@ def _again(
 ) -> Candidate:
     """The best of a problem with no more arms than a start has, from there."""
     if isinstance(problem.sought, Element):
-        return descend(problem, problem.pack(start), tolerance=LOOSE)
+        return descend(problem, problem.pack(start), tolerance=LOOSE, central=True)
     most = start.model.maxwell.arms
     fewer = [number for number in numbers if number < most]
     found = _candidates(problem, [*fewer, most], before, start=start)

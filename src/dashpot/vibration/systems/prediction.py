@@ -11,7 +11,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF, Kind, Mode
-from dashpot.solids.maxwell import Solid
+from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 from dashpot.vibration.checks import seal_mass_negligible
 from dashpot.vibration.systems.operating_point import operating_point
 
@@ -19,6 +19,8 @@ ROUNDING = 1e-14
 """A frequency that falls by no more, relatively, has been found."""
 LINES, REACH = 4001, 10.0
 """Lines of a prediction, and how far from its peak they go, as a factor, if none are given."""
+OUT_OF_SIGHT = 1e-6
+"""Part of its stiffness by which an arm may differ from a dashpot, or from a spring, and be one."""
 DIED = 50.0
 """Folds of decay after which nothing of a motion is left."""
 
@@ -235,14 +237,37 @@ def accelerance(
     whole = np.asarray(s**2 / (mass * s**2 + model.stiffness_at(s)))
     if record is None:
         return whole
-    p = poles(model, mass)
+    arms = _in_sight(model.maxwell, float(np.abs(s).min()), float(np.abs(s).max()), record)
+    p = poles(arms, mass)
     # of an arm faster than the pulse the width of it tells nothing: it has long died away
     p = p[p.real * record > -DIED]
-    lost = residues(model.maxwell, mass, p) * p**2 * np.exp(p * record + 0.5 * (pulse * p) ** 2)
+    lost = residues(arms, mass, p) * p**2 * np.exp(p * record + 0.5 * (pulse * p) ** 2)
     live = np.abs(lost) > 0
     p, lost = p[live], lost[live]
     tail = (lost / (s[:, None] - p)).sum(axis=1)
     return np.asarray(whole - tail * np.exp(-s * record - 0.5 * (pulse * s) ** 2))
+
+
+def _in_sight(
+    arms: GeneralizedMaxwell, slowest: float, fastest: float, record: float
+) -> GeneralizedMaxwell:
+    """The same solid to a part in a million: far faster arms as a dashpot, far slower as a spring.
+
+    Relaxation times over a hundred decades, as of a flat spectrum, leave no digit of any pole.
+    """
+    # of a fast arm what is missed is a square
+    fast = np.sqrt(OUT_OF_SIGHT) / max(fastest, 1 / record)
+    slow = max(1 / slowest if slowest > 0 else record, record) / OUT_OF_SIGHT
+    if not arms.arms or (arms.tau[0] >= fast and arms.tau[-1] <= slow):
+        return arms
+    k, tau = np.asarray(arms.k), np.asarray(arms.tau)
+    kept = (tau >= fast) & (tau <= slow)
+    return GeneralizedMaxwell(
+        arms.k_inf + float(k[tau > slow].sum()),
+        tuple(k[kept]),
+        tuple(tau[kept]),
+        arms.b + float((k * tau)[tau < fast].sum()),
+    )
 
 
 def mass_for_peak(model: Solid, frequency: float) -> float:
