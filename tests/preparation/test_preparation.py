@@ -14,6 +14,8 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
 from dashpot.fitting.relaxation import fit
+from dashpot.preparation import contact
+from dashpot.preparation.contact import find_contact
 from dashpot.preparation.prepare import prepare
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.records.specimen import Specimen
@@ -230,6 +232,15 @@ def test_the_error_of_the_contact_is_its_scatter():
         stated.append(found.contact_error)
     assert 0.5 < np.sqrt(np.mean(np.square(errors))) / np.mean(stated) < 2.0
     assert prepare(simulate_relaxation(PAPER, hold_time=2.0).test).contact_error == 0.0
+
+
+def test_the_contact_is_the_same_however_many_trials_are_one_array(monkeypatch):
+    x = np.linspace(0, 1e-3, 400)
+    force = 2e3 * np.maximum(x - 3.1e-4, 0) + 2e-3 * np.random.default_rng(3).standard_normal(400)
+    at_once = find_contact(x, force, noise=2e-3)
+    monkeypatch.setattr(contact, "AT_ONCE", 10)
+    assert find_contact(x, force, noise=2e-3) == at_once
+    assert at_once.displacement == pytest.approx(3.1e-4, abs=4 * at_once.standard_error)
 
 
 def test_contact_can_be_given(raw: RelaxationTest):

@@ -6,12 +6,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
+from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
 
 # samples: fewer have no scatter to speak of
 MIN_BASELINE = 5.0
+# readings of which all trials are one array
+AT_ONCE = 1 << 12
 
 
 class Baseline(NamedTuple):
@@ -159,27 +161,34 @@ def _searched(x: FloatArray, f: FloatArray, first: int) -> Contact:
     best = low
     for _ in range(3):
         trials = np.linspace(low, high, 41)
-        sums = [_misfit(reading, mean, np.sqrt(count), trial, within) for trial in trials]
+        few = np.array_split(trials, min(1 + len(reading) // AT_ONCE, len(trials)))
+        sums = np.concatenate([_misfits(reading, mean, count, one, within) for one in few])
         i = int(np.argmin(sums))
         best = float(trials[i])
         low, high = float(trials[max(i - 2, 0)]), float(trials[min(i + 2, 40)])
     return Contact(best, _doubt(x, f, best), first)
 
 
-def _columns(x: FloatArray, contact: float) -> FloatArray:
-    pressed = np.maximum(x - contact, 0.0)
-    scale = max(float(pressed.max()), 1e-300)
-    return np.stack((np.ones(len(x)), pressed / scale, (pressed / scale) ** 2), axis=1)
+def _columns(x: FloatArray, contact: FloatArray) -> FloatArray:
+    """What is fitted to the force, shape (trials, n, 3)."""
+    pressed = np.maximum(x - contact[:, None], 0.0)
+    part = pressed / np.maximum(pressed.max(axis=1, keepdims=True), 1e-300)
+    return np.stack((np.ones_like(part), part, part**2), axis=2)
 
 
-def _misfit(
-    reading: FloatArray, mean: FloatArray, weight: FloatArray, contact: float, within: float
-) -> float:
-    columns = weight[:, None] * _columns(reading, contact)
-    solution = np.linalg.lstsq(columns, weight * mean, rcond=1e-10)[0]
-    r = weight * mean - columns @ solution
+def _misfits(
+    reading: FloatArray, mean: FloatArray, count: IndexArray, contact: FloatArray, within: float
+) -> FloatArray:
+    """Sum of squares for each trial contact; least squares by singular values, all at once."""
+    weight = np.sqrt(count)
+    columns, force = weight[:, None] * _columns(reading, contact), weight * mean
+    basis, size, turn = np.linalg.svd(columns, full_matrices=False)
+    shown = size > 1e-10 * size[:, :1]
+    along = np.where(shown, force @ basis, 0.0)
+    r = force - np.squeeze(basis @ along[:, :, None], axis=2)
+    straight = np.sum(along / np.where(shown, size, 1.0) * turn[:, :, 1], axis=1)
     # a force that falls at first contact is no contact
-    return (float(r @ r) + within) * (1.0 if solution[1] >= 0 else 4.0)
+    return np.asarray((np.sum(r**2, axis=1) + within) * np.where(straight >= 0, 1.0, 4.0))
 
 
 def _doubt(x: FloatArray, f: FloatArray, contact: float) -> float:
@@ -188,7 +197,7 @@ def _doubt(x: FloatArray, f: FloatArray, contact: float) -> float:
     Where the force starts as a square, a straight part and a shift are one: the straight
     part is then left out.
     """
-    columns = _columns(x, contact)
+    (columns,) = _columns(x, np.array([contact]))
     solution = np.linalg.lstsq(columns, f, rcond=1e-10)[0]
     r = f - columns @ solution
     pressed = columns[:, 1]

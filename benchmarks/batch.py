@@ -1,0 +1,149 @@
+"""A batch: what a test costs, one after the other and by processes, and what many files hold.
+
+Run: python benchmarks/batch.py [TESTS [REPEATS [FILES]]]
+
+The tests are of the virtual rig, 42 500 rows each. A cost is CPU time of all processes: the least of
+some repeats, taken in turns, for other work on a machine lengthens it. Every run is an interpreter
+of its own; a run of the first quarter of the files is taken off, so that neither its start nor that
+of its workers counts. Memory is told by many short records.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import time
+from pathlib import Path
+from resource import RUSAGE_CHILDREN, RUSAGE_SELF, getrusage
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+
+import dashpot as dp
+from dashpot.base.processes import long_lived
+from dashpot.io.write import write_relaxation
+from dashpot.lots.choices import BatchChoices
+from dashpot.lots.entries import entries
+from dashpot.lots.parts import tasks
+from dashpot.lots.row import row
+from dashpot.simulation.relaxation import Rig, simulate_relaxation
+from dashpot.solids.table_1 import PAPER
+
+KINDS: dict[str, dict[str, Any]] = {
+    "intervals and checks": {},
+    "--arms 2": {"arms": 2},
+    "--arms 2 --quick": {"arms": 2, "quick": True},
+}
+TARGETS = {"intervals and checks": 9, "--arms 2 --quick": 25}
+SHORT = {"arms": 1, "method": "hold", "quick": True}
+COUNTED = (100, 1_000, 10_000, 100_000, 1_000_000, 10_000_000)
+
+
+def main() -> None:
+    """Print the cost of a test, the memory of many, and what ten million would take."""
+    tests, repeats, files = [int(word) for word in sys.argv[1:]] + [40, 3, 5000][
+        len(sys.argv) - 1 :
+    ]
+    with TemporaryDirectory() as place:
+        whole, part, many = (Path(place) / name for name in ("whole", "part", "many"))
+        for folder in (whole, part, many):
+            folder.mkdir()
+        rng = np.random.default_rng(0)
+        for i in range(tests):
+            seal = (1 + 0.03 * rng.standard_normal()) * PAPER
+            text = write_relaxation(simulate_relaxation(seal, seed=i).test)
+            for folder in (whole, part)[: 1 + (i < tests // 4)]:
+                (folder / f"seal_{i:04d}.csv").write_text(text)
+        costs = {name: cost(name, how, whole, part, repeats) for name, how in KINDS.items()}
+        own = memory(many, files)
+    counted(costs, own)
+
+
+def cost(name: str, how: dict[str, Any], whole: Path, part: Path, repeats: int) -> float:
+    """Print CPU time for each test by every engine; return the least of the processes, s."""
+    least = dict.fromkeys(ENGINES, np.inf)
+    for _ in range(repeats):
+        for engine in ENGINES:
+            runs = [run(engine, folder, how) for folder in (whole, part)]
+            cpu, count = (runs[0][key] - runs[1][key] for key in ("cpu", "tests"))
+            least[engine] = min(least[engine], cpu / count)
+    for engine, each in least.items():
+        beside = each / least["loop"] - 1
+        target = f"   target {TARGETS[name]}" if name in TARGETS else ""
+        print(
+            f"{name:22} {engine:10} {1e3 * each:6.1f} ms   {1 / each:5.1f} tests/s/core{target}"
+            + (f"   engine {100 * beside:+.1f} %" if engine != "loop" else "")
+        )
+    return least["processes"]
+
+
+def memory(folder: Path, most: int) -> float:
+    """Print what parent and workers hold of so many files; return the parent's CPU time each, s."""
+    made = simulate_relaxation(PAPER, hold_time=4.0, rig=Rig(rate=250.0)).test
+    text, there, spent = write_relaxation(made), 0, 0.0
+    for count in (most // 20, most // 4, most):
+        for i in range(there, count):
+            (folder / f"seal_{i:05d}.csv").write_text(f"# seal {i}\n{text}")
+        found = run("processes", folder, SHORT)
+        each = (found["own"] - spent) / (count - there)
+        there, spent = count, found["own"]
+        print(
+            f"{count:5} short files, {found['wall']:3.0f} s   parent {found['parent_mb']:.0f} MB, "
+            f"each worker at most {found['worker_mb']:.0f} MB"
+        )
+    print(f"finding, hashing, asking and writing one more file: {1e3 * each:.2f} ms of the parent")
+    return each
+
+
+def counted(costs: dict[str, float], own: float) -> None:
+    """Print what as many tests take: computed from the above, not measured."""
+    print("\ncomputed   " + "".join(f"{name:>24}" for name in costs) + f"{'parent':>12}")
+    for count in COUNTED:
+        hours = "".join(f"{count * each / 3600:18.3g} core h" for each in costs.values())
+        print(f"{count:10}   {hours} {count * own / 3600:9.2g} h")
+
+
+def run(engine: str, folder: Path, how: dict[str, Any]) -> dict[str, float]:
+    """What an interpreter of its own takes for one run."""
+    words = [sys.executable, __file__, "--engine", engine, str(folder), json.dumps(how)]
+    done = subprocess.run(words, check=True, capture_output=True, text=True, env=long_lived())
+    found: dict[str, float] = json.loads(done.stdout)
+    return found
+
+
+def measured(engine: str, folder: str, how: dict[str, Any]) -> dict[str, float]:
+    """CPU time, s, and memory, MB, of this process and of those that it waited for."""
+    began = time.perf_counter()
+    count = ENGINES[engine](folder, how)
+    own, others = getrusage(RUSAGE_SELF), getrusage(RUSAGE_CHILDREN)
+    spent = [one.ru_utime + one.ru_stime for one in (own, others)]
+    return {
+        "tests": count, "cpu": sum(spent), "own": spent[0], "wall": time.perf_counter() - began,
+        "parent_mb": own.ru_maxrss / 1024, "worker_mb": others.ru_maxrss / 1024,
+    }  # fmt: skip
+
+
+def in_a_loop(folder: str, how: dict[str, Any]) -> int:
+    """Make the rows here, one after the other, and no table."""
+    import msgspec  # noqa: F401 -- as in a worker
+
+    choices = BatchChoices(**how)
+    asked = tasks(entries([folder], without=Path(folder) / "none"), choices)
+    return sum(row(one.entry, one.hashes, choices)["outcome"] == "fitted" for one in asked)
+
+
+def by_processes(folder: str, how: dict[str, Any]) -> int:
+    """Make them by processes of this machine, with their table."""
+    with TemporaryDirectory() as output:
+        return dp.batch(folder, output=output, **how).outcomes["fitted"]
+
+
+ENGINES = {"loop": in_a_loop, "processes": by_processes}
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["--engine"]:
+        print(json.dumps(measured(*sys.argv[2:4], json.loads(sys.argv[4]))))
+    else:
+        main()
