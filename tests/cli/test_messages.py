@@ -40,6 +40,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "workflow/shifting.py": ("fit",),
     "workflow/job.py": ("fit", "predict", "identify", "report"),
     "workflow/job.py:refuse_several": ("fit", "report"),
+    "workflow/part.py": ("predict",),
     "workflow/predictions.py": ("predict",),
     "workflow/prepared.py": ("predict", "compare"),
     "workflow/impacts.py": MEASURED,

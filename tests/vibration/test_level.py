@@ -366,7 +366,7 @@ class TestRefused:
     @pytest.mark.parametrize(
         ("words", "says"),
         [
-            ({"force": None}, "force= or base="),
+            ({"force": None}, "one of the two"),
             ({"level": 0.0}, "above 0"),
             ({"harmonics": (1, 2)}, "odd"),
             ({"force": None, "base": "ground"}, "no ground motion"),

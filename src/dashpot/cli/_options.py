@@ -147,7 +147,7 @@ def filled(
     return decorate
 
 
-_PASSED = ("help", "metavar", "multiple")
+_PASSED = ("help", "metavar", "multiple", "is_flag")
 
 
 def _type(one: Field[Any]) -> click.ParamType[Any] | None:
@@ -206,6 +206,13 @@ def cuts(function: Callable[..., T]) -> Callable[..., T]:
     from dashpot.workflow.job import Cuts
 
     return filled(Cuts, "cuts")(function)
+
+
+def part(function: Callable[..., T]) -> Callable[..., T]:
+    """Give a command the options of a part's geometry; it receives one ``part``."""
+    from dashpot.workflow.part import PartChoices
+
+    return filled(PartChoices, "part")(function)
 
 
 method = click.option(

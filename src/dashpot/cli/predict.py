@@ -48,6 +48,7 @@ from dashpot.cli._shell import File, Outcome, grams, read_fit, reports, typed, w
 @options.output("Write the FRF as CSV; - is stdout.", ".csv")
 @options.overwrite
 @reports
+@options.part
 @options.machine
 @options.reading
 def command(
@@ -59,12 +60,16 @@ def command(
     fitted (--with) so does the bound over unresolved arms. Where the base moves (--base) the motion
     relative to it, T - 1 = -m A, has m times the same limits.
 
+    Of a material's modulus (a DMA sweep, a master curve) a shape makes a part; one measured
+    resonance (--resonance 85Hz --resonance-mass 150g) tells the geometry of all that follow.
+
     \b
     dashpot predict fit.json --mass 104g --seals 2
     dashpot predict fit.json --mass 104g --seals 2 --band 1:50Hz -o frf.csv
     dashpot predict fit.json --mass 104g --seals 2 --base
     dashpot predict fit.json --mass 104g --seals 2 --with seal_8mm.csv --plot frf.png
     dashpot predict moving.json --mass 104g --seals 2 --temperature -10degC
+    dashpot predict dma.json --disc 20mm,20mm --mass 400g --seals 2 --base
     """
     fitted = read_fit(fit)
     if base:
@@ -93,7 +98,9 @@ def command(
         None if output == "-" else text,
         found.checks,
         verdict=verdict(found.checks, sound=fitted.verdict.says),
-        follow=typed(
+        follow=""
+        if found.of_part
+        else typed(
             "compare",
             fit,
             "HAMMER",

@@ -36,6 +36,7 @@ from dashpot.records.temperature import SAME_TEMPERATURE, Shift, TemperatureShif
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
+from dashpot.solids.part import Geometry, Mode
 from dashpot.solids.temperature import TemperatureLaw
 
 _One = TypeVar("_One")
@@ -658,6 +659,41 @@ class Fit(ByValue, Pictured):
             f"{self.identity}",
         )
         return replace(self._scaled(factor, step), solid=tangent, elastic_law=None)
+
+    def as_part(
+        self, shape: Geometry | float, mode: Mode | None = None, *, bonded: bool = True
+    ) -> Fit:
+        """The fit of a part of this material: modulus, errors and bounds times a geometry factor.
+
+        Parameters
+        ----------
+        shape : Geometry or float
+            A :class:`~dashpot.solids.part.Disc`, ``Block`` or ``Bush``, or the factor itself, m:
+            as ``geometry_factor`` of :mod:`dashpot.vibration.systems.prediction` finds it.
+        mode : str, optional
+            How the shape is loaded.
+        bonded : bool
+            To its plates.
+
+        Raises
+        ------
+        DataError
+            If the fit is of a part already, or the shape is not loaded so.
+        """
+        if self.unit != "Pa":
+            raise DataError(
+                f"the fit is of a part, in {self.unit}; a shape is given to a material's modulus"
+            )
+        drawn = isinstance(shape, Geometry)
+        factor = shape.factor(mode, bonded=bonded) if isinstance(shape, Geometry) else shape
+        if not (np.isfinite(factor) and factor > 0):
+            raise DataError(f"geometry factor = {factor!r} m; expected a number > 0")
+        step = Step(
+            "part",
+            (("factor_m", repr(factor)), ("shape", repr(shape) if drawn else "given")),
+            f"{factor:.5g} m times the modulus of fit {self.identity}",
+        )
+        return replace(self._scaled(factor, step), unit="N/m")
 
     def _scaled(self, count: float, step: Step) -> Fit:
         scale = np.array([1.0 if name.startswith(SHAPE) else count for name in self.parameters])

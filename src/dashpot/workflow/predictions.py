@@ -11,6 +11,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
+from dashpot.base.errors import DataError
 from dashpot.fitting.temperature.checks import temperature_tested
 from dashpot.io.options import ReadOptions
 from dashpot.records.bounds import FRFBounds
@@ -26,6 +27,7 @@ from dashpot.vibration.systems.prediction import (
 )
 from dashpot.workflow.checks import prediction_informed
 from dashpot.workflow.job import known_of_a_test
+from dashpot.workflow.part import PartChoices
 from dashpot.workflow.prepared import at_their_temperatures, prepared_files, refuse_others
 from dashpot.workflow.resting import (
     LIMIT_LINES,
@@ -59,6 +61,8 @@ class Prediction:
         Where the mass rests, and what secant and tangent make of it.
     document : dict
         ``dashpot/prediction@1``.
+    of_part : bool
+        Of a part of a material, not of the fit itself.
     """
 
     frf: FRF
@@ -69,6 +73,7 @@ class Prediction:
     checks: tuple[Check, ...]
     at_rest: AtRest
     document: dict[str, Any]
+    of_part: bool = False
 
     @property
     def interval(self) -> tuple[FloatArray, FloatArray]:
@@ -89,6 +94,7 @@ def predict_files(
     kind: str = "accelerance",
     compression: float | None = None,
     temperature: float | None = None,
+    part: PartChoices | None = None,
     machine: Machine | None = None,
     options: ReadOptions | None = None,
 ) -> Prediction:
@@ -111,6 +117,8 @@ def predict_files(
         Of the seals, m; by default that of the mass's weight.
     temperature : float, optional
         K; by default that of the fit's solid.
+    part : PartChoices, optional
+        The geometry of a part, where the fit is of a material's modulus.
     machine : Machine, optional
         What is known of the machine of those tests.
     options : ReadOptions, optional
@@ -124,6 +132,15 @@ def predict_files(
     known_of_a_test(machine, tests=len(records), add="the record (--with)")
     moving, noted = moving_mass(mass, seal=seal_mass or 0.0, seals=seals)
     here = found if temperature is None else found.at_temperature(temperature)
+    of_part = part is not None and part != PartChoices()
+    if part is not None and of_part:
+        if records:
+            raise DataError(
+                "a record (--with) bounds the part that was tested, not another of its material: "
+                "leave it or the geometry out"
+            )
+        base = Kind(kind) is Kind.TRANSMISSIBILITY
+        here = found = part.applied(here, seals=seals, base=base)
     rests = at_rest(here, mass=moving, seals=seals, compression=compression)
     solid = seals * rests.point.solid(here)
     frf = predict_frf(solid, mass=moving, frequency=np.linspace(*band, lines), kind=kind)
@@ -182,7 +199,7 @@ def predict_files(
     told = family_checks(here, rests.point, mass=moving, seals=seals)
     informed = prediction_informed(felt, here.band)
     checks = (*found.checks, *asked, noted, *rested, informed, *told)
-    return Prediction(frf, modes, peak, at_edge, limits, checks, rests, document)
+    return Prediction(frf, modes, peak, at_edge, limits, checks, rests, document, of_part)
 
 
 def _listed(modes: Iterable[Mode]) -> list[dict[str, float]]:

@@ -61,7 +61,10 @@ class Rest:
 
     def __init__(self, system: System, *, force: str | Point | None, base: str | None) -> None:
         if (force is None) == (base is None):
-            raise DataError("say either force= or base=: what drives the system")
+            raise DataError(
+                "a force or a base that moves drives the system, one of the two (Python: force= or "
+                "base=)"
+            )
         if base is not None and base not in system.base_dofs:
             raise DataError(f"'{base}' is no ground motion; known: {', '.join(system.base_dofs)}")
         loose = with_friction(system)

@@ -17,6 +17,10 @@ from dashpot.vibration.systems.operating_point import operating_point
 
 ROUNDING = 1e-14
 """A frequency that falls by no more, relatively, has been found."""
+_REAL = 1e-9
+"""An imaginary part of no more, relatively, is that of a real pole."""
+_STEPS, _THERE, _CLOSE = 30, 1e-12, 1e-6
+"""Of Newton to a pole: at most; what needs no step; what a pole that settled leaves, relatively."""
 LINES, REACH = 4001, 10.0
 """Lines of a prediction, and how far from its peak they go, as a factor, if none are given."""
 OUT_OF_SIGHT = 1e-6
@@ -173,14 +177,44 @@ def model_modes(model: Solid, mass: float) -> tuple[Mode, ...]:
     """
     _checked(mass)
     p = poles(model, mass)
-    p = p[p.imag > 1e-9 * np.abs(p)]
-    if model.maxwell is not model:  # the poles of arms that stand for it are a start only
-        for _ in range(4):
-            p = p - (mass * p**2 + model.stiffness_at(p)) / (2 * mass * p + model.slope_at(p))
+    p = np.append(p[p.imag > _REAL * np.abs(p)], _undamped(model, mass))
+    p = _settled(model, mass, p)
     return tuple(
         Mode(float(abs(pole)) / (2 * np.pi), float(-pole.real / abs(pole)), complex(residue))
         for pole, residue in zip(p, residues(model, mass, p), strict=True)
     )
+
+
+def _undamped(model: Solid, mass: float) -> complex:
+    """Where the mass would ring without loss, 1/s: a start where rounding left no pole."""
+    omega = np.sqrt(max(model.k_0, 0.0) / mass)
+    for _ in range(50):
+        stiffness = float(model.stiffness_at(1j * omega).real) if omega > 0 else 0.0
+        omega = np.sqrt(max(stiffness, 0.0) / mass)
+    return complex(0.0, omega)
+
+
+def _settled(model: Solid, mass: float, p: ComplexArray) -> ComplexArray:
+    """Poles of the solid itself, by Newton's steps where those of its arms are a start only.
+
+    Of arms over twenty decades rounding makes poles that are none: they do not settle, or settle
+    twice.
+    """
+
+    def off(p: ComplexArray) -> ComplexArray:
+        return np.asarray(mass * p**2 + model.stiffness_at(p))
+
+    p = p[p != 0]
+    for _ in range(_STEPS):
+        away = np.abs(off(p)) > _THERE * np.abs(mass * p**2)
+        if not away.any():
+            break
+        moved = p - off(p) / (2 * mass * p + model.slope_at(p))
+        p = np.where(away & np.isfinite(moved), moved, p)
+    still = np.abs(off(p)) <= _CLOSE * np.abs(mass * p**2)
+    found = p[still & (p.real <= 0) & (p.imag > _REAL * np.abs(p))]
+    first = [i for i, one in enumerate(found) if not (np.abs(found[:i] / one - 1) < _CLOSE).any()]
+    return np.asarray(found[first])
 
 
 def poles(model: Solid, mass: float) -> ComplexArray:
@@ -270,19 +304,62 @@ def _in_sight(
     )
 
 
-def mass_for_peak(model: Solid, frequency: float) -> float:
+def mass_for_peak(model: Solid, frequency: float, kind: Kind | str = Kind.ACCELERANCE) -> float:
     r"""The mass that puts the peak of the accelerance at `frequency` Hz, kg; no number if none.
 
     At the peak :math:`|m - u|^2`, with :math:`u = K(j\omega)/\omega^2`, has a zero slope, which is
     linear in m:
 
     .. math:: m = \frac{\mathrm{Re}(\bar u' u)}{\mathrm{Re}\,u'}
+
+    Of a transmissibility :math:`T = u / (u - m)`, so too:
+
+    .. math:: m = 2 \,\mathrm{Re}\,u - \frac{|u|^2\,\mathrm{Re}\,u'}{\mathrm{Re}(\bar u' u)}
     """
     omega = 2 * np.pi * frequency
     w = omega * (1 + np.array([-1e-5, 0.0, 1e-5]))
     u = model.complex_stiffness(w) / w**2
     slope = u[2] - u[0]
-    return float((np.conj(slope) * u[1]).real / slope.real) if slope.real != 0 else float("nan")
+    turning, here = float((np.conj(slope) * u[1]).real), complex(u[1])
+    if Kind(kind) is Kind.TRANSMISSIBILITY:
+        return 2 * here.real - abs(here) ** 2 * slope.real / turning if turning != 0 else np.nan
+    return float(turning / slope.real) if slope.real != 0 else float("nan")
+
+
+def geometry_factor(
+    modulus: Solid, *, mass: Quantity, peak: Quantity, kind: Kind | str = Kind.TRANSMISSIBILITY
+) -> float:
+    r"""The geometry factor of a part from one measured resonance, m: :math:`K^* = g\,E^*`.
+
+    A mass on g times a solid peaks where m/g does on the solid itself
+    (:func:`mass_for_peak`).
+
+    Parameters
+    ----------
+    modulus : Solid
+        Of the material, Pa.
+    mass : str or float
+        On all the parts together, kg.
+    peak : str or float
+        Frequency at which the FRF is largest, Hz.
+    kind : str
+        Of that FRF: a transmissibility, or ``"accelerance"``.
+
+    Raises
+    ------
+    DataError
+        If no such part peaks there: the material damps too much.
+    """
+    kilograms, hz = si(mass, "mass"), si(peak, "frequency")
+    _checked(kilograms)
+    if not (np.isfinite(hz) and hz > 0):
+        raise DataError(f"peak = {hz!r} Hz; expected a frequency > 0")
+    ratio = mass_for_peak(modulus, hz, kind)
+    if not (np.isfinite(ratio) and ratio > 0):
+        raise DataError(
+            f"no part of this material has a peak at {hz:.5g} Hz: it damps too much there"
+        )
+    return kilograms / ratio
 
 
 def moving_mass(block: float, *, seal: float, seals: float = 1.0) -> tuple[float, Check]:

@@ -1,0 +1,94 @@
+"""What part of a material a mass rests on, as a user says it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import get_args
+
+from dashpot.base.errors import DataError
+from dashpot.base.options import option
+from dashpot.base.units import si
+from dashpot.records.fit import Fit
+from dashpot.solids.part import Block, Bush, Disc, Geometry, Mode
+from dashpot.vibration.systems.prediction import geometry_factor
+
+
+@dataclass(frozen=True)
+class PartChoices:
+    """The geometry of a part of a material whose modulus was fitted, or a resonance that tells it.
+
+    One of the shapes, a factor, or a resonance with its mass.
+    """
+
+    disc: str | None = option(None, "Diameter and height of a pad, e.g. 20mm,20mm.")
+    block: str | None = option(None, "Length, width and height of a pad, e.g. 30mm,20mm,10mm.")
+    bush: str | None = option(None, "Inner and outer diameter and length, e.g. 12mm,30mm,40mm.")
+    mode: str | None = option(None, "How the shape is loaded.", choices=get_args(Mode))
+    lubricated: bool = option(False, "The plates are lubricated, not bonded.", is_flag=True)
+    resonance: float | None = option(
+        None,
+        "Measured peak of one such mass; tells the geometry factor in place of a shape.",
+        unit="frequency",
+    )
+    resonance_mass: float | None = option(None, "On the parts at that peak.", unit="mass")
+
+    def applied(self, fit: Fit, *, seals: float, base: bool) -> Fit:
+        """The fit of one of `seals` such parts; the fit itself where nothing is said.
+
+        Raises
+        ------
+        DataError
+            If more than one geometry is given, or one that cannot be.
+        """
+        given = [
+            flag
+            for flag in ("disc", "block", "bush", "resonance")
+            if getattr(self, flag) is not None
+        ]
+        if not given:
+            if self != PartChoices():
+                raise DataError(
+                    "--mode, --lubricated and --resonance-mass belong to a shape (--disc, --block, "
+                    "--bush) or to a --resonance; add one, or leave them out"
+                )
+            return fit
+        if len(given) > 1:
+            raise DataError(
+                f"--{given[0]} and --{given[1]} both tell the geometry; leave one of them out"
+            )
+        if self.resonance is None:
+            if self.resonance_mass is not None:
+                raise DataError("--resonance-mass belongs to a --resonance; add that, or leave it")
+            return fit.as_part(self._shape(given[0]), _mode(self.mode), bonded=not self.lubricated)
+        if self.resonance_mass is None:
+            raise DataError(
+                "--resonance needs the mass that it was measured with: --resonance-mass"
+            )
+        if self.mode is not None or self.lubricated:
+            raise DataError(
+                "a resonance tells the factor, however the part is loaded: leave --mode "
+                "and --lubricated out"
+            )
+        kind = "transmissibility" if base else "accelerance"
+        factor = geometry_factor(
+            fit.solid, mass=self.resonance_mass, peak=self.resonance, kind=kind
+        )
+        return fit.as_part(factor / seals)
+
+    def _shape(self, flag: str) -> Geometry:
+        kinds: dict[str, type[Disc | Block | Bush]] = {
+            "disc": Disc, "block": Block, "bush": Bush,
+        }  # fmt: skip
+        kind = kinds[flag]
+        names = [one.name for one in fields(kind)]
+        words = str(getattr(self, flag)).split(",")
+        if len(words) != len(names):
+            raise DataError(
+                f"--{flag} {getattr(self, flag)}: {len(words)} lengths; expected {len(names)}, "
+                f"{', '.join(names)}, with their units and commas between them"
+            )
+        return kind(*(si(word.strip(), "length") for word in words))
+
+
+def _mode(word: str | None) -> Mode | None:
+    return next((one for one in get_args(Mode) if one == word), None)

@@ -1,0 +1,240 @@
+"""From a material to a part: published factors, and the chain from DMA sweeps to a shaker."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from scipy.optimize import brentq, minimize_scalar
+
+import dashpot as dp
+from dashpot.base.errors import DataError
+from dashpot.cli import main
+from dashpot.records.amplitude import AmplitudeSweep
+from dashpot.records.dynamic import DynamicTest
+from dashpot.solids.part import Block, Bush, Disc
+from dashpot.solids.softening import Softening
+from dashpot.vibration.systems.level import response_at_level
+from dashpot.vibration.systems.prediction import geometry_factor, mass_for_peak
+from dashpot.vibration.systems.system import Mount, System, point_mass
+
+TAU = np.geomspace(1e-7, 1e3, 21)
+RUBBER = dp.GeneralizedMaxwell(
+    3e6, tuple(2e6 * np.exp(-0.5 * ((np.log10(TAU) + 3) / 2.5) ** 2)), tuple(TAU)
+)
+"""Pa, at 23 degC."""
+
+
+class TestFactors:
+    def test_a_disc_between_plates(self):
+        disc = Disc(0.02, 0.02)
+        assert 1e6 * disc.factor(bonded=False) == pytest.approx(15707.963, rel=1e-7)
+        assert 1e6 * disc.factor() == pytest.approx(17671.459, rel=1e-7)
+        assert disc.factor("shear") == pytest.approx(disc.area / 0.02 / 3)
+        assert Disc("20mm", "20mm") == disc
+
+    def test_a_block_is_a_disc_where_both_are_flat(self):
+        wide = Block(0.1, 0.1, 0.01)
+        assert wide.shape_factor == pytest.approx(2.5)
+        assert wide.factor() == pytest.approx(wide.factor(bonded=False) * (1 + 2 * 2.5**2))
+
+    def test_a_thin_bush_is_a_flat_pad_in_shear(self):
+        a, t, L = 0.05, 1e-5, 0.03
+        bush = Bush(2 * a, 2 * (a + t), L)
+        around = 2 * np.pi * a * L
+        assert bush.factor("axial") == pytest.approx(around / t / 3, rel=1e-3)
+        assert bush.factor("torsion") == pytest.approx(around * a**2 / t / 3, rel=1e-3)
+
+    def test_a_long_bush_is_stiffer_than_a_short_one(self):
+        bush = Bush(0.012, 0.03, 0.04)
+        assert bush.factor("radial-long") > bush.factor("radial-short") > bush.factor("axial")
+
+    @pytest.mark.parametrize(
+        "ask",
+        [
+            lambda: Disc(0.02, 0.0),
+            lambda: Disc("20g", "20mm"),
+            lambda: Bush(0.03, 0.012, 0.04),
+            lambda: Bush(0.012, 0.03, 0.04).factor("compression"),
+            lambda: Bush(0.012, 0.03, 0.04).factor(bonded=False),
+            lambda: Disc(0.02, 0.02).factor("shear", bonded=False),
+            lambda: Disc(0.02, 0.02).factor("torsion"),
+        ],
+    )
+    def test_shapes_that_are_none(self, ask):
+        with pytest.raises(DataError):
+            ask()
+
+
+def peak_of(K, mass, near=60.0):
+    """Frequency and height of |T|, by a search of our own."""
+
+    def height(hz):
+        w = 2 * np.pi * hz
+        stiffness = K(w)
+        return -abs(stiffness / (stiffness - mass * w**2))
+
+    grid = np.geomspace(near / 8, near * 8, 4000)
+    at = grid[np.argmin([height(hz) for hz in grid])]
+    best = minimize_scalar(
+        height, bounds=(0.99 * at, 1.01 * at), method="bounded", options={"xatol": 1e-7}
+    )
+    return best.x, -best.fun
+
+
+class TestResonance:
+    @pytest.mark.parametrize("kind", ["transmissibility", "accelerance"])
+    def test_the_factor_comes_back(self, kind):
+        factor, mass = 0.0234, 0.15
+        f = np.linspace(40, 300, 200001)
+        frf = dp.predict_frf(RUBBER * factor, mass=mass, frequency=f, kind=kind)
+        at = f[np.abs(frf.value).argmax()]
+        assert geometry_factor(RUBBER, mass=mass, peak=at, kind=kind) == pytest.approx(
+            factor, rel=1e-4
+        )
+
+    def test_the_mass_under_a_peak_of_transmissibility(self):
+        mass = mass_for_peak(RUBBER * 0.02, 60.0, "transmissibility")
+        hz, _ = peak_of((RUBBER * 0.02).complex_stiffness, mass)
+        assert hz == pytest.approx(60.0, rel=1e-5)
+
+    def test_what_has_no_peak(self):
+        with pytest.raises(DataError, match="no part of this material has a peak"):
+            geometry_factor(dp.networks.dashpot(5.0), mass=1.0, peak=10.0)
+        with pytest.raises(DataError, match="peak = -1"):
+            geometry_factor(RUBBER, mass=1.0, peak=-1.0)
+
+
+def sweeps(seed=0, noise=0.01):
+    """Five temperatures of a DMA, half of whose range overlaps."""
+    rng = np.random.default_rng(seed)
+    f, rows = np.geomspace(0.1, 40, 14), []
+    for celsius in (-15, 0, 12, 23, 45):
+        T = celsius + 273.15
+        a = 10 ** (-6.94 * (T - 296.15) / (129.6 + T - 296.15))
+        E = RUBBER.complex_stiffness(2 * np.pi * f * a)
+        E = E * (1 + noise * (rng.normal(size=len(f)) + 1j * rng.normal(size=len(f))) / np.sqrt(2))
+        rows.append((f, E.real, E.imag, np.full(len(f), T)))
+    return DynamicTest(*(np.concatenate(each) for each in zip(*rows, strict=True)))
+
+
+@pytest.mark.once
+def test_from_sweeps_to_two_discs_on_a_shaker():
+    """One factor from the lightest mass; the others, and ten times the level, are foretold."""
+    master = dp.superpose(sweeps(), reference="23degC")
+    found = dp.fit_dynamic(master)
+    true = RUBBER * (2 * Disc(0.02, 0.012).factor() * 0.93)  # bonds that are not perfect
+    masses = (0.15, 0.4, 1.0)
+    real = [peak_of(true.complex_stiffness, mass) for mass in masses]
+    factor = geometry_factor(found.solid, mass=masses[0], peak=real[0][0])
+    part = found.as_part(factor)
+    assert part.unit == "N/m"
+    for mass, (hz, height) in zip(masses, real, strict=True):
+        told, peak = peak_of(part.solid.complex_stiffness, mass)
+        assert told == pytest.approx(hz, rel=0.02)
+        assert peak == pytest.approx(height, rel=0.15)
+
+    def phi(X, d=0.5, X_c=4e-5, m=0.5):
+        u = (X / X_c) ** m
+        return 1 - d + d / (1 + u**2) + 2j * d * m / np.pi * u / (1 + u**2)
+
+    # an amplitude sweep of the material at 10 Hz tells the softening, in displacement of the part
+    X = np.geomspace(1e-6, 1e-3, 16)
+    E = RUBBER.complex_stiffness(2 * np.pi * 10) * phi(X)
+    law = dp.fit_amplitude(
+        AmplitudeSweep(np.full(16, 10.0), X, E.real, E.imag, of="m"), law="factor"
+    )
+    solid = part.solid.maxwell
+    system = System(
+        (point_mass("m", masses[1]),),
+        (
+            Mount(
+                solid,
+                ("m", "ground"),
+                friction=Softening(solid, law.lost, law.half_way, law.m),
+            ),
+        ),
+    )
+
+    def at_level(base):
+        f = np.linspace(0.5 * real[1][0], 1.2 * real[1][0], 200)
+        got = (
+            response_at_level(
+                system, response="m.z", base="ground.z", level=base, frequency=f
+            ).amplitude
+            / base
+        )
+        want = []
+        for hz in f:
+            w = 2 * np.pi * hz
+            K = true.complex_stiffness(w)
+
+            def over(u, w=w, K=K):
+                X = np.exp(u)
+                return np.log(abs(K * phi(X) - masses[1] * w**2) * X / (masses[1] * w**2 * base))
+
+            X = np.exp(brentq(over, np.log(1e-12), 0.0))
+            relative = masses[1] * w**2 * base / (K * phi(X) - masses[1] * w**2)
+            want.append(abs(1 + relative / base))
+        want = np.array(want)
+        return f[got.argmax()], got.max(), f[want.argmax()], want.max()
+
+    low, high = at_level(1e-6), at_level(1e-5)
+    assert high[0] / low[0] == pytest.approx(high[2] / low[2], rel=0.015)
+    assert high[2] < 0.97 * low[2]
+    assert high[0] == pytest.approx(high[2], rel=0.03)
+    assert high[1] == pytest.approx(high[3], rel=0.2)
+
+
+class TestCommand:
+    @pytest.fixture
+    def dma(self, tmp_path):
+        f = np.geomspace(0.01, 1000, 40)
+        E = RUBBER.complex_stiffness(2 * np.pi * f)
+        path = tmp_path / "dma.csv"
+        np.savetxt(
+            path,
+            np.column_stack((f, E.real * 1e-6, E.imag * 1e-6)),
+            delimiter=",",
+            header="frequency [Hz],storage modulus [MPa],loss modulus [MPa]",
+            comments="",
+        )
+        fit = tmp_path / "dma.json"
+        told = CliRunner().invoke(main, ["fit", str(path), "-o", str(fit)])
+        assert told.exit_code == 0, told.output
+        return str(fit)
+
+    def peak(self, *words):
+        told = CliRunner().invoke(
+            main, ["predict", *words, "--base", "--band", "5:300Hz", "--json"]
+        )
+        assert told.exit_code == 0, told.output
+        return json.loads(told.stdout)["peak"]["frequency_hz"]
+
+    def test_a_shape_or_a_resonance_makes_the_part(self, dma):
+        mass = ["--mass", "400g", "--seals", "2"]
+        drawn = self.peak(dma, "--disc", "20mm,12mm", *mass)
+        expected, _ = peak_of((2 * Disc(0.02, 0.012).factor() * RUBBER).complex_stiffness, 0.4)
+        assert drawn == pytest.approx(expected, rel=0.01)
+        light, _ = peak_of((2 * Disc(0.02, 0.012).factor() * RUBBER).complex_stiffness, 0.15)
+        told = self.peak(dma, "--resonance", f"{light}Hz", "--resonance-mass", "150g", *mass)
+        assert told == pytest.approx(expected, rel=0.01)
+
+    @pytest.mark.parametrize(
+        ("words", "says"),
+        [
+            (["--disc", "20mm,12mm", "--resonance", "60Hz"], "both tell the geometry"),
+            (["--disc", "20mm"], "1 lengths; expected 2"),
+            (["--resonance", "60Hz"], "needs the mass"),
+            (["--lubricated"], "belong to a shape"),
+            (["--disc", "20mm,12mm", "--resonance-mass", "1kg"], "belongs to a --resonance"),
+            (["--bush", "12mm,30mm,40mm", "--mode", "shear"], "expected one of axial"),
+            ([], "in Pa"),
+        ],
+    )
+    def test_a_geometry_that_is_none(self, dma, words, says):
+        told = CliRunner().invoke(main, ["predict", dma, "--mass", "400g", *words])
+        assert told.exit_code == 2, told.output
+        assert says in told.stderr
