@@ -2,10 +2,10 @@
 
 Run: python benchmarks/batch.py [TESTS [REPEATS [FILES]]]
 
-The tests are of the virtual rig, 42 500 rows each. A cost is CPU time of all processes: the least of
-some repeats, taken in turns, for other work on a machine lengthens it. Every run is an interpreter
-of its own; a run of the first quarter of the files is taken off, so that neither its start nor that
-of its workers counts. Memory is told by many short records.
+The tests are of the virtual rig, 42 500 rows each. A cost is CPU time of all processes: the least
+of some repeats, taken in turns, for other work on a machine lengthens it. Every run is an
+interpreter of its own; a run of the first quarter of the files is taken off, so that neither its
+start nor that of its workers counts. Memory is told by many short records.
 """
 
 from __future__ import annotations
