@@ -47,6 +47,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "workflow/impacts.py:identify_files": ("identify",),
     "workflow/study.py": ("report",),
     "workflow/command_lines.py": ("report",),
+    "workflow/command_lines.py:predict_command": ("predict",),
     "workflow/outputs.py": ("fit", "report", "identify", "export", "predict", "inspect"),
     "lots/": ("batch", "watch"),
     "web/server.py": ("app",),
