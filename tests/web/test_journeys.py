@@ -93,9 +93,14 @@ def test_a_missing_unit_is_asked_for_and_answered(visit, files):
 
 def test_what_cannot_be_read_says_so_in_the_readers_words(visit, files):
     page = visit()
-    page.at.locator("#pick").set_input_files(str(files / "noise.csv"))
-    page.at.get_by_role("alert").wait_for()
+    page.at.locator("#pick").set_input_files(
+        [str(files / "noise.csv"), str(files / "seal_8mm.csv")]
+    )
+    page.done()
+    # the fit of the other file takes nothing of it back
     assert page.at.get_by_role("alert").inner_text().count("noise.csv") == 1
+    page.at.get_by_role("button", name="remove noise.csv").click()
+    page.at.get_by_role("alert").wait_for(state="hidden")
 
 
 def test_a_file_that_the_page_has_no_place_for_says_what_it_is_and_why(visit, tmp_path):
@@ -183,6 +188,10 @@ def test_everything_goes_by_keyboard(visit, files):
     assert "ramp end" in handle.get_attribute("aria-valuetext")
     page.at.keyboard.press("Home")
     page.at.locator("#command").filter(has_not_text="--ramp-end").wait_for()
+    contact = page.at.get_by_role("slider", name="contact")
+    contact.focus()
+    page.at.keyboard.press("PageDown")  # out of the panel, where it must still be let go
+    page.at.locator("#command").filter(has_text="--onset").wait_for()
 
 
 def test_both_tests_are_fitted_together(visit, files):
@@ -232,6 +241,11 @@ def test_a_hit_is_rejected_by_hand(visit, files):
     page.at.locator("#command").filter(has_text="--reject 2").wait_for()
     page.at.locator(".files").filter(has_text="4 of 5 hits").wait_for()
     page.done()
+    assert page.at.locator("#hit-table .pulse").count() == 5
+    assert page.at.get_by_text("Give the mass of the block").is_visible()
+    page.at.get_by_role("button", name="remove hammer.csv").click()
+    page.at.get_by_text("Give the mass that rests on the seals").wait_for()
+    assert not page.at.get_by_text("Give the mass of the block").is_visible()
 
 
 def test_a_long_computation_is_cancelled(visit, files):

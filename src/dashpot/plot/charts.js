@@ -346,10 +346,19 @@ export class Figure {
     this.x = clamp(this.x, a, b);
     this.tell();
   }
-  tell() {
+  /** Stand at a value of the horizontal axis, if it is in sight, and say nothing of it. */
+  point(/** @type {number} */ value) {
+    const at = this.at.x.unit(value), [x0, , x1] = this.at.view;
+    if (!(at >= x0 && at <= x1)) return;
+    this.x = at;
+    this.mark();
+  }
+  mark() {
     const [bx, by, w, h] = this.at.box, [x0, , x1] = this.at.view;
-    const x = bx + w * (this.x - x0) / (x1 - x0);
-    this.cross.setAttribute("d", `M${x} ${by}v${h}`);
+    this.cross.setAttribute("d", `M${bx + w * (this.x - x0) / (x1 - x0)} ${by}v${h}`);
+  }
+  tell() {
+    this.mark();
     this.out.textContent = this.at.read(this.x, this.y);
   }
 }

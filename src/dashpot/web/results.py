@@ -43,7 +43,7 @@ def prepared(job: Job, most: int | None) -> tuple[RampHold, ...]:
     job.cuts.refuse_several(len(every))
     return tuple(
         prepare(
-            _thinned(test, most),
+            thinned(test, most),
             filter=job.filter,
             machine=job.machine,
             cycle=job.reading.cycle,
@@ -53,7 +53,7 @@ def prepared(job: Job, most: int | None) -> tuple[RampHold, ...]:
     )
 
 
-def _thinned(test: RelaxationTest, most: int | None) -> RelaxationTest:
+def thinned(test: RelaxationTest, most: int | None = WHILE_HELD) -> RelaxationTest:
     """The test with every second, third ... sample, so that at most so many are left."""
     step = 1 if most is None else -(-len(test.time) // most)
     if step == 1:

@@ -36,12 +36,13 @@ from dashpot.plot.svg import strip, swatch
 from dashpot.plot.thinning import extremes
 from dashpot.plot.vibration import SHOWN, Curve, magnitude_panel
 from dashpot.records.fit import Fit
-from dashpot.records.frf import FRF, Hit, Kind
+from dashpot.records.frf import FRF, Kind
 from dashpot.records.relaxation import RampHold
 from dashpot.report import answer
 from dashpot.report.answer import GRADES, Row
 from dashpot.report.pages import COLOURS, environment
 from dashpot.report.tables import READ, parameters
+from dashpot.vibration.impact.hits import cut_hits
 from dashpot.workflow.inspections import InspectedFile
 from dashpot.workflow.predictions import Prediction
 from dashpot.workflow.recommendation import recommendation
@@ -69,6 +70,8 @@ UNKNOWN = (400.0, 180.0)
 """Of one that is not shown yet, px."""
 AROUND = 2 * ROW + 6 + ROW + 4
 """Of a drawing above and below its axes, px."""
+PULSE, PART = (88, 26), 0.1
+"""Size of the drawing of a pulse, px; at which part of its peak it begins and ends."""
 SINGLE = 8
 """Arms of a table that is read; more are a spectrum for a solver."""
 TWO, CARD = 700.0, 18.0
@@ -373,9 +376,28 @@ def answers(study: Study) -> str:
     )
 
 
-def hit_table(hits: Sequence[Hit]) -> str:
-    """Every hit with its verdict."""
-    return piece("hits", hits=hits)
+def hit_table(study: Study) -> str:
+    """Every hit with its pulse and its verdict; nothing where no hits were averaged."""
+    if study.measured is None or not study.measured.hits:
+        return ""
+    return piece("hits", hits=study.measured.hits, pulses=_pulses(study), size=PULSE)
+
+
+def _pulses(study: Study) -> dict[str, str]:
+    """The path of each hit's pulse by its name, all to one scale."""
+    if study.impact is None:
+        return {}
+    (width, height), blocks = PULSE, cut_hits([study.impact])
+    longest = max(max(one.width(PART), 8 / one.rate) for one in blocks)
+    top = max(float(one.force.max()) for one in blocks)
+    found = {}
+    for one in blocks:
+        time = (np.arange(len(one.force)) - one.onset) / one.rate
+        near = (time > -0.5 * longest) & (time < 2.5 * longest)
+        t, force = extremes(time[near], one.force[near], bins=width)
+        x, y = width * (t / longest + 0.5) / 3, height * (1 - np.clip(force / top, -0.05, 1)) + 1
+        found[one.name] = "M" + "L".join(f"{a:.1f} {b:.1f}" for a, b in zip(x, y, strict=True))
+    return found
 
 
 def file_row(found: InspectedFile) -> dict[str, Any]:

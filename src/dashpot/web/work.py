@@ -79,7 +79,7 @@ def _consequences(
         for word in words:
             given = replace(options, units={**dict(options.units), role: word})
             try:
-                test = prepare(read_relaxation(path, options=given))
+                test = prepare(results.thinned(read_relaxation(path, options=given)))
                 solid = fit(test, arms=1, intervals=False).model
             except DashpotError:
                 continue
@@ -179,7 +179,7 @@ def study(request: Mapping[str, Any], folder: Path) -> bytes:
         "answers": views.answers(found),
         "checks": views.check_list([*weighed, *passed]),
         "frf": views.study_panel(found, sizes),
-        "hits": "" if found.measured is None else views.hit_table(found.measured.hits),
+        "hits": views.hit_table(found),
         "hit_panels": views.hit_panels(found, sizes),
         "hammer": views.hammer_line(found),
         "joint": None if found.joint is None else views.solid_table(found.joint),

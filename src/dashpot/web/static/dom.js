@@ -24,7 +24,12 @@ export function status(/** @type {string} */ said) {
   $("status").textContent = said;
 }
 
-export function refuse(/** @type {string} */ said) {
+let refused = "";
+
+/** Say a refusal; a fit that succeeds takes back that of a fit, not that of a file. */
+export function refuse(/** @type {string} */ said, of = "fit") {
+  if (!said && refused !== of) return;
+  refused = said && of;
   $("refusal").textContent = said;
   $("refusal").hidden = !said;
 }

@@ -33,7 +33,7 @@ export async function opened(
     } catch (error) {
       const said = words(error);
       Object.assign(one, { mark: "bad", line: said });
-      refuse(said.startsWith(one.name) ? said : `${one.name}: ${said}`);
+      refuse(said.startsWith(one.name) ? said : `${one.name}: ${said}`, "file");
     }
   }
   const asks = added.find((one) => one.asked);
@@ -45,14 +45,14 @@ export async function opened(
 
 /** Send files to the server, and read them. */
 export async function take(/** @type {Iterable<File>} */ list) {
-  refuse("");
+  refuse("", "file");
   const found = [];
   for (const file of list) {
     status(`opening ${file.name}`);
     try {
       found.push(await call("POST", `/api/files?name=${encodeURIComponent(file.name)}`, file));
     } catch (error) {
-      refuse(words(error));
+      refuse(words(error), "file");
     }
   }
   await opened(found);
@@ -60,6 +60,7 @@ export async function take(/** @type {Iterable<File>} */ list) {
 
 export async function example() {
   status("making the example");
+  refuse("", "file");
   const example = await call("POST", "/api/example");
   state.job.mass = example.mass;
   state.job.seals = example.seals;
@@ -85,6 +86,8 @@ export function step(/** @type {number} */ by) {
 
 export function remove(/** @type {string} */ id) {
   if (id === LOT) state.lot = "";
+  refuse("", "file");
+  refuse("");
   state.files = state.files.filter((one) => one.id !== id);
   state.current = state.files[0]?.id || (state.lot && LOT);
   if (!hammers().length) state.joint = false;
@@ -129,9 +132,9 @@ export async function answer() {
   given.one.options = given.options;
   try {
     await look(given.one);
-    refuse("");
+    refuse("", "file");
   } catch (error) {
-    refuse(words(error));
+    refuse(words(error), "file");
   }
   fileList();
   settle();

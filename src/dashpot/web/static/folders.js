@@ -9,7 +9,7 @@ import { send } from "./wire.js";
 
 /** Open the project or the lot in a folder. */
 export async function openFolder(/** @type {string} */ folder) {
-  refuse("");
+  refuse("", "file");
   document.body.classList.remove("folders");
   status("opening the folder");
   try {
@@ -17,7 +17,7 @@ export async function openFolder(/** @type {string} */ folder) {
     if (head.kind === "lot") showTable(head);
     else await showProject(head);
   } catch (error) {
-    refuse(words(error));
+    refuse(words(error), "file");
     status("not opened");
   }
   await list();
@@ -49,7 +49,7 @@ async function showProject(/** @type {any} */ head) {
 
 /** Open a test of the lot, with the choices that its row was made by. */
 export async function openRow(/** @type {string} */ sha256) {
-  refuse("");
+  refuse("", "file");
   try {
     const { head } = await send("row", { folder: state.lot, sha256 });
     Object.assign(state.job, head.job, { cuts: {} });
@@ -59,7 +59,7 @@ export async function openRow(/** @type {string} */ sha256) {
       settle();
     } else await opened(head.files);
   } catch (error) {
-    refuse(words(error));
+    refuse(words(error), "file");
   }
 }
 

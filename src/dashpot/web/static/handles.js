@@ -103,8 +103,11 @@ export class Handle {
     const [x, y, w, h] = axes.box, [x0, , x1] = axes.view;
     const part = (axes.x.unit(this.value - this.shift) - x0) / (x1 - x0);
     const right = part <= RIGHT && this.label !== "contact", { element, clock } = this;
-    element.hidden = !(part >= -EDGE && part <= 1 + EDGE);
-    element.style.left = `${on.left - about.left - 1 + scale * (x + w * part)}px`;
+    // one that is moved out of sight waits at the edge: hidden, it could not be let go
+    const held = this.held || document.activeElement === element;
+    element.hidden = !held && !(part >= -EDGE && part <= 1 + EDGE);
+    const seen = Math.min(Math.max(part || 0, -EDGE), 1 + EDGE);
+    element.style.left = `${on.left - about.left - 1 + scale * (x + w * seen)}px`;
     element.style.top = `${on.top - about.top - 1 + scale * y}px`;
     element.style.height = `${scale * h}px`;
     element.classList.toggle("left-of", !right);

@@ -31,7 +31,7 @@ export async function showLot() {
     const { head } = await send("folder", { folder: state.lot });
     take(head);
   } catch (error) {
-    refuse(words(error));
+    refuse(words(error), "file");
   }
 }
 

@@ -16,16 +16,39 @@ export const handles = {
   hold_end: new Handle("hold_end", "hold", "hold end"),
 };
 
-/** Put a drawing in its panel. */
+/** Panels whose axes of time are read off together; the one of the ramp is the record's clock. */
+const LINKED = ["ramp", "hold", "residual"];
+
+function link(/** @type {string} */ name) {
+  const from = figures[name], onset = handles.onset.value;
+  if (!from) return;
+  const clock = (/** @type {string} */ one) => one === "ramp" ? 0 : onset;
+  const time = from.at.x.value(from.x) + clock(name);
+  for (const other of LINKED) {
+    const figure = other === name ? null : figures[other];
+    if (figure) figure.point(time - clock(other));
+  }
+}
+
+/** What each panel says before there is anything to draw. */
+const blank = new Map(
+  all("[data-panel]").map((card) => [card.dataset.panel, card.querySelector(".body")?.innerHTML]),
+);
+
+/** Put a drawing in its panel; where there is none any more it says so again. */
 export function panel(/** @type {string} */ name, /** @type {string} */ html) {
   const card = panelCard(name), body = card?.querySelector(".body");
   const out = card?.querySelector(".read");
-  if (!card || !body || !out || !html) return;
-  body.innerHTML = html;
+  if (!card || !body || !out) return;
+  body.innerHTML = html || blank.get(name) || "";
+  out.textContent = "";
   card.classList.remove("stale");
   const svg = /** @type {SVGSVGElement | null} */ (body.querySelector("svg.figure"));
   const label = card.querySelector("figcaption")?.textContent || "";
   figures[name] = svg && new Figure(svg, out, label);
+  if (svg && LINKED.includes(name)) {
+    for (const kind of ["pointermove", "keyup"]) svg.addEventListener(kind, () => link(name));
+  }
 }
 
 /** Put the strips of a figure one after the other, each with its title, and a way to keep them. */

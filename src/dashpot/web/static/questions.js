@@ -34,6 +34,7 @@ export function settle(again = false) {
   if (bench()) return fitBench();
   const of = test();
   if (!of) {
+    $("hint").hidden = true;
     const open = state.files.some((one) => one.asked);
     status(open ? "a question is open" : "no relaxation test is open");
     return;
