@@ -941,6 +941,8 @@ LOTS = [
         1.3299,
     ),
     Case("stands_out_of_lot", lambda x: lots.stands_out_of_lot(int(x), 9), 0, 1),
+    Case("lots_tested_alike", lambda x: lots.lots_tested_alike(["hold"] * int(x)), 0, 1),
+    Case("seals_named", lambda x: lots.seals_named(int(x), 9), 0, 1),
     Case("asked_in_band", lambda x: lots.asked_in_band([12.7] * int(x), int(x)), 0, 1),
 ]
 
@@ -1089,7 +1091,8 @@ LIMITS = {
     },
     "lots": {"files_fitted": 0, "fits_usable": 0, "hammers_compared": 0,
              "tests_alike": 0, "seals_within_limits": 0,
-             "stands_out_of_lot": 0, "asked_in_band": 0},
+             "stands_out_of_lot": 0, "asked_in_band": 0, "lots_tested_alike": 0,
+             "seals_named": 0},
     "planning": {"tip_excites": -10},
     "vibration": {
         "seal_mass_negligible": 0.02, "mass_of_a_block": 1e-3, "compression_tested": 1,

@@ -153,7 +153,7 @@ def test_every_command_that_writes_can_be_told_to_replace(name):
     # no option names a file to write without saying so
     assert {"-o", "--plot", "--save-profile", "--direct"} & known <= {
         option for one in written for option in one.opts
-    } | ({"-o"} if name in {"demo", "example", "batch"} else set())  # a folder
+    } | ({"-o"} if name in {"demo", "example", "batch", "watch"} else set())  # a folder
 
 
 def test_pictures_are_those_that_are_drawn():

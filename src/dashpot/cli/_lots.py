@@ -26,9 +26,7 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 _DECLARED: tuple[Callable[..., Any], ...] = (
-    click.option(
-        "-o", "--output", type=Folder(), metavar="LOT", required=True, help="Folder to fill."
-    ),
+    click.option("-o", "--output", type=Folder(), metavar="LOT", help="Folder to fill."),
     options.arms,
     options.method,
     click.option("--quick", is_flag=True, help="The optimum alone; needs a number of --arms."),
@@ -66,6 +64,14 @@ _DECLARED: tuple[Callable[..., Any], ...] = (
     click.option(
         "--impact-profile", type=File(), metavar="FILE", help="Saved answers for the hammer files."
     ),
+    click.option(
+        "--quantity",
+        "quantities",
+        metavar="NAME",
+        multiple=True,
+        help="What the page is of [default: k_end]: k_0, loss_factor_at_12.7Hz, ...",
+    ),
+    click.option("--limits", type=File(), metavar="FILE", help="TOML of acceptance limits."),
     click.option("--jobs", type=click.IntRange(1), help="Processes [default: one per processor]."),
     click.option(
         "--scheduler",
@@ -82,13 +88,15 @@ def of_many(function: Callable[..., T]) -> Callable[..., T]:
     @functools.wraps(function)
     def command(
         *,
-        output: str,
+        output: str | None,
         by: str | None,
         manifest: str | None,
         pair: str | None,
         jobs: int | None,
         scheduler: str | None,
         impact_profile: str | None,
+        quantities: tuple[str, ...],
+        limits: str | None,
         options: ReadOptions,
         **given: Any,
     ) -> T:
@@ -97,14 +105,24 @@ def of_many(function: Callable[..., T]) -> Callable[..., T]:
         def job(*paths: str) -> BatchJob:
             from dashpot.lots.batches import BatchJob  # polars and all are not needed for --help
             from dashpot.lots.choices import BatchChoices
+            from dashpot.lots.columns import number_columns
+            from dashpot.lots.limits import read_limits
+            from dashpot.lots.quantities import quantity
 
+            if output is None:
+                raise click.UsageError("say which folder to fill: -o LOT")
             # columns named for one kind of file need not exist in the other's; units do no harm
             of_impact = over_profile(options.only(("units", *OF_HAMMER)), impact_profile)
             bench = options.without(OF_HAMMER_ALONE)
             choices = BatchChoices(reading=bench, reading_impact=of_impact, **own)
-            return BatchJob(paths, Path(output), choices, by, manifest, pair, jobs, scheduler)
+            columns = number_columns(choices)
+            main = quantity(quantities[-1] if quantities else "k_end", columns).name
+            asked = () if limits is None else read_limits(limits, columns)
+            return BatchJob(
+                paths, Path(output), choices, by, manifest, pair, jobs, scheduler, main, asked
+            )
 
-        return function(job=job, **given)
+        return function(job=job, quantities=quantities, **given)
 
     for declare in reversed(_DECLARED):
         command = declare(command)
@@ -115,15 +133,22 @@ _CHOSEN = ("arms", "method", "quick", "mass", "seals", "at", "compression", "joi
 
 
 def write_lot(job: BatchJob, lot: dp.Lot) -> None:
-    """Write table and page beside the parts."""
+    """Write table, workbook and page beside the parts."""
     from dashpot.lots.page import html  # jinja and figures are not needed to list options
+    from dashpot.lots.summary import summary
+    from dashpot.lots.workbook import workbook
 
+    found = summary(lot, quantity=job.quantity, limits=job.limits)
     write(f"{job.output}/lot.csv", lot.csv())
-    write(f"{job.output}/lot.html", html(lot, title=job.output.resolve().name))
+    write(f"{job.output}/lot.xlsx", workbook(found))
+    write(f"{job.output}/lot.html", html(lot, title=job.output.resolve().name, found=found))
 
 
 def outcome(job: BatchJob, lot: dp.Lot) -> Outcome:
     """Return what is printed of a lot."""
+    from dashpot.lots.summary import summary
+
+    found = summary(lot, quantity=job.quantity, limits=job.limits)
     scatter = _scatter(lot)
     document = {
         "schema": "dashpot/batch@1",
@@ -136,13 +161,13 @@ def outcome(job: BatchJob, lot: dp.Lot) -> Outcome:
         "components": [asdict(one) for one in scatter],
         "outliers": [
             {"file": file, "robust_deviations": away if isfinite(away) else None}
-            for file, away in lot.outliers()
+            for file, away in lot.outliers(job.quantity)
         ],
         "short_holds": list(lot.short_holds),
+        **found.document,
     }
-    return Outcome(
-        document, Text([*_told(document), *_shares(scatter), *_out(lot)], _others(lot)), lot.checks
-    )
+    lines = [*_told(document), *found.lines, *_shares(scatter), *_out(lot, job.quantity)]
+    return Outcome(document, Text(lines, _others(lot)), found.checks)
 
 
 def _told(document: dict[str, Any]) -> list[str]:
@@ -184,10 +209,10 @@ def _shares(scatter: tuple[Component, ...]) -> list[str]:
     return ["scatter of k_inf, standard deviations:", *lines] if lines else []
 
 
-def _out(lot: dp.Lot) -> list[str]:
+def _out(lot: dp.Lot, quantity: str) -> list[str]:
     """The tests to look at."""
     away = [
         f"  stands out  {file}: {one:+.1f} robust deviations from its lot"
-        for file, one in lot.outliers()
+        for file, one in lot.outliers(quantity)
     ]
     return [*away, *(f"  short hold  {file}" for file in lot.short_holds)]

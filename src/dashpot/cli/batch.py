@@ -9,16 +9,27 @@ from typing import Any
 import click
 
 from dashpot.cli._lots import of_many, outcome, write_lot
-from dashpot.cli._shell import File, Outcome, reports
+from dashpot.cli._shell import File, Folder, Outcome, reports
 from dashpot.cli._terminal import Text
 
 
 @click.command("batch")
 @click.argument("paths", type=File(), nargs=-1, metavar="PATH...")
 @click.option("--dry-run", is_flag=True, help="Say what would be done, and how long it takes.")
+@click.option(
+    "--compare", type=Folder(), nargs=2, metavar="LOT LOT",
+    help="Whether two lots differ; FOLDER:NAME is one lot of several.",
+)  # fmt: skip
 @reports
 @of_many
-def command(*, paths: tuple[str, ...], job: Callable[..., Any], dry_run: bool) -> Outcome:
+def command(
+    *,
+    paths: tuple[str, ...],
+    job: Callable[..., Any],
+    quantities: tuple[str, ...],
+    compare: tuple[str, str] | None,
+    dry_run: bool,
+) -> Outcome:
     r"""Fit every test in PATH (files, folders, patterns), one row of a table each.
 
     LOT gets the table as Parquet parts and lot.csv, the page lot.html, and a log. A file that has
@@ -31,8 +42,12 @@ def command(*, paths: tuple[str, ...], job: Callable[..., Any], dry_run: bool) -
     dashpot batch --manifest tests.csv -o lot --arms 2 --quick --jobs 8
     dashpot batch tests/ -o lot --pair '{stem}_hammer*.csv' --mass 104g --seals 2
     dashpot batch tests/ -o lot --scheduler tcp://host:8786
+    dashpot batch tests/ -o lot --limits limits.toml --strict
     dashpot batch tests/ -o lot --dry-run
+    dashpot batch --compare may/lot june/lot
     """
+    if compare is not None:
+        return _comparison(compare, quantities)
     asked = job(*paths)
     if not paths and asked.manifest is None:
         raise click.UsageError("give files, folders or patterns, or --manifest FILE")
@@ -44,6 +59,14 @@ def command(*, paths: tuple[str, ...], job: Callable[..., Any], dry_run: bool) -
     lot = run_batch(asked)
     write_lot(asked, lot)
     return outcome(asked, lot)
+
+
+def _comparison(named: tuple[str, str], quantities: tuple[str, ...]) -> Outcome:
+    from dashpot.lots.comparison import compared, opened
+
+    first, second = map(opened, named)
+    found = compared(first, second, quantities)
+    return Outcome(found.document, Text(str(found).splitlines()), found.checks)
 
 
 def _planned(plan: dict[str, Any]) -> list[str]:

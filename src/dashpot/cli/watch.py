@@ -18,7 +18,7 @@ from dashpot.cli._terminal import Text
 @click.argument("folder", type=Folder())
 @reports
 @of_many
-def command(*, folder: str, job: Callable[..., Any]) -> Outcome:
+def command(*, folder: str, job: Callable[..., Any], **_: Any) -> Outcome:
     r"""Fit each test that is written into FOLDER, and keep table and page of the lot up to date.
 
     A file is taken when it has been still for two seconds. LOT is that of dashpot batch with the

@@ -19,6 +19,7 @@ from dashpot.io.options import ReadOptions
 from dashpot.lots.choices import BatchChoices, several
 from dashpot.lots.engines import engine
 from dashpot.lots.entries import Entry, entries
+from dashpot.lots.limits import Limits
 from dashpot.lots.parts import (
     SMALL,
     Task,
@@ -44,9 +45,10 @@ _TIMED = 3
 
 @dataclass(frozen=True)
 class BatchJob:
-    """Which tests a batch takes, and who makes their rows.
+    """Which tests a batch takes, who makes their rows, and what is asked of the lot.
 
-    The fields are the arguments of :func:`batch`.
+    The fields are the arguments of :func:`batch`, but for the last two: the quantity that its page
+    is of, and the limits of acceptance.
     """
 
     paths: tuple[str | Path, ...]
@@ -57,6 +59,8 @@ class BatchJob:
     pair: str | None = None
     jobs: int | None = None
     scheduler: str | None = None
+    quantity: str = "k_end"
+    limits: tuple[Limits, ...] = ()
 
     def entries(self, *, growing: bool = False) -> tuple[Entry, ...]:
         """The tests that are there now; where more are to come, none is no error."""

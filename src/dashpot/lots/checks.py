@@ -96,3 +96,25 @@ def asked_in_band(frequencies: Sequence[float], tests: int) -> Finding:
         instead=f"{where} Hz lies beyond the band of {tests} tests: stiffness and loss there are "
         "extrapolated; a faster ramp or a hammer test would tell",
     )
+
+
+@criterion("conditions that differ", "<=", 0, "by definition")
+def lots_tested_alike(otherwise: Sequence[str]) -> Finding:
+    """Two lots were tested alike: hold, depth and ramp within 5 %, temperature within 3 K."""
+    return Finding(
+        "the lots were tested alike",
+        len(otherwise),
+        instead=f"the lots were not tested alike ({'; '.join(otherwise)}): what differs may be the "
+        "testing",
+    )
+
+
+@criterion("tests without a seal", "<=", 0, "by definition")
+def seals_named(unnamed: int, tests: int) -> Finding:
+    """Of every test it is known which seal it is of: repeats of one do not count as seals."""
+    return Finding(
+        f"{tests - unnamed} of {tests} tests name their seal",
+        unnamed,
+        ": each other one counts as a seal, which makes intervals too short if any were repeats; "
+        "name them (--by or --manifest)",
+    )

@@ -76,9 +76,14 @@ def chosen_columns(choices: BatchChoices) -> tuple[str, ...]:
     return (*arm_columns(choices.columns), *dict.fromkeys(names))
 
 
+def number_columns(choices: BatchChoices) -> tuple[str, ...]:
+    """Return every column of numbers but the counts."""
+    return (*NUMBERS, *chosen_columns(choices))
+
+
 def empty(entry: Entry, sha256: str, choices: BatchChoices) -> dict[str, Any]:
     """Return the row of a file of which nothing is known yet."""
-    numbers = dict.fromkeys((*COUNTS, *NUMBERS, *chosen_columns(choices)))
+    numbers = dict.fromkeys((*COUNTS, *number_columns(choices)))
     told = {name: getattr(entry, name) for name in ("file", *LABELS)}
     return (
         dict.fromkeys(TEXTS, "")

@@ -17,7 +17,7 @@ from dashpot.base.checks import verdict
 from dashpot.base.numbers import counted, rounded
 from dashpot.base.version import byline
 from dashpot.lots.figures import capability_picture, control_picture, curves_picture
-from dashpot.lots.limits import Judged
+from dashpot.lots.judgement import Judged
 from dashpot.lots.quantities import Quantity
 from dashpot.lots.rows import Lot
 from dashpot.lots.seals import Seal

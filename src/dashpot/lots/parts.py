@@ -14,7 +14,7 @@ from dashpot.base.atomic import PART, write_whole
 from dashpot.base.errors import DataError, ExportError
 from dashpot.base.version import __version__
 from dashpot.lots.choices import BatchChoices
-from dashpot.lots.columns import AGAIN, COUNTS, NUMBERS, TEXTS, chosen_columns
+from dashpot.lots.columns import AGAIN, COUNTS, TEXTS, number_columns
 from dashpot.lots.entries import Entry, hashed
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ def polars() -> Any:
 def schema(choices: BatchChoices) -> dict[str, Any]:
     """Return the columns of the table and their types."""
     kind = polars()
-    numbers = (*NUMBERS, *chosen_columns(choices))
+    numbers = number_columns(choices)
     texts = dict.fromkeys((*TEXTS, KEY), kind.String)
     return texts | dict.fromkeys(COUNTS, kind.Int64) | dict.fromkeys(numbers, kind.Float64)
 

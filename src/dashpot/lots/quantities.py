@@ -61,16 +61,17 @@ class Quantity(NamedTuple):
 
 
 def quantity(name: str, columns: Sequence[str]) -> Quantity:
-    """Return the quantity of a name, or of a column.
+    """Return the quantity of a name, or of a column; of two of one name, the first column.
 
     Raises
     ------
     DataError
         If no column is called so.
     """
-    known = {one.name: one for one in map(_of, columns)} | {one: _of(one) for one in columns}
+    found = [_of(one) for one in columns]
+    known = {one.name: one for one in reversed(found)} | {one.column: one for one in found}
     if name not in known:
-        there = ", ".join(sorted({one.name for one in map(_of, columns)}))
+        there = ", ".join(sorted({one.name for one in found}))
         raise DataError(f"'{name}' is no column of numbers of the table; there are {there}")
     return known[name]
 

@@ -130,7 +130,8 @@ class Lot:
             If no column of numbers is called so.
         """
         numbers = [one for one, kind in self.table.schema.items() if kind.is_float()]
-        return quantity(name, numbers)
+        # the stiffness of a part and the modulus of a material share a name: of which there are any
+        return quantity(name, sorted(numbers, key=lambda one: self.table[one].count() == 0))
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:

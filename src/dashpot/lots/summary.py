@@ -11,13 +11,15 @@ import numpy as np
 
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
+from dashpot.base.numbers import ascii_only
 from dashpot.lots.checks import (
     asked_in_band,
     capability_as_asked,
     seals_within_limits,
     stands_out_of_lot,
 )
-from dashpot.lots.limits import Judged, Limits, judged
+from dashpot.lots.judgement import Judged, judged
+from dashpot.lots.limits import Limits
 from dashpot.lots.quantities import Quantity
 from dashpot.lots.rows import Lot
 from dashpot.lots.seals import Charts, Seal
@@ -105,6 +107,11 @@ class Summary:
     def each(self) -> tuple[OfQuantity, ...]:
         """The statistics of every quantity, the main one first."""
         return (self.main, *self.others)
+
+    @property
+    def lines(self) -> list[str]:
+        """What a shell prints of each quantity: seals, gauge, capability, judgement."""
+        return [line for one in self.each for line in _lines(one)]
 
     @property
     def document(self) -> dict[str, Any]:
@@ -256,7 +263,40 @@ def _out_of_band(lot: Lot, frequency: float) -> int:
     return sum(not low <= frequency <= high for low, high in bands)
 
 
-# -- for programs ---------------------------------------------------------------------------------
+# -- for people and programs -----------------------------------------------------------------------
+
+
+def _lines(one: OfQuantity) -> Iterator[str]:
+    def shown(value: float) -> str:
+        return ascii_only(one.quantity.read(value))
+
+    signals = sum(len(chart.means.signals) for chart in one.charts.values())
+    lots = len({seal.lot for seal in one.seals})
+    if len(one.seals) < 2:
+        return
+    mean = float(np.mean([seal.mean for seal in one.seals]))
+    yield (
+        f"{one.quantity.words}: mean {shown(mean)} of {len(one.seals)} seals in {lots} lots, "
+        f"{signals} signals of control charts"
+    )
+    if one.gauge is not None:
+        share, (low, high) = one.gauge["gauge"].share, one.gauge.categories_interval
+        yield (
+            f"  gauge R&R   {100 * share:.3g} % of all scatter, ndc {one.gauge.categories:.0f} "
+            f"({low:.0f} to {high:.0f})"
+        )
+    for name, able in one.capability.items():
+        if able.cpk is not None and able.cpk_interval is not None:
+            low, high = able.cpk_interval
+            yield (
+                f"  Cpk         {able.cpk:.2f} ({low:.2f} to {high:.2f}, {able.count} seals)"
+                f"{f', lot {name}' if name else ''}"
+            )
+    for judge in one.judged:
+        if judge.decision != "pass":
+            value = "" if judge.value is None else f", {shown(judge.value)}"
+            where = f"{judge.lot} " if judge.lot else ""
+            yield f"  {judge.decision:<11} {where}seal {judge.seal}{value}"
 
 
 def _plain(one: OfQuantity) -> dict[str, Any]:

@@ -6,6 +6,7 @@ import datetime as dt
 from collections.abc import Iterator
 from io import BytesIO
 from typing import TYPE_CHECKING, Any
+from zipfile import ZIP_DEFLATED, ZIP_STORED, ZipFile
 
 from dashpot.base.errors import ExportError
 from dashpot.base.version import byline
@@ -50,7 +51,20 @@ def workbook(found: Summary) -> bytes:
         for name, frame in (("tests", tests), *_sheets(found)):
             if frame.height:
                 frame.write_excel(book, name, autofit=False, float_precision=6)
-    return made.getvalue()
+    return _byline_first(made)
+
+
+_CORE = "docProps/core.xml"
+
+
+def _byline_first(made: BytesIO) -> bytes:
+    """The archive with its properties first and plain: a file of ours is known by its head."""
+    whole = BytesIO()
+    with ZipFile(made) as old, ZipFile(whole, "w", ZIP_DEFLATED) as new:
+        for one in sorted(old.infolist(), key=lambda one: one.filename != _CORE):
+            plain = one.filename == _CORE
+            new.writestr(one, old.read(one), ZIP_STORED if plain else ZIP_DEFLATED)
+    return whole.getvalue()
 
 
 def _sheets(found: Summary) -> Iterator[tuple[str, pl.DataFrame]]:

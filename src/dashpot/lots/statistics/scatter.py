@@ -173,7 +173,9 @@ def _of_difference(
     from scipy.stats import chi2, f
 
     tail, n1, n2 = (1 - level) / 2, outer.freedom, inner.freedom
-    m1, m2 = outer.square / own, max(below, 0.0) / own
+    m2 = max(below, 0.0) / own
+    # an estimate below 0 is known no better than one of 0
+    m1 = max(outer.square / own, m2)
     g1, h2 = 1 - n1 / chi2.ppf(1 - tail, n1), n2 / chi2.ppf(tail, n2) - 1
     h1, g2 = n1 / chi2.ppf(tail, n1) - 1, 1 - n2 / chi2.ppf(1 - tail, n2)
     high, low = f.ppf(1 - tail, n1, n2), f.ppf(tail, n1, n2)

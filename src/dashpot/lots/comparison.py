@@ -1,0 +1,183 @@
+"""Two lots held against each other, quantity by quantity."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError
+from dashpot.base.numbers import ascii_only
+from dashpot.lots.checks import lots_tested_alike, seals_named
+from dashpot.lots.quantities import Quantity, natural
+from dashpot.lots.rows import ALIKE, DEGREES, Lot
+from dashpot.lots.statistics.difference import SURE, Difference, holm
+
+_TOLD_BY_OTHERS = ("k_inf", "E_inf", "loss_at_")
+_CONDITIONS = ("hold_s", "depth_m", "temperature_K", "ramp_s")
+
+
+@dataclass(frozen=True)
+class Compared:
+    """One quantity of two lots.
+
+    Attributes
+    ----------
+    quantity : Quantity
+    difference : Difference
+        The second lot less the first, SI.
+    p_value : float
+        Adjusted for the number of quantities that were asked about at once (Holm).
+    """
+
+    quantity: Quantity
+    difference: Difference
+    p_value: float
+
+    @property
+    def different(self) -> bool:
+        """Whether chance alone gives such a difference in fewer than 5 % of trials."""
+        return self.p_value < SURE
+
+    def share(self, value: float) -> float:
+        """A difference, SI, over the mean of the first lot."""
+        mean = self.difference.means[0]
+        return value / mean if mean else float("nan")
+
+
+@dataclass(frozen=True)
+class LotComparison:
+    """Whether two lots differ.
+
+    Attributes
+    ----------
+    names : (str, str)
+    each : tuple of Compared
+    checks : tuple of Check
+    """
+
+    names: tuple[str, str]
+    each: tuple[Compared, ...]
+    checks: tuple[Check, ...]
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """For programs: SI, full precision."""
+        return {
+            "schema": "dashpot/lot-comparison@1",
+            "lots": list(self.names),
+            "differences": [
+                {"quantity": one.quantity.name, "column": one.quantity.column,
+                 "different": one.different, "p_value_adjusted": one.p_value}
+                | asdict(one.difference)
+                for one in self.each
+            ],
+            "checks": [asdict(one) for one in self.checks],
+        }  # fmt: skip
+
+    def __str__(self) -> str:
+        first, second = self.names
+        lines = [f"{second} against {first}; seals are what is compared, not their repeats"]
+        for one in self.each:
+            lines += _told(one)
+        return "\n".join(lines)
+
+
+def _told(one: Compared) -> Iterator[str]:
+    of, read = one.difference, one.quantity.read
+
+    def share(value: float) -> str:
+        return f"{100 * one.share(value):+.2g} %"
+
+    low, high = of.interval
+    what = "different" if one.different else "no difference found"
+    yield f"{one.quantity.words}: {what} (p = {one.p_value:.2g})"
+    means = " and ".join(
+        f"{read(mean)} ({count} seals, SD {read(sd, digits=2)})"
+        for mean, count, sd in zip(of.means, of.counts, of.deviations, strict=True)
+    )
+    yield f"  means       {ascii_only(means)}"
+    yield f"  difference  {share(of.value)}, 95 % from {share(low)} to {share(high)}"
+    yield (
+        f"  detectable  {abs(100 * one.share(of.detectable)):.2g} % with a power of 80 %; "
+        f"alike within {abs(100 * one.share(of.alike_within)):.2g} % (two one-sided tests)"
+    )
+
+
+def opened(named: str) -> tuple[str, Lot]:
+    """Return the one lot that ``FOLDER`` or ``FOLDER:LOT`` names, and what it is called.
+
+    Raises
+    ------
+    ReadError
+        If there is no lot in the folder.
+    DataError
+        If there are several and none, or one that is not there, was named.
+    """
+    folder, _, chosen = (named, "", "") if Path(named).is_dir() else named.rpartition(":")
+    lot = Lot.read(folder or named)
+    if chosen:
+        return chosen, lot.only(chosen)
+    lots = sorted(set(lot.fitted["lot"]), key=natural)
+    if len(lots) > 1:
+        raise DataError(
+            f"{named} holds {len(lots)} lots: {', '.join(lots)}; say which one is meant, such as "
+            f"{named}:{lots[0]}"
+        )
+    return Path(named).resolve().name, lot
+
+
+def compared(
+    first: tuple[str, Lot], second: tuple[str, Lot], names: Sequence[str] = ()
+) -> LotComparison:
+    """Return by how much the second lot differs from the first, and what could have been seen.
+
+    Parameters
+    ----------
+    first, second : (str, Lot)
+        What a lot is called, and the lot.
+    names : sequence of str
+        Quantities; by default those that both lots have, less what the others tell.
+
+    Raises
+    ------
+    DataError
+        If a lot has fewer than two seals, or lacks a quantity.
+    """
+    (one_name, one), (other_name, other) = first, second
+    theirs = {quantity.name for quantity in other.quantities}
+    wanted = tuple(names) or tuple(
+        quantity.name
+        for quantity in one.quantities
+        if quantity.name in theirs and not quantity.name.startswith(_TOLD_BY_OTHERS)
+    )
+    if not wanted:
+        raise DataError(f"{one_name} and {other_name} have no quantity in common")
+    quantities = [one.quantity(name) for name in wanted]
+    found = [one.compare(other, quantity.name) for quantity in quantities]
+    p_values = holm([each.p_value for each in found])
+    unnamed = sum(int((lot.used["seal"] == "").sum()) for lot in (one, other))
+    return LotComparison(
+        (one_name, other_name),
+        tuple(map(Compared, quantities, found, p_values)),
+        (
+            lots_tested_alike(tuple(_otherwise(one, other))),
+            seals_named(unnamed, one.used.height + other.used.height),
+            *one.checks,
+            *other.checks,
+        ),
+    )
+
+
+def _otherwise(one: Lot, other: Lot) -> Iterator[str]:
+    """Conditions of the tests that differ between the lots, by their medians."""
+    for name in _CONDITIONS:
+        medians = [lot.used[name].median() for lot in (one, other)]
+        first, second = (value if isinstance(value, float) else None for value in medians)
+        if first is None or second is None:
+            continue
+        if abs(second - first) > (DEGREES if name == "temperature_K" else ALIKE * abs(first)):
+            what, _, unit = name.rpartition("_")
+            yield f"{what} {first:.4g} and {second:.4g} {unit}"

@@ -1,0 +1,228 @@
+"""What a lot says: limits and their guard band, what stands out, the workbook; hostile lots."""
+
+import json
+import math
+from io import BytesIO
+
+import numpy as np
+import openpyxl
+import pytest
+from click.testing import CliRunner
+from kit.lots import lot_of, scattered
+
+from dashpot.base.errors import ReadError
+from dashpot.base.version import is_ours
+from dashpot.cli import main
+from dashpot.io.write import write_relaxation
+from dashpot.lots.judgement import judged
+from dashpot.lots.limits import read_limits
+from dashpot.lots.page import html
+from dashpot.lots.summary import summary
+from dashpot.lots.workbook import workbook
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.solids.table_1 import PAPER
+
+pytestmark = pytest.mark.once
+COLUMNS = ("k_end_N_per_m", "loss_factor_at_12.7Hz", "k_0_N_per_m")
+
+
+def limits(tmp_path, text, columns=COLUMNS):
+    path = tmp_path / "limits.toml"
+    path.write_text(text)
+    return read_limits(path, columns)
+
+
+def test_limits_have_units_and_the_names_of_the_table(tmp_path):
+    first, second = limits(
+        tmp_path,
+        '[k_end]\nlower = "0.18N/mm"\nupper = "220 N/m"\ncpk = 1.33\n'
+        '["loss_factor_at_12.7Hz"]\nupper = 0.08\n',
+    )
+    assert (first.lower, first.upper, first.cpk) == pytest.approx((180, 220, 1.33))
+    assert (second.lower, second.upper) == (None, 0.08)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("[k_end]\nlower = 0.18", r"\[k_end\]: '0.18' has no unit"),
+        ('[k_end]\nlower = "18mm"', r"\[k_end\]"),
+        ("[k]\nlower = 1", "'k' is no column"),
+        ("[k_end]\ncpk = 1.3", "it has no limit"),
+        ('[k_end]\nlower = "2N/m"\nupper = "1N/m"', "lower is not below upper"),
+        ('[k_end]\nlow = "2N/m"', "'low' is unknown; known are lower, upper, cpk"),
+        ('[k_end]\nlower = "2N/m"\ncpk = -1', "cpk = -1"),
+        ("k_end = 3", "expected a table"),
+        ("", "no limit is in it"),
+        ("[k_end", "not TOML"),
+        ('["loss_factor_at_12.7Hz"]\nupper = nan', "expected a finite number"),
+    ],
+)
+def test_limits_that_make_no_sense_are_refused(tmp_path, text, words):
+    with pytest.raises(ReadError, match=words):
+        limits(tmp_path, text)
+
+
+def repeated(*means, spread=1.0):
+    """One lot of seals with four repeats each, at their mean -1, -1, 1, 1 times the spread."""
+    return [
+        {"lot": "A", "seal": f"{i}", "k_end_N_per_m": mean + spread * side,
+         "file": f"{i}_{j}.csv"}
+        for i, mean in enumerate(means)
+        for j, side in enumerate((-1, -1, 1, 1))
+    ]  # fmt: skip
+
+
+def test_a_seal_passes_where_its_uncertainty_leaves_no_doubt(tmp_path):
+    """Repeats of one lot: s = sqrt(4/3), 12 degrees of freedom, t_0.95 = 1.7823 (any table)."""
+    guard = 1.7823 * math.sqrt(4 / 3) / 2
+    means = (110.0, 100 + 1.001 * guard, 100 + 0.999 * guard, 99.99)
+    rows = repeated(*means)
+    rows.append({"lot": "A", "seal": "lost", "file": "z.csv", "outcome": "refused"})
+    (asked,) = limits(tmp_path, '[k_end]\nlower = "100N/m"')
+    found = judged(lot_of(rows), asked)
+    assert [one.decision for one in found] == ["pass", "pass", "not proven", "fail", "no result"]
+    assert found[0].guard == pytest.approx(guard, rel=1e-4)
+    # without repeats the uncertainty is not known
+    alone = judged(lot_of(rows[:16:4]), asked)
+    assert [(one.decision, one.guard) for one in alone][:2] == [("pass", None), ("pass", None)]
+
+
+def test_a_guard_band_keeps_its_promise(tmp_path):
+    """Of seals truly outside the limit, fewer than one in twenty pass."""
+    rng = np.random.default_rng(1)
+    (asked,) = limits(tmp_path, '[k_end]\nlower = "100N/m"')
+    passed = 0
+    for _ in range(40):
+        rows = [
+            {"lot": "A", "seal": f"{i}", "k_end_N_per_m": 99.999 + rng.normal(0, 2)}
+            for i in range(25)
+            for _ in range(3)
+        ]
+        passed += [one.decision for one in judged(lot_of(rows), asked)].count("pass")
+    assert passed / 1000 < 0.05 + 4 * math.sqrt(0.05 * 0.95 / 1000)
+
+
+def test_what_operators_add_widens_the_guard_band(tmp_path):
+    rows = scattered(lots=1, seals=10, sds=(0, 0.03, 0.005), operators=("a", "b"), seed=1)
+    (asked,) = limits(tmp_path, '[k_end]\nlower = "100N/m"')
+    one = judged(lot_of(rows), asked)[0].guard
+    for row in rows:
+        row["k_end_N_per_m"] += 8 * (row["operator"] == "b")
+    assert judged(lot_of(rows), asked)[0].guard > 3 * one
+
+
+def test_what_stands_out_is_named_and_what_does_not_is_not():
+    rng = np.random.default_rng(8)
+    means = 200 + 4 * np.linspace(-1.5, 1.5, 20)[rng.permutation(20)]
+    rows = [
+        {"lot": "A", "seal": f"{i}", "file": f"{i}_{j}.csv",
+         "k_end_N_per_m": means[i] + rng.normal(0, 1)}
+        for i in range(20) for j in range(4)
+    ]  # fmt: skip
+    sound = summary(lot_of(rows))
+    assert sound.flags == ()
+    for row in rows[12:16]:
+        row["k_end_N_per_m"] += 40  # seal 3
+    rows[21]["k_end_N_per_m"] += 12  # one test of seal 5
+    flags = summary(lot_of(rows)).flags
+    assert {(one.seal, one.file) for one in flags} == {("3", ""), ("5", ""), ("5", "5_1.csv")}
+    said = {one.seal + one.file: one.says for one in flags}
+    assert "above the median seal of its lot" in said["3"]
+    assert "its repeats scatter by" in said["5"]
+    assert "above the other tests of its seal" in said["55_1.csv"]
+
+
+HOSTILE = {
+    "one test": scattered(1, 1, 1),
+    "one seal": scattered(1, 1, 4),
+    "one repeat": scattered(1, 6, 1),
+    "two lots of one seal": scattered(2, 1, 1),
+    "all identical": scattered(2, 3, 2, sds=(0, 0, 0)),
+    "repeats identical": scattered(2, 5, 3, sds=(0.02, 0.03, 0)),
+    "an outlier": [*scattered(1, 8, 2), {"lot": "L1", "seal": "x", "k_end_N_per_m": 2e4,
+                                         "k_inf_N_per_m": 2e4, "k_1_N_per_m": 1.0}],
+    "mixed depths": [row | {"depth_m": 0.006 + 0.001 * (i % 3)}
+                     for i, row in enumerate(scattered(1, 6, 2))],
+    "nothing fitted": [row | {"outcome": "refused", "verdict": ""} for row in scattered(1, 2, 2)],
+    "nothing to use": [row | {"verdict": "do not use"} for row in scattered(1, 2, 2)],
+    "names that are code": [row | {"lot": "=1+1", "seal": "<i>" + row["seal"]}
+                            for row in scattered(1, 3, 2)],
+    "skewed": [row | {"k_end_N_per_m": 100 + np.exp(i % 7)}
+               for i, row in enumerate(scattered(1, 14, 1))],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("rows", HOSTILE.values(), ids=HOSTILE)
+def test_any_lot_has_a_page_a_document_and_a_workbook(rows, tmp_path):
+    lot = lot_of(rows)
+    asked = limits(tmp_path, '[k_end]\nlower = "180N/m"\nupper = "220N/m"\ncpk = 1.33\n')
+    found = summary(lot, limits=asked)
+    json.dumps(found.document, allow_nan=False)
+    page = html(lot, found=found)
+    assert "<i>" not in page
+    assert page.count("<svg") == page.count("</svg>")
+    book = openpyxl.load_workbook(BytesIO(workbook(found)))
+    assert book["tests"].max_row == lot.table.height + 1
+    cells = [cell for sheet in book for row in sheet.iter_rows() for cell in row]
+    assert not any(cell.data_type == "f" for cell in cells)
+    for one in found.each:
+        for seal in one.judged:
+            assert seal.decision in {"pass", "fail", "not proven", "no result"}
+
+
+def test_a_workbook_is_known_as_ours_and_is_the_same_bytes_again():
+    found = summary(lot_of(scattered(2, 3, 2)))
+    made = workbook(found)
+    assert is_ours(made[:4096])
+    assert workbook(found) == made
+    book = openpyxl.load_workbook(BytesIO(made))
+    seals = {row[2]: row[4] for row in book["seals"].iter_rows(min_row=2, values_only=True)}
+    assert seals["3"] == pytest.approx(found.main.seals[-1].mean)
+
+
+def test_capability_that_is_asked_for_and_not_there_leads_the_page(tmp_path):
+    lot = lot_of(scattered(2, 25, 2, seed=4))
+    asked = limits(tmp_path, '[k_end]\nlower = "150N/m"\nupper = "250N/m"\ncpk = 3\n')
+    found = summary(lot, limits=asked)
+    page = html(lot, found=found)
+    assert "where 3.00 is asked" in page
+    (check,) = [one for one in found.checks if one.name == "capability_as_asked"]
+    worst = min(one.cpk for one in found.main.capability.values())
+    assert check.failed
+    assert check.value == worst
+
+
+def test_frequencies_beyond_the_band_are_said():
+    rows = [row | {"loss_factor_at_12.7Hz": 0.03, "loss_factor_at_0.1Hz": 0.03}
+            for row in scattered(1, 3, 1)]  # fmt: skip
+    (check,) = [one for one in summary(lot_of(rows)).checks if one.name == "asked_in_band"]
+    assert check.value == 3
+    assert "12.7 Hz lies beyond" in check.says
+
+
+def test_the_command_judges_by_limits_and_strict_ends_in_1(tmp_path):
+    tests = tmp_path / "tests"
+    tests.mkdir()
+    for i in range(4):
+        made = simulate_relaxation(PAPER, hold_time=3.0, seed=i)
+        (tests / f"seal{i // 2}_{i % 2}.csv").write_text(write_relaxation(made.test))
+    common = ["batch", str(tests), "-o", str(tmp_path / "lot"), "--arms", "1", "--quick",
+              "--by", r"seal(?P<seal>\d)_(?P<repeat>\d)", "--jobs", "1"]  # fmt: skip
+    for text, code, decision in (
+        ('[k_end]\nlower = "150N/m"\nupper = "300N/m"', 0, "pass"),
+        ('[k_end]\nupper = "150N/m"', 1, "fail"),
+    ):
+        path = tmp_path / "limits.toml"
+        path.write_text(text)
+        ran = CliRunner().invoke(main, [*common, "--limits", str(path), "--strict", "--json"])
+        assert ran.exit_code == code, ran.output
+        (one,) = json.loads(ran.stdout)["statistics"]
+        assert {judge["decision"] for judge in one["judged"]} == {decision}
+    page = (tmp_path / "lot" / "lot.html").read_text()
+    assert "0 of two seals" not in page
+    assert "outside" in page
+    path.write_text('[k_near]\nlower = "1N/m"')
+    ran = CliRunner().invoke(main, [*common, "--limits", str(path)])
+    assert ran.exit_code == 2
+    assert CliRunner().invoke(main, ["batch", str(tests)]).exit_code == 2
