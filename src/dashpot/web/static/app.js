@@ -160,6 +160,8 @@ document.addEventListener("keydown", (event) => {
     return;
   }
   if (event.ctrlKey && event.key === "z" && !at.closest("input")) {
+    // the browser's own would undo what was typed into a field, and go there
+    event.preventDefault();
     back();
     return;
   }

@@ -8,6 +8,19 @@ export function $(/** @type {string} */ id) {
 
 export const field = (/** @type {string} */ id) => /** @type {HTMLInputElement} */ ($(id));
 
+/** Put a value in a field, unless it is being typed into. */
+export function put(/** @type {string} */ id, /** @type {string} */ value) {
+  if (!field(id).dataset.typed) field(id).value = value;
+}
+
+document.addEventListener("input", (event) => {
+  /** @type {HTMLInputElement} */ (event.target).dataset.typed = "true";
+});
+// before whoever hears of it puts the value as it was understood
+document.addEventListener("change", (event) => {
+  delete /** @type {HTMLInputElement} */ (event.target).dataset.typed;
+}, true);
+
 /** @returns {HTMLElement[]} */
 export const all = (/** @type {string} */ query, /** @type {ParentNode} */ root = document) =>
   [

@@ -1,6 +1,6 @@
 // The drawn panels: zoom and read-off, curves that follow, handles on their time axes.
 import { Figure } from "../../plot/charts.js";
-import { all, field, made, panelCard } from "./dom.js";
+import { all, made, panelCard, put } from "./dom.js";
 import { Handle } from "./handles.js";
 import { state, together } from "./job.js";
 
@@ -91,7 +91,6 @@ export function placeHandles(
     const figure = together().length ? null : figures[handle.panel];
     handle.place(figure, at[name], clock, handle.panel === "hold" ? at.onset : 0);
     handle.byHand(name in state.job.cuts);
-    const number = field(`cut-${name}`);
-    if (document.activeElement !== number) number.value = String(+at[name].toFixed(4));
+    put(`cut-${name}`, String(+at[name].toFixed(4)));
   }
 }

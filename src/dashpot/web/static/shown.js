@@ -1,5 +1,5 @@
 // What stands on the page beside the drawings: verdict, solid, choices, files, fields.
-import { $, all, field, made, panelCard } from "./dom.js";
+import { $, all, field, made, panelCard, put } from "./dom.js";
 import { hammers, isBench, isTest, LOT, shown, state, test, together } from "./job.js";
 import { handles } from "./panels.js";
 
@@ -112,15 +112,15 @@ export function views() {
 /** The numbers of the choices in their fields. */
 export function fields() {
   const { job, mass } = state, grams = parseFloat(job.mass);
-  field("mass").value = job.mass.replace(/g$/, "");
-  field("seals").value = String(job.seals);
-  field("compression").value = job.compression.replace(/mm$/, "");
+  put("mass", job.mass.replace(/g$/, ""));
+  put("seals", String(job.seals));
+  put("compression", job.compression.replace(/mm$/, ""));
   field("mass-slider").disabled = !job.mass;
-  field("mass-slider").value = String(mass && grams ? Math.log10(grams / mass) : 0);
-  field("specimen-temperature").value = (described()?.temperature || "").replace("degC", "");
+  put("mass-slider", String(mass && grams ? Math.log10(grams / mass) : 0));
+  put("specimen-temperature", (described()?.temperature || "").replace("degC", ""));
   for (const [name, unit] of Object.entries(SPECIMEN)) {
     const said = job.specimen[name] || "";
-    field(`specimen-${name}`).value = unit ? said.slice(0, -unit.length) : said;
+    put(`specimen-${name}`, unit ? said.slice(0, -unit.length) : said);
   }
 }
 

@@ -4,6 +4,22 @@ export const cancelled = "cancelled";
 
 /** @typedef {{head: any, arrays: Record<string, Float32Array>}} Answer */
 
+let awaited = 0;
+
+/** Fetch; whoever looks at the page from outside sees whether an answer is awaited. */
+async function fetched(/** @type {string} */ path, /** @type {RequestInit} */ how) {
+  document.body.dataset.busy = String(++awaited > 0);
+  try {
+    const answer = await fetch(path, { credentials: "same-origin", ...how }).catch(() => {
+      throw new Error("the server is gone: start 'dashpot app' again");
+    });
+    if (!answer.ok) throw await refused(answer);
+    return await answer.arrayBuffer();
+  } finally {
+    document.body.dataset.busy = String(--awaited > 0);
+  }
+}
+
 async function refused(/** @type {Response} */ answer) {
   const said = await answer.json().catch(() => ({}));
   return new Error(said.error || `the server answered ${answer.status}`);
@@ -15,20 +31,17 @@ export async function call(
   /** @type {string} */ path,
   /** @type {BodyInit | null} */ body = null,
 ) {
-  const answer = await fetch(path, { method, body, credentials: "same-origin" });
-  if (!answer.ok) throw await refused(answer);
-  return answer.json();
+  const said = await fetched(path, { method, body });
+  return JSON.parse(new TextDecoder().decode(said));
 }
 
 /** One question, one message. @returns {Promise<Answer>} */
 export async function send(/** @type {string} */ verb, /** @type {any} */ request) {
-  const body = JSON.stringify(request);
-  const answer = await fetch(`/api/${verb}`, { method: "POST", body, credentials: "same-origin" })
-    .catch(() => {
-      throw new Error("the server is gone: start 'dashpot app' again");
-    });
-  if (!answer.ok) throw await refused(answer);
-  const buffer = await answer.arrayBuffer(), length = new DataView(buffer).getUint32(0, true);
+  const buffer = await fetched(`/api/${verb}`, {
+    method: "POST",
+    body: JSON.stringify(request),
+  });
+  const length = new DataView(buffer).getUint32(0, true);
   const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
   /** @type {Record<string, Float32Array>} */
   const arrays = {};
@@ -43,11 +56,6 @@ const lanes = {};
 // an answer that is no longer asked for would flicker; a curve that follows should move
 const FOLLOWING = new Set(["live", "mass"]);
 
-/** Say to whoever looks at the page from outside whether an answer is awaited. */
-function awaited() {
-  document.body.dataset.busy = String(Object.values(lanes).some((one) => one.busy));
-}
-
 /** Ask in a lane; a later question of the lane replaces one that waits. */
 export function ask(
   /** @type {string} */ lane,
@@ -60,7 +68,6 @@ export function ask(
   const at = (lanes[lane] ||= { busy: false, next: null, dropped: () => {} });
   const go = async () => {
     at.busy = true;
-    awaited();
     try {
       const answer = await send(verb, request);
       if (at.next && !FOLLOWING.has(lane)) replaced();
@@ -73,7 +80,6 @@ export function ask(
       const next = at.next;
       at.next = null;
       next?.();
-      awaited();
     }
   };
   if (!at.busy) go();
