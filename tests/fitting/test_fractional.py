@@ -38,7 +38,13 @@ from dashpot.fitting.identification.parametrisation import Element
 from dashpot.fitting.relaxation import Design, _data
 from dashpot.fitting.relaxation_data import relaxation_data
 from dashpot.fitting.uncertainty.prediction_bounds import parameter_band, unseen_arm_band
+from dashpot.plot.picture import Tag
 from dashpot.records.estimate import ParameterEstimate, Residual
+from dashpot.report.figures import lead
+from dashpot.vibration.modal.peaks import find_peak
+from dashpot.vibration.systems.prediction import model_modes
+from dashpot.workflow.resting import at_rest, family_checks
+from dashpot.workflow.study import Study
 
 RESONANCE = 2 * np.pi * 12.71
 # equilibrium stiffness and the rest, N/m; tau, s; alpha
@@ -249,6 +255,32 @@ def test_two_solids_part_where_stiffness_or_loss_does() -> None:
     assert 10 * x / 150.0 == pytest.approx(0.1 * 2e-2, rel=0.1) or apart > 3
     assert parts_from(one, 1.021 * one, (0.01, 1.0)) == pytest.approx(0.1)
     assert parts_from(one, 1.019 * one, (0.01, 1.0)) is None
+
+
+def test_the_report_shows_what_both_families_make_of_the_resonance() -> None:
+    found, held = fitted(TRUTHS[0]), pressed(Seal.fractional(*TRUTHS[0]))
+    rests = at_rest(found, mass=0.114, seals=2)
+    study = Study(
+        test=relaxation_test(record(Seal.fractional(*TRUTHS[0]), seed=1)), prepared=held,
+        fit=found, alternatives=(), hold_fit=None, seals=2, mass=0.114, mass_inferred=False,
+        prediction=dp.predict_frf(found, mass=0.114, seals=2), impact=None, measured=None,
+        comparison=None, at_rest=rests,
+    )  # fmt: skip
+    own, other = (find_peak(one) for one in (study.prediction, study.rival))
+    assert other.height > 1.5 * own.height
+    modes = [model_modes(2 * one, 0.114)[0] for one in (found.solid, found.alternative.solid)]
+    for peak, mode in zip((own, other), modes, strict=True):
+        assert peak.frequency == pytest.approx(mode.frequency, rel=0.01)
+    drawn = lead(study).panels[0]
+    tags = [mark.text for mark in drawn.marks if isinstance(mark, Tag)]
+    assert any(f"other family {other.frequency:.2f} Hz" in text for text in tags)
+    (asked,) = family_checks(found, rests.point, mass=0.114, seals=2)
+    assert asked.failed
+    for mode in modes:
+        assert f"{mode.frequency:.4g} Hz with" in asked.says
+    assert "a colder test or a faster ramp" in asked.says
+    # arms alone have no other family beside them
+    assert replace(study, fit=dp.fit(held)).rival is None
 
 
 # -- sweeps ---------------------------------------------------------------------------------------

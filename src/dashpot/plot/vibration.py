@@ -179,6 +179,7 @@ def resonance(
     joint: Comparison | None = None,
     failed: bool = False,
     band: FRFBounds | None = None,
+    rival: FRF | None = None,
     height: float = 292.0,
     stamp: str = "",
 ) -> Picture:
@@ -192,6 +193,8 @@ def resonance(
         Over as wide a range as is at hand: its peak may lie beyond the measured lines.
     joint, failed, band, stamp : optional
         As in :func:`comparison`.
+    rival : FRF, optional
+        By another family of solids, which explains the relaxation test as well.
     height : float
         Of the plotted part, px.
     """
@@ -203,6 +206,8 @@ def resonance(
         at, top = _peak_of(predicted)
         if not ends[0] < at < ends[1]:
             curves[1] = replace(curves[1], frf=predicted, peak=(at, top))
+    if rival is not None:
+        curves.append(Curve(rival, "other family from relaxation", SIMPLER[0], _peak_of(rival)))
     peaks = [one.peak[0] for one in curves if one.peak is not None]
     first = min(one.frf.frequency[one.frf.frequency > 0][0] for one in curves)
     last = max(one.frf.frequency[-1] for one in curves)
@@ -392,7 +397,7 @@ def _peaks(curves: Sequence[Curve], unit: str) -> list[Tag]:
 
     A joint fit that failed has none: its key says so.
     """
-    inks = {MEASURED: "measured", PREDICTED: "fit", JOINT: "joint-ink"}
+    inks = {MEASURED: "measured", PREDICTED: "fit", JOINT: "joint-ink", SIMPLER[0]: "ref"}
     dots: dict[Pen, Literal["filled", "hollow"]] = {MEASURED: "filled", PREDICTED: "hollow"}
     tags = []
     for one in sorted(curves, key=lambda one: one.pen is not MEASURED):

@@ -122,6 +122,7 @@ def lead(study: Study) -> plot.Picture:
         joint=study.joint_comparison,
         failed=_failed(study),
         band=study.frf_band,
+        rival=study.rival,
         stamp=said,
     )
 

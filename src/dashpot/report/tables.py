@@ -32,6 +32,7 @@ from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.systems.operating_point import operating_point
 from dashpot.vibration.systems.prediction import model_modes
 from dashpot.workflow.assumptions import ASSUMPTIONS
+from dashpot.workflow.resting import rival_of
 from dashpot.workflow.study import Study
 
 STATES = {True: "passed", None: "not judged"}
@@ -362,6 +363,9 @@ def resonance(study: Study) -> Table | None:
     }
     rows = [(f"measured: {says}", *_mode_cells(measured, way, c)) for way, says in ways.items()]
     solids = [("model from relaxation", study.fit, study.mass)]
+    other = rival_of(study.fit)
+    if other is not None:
+        solids.append(("other family from relaxation", other, study.mass))
     if study.joint is not None:
         mass = next((n.value for n in study.joint.nuisance if n.name == "mass"), study.mass)
         solids.append(("model from both tests", study.joint, mass))

@@ -176,7 +176,7 @@ def study_panel(study: Study, sizes: Sizes) -> str:
     failed = failed and study.joint.verdict.use == "do not use"  # type: ignore[union-attr]
     picture = plot.resonance(
         study.comparison, predicted, joint=study.joint_comparison, failed=failed,
-        band=study.frf_band,
+        band=study.frf_band, rival=study.rival,
     )  # fmt: skip
     return drawn("frf", picture.panels[0], sizes)
 
@@ -330,7 +330,7 @@ def _term(name: str, value: float, ends: tuple[float, float], unit: str) -> Term
 def solid_table(fit: Fit) -> str:
     """The solid of one seal, each term with its interval and a mark."""
     found, groups = terms(fit), []
-    dense = fit.model.arms > SINGLE
+    dense = fit.family == "maxwell" and fit.model.arms > SINGLE
     if dense:
         found = [one for one in found if one.name == symbol("k_inf")]
     for unit in dict.fromkeys(one.unit for one in found):

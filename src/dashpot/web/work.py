@@ -33,6 +33,7 @@ from dashpot.workflow.command_lines import FIT, predict_command, report_command
 from dashpot.workflow.inspections import InspectedFile, inspect_files
 from dashpot.workflow.job import Job
 from dashpot.workflow.project import with_paths
+from dashpot.workflow.resting import at_rest, family_checks
 
 Verb = Callable[[Mapping[str, Any], Path], bytes]
 
@@ -111,15 +112,18 @@ def settle(request: Mapping[str, Any], folder: Path) -> bytes:
     test, prepared = results.shown(job, found, most)
     by_eq5 = results.beside(job, found, most)
     panels = views.test_panels(found, prepared, by_eq5, sizes)
+    checks = found.checks
     if job.mass is not None:
         response = _predicted(found, job, _kind(request), REACH)
         panels["frf"] = views.response_panel(response, sizes)
+        rests = at_rest(found, mass=job.mass, seals=job.seals, compression=job.compression)
+        checks += family_checks(found, rests.point, mass=job.mass, seals=job.seals)
     return wire.packed(
         {
             "verdict": views.verdict(found.verdict),
             "colour": COLOURS[found.verdict.use],
             "solid": views.solid_table(found),
-            "checks": views.check_list(found.checks),
+            "checks": views.check_list(checks),
             "beside": views.piece("beside", rows=views.beside(found, by_eq5)),
             "panels": panels,
             "cuts": _cuts(prepared),

@@ -215,14 +215,18 @@ def _enveloped(each: Sequence[FRFBounds], own: FloatArray, formal: FloatArray) -
     )
 
 
+def rival_of(found: Fit) -> Fit | None:
+    """A fit with the other family's solid in place of its own, if that explains the tests too."""
+    other = found.alternative
+    return None if other is None or not other.explains else replace(found, solid=other.solid)
+
+
 def rival_modes(
     found: Fit, point: OperatingPoint, *, mass: float, seals: float
 ) -> tuple[Mode, ...]:
     """Modes of a mass on the other family of solids, if one explains the tests as well."""
-    other = found.alternative
-    if other is None or not other.explains:
-        return ()
-    return model_modes(seals * point.solid(replace(found, solid=other.solid)), mass)
+    rival = rival_of(found)
+    return () if rival is None else model_modes(seals * point.solid(rival), mass)
 
 
 def family_checks(

@@ -40,7 +40,14 @@ from dashpot.workflow.checks import hold_fit_possible, prediction_informed
 from dashpot.workflow.impacts import held_against, read_measured, total_mass, weighed
 from dashpot.workflow.job import Cuts, Job
 from dashpot.workflow.prepared import answered_in
-from dashpot.workflow.resting import AtRest, at_rest, family_checks, frf_limits, rest_checks
+from dashpot.workflow.resting import (
+    AtRest,
+    at_rest,
+    family_checks,
+    frf_limits,
+    rest_checks,
+    rival_of,
+)
 from dashpot.workflow.shifting import each_specimen
 
 Reader: TypeAlias = Callable[[str, ReadOptions, Specimen | None], RelaxationTest]
@@ -147,6 +154,16 @@ class Study(Pictured):
                 )
             ),
         )
+
+    @property
+    def rival(self) -> FRF | None:
+        """The FRF by the other family of solids, if one explains the relaxation test as well."""
+        other = rival_of(self.fit)
+        if other is None or self.mass is None or self.at_rest is None:
+            return None
+        point = self.at_rest.point
+        at = point.compression if point.given else None
+        return predict_frf(other, mass=self.mass, seals=self.seals, compression=at)
 
     @property
     def every_check(self) -> tuple[Check, ...]:

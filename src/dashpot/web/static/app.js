@@ -66,6 +66,8 @@ function back() {
 
 function arms(/** @type {string} */ said) {
   state.job.arms = said === "auto" ? "auto" : +said;
+  // a fractional solid has no number of arms
+  if (said !== "auto" && state.job.family === "fractional") state.job.family = "maxwell";
   settle();
 }
 
@@ -124,6 +126,7 @@ const buttons = {
   },
   family: (name) => {
     state.job.family = name;
+    if (name === "fractional") state.job.arms = "auto";
     settle();
   },
 };
