@@ -299,6 +299,26 @@ def test_a_deck_is_refused_as_on_the_command_line_and_written_anyway(store, aske
         ask("take", store, job=whole | {"joint": False}, what="joint")
 
 
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ({"target": "nastran"}, ("--to", "nastran")),
+        ({"target": "abaqus", "form": "prony", "seals": 2}, ("--to", "abaqus", "--form", "prony",
+                                                             "--seals", "2")),
+        ({"target": "radioss", "modulus": "3MPa"}, ("--to", "radioss", "--modulus", "3MPa")),
+    ],
+)  # fmt: skip
+def test_a_deck_is_that_of_the_command(store, asked, at_home, more, words):
+    job = asked | {"joint": False, "specimen": {"temperature": "23degC", "length": "100mm"}}
+    deck = ask("take", store, job=job, what="deck", **more)["text"]
+    (at_home / "fit.json").write_text(ask("take", store, job=job, what="fit")["text"])
+    typed = ("export", "fit.json", "--units", "mm-t-s", *words)
+    shell = CliRunner().invoke(main, typed, catch_exceptions=False)
+    assert shell.stdout == deck
+    with pytest.raises(dp.ExportError, match="take no --modulus"):
+        ask("take", store, job=job, what="deck", target="csv", modulus="3MPa")
+
+
 def test_a_project_is_kept(store, asked, tmp_path):
     kept = ask("project", store, job=asked | {"joint": False}, folder=str(tmp_path / "door"))
     assert (tmp_path / "door" / "dashpot.toml").exists()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import fields, replace
-from inspect import signature
 from typing import Any
 
 import click
@@ -92,17 +91,16 @@ def command(
     dashpot export fit.json --to calculix --units mm-t-s --mass 104g --seals 2 --force -o seal.inp
     """
     found = _described(read_fit(fit), specimen)
-    if compression is not None:
-        found = found.at_compression(compression)
-    if seals != 1:
-        found = found.in_parallel(seals)
     choices["line"] = None if line is None else _seal_line(line, pitch, normal, units)
-    deck = dp.export.TARGETS[target](
+    deck = dp.export.deck_for(
+        target,
         found,
+        seals=seals,
+        compression=compression,
         units=units,
         specimen=_asked(found, specimen.temperature),
         allow=("all",) if force else allow,
-        **_taken(target, choices),
+        **choices,
     )
     write(output, deck)
     for mark in deck.overrides:
@@ -134,18 +132,6 @@ _ASKED = "temperature"
 def _asked(found: dp.Fit, temperature: float | None) -> Specimen | None:
     """Return the specimen at the temperature asked for, if one is."""
     return None if temperature is None else replace(found.specimen, temperature=temperature)
-
-
-def _taken(target: str, choices: dict[str, Any]) -> dict[str, Any]:
-    """Return the choices that were made, or say that the target has no such choice."""
-    known = signature(dp.export.TARGETS[target]).parameters
-    made = {name: value for name, value in choices.items() if value is not None}
-    for name in made:
-        if name not in known:
-            raise ExportError(
-                f"{target} decks take no --{name.removeprefix('frequency_').replace('_', '-')}"
-            )
-    return made
 
 
 def _seal_line(

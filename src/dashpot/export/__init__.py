@@ -8,8 +8,10 @@ bare :class:`~dashpot.solids.maxwell.Solid` or of a
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from inspect import signature
 from types import MappingProxyType
 
+from dashpot.base.errors import ExportError
 from dashpot.export import abaqus as _abaqus
 from dashpot.export import adams as _adams
 from dashpot.export import ansys as _ansys
@@ -22,6 +24,7 @@ from dashpot.export import radioss as _radioss
 from dashpot.export import statespace as _statespace
 from dashpot.export.deck import PROBLEMS, DeckText
 from dashpot.export.notation import UNIT_SYSTEMS
+from dashpot.records.fit import Fit
 from dashpot.seals.line import SealLine
 
 _MODULES = {
@@ -52,6 +55,49 @@ TARGETS: Mapping[str, Callable[..., DeckText]] = MappingProxyType(
 )
 """Every target by its name on the command line."""
 
+
+def deck_for(
+    target: str,
+    found: Fit,
+    *,
+    seals: float = 1.0,
+    compression: float | None = None,
+    **choices: object,
+) -> DeckText:
+    """Return the deck of a fit for one of :data:`TARGETS`: of so many seals, side by side.
+
+    Parameters
+    ----------
+    target : str
+    found : Fit
+        Of one seal.
+    seals : float
+    compression : float, optional
+        Of the seals, m: the deck is of small vibration about it.
+    **choices
+        Arguments of the target; one that is None was not chosen.
+
+    Raises
+    ------
+    ExportError
+        If there is no such target, it takes no such choice, or refuses the fit.
+    """
+    if target not in TARGETS:
+        raise ExportError(f"'{target}' is no solver; expected one of {', '.join(TARGETS)}")
+    known = signature(TARGETS[target]).parameters
+    made = {name: value for name, value in choices.items() if value is not None}
+    for name in made:
+        if name not in known:
+            raise ExportError(
+                f"{target} decks take no --{name.removeprefix('frequency_').replace('_', '-')}"
+            )
+    if compression is not None:
+        found = found.at_compression(compression)
+    if seals != 1:
+        found = found.in_parallel(seals)
+    return TARGETS[target](found, **made)
+
+
 __all__ = [
     "FORMS",
     "PROBLEMS",
@@ -64,6 +110,7 @@ __all__ = [
     "ansys",
     "calculix",
     "csv",
+    "deck_for",
     "lsdyna",
     "nastran",
     "opensees",

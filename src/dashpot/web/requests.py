@@ -156,6 +156,26 @@ def sizes_of(request: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
     return sizes
 
 
+def deck_choices(request: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what a deck is asked for besides its target and its units; nothing of what is not.
+
+    Raises
+    ------
+    DataError
+        If a quantity is none.
+    """
+    band = request.get("range") or None
+    return {
+        "form": request.get("form") or None,
+        "frequency_range": _made(lambda text: si_range(text, "frequency"), band, "range"),
+        "seals": _number(request.get("seals", 1.0), "seals"),
+        "compression": _quantity(request, "compression", "length"),
+        "modulus": _quantity(request, "modulus", "stress"),
+        "bulk_modulus": _quantity(request, "bulk_modulus", "stress"),
+        "mass": _quantity(request, "mass", "mass"),
+    }
+
+
 def mapping(given: object, name: str) -> Mapping[str, Any]:
     """Return what must be an object.
 

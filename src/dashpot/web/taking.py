@@ -16,10 +16,13 @@ from dashpot.io.write import write_frf
 from dashpot.records.fit import Fit
 from dashpot.report.figures import stamp
 from dashpot.web import recent, results, wire
-from dashpot.web.requests import job_of, part
+from dashpot.web.requests import deck_choices, job_of, part
 from dashpot.workflow.archive import to_json
 from dashpot.workflow.job import Job
 from dashpot.workflow.study import Study
+
+ENDS = {"nastran": "bdf", "abaqus": "inp", "calculix": "inp", "csv": "csv"}
+"""What the name of a deck ends in."""
 
 
 def take(request: Mapping[str, Any], folder: Path) -> bytes:
@@ -74,20 +77,20 @@ def _joint(job: Job) -> Fit:
 
 
 def _deck(request: Mapping[str, Any], job: Job) -> tuple[str, str, str]:
-    target, units = request.get("target"), request.get("units", "mm-t-s")
-    if target not in export.TARGETS:
-        raise DataError(f"'{target}' is no solver; expected one of {', '.join(export.TARGETS)}")
+    target = str(request.get("target"))
     solid = (
         _joint(job)
         if request.get("joint") is True
         else results.fitted(results.of_fit(job), True, None)
     )
-    allow = ("all",) if request.get("anyway") is True else ()
-    text = export.TARGETS[str(target)](solid, units=units, allow=allow)
-    suffix = {"nastran": "bdf", "abaqus": "inp", "calculix": "inp", "csv": "csv"}.get(
-        str(target), "txt"
+    text = export.deck_for(
+        target,
+        solid,
+        units=request.get("units", "mm-t-s"),
+        allow=("all",) if request.get("anyway") is True else (),
+        **deck_choices(request),
     )
-    return f"{target}.{suffix}", "text/plain", str(text)
+    return f"{target}.{ENDS.get(target, 'txt')}", "text/plain", str(text)
 
 
 def _picture(job: Job) -> tuple[str, str, str]:

@@ -73,7 +73,21 @@ function arms(/** @type {string} */ said) {
 
 function deck(/** @type {string} */ target) {
   const { checked: joint } = field("of-joint"), { checked: anyway } = field("anyway");
-  files.away({ what: "deck", target, units: field("units").value, joint, anyway });
+  const said = (/** @type {string} */ name, /** @type {string} */ unit) => {
+    const number = field(`deck-${name}`).value.trim().replace(",", ".");
+    return number && number + unit;
+  };
+  files.away({
+    what: "deck",
+    target,
+    units: field("units").value,
+    form: field("form").value,
+    seals: +field("deck-seals").value || 1,
+    compression: said("compression", "mm"),
+    modulus: said("modulus", "MPa"),
+    joint,
+    anyway,
+  });
 }
 
 const keys = /** @type {HTMLDialogElement} */ ($("keys"));
