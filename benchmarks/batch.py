@@ -1,4 +1,4 @@
-"""A batch: what a test costs, one after the other and by processes, and what many files hold.
+"""A batch: what a test costs, in a loop, by processes, on a cluster; and what many files hold.
 
 Run: python benchmarks/batch.py [TESTS [REPEATS [FILES]]]
 
@@ -27,6 +27,7 @@ from dashpot.io.write import write_relaxation
 from dashpot.lots.choices import BatchChoices
 from dashpot.lots.entries import entries
 from dashpot.lots.parts import tasks
+from dashpot.lots.processes import processors
 from dashpot.lots.row import row
 from dashpot.simulation.relaxation import Rig, simulate_relaxation
 from dashpot.solids.table_1 import PAPER
@@ -140,7 +141,20 @@ def by_processes(folder: str, how: dict[str, Any]) -> int:
         return dp.batch(folder, output=output, **how).outcomes["fitted"]
 
 
-ENGINES = {"loop": in_a_loop, "processes": by_processes}
+def by_cluster(folder: str, how: dict[str, Any]) -> int:
+    """Make them by the workers of a cluster, one for each processor, with their table."""
+    import warnings
+
+    from distributed import LocalCluster
+
+    warnings.filterwarnings("ignore")
+    side = {"n_workers": processors(), "threads_per_worker": 1, "dashboard_address": None}
+    with TemporaryDirectory() as output, LocalCluster(**side, silence_logs=50) as cluster:
+        lot = dp.batch(folder, output=output, scheduler=cluster.scheduler_address, **how)
+        return lot.outcomes["fitted"]
+
+
+ENGINES = {"loop": in_a_loop, "processes": by_processes, "cluster": by_cluster}
 
 if __name__ == "__main__":
     if sys.argv[1:2] == ["--engine"]:

@@ -249,16 +249,30 @@ def children(process):
     return sorted({int(one) for one in text.split()})
 
 
-def run_and_kill(folder, out, chance, *, parent):
-    """Run a batch in chunks of one; kill it, or its workers, at random."""
+def in_chunks_of_one(folder, out):
+    """The words that run a batch so, in Python."""
     code = (
         "import sys, dashpot as dp, dashpot.lots.batches as batches; batches.CHUNK = 1;"
         f"dp.batch(sys.argv[1], output=sys.argv[2], jobs=2, **{QUICK!r})"
     )
-    words = [sys.executable, "-c", code, str(folder), str(out)]
+    return [sys.executable, "-c", code, str(folder), str(out)]
+
+
+@pytest.fixture(scope="module")
+def lasts(folder, tmp_path_factory):
+    """Seconds of a batch that nobody stops."""
+    began = time.monotonic()
+    words = in_chunks_of_one(folder, tmp_path_factory.mktemp("lot"))
+    subprocess.run(words, check=True, capture_output=True)
+    return time.monotonic() - began
+
+
+def run_and_kill(folder, out, chance, lasts, *, parent):
+    """Run a batch; kill it, or its workers, at random."""
     seen = []
-    with subprocess.Popen(words) as running:
-        delay = chance.uniform(0.0, 2.0)
+    how = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    with subprocess.Popen(in_chunks_of_one(folder, out), **how) as running:
+        delay = chance.uniform(0.0, lasts)
         while running.poll() is None:
             time.sleep(delay)
             seen = children(running.pid) or seen
@@ -270,34 +284,63 @@ def run_and_kill(folder, out, chance, *, parent):
                     os.kill(chance.choice(seen), signal.SIGKILL)
                 except ProcessLookupError:
                     continue
-            delay = chance.uniform(0.3, 1.0)
+            delay = chance.uniform(0.1, 0.4) * lasts
     until = time.monotonic() + 20
     while any(map(alive, seen)) and time.monotonic() < until:
         time.sleep(0.02)
     assert not any(map(alive, seen)), "a worker outlived its parent"
 
 
-def killed_and_completed(folder, whole, out, seed):
+def killed_and_completed(folder, whole, out, seed, lasts):
     chance = random.Random(seed)  # noqa: S311 -- when to kill
-    run_and_kill(folder, out, chance, parent=seed % 2 == 0)
+    run_and_kill(folder, out, chance, lasts, parent=seed % 2 == 0)
     parts = [pl.read_parquet(one) for one in out.glob("part-*.parquet")]
     there = sum((one["outcome"] != "died").sum() for one in parts)
     again = dp.batch(folder, output=out, jobs=2, **QUICK)
     assert again.computed == 11 - there
     assert as_bytes(again.table) == as_bytes(whole)
+    return there
 
 
 @ON_LINUX
-@pytest.mark.parametrize("seed", range(4))
-def test_killed_at_random_and_run_again_the_table_is_the_same(folder, whole, tmp_path, seed):
-    killed_and_completed(folder, whole, tmp_path, seed)
+@pytest.mark.once
+@pytest.mark.parametrize("seed", range(2))
+def test_killed_at_random_and_run_again_the_table_is_the_same(folder, whole, tmp_path, seed, lasts):
+    killed_and_completed(folder, whole, tmp_path, seed, lasts)
+
+
+@ON_LINUX
+@pytest.mark.once
+def test_interrupted_it_says_what_is_kept_and_goes_on_from_there(folder, whole, tmp_path):
+    """As a terminal does it: all its processes are told."""
+    code = (
+        "import sys, dashpot.lots.batches as batches; from dashpot.cli import main;"
+        "batches.CHUNK = 1; main(sys.argv[1:])"
+    )
+    words = [sys.executable, "-c", code, "batch", str(folder), "-o", str(tmp_path), "--jobs", "2",
+             "--by", BY, "--arms", "1", "--quick"]  # fmt: skip
+    how = {"stderr": subprocess.PIPE, "start_new_session": True, "text": True}
+    with subprocess.Popen(words, stdout=subprocess.DEVNULL, **how) as running:
+        while len(list(tmp_path.glob("part-*"))) < 2 and running.poll() is None:
+            time.sleep(0.01)
+        os.killpg(running.pid, signal.SIGINT)
+        said = running.stderr.read()
+    kept = len(list(tmp_path.glob("part-*")))
+    assert running.returncode == 130
+    assert said.lstrip() == (
+        f"dashpot: interrupted: {kept} of 11 rows are made and kept in {tmp_path}, and the same "
+        "command goes on from there\n"
+    )
+    again = dp.batch(folder, output=tmp_path, jobs=1, **QUICK)
+    assert again.computed == 11 - kept
+    assert as_bytes(again.table) == as_bytes(whole)
 
 
 @ON_LINUX
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(100, 150))
-def test_killed_fifty_times_the_table_is_the_same(folder, whole, tmp_path, seed):
-    killed_and_completed(folder, whole, tmp_path, seed)
+def test_killed_fifty_times_the_table_is_the_same(folder, whole, tmp_path, seed, lasts):
+    killed_and_completed(folder, whole, tmp_path, seed, lasts)
 
 
 @ON_LINUX

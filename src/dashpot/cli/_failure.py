@@ -69,7 +69,8 @@ def _failure(error: BaseException) -> Failure:
         says, shown = error.format_message() + hint, page.getvalue().rstrip("\n") + hint
         return Failure("UsageError", says, shown, error.exit_code)
     if isinstance(error, click.Abort | KeyboardInterrupt):
-        return _sentence("Interrupted", str(error) or "interrupted", INTERRUPTED)
+        said = str(error.__cause__ or error)  # click aborts because of the interrupt
+        return _sentence("Interrupted", said or "interrupted", INTERRUPTED)
     if isinstance(error, DashpotError):
         return _sentence(kind, str(error), BAD)
     if isinstance(error, OSError):
