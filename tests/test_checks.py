@@ -375,6 +375,20 @@ PREPARATION = [
     ),
     Case("samples_unbroken", lambda x: preparation.samples_unbroken(pause(x)), 0.1999, 0.2001),
     Case("spikes_absent", whole(lambda n: preparation.spikes_absent(spiked(n))), 0, 1),
+    Case(
+        "temperature_as_stated",
+        lambda x: preparation.temperature_as_stated(
+            Specimen(temperature=296.0 + x, stated_temperature=296.0)
+        ),
+        0.99,
+        1.01,
+    ),
+    Case(
+        "temperature_held",
+        lambda x: preparation.temperature_held(Specimen(warmed=x)),
+        0.99,
+        1.01,
+    ),
     Case("columns_plausible", lambda x: preparation.columns_plausible(sinking(x)), 0.0299, 0.0301),
     Case("motion_resolved", lambda x: preparation.motion_resolved(bending(x)), 0.1249, 0.1251),
     Case("motion_measured", whole(lambda n: preparation.motion_measured(creeping(n))), 1, None),
@@ -1049,6 +1063,7 @@ LIMITS = {
         "baseline_recorded": 5, "contact_found": 0.01, "preload_absent": 0.05, "single_loading": 1,
         "ramp_recorded": 1.1,
         "overshoot_small": 0.05, "samples_unbroken": 0.2, "spikes_absent": 0,
+        "temperature_as_stated": 1, "temperature_held": 1,
         "columns_plausible": 0.03, "motion_resolved": 0.125, "motion_measured": 0,
         "range_used": 0.05, "force_not_clipped": 5, "force_resolved": 20,
         "depth_resolved": 0.005, "hold_is_still": 0.01, "hold_outlasts_ramp": 10,

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from kit.look_alikes import truth
 
+import dashpot as dp
 from dashpot.io.readers.bench import read_bench
 from dashpot.io.readers.modulus import read_modulus
 from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.records.specimen import Specimen
+from dashpot.simulation.relaxation import Rig, simulate_relaxation
+from dashpot.solids.table_1 import PAPER
 
 
 def read(path: Path, *header: str, specimen: Specimen | None = None) -> RelaxationTest:
@@ -87,9 +91,42 @@ def test_what_no_rubber_is_tested_at_is_not_taken(tmp_path: Path) -> None:
 def test_the_user_is_believed(tmp_path: Path, celsius: float, noted: bool) -> None:
     specimen = Specimen(temperature=celsius + 273.15, notes="kept")
     test = read(tmp_path / "a.csv", "Temperature: 0 °C", specimen=specimen)
-    assert test.specimen == specimen
+    stated = 273.15 if noted else None
+    assert test.specimen == replace(specimen, stated_temperature=stated)
     assert test.source is not None
     assert any("as given" in note for note in test.source.notes) == noted
+
+
+def with_column(path: Path, kelvin: np.ndarray, unit: str = "K") -> RelaxationTest:
+    test = simulate_relaxation(PAPER, hold_time=10.0, rig=Rig(rate=100.0)).test
+    columns = np.column_stack((test.time, 1e3 * test.displacement, test.force, kelvin))
+    head = f"time [s],displacement [mm],force [N],temperature [{unit}]"
+    np.savetxt(path, columns, delimiter=",", fmt="%.8g", header=head, comments="")
+    return read_relaxation(path)
+
+
+def test_a_column_of_temperature_says_it_and_how_far_it_rose(tmp_path: Path) -> None:
+    count = len(simulate_relaxation(PAPER, hold_time=10.0, rig=Rig(rate=100.0)).test.time)
+    risen = with_column(tmp_path / "a.csv", np.linspace(272.65, 274.65, count)).specimen
+    assert risen.temperature == pytest.approx(273.65, abs=0.01)
+    assert risen.warmed == pytest.approx(2.0, rel=1e-3)
+    checks = {one.name: one for one in dp.prepare(read_relaxation(tmp_path / "a.csv")).checks}
+    assert checks["temperature_held"].failed
+    other = read_relaxation(tmp_path / "a.csv", specimen=Specimen(temperature=296.15))
+    assert other.specimen.temperature == 296.15
+    assert {one.name: one for one in dp.prepare(other).checks}["temperature_as_stated"].failed
+    # what rubber is not tested at, and what has no unit, is not taken
+    assert with_column(tmp_path / "b.csv", np.zeros(count)).specimen == Specimen()
+    path = tmp_path / "a.csv"
+    path.write_text(path.read_text().replace(" [K]", ""))
+    assert read_relaxation(path).specimen == Specimen()
+
+
+def test_the_first_line_says_that_the_file_was_overruled() -> None:
+    test = simulate_relaxation(PAPER, rig=Rig(rate=100.0)).test
+    overruled = Specimen(temperature=346.55, stated_temperature=296.15)
+    found = dp.fit(dp.prepare(replace(test, specimen=overruled)), arms=2, law="linear")
+    assert "the file says 23 degC, and 73.4 degC was given" in found.verdict.says
 
 
 def test_the_rest_of_the_specimen_is_kept(tmp_path: Path) -> None:

@@ -47,6 +47,7 @@ from dashpot.fitting.superposition.superpose import superpose
 from dashpot.fitting.uncertainty.estimate import Estimate, estimated, rounding
 from dashpot.fitting.uncertainty.informed_band import informed_band
 from dashpot.fitting.uncertainty.load_error import load_rows
+from dashpot.preparation.checks import of_temperature
 from dashpot.preparation.creep import load_hold
 from dashpot.preparation.segments import find_segments
 from dashpot.records.creep import Creep, CreepCompliance, CreepTest, LoadHold
@@ -452,6 +453,7 @@ def _of_curve(
     best = _better(found)
     creep, unit = best.spectrum, curve.stiffness_unit
     answers = (
+        *of_temperature(curve.specimen),
         *_checks(best, unit, window, "the curve"),
         *_flow_checks(creep, float(t[-1])),
         checks.creep_finished(creep, float(t[-1]), 1 / float(values[-1]), unit=unit),

@@ -50,6 +50,7 @@ from dashpot.fitting.spectrum import (
 )
 from dashpot.fitting.superposition.superpose import superpose
 from dashpot.fitting.uncertainty.informed_band import informed_band
+from dashpot.preparation.checks import of_temperature
 from dashpot.preparation.ramp_holds import Tests, ramp_holds
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import Fit, Provenance
@@ -159,7 +160,8 @@ def fit_dynamic(
         *([storage_rises(data)] if moved is None else moved.checks),
     )
     asked = family_checks(both, other) if both else ()
-    answers = (*of_data, *_checks(found, data, records), *asked, *met)
+    said = of_temperature(data.specimen)
+    answers = (*of_data, *said, *_checks(found, data, records), *asked, *met)
     options = (
         ("arms", str(arms)),
         ("weights", weights),

@@ -29,6 +29,7 @@ from dashpot.fitting.spectrum import (
     shared_where_few_fall_short,
 )
 from dashpot.fitting.superposition.superpose import superpose
+from dashpot.preparation.checks import of_temperature
 from dashpot.records.fit import Fit, Provenance
 from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.specimen import Specimen
@@ -121,6 +122,7 @@ def fit_modulus(
     of_data = () if moved is None else moved.checks
     asked = (
         *of_data,
+        *of_temperature(data.specimen),
         arms_supported(model, found.error, unit=unit),
         tau_inside_window(model, window, "the curve"),
         arms_distinct(model),

@@ -19,6 +19,7 @@ from dashpot.engine.inference.covariance import noise_of
 from dashpot.preparation.noise import scatter
 from dashpot.records.machine import TOLD_DRIFT
 from dashpot.records.relaxation import RampHold
+from dashpot.records.specimen import Specimen
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # fewer samples have no scatter, and none a slope, to speak of
@@ -40,6 +41,8 @@ class Prior(NamedTuple):
 
 # what a chamber holds its temperature to over a record, K
 WARMING = Prior(0.0, 0.5)
+# how well a recorded rise of temperature is that of the seal, K
+_RECORDED = 0.1
 
 
 class Priors(NamedTuple):
@@ -185,6 +188,11 @@ def _first_reading(record: RampHold, noise: float) -> Prior:
     peak = int(np.argmax(x >= 0.1 * record.depth)) or len(x) - 1
     slope = abs(float(force[peak] - force[0])) / max(float(x[peak] - x[0]), 1e-300)
     return Prior(0.0, noise + slope * float(x[0]))
+
+
+def warmed(specimen: Specimen) -> Prior:
+    """Return by how much the seal may have warmed over its record, K: as recorded, if it was."""
+    return WARMING if specimen.warmed is None else Prior(specimen.warmed, _RECORDED)
 
 
 def warming(

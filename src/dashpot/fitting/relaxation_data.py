@@ -30,7 +30,7 @@ from dashpot.engine.blocks.hold import hold_block
 from dashpot.engine.blocks.kernels import reduced_block
 from dashpot.engine.blocks.recorded import recursion_block
 from dashpot.fitting.design import evened
-from dashpot.fitting.nuisance import WARMING, Prior, priors, warming
+from dashpot.fitting.nuisance import Prior, priors, warmed, warming
 from dashpot.preparation.denoising import rests, true_motion
 from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RampHold
@@ -317,13 +317,11 @@ def relaxation_data(
         certain,
         model,
         residual,
-        doubts={
-            **{name.partition("@")[0]: sd for name, (_, sd) in motions.items()},
-            **({} if moved is None else {"warming": WARMING.sd}),
-        },
+        doubts={name.partition("@")[0]: sd for name, (_, sd) in motions.items()},
     )
     if moved is None:
         return found
+    found = replace(found, known={**found.known, "warming": warmed(test.specimen)})
     gain = _GAIN if moved.shift_sd > 0 else 0.0
     return replace(found, moved=moved, size=float(np.hypot(found.size, gain)))
 

@@ -17,6 +17,8 @@ from dashpot.preparation.noise import median_of_three, spikes, usual_scatter
 from dashpot.preparation.segments import Cycle, listed
 from dashpot.records.creep import LoadHold
 from dashpot.records.relaxation import MAX_CREEP, RampHold, quantum
+from dashpot.records.specimen import Specimen
+from dashpot.records.temperature import celsius
 
 LAW = "by law; a tenth for noise and drift"
 MIN_QUANTA = 20.0
@@ -31,8 +33,47 @@ MAX_UNRESOLVED = 0.125
 MAX_STIR = 0.01
 # of a held load; a controller that hunts by more moves the part with it
 MAX_LOAD_CHANGE = 0.02
+# K that a temperature may be misread by, and that a chamber may drift over a record
+MAX_MISREAD, MAX_WARMED = 1.0, 1.0
 # so many samples may lie beside the sharp corners of a ramp
 CORNERS = 6
+
+
+# -- what the file says of the temperature --------------------------------------------------------
+
+
+@criterion("K apart", "|x| <=", MAX_MISREAD, "simulated pairs: an error of 1 K moves nothing else")
+def temperature_as_stated(specimen: Specimen) -> Finding:
+    """The temperature that was given is the one that the file itself says."""
+    given, stated = specimen.temperature or 0.0, specimen.stated_temperature or 0.0
+    return Finding(
+        f"the file says {celsius(stated)}, and {celsius(given)} was given",
+        given - stated,
+        ": which is right? Shifts and predictions at a temperature rest on the one given "
+        "(--temperature; leave it out to take that of the file)",
+    )
+
+
+@criterion("K over the record", "|x| <=", MAX_WARMED, "our choice: chambers hold 0.5 K")
+def temperature_held(specimen: Specimen) -> Finding:
+    """The recorded temperature stood still during the test."""
+    warmed = specimen.warmed or 0.0
+    return Finding(
+        f"the recorded temperature rose by {warmed:.2g} K over the record",
+        warmed,
+        ": the seal was not at rest, and its stiffness and its clock changed with it; let it soak "
+        "longer",
+    )
+
+
+def of_temperature(specimen: Specimen) -> list[Check]:
+    """What the file says of the temperature, as far as it says anything."""
+    answers = []
+    if specimen.stated_temperature is not None:
+        answers.append(temperature_as_stated(specimen))
+    if specimen.warmed is not None:
+        answers.append(temperature_held(specimen))
+    return answers
 
 
 # -- what preparation found -----------------------------------------------------------------------

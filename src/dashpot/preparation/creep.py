@@ -87,7 +87,11 @@ def load_hold(test: CreepTest) -> LoadHold:
         steps=(_step(held, turn, test.unit),),
         corners=corners,
     )
-    answers = (checks.load_begins_at_rest(record), checks.load_held(record))
+    answers = (
+        checks.load_begins_at_rest(record),
+        checks.load_held(record),
+        *checks.of_temperature(test.specimen),
+    )
     return replace(record, checks=answers)
 
 

@@ -123,6 +123,7 @@ def prepare(
         checks.columns_plausible(record),
         checks.motion_resolved(record),
         checks.motion_measured(record),
+        *checks.of_temperature(test.specimen),
     ]
     if force_range is not None:
         answers.append(checks.range_used(rise, force_range))

@@ -36,6 +36,10 @@ class Specimen:
         Where it comes from, and who tested it.
     date : str
         Of the test, ISO 8601: 2026-11-21.
+    stated_temperature : float or None
+        What the file itself says where `temperature` was given otherwise, K.
+    warmed : float or None
+        By how much the file's own column of temperature rises over the record, K.
     """
 
     length: float | None = option(None, "Contact length of the seal, e.g. 50mm.", unit="length")
@@ -46,6 +50,8 @@ class Specimen:
     lot: str = option("", "Its lot.")
     operator: str = option("", "Who tested it.")
     date: str = option("", "Of the test, e.g. 2026-11-21.")
+    stated_temperature: float | None = None
+    warmed: float | None = None
 
     def over(self, other: Specimen) -> Specimen:
         """What is said here, and what the other says wherever nothing is said here."""

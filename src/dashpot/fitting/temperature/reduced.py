@@ -26,7 +26,7 @@ from dashpot.engine.blocks.kernels import compact_block
 from dashpot.engine.blocks.recorded import recorded_block
 from dashpot.fitting.design import first_sample, motion
 from dashpot.fitting.fit_data import First
-from dashpot.fitting.nuisance import WARMING, warming
+from dashpot.fitting.nuisance import warmed, warming
 from dashpot.records.relaxation import RampHold
 from dashpot.records.temperature import shifted_log_tau
 from dashpot.solids.elastic import ElasticLaw
@@ -108,7 +108,7 @@ class Own:
         """What is known of those columns."""
         if self.warming is None:
             return self.known
-        mean, sd = (np.array([one]) for one in WARMING)
+        mean, sd = (np.array([one]) for one in warmed(self.record.specimen))
         warm = prior_block(self.bare, (WARMED,), np.eye(1), mean, sd, unit=self.spread)
         return (*self.known, warm)
 

@@ -17,7 +17,7 @@ from dashpot.io.readers import channels, checks
 from dashpot.io.readers.channels import Channel, Opened
 from dashpot.io.readers.modulus import over_time
 from dashpot.io.readers.relaxation import recorded
-from dashpot.io.readers.stated import stated_specimen
+from dashpot.io.readers.stated import recorded_temperature, stated_specimen
 from dashpot.records.creep import CreepCompliance, CreepTest
 from dashpot.records.specimen import Specimen
 
@@ -71,11 +71,11 @@ def creep_in(file: Opened, specimen: Specimen) -> CreepTest | CreepCompliance:
     named = ["displacement", "force", "stress", "strain", "creep_compliance"]
     channels.expect(file, ["creep", "relaxation"], "a creep test is", named=named)
     # rows on an even clock need no column of time
-    specimen, said = stated_specimen(file, specimen)
     if wanted is _CURVE:
-        return _curve(file, specimen, said)
+        return _curve(file, *stated_specimen(file, specimen))
     needless = file.options.rate is not None
     chosen = channels.choose(file, wanted[1:] if needless else wanted)
+    specimen, said = stated_specimen(file, specimen, recorded_temperature(file, chosen))
 
     def source(notes: list[str]) -> Source:
         return channels.source(file, [one.says for one in chosen], [*notes, *said])

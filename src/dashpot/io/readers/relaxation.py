@@ -16,7 +16,7 @@ from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels, checks, cleaning
 from dashpot.io.readers.channels import Channel, Opened
 from dashpot.io.readers.clocks import on_one_clock, own_clocks
-from dashpot.io.readers.stated import stated_specimen
+from dashpot.io.readers.stated import recorded_temperature, stated_specimen
 from dashpot.io.table import Loaded
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.records.specimen import Specimen
@@ -64,7 +64,7 @@ def relaxation_in(file: Opened, specimen: Specimen) -> RelaxationTest:
     time, moved, force = (values[role] for role in ("time", "displacement", "force"))
     _refuse_swapped(file, chosen, moved, force)
     _refuse_sizes(file, chosen, time, moved, force)
-    specimen, said = stated_specimen(file, specimen)
+    specimen, said = stated_specimen(file, specimen, recorded_temperature(file, chosen))
     source = channels.source(file, [c.says for c in chosen], [*notes, *said])
     return RelaxationTest(time, moved, force, specimen, source)
 

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import accumulate
 
 import numpy as np
 
 from dashpot.base import units
-from dashpot.base.arrays import FloatArray
-from dashpot.base.errors import DataError
+from dashpot.base.arrays import FloatArray, median
+from dashpot.base.errors import DataError, ReadError
 from dashpot.io.columns import vocabulary
 from dashpot.io.columns.names import part_unit
-from dashpot.io.readers.channels import Opened
+from dashpot.io.columns.roles import Assigned, assign
+from dashpot.io.readers import channels
+from dashpot.io.readers.channels import Channel, Opened
 from dashpot.io.table import Loaded
 from dashpot.records.specimen import Specimen
+from dashpot.records.temperature import SAME_TEMPERATURE
 
 _NUMBER = re.compile(r"[-+]?\d++(?:[.,]\d++)?+(?![.,]?\d)")
 _LONGEST = 120
@@ -27,29 +30,73 @@ _BESIDES = {
 """Words beside which a temperature is that of the test; a set-point or a limit has others."""
 
 
-def stated_specimen(file: Opened, specimen: Specimen) -> tuple[Specimen, list[str]]:
-    """Return the specimen with the temperature of the header, if the user gave none, and notes.
+def stated_specimen(
+    file: Opened, specimen: Specimen, recorded: FloatArray | None = None
+) -> tuple[Specimen, list[str]]:
+    """Return the specimen with the temperature that the file says, and notes.
 
-    A line such as ``# temperature: 0 degC`` or ``Prüftemperatur [°C]; 23,0``; without a unit, with
-    a range, or beside another that differs it says nothing.
+    A column of temperature, `recorded`, K, says it by its middle, and how far it rose; else a line
+    of the header such as ``# temperature: 0 degC`` or ``Prüftemperatur [°C]; 23,0``, which says
+    nothing without a unit, with a range, or beside another that differs. What the user gave stands.
     """
-    found = dict(_temperatures(file.table.header))
+    found = {kelvin: f"'{line}'" for kelvin, line in _temperatures(file.table.header)}
+    if recorded is not None:
+        middle = round(median(recorded), 2)
+        found = {middle: f"{middle - 273.15:.4g} degC in its column of temperature"}
+        specimen = replace(specimen, warmed=_rise(recorded))
     if not found:
         return specimen, []
-    said = " and ".join(f"'{line}'" for line in list(found.values())[:2])
+    where = "the header" if recorded is None else "the file"
+    said = f"{where} says {' and '.join(list(found.values())[:2])}"
     if specimen.temperature is not None:
-        if all(abs(kelvin - specimen.temperature) < 0.5 for kelvin in found):
+        others = [one for one in found if abs(one - specimen.temperature) >= SAME_TEMPERATURE]
+        if not others:
             return specimen, []
         given = f"{specimen.temperature - 273.15:.4g} degC"
-        return specimen, [f"the header says {said}; the temperature is {given}, as given"]
+        return (
+            replace(specimen, stated_temperature=others[0]),
+            [f"{said}; the temperature is {given}, as given"],
+        )
     if len(found) > 1:
-        return specimen, [f"the header says {said}; no temperature is taken from it"]
+        return specimen, [f"{said}; no temperature is taken from it"]
     kelvin = next(iter(found))
     try:
         known = replace(specimen, temperature=kelvin)
     except DataError as error:
-        return specimen, [f"the header says {said}, which is not taken: {error}"]
-    return known, [f"temperature {kelvin - 273.15:.4g} degC: the header says {said}"]
+        return replace(specimen, warmed=None), [f"{said}, which is not taken: {error}"]
+    return known, [f"temperature {kelvin - 273.15:.4g} degC: {said}"]
+
+
+def recorded_temperature(file: Opened, taken: Sequence[Channel]) -> FloatArray | None:
+    """Return the column of temperature of a test, K, if the file has one beside those taken.
+
+    One without a unit is left alone, unless it was named.
+
+    Raises
+    ------
+    ReadError
+        If the column was named and has no unit.
+    """
+    found = assign(file.table, "temperature", file.options)
+    if not isinstance(found, Assigned) or found.index in {one.index for one in taken}:
+        return None
+    try:
+        (channel,) = channels.with_units(file, [found])
+    except ReadError:
+        if file.options.temperature is not None:
+            raise
+        return None
+    loaded = channels.load(file.table, [channel.index], file.options.segment, sure=False)
+    kelvin = channels.si(loaded.values[:, 0], channel.unit)
+    kelvin = kelvin[np.isfinite(kelvin)]
+    return kelvin if len(kelvin) else None
+
+
+def _rise(kelvin: FloatArray) -> float:
+    """By how much a straight line through the readings rises from the first to the last."""
+    since = np.linspace(-0.5, 0.5, len(kelvin))
+    square = float(since @ since)
+    return float(since @ kelvin) / square if square > 0 else 0.0
 
 
 def temperatures_of_segments(file: Opened, loaded: Loaded) -> FloatArray | None:
