@@ -985,6 +985,18 @@ WORKFLOW = [
         10.099,
         10.101,
     ),
+    Case(
+        "level_covered",
+        lambda x: workflow.level_covered(2e-3 * x, (1e-3, 2e-3), level=1.0),
+        0.999,
+        1.001,
+    ),
+    Case(
+        "level_covered",
+        lambda x: workflow.level_covered(1e-3 / x, (1e-3, 2e-3), level=1.0),
+        0.999,
+        1.001,
+    ),
     Case("hold_fit_possible", lambda _: workflow.hold_fit_possible("two ramps"), None, 0),
     Case("history_present", workflow.history_present, 1, 0),
     Case("history_complete", lambda x: workflow.history_complete(1, torn=bool(x)), 0, 1),
@@ -1123,7 +1135,8 @@ LIMITS = {
         "mass_line": 0.05,
     },
     "workflow": {
-        "result_recomputed": 1e-7, "prediction_informed": 1, "history_present": 1,
+        "result_recomputed": 1e-7, "prediction_informed": 1, "level_covered": 1,
+        "history_present": 1,
         "families_predict_alike": 1.1,
         "files_listed": 0, "page_redrawn": 0, "history_whole": 0,
     },

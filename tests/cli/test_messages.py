@@ -18,7 +18,7 @@ from dashpot.cli import COMMANDS, main
 from dashpot.workflow.assumptions import ASSUMPTIONS
 
 SOURCES = Path(dashpot.__file__).parent
-READING = ("inspect", "fit", "predict", "impact", "modes", "compare", "identify", "report")
+READING = ("inspect", "fit", "predict", "impact", "modes", "level", "compare", "identify", "report")
 BENCH = ("inspect", "fit", "predict", "identify", "report")
 MEASURED = ("compare", "identify", "report")
 SPEAKERS: dict[str, tuple[str, ...]] = {
@@ -41,6 +41,8 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "workflow/job.py": ("fit", "predict", "identify", "report"),
     "workflow/job.py:refuse_several": ("fit", "report"),
     "workflow/part.py": ("predict",),
+    "workflow/levels.py": ("level",),
+    "io/readers/amplitude.py": ("level",),
     "workflow/predictions.py": ("predict",),
     "workflow/prepared.py": ("predict", "compare"),
     "workflow/impacts.py": MEASURED,

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from dashpot.records.frf import Mode
     from dashpot.solids.elastic import ElasticLaw
     from dashpot.workflow.impacts import ImpactResult
+    from dashpot.workflow.levels import Levels
     from dashpot.workflow.measured_modes import MeasuredModes
     from dashpot.workflow.predictions import Prediction
     from dashpot.workflow.study import Study
@@ -325,6 +326,26 @@ def modes(found: MeasuredModes) -> Text:
     near = found.frf.band(*found.band)
     sought = f"  {len(near.frequency)} lines, {hertz(found.band)}, of the {found.frf.kind}"
     return Text([*(table(rows) if found.modes else ()), sought])
+
+
+def levels(found: Levels) -> Text:
+    """Return what moves with amplitude, and the resonance at each level that was asked for."""
+    lines = [f"  {line}" for line in found.fit.described[1:]]
+    rows = [["level, N", "peak, Hz", "95 %", "motion, mm/N", "95 %", "seal, mm"]]
+    for one in found.at:
+        low, high = one.frequency_interval
+        least, most = one.receptance_interval
+        rows.append(
+            [
+                f"{one.level:.4g}",
+                f"{one.frequency:.5g}",
+                f"{low:.5g} to {high:.5g}",
+                f"{1e3 * one.receptance:.4g}",
+                f"{1e3 * least:.4g} to {1e3 * most:.4g}",
+                f"{1e3 * one.amplitude:.3g}",
+            ]
+        )
+    return Text([*lines, *(table(rows) if found.at else ())])
 
 
 def comparison(found: Comparison, joint: Comparison | None = None) -> list[str]:

@@ -16,6 +16,8 @@ from .inspections import Inspections as Inspections
 from .inspections import inspect_files as inspect_files
 from .job import HammerChoices as HammerChoices
 from .job import Job as Job
+from .levels import Levels as Levels
+from .levels import level_files as level_files
 from .measured_modes import MeasuredModes as MeasuredModes
 from .measured_modes import modes_file as modes_file
 from .predictions import Prediction as Prediction

@@ -55,6 +55,20 @@ def families_predict_alike(own: Mode | None, other: Mode | None) -> Finding:
     )
 
 
+@criterion("distance from the range, a factor", "<=", 1.0, "the amplitudes of the tests")
+def level_covered(amplitude: float, tested: tuple[float, float], *, level: float) -> Finding:
+    """At the level asked for the seal moves as far as it did in a test."""
+    low, high = tested
+    factor = max(amplitude / high, low / amplitude)
+    says = f"at {level:.4g} N the seal moves {1e3 * amplitude:.3g} mm"
+    return Finding(
+        f"{says}, within the {1e3 * low:.3g} to {1e3 * high:.3g} mm of the tests",
+        factor,
+        instead=f"{says}, {factor:.3g} times beyond the {1e3 * low:.3g} to {1e3 * high:.3g} mm of "
+        "the tests: what slips there nobody has measured; test at that level",
+    )
+
+
 @criterion("lines of history", ">=", 1, "by definition", grade="stop")
 def history_present(lines: int) -> Finding:
     """There is a history, without which nothing is proven."""

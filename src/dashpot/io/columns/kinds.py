@@ -35,13 +35,16 @@ WANTED_BY: MappingProxyType[str, tuple[str, str]] = MappingProxyType({
     ),
     "dma": ("a dynamic (DMA) sweep", "use dashpot fit"),
     "master-curve": ("a master curve of storage and loss", "use dashpot fit"),
-    "strain-sweep": ("a strain sweep at one frequency", _NO_TIMES),
+    "strain-sweep": ("an amplitude sweep at one frequency", "use dashpot level"),
     "temperature-sweep": ("a temperature sweep at one frequency", _NO_TIMES),
     "one-frequency": ("a dynamic test at one frequency", _NO_TIMES),
     "modulus": ("a relaxation modulus over time", "use dashpot fit FILE --modulus COLUMN"),
     "creep": ("a creep test", "use dashpot fit"),
     "triangle": ("a triangle, a ramp up and down without a hold", _FIT_TAKES),
-    "cyclic": ("a cyclic (fatigue) run without a hold", _FIT_TAKES),
+    "cyclic": (
+        "a cyclic run without a hold",
+        f"{_FIT_TAKES}; dashpot level takes loops of several amplitudes",
+    ),
 })  # fmt: skip
 """What each kind of file is called, and which command wants it or why none does."""
 

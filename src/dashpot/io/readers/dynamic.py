@@ -41,7 +41,7 @@ def read_dynamic(
 def dynamic_in(file: Opened, specimen: Specimen) -> DynamicTest:
     """Return the dynamic test in an opened file."""
     channels.expect(file, ["dma", "master-curve"], "a sweep of frequency is", named=["storage"])
-    wanted, ratio = _columns(file)
+    wanted, ratio = sweep_columns(file)
     chosen = channels.with_units(file, wanted)
     indexes = [c.index for c in chosen] + ([] if ratio is None else [ratio])
     loaded = channels.load(file.table, indexes, file.options.segment)
@@ -77,7 +77,7 @@ def dynamic_in(file: Opened, specimen: Specimen) -> DynamicTest:
     )
 
 
-def _columns(file: Opened) -> tuple[list[Assigned], int | None]:
+def sweep_columns(file: Opened) -> tuple[list[Assigned], int | None]:
     """The columns by role, and that of the loss factor if there is no loss."""
     table, options = file.table, file.options
     found = {role: assign(table, role, options) for role in _ROLES}

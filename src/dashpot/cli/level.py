@@ -1,0 +1,57 @@
+"""dashpot level: what stiffness and damping do with amplitude."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from dashpot import workflow
+from dashpot.cli import _options as options
+from dashpot.cli import _text
+from dashpot.cli._options import Quantity
+from dashpot.cli._shell import File, Outcome, reports
+
+
+@click.command("level")
+@click.argument("files", type=File(), nargs=-1, required=True, metavar="SWEEP|LOOPS|FRF...")
+@click.option(
+    "--level",
+    "levels",
+    metavar="FORCE",
+    multiple=True,
+    help="Of each FRF, in order: amplitude of the force, e.g. 0.05N; of a transmissibility that "
+    "of the base's acceleration, e.g. 1m/s^2.",
+)
+@click.option("--mass", type=Quantity("mass"), help="Under those FRFs, e.g. 104g.")
+@options.seals
+@options.compared
+@click.option(
+    "--at",
+    type=Quantity("force"),
+    multiple=True,
+    help="Level at which the resonance of that mass is wanted, e.g. 0.2N.",
+)
+@click.option(
+    "--law",
+    type=click.Choice(["auto", "factor", "additive"]),
+    default="auto",
+    show_default=True,
+    help="Of a sweep: a share of the stiffness is lost, or friction stands beside it.",
+)
+@reports
+@options.reading
+def command(*, files: tuple[str, ...], **choices: Any) -> Outcome:
+    """Find how far stiffness and damping depend on how far the seal is moved.
+
+    SWEEP is storage and loss against strain or displacement at one frequency or a few; LOOPS a
+    record of harmonic cycles at several amplitudes; FRF... those of one mass at several levels,
+    from which arms and sliders are found, and the resonance at another level (--at).
+
+    \b
+    dashpot level sweep.csv
+    dashpot level loops.csv
+    dashpot level low.csv high.csv --level 0.02N --level 0.2N --mass 104g --seals 2 --at 0.1N
+    """
+    found = workflow.level_files(files, **choices)
+    return Outcome(found.document, _text.levels(found), found.checks, verdict=found.verdict)

@@ -1,0 +1,261 @@
+"""From files to what stiffness and damping do with amplitude, and to a mass at another level."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+import dashpot as dp
+from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.errors import DataError, ReadError
+from dashpot.base.units import Quantity
+from dashpot.fitting.level.frfs import fit_levels
+from dashpot.fitting.level.loops import sweep_of_loops
+from dashpot.fitting.level.sweep import fit_amplitude
+from dashpot.io.options import ReadOptions
+from dashpot.io.readers.amplitude import read_amplitude
+from dashpot.io.readers.frf import read_frf
+from dashpot.io.readers.inspect import inspect_file
+from dashpot.io.source import about
+from dashpot.records.amplitude import AmplitudeFit
+from dashpot.records.level import LevelFit
+from dashpot.solids.friction import Jenkins
+from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.vibration.systems.level import response_at_level
+from dashpot.vibration.systems.system import Mount, System, point_mass
+from dashpot.workflow.checks import level_covered
+
+_RESPONSES = ("frf", "transmissibility")
+_LOOPS = ("cyclic", "triangle", "relaxation", "creep")
+"""What a record of time, displacement and force is taken for; here it is one of loops."""
+_LINES = 61
+_DRAWN = 20
+"""Draws that make an interval of a peak; each is a sweep."""
+
+
+@dataclass(frozen=True)
+class PeakAtLevel:
+    """The resonance of a mass at a level that was asked for.
+
+    Attributes
+    ----------
+    level : float
+        Amplitude of the force, N.
+    frequency, receptance : float
+        Of the largest motion, Hz, and that motion over the force, m/N.
+    frequency_interval, receptance_interval : (float, float)
+        95 %.
+    amplitude : float
+        Of the seal's displacement there, m.
+    """
+
+    level: float
+    frequency: float
+    receptance: float
+    frequency_interval: tuple[float, float]
+    receptance_interval: tuple[float, float]
+    amplitude: float
+
+
+@dataclass(frozen=True)
+class Levels:
+    """What ``dashpot level`` found.
+
+    Attributes
+    ----------
+    fit : AmplitudeFit or LevelFit
+    at : tuple of PeakAtLevel
+        The levels that were asked for.
+    checks : tuple of Check
+    """
+
+    fit: AmplitudeFit | LevelFit
+    at: tuple[PeakAtLevel, ...]
+    checks: tuple[Check, ...]
+
+    @property
+    def verdict(self) -> Verdict:
+        """What to make of it."""
+        return verdict(self.checks, sound=self.fit.verdict.says)
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """``dashpot/levels@1``."""
+        fit = self.fit
+        known: dict[str, Any] = {
+            "schema": "dashpot/levels@1",
+            "amplitudes": list(fit.amplitudes),
+            "residual": fit.residual,
+            "verdict": {
+                "use": self.verdict.use,
+                "says": self.verdict.says,
+                "because": [check.name for check in self.verdict.because],
+            },
+            "checks": [asdict(check) for check in self.checks],
+        }
+        if isinstance(fit, AmplitudeFit):
+            return known | {
+                "law": fit.law,
+                "unit": fit.unit,
+                "of": fit.of,
+                "linear": [
+                    {"frequency_hz": hz, "storage": one.real, "loss": one.imag}
+                    for hz, one in zip(fit.frequency.tolist(), fit.linear.tolist(), strict=True)
+                ],
+                **({} if fit.law == "none" else _numbers(fit)),
+                "orders": dict(fit.orders),
+            }
+        return known | {
+            "mass": fit.mass,
+            "seals": fit.seals,
+            "band_hz": list(fit.band),
+            "linear_residual": fit.linear_residual,
+            "model": {
+                "k_inf": fit.solid.k_inf,
+                "arms": [
+                    {"k": k, "tau": tau} for k, tau in zip(fit.solid.k, fit.solid.tau, strict=True)
+                ],
+            },
+            "sliders": [{"k": one.k, "slip": one.slip} for one in fit.sliders],
+            "at": [asdict(one) for one in self.at],
+        }
+
+
+def level_files(
+    files: Sequence[str | Path],
+    *,
+    levels: Sequence[Quantity] = (),
+    mass: float | None = None,
+    seals: float = 1.0,
+    band: tuple[float, float] | None = None,
+    at: Sequence[float] = (),
+    law: Literal["auto", "factor", "additive"] = "auto",
+    options: ReadOptions | None = None,
+) -> Levels:
+    """Find how stiffness and damping move with amplitude.
+
+    Parameters
+    ----------
+    files : sequence of path
+        One amplitude sweep, one record of loops, or FRFs of one mass at several levels.
+    levels : sequence of str or float
+        Of the FRFs: amplitude of the force, N, one for each file; of transmissibilities that of
+        the base's acceleration, m/s^2.
+    mass : float, optional
+        Under those FRFs, kg.
+    seals : float
+    band : (float, float), optional
+        Lines taken, Hz.
+    at : sequence of float
+        Levels at which the resonance of that mass is wanted, N.
+    law : str
+        Of an amplitude sweep: ``"auto"``, ``"factor"`` or ``"additive"``.
+    options : ReadOptions, optional
+        What the user said of the files.
+    """
+    kinds = [inspect_file(path, options=options).kind for path in files]
+    if all(kind in _RESPONSES for kind in kinds):
+        return _of_frfs(files, levels, mass=mass, seals=seals, band=band, at=at, options=options)
+    given = [
+        flag
+        for flag, value in (("--level", levels), ("--mass", mass), ("--band", band), ("--at", at))
+        if value not in ((), None)
+    ]
+    if given:
+        raise ReadError(
+            f"{given[0]} belongs to FRFs of a mass, and {Path(files[0]).name} is another kind of "
+            "file; leave it out"
+        )
+    if len(files) > 1:
+        raise ReadError("one amplitude sweep at a time; only FRFs of several levels go together")
+    with about(Path(files[0]).name):
+        if kinds[0] in _LOOPS:
+            sweep = sweep_of_loops(dp.read_relaxation(files[0], options=options))
+        else:
+            sweep = read_amplitude(files[0], options=options)
+        found = fit_amplitude(sweep, law=law)
+    return Levels(found, (), found.checks)
+
+
+def _numbers(fit: AmplitudeFit) -> dict[str, Any]:
+    """The numbers of a law, each with its standard error."""
+    found: dict[str, Any] = {"lost": fit.lost, "half_way": fit.half_way, "m": fit.m}
+    return found | {f"{name}_se": error for name, error in fit.se}
+
+
+def _of_frfs(
+    files: Sequence[str | Path],
+    levels: Sequence[Quantity],
+    *,
+    mass: float | None,
+    seals: float,
+    band: tuple[float, float] | None,
+    at: Sequence[float],
+    options: ReadOptions | None,
+) -> Levels:
+    if mass is None or len(levels) != len(files):
+        raise ReadError(
+            f"{len(files)} FRFs, {len(levels)} levels and {'no' if mass is None else 'a'} mass; "
+            "expected the mass (--mass) and the level of each FRF, in their order (--level 0.05N "
+            "--level 0.5N)"
+        )
+    frfs = [read_frf(path, options=options) for path in files]
+    found = fit_levels(frfs, levels, mass=mass, seals=seals, band=band)
+    peaks = tuple(_peak(found, level) for level in at)
+    covered = tuple(
+        level_covered(one.amplitude, found.amplitudes, level=one.level) for one in peaks
+    )
+    return Levels(found, peaks, (*found.checks, *covered))
+
+
+def _peak(found: LevelFit, level: float) -> PeakAtLevel:
+    """The largest motion of the mass at a level, and what the draws say of it."""
+    frequency, receptance, amplitude = _largest(found, found.solid, found.sliders, level)
+    drawn = np.array([_largest(found, *draw, level)[:2] for draw in found.draws[:_DRAWN]])
+    low, high = 2 * np.array([frequency, receptance]) - np.quantile(drawn, [0.975, 0.025], axis=0)
+    return PeakAtLevel(
+        level,
+        frequency,
+        receptance,
+        (float(low[0]), float(high[0])),
+        (float(low[1]), float(high[1])),
+        amplitude,
+    )
+
+
+def _largest(
+    found: LevelFit, solid: GeneralizedMaxwell, sliders: tuple[Jenkins, ...], level: float
+) -> tuple[float, float, float]:
+    """Frequency, Hz, receptance, m/N, and the seal's amplitude, m, of the largest motion."""
+    if not sliders:
+        sliders = (Jenkins(1e-9 * solid.k_0, solid.k_0),)
+    low, high = found.band
+    at = np.linspace(low, high, _LINES)
+    system = System(
+        (point_mass("mass", found.mass),),
+        (
+            Mount(
+                found.seals * solid,
+                ("mass", "ground"),
+                friction=found.seals * sum(sliders[1:], start=sliders[0]),
+            ),
+        ),
+    )
+    for _ in range(2):
+        response = response_at_level(
+            system, response="mass.z", force="mass.z", level=level, frequency=at
+        )
+        top = int(response.amplitude.argmax())
+        at = np.linspace(at[max(top - 1, 0)], at[min(top + 1, len(at) - 1)], _LINES)
+    best = int(response.amplitude.argmax())
+    if top in {0, _LINES - 1} and best in {0, _LINES - 1}:
+        raise DataError(
+            f"at {level:g} N the motion is largest at an end of the lines, {low:.4g} to {high:.4g} "
+            "Hz: there is no resonance among them"
+        )
+    X = float(response.amplitude[best])
+    return float(response.frequency[best]), X / level, X

@@ -1,0 +1,133 @@
+"""dashpot level: sweeps, loops and FRFs of several levels, as files of other labs hold them."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import dashpot as dp
+from dashpot.cli import main
+from dashpot.io.write import write_frf
+from dashpot.solids.networks import spring
+from dashpot.vibration.systems.system import Mount, System, point_mass
+
+SEAL = dp.GeneralizedMaxwell(393.0, (235.0, 35.6), (0.502, 0.012))
+SLIDER = dp.friction.Jenkins(100.0, 0.05)
+
+
+def ran(*words, code=0):
+    told = CliRunner().invoke(main, ["level", *map(str, words), "--json"])
+    assert told.exit_code == code, told.output
+    return json.loads(told.stdout) if code == 0 else told.output
+
+
+def table(path, header, *columns):
+    np.savetxt(path, np.column_stack(columns), delimiter=",", header=header, comments="")
+    return path
+
+
+def payne(X):
+    return (spring(2.0) + dp.friction.Kraus(3.0, 0.004)).equivalent(1.0, X)
+
+
+@pytest.mark.parametrize(
+    ("header", "scale"),
+    [
+        ("Frequency [Hz],Strain [%],Storage modulus [MPa],Loss modulus [MPa]", (100, 1)),
+        ("f (Hz),Displacement (mm),K' (N/mm),K'' (N/mm)", (1e3, 1e-3)),
+    ],
+)
+def test_a_sweep_is_read_as_a_sweep_of_amplitude(tmp_path, header, scale):
+    X = np.geomspace(1e-4, 0.05, 16) * (1 if "Strain" in header else 1e-1)
+    K = 1e3 * payne(X * (1 if "Strain" in header else 10)) * scale[1]
+    path = table(tmp_path / "sweep.csv", header, np.full(16, 10.0), X * scale[0], K.real, K.imag)
+    assert dp.inspect_file(path).kind == "strain-sweep"
+    found = ran(path)
+    half = 0.004 * (1 if "Strain" in header else 1e-1)
+    assert found["half_way"] == pytest.approx(half, rel=1e-3)
+    assert found["of"] == ("strain" if "Strain" in header else "m")
+    assert found["law"] == ("factor" if "Strain" in header else "additive")
+    # and never as one of frequency
+    assert "dashpot level" in CliRunner().invoke(main, ["fit", str(path)]).stderr
+
+
+def test_recorded_loops_tell_the_same(tmp_path):
+    """Harmonic cycles at seven amplitudes, marched through a slider and arms."""
+    rate, hz, per = 1000, 5.0, 6
+    sizes = np.geomspace(1e-4, 6e-3, 9)
+    t = np.arange(int(len(sizes) * per / hz * rate)) / rate
+    X = sizes[np.minimum((t * hz / per).astype(int), len(sizes) - 1)]
+    x = X * np.sin(2 * np.pi * hz * t)
+    x[0] = 0.0
+    force = dp.friction.InParallel((SEAL, SLIDER)).path_force(t, x)
+    path = table(tmp_path / "loops.csv", "time [s],displacement [mm],force [N]", t, 1e3 * x, force)
+    found = ran(path)
+    assert found["unit"] == "N/m"
+    low, high = found["amplitudes"]
+    assert (low, high) == pytest.approx((sizes[0], sizes[-1]), rel=0.02)
+    stuck, free = (
+        float((SEAL + SLIDER).equivalent(2 * np.pi * hz, one).real) for one in (1e-5, 6e-3)
+    )
+    assert found["linear"][0]["storage"] == pytest.approx(stuck, rel=0.05)
+    assert found["lost"] == pytest.approx(stuck - free, rel=0.2)
+
+
+def frfs(folder, levels, friction=SLIDER):
+    system = System((point_mass("m", 0.104),), (Mount(SEAL, ("m", "ground"), friction=friction),))
+    f, paths = np.linspace(8, 20, 61), []
+    for i, level in enumerate(levels):
+        one = dp.response_at_level(
+            system, response="m.z", force="m.z", level=level, frequency=f
+        ).frf()
+        rng = np.random.default_rng(i)
+        H = one.value * (1 + 0.005 * (rng.normal(size=61) + 1j * rng.normal(size=61)))
+        paths.append(folder / f"frf{i}.csv")
+        write_frf(dp.FRF(f, H, one.kind, sd=0.005 * np.abs(H)), paths[-1])
+    return paths, system
+
+
+def test_frfs_of_three_levels_foretell_a_fourth(tmp_path):
+    levels = (0.005, 0.05, 0.5)
+    paths, system = frfs(tmp_path, levels)
+    words = [w for level in levels for w in ("--level", f"{level}N")]
+    found = ran(*paths, *words, "--mass", "104g", "--at", "0.15N", "--at", "5N")
+    true = dp.response_at_level(
+        system, response="m.z", force="m.z", level=0.15, frequency=np.linspace(10, 18, 1601)
+    )
+    top = int(true.amplitude.argmax())
+    asked, beyond = found["at"]
+    assert asked["frequency"] == pytest.approx(float(true.frequency[top]), rel=0.002)
+    assert asked["receptance"] == pytest.approx(true.amplitude[top] / 0.15, rel=0.03)
+    low, high = asked["receptance_interval"]
+    assert low < true.amplitude[top] / 0.15 < high
+    covered = [c["passed"] for c in found["checks"] if c["name"] == "level_covered"]
+    assert covered == [True, False]
+    assert beyond["amplitude"] > found["amplitudes"][1]
+    assert found["verdict"]["use"] == "use with care"
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["frf0.csv", "--mass", "104g"], "0 levels and a mass"),
+        (["frf0.csv", "--level", "0.1N"], "1 levels and no mass"),
+        (["frf0.csv", "--level", "0.1mm", "--mass", "104g"], "force"),
+        (["sweep.csv", "--mass", "104g"], "--mass belongs to FRFs"),
+        (["sweep.csv", "sweep.csv"], "one amplitude sweep at a time"),
+        (["flat.csv"], "never changes"),
+        (["bare.csv"], "no column of strain or displacement"),
+    ],
+)
+def test_what_cannot_be_is_said(tmp_path, monkeypatch, words, says):
+    monkeypatch.chdir(tmp_path)
+    frfs(tmp_path, (0.05,))
+    X = np.geomspace(1e-3, 5, 12)
+    tones, K = np.full(12, 10.0), payne(X / 100)
+    header = "frequency [Hz],strain [%],storage [MPa],loss [MPa]"
+    table("sweep.csv", header, tones, X, K.real, K.imag)
+    table("flat.csv", header, tones, np.ones(12), K.real, K.imag)
+    table("bare.csv", "frequency [Hz],storage [MPa],loss [MPa]", tones, K.real, K.imag)
+    assert says in ran(*words, code=2)
