@@ -98,7 +98,7 @@ def command(
         seals=seals,
         compression=compression,
         units=units,
-        specimen=_asked(found, specimen.temperature),
+        temperature=specimen.temperature,
         allow=("all",) if force else allow,
         **choices,
     )
@@ -127,11 +127,6 @@ def _described(found: dp.Fit, given: Specimen) -> dp.Fit:
 
 _ASKED = "temperature"
 """Of the specimen: what a deck is asked for, not what is added to the fit."""
-
-
-def _asked(found: dp.Fit, temperature: float | None) -> Specimen | None:
-    """Return the specimen at the temperature asked for, if one is."""
-    return None if temperature is None else replace(found.specimen, temperature=temperature)
 
 
 def _seal_line(

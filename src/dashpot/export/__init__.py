@@ -8,6 +8,7 @@ bare :class:`~dashpot.solids.maxwell.Solid` or of a
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from inspect import signature
 from types import MappingProxyType
 
@@ -62,6 +63,7 @@ def deck_for(
     *,
     seals: float = 1.0,
     compression: float | None = None,
+    temperature: float | None = None,
     **choices: object,
 ) -> DeckText:
     """Return the deck of a fit for one of :data:`TARGETS`: of so many seals, side by side.
@@ -74,6 +76,8 @@ def deck_for(
     seals : float
     compression : float, optional
         Of the seals, m: the deck is of small vibration about it.
+    temperature : float, optional
+        Of the seals, K; by default that of the fit.
     **choices
         Arguments of the target; one that is None was not chosen.
 
@@ -95,6 +99,8 @@ def deck_for(
         found = found.at_compression(compression)
     if seals != 1:
         found = found.in_parallel(seals)
+    if temperature is not None:
+        made["specimen"] = replace(found.specimen, temperature=temperature)
     return TARGETS[target](found, **made)
 
 
