@@ -74,6 +74,7 @@ from .vibration.modal.dynamic_stiffness import dynamic_stiffness as dynamic_stif
 from .vibration.systems.level import response_at_level as response_at_level
 from .vibration.systems.prediction import isolation_frequency as isolation_frequency
 from .vibration.systems.prediction import predict_frf as predict_frf
+from .vibration.systems.random_base import random_base as random_base
 from .vibration.systems.system import Mount as Mount
 from .vibration.systems.system import System as System
 from .vibration.systems.system import planar_body as planar_body

@@ -13,6 +13,7 @@ from dashpot.cli import main
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.write import frf_uff, write_frf
 from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER, PAPER_MASS
+from dashpot.vibration.systems.random_base import random_base
 
 AT = [5.0, 10.0, 12.71, 18.0, 30.0, 50.0]
 SIZES = {
@@ -238,3 +239,40 @@ def test_the_limits_of_the_accelerance_are_called_so(tmp_path):
     moved = " ".join(run(main, [*words, "--base"]).output.split())
     assert "of the accelerance A the motion relative to the base is m A times" in moved
     assert "relative to the base" not in forced
+
+
+class TestRandomBase:
+    def test_white_noise_of_the_papers_seals(self):
+        found = random_base(2 * PAPER, mass=PAPER_MASS, psd=1.0)
+        assert found.acceleration == pytest.approx(47.448949, rel=1e-7)
+        assert 1e3 * found.stretch == pytest.approx(7.441384, rel=1e-6)
+        assert found.crossings == pytest.approx(12.71, rel=1e-3)
+
+    def test_a_table_that_is_wide_and_flat_is_white(self):
+        white = random_base(2 * BROAD, mass=BROAD_MASS, psd=0.3)
+        wide = random_base(2 * BROAD, mass=BROAD_MASS, psd=[0.3, 0.3], frequency=[1e-3, 1e5])
+        assert wide.acceleration == pytest.approx(white.acceleration, rel=1e-4)
+        assert wide.stretch == pytest.approx(white.stretch, rel=1e-4)
+
+    def test_a_narrow_table_is_a_tone(self):
+        f, S, width = 9.0, 2.0, 1e-4
+        found = random_base(2 * PAPER, mass=PAPER_MASS, psd=[S, S], frequency=[f, f + width])
+        T = dp.predict_frf(
+            2 * PAPER, mass=PAPER_MASS, frequency=[f], kind="transmissibility"
+        ).value[0]
+        assert found.acceleration == pytest.approx(abs(T) * np.sqrt(S * width), rel=1e-4)
+        assert found.crossings == pytest.approx(f, rel=1e-4)
+
+    @pytest.mark.parametrize(
+        ("solid", "words"),
+        [
+            (PAPER, {"psd": -1.0}),
+            (PAPER, {"psd": [1.0, 1.0], "frequency": [0.0, 1.0]}),
+            (PAPER, {"psd": [1.0, -1.0], "frequency": [1.0, 2.0]}),
+            (dp.GeneralizedMaxwell(1.0, b=1.0), {"psd": 1.0}),
+            (dp.GeneralizedMaxwell(0.0, (1.0,), (1.0,)), {"psd": 1.0}),
+        ],
+    )
+    def test_noise_that_has_no_answer(self, solid, words):
+        with pytest.raises(DataError):
+            random_base(solid, mass=0.1, **words)
