@@ -4,16 +4,21 @@ Run: python benchmarks/app.py
 
 A record of 42 500 rows and five hits from the virtual rig and hammer, then one of 3 million rows.
 Times are wall clock in the page (`performance.now`), for a browser and a server share the machine;
-"drawn" is the second frame after the answer. Memory is the resident size of server and workers.
+"drawn" is the second frame after the answer. Beside them stands what others on the machine change
+less: processor time of server and workers a step, and the tasks that held the page for more than
+50 ms. Memory is the resident size of server and workers.
 """
 
 from __future__ import annotations
 
+import os
 import shutil
 import statistics
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -26,7 +31,7 @@ from dashpot.solids.table_1 import BROAD
 
 MOVES = 60
 LISTEN = """() => {
-  window.times = []; window.bytes = [];
+  window.times = []; window.bytes = []; window.long = [];
   const seen = performance.mark.bind(performance);
   performance.mark = (name) => {
     const since = window.moved;
@@ -35,6 +40,9 @@ LISTEN = """() => {
     }));
     return seen(name);
   };
+  new PerformanceObserver((list) => {
+    for (const one of list.getEntries()) window.long.push(one.duration);
+  }).observe({ type: 'longtask' });
   new PerformanceObserver((list) => {
     for (const one of list.getEntries()) if (one.name.includes('/api/'))
       window.bytes.push([one.name.split('/').pop(), one.transferSize]);
@@ -92,9 +100,15 @@ def drive(page: Page, seal: Path, hammer: Path) -> None:
     page.locator("#mass").press("Enter")
     settled(page, "114.8g")
     page.evaluate(LISTEN)
-    drag(page)
-    slide(page)
-    settle(page)
+    with effort(page, server.pid, "drag"):
+        drag(page)
+    page.get_by_role("button", name="as found").click()
+    settled(page, "--mass")
+    with effort(page, server.pid, "mass slider"):
+        slide(page)
+    done(page)
+    with effort(page, server.pid, "settle and study", steps=6):
+        settle(page)
     page.locator("#pick").set_input_files(str(hammer))
     page.get_by_role("button", name="Cancel").wait_for()
     since = time.perf_counter()
@@ -119,8 +133,6 @@ def drag(page: Page) -> None:
     page.mouse.up()
     quantiles(page, "drag to redraw", 100)
     sizes(page, "live")
-    page.get_by_role("button", name="as found").click()
-    settled(page, "--mass")
 
 
 def slide(page: Page) -> None:
@@ -134,7 +146,6 @@ def slide(page: Page) -> None:
         page.wait_for_timeout(60)
     quantiles(page, "mass slider to redraw", 50)
     sizes(page, "predict")
-    done(page)
 
 
 def settle(page: Page) -> None:
@@ -174,8 +185,37 @@ def large(page: Page, path: Path) -> None:
     server.terminate()
 
 
+@contextmanager
+def effort(page: Page, process: int, what: str, steps: int = MOVES) -> Iterator[None]:
+    """Say what a step cost the processors, and how often the page was held up."""
+    page.evaluate("window.long = []")
+    before = cpu(process)
+    yield
+    say(f"{what}: CPU of server and workers a step", 1e3 * (cpu(process) - before) / steps, "ms")
+    long = page.evaluate("window.long")
+    say(f"{what}: tasks over 50 ms in the page", len(long), "")
+    if long:
+        say(f"{what}: the longest", max(long), "ms")
+
+
+def cpu(process: int) -> float:
+    """Processor time of a process and its children, s."""
+    ticks = 0
+    for one in family(process):
+        fields = Path(f"/proc/{one}/stat").read_text().rpartition(")")[2].split()
+        ticks += int(fields[11]) + int(fields[12])
+    return ticks / os.sysconf("SC_CLK_TCK")
+
+
+def family(process: int) -> list[str]:
+    """A process and its children."""
+    return [str(process), *Path(f"/proc/{process}/task/{process}/children").read_text().split()]
+
+
 def done(page: Page) -> None:
     """Wait until nothing is computed."""
+    page.evaluate("new Promise((go) => requestAnimationFrame(() => requestAnimationFrame(go)))")
+    page.locator("body:not([data-busy=true])").wait_for()
     page.get_by_role("status").filter(has_text="done in").wait_for()
 
 
@@ -200,9 +240,8 @@ def sizes(page: Page, verb: str) -> None:
 
 def memory(process: int) -> float:
     """Resident size of a process and its children, MB."""
-    children = Path(f"/proc/{process}/task/{process}/children").read_text().split()
     total = 0
-    for one in (str(process), *children):
+    for one in family(process):
         status = Path(f"/proc/{one}/status").read_text()
         total += int(status.partition("VmRSS:")[2].split()[0])
     return total / 1e3

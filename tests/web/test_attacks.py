@@ -48,7 +48,7 @@ def ask(server):
         with closing(http.client.HTTPConnection("127.0.0.1", port, timeout=30)) as line:
             line.request(method, path, body, headers)
             answer = line.getresponse()
-            return answer.status, answer.read().decode()
+            return answer.status, answer.read().decode(errors="replace")
 
     return asked
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import contextlib
+import gzip
 import json
 import socket
 import webbrowser
 from collections import OrderedDict
 from collections.abc import AsyncIterator, Sequence
+from functools import cache
 from hashlib import sha256
 from importlib import resources
 from pathlib import Path
@@ -105,18 +107,18 @@ def application(desk: Desk) -> Starlette:
     from starlette.routing import Route
 
     async def page(_: Request) -> Response:
-        return Response(_static("index.html"), media_type="text/html")
+        return _sent(_static("index.html"), "text/html")
 
     async def static(request: Request) -> Response:
         name = request.path_params["name"]
         kind = _KINDS.get(name.rpartition(".")[2])
         if kind is None or name not in _names():
             return Response("there is no such file", status_code=404)
-        return Response(_static(name), media_type=kind)
+        return _sent(_static(name), kind)
 
     async def charts(_: Request) -> Response:
         script = _HOUSE.joinpath("plot", "charts.js").read_text("utf-8")
-        return Response(script, media_type=_KINDS["js"])
+        return _sent(script, _KINDS["js"])
 
     async def files(request: Request) -> Response:
         name = request.query_params.get("name", "file")
@@ -202,6 +204,18 @@ _HOUSE = resources.files("dashpot")
 
 def _names() -> set[str]:
     return {one.name for one in _HOUSE.joinpath("web", "static").iterdir()}
+
+
+def _sent(text: str, kind: str) -> Response:
+    from starlette.responses import Response
+
+    headers = {"content-encoding": "gzip"}
+    return Response(_packed(text), media_type=kind, headers=headers)
+
+
+@cache
+def _packed(text: str) -> bytes:
+    return gzip.compress(text.encode(), mtime=0)
 
 
 def _static(name: str) -> str:

@@ -21,6 +21,7 @@ const DECKS = {
   csv: "Table",
 };
 const NOTICED = 24;
+const PAUSE = 250;
 
 // -- buttons and keys -----------------------------------------------------------------------------
 
@@ -232,7 +233,6 @@ const typed = {
     state.job.mass = grams && `${grams}g`;
     state.mass = +grams;
   },
-  "mass-slider": () => {},
   seals: (text) => {
     state.job.seals = text ? +text : 1;
   },
@@ -241,6 +241,7 @@ const typed = {
   },
 };
 
+let pause = 0;
 document.addEventListener("change", (event) => {
   const at = /** @type {HTMLInputElement} */ (event.target), { hit, cut: end } = at.dataset;
   const text = at.value.trim().replace(",", ".");
@@ -253,6 +254,10 @@ document.addEventListener("change", (event) => {
   else if (at.id.startsWith("specimen-")) {
     describe(at.id.slice("specimen-".length), at.value);
     settle();
+  } else if (at.id === "mass-slider") {
+    // each press of an arrow is a change: what takes seconds waits for the last of them
+    clearTimeout(pause);
+    pause = setTimeout(settle, PAUSE);
   } else if (typed[at.id]) {
     typed[at.id](text);
     settle();
