@@ -26,7 +26,7 @@ from dashpot.lots.statistics.gauge import LIMIT, TRUSTED
 from dashpot.lots.summary import OfQuantity, Summary, summary
 from dashpot.plot import tokens
 from dashpot.plot.picture import Picture
-from dashpot.report.figures import Drawn, drawn
+from dashpot.report.figures import PAPER, Drawn, drawn
 from dashpot.report.pages import COLOURS, digest, environment
 
 WIDE = 1180.0
@@ -103,7 +103,9 @@ def _part(name: str) -> str:
 
 
 def _drawn(picture: Picture, width: float = WIDE) -> Drawn:
-    return drawn(picture, width=width)
+    """For a screen and a phone and, where that is wider than a sheet, for paper."""
+    whole = sum(panel.height for panel in picture.panels)
+    return drawn(picture, width=width, low=whole if width > PAPER else None)
 
 
 def _curves(lot: Lot, found: Summary) -> Drawn | None:

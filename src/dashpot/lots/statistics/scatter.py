@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from statistics import NormalDist
 from typing import TypeAlias
 
@@ -217,6 +218,10 @@ def stands_out(values: FloatArray) -> FloatArray:
     deviation is then known badly, and 3.5 would accuse one of 20 of five good values.
     """
     away = robust_distance(values)
+    return np.where(np.abs(away) > _limit(len(away)), away, 0.0)
+
+
+@cache
+def _limit(count: int) -> float:
     rare = 1 - 2 * NormalDist().cdf(-STANDS_OUT)
-    limit = t_quantile(rare, _EFFICIENCY * (len(away) - 1))
-    return np.where(np.abs(away) > limit, away, 0.0)
+    return t_quantile(rare, _EFFICIENCY * (count - 1))
