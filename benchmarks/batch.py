@@ -14,6 +14,7 @@ import json
 import subprocess
 import sys
 import time
+from collections import defaultdict
 from pathlib import Path
 from resource import RUSAGE_CHILDREN, RUSAGE_SELF, getrusage
 from tempfile import TemporaryDirectory
@@ -64,12 +65,16 @@ def main() -> None:
 
 def cost(name: str, how: dict[str, Any], whole: Path, part: Path, repeats: int) -> float:
     """Print CPU time for each test by every engine; return the least of the processes, s."""
-    least = dict.fromkeys(ENGINES, np.inf)
+    runs: dict[tuple[str, Path], list[dict[str, float]]] = defaultdict(list)
     for _ in range(repeats):
         for engine in ENGINES:
-            runs = [run(engine, folder, how) for folder in (whole, part)]
-            cpu, count = (runs[0][key] - runs[1][key] for key in ("cpu", "tests"))
-            least[engine] = min(least[engine], cpu / count)
+            for folder in (whole, part):
+                runs[engine, folder].append(run(engine, folder, how))
+    least = {}
+    for engine in ENGINES:
+        cpu = [min(one["cpu"] for one in runs[engine, folder]) for folder in (whole, part)]
+        tests = [runs[engine, folder][0]["tests"] for folder in (whole, part)]
+        least[engine] = (cpu[0] - cpu[1]) / (tests[0] - tests[1])
     for engine, each in least.items():
         beside = each / least["loop"] - 1
         target = f"   target {TARGETS[name]}" if name in TARGETS else ""

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from io import BytesIO
+from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, Literal, cast
 
 from dashpot.base.atomic import PART, write_whole
 from dashpot.base.errors import DataError, ExportError
@@ -96,24 +97,33 @@ def framed(rows: Sequence[Mapping[str, Any]], choices: BatchChoices) -> pl.DataF
     return cast("pl.DataFrame", polars().DataFrame(rows, schema=schema(choices)))
 
 
-def read_parts(folder: Path) -> dict[Path, pl.DataFrame]:
-    """Return the parts in a folder; what cannot be read is left out, as if it were not there."""
-    found = {}
+def read_parts(folder: Path) -> Iterator[tuple[Path, pl.DataFrame]]:
+    """Yield the parts in a folder; what cannot be read is left out, as if it were not there."""
     for path in sorted(folder.glob(PARTS)):
         try:
             frame = polars().read_parquet(path.read_bytes())
         except (OSError, polars().exceptions.PolarsError):
             continue
         if {KEY, "outcome", "file"} <= set(frame.columns):
-            found[path] = frame
-    return found
+            yield path, frame
+
+
+def joined(
+    frames: Iterable[pl.DataFrame], how: Literal["vertical", "diagonal"] = "vertical"
+) -> pl.DataFrame:
+    """Return tables as one; few parts are held at once, for one takes ten times what is in it."""
+    whole: list[pl.DataFrame] = []
+    several = iter(frames)
+    while some := list(islice(several, SMALL)):
+        whole.append(polars().concat(some, how=how, rechunk=True))
+    return cast("pl.DataFrame", polars().concat(whole or [polars().DataFrame()], how=how))
 
 
 def keys_done(folder: Path) -> set[str]:
     """Return the keys of the rows that need not be made again."""
     return {
         key
-        for frame in read_parts(folder).values()
+        for _, frame in read_parts(folder)
         for key, outcome in frame.select(KEY, "outcome").iter_rows()
         if outcome not in AGAIN
     }
@@ -130,34 +140,41 @@ def table(folder: Path, wanted: Sequence[str]) -> pl.DataFrame:
     DataError
         If a part went while it was wanted.
     """
-    seen, frames = set[str](), []
-    parts = read_parts(folder)
-    for path in sorted(parts, key=lambda one: bool(parts[one]["outcome"].is_in(AGAIN).any())):
-        frame = parts[path]
-        stays = set(frame[KEY]) & set(wanted) - seen
-        seen |= stays
-        kept = frame.filter(polars().col(KEY).is_in(list(stays)))
-        if stays:
-            frames.append(kept)
-        if not stays or (kept.height != frame.height and write_part(folder, kept) != path):
-            path.unlink()
-    for path in (*(set(folder.glob(PARTS)) - read_parts(folder).keys()), *folder.glob(f".*{PART}")):
+    there = set(folder.glob(PARTS))
+    parts = {path: bool(one["outcome"].is_in(AGAIN).any()) for path, one in read_parts(folder)}
+    missing = set(wanted)
+    found = joined(_kept(folder, sorted(parts, key=lambda path: parts[path]), missing))
+    for path in (*(there - parts.keys()), *folder.glob(f".*{PART}")):
         path.unlink()
     _gather(folder)
-    if seen != set(wanted):
+    if missing:
         raise DataError(
-            f"{folder} holds {len(seen)} of {len(wanted)} rows: parts of it went while the "
-            "batch ran; run it again"
+            f"{folder} holds {len(set(wanted)) - len(missing)} of {len(set(wanted))} rows: parts "
+            "of it went while the batch ran; run it again"
         )
-    return cast("pl.DataFrame", polars().concat(frames).sort("file"))
+    return found.sort("file")
+
+
+def _kept(folder: Path, parts: Iterable[Path], missing: set[str]) -> Iterator[pl.DataFrame]:
+    """Yield of each part the rows that are still missing; leave no others in the folder."""
+    for path in parts:
+        frame = polars().read_parquet(path.read_bytes())
+        stays = missing.intersection(frame[KEY])
+        missing -= stays
+        kept = frame.filter(polars().col(KEY).is_in(list(stays)))
+        if stays:
+            yield kept
+        if not stays or (kept.height != frame.height and write_part(folder, kept) != path):
+            path.unlink()
 
 
 def _gather(folder: Path) -> None:
     """Make one part of many small ones, which tests leave that come one by one."""
-    small = {path: one for path, one in read_parts(folder).items() if one.height < SMALL}
+    small = {path for path, one in read_parts(folder) if one.height < SMALL}
     if len(small) >= SMALL:
-        whole = write_part(folder, polars().concat(list(small.values())))
-        for path in small.keys() - {whole}:
+        parts = (one for path, one in read_parts(folder) if path in small)
+        whole = write_part(folder, joined(parts))
+        for path in small - {whole}:
             path.unlink()
 
 

@@ -16,7 +16,7 @@ from dashpot.base.errors import DataError, ReadError
 from dashpot.base.version import byline
 from dashpot.io.write import neutral
 from dashpot.lots.checks import files_fitted, fits_usable, hammers_compared, tests_alike
-from dashpot.lots.parts import polars, read_parts
+from dashpot.lots.parts import joined, polars, read_parts
 from dashpot.lots.quantities import Quantity, natural, quantity
 from dashpot.lots.seals import Charts, Seal, charted
 from dashpot.lots.statistics.capability import Capability, capability
@@ -65,10 +65,10 @@ class Lot:
         ReadError
             If there is none.
         """
-        parts = list(read_parts(Path(folder)).values())
-        if not parts:
+        found = joined((one for _, one in read_parts(Path(folder))), "diagonal")
+        if found.is_empty():
             raise ReadError(f"{folder} holds no rows of a batch; give the LOT of dashpot batch -o")
-        return Lot(polars().concat(parts, how="diagonal").sort("file"), 0)
+        return Lot(found.sort("file"), 0)
 
     @property
     def outcomes(self) -> dict[str, int]:
