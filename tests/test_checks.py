@@ -26,7 +26,7 @@ from dashpot.fitting.identification import checks as identification
 from dashpot.fitting.level import checks as level
 from dashpot.fitting.nonlinear_ramp import checks as ramp
 from dashpot.fitting.repeats import EndStiffness
-from dashpot.fitting.shift_law import LawScore
+from dashpot.fitting.shift_law import LawScore, OddOne
 from dashpot.fitting.temperature import checks as several
 from dashpot.io.readers import checks as reading
 from dashpot.lots import checks as lots
@@ -50,7 +50,7 @@ from dashpot.records.temperature import Shift, TemperatureShifts
 from dashpot.solids.interconversion import CreepSpectrum
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import PAPER
-from dashpot.solids.temperature import FreeShifts
+from dashpot.solids.temperature import WLF, FreeShifts
 from dashpot.vibration import checks as vibration
 from dashpot.vibration.comparison import checks as comparison
 from dashpot.vibration.comparison.compare import compare
@@ -454,6 +454,18 @@ FITTING = [
     ),
     Case(
         "law_follows_shifts", lambda x: temperature.law_follows_shifts(law(x), []), 0.1499, 0.1501
+    ),
+    Case(
+        "temperatures_in_line",
+        lambda x: temperature.temperatures_in_line(OddOne(296.15, x)),
+        0.0499,
+        0.0501,
+    ),
+    Case(
+        "glass_below_tests",
+        lambda x: temperature.glass_below_tests(WLF(8.0, 51.6, 296.15), 306.15 - x, 0.0),
+        -0.01,
+        0.01,
     ),
     Case(
         "vertical_shift_known",
@@ -1094,6 +1106,7 @@ LIMITS = {
         "arms_where_force_relaxes": 0.02,
         "overlap": 0.5, "shifts_determined": 0.3, "shift_monotone": 3,
         "thermorheologically_simple": 1.2, "law_follows_shifts": 0.15, "vertical_shift_known": 10,
+        "temperatures_in_line": 0.05, "glass_below_tests": 0,
         "vertical_rule_holds": 0.03,
     },
     "fitting/nonlinear_ramp": {

@@ -101,3 +101,18 @@ def test_shifts_that_rise_with_temperature_have_no_law():
         law_through(TEMPERATURES, s, chained(0.01), reference=REFERENCE, law="wlf")
     with pytest.raises(dp.FitError, match="expected one of"):
         law_through(TEMPERATURES, s, chained(0.01), reference=REFERENCE, law="vft")
+
+
+@pytest.mark.parametrize("i", [0, 2, 5, 8])
+def test_the_one_temperature_off_the_law_of_all_others_is_named(i):
+    shifts, sd = drawn(WLF, 0.005, i), chained(0.005)
+    assert law_through(TEMPERATURES, shifts, sd, reference=REFERENCE).odd is None
+    shifts[i] -= 0.15
+    odd = law_through(TEMPERATURES, shifts, sd, reference=REFERENCE).odd
+    assert odd.temperature == TEMPERATURES[i]
+    assert odd.missed == pytest.approx(-0.15, abs=0.06)
+
+
+def test_shifts_that_bend_everywhere_name_no_one():
+    bent = WLF.log10_a_t(TEMPERATURES) + 0.2 * np.cos(np.arange(9) * np.pi) * AWAY
+    assert law_through(TEMPERATURES, bent, chained(0.005), reference=REFERENCE).odd is None

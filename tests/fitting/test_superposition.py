@@ -170,7 +170,7 @@ def test_a_wrong_temperature_leaves_the_law_and_is_named():
 
 def test_a_sound_set_is_judged_sound():
     found = dp.superpose(sweeps(temperatures=TEMPERATURES[1:]))
-    assert [check.passed for check in found.checks] == [True] * 7
+    assert [check.passed for check in found.checks] == [True] * 9
 
 
 def test_a_rule_of_stiffness_that_is_neither_is_said():
@@ -229,6 +229,16 @@ def test_a_published_master_curve_is_followed_by_three_times_per_decade(shared_d
     at = np.zeros(1)
     left = spectrum_at(curve, at, at, grid_of(curve, at, per_decade=3))[2]
     assert np.sqrt(np.mean(left**2)) <= 0.024
+
+
+def test_one_temperature_of_more_gain_is_named():
+    data, at = sweeps(3), TEMPERATURES[7]
+    gain = np.where(data.temperature == at, 1.05, 1.0)
+    more = replace(data, storage=gain * data.storage, loss=gain * data.loss)
+    assert "temperatures_in_line" not in failed(dp.superpose(data))
+    told = {check.name: check for check in dp.superpose(more).checks}["temperatures_in_line"]
+    assert told.failed
+    assert "all temperatures but 50 degC" in told.says
 
 
 @pytest.mark.slow

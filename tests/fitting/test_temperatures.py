@@ -111,6 +111,15 @@ def test_three_temperatures_carry_a_law(triple):
     assert abs(off(triple, "broad")) < 0.04
 
 
+@pytest.mark.parametrize("wrong", [5.0, -5.0])
+def test_a_temperature_that_was_noted_wrong_is_no_law(wrong):
+    tests = cold.records("hidden", TRIPLE, 0)
+    noted = dp.Specimen(temperature=tests[-1].specimen.temperature + wrong)
+    found = dp.fit([*tests[:-1], replace(tests[-1], specimen=noted)])
+    assert found.verdict.use == "use with care"
+    assert failed(found) == {"glass_below_tests" if wrong > 0 else "law_follows_shifts"}
+
+
 LINES = np.array([0.01, 0.1, 1.0, 5.0, cold.RESONANCE, 50.0])
 
 

@@ -28,6 +28,8 @@ MAX_MISSED = 0.15
 """Decades by which a law may miss a shift: a factor 1.4 in time."""
 # of BIC: "not worth more than a bare mention" (Kass and Raftery, J. Am. Stat. Assoc. 90, 1995)
 _EVEN = 2.0
+# a temperature is the odd one if a law follows the others so much better, two of them to spare
+_ODD, _LEAST_LEFT = 0.1, 2
 # temperatures that a law needs: two shifts, the fewest of which one can contradict the other
 LEAST = 3
 # C_2 less the least it can be, K: beyond, WLF is a straight line in T
@@ -70,6 +72,22 @@ class LawScore:
         return beyond_chance and self.missed > MAX_MISSED
 
 
+@dataclass(frozen=True)
+class OddOne:
+    """A temperature whose shift lies off the law that all others follow.
+
+    Attributes
+    ----------
+    temperature : float
+        K.
+    missed : float
+        Decades between its shift and that law.
+    """
+
+    temperature: float
+    missed: float
+
+
 @dataclass(frozen=True, eq=False)
 class LawThroughShifts:
     """The law chosen, how well its constants are known, and how the others did.
@@ -83,12 +101,15 @@ class LawThroughShifts:
         Of them; widened by D/dof where the law misses the shifts by more than their errors.
     scores : tuple of LawScore
         Of every law that was tried, the best BIC first.
+    odd : OddOne or None
+        The one temperature off the law of all others; None if there is none, or too few others.
     """
 
     law: TemperatureLaw
     parameters: tuple[str, ...]
     covariance: FloatArray
     scores: tuple[LawScore, ...]
+    odd: OddOne | None = None
 
     @property
     def score(self) -> LawScore:
@@ -181,7 +202,34 @@ def law_through(
             "shifts themselves (dashpot fit --shift free)"
         )
     chosen, errors = found[kind]
-    return LawThroughShifts(chosen, _PARAMETERS[kind], errors, tuple(scores))
+    return LawThroughShifts(chosen, _PARAMETERS[kind], errors, tuple(scores), _odd(shifts, c))
+
+
+def _odd(shifts: _Shifts, covariance: FloatArray) -> OddOne | None:
+    """Return the temperature without which a law follows the shifts that it fails with it."""
+    found: list[tuple[float, OddOne]] = []
+    n = len(shifts.temperature)
+    for kind, lay in _LAID.items():
+        dof = n - len(_PARAMETERS[kind])
+        if dof < _LEAST_LEFT or (laid := lay(shifts)) is None:
+            continue
+        deviance = shifts.deviance(laid[0].log10_a_t(shifts.temperature))
+        if not needed(deviance, dof):
+            return None
+        for i in range(n):
+            rest = np.delete(np.arange(n), i)
+            part = _Shifts(
+                shifts.temperature[rest], shifts.log10[rest],
+                _whitener(covariance[np.ix_(rest, rest)]), shifts.reference,
+            )  # fmt: skip
+            if (without := lay(part)) is None:
+                continue
+            left = part.deviance(without[0].log10_a_t(part.temperature)) / (dof - 1)
+            at = float(shifts.temperature[i])
+            missed = float(shifts.log10[i]) - float(without[0].log10_a_t(at))
+            found.append((left / (deviance / dof), OddOne(at, missed)))
+    share, odd = min(found, key=lambda one: one[0], default=(1.0, None))
+    return odd if share < _ODD else None
 
 
 def _best(scores: Sequence[LawScore]) -> LawScore:

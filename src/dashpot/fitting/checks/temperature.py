@@ -7,10 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.checks import Finding, criterion
+from dashpot.base.checks import Check, Finding, criterion
 from dashpot.engine.inference.order import needed
-from dashpot.fitting.shift_law import MAX_MISSED, LawScore
-from dashpot.records.temperature import celsius
+from dashpot.fitting.shift_law import MAX_MISSED, LawScore, LawThroughShifts, OddOne
+from dashpot.records.temperature import ABOVE_GLASS, celsius
+from dashpot.solids.temperature import WLF, TemperatureLaw
 
 OVERLAP = 0.5
 """Decades that neighbours are to share."""
@@ -18,6 +19,7 @@ MAX_STEP_SE = 0.3
 MAX_RISE = 3.0
 MAX_JOINT_OVER_OWN = 1.2
 MIN_BIC_MARGIN = 10.0
+MAX_ODD = 0.05
 MAX_VERTICAL = 0.03
 # residuals below this part of the modulus are of no instrument
 _EXACT = 1e-6
@@ -101,6 +103,19 @@ def thermorheologically_simple(ratio: float | None, by_chance: float, rms: float
     )
 
 
+def of_law(laid: LawThroughShifts, coldest: float, *, asked: bool = False) -> list[Check]:
+    """Return what must hold of a law and of the shifts that it was laid through.
+
+    `coldest` is the coldest test, K; `asked` is as in :func:`law_follows_shifts`.
+    """
+    error = float(np.sqrt(laid.covariance[-1, -1])) if laid.law.kind == "wlf" else 0.0
+    return [
+        law_follows_shifts(laid.score, laid.scores, asked=asked),
+        temperatures_in_line(laid.odd),
+        glass_below_tests(laid.law, coldest, error),
+    ]
+
+
 @criterion("decades between law and shift", "<=", MAX_MISSED, "our choice: a factor 1.4 in time")
 def law_follows_shifts(
     taken: LawScore, scores: Sequence[LawScore], *, asked: bool = False
@@ -131,6 +146,39 @@ def law_follows_shifts(
         "(dashpot fit --shift free), and beyond them the law is a guess: is there a glass "
         "transition among them, or a wrong temperature?",
         excused=not taken.fails,
+    )
+
+
+@criterion("decades off the law of the others", "|x| <=", MAX_ODD, "our choice: 12 % in time")
+def temperatures_in_line(odd: OddOne | None) -> Finding:
+    """No one temperature lies off the law that all others follow."""
+    if odd is None:
+        return Finding("no one temperature lies off a law that all others follow", 0.0)
+    return Finding(
+        f"all temperatures but {celsius(odd.temperature)} follow one law, and that lies "
+        f"{odd.missed:+.2g} decades off it",
+        odd.missed,
+        ": is that temperature right, and are its force and displacement, or its moduli, of the "
+        "same gain and the same piece? look there, or leave it out",
+    )
+
+
+@criterion("K from the coldest test to the law's end", "<=", 0.0, "10 K above the glass transition")
+def glass_below_tests(law: TemperatureLaw, coldest: float, error: float) -> Finding:
+    """The glass transition that the law implies lies well below the coldest test.
+
+    `coldest` is in K, and so is the standard `error` of C_2.
+    """
+    if not isinstance(law, WLF):
+        return Finding("no WLF law was laid, so it implies no glass transition")
+    short = law.glass + ABOVE_GLASS - coldest
+    return Finding(
+        f"the WLF law through the shifts puts the glass transition near {celsius(law.glass)}",
+        short,
+        f"; the coldest test, at {celsius(coldest)}, is below it or nearer than {ABOVE_GLASS:g} K, "
+        "where no such law holds: is a temperature wrong? until that is known the shifts "
+        "themselves are better (dashpot fit --shift free)",
+        excused=short < MAX_RISE * error,
     )
 
 

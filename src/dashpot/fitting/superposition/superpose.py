@@ -16,7 +16,7 @@ from dashpot.base.provenance import Step
 from dashpot.base.units import Quantity, si
 from dashpot.fitting.checks.temperature import (
     MIN_BIC_MARGIN,
-    law_follows_shifts,
+    of_law,
     overlap,
     shift_monotone,
     shifts_determined,
@@ -268,7 +268,7 @@ def _judged(
         overlap(_shared(isotherms, best), t),
         shifts_determined(error, t),
         shift_monotone(step, error, t),
-        law_follows_shifts(laid.score, laid.scores, asked=law == "free"),
+        *of_law(laid, float(t[0]), asked=law == "free"),
     )
 
 

@@ -25,7 +25,7 @@ from dashpot.fitting.checks.solid import (
     tau_inside_window,
 )
 from dashpot.fitting.checks.temperature import (
-    law_follows_shifts,
+    of_law,
     shift_monotone,
     shifts_determined,
 )
@@ -281,7 +281,7 @@ def _of_law(found: Thermal, shifts: TemperatureShifts, laid: LawThroughShifts) -
     return (
         shifts_determined(error, t),
         shift_monotone(step, error, t),
-        law_follows_shifts(laid.score, laid.scores),
+        *of_law(laid, float(t[0])),
     )
 
 
