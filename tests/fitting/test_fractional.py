@@ -307,6 +307,9 @@ def test_a_sweep_of_a_fractional_rubber_is_called_so() -> None:
         assert ends[name][0] <= getattr(RUBBER, name) <= ends[name][1]
     assert found.residual.rms == pytest.approx(0.01, rel=0.3)
     assert found.alternative.family == "maxwell"
+    coarse = dp.fit_dynamic(sweep(RUBBER, noise=0.05, unit="N/m"), family="auto").alternative
+    assert coarse.explains
+    assert "a sweep to higher frequencies or a colder one tells them apart" in coarse.says
 
 
 def test_a_sweep_of_arms_keeps_them() -> None:
@@ -432,6 +435,30 @@ def test_a_seal_of_arms_keeps_them_under_the_hammer() -> None:
     found = dp.identify(frf, tests=pressed(seal), family="auto", arms=4, **RIG)
     assert found.family == "maxwell"
     assert not found.alternative.explains
+
+
+@pytest.mark.slow
+def test_a_wrong_mass_does_not_hide_the_true_family() -> None:
+    test = pressed(Seal.fractional(*TRUTHS[0]))
+    found = dp.identify(hammered(), tests=test, family="auto", mass=1.03 * MASS, seals=2)
+    assert found.verdict.use != "use"
+    assert any(one.name == "tests_agree" and one.failed for one in found.checks)
+    other = found.alternative
+    # with the mass free the element is decisively better, whichever was taken
+    better = found.family == "fractional" or (other.explains and other.bic < -10)
+    assert better
+
+
+def test_tests_at_several_temperatures_have_arms_under_the_hammer_too() -> None:
+    tests = [
+        replace(
+            pressed(Seal.fractional(*TRUTHS[0]), seed=seed),
+            specimen=dp.Specimen(temperature=kelvin),
+        )
+        for seed, kelvin in ((1, 273.15), (2, 296.15))
+    ]
+    with pytest.raises(FitError, match="share arms that move together"):
+        dp.identify(hammered(), tests=tests, family="auto", **RIG)
 
 
 @pytest.mark.slow

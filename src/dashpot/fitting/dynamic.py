@@ -32,6 +32,7 @@ from dashpot.fitting.checks.solid import (
 from dashpot.fitting.design import Design, compressed
 from dashpot.fitting.fit_data import FitData, alone
 from dashpot.fitting.fractional.choice import (
+    SWEEPS,
     ChosenElement,
     checked_family,
     chosen_family,
@@ -153,7 +154,7 @@ def fit_dynamic(
     both = None if family == "maxwell" else chosen_family(found, element(found.data), family)
     found = both.best if both else found
     band, met = _band(data, records, blocks[1:], found.model.k_0)
-    other = both.alternative(band, data.unit) if both else None
+    other = both.alternative(band, SWEEPS) if both else None
     of_data = (
         kramers_kronig(passive_misfit(data)),
         loss_positive(data),

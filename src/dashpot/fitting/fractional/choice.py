@@ -42,11 +42,9 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 FAMILIES = ("maxwell", "fractional", "auto")
 # fall of BIC below which arms keep their place
 VERY_STRONG = 10.0
-# what tells two families apart that explain tests of a part, and of a material
-_FURTHER = {
-    "N/m": "a faster ramp, a colder test or a hammer",
-    "Pa": "a sweep to higher frequencies or a colder one",
-}
+#: what tells two families apart that explain ramps and holds, and sweeps
+RAMPS = "a faster ramp, a colder test or a hammer"
+SWEEPS = "a sweep to higher frequencies or a colder one"
 # lines per decade on which two solids are compared
 _LINES = 40
 
@@ -195,11 +193,11 @@ class Choice:
     bic: float
     explains: bool
 
-    def alternative(self, band: tuple[float, float], unit: str = "N/m") -> Alternative:
+    def alternative(self, band: tuple[float, float], further: str = RAMPS) -> Alternative:
         """The other family, as a fit keeps it; `band` is what the data inform, Hz."""
         return beside(
             self.best.solid, self.other, self.bic, band, explains=self.explains,
-            further=_FURTHER[unit],
+            further=further,
         )  # fmt: skip
 
 
@@ -288,9 +286,7 @@ def beside_bent(bent: Fit, left: Sequence[FloatArray], one: ChosenElement) -> Fi
     parameters = len(bent.parameters) + len(bent.nuisance) + (len(law.knots) if law else 0)
     rise = fall + (len(one.estimate.names) - parameters) * float(np.log(effective))
     explains = rise < VERY_STRONG or not needed(fall, 1)
-    other = beside(
-        bent.solid, one.solid, rise, bent.band, explains=explains, further=_FURTHER[bent.unit]
-    )
+    other = beside(bent.solid, one.solid, rise, bent.band, explains=explains, further=RAMPS)
     checks = (*bent.checks, families_told_apart(other))
     return replace(bent, evidence=replace(bent.evidence, alternative=other, checks=checks))
 

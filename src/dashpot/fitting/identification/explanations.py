@@ -170,9 +170,13 @@ def disagreement(
     if told[0].explains and rivals:
         says = f"{told[0].says} (as well explained if {', or if '.join(rivals)})"
         told[0] = replace(told[0], says=says)
-    same_arms = _freed(before.problem, ranked[0][0])
-    other = descend(same_arms, same_arms.pack(before.point), tolerance=TOLERANCE)
-    return Disagreement(tuple(told), other.point.model)
+    return Disagreement(tuple(told), freed(before, told[0].name).point.model)
+
+
+def freed(candidate: Candidate, name: str) -> Candidate:
+    """The optimum of the same arms, or of the element, where the cause of that name is free."""
+    problem = _freed(candidate.problem, next(cause for cause in CAUSES if cause.name == name))
+    return descend(problem, problem.pack(candidate.point), tolerance=TOLERANCE)
 
 
 def in_conflict(candidate: Candidate) -> bool:

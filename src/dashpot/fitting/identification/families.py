@@ -6,7 +6,7 @@ unless BIC falls by more than 10, and what chance does not tell from the best is
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -71,6 +71,12 @@ def chosen_rival(arms: Candidate, tried: Sequence[Candidate], one: Candidate, fa
     best, others = (one, several) if family == "fractional" or better else (arms, [one])
     explain = [other for other in others if _explains(other, best)]
     return Rival(best, (explain or others)[0], bool(explain))
+
+
+def judged_again(rival: Rival, free: Callable[[Candidate], Candidate]) -> Rival:
+    """The same two where what the tests contradict is free: else a wrong mass chooses the solid."""
+    best, other = free(rival.best), free(rival.other)
+    return Rival(best, other, _explains(other, best))
 
 
 def edged(candidate: Candidate) -> bool:

@@ -12,6 +12,7 @@ from dashpot.base.units import Dimension, Quantity, si_range
 from dashpot.fitting.identification.likelihood import Prior
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.fitting.relaxation_data import RelaxationData, relaxation_data
+from dashpot.fitting.temperature.optimum import temperatures_of
 from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RampHold
 from dashpot.vibration.systems.operating_point import OperatingPoint, operating_point
@@ -64,13 +65,13 @@ def before_hammer(
         if fit is not None and temperature is not None:
             fit = fit.at_temperature(temperature)
         return Before(None, fit, ()) if family == "fractional" else Before(fit, None, ())
-    # arms are matched to arms: of a fractional solid, those of the same tests
-    before = fit if fit is not None and fit.family == "maxwell" else fit_tests(list(records))
-    if family != "maxwell" and before.temperatures is not None:
+    if family != "maxwell" and len(temperatures_of(records)) > 1:
         raise FitError(
             "tests at several temperatures share arms that move together: leave the family to be "
             "maxwell, or give the tests of one temperature"
         )
+    # arms are matched to arms: of a fractional solid, those of the same tests
+    before = fit if fit is not None and fit.family == "maxwell" else fit_tests(list(records))
     if temperature is not None:
         before = before.at_temperature(temperature)
     same = len(records) == 1 and before.method in {"full", "hold"}

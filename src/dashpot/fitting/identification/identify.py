@@ -17,8 +17,8 @@ from dashpot.engine.solver.variable_projection import solve_orders
 from dashpot.fitting.fractional.choice import checked_family
 from dashpot.fitting.fractional.projection import Columns
 from dashpot.fitting.identification.checks import dashpot_not_missed
-from dashpot.fitting.identification.explanations import disagreement
-from dashpot.fitting.identification.families import Rival, chosen_rival
+from dashpot.fitting.identification.explanations import disagreement, freed
+from dashpot.fitting.identification.families import Rival, chosen_rival, judged_again
 from dashpot.fitting.identification.fit_assembly import assembled
 from dashpot.fitting.identification.frf_data import frf_data_of
 from dashpot.fitting.identification.given import (
@@ -178,6 +178,8 @@ def identify(
         law=None if known is None else known.elastic_law,
         compression=None if point is None else point.compression,
     )
+    if apart is not None and rival is not None:
+        rival = judged_again(rival, lambda one: freed(one, apart.explanations[0].name))
     return assembled(
         final,
         [candidate.scaled(scale) for candidate in found],
