@@ -269,8 +269,8 @@ def test_a_hit_is_rejected_by_hand(visit, files):
 def test_a_long_computation_is_cancelled(visit, files):
     page = visit(*(files / name for name in workflow.FIRST))
     page.done()
-    page.at.get_by_label("Mass").first.fill("117.3")
-    page.at.get_by_label("Mass").first.press("Enter")
+    page.at.locator("#mass").fill("117.3")
+    page.at.locator("#mass").press("Enter")
     page.at.locator("#command").filter(has_text="117.3g").wait_for()
     page.at.get_by_role("button", name="Cancel").click()
     page.at.get_by_role("status").filter(has_text="cancelled").wait_for(timeout=1000)
@@ -348,6 +348,8 @@ CUT = """() => {
   const found = [], shown = (one) => one.offsetParent !== null;
   const { scrollWidth, clientWidth } = document.documentElement;
   if (scrollWidth > clientWidth) found.push(`page ${scrollWidth}`);
+  const main = document.getElementById("main");
+  if (innerWidth > 1180 && main.scrollHeight > main.clientHeight) found.push("main scrolls");
   for (const one of document.querySelectorAll("body *")) {
     if (!shown(one) || one.closest("svg, .hidden")) continue;
     if (one.matches("input, select, .handle")) continue;
@@ -472,9 +474,9 @@ def test_what_a_screen_reader_is_told_of_both_tests_alone_and_together(visit, fi
     page.done()
     held_to("test", tree(page))
     page.at.locator("#pick").set_input_files(str(files / "hammer.csv"))
-    page.at.get_by_label("Seals").fill("2")
-    page.at.get_by_label("Mass").first.fill("114.8")
-    page.at.get_by_label("Mass").first.press("Enter")
+    page.at.locator("#seals").fill("2")
+    page.at.locator("#mass").fill("114.8")
+    page.at.locator("#mass").press("Enter")
     page.done()
     page.at.locator("#files .file").filter(has_text="hammer.csv").click()
     page.done()
@@ -484,6 +486,7 @@ def test_what_a_screen_reader_is_told_of_both_tests_alone_and_together(visit, fi
     page.at.locator("#which [aria-pressed=true]").filter(has_text="both tests").wait_for()
     page.done()
     held_to("joint", tree(page))
+    assert page.at.evaluate(CUT) == []
     assert "both tests" in page.at.locator("#answers").inner_text()
     assert "--no-joint" not in page.at.locator("#command").inner_text()
     page.at.get_by_role("button", name="its base moves").click()
