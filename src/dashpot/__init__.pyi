@@ -37,7 +37,7 @@ from .io.readers.modulus import read_modulus as read_modulus
 from .io.readers.relaxation import read_relaxation as read_relaxation
 from .io.readers.shifts import read_shifts as read_shifts
 from .lots.batches import batch as batch
-from .lots.rows import Lot as Lot
+from .lots.lot import Lot as Lot
 from .planning.plan import plan as plan
 from .preparation.prepare import prepare as prepare
 from .records.amplitude import AmplitudeFit as AmplitudeFit

@@ -20,6 +20,7 @@ from dashpot.lots.choices import BatchChoices, several
 from dashpot.lots.engines import engine
 from dashpot.lots.entries import Entry, entries
 from dashpot.lots.limits import Limits
+from dashpot.lots.lot import Lot
 from dashpot.lots.parts import (
     SMALL,
     Task,
@@ -33,7 +34,6 @@ from dashpot.lots.parts import (
 )
 from dashpot.lots.processes import Engine, Rows
 from dashpot.lots.row import row
-from dashpot.lots.rows import Lot
 
 CHUNK = SMALL
 """Files of a chunk: what a run that is cut short loses at most, for each process."""

@@ -11,8 +11,8 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import ascii_only
 from dashpot.lots.checks import lots_tested_alike, seals_named
+from dashpot.lots.lot import ALIKE, DEGREES, Lot
 from dashpot.lots.quantities import Quantity, natural
-from dashpot.lots.rows import ALIKE, DEGREES, Lot
 from dashpot.lots.statistics.difference import SURE, Difference, holm
 
 _TOLD_BY_OTHERS = ("k_inf", "E_inf", "loss_at_")

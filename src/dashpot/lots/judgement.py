@@ -11,7 +11,7 @@ import numpy as np
 from dashpot.base.errors import DashpotError
 from dashpot.base.student_t import t_quantile
 from dashpot.lots.limits import Limits
-from dashpot.lots.rows import Lot
+from dashpot.lots.lot import Lot
 from dashpot.lots.seals import Seal
 
 Decision = Literal["pass", "not proven", "fail", "no result"]

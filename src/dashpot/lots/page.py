@@ -18,8 +18,8 @@ from dashpot.base.numbers import counted, rounded
 from dashpot.base.version import byline
 from dashpot.lots.figures import capability_picture, control_picture, curves_picture
 from dashpot.lots.judgement import Judged
+from dashpot.lots.lot import Lot
 from dashpot.lots.quantities import Quantity
-from dashpot.lots.rows import Lot
 from dashpot.lots.seals import Seal
 from dashpot.lots.statistics.control import ENOUGH
 from dashpot.lots.statistics.gauge import LIMIT, TRUSTED

@@ -20,8 +20,8 @@ from dashpot.lots.checks import (
 )
 from dashpot.lots.judgement import Judged, judged
 from dashpot.lots.limits import Limits
+from dashpot.lots.lot import Lot
 from dashpot.lots.quantities import Quantity
-from dashpot.lots.rows import Lot
 from dashpot.lots.seals import Charts, Seal
 from dashpot.lots.statistics.capability import Capability
 from dashpot.lots.statistics.control import BEYOND, Chart

@@ -12,8 +12,8 @@ from dashpot.base.progress import doing
 from dashpot.lots.batches import BatchJob, completed, noted, occupied
 from dashpot.lots.engines import engine
 from dashpot.lots.entries import Entry, hashed, refuse_senseless
+from dashpot.lots.lot import Lot
 from dashpot.lots.parts import Task, tasks
-from dashpot.lots.rows import Lot
 
 STILL = 2.0
 """Seconds without a change after which a file is taken to be whole."""

@@ -15,7 +15,7 @@ from typing import Any
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.numbers import counted
 from dashpot.io.source import open_raw
-from dashpot.lots.rows import Lot
+from dashpot.lots.lot import Lot
 from dashpot.web import recent, wire
 from dashpot.web.requests import page_of
 from dashpot.web.store import LIMIT, Store
