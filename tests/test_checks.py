@@ -925,7 +925,6 @@ IMPACT = [
 ]
 
 TEMPERATURE = [
-    Case("overlap", lambda x: several.overlap([x, 2.0], [273.0, 283.0, 296.0]), 1.51, 1.49),
     Case("thermorheologically_simple", lambda x: simple(x, 5e-4), 0.00271, 0.00269),
     Case("thermorheologically_simple", lambda x: simple(0.0, x), 0.99 * 5e-6, 1.01 * 5e-6),
     Case("thermorheologically_simple", lambda x: simple(0.5, 5e-4, (x, 0.01)), 0.0499, 0.0501),
@@ -1117,7 +1116,7 @@ LIMITS = {
         "slope_known": 0.05, "element_explains": 1.02, "families_told_apart": 100,
     },
     "fitting/temperature": {
-        "overlap": 1.5, "thermorheologically_simple": 0.0027, "stiffness_of_one_seal": 0.15,
+        "thermorheologically_simple": 0.0027, "stiffness_of_one_seal": 0.15,
         "temperature_steady": 1, "shifts_told_apart": 3, "temperature_tested": 0,
     },
     "fitting/identification": {
@@ -1215,6 +1214,14 @@ def test_every_check_just_passes_and_just_fails_at_its_limit(case: Case) -> None
         assert found.name == case.check
         assert found.passed is passed, found
         assert found.says
+
+
+def test_ramps_and_holds_share_more_decades_than_sweeps() -> None:
+    def shared(decades: float) -> Check:
+        return temperature.overlap([decades, 2.0], [273.0, 283.0, 296.0], several.SHARED)
+
+    assert not shared(1.501).failed
+    assert shared(1.499).failed
 
 
 def test_the_value_of_a_check_is_what_its_case_says() -> None:

@@ -26,19 +26,6 @@ ELSEWISE = 0.15
 MAX_BACK = 3.0
 
 
-@criterion("decades of time shared", ">=", SHARED, "simulated pairs: 1.9 never, 1.4 at times miss")
-def overlap(shared: Sequence[float], temperatures: Sequence[float]) -> Finding:
-    """Neighbouring temperatures show a stretch of relaxation times in common."""
-    least = int(np.argmin(shared))
-    pair = f"{celsius(temperatures[least])} and {celsius(temperatures[least + 1])}"
-    return Finding(
-        f"the tests at {pair} both inform {max(shared[least], 0.0):.2g} decades of relaxation time",
-        shared[least],
-        ": nothing but the assumed spectrum says how far apart they lie; test at a temperature "
-        "between them",
-    )
-
-
 @criterion(
     "probability by chance",
     ">=",

@@ -26,6 +26,7 @@ from dashpot.fitting.checks.solid import (
 )
 from dashpot.fitting.checks.temperature import (
     of_law,
+    overlap,
     shift_monotone,
     shifts_determined,
 )
@@ -258,7 +259,7 @@ def _of_shifts(found: Thermal, shifts: TemperatureShifts, laid: LawThroughShifts
     slope = next((one for one in found.knowledge.nuisances if one.name == "shift slope"), None)
     chance, excess = _misfit(found)
     return [
-        checks.overlap(shared, temperatures),
+        overlap(shared, temperatures, checks.SHARED),
         *_of_law(found, shifts, laid),
         checks.thermorheologically_simple(
             chance,
