@@ -10,7 +10,7 @@ With r the weighted residuals of each test and a prior on each nuisance, the fit
            + \dots
 
 over :math:`\theta = (\ln k_\infty, \ln k_j, \ln\tau_j[, \ln b])`, or the numbers of a fractional
-element (:mod:`dashpot.fitting.identification.parametrisation`). Under the hammer a seal may be
+element (``identification/parametrisation``). Under the hammer a seal may be
 :math:`\lambda` times as stiff, as at another compression, or rest on a :math:`k_\infty` of its own.
 Equalities, such as a measured
 static stiffness, enter as priors too narrow to bend. Source: J. Zhang and C. M. Richards, MSSP 21

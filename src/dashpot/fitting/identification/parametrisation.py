@@ -3,7 +3,7 @@
 A parametrisation writes a solid as a vector and back, gives the force of a relaxation test and its
 derivative by that vector, and says what the vector's covariance means in physical terms. Mass,
 gain, delay and a parallel dashpot stand beside it
-(:mod:`dashpot.fitting.identification.likelihood`).
+(``identification/likelihood``).
 """
 
 from __future__ import annotations
