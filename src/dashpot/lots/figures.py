@@ -31,7 +31,7 @@ _SAMPLES = 80
 _BARS = 6
 """Bars at least, of a histogram."""
 _CURVE = Pen("measured", 0.8)
-_ODD = Pen("care", 2.0)
+_ODD = Pen("care", 1.6)
 _MEAN = Pen("fit", 2.0)
 _USUAL = Pen("fit", 1.4)
 _CEILING = Pen("fit", 1.4, (2, 3))

@@ -21,7 +21,7 @@ from dashpot.lots.judgement import Judged
 from dashpot.lots.lot import Lot
 from dashpot.lots.quantities import Quantity
 from dashpot.lots.seals import Seal
-from dashpot.lots.statistics.control import ENOUGH
+from dashpot.lots.statistics.control import BEYOND, ENOUGH
 from dashpot.lots.statistics.gauge import LIMIT, TRUSTED
 from dashpot.lots.summary import OfQuantity, Summary, summary
 from dashpot.plot import tokens
@@ -110,8 +110,10 @@ def _drawn(picture: Picture, width: float = WIDE) -> Drawn:
 
 def _curves(lot: Lot, found: Summary) -> Drawn | None:
     rows = lot.used.drop_nulls("k_end_N_per_m").to_dicts()
-    odd = {(one.lot, one.seal) for one in found.flags if one.weighty}
-    files = [row["file"] for row in rows if (row["lot"], row["seal"] or row["file"]) in odd]
+    files = [one.file for one in found.flags if one.file and one.weighty]
+    for one in found.main.charts.values():
+        for at in {at for at, rule in one.means.signals if rule == BEYOND}:
+            files += one.seals[at].files
     return _drawn(curves_picture(rows, files)) if rows else None
 
 
