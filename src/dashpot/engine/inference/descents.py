@@ -20,8 +20,9 @@ _FARTHEST, _NEARER = 1.5, 0.25
 _RIDGE = 1e-13
 #: the curvature of the residual that is believed, as parts of J'J
 _BENT = -0.9, 4.0
-#: an SSE whose fall is foretold to so many tolerances is taken as fallen
-_FORETOLD = 5.0
+#: an SSE whose fall is foretold to so many tolerances is taken as fallen: Newton is right to a few
+#: hundredths of it
+_FORETOLD = 50.0
 
 
 class Solved(NamedTuple):
@@ -70,11 +71,12 @@ class Descents:
         self.here[i], self.move[i], self.known.sse[i] = log_tau, 0.0, np.inf
         self.damping[i], self.tried[i], self.reach[i] = 1e-6, 0, _FARTHEST
 
-    def least(self, i: int) -> float:
-        """The least SSE of one descent, with what it was about to fall by if that is little."""
-        promised = float(self.promised[i])
-        little = promised < _FORETOLD * self.tolerance[i]
-        return float(self.known.sse[i]) - (promised if little else 0.0)
+    def best(self, i: int) -> tuple[float, FloatArray]:
+        """The least SSE of one descent and its ln tau, a last move foretold if that is little."""
+        sse, promised = float(self.known.sse[i]), float(self.promised[i])
+        if promised < _FORETOLD * self.tolerance[i]:
+            return sse - promised, self.here[i] + self.move[i]
+        return sse, self.here[i]
 
     def take(self, trial: FloatArray, found: Solved, on: IndexArray) -> BoolArray:
         """Learn from one trial each of the descents `on`; True where that is enough."""

@@ -239,13 +239,14 @@ class _Together:
         left = np.tile(self.optimum.log_tau, (len(walks), 1))
         goal = np.array([walk.goal for walk in walks])
         descents = self._descents(left, walks)
-        here, known = descents.here, descents.known
+        known = descents.known
         while (on := np.flatnonzero([not walk.ended for walk in walks])).size:
             for i in self._tried(descents, goal, held, on):
                 walk, at, foretold = walks[i], walks[i].at, np.zeros(self.arms)
-                if walk.arrived(self._deviance(walk, known.beta[i], here[i], descents.least(i))):
-                    foretold = (here[i] - left[i]) * (walk.goal - walk.at) / (walk.at - at)
-                    left[i] = here[i]
+                sse, there = descents.best(i)
+                if walk.arrived(self._deviance(walk, known.beta[i], there, sse)):
+                    foretold = (there - left[i]) * (walk.goal - walk.at) / (walk.at - at)
+                    left[i] = there
                 if np.abs(foretold).max(initial=0.0) > _FORETOLD:
                     foretold[:] = 0.0
                 descents.start(i, left[i] + foretold)
@@ -280,8 +281,8 @@ class _Together:
             # a plateau that falls may have any of the arms, slower than all, in its place
             falls = walk.sign < 0 and column in self.plateaus
             for i in place[arm] if arm >= 0 else range(len(first) * falls):
-                beta, log_tau = descents.known.beta[i], descents.here[i]
-                walk.spared(self._deviance(walk, beta, log_tau, descents.least(i)))
+                sse, log_tau = descents.best(i)
+                walk.spared(self._deviance(walk, descents.known.beta[i], log_tau, sse))
 
     def _descents(self, start: FloatArray, walks: Sequence[_Walk]) -> Descents:
         tolerance = np.array([1e-3 * walk.asked.scale for walk in walks])

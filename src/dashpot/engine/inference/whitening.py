@@ -26,7 +26,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.engine.blocks.block import Block, design_rows
 from dashpot.engine.blocks.kernels import FEW_DIGITS, FEW_RANK, FEW_TIMES_PER_FOLD, Kernels
-from dashpot.engine.inference.covariance import Noise, toeplitz_form
+from dashpot.engine.inference.covariance import Columns, Noise, toeplitz_form
 from dashpot.engine.solver.descent import Stack
 from dashpot.engine.solver.variable_projection import Solution, full_jacobian
 
@@ -119,5 +119,5 @@ class NoiseGain:
 
 def _principal(basis: ReducedBasis, noise: Noise) -> tuple[FloatArray, FloatArray]:
     """Return the variances of the noise along its principal axes, and these as columns."""
-    variance, axes = np.linalg.eigh(toeplitz_form(basis.basis, noise.autocovariance))
+    variance, axes = np.linalg.eigh(toeplitz_form(Columns(basis.basis), noise.autocovariance))
     return np.maximum(variance, noise.autocovariance[0]), axes

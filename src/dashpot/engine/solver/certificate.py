@@ -74,8 +74,8 @@ def certificate(blocks: Sequence[Block], solution: Solution) -> Optimality:
         support = together[weight > 0]
         grid = _refined(support, round_, stack.bounds)
     sse = stack.floor + left
-    # of a gap that is seen six digits will do
-    flat = CERTAIN * max(1e-3, (left - best) / sse if sse > 0 else 0.0)
+    # of a gap that is seen a few digits will do
+    flat = 1e-3 * max(CERTAIN, (left - best) / sse if sse > 0 else 0.0)
     best = min(best, _polished(stack, together, weight, flat))
     gap = 0.0 if left <= stack.nothing else max(0.0, left - best) / sse
     optimal = gap <= CERTAIN

@@ -27,6 +27,8 @@ FINISHED = 1e-11
 LINEAR = 1e-6
 #: what then may be left of ln tau
 REST = 1e-9
+#: after a step that was refused none goes farther than this part of it
+NEARER = 0.5
 #: a step so little damped promises what there is to gain
 DAMPED = 1e-3
 #: and by how much, in parts of it, the SSE may fall
@@ -207,9 +209,18 @@ def point_at(stack: Stack, log_tau: FloatArray, *, restricted: BoolArray | None 
     Columns that are dependent to 13 digits have an infinite SSE.
     """
     stack.trials += 1
-    target, phi, slope = stack.evaluate(log_tau)
+    rows = stack.evaluate(log_tau)
+    free = _point(log_tau, rows)
+    # what is allowed without being told so is the best of all that is
+    if restricted is None or (free.sse < np.inf and (free.beta[restricted] > 0).all()):
+        return free
+    return _point(log_tau, rows, nonnegative_columns(rows.phi, rows.target, restricted))
+
+
+def _point(log_tau: FloatArray, rows: Rows, active: BoolArray | None = None) -> Point:
+    """The point of some columns, all by default; an infinite SSE if they are dependent."""
+    target, phi, slope = rows
     fixed = phi.shape[1] - slope.shape[1]
-    active = None if restricted is None else nonnegative_columns(phi, target, restricted)
     used = phi if active is None else phi[:, active]
     p = used.shape[1]
     factor = triangle(np.concatenate((used.T, slope.T, target[None])))
@@ -292,11 +303,18 @@ def descend(
         return None
     rounding = stack.rounding_floor
     lacking: FloatArray | None = None
-    last, wrong = np.inf, 0
+    last, wrong, refused = np.inf, 0, np.inf
     for count in range(2, limit + 2):
         trial = _trial(here, lacking, damping, (low, high))
         step = trial - here.log_tau
         moved = max(map(abs, step.tolist()), default=0.0)
+        # much the step that was refused
+        while TAIL < NEARER * refused < moved:
+            damping *= 10
+            trial = _trial(here, lacking, damping, (low, high))
+            step = trial - here.log_tau
+            moved = max(map(abs, step.tolist()), default=0.0)
+        refused = np.inf
         fall, sse = abs(float(here.gradient @ step)), stack.floor + here.sse
         if moved <= finished or (fall < flat * sse and damping <= DAMPED):
             return Local(here, count, True)
@@ -311,7 +329,7 @@ def descend(
         elif (moved < TAIL and damping == 0.0) or fall <= UNCHANGED * sse:
             return Local(here, count, True)
         else:
-            damping = 10 * max(damping, 1e-6)
+            damping, refused = 10 * max(damping, 1e-6), moved
         if here.sse <= rounding or damping > 1e9 or wrong > PATIENCE:
             return Local(here, count, here.sse <= rounding)
         if _met(here.log_tau, rivals):

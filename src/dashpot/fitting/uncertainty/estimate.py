@@ -10,7 +10,14 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.engine.blocks.block import Block
-from dashpot.engine.inference.covariance import Noise, noise_of, sandwich, white
+from dashpot.engine.inference.covariance import (
+    Columns,
+    Noise,
+    directions,
+    noise_of,
+    sandwich,
+    white,
+)
 from dashpot.engine.inference.order import bic, significant
 from dashpot.engine.solver.descent import Stack
 from dashpot.engine.solver.variable_projection import Jacobian, Solution, full_jacobian
@@ -173,14 +180,14 @@ def estimated(
     whole = whole or full_jacobian([*every_sample, *priors], solution)
     every_residual, every_jacobian = by_record(whole, [*every_sample, *priors])
     count = len(every_sample)
-    residuals, jacobians = every_residual[:count], every_jacobian[:count]
-    noises = noises_of(residuals, jacobians, peak=peak)
+    residuals, known_by = every_residual[:count], directions(every_jacobian)
+    noises = noises_of(residuals, known_by.columns[:count], peak=peak)
     further = further or [
         partial(encoder_rows, encoder=encoder, kernel=_kernel(solution, block))
         for encoder, block in zip(encoders or (), every_sample, strict=False)
     ]
     known = [Noise(block.samples, np.array([block.variance]), 1.0, 2.0) for block in priors]
-    covariance = sandwich(every_jacobian, [*noises, *known], further=further)
+    covariance = sandwich(known_by, [*noises, *known], further=further)
     return Estimate(
         solution, whole.names, covariance, whole.matrix.T @ whole.matrix, residuals, noises
     )
@@ -195,7 +202,7 @@ def by_record(
 
 
 def noises_of(
-    residuals: Sequence[FloatArray], jacobians: Sequence[FloatArray], *, peak: float
+    residuals: Sequence[FloatArray], jacobians: Sequence[FloatArray | Columns], *, peak: float
 ) -> tuple[Noise, ...]:
     """Return what the residuals of each record say about its noise."""
     return tuple(
