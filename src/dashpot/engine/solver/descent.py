@@ -96,24 +96,26 @@ class Stack:
 
     def evaluate(self, log_tau: FloatArray, *, derivative: bool = True) -> Rows:
         """Return the stacked target, design matrix and slopes."""
+        # columns stand as contiguous rows, turned: that is how they are made and factored
         if len(self.blocks) == 1:
             one = self.blocks[0].evaluate(log_tau, derivative)
-            # columns stand as contiguous rows, turned: that is how they are made and factored
             return Rows(one.target, np.concatenate((one.fixed.T, one.arms.T)).T, one.d_arms)
         parts = [block.evaluate(log_tau, derivative) for block in self.blocks]
         rows = sum(len(part.target) for part in parts)
         arms, q = len(log_tau), len(self.names)
-        phi = np.zeros((rows, q + arms * len(self.groups)))
-        slope = np.zeros((rows, arms * len(self.groups)))
+        phi = np.zeros((q + arms * len(self.groups), rows))
+        slope = np.zeros((arms * len(self.groups), rows))
         first = 0
         for block, part in zip(self.blocks, parts, strict=True):
             here = slice(first, first + len(part.target))
             group = arms * self.groups.index(block.arm_group)
-            phi[here, [self.names.index(name) for name in block.fixed_names]] = part.fixed
-            phi[here, q + group : q + group + arms] = part.arms
-            slope[here, group : group + arms] = part.d_arms
+            for name, column in zip(block.fixed_names, part.fixed.T, strict=True):
+                phi[self.names.index(name), here] = column
+            phi[q + group : q + group + arms, here] = part.arms.T
+            if derivative:
+                slope[group : group + arms, here] = part.d_arms.T
             first = here.stop
-        return Rows(np.concatenate([part.target for part in parts]), phi, slope)
+        return Rows(np.concatenate([part.target for part in parts]), phi.T, slope.T)
 
 
 class Point(NamedTuple):

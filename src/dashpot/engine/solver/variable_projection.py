@@ -182,17 +182,27 @@ def full_jacobian(blocks: Sequence[Block], solution: Solution) -> Jacobian:
 
     The inverse of J'J times the noise variance is the covariance for white noise.
     """
-    stack = Stack(blocks)
-    target, phi, slope = stack.evaluate(solution.log_tau)
-    k = solution.arms.ravel()
-    beta = np.concatenate((solution.fixed, k))
-    by_tau = (slope * k).reshape(len(target), len(solution.groups), solution.order).sum(axis=1)
+    stack, arms, q = Stack(blocks), solution.order, len(solution.fixed_names)
+    parts = [block.evaluate(solution.log_tau) for block in blocks]
+    target = np.concatenate([part.target for part in parts])
+    first, by_tau = 0, q + solution.arms.size
+    # columns stand as contiguous rows, turned
+    matrix = np.zeros((by_tau + arms, len(target)))
+    for block, part in zip(blocks, parts, strict=True):
+        here = slice(first, first + len(part.target))
+        group = solution.groups.index(block.arm_group)
+        for name, column in zip(block.fixed_names, part.fixed.T, strict=True):
+            matrix[stack.names.index(name), here] = column
+        matrix[q + group * arms : q + (group + 1) * arms, here] = part.arms.T
+        np.multiply(solution.arms[group][:, None], part.d_arms.T, out=matrix[by_tau:, here])
+        first = here.stop
+    beta = np.concatenate((solution.fixed, solution.arms.ravel()))
     names = list(solution.fixed_names)
     for group in solution.groups:
         kind, at, where = group.partition("@")
         names += [f"{kind}_{j}{at}{where}" for j in range(1, solution.order + 1)]
     names += [f"ln_tau_{j}" for j in range(1, solution.order + 1)]
-    return Jacobian(tuple(names), np.concatenate((phi, by_tau), axis=1), target - phi @ beta)
+    return Jacobian(tuple(names), matrix.T, target - beta @ matrix[:by_tau])
 
 
 def _checked(blocks: Sequence[Block], arms: int) -> Stack:

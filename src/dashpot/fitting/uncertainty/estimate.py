@@ -228,11 +228,10 @@ def _kernel(solution: Solution, block: Block) -> Kernel:
 
 def residual_of(solution: Solution, block: Block) -> FloatArray:
     """Return what a solution leaves of one record, a row per sample."""
-    stack = Stack([block])
-    rows = stack.evaluate(solution.log_tau, derivative=False)
-    fixed = [solution.coefficient(name) for name in stack.names]
+    rows = block.evaluate(solution.log_tau, False)
+    fixed = np.array([solution.coefficient(name) for name in block.fixed_names])
     arms = solution.arms[solution.groups.index(block.arm_group)]
-    return np.asarray(rows.target - rows.phi @ np.concatenate((fixed, arms)))
+    return np.asarray(rows.target - rows.fixed @ fixed - rows.arms @ arms)
 
 
 def scored(
