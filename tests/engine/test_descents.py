@@ -8,7 +8,8 @@ from scipy.optimize import least_squares
 
 from dashpot.engine.blocks.hold import decay_block
 from dashpot.engine.inference.descents import Descents, Solved
-from dashpot.engine.inference.profile_likelihood import Asked, Coordinate, Optimum, profiles
+from dashpot.engine.inference.profile_likelihood import Optimum, profiles
+from dashpot.engine.inference.profile_walks import Asked, Coordinate
 from dashpot.engine.solver.descent import Stack
 from dashpot.engine.solver.variable_projection import solve
 

@@ -10,6 +10,7 @@ from dashpot.base.student_t import central_probability, t_quantile
 from dashpot.engine.inference.covariance import (
     Noise,
     autocovariance,
+    directions,
     geyer_cut,
     initial_sequence,
     noise_gain_ratio,
@@ -106,6 +107,24 @@ def test_white_noise_scales_by_n_less_p() -> None:
     r = np.random.default_rng(3).standard_normal(50)
     noise = noise_of(r, np.random.default_rng(4).standard_normal((50, 5)))
     assert noise.autocovariance[0] == pytest.approx(r @ r / 45, rel=0.02)
+
+
+def test_directions_shared_with_the_covariance_take_the_same_from_the_noise() -> None:
+    rng = np.random.default_rng(8)
+    time = np.linspace(0.0, 40.0, 4000)
+    jacobian = np.stack((np.ones(4000), np.exp(-time / 2), time * np.exp(-time / 2)), axis=1)
+    known = directions([jacobian, np.diag([1e-3, 2.0, 5.0])])
+    alone = sandwich([jacobian[:, :2]], [Noise(4000, 0.9 ** np.arange(200), 19.0, 0.2)])
+    shared = directions([jacobian[:, :2]])
+    own = noise_of(autoregressive(rng, 4000, 0.98), jacobian)
+    rng = np.random.default_rng(8)
+    found = noise_of(autoregressive(rng, 4000, 0.98), known.columns[0])
+    np.testing.assert_allclose(found.autocovariance, own.autocovariance, rtol=1e-9)
+    assert found.kappa > 20.0
+    # transforms once padded for many lags serve few
+    shared.columns[0].spectra(8000)
+    again = sandwich(shared, [Noise(4000, 0.9 ** np.arange(200), 19.0, 0.2)])
+    np.testing.assert_allclose(again, alone, rtol=1e-9)
 
 
 def test_rounding_is_not_noise() -> None:

@@ -148,7 +148,7 @@ def fit_many(
     True
     """
     clock = increasing("time", samples("time", time, minimum=8))
-    records = np.array(forces, dtype=float, ndmin=2)
+    records = np.atleast_2d(np.asarray(forces, dtype=float))
     if records.ndim != 2 or records.shape[1] != len(clock):
         raise DataError(
             f"forces have shape {np.shape(forces)}; expected (records, {len(clock)}), "

@@ -28,15 +28,14 @@ and a walk that has met :math:`D_0` is at its end: beyond, any value will do.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from enum import Enum
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 from dashpot.engine.inference.descents import Descents, Solved
+from dashpot.engine.inference.profile_walks import Asked, Coordinate, Walk
 from dashpot.engine.solver.descent import Stack
 
 #: a relaxation time is walked so far, as a factor, out of the window
@@ -45,23 +44,9 @@ BEYOND = 20.0
 _OPEN_STIFFNESS, _OPEN_FOLDS = 1e4, 16.0
 #: ln tau between nodes of the table; cubics through columns and slopes are right to 1e-7
 _NODES_APART = 0.08
-#: points of a walk, and how many of them may be too far: beyond there is a cliff
-_POINTS, _LEAPS = 20, 5
-#: an arm whose absence costs less deviance is one that the data do without
-_SPARE = 2.0
-#: the walk steps by a rise of the root of the deviance over which interpolation is good
-_RISE, _RISES = 0.7, 5.0
 #: a change of ln tau from one point of a walk to the next that may be foretold
 _FORETOLD = 0.7
 _RIDGE = 1e-13
-
-
-class Coordinate(Enum):
-    """What is held while everything else is fitted again."""
-
-    LINEAR = "a linear parameter"
-    LOG_TAU = "ln tau of an arm"
-    LOG_B = "ln(k tau) of an arm"
 
 
 class Optimum(NamedTuple):
@@ -69,31 +54,6 @@ class Optimum(NamedTuple):
 
     beta: FloatArray
     log_tau: FloatArray
-
-
-@dataclass(frozen=True)
-class Asked:
-    """Whose profile is asked for.
-
-    Attributes
-    ----------
-    coordinate, index
-        Which parameter: of the linear ones for ``LINEAR``, of the relaxation times for
-        ``LOG_TAU``, of the arms' stiffnesses, group by group, for ``LOG_B``; from 0.
-    step : float
-        First distance from the optimum, about half a standard error.
-    scale : float
-        kappa s^2, what one unit of deviance costs in SSE.
-    relative_gain : callable, optional
-        How many times the noise at the optimum meets the way from there to linear parameters
-        and ln tau; once, if left out.
-    """
-
-    coordinate: Coordinate
-    index: int
-    step: float
-    scale: float
-    relative_gain: Callable[[FloatArray, FloatArray], float] | None = None
 
 
 def profiles(
@@ -113,7 +73,7 @@ def profiles(
     """
     together = _Together(stack, optimum)
     walks = [
-        _Walk(one, together.value(one), sign, limit, together.range(one))
+        Walk(one, together.value(one), sign, limit, together.range(one))
         for one in asked
         for sign in (-1.0, 1.0)
     ]
@@ -124,67 +84,6 @@ def profiles(
         value, deviance = np.array(points).T
         found.append((value, deviance))
     return found
-
-
-class _Walk:
-    """One side of one profile: where it stands and where it goes next."""
-
-    def __init__(
-        self, asked: Asked, start: float, sign: float, limit: float, ends: tuple[float, float]
-    ) -> None:
-        self.asked, self.start, self.limit, self.ends = asked, start, limit, ends
-        self.sign = sign
-        self.rise = max(_RISE, float(np.sqrt(limit)) / _RISES)
-        self.step, self.root, self.at = sign * asked.step, 0.0, start
-        self.walked: list[tuple[float, float]] = []
-        self.leapt: list[tuple[float, float]] = []
-        self.trials = self.leaps = 0
-        self.ended, self.without = False, np.inf
-        self.goal = start
-        self._aim()
-
-    @property
-    def points(self) -> list[tuple[float, float]]:
-        """Values and deviances on the way out."""
-        met = self.walked
-        if self.leapt and self.root <= np.sqrt(self.limit):
-            # a leap that the walk has passed says nothing of the way
-            passed = met and (self.leapt[0][0] - met[-1][0]) * self.step <= 0
-            met = met if passed else met + self.leapt
-        if not np.isfinite(self.without):
-            return met
-        far = self.ends[int(self.sign > 0)]
-        least = [(value, min(deviance, self.without)) for value, deviance in met]
-        there = far in (self.start, met[-1][0] if met else self.start)
-        return least if there else [*least, (far, self.without)]
-
-    def spared(self, without: float) -> None:
-        """Take note of the deviance without its arm, which no value of the arm's exceeds."""
-        if without < self.limit:
-            self.without = self.limit = without
-            self.ended = self.ended or without < _SPARE
-
-    def arrived(self, deviance: float) -> bool:
-        """Take note of the deviance at the goal; True if the walk goes on from there."""
-        rise = float(np.sqrt(deviance)) - self.root
-        self.step *= float(np.clip(self.rise / max(rise, 1e-3), 0.1, 3.0))
-        near = rise <= 2.0 * self.rise
-        if near:
-            self.walked.append((self.goal, deviance))
-            self.at, self.root = self.goal, self.root + rise
-        else:
-            # too far to interpolate to: walk towards it in smaller steps
-            self.leapt = [(self.goal, deviance)]
-            self.leaps += 1
-        self.ended = (near and deviance > self.limit) or self.leaps > _LEAPS
-        self._aim()
-        return near
-
-    def _aim(self) -> None:
-        self.goal = min(max(self.at + self.step, self.ends[0]), self.ends[1])
-        self.step = self.goal - self.at
-        self.ended = self.ended or self.trials >= _POINTS or self.step == 0.0
-        self.trials += 1
 
 
 class _Together:
@@ -232,7 +131,7 @@ class _Together:
         start = self.value(asked)
         return start - _OPEN_FOLDS, start + _OPEN_FOLDS
 
-    def walk(self, walks: Sequence[_Walk]) -> None:
+    def walk(self, walks: Sequence[Walk]) -> None:
         """Walk every side to its end."""
         held = _Held([walk.asked for walk in walks], self.fixed, self.arms)
         self._spare(walks, held)
@@ -252,7 +151,7 @@ class _Together:
                 descents.start(i, left[i] + foretold)
                 goal[i] = walk.goal
 
-    def _spare(self, walks: Sequence[_Walk], held: _Held) -> None:
+    def _spare(self, walks: Sequence[Walk], held: _Held) -> None:
         """Let each arm's walks know what it costs to do without the arm."""
         if self.groups > 1:  # without its part in one group an arm is still there
             return
@@ -284,7 +183,7 @@ class _Together:
                 sse, log_tau = descents.best(i)
                 walk.spared(self._deviance(walk, descents.known.beta[i], log_tau, sse))
 
-    def _descents(self, start: FloatArray, walks: Sequence[_Walk]) -> Descents:
+    def _descents(self, start: FloatArray, walks: Sequence[Walk]) -> Descents:
         tolerance = np.array([1e-3 * walk.asked.scale for walk in walks])
         return Descents(start, len(self.optimum.beta), tolerance)
 
@@ -301,7 +200,7 @@ class _Together:
         trial = held.placed(trial, goal, on)
         return on[descents.take(trial, self._solved(trial, goal[on], held, on), on)]
 
-    def _deviance(self, walk: _Walk, beta: FloatArray, log_tau: FloatArray, sse: float) -> float:
+    def _deviance(self, walk: Walk, beta: FloatArray, log_tau: FloatArray, sse: float) -> float:
         gain = walk.asked.relative_gain
         times = 1.0 if gain is None else gain(beta, log_tau)
         return max(float(sse) - self.best, 0.0) / (walk.asked.scale * times)

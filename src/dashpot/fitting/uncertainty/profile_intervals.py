@@ -12,8 +12,9 @@ from dashpot.base.student_t import t_quantile
 from dashpot.engine.blocks.block import Block
 from dashpot.engine.blocks.kernels import compact_block
 from dashpot.engine.inference.covariance import nearly_white, noise_gain_differs
-from dashpot.engine.inference.profile_likelihood import BEYOND, Asked, Coordinate, Optimum
+from dashpot.engine.inference.profile_likelihood import BEYOND, Optimum
 from dashpot.engine.inference.profile_likelihood import profiles as walked
+from dashpot.engine.inference.profile_walks import Asked, Coordinate
 from dashpot.engine.solver.descent import Stack
 from dashpot.engine.solver.variable_projection import full_jacobian
 from dashpot.fitting.uncertainty.estimate import Estimate, by_record
