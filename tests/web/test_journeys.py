@@ -471,7 +471,7 @@ def held_to(name, told):
 
 def test_what_a_screen_reader_is_told_of_both_tests_alone_and_together(visit, files):
     page = visit()
-    held_to("empty", tree(page))
+    held_to("empty", tree(page, ".bar") + tree(page, "#drop"))
     page.at.locator("#pick").set_input_files(str(files / "seal_8mm.csv"))
     page.done()
     held_to("test", tree(page))
