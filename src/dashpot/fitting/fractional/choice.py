@@ -179,7 +179,7 @@ class Choice:
     other : Solid
         The best solid of the other family; of arms, the fewest that explain the data, if any do.
     residual : float
-        Root of the sum of squares that the best leaves, over that of the other.
+        Standard deviation of what the best leaves, over that of the other.
     bic : float
         Of the other, less that of the best.
     explains : bool
@@ -222,6 +222,10 @@ def chosen_family(arms: Chosen, one: ChosenElement, family: str) -> Choice:
         fall = effective * float(np.log((found.sse + floor) / (best.sse + floor)))
         return not needed(fall, max(best.parameters - found.parameters, 1))
 
+    def spread(found: _Candidate) -> float:
+        # many arms leave less of few samples by chance alone
+        return (found.sse + floor) / max(effective - found.parameters, 1.0)
+
     element, several = _candidate(one), _of_orders(arms)
     taken = several[0]
     better = criterion(element) + VERY_STRONG < criterion(taken) and not one.at_edge
@@ -236,7 +240,7 @@ def chosen_family(arms: Chosen, one: ChosenElement, family: str) -> Choice:
         best=one if best is element else arms,
         arms=arms,
         other=other.solid,
-        residual=float(np.sqrt((best.sse + floor) / (other.sse + floor))),
+        residual=float(np.sqrt(spread(best) / spread(other))),
         bic=criterion(other) - criterion(best),
         explains=bool(explain),
     )
