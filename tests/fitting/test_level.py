@@ -33,7 +33,9 @@ class TestSweep:
     def test_a_factor_is_found_to_the_last_digit(self):
         found = fit_amplitude(sweep(5e6 * (1 + 0.1j) * payne(X)))
         assert found.law == "factor"
-        assert (found.lost, found.half_way, found.m) == pytest.approx((0.55, 2e-3, 0.5), rel=1e-4)
+        assert (found.lost, found.half_way, found.exponent) == pytest.approx(
+            (0.55, 2e-3, 0.5), rel=1e-4
+        )
         assert found.linear[0] == pytest.approx(5e6 * (1 + 0.1j), rel=1e-4)
         assert found.ratio(3e-3) == pytest.approx(complex(payne(3e-3)), rel=1e-4)
         assert found.verdict.use == "use"
@@ -71,8 +73,8 @@ class TestSweep:
     def test_a_short_sweep_sets_the_exponent_and_says_so(self):
         short = np.geomspace(1e-5, 2e-3, 13)
         found = fit_amplitude(sweep(5e6 * (1 + 0.1j) * payne(short), short, noise=0.003))
-        assert found.m == pytest.approx(0.5, abs=1e-6)
-        assert dict(found.se)["m"] == 0
+        assert found.exponent == pytest.approx(0.5, abs=1e-6)
+        assert dict(found.se)["exponent"] == 0
         assert any(c.name == "softening_seen" and c.failed for c in found.checks)
         assert found.verdict.use == "use with care"
 

@@ -44,7 +44,7 @@ class TestPublishedNumbers:
         assert element.stiffness(X).imag == pytest.approx(663.1456, rel=1e-7)
 
     def test_kraus(self):
-        rubber = spring(1.0) + Kraus(2.0, 0.01, m=0.6, loss=0.5)
+        rubber = spring(1.0) + Kraus(2.0, 0.01, exponent=0.6, loss=0.5)
         g = np.array([0.001, 0.003, 0.01, 0.03, 0.1])
         K = rubber.equivalent(1.0, g)
         assert K.real.round(6).tolist() == [2.881298, 2.618384, 2.0, 1.422191, 1.118702]
@@ -160,7 +160,7 @@ class TestSeries:
 
 
 def test_jenkins_elements_stand_for_kraus_s_storage():
-    law = Kraus(235.0, 3e-4, m=0.5)
+    law = Kraus(235.0, 3e-4, exponent=0.5)
     spectrum = jenkins_like(law, to=3e-3)
     X = np.geomspace(1e-5, 3e-3, 40)
     N = spectrum.equivalent(1.0, X)
@@ -175,7 +175,7 @@ class TestRefused:
             lambda: Jenkins(0.0, 1.0),
             lambda: Jenkins(1.0, np.inf),
             lambda: Coulomb(-1.0),
-            lambda: Kraus(1.0, 1.0, m=1.0),
+            lambda: Kraus(1.0, 1.0, exponent=1.0),
             lambda: Kraus(1.0, 1.0, loss=-0.1),
             lambda: Cubic(0.0),
             lambda: StagedSpring((1.0, 2.0), (0.0,)),

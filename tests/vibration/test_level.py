@@ -322,7 +322,7 @@ class TestFold:
     def test_kraus_with_tied_loss_never_folds_and_a_cubic_spring_does(self):
         X = np.geomspace(1e-6, 1e-1, 400)
         for m in (0.3, 0.5, 0.8):
-            assert not can_fold(Kraus(100.0, 1e-3, m=m), omega=80.0, amplitude=X).any()
+            assert not can_fold(Kraus(100.0, 1e-3, exponent=m), omega=80.0, amplitude=X).any()
         assert can_fold(HARD + Cubic(6e7), omega=80.0, amplitude=X).any()
 
     def test_the_rule_finds_what_the_scan_finds(self):

@@ -153,7 +153,7 @@ def test_from_sweeps_to_two_discs_on_a_shaker():
             Mount(
                 solid,
                 ("m", "ground"),
-                friction=Softening(solid, law.lost, law.half_way, law.m),
+                friction=Softening(solid, law.lost, law.half_way, law.exponent),
             ),
         ),
     )

@@ -112,9 +112,9 @@ class AmplitudeFit(ByValue, Described):
         d: share of the stiffness (factor), or stiffness in `unit` (additive), that is lost.
     half_way : float
         Amplitude X_c where half of it is lost.
-    m : float
+    exponent : float
     se : tuple of (str, float)
-        Standard errors of lost, half_way and m; 0 for an exponent that was set.
+        Standard errors of lost, half_way and exponent; 0 for an exponent that was set.
     amplitudes : (float, float)
         The range that the sweep informs.
     residual : float
@@ -134,7 +134,7 @@ class AmplitudeFit(ByValue, Described):
     linear: ComplexArray
     lost: float
     half_way: float
-    m: float
+    exponent: float
     se: tuple[tuple[str, float], ...]
     amplitudes: tuple[float, float]
     residual: float
@@ -164,7 +164,7 @@ class AmplitudeFit(ByValue, Described):
             )
             lines.append(
                 f"{self.law} law: {size} of the stiffness is lost with amplitude, half of it at "
-                f"{self.half_way:.3g} +- {error['half_way']:.2g} {self.of}, exponent {self.m:.2g}"
+                f"{self.half_way:.3g} +- {error['half_way']:.2g} {self.of}, exponent {self.exponent:.2g}"
             )
         low, high = self.amplitudes
         lines.append(
@@ -182,8 +182,8 @@ class AmplitudeFit(ByValue, Described):
         if self.law == "none":
             return 1.0 + 0j
         if self.law == "factor":
-            return complex(softened(amplitude, self.lost, self.half_way, self.m))
-        change = complex(softened(amplitude, 1.0, self.half_way, self.m)) - 1
+            return complex(softened(amplitude, self.lost, self.half_way, self.exponent))
+        change = complex(softened(amplitude, 1.0, self.half_way, self.exponent)) - 1
         return 1 + self.lost * change / complex(self.linear[tone])
 
     def element(self, scale: float = 1.0, *, stretch: float = 1.0) -> Kraus:
@@ -198,4 +198,4 @@ class AmplitudeFit(ByValue, Described):
         """
         if self.law != "additive":
             raise DataError(f"the law is '{self.law}'; only an additive law stands beside a solid")
-        return Kraus(self.lost * scale, self.half_way * stretch, self.m)
+        return Kraus(self.lost * scale, self.half_way * stretch, self.exponent)

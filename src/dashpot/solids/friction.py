@@ -253,33 +253,33 @@ class Kraus(RateIndependent):
         Stiffness that is lost with amplitude, N/m, > 0.
     half_way : float
         X_c, m, > 0: where half of it is lost and the loss is largest.
-    m : float
-        Exponent, 0 < m < 1.
+    exponent : float
+        m, 0 < m < 1.
     loss : float or None
         k'', N/m, >= 0; None ties it to the rest by the rule of broad friction, k'' = m k / pi.
     """
 
     k: float
     half_way: float
-    m: float = 0.5
+    exponent: float = 0.5
     loss: float | None = None
 
     def __post_init__(self) -> None:
-        above_zero(self, "k", "half_way", "m")
-        if self.m >= 1 or (self.loss is not None and not self.loss >= 0):
+        above_zero(self, "k", "half_way", "exponent")
+        if self.exponent >= 1 or (self.loss is not None and not self.loss >= 0):
             raise DataError(
-                f"Kraus's law with m = {self.m:g}, loss = {self.loss}; expected 0 < m < 1 and a "
+                f"Kraus's law with m = {self.exponent:g}, loss = {self.loss}; expected 0 < m < 1 and a "
                 "loss >= 0, or None"
             )
 
     @property
     def greatest_loss(self) -> float:
         """k'', N/m, given or tied."""
-        return self.m * self.k / np.pi if self.loss is None else self.loss
+        return self.exponent * self.k / np.pi if self.loss is None else self.loss
 
     def stiffness(self, amplitude: npt.ArrayLike) -> ComplexArray:
         """Equivalent stiffness, N/m."""
-        u = (amplitudes(amplitude) / self.half_way) ** self.m
+        u = (amplitudes(amplitude) / self.half_way) ** self.exponent
         return np.asarray((self.k + 2j * self.greatest_loss * u) / (1 + u**2))
 
     def unloading(self, x: FloatArray, amplitude: FloatArray) -> FloatArray:

@@ -74,7 +74,7 @@ class AmplitudeDependent(ABC):
 class RateIndependent(AmplitudeDependent):
     """An element whose force depends on the path of its displacement, not on time.
 
-    A new element gives :meth:`unloading`, :meth:`start`, :meth:`step` and the product with a
+    A new element gives :meth:`unloading`, ``start``, :meth:`step` and the product with a
     number; its first harmonic follows, where it has no closed one of its own.
     """
 

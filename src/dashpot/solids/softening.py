@@ -31,37 +31,37 @@ class Softening(AmplitudeDependent):
         d, the part of the stiffness that large amplitudes lose, 0 < d <= 1.
     half_way : float
         X_c, m, > 0.
-    m : float
-        Exponent, 0 < m < 1.
+    exponent : float
+        m, 0 < m < 1.
     """
 
     solid: Solid
     share: float
     half_way: float
-    m: float = 0.5
+    exponent: float = 0.5
 
     def __post_init__(self) -> None:
-        above_zero(self, "share", "half_way", "m")
-        if self.share > 1 or self.m >= 1:
+        above_zero(self, "share", "half_way", "exponent")
+        if self.share > 1 or self.exponent >= 1:
             raise DataError(
-                f"Softening: share = {self.share:g}, m = {self.m:g}; expected a share of at most 1 "
+                f"Softening: share = {self.share:g}, m = {self.exponent:g}; expected a share of at most 1 "
                 "and an exponent below 1"
             )
 
     @classmethod
     def measured_at(
-        cls, solid: Solid, amplitude: float, share: float, half_way: float, m: float = 0.5
+        cls, solid: Solid, amplitude: float, share: float, half_way: float, exponent: float = 0.5
     ) -> tuple[Solid, Softening]:
         """The linear solid, and its softening, where `solid` was measured at an amplitude, m.
 
         Its storage is taken back to a vanishing amplitude; the friction's loss stays in it.
         """
-        linear = solid * (1 / float(softened(amplitude, share, half_way, m).real))
-        return linear, cls(linear, share, half_way, m)
+        linear = solid * (1 / float(softened(amplitude, share, half_way, exponent).real))
+        return linear, cls(linear, share, half_way, exponent)
 
     def equivalent(self, omega: npt.ArrayLike, amplitude: npt.ArrayLike) -> ComplexArray:
         """Change of the complex stiffness, N/m: its real part is below 0."""
-        change = softened(amplitude, self.share, self.half_way, self.m) - 1
+        change = softened(amplitude, self.share, self.half_way, self.exponent) - 1
         return np.asarray(self.solid.complex_stiffness(omega) * change)
 
     def start(self) -> Any:
@@ -86,8 +86,8 @@ class Softening(AmplitudeDependent):
 
 
 def softened(
-    amplitude: npt.ArrayLike, share: float, half_way: float, m: float = 0.5
+    amplitude: npt.ArrayLike, share: float, half_way: float, exponent: float = 0.5
 ) -> ComplexArray:
     """Complex stiffness over that of a vanishing amplitude: phi of :class:`Softening`."""
-    u = (amplitudes(amplitude) / half_way) ** m
-    return np.asarray(1 - share * (u**2 - 2j * m / np.pi * u) / (1 + u**2))
+    u = (amplitudes(amplitude) / half_way) ** exponent
+    return np.asarray(1 - share * (u**2 - 2j * exponent / np.pi * u) / (1 + u**2))

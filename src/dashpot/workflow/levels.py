@@ -183,7 +183,7 @@ def level_files(
 
 def _numbers(fit: AmplitudeFit) -> dict[str, Any]:
     """The numbers of a law, each with its standard error."""
-    found: dict[str, Any] = {"lost": fit.lost, "half_way": fit.half_way, "m": fit.m}
+    found: dict[str, Any] = {"lost": fit.lost, "half_way": fit.half_way, "exponent": fit.exponent}
     return found | {f"{name}_se": error for name, error in fit.se}
 
 

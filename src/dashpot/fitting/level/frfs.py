@@ -47,7 +47,7 @@ def fit_levels(
         + \sum_j k_j \frac{j\omega_i\tau_j}{1 + j\omega_i\tau_j}
         + \sum_s k_s\, J(|X_i|; x_s), \qquad k \ge 0
 
-    over grids of tau and of yield displacements (J of a Jenkins element), weighted by 1/|F/X|.
+    over grids of tau and of yield displacements (J of a Jenkins element), weighted by X over F.
     Friction is taken where it explains what arms alone do not by 2 ln L > 20. No balance of
     harmonics is needed; noise of the amplitude does no harm (5 %: 0.4 % of the stiffness).
 

@@ -43,6 +43,9 @@ def fit_amplitude(
     is taken for a modulus, the element beside the solid for a stiffness. Where the sweep ends
     below twice X_c the exponent is set to 0.5.
 
+    Source: G. Kraus (1984); the tie of the loss is the rule of broad friction,
+    :math:`K'' = -(2/\pi)\,dK'/d\ln X`.
+
     Parameters
     ----------
     sweep : AmplitudeSweep
@@ -53,9 +56,6 @@ def fit_amplitude(
     ------
     FitError
         If there are too few samples.
-
-    Source: G. Kraus (1984); the tie of the loss is the rule of broad friction,
-    :math:`K'' = -(2/\pi)\,dK'/d\ln X`.
     """
     if len(sweep.amplitude) < _LEAST:
         raise FitError(
@@ -88,7 +88,7 @@ def fit_amplitude(
         best.linear,
         best.lost,
         best.half_way,
-        best.m,
+        best.exponent,
         best.se,
         range_,
         best.residual,
@@ -115,7 +115,7 @@ class _Found:
     linear: ComplexArray
     lost: float
     half_way: float
-    m: float
+    exponent: float
     se: tuple[tuple[str, float], ...]
     residual: float
     bic: float
@@ -236,12 +236,14 @@ def _errors(
     A = np.hstack(J)
     both = np.vstack((A.real, A.imag))
     sd = np.sqrt(np.diag(np.linalg.pinv(both.T @ both)) * scatter)
-    extra = dict(zip([("ln", "m", "lost")[i] for i in kept], sd[len(coefficients) :], strict=True))
+    extra = dict(
+        zip([("ln", "exponent", "lost")[i] for i in kept], sd[len(coefficients) :], strict=True)
+    )
     lost = float(sd[len(coefficients) - 1]) if law == "additive" else float(extra["lost"])
     return (
         ("lost", lost),
         ("half_way", float(np.exp(free[0]) * extra["ln"])),
-        ("m", float(extra.get("m", 0.0))),
+        ("exponent", float(extra.get("exponent", 0.0))),
     )
 
 

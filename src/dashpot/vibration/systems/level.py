@@ -1,6 +1,6 @@
 """What a system with friction does at a level: responses, sweeps and backbones.
 
-By harmonic balance (:mod:`dashpot.vibration.systems.harmonic_balance`).
+By harmonic balance (``dashpot.vibration.systems.harmonic_balance``).
 """
 
 from __future__ import annotations
