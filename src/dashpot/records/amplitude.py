@@ -164,7 +164,8 @@ class AmplitudeFit(ByValue, Described):
             )
             lines.append(
                 f"{self.law} law: {size} of the stiffness is lost with amplitude, half of it at "
-                f"{self.half_way:.3g} +- {error['half_way']:.2g} {self.of}, exponent {self.exponent:.2g}"
+                f"{self.half_way:.3g} +- {error['half_way']:.2g} {self.of}, exponent "
+                f"{self.exponent:.2g}"
             )
         low, high = self.amplitudes
         lines.append(

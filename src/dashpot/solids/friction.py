@@ -268,8 +268,8 @@ class Kraus(RateIndependent):
         above_zero(self, "k", "half_way", "exponent")
         if self.exponent >= 1 or (self.loss is not None and not self.loss >= 0):
             raise DataError(
-                f"Kraus's law with m = {self.exponent:g}, loss = {self.loss}; expected 0 < m < 1 and a "
-                "loss >= 0, or None"
+                f"Kraus's law with m = {self.exponent:g}, loss = {self.loss}; expected 0 < m < 1 "
+                "and a loss >= 0, or None"
             )
 
     @property

@@ -44,8 +44,8 @@ class Softening(AmplitudeDependent):
         above_zero(self, "share", "half_way", "exponent")
         if self.share > 1 or self.exponent >= 1:
             raise DataError(
-                f"Softening: share = {self.share:g}, m = {self.exponent:g}; expected a share of at most 1 "
-                "and an exponent below 1"
+                f"Softening: share = {self.share:g}, m = {self.exponent:g}; expected a share of at "
+                "most 1 and an exponent below 1"
             )
 
     @classmethod
