@@ -350,8 +350,6 @@ CUT = """() => {
   const found = [], shown = (one) => one.offsetParent !== null;
   const { scrollWidth, clientWidth } = document.documentElement;
   if (scrollWidth > clientWidth) found.push(`page ${scrollWidth}`);
-  const main = document.getElementById("main");
-  if (innerWidth > 1180 && main.scrollHeight > main.clientHeight) found.push("main scrolls");
   for (const one of document.querySelectorAll("body *")) {
     if (!shown(one) || one.closest("svg, .hidden")) continue;
     if (one.matches("input, select, .handle")) continue;
