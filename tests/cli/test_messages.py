@@ -24,6 +24,7 @@ MEASURED = ("compare", "identify", "report")
 SPEAKERS: dict[str, tuple[str, ...]] = {
     "io/": READING,
     "preparation/": BENCH,
+    "preparation/checks.py:temperature_as_stated": ("fit", "identify", "report"),
     "fitting/": ("fit", "predict", "identify", "report"),
     "fitting/dynamic.py": ("fit",),
     "fitting/modulus.py": ("fit",),

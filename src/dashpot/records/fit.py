@@ -435,7 +435,7 @@ class Fit(ByValue, Pictured):
 
     @property
     def dof(self) -> float:
-        """Degrees of freedom: effective samples less parameters."""
+        """Degrees of freedom, which are the effective samples less the parameters."""
         return self.estimate.dof
 
     @property
