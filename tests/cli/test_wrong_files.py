@@ -57,7 +57,7 @@ def run(*words: str, code: int = 0) -> str:
         ("report compliance.csv", "this is a creep test .*: use dashpot fit"),
         ("fit triangle.csv", "this is a triangle, a ramp up and down without a hold"),
         ("fit fatigue.csv", r"this is a cyclic \(fatigue\) run without a hold .*and \d+ more"),
-        ("fit strain.csv", "this is a strain sweep at one frequency"),
+        ("fit strain.csv", "this is an amplitude sweep at one frequency .*: use dashpot level"),
         ("fit warming.csv", "this is a temperature sweep at one frequency"),
         ("fit modulus.csv", 'use dashpot fit FILE --modulus "Relaxation modulus"'),
         ("fit late.csv", "the record begins after its ramp"),
@@ -258,7 +258,10 @@ def test_an_frf_without_coherence_says_so_first(lab: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        ("fit seal.csv --mass 104g", "--mass is an option of dashpot predict, impact, compare"),
+        (
+            "fit seal.csv --mass 104g",
+            "--mass is an option of dashpot predict, impact, level, compare",
+        ),
         ("report seal.csv hammer.csv --mass 104g", "hits of the hammer are given by --impact"),
         ("fit seal.csv --units kraft=N", "'kraft' is no role .* and no column of seal.csv"),
         ("report seal.csv --impact hammer.csv --mass 104g --units kraft=N", "'kraft' is no role"),

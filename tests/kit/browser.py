@@ -42,8 +42,9 @@ def probe(folder: Path, page: str, script: str, *, width: int, height: int, flag
     """What a script finds on a page in a window of that size, px."""
     bare = re.sub(r'<meta http-equiv="Content-Security-Policy"[^>]*>', "", page)
     found = (
-        f"<script>document.title = 'found:' + JSON.stringify((() => {{ {script} }})());"
-        "</script></body>"
+        # a page's own modules have run when it is loaded
+        "<script>addEventListener('load', () => { document.title = 'found:' + JSON.stringify((() =>"
+        f" {{ {script} }})()); }});</script></body>"
     )
     inner = folder / "inner.html"
     inner.write_text(bare.replace("</body>", found), encoding="utf-8")

@@ -189,6 +189,7 @@ def tab_to(page, name):
 def test_everything_goes_by_keyboard(visit, files):
     page = visit()
     command = page.at.locator("#command")
+    page.at.bring_to_front()  # a page behind others opens no chooser
     with page.at.expect_file_chooser() as asked:
         page.at.keyboard.press("o")
     asked.value.set_files(str(files / "seal_8mm.csv"))
