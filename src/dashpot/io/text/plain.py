@@ -118,9 +118,11 @@ class PlainRows:
         text = raw.translate(self.as_json, b"\n" if more else b"")
         if _NEGATIVE_ZERO.search(text):
             return None
+        import msgspec  # not before it pays
+
         try:
             found = _decode()(b"[%b]" % text[:-1])
-        except ValueError:
+        except (ValueError, msgspec.MsgspecError):
             return None
         if not found:  # blank lines
             return None
