@@ -238,7 +238,8 @@ def serve(files: Sequence[str | Path] = (), *, port: int = 0, browser: bool = Tr
         import uvicorn
     except ImportError:
         raise DataError('the app needs its extra: pip install "dashpot[app]"') from None
-    listener = socket.socket()
+    # only where the protocol is named does asyncio turn off the wait for a fuller packet, 40 ms
+    listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listener.bind(("127.0.0.1", port))
