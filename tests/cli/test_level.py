@@ -14,6 +14,8 @@ from dashpot.io.write import write_frf
 from dashpot.solids.networks import spring
 from dashpot.vibration.systems.system import Mount, System, point_mass
 
+pytestmark = pytest.mark.once
+
 SEAL = dp.GeneralizedMaxwell(393.0, (235.0, 35.6), (0.502, 0.012))
 SLIDER = dp.friction.Jenkins(100.0, 0.05)
 

@@ -12,6 +12,8 @@ from dashpot.fitting.level.sweep import fit_amplitude
 from dashpot.records.amplitude import AmplitudeSweep
 from dashpot.records.frf import FRF, Kind
 
+pytestmark = pytest.mark.once
+
 MASS = 0.104
 X = np.geomspace(1e-4, 0.02, 13)
 

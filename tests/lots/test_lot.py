@@ -29,6 +29,8 @@ from dashpot.simulation.impact import simulate_impact
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.table_1 import PAPER
 
+pytestmark = pytest.mark.once
+
 ON_LINUX = pytest.mark.skipif(sys.platform != "linux", reason="processes are looked up in /proc")
 BY = r"lot(\w+)_seal(\d+)_rep(\d+)"
 QUICK = {"arms": 1, "quick": True, "by": BY}

@@ -18,6 +18,8 @@ from dashpot.lots.row import row
 from dashpot.workflow import compare_files
 from dashpot.workflow.job import HammerChoices
 
+pytestmark = pytest.mark.once
+
 FITTED = {"relaxation", "creep", "dma", "master-curve", "modulus"}
 ONE_ARM = BatchChoices(arms=1, reading=ReadOptions(modulus="Relaxation modulus"))
 

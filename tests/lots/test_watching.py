@@ -23,6 +23,8 @@ from dashpot.lots.processes import Engine
 from dashpot.lots.row import row
 from dashpot.lots.watching import BEAT, STILL, watch_batch
 
+pytestmark = pytest.mark.once
+
 QUICK = {"arms": 1, "quick": True}
 TEXT = bench(ramp_and_hold())
 

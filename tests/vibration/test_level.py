@@ -18,6 +18,8 @@ from dashpot.vibration.systems.level import backbone, can_fold, response_at_leve
 from dashpot.vibration.systems.state_space import respond
 from dashpot.vibration.systems.system import Mount, System, point_mass
 
+pytestmark = pytest.mark.once
+
 TWO = GeneralizedMaxwell(393.0, (235.0, 35.6), (0.50212766, 16.4157303))
 SLIDER = Jenkins(100.0, 0.05)
 STRIPS = InParallel(tuple(Jenkins(5.0, 5.0 * 1.6e-3 * (i + 0.5) / 30) for i in range(30)))

@@ -15,6 +15,8 @@ from dashpot.io.write import frf_uff, write_frf
 from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER, PAPER_MASS
 from dashpot.vibration.systems.random_base import random_base
 
+pytestmark = pytest.mark.once
+
 AT = [5.0, 10.0, 12.71, 18.0, 30.0, 50.0]
 SIZES = {
     "paper": (1.183257, 2.624950, 112.751428, 0.994372, 0.218777, 0.069088),

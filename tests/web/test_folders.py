@@ -22,6 +22,8 @@ from dashpot.web.verbs import VERBS
 from dashpot.workflow.history import append
 from dashpot.workflow.job import Cuts, HammerChoices, Job
 
+pytestmark = pytest.mark.once
+
 
 @pytest.fixture(autouse=True)
 def state(tmp_path, monkeypatch):

@@ -19,6 +19,8 @@ from dashpot.web.store import Store
 from dashpot.web.verbs import VERBS
 from dashpot.workflow.command_lines import report_command
 
+pytestmark = pytest.mark.once
+
 AT = {296.15: BROAD, 273.15: BROAD.shifted(10**1.498172, 273.15 / 296.15)}
 
 
