@@ -16,6 +16,8 @@ from dashpot.lots.page import html
 from dashpot.simulation.relaxation import Rig, simulate_relaxation
 from dashpot.solids.table_1 import PAPER
 
+pytestmark = pytest.mark.once
+
 BY = r"lot(\w+)_seal(\d+)_rep(\d+)"
 
 

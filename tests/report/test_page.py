@@ -41,6 +41,8 @@ from dashpot.workflow.assumptions import ASSUMPTIONS
 from dashpot.workflow.recommendation import recommendation
 from dashpot.workflow.resting import at_rest
 
+pytestmark = pytest.mark.once
+
 S = handmade.study()
 VOID = {"meta", "br", "link", "img", "hr", "input", "path", "use", "circle", "rect"}
 
