@@ -943,7 +943,8 @@ LEVEL = [
     Case("amplitudes_spread", lambda x: level.amplitudes_spread(x, "m"), 3.01, 2.99),
     Case("softening_seen", level.softening_seen, 2.01, 1.99),
     Case("law_followed", level.law_followed, 0.0299, 0.0301),
-    Case("levels_followed", lambda x: level.levels_followed(x * 0.01, 0.01), 1.99, 2.01),
+    Case("loss_followed", level.loss_followed, 0.149, 0.151),
+    Case("levels_followed", lambda x: level.levels_followed(x * 0.01, 0.01), 1.49, 1.51),
 ]
 
 LOTS = [
@@ -1126,7 +1127,7 @@ LIMITS = {
     },
     "fitting/level": {
         "level_matters": 20, "amplitudes_spread": 3, "softening_seen": 2, "law_followed": 0.03,
-        "levels_followed": 2,
+        "levels_followed": 1.5, "loss_followed": 0.15,
     },
     "lots": {"files_fitted": 0, "fits_usable": 0, "hammers_compared": 0,
              "tests_alike": 0, "seals_within_limits": 0,

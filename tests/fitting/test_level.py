@@ -103,6 +103,13 @@ class TestSweep:
         found = fit_amplitude(sweep(steps))
         assert found.verdict.use == "use with care"
 
+    def test_a_loss_that_is_not_the_laws_is_not_hidden_by_the_storage(self):
+        r = np.minimum(2e-3 / X, 1)
+        theta = np.arccos(1 - 2 * r)
+        one = (theta - np.sin(2 * theta) / 2) / np.pi + 4j / np.pi * r * (1 - r)
+        found = fit_amplitude(sweep(1e6 * (3 + 0.3j + 2 * one), noise=0.005))
+        assert [check.name for check in found.checks if check.failed] == ["loss_followed"]
+
     def test_too_few(self):
         with pytest.raises(FitError, match="5 amplitudes"):
             fit_amplitude(sweep(5e6 * payne(X[:5]), X[:5]))
@@ -203,14 +210,32 @@ class TestLevels:
         assert worst(found) < 0.01
         assert found.stiffness(w0, 1e-3).shape == ()
 
-    def test_a_wrong_mass_is_not_followed(self):
-        frfs = [
-            FRF(one.frequency, one.value, one.kind, sd=0.01 / np.sqrt(2) * np.abs(one.value))
-            for one in three()
-        ]
-        right, wrong = (fit_levels(frfs, LEVELS, mass=m) for m in (MASS, 1.3 * MASS))
-        assert right.verdict.use == "use"
-        assert wrong.verdict.use != "use"
+    @pytest.mark.parametrize(
+        ("wrong", "use"),
+        [
+            ({}, "use"),
+            ({"mass": 1.03 * MASS}, "use with care"),
+            ({"mass": 0.97 * MASS}, "use with care"),
+            ({"mass": 1.3 * MASS}, "do not use"),
+            ({"levels": (0.05, 0.005, 0.5)}, "do not use"),
+            ({"levels": (0.5, 0.05, 0.005)}, "do not use"),
+            ({"levels": (0.005, 0.1, 0.5)}, "use with care"),
+            ({"gain": 1.05}, "use with care"),
+            ({"phase": np.radians(1)}, "use with care"),
+            ({"friction": lambda X: jenkins(X) + 0.75 * 2e7 * X**2}, "do not use"),
+            ({"friction": lambda X: jenkins(X) - 0.75 * 4e5 * X**2}, "use with care"),
+        ],
+    )
+    def test_what_is_told_wrong_or_lies_outside_is_no_use(self, wrong, use):
+        """FRFs that say nothing of their scatter: it is seen from line to line."""
+        frfs = three(wrong.get("friction", jenkins), noise=0.005)
+        odd = wrong.get("gain", 1.0) * np.exp(1j * wrong.get("phase", 0.0))
+        which = slice(1, 2) if "gain" in wrong else slice(None)
+        frfs[which] = [FRF(one.frequency, one.value * odd, one.kind) for one in frfs[which]]
+        found = fit_levels(frfs, wrong.get("levels", LEVELS), mass=wrong.get("mass", MASS))
+        assert found.verdict.use == use
+        # what nothing explains is not called linear
+        assert "the solid is linear" not in " ".join(check.says for check in found.checks)
 
     def test_its_intervals_hold_the_truth(self):
         held, w = [], 2 * np.pi * 13.0

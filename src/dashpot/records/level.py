@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import BoolArray, ByValue, ComplexArray
+from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source
@@ -62,25 +62,21 @@ class LevelFit(ByValue, Described):
         """What to make of it."""
         return verdict(self.checks)
 
-    @property
-    def friction(self) -> InParallel | None:
-        """The sliders side by side, as a mount takes them."""
-        return InParallel(self.sliders) if self.sliders else None
-
     def stiffness(self, omega: npt.ArrayLike, amplitude: npt.ArrayLike) -> ComplexArray:
         """Complex stiffness of one seal, N/m, at rad/s and amplitudes, m."""
         return InParallel((self.solid, *self.sliders)).equivalent(omega, amplitude)
 
     def interval(
-        self, follows: Callable[[GeneralizedMaxwell, tuple[Jenkins, ...]], float]
-    ) -> tuple[float, float]:
-        """95 % interval of a number that follows from the solid and its sliders (basic bootstrap).
+        self, follows: Callable[[GeneralizedMaxwell, tuple[Jenkins, ...]], npt.ArrayLike]
+    ) -> FloatArray:
+        """95 % interval of what follows from the solid and its sliders (basic bootstrap).
 
-        The fit leans to the side on which its draws lean: they are reflected about it.
+        The fit leans to the side on which its draws lean: they are reflected about it. Shape
+        (2,) of a number, (2, n) of several.
         """
-        here = follows(self.solid, self.sliders)
-        low, high = np.quantile([follows(*draw) for draw in self.draws], [0.025, 0.975])
-        return float(2 * here - high), float(2 * here - low)
+        here = np.asarray(follows(self.solid, self.sliders))
+        drawn = np.array([np.asarray(follows(*draw), dtype=float) for draw in self.draws])
+        return np.asarray(2 * here - np.quantile(drawn, [0.975, 0.025], axis=0))
 
     def covers(self, amplitude: npt.ArrayLike) -> BoolArray:
         """Whether amplitudes, m, lie in the range that the lines inform."""

@@ -127,7 +127,7 @@ class Coulomb(RateIndependent):
 
     def unloading(self, x: FloatArray, amplitude: FloatArray) -> FloatArray:
         """The slider's force against the motion, N."""
-        return np.where(np.asarray(x) > -np.asarray(amplitude), -self.slip, -self.slip)
+        return np.full(np.broadcast(x, amplitude).shape, -self.slip)
 
     def stiffness(self, amplitude: npt.ArrayLike) -> ComplexArray:
         """Equivalent stiffness, N/m, in closed form."""

@@ -10,8 +10,9 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import ComplexArray
 from dashpot.base.errors import DataError
+from dashpot.solids.friction import Kraus
 from dashpot.solids.maxwell import Solid
-from dashpot.solids.rate_independent import AmplitudeDependent, above_zero, amplitudes
+from dashpot.solids.rate_independent import AmplitudeDependent, above_zero
 
 
 @dataclass(frozen=True)
@@ -89,5 +90,4 @@ def softened(
     amplitude: npt.ArrayLike, share: float, half_way: float, exponent: float = 0.5
 ) -> ComplexArray:
     """Complex stiffness over that of a vanishing amplitude: phi of :class:`Softening`."""
-    u = (amplitudes(amplitude) / half_way) ** exponent
-    return np.asarray(1 - share * (u**2 - 2j * exponent / np.pi * u) / (1 + u**2))
+    return np.asarray(1 - share * (1 - Kraus(1.0, half_way, exponent).stiffness(amplitude)))

@@ -10,6 +10,7 @@ from typing import Any, Literal
 import numpy as np
 
 import dashpot as dp
+from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.units import Quantity
@@ -25,6 +26,7 @@ from dashpot.records.amplitude import AmplitudeFit
 from dashpot.records.level import LevelFit
 from dashpot.solids.friction import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.rate_independent import InParallel
 from dashpot.vibration.systems.level import response_at_level
 from dashpot.vibration.systems.system import Mount, System, point_mass
 from dashpot.workflow.checks import level_covered
@@ -33,8 +35,6 @@ _RESPONSES = ("frf", "transmissibility")
 _LOOPS = ("cyclic", "triangle", "relaxation", "creep")
 """What a record of time, displacement and force is taken for; here it is one of loops."""
 _LINES = 61
-_DRAWN = 20
-"""Draws that make an interval of a peak; each is a sweep."""
 
 
 @dataclass(frozen=True)
@@ -214,48 +214,53 @@ def _of_frfs(
 
 def _peak(found: LevelFit, level: float) -> PeakAtLevel:
     """The largest motion of the mass at a level, and what the draws say of it."""
-    frequency, receptance, amplitude = _largest(found, found.solid, found.sliders, level)
-    drawn = np.array([_largest(found, *draw, level)[:2] for draw in found.draws[:_DRAWN]])
-    low, high = 2 * np.array([frequency, receptance]) - np.quantile(drawn, [0.975, 0.025], axis=0)
-    return PeakAtLevel(
-        level,
-        frequency,
-        receptance,
-        (float(low[0]), float(high[0])),
-        (float(low[1]), float(high[1])),
-        amplitude,
-    )
-
-
-def _largest(
-    found: LevelFit, solid: GeneralizedMaxwell, sliders: tuple[Jenkins, ...], level: float
-) -> tuple[float, float, float]:
-    """Frequency, Hz, receptance, m/N, and the seal's amplitude, m, of the largest motion."""
-    if not sliders:
-        sliders = (Jenkins(1e-9 * solid.k_0, solid.k_0),)
     low, high = found.band
-    at = np.linspace(low, high, _LINES)
-    system = System(
-        (point_mass("mass", found.mass),),
-        (
-            Mount(
-                found.seals * solid,
-                ("mass", "ground"),
-                friction=found.seals * sum(sliders[1:], start=sliders[0]),
-            ),
-        ),
-    )
-    for _ in range(2):
-        response = response_at_level(
-            system, response="mass.z", force="mass.z", level=level, frequency=at
-        )
-        top = int(response.amplitude.argmax())
-        at = np.linspace(at[max(top - 1, 0)], at[min(top + 1, len(at) - 1)], _LINES)
-    best = int(response.amplitude.argmax())
-    if top in {0, _LINES - 1} and best in {0, _LINES - 1}:
+    lines = np.linspace(low, high, _LINES)
+    top = int(_motion(found, found.solid, found.sliders, level, lines).argmax())
+    if top in {0, _LINES - 1}:
         raise DataError(
             f"at {level:g} N the motion is largest at an end of the lines, {low:.4g} to {high:.4g} "
             "Hz: there is no resonance among them"
         )
-    X = float(response.amplitude[best])
-    return float(response.frequency[best]), X / level, X
+    near = np.linspace(lines[top - 1], lines[top + 1], _LINES)
+
+    def largest(solid: GeneralizedMaxwell, sliders: tuple[Jenkins, ...]) -> tuple[float, float]:
+        motion = _motion(found, solid, sliders, level, near)
+        best = int(motion.argmax())
+        return float(near[best]), float(motion[best]) / level
+
+    frequency, receptance = largest(found.solid, found.sliders)
+    (least_hz, least), (most_hz, most) = found.interval(largest).tolist()
+    return PeakAtLevel(
+        level,
+        frequency,
+        receptance,
+        (least_hz, most_hz),
+        (least, most),
+        receptance * level,
+    )
+
+
+def _motion(
+    found: LevelFit,
+    solid: GeneralizedMaxwell,
+    sliders: tuple[Jenkins, ...],
+    level: float,
+    frequency: FloatArray,
+) -> FloatArray:
+    """Amplitude of the mass at a level of force, m, shape (f,)."""
+    if not sliders:
+        frf = dp.predict_frf(
+            found.seals * solid, mass=found.mass, frequency=frequency, kind="receptance"
+        )
+        return level * np.abs(frf.value)
+    mount = Mount(
+        found.seals * solid, ("mass", "ground"), friction=found.seals * InParallel(sliders)
+    )
+    return response_at_level(
+        System((point_mass("mass", found.mass),), (mount,)),
+        response="mass.z",
+        force="mass.z",
+        level=level,
+        frequency=frequency,
+    ).amplitude

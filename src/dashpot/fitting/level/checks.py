@@ -6,6 +6,8 @@ from dashpot.base.checks import Finding, criterion
 
 MATTERS = 20.0
 FAR_ENOUGH = 2.0
+LOST = 0.1
+"""Part of F/X that is left where nothing was explained."""
 
 
 @criterion(
@@ -15,14 +17,19 @@ FAR_ENOUGH = 2.0
     "linear truths: at most 12 over 40 seeds; slipping ones at least 199",
     grade="note",
 )
-def level_matters(gain: float, amplitudes: tuple[float, float], of: str) -> Finding:
-    """Stiffness or loss moves with amplitude."""
+def level_matters(
+    gain: float, amplitudes: tuple[float, float], of: str, *, followed: bool = True
+) -> Finding:
+    """Stiffness or loss moves with amplitude as friction does."""
     low, high = amplitudes
+    linear = (
+        f"no dependence on amplitude is seen from {low:.3g} to {high:.3g} {of} (2 ln L = "
+        f"{gain:.3g}): the solid is linear there, and nothing is said of larger amplitudes"
+    )
     return Finding(
         f"friction explains what arms alone do not (2 ln L = {gain:.3g})",
         gain,
-        instead=f"no dependence on amplitude is seen from {low:.3g} to {high:.3g} {of} (2 ln L = "
-        f"{gain:.3g}): the solid is linear there, and nothing is said of larger amplitudes",
+        instead=linear if followed else "neither friction nor arms alone explain the tests",
     )
 
 
@@ -57,15 +64,33 @@ def law_followed(residual: float) -> Finding:
     )
 
 
-@criterion("residual / noise", "<=", 2.0, "twice the scatter is seen by eye")
+@criterion("loss left / loss", "<=", 0.15, "our choice: a sixth of the damping")
+def loss_followed(left: float) -> Finding:
+    """The law follows the loss by itself, which is small beside the storage."""
+    return Finding(
+        f"what is left of the loss is {100 * left:.2g} % of it",
+        left,
+        ": the law's loss is not this rubber's, and a damping from it is as much off; take the "
+        "loss where it was measured",
+    )
+
+
+@criterion(
+    "residual / noise",
+    "<=",
+    1.5,
+    "1 degree of phase: 1.6; sound records: 0.9 to 1.1",
+    otherwise="stop where a tenth of F/X is left",
+)
 def levels_followed(residual: float, noise: float | None) -> Finding:
     """One solid with friction follows the FRFs of every level."""
     says = f"what is left is {100 * residual:.2g} % of F/X"
     if noise is None:
-        return Finding(says + "; the FRFs do not say how much of it is their noise")
+        return Finding(says + "; too few lines show how much of it is their noise")
     return Finding(
         f"{says}, noise {100 * noise:.2g} %",
         residual / noise,
-        ": no arms and sliders explain every level; check the mass, the levels and whether the "
-        "spring stiffens",
+        ": no arms and sliders explain every level; check the mass, which level belongs to which "
+        "FRF, the phase between the channels, and whether the spring stiffens",
+        grade="stop" if residual > LOST else "limit",
     )

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.arrays import ComplexArray, FloatArray, IndexArray
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, Range, si, si_range
 from dashpot.fitting.level.checks import (
@@ -25,6 +25,10 @@ _PER_DECADE = 10
 _FINER = 8
 """A second grid between the neighbours of every slider found: a sharp one leaves 0.05 % without."""
 _NOTHING = 1e-9
+_THIRD = float(np.sqrt(20 * np.log(2)))
+"""Median size of a third difference over the rms size of complex noise (Rayleigh)."""
+_FLOOR = 1e-3
+"""No line is trusted beyond this part of its value."""
 _DRAWS = 60
 _LEAST = 8
 """Lines at a level."""
@@ -107,21 +111,23 @@ def fit_levels(
             draws.append(again.parts(again.solve(other, friction=False)[0]))
     solid, sliders = (finer if gain > MATTERS else problem).parts(chosen)
     range_ = (float(X.min()), float(X.max()))
-    known = _noise(frfs)
+    residual = float(np.sqrt((np.abs(left) ** 2).mean()))
+    begins = np.cumsum([len(each[0]) for each in rows])[:-1]
+    followed = levels_followed(residual, _noise(problem, K, begins))
     return LevelFit(
         solid,
         sliders,
         range_,
         (float(omega.min() / 2 / np.pi), float(omega.max() / 2 / np.pi)),
-        float(np.sqrt((np.abs(left) ** 2).mean())),
+        residual,
         float(np.sqrt((np.abs(plain) ** 2).mean())),
         tuple(draws),
         kilograms,
         seals,
         (
-            level_matters(gain, range_, "m"),
+            level_matters(gain, range_, "m", followed=bool(followed.passed)),
             amplitudes_spread(range_[1] / range_[0], "m"),
-            levels_followed(float(np.sqrt((np.abs(left) ** 2).mean())), known),
+            followed,
         ),
         tuple(one for frf in frfs for one in frf.source),
     )
@@ -203,11 +209,17 @@ def _rows(
     return lines.omega, np.abs(receptance.value) * pull, K, np.asarray(seals / np.abs(direct))
 
 
-def _noise(frfs: Sequence[FRF]) -> float | None:
-    """Relative scatter of the FRFs; None where they carry none."""
-    known = [
-        float(np.median(frf.random_sd[frf.usable] / np.abs(frf.value[frf.usable])))
-        for frf in frfs
-        if frf.random_sd is not None
+def _noise(problem: _Problem, K: ComplexArray, parts: IndexArray) -> float | None:
+    """Relative scatter of F/X from line to line: what no smooth stiffness follows.
+
+    By third differences within a level (which begin at `parts`), sqrt(20) times the scatter: an
+    FRF need not state its error. None with too few lines.
+    """
+    left = [
+        np.diff(k, 3) * (weight[1:-2] + weight[2:-1]) / 2
+        for k, weight in zip(np.split(K, parts), np.split(problem.weight, parts), strict=True)
+        if len(k) >= _LEAST
     ]
-    return float(np.sqrt(2) * np.median(known)) if known else None
+    if not left:
+        return None
+    return max(float(np.median(np.abs(np.concatenate(left)))) / _THIRD, _FLOOR)

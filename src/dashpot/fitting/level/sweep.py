@@ -17,6 +17,7 @@ from dashpot.fitting.level.checks import (
     amplitudes_spread,
     law_followed,
     level_matters,
+    loss_followed,
     softening_seen,
 )
 from dashpot.records.amplitude import AmplitudeFit, AmplitudeSweep
@@ -75,10 +76,12 @@ def fit_amplitude(
     if gain <= MATTERS:  # nothing moves with amplitude
         best = plain
     range_ = (float(sweep.amplitude.min()), float(sweep.amplitude.max()))
+    followed = law_followed(best.residual)
     checks: list[Check] = [
-        level_matters(gain, range_, sweep.of),
+        level_matters(gain, range_, sweep.of, followed=bool(followed.passed)),
         amplitudes_spread(span, sweep.of),
-        law_followed(best.residual),
+        followed,
+        loss_followed(best.loss_left),
     ]
     if best.law != "none":
         checks.insert(2, softening_seen(reach))
@@ -118,6 +121,7 @@ class _Found:
     exponent: float
     se: tuple[tuple[str, float], ...]
     residual: float
+    loss_left: float
     bic: float
     bic_free: float
     """n ln(rss/n): twice the log likelihood, less a constant, with its sign turned."""
@@ -176,6 +180,7 @@ def _fitted(sweep: AmplitudeSweep, law: str, exponent: float | None) -> _Found:
         m,
         se,
         float(np.sqrt(rss / n)),
+        float(np.sqrt(np.mean((left.imag * size) ** 2) / np.mean(K.imag**2))),
         fit + known * np.log(n),
         fit,
         left,
