@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from dashpot.base.errors import DataError
-from dashpot.solids.friction import Coulomb, Iwan, Jenkins, Kraus
+from dashpot.solids.friction import Berg, Coulomb, Iwan, Jenkins, Kraus
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.rate_independent import InParallel
 from dashpot.solids.stiffening import Cubic
@@ -350,6 +350,13 @@ class TestFold:
 
 
 class TestRefused:
+    def test_a_loop_that_does_not_close(self):
+        """Berg's friction creeps to its loop, the slower the smaller the motion."""
+        system = one_mass(TWO, Berg(0.1, 5e-4))
+        assert at(system, 5.0, 0.5, (1, 3)) == pytest.approx(at(system, 5.0, 0.5), rel=0.02)
+        with pytest.raises(DataError, match="does not close"):
+            at(system, 5.0, 1e-4, (1, 3))
+
     def test_a_linear_answer_without_an_amplitude(self):
         system = one_mass(TWO, SLIDER)
         with pytest.raises(DataError, match="amplitude"):

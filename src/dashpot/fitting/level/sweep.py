@@ -71,7 +71,7 @@ def fit_amplitude(
     reach = float(sweep.amplitude.max()) / best.half_way
     if reach < FAR_ENOUGH:
         best = _fitted(sweep, best.law, _SET)
-    gain = plain.bic_free - best.bic_free
+    gain = plain.deviance - best.deviance
     span = float(sweep.amplitude.max() / sweep.amplitude.min())
     if gain <= MATTERS:  # nothing moves with amplitude
         best = plain
@@ -123,8 +123,8 @@ class _Found:
     residual: float
     loss_left: float
     bic: float
-    bic_free: float
-    """n ln(rss/n): twice the log likelihood, less a constant, with its sign turned."""
+    deviance: float
+    """n ln(rss/n): minus twice the log likelihood, but for a constant."""
     left: ComplexArray
 
 

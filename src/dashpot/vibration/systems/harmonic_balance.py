@@ -26,8 +26,8 @@ _SCAN = np.log(10) * np.linspace(-7, 7, 1401)
 """Where answers are looked for: ln of the stretch over that without friction."""
 _SAMPLES = 256
 """Samples of a cycle in time; half as many are wrong by 0.03 %."""
-_LAPS = 200
-"""Cycles at most until a loop closes."""
+_LAPS, _CLOSED = 200, 1e-8
+"""Cycles at most until a loop closes, and what it may then still move, relatively."""
 
 
 def with_friction(system: System) -> list[int]:
@@ -256,7 +256,10 @@ def _steady(part: AmplitudeDependent, dt: float, path: FloatArray) -> FloatArray
         force = np.empty(len(path))
         for i, x in enumerate(path.tolist()):
             force[i], state = part.advance(state, dt, x)
-        if np.abs(force - last).max() <= 1e-10 * np.abs(force).max():
-            break
+        if np.abs(force - last).max() <= _CLOSED * np.abs(force).max():
+            return force
         last = force
-    return force
+    raise DataError(
+        f"a loop does not close within {_LAPS} cycles, so small is its motion for its friction; "
+        "ask for one harmonic"
+    )
