@@ -153,6 +153,23 @@ def block_means(values: FloatArray, count: int) -> FloatArray:
     return np.asarray(values[..., :whole].reshape(*values.shape[:-1], -1, count).mean(axis=-1))
 
 
+def fast_length(least: int) -> int:
+    """Return the smallest 2^i 3^j 5^k >= least.
+
+    `scipy.fft.next_fast_len` says the same, at the price of an import that outlasts the first fit.
+    """
+    best = 1 << max(least - 1, 0).bit_length()
+    five = 1
+    while five < best:
+        three = five
+        while three < best:
+            rest = -(-least // three)
+            best = min(best, three << (rest - 1).bit_length())
+            three *= 3
+        five *= 5
+    return best
+
+
 def runs(true: BoolArray) -> IndexArray:
     """Return the first and the last index of every run of True, shape (m, 2).
 

@@ -21,11 +21,11 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, FloatArray, median
+from dashpot.base.arrays import BoolArray, FloatArray, fast_length, median
 from dashpot.base.errors import DataError
 from dashpot.engine.blocks.block import Block, Evaluation
 from dashpot.engine.blocks.compression import SMALL, uniform_step
-from dashpot.engine.blocks.correlation import correlation_block, fast_length
+from dashpot.engine.blocks.correlation import correlation_block
 from dashpot.engine.blocks.hold import hold_block
 from dashpot.engine.blocks.kernels import reduced_block
 from dashpot.engine.blocks.recorded import recursion_block

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.arrays import ComplexArray, FloatArray, fast_length
 from dashpot.base.provenance import Step
 from dashpot.records.relaxation import Hum
 
@@ -51,7 +51,8 @@ def hum_lines(
     everywhere, time = time, time[held]
     step = (time[-1] - time[0]) / (n - 1)
     window = np.hanning(n)
-    bins = _quick(n)
+    # a prime number of them takes ten times as long
+    bins = fast_length(n)
     # the straight line between the ends leaks most
     rest = force - np.interp(time, time[[0, -1]], [force[:20].mean(), force[-20:].mean()])
     found: list[Hum] = []
@@ -69,18 +70,6 @@ def hum_lines(
         of_line = line.force(everywhere)
         rest, total = rest - of_line[held], total + of_line
     return tuple(found), total
-
-
-def _quick(n: int) -> int:
-    """The next number of bins without a prime factor beyond 5: a prime takes ten times as long."""
-    while True:
-        rest = n
-        for factor in (2, 3, 5):
-            while rest % factor == 0:
-                rest //= factor
-        if rest == 1:
-            return n
-        n += 1
 
 
 def hum_step(lines: tuple[Hum, ...]) -> tuple[Step, ...]:

@@ -24,29 +24,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, ComplexArray, FloatArray
+from dashpot.base.arrays import ByValue, ComplexArray, FloatArray, fast_length
 from dashpot.base.errors import FitError
 from dashpot.engine.blocks.block import Block, Evaluation, Rows
 from dashpot.engine.blocks.compression import Compression, counted, uniform_step
 from dashpot.engine.blocks.late_force import Late, Steps, late_lags, turned_back
-
-
-def fast_length(least: int) -> int:
-    """Return the smallest 2^i 3^j 5^k >= least.
-
-    `scipy.fft.next_fast_len` says the same, at the price of an import that outlasts the first fit.
-    """
-    best = 1 << max(least - 1, 0).bit_length()
-    five = 1
-    while five < best:
-        three = five
-        while three < best:
-            rest = -(-least // three)
-            best = min(best, three << (rest - 1).bit_length())
-            three *= 3
-        five *= 5
-    return best
-
 
 #: relative sum of squares below which a Gram matrix holds rounding only
 ROUNDING = 1e-14

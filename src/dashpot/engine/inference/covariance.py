@@ -18,8 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray, block_means
-from dashpot.engine.blocks.correlation import fast_length
+from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray, block_means, fast_length
 
 # a direction whose share of the information is below this is a rounding error, not knowledge
 _SINGULAR = 1e-13

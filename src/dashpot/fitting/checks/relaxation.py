@@ -7,9 +7,8 @@ from itertools import combinations
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
+from dashpot.base.arrays import FloatArray, fast_length
 from dashpot.base.checks import Finding, criterion
-from dashpot.engine.blocks.correlation import fast_length
 from dashpot.fitting.checks.solid import ROUNDING, arms_said
 from dashpot.fitting.repeats import SAME_DEPTH, EndStiffness
 from dashpot.preparation.filters import Filter

@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dashpot.engine.blocks.correlation import fast_length
+from dashpot.base.arrays import fast_length
 
 
 def smooth(n: int) -> bool:
