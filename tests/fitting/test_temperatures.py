@@ -145,6 +145,17 @@ def test_a_cold_test_narrows_what_unseen_arms_may_do(pair):
     assert np.ptp(alone.loss[:, at]) > 10 * np.ptp(both.loss[:, at])
 
 
+@pytest.mark.once
+def test_quasi_random_starts_find_the_same_solid():
+    records = cold.records("hidden", PAIR, 0)
+    plain, thorough = (
+        dp.fit(records, arms=2, intervals=False, thorough=more) for more in (False, True)
+    )
+    assert thorough.model.tau == pytest.approx(plain.model.tau, rel=1e-4)
+    assert thorough.model.tau != plain.model.tau
+    assert dict(thorough.steps[-1].parameters)["thorough"] == "true"
+
+
 def test_records_that_were_not_fitted_bound_nothing(pair):
     warm = cold.a_test("hidden", ROOM, 0)
     with pytest.raises(dp.DataError, match="a record has none"):

@@ -202,7 +202,7 @@ def fit(
                 "tests at several temperatures share arms that move together: leave the family to "
                 "be maxwell, or fit the tests of one temperature"
             )
-        own = [_own(record, law) for record in records]
+        own = [_own(record, law, thorough=thorough) for record in records]
         return fit_thermal(
             own,
             arms=count,
@@ -211,6 +211,7 @@ def fit(
             shift_law=shift_law,
             reference=reference_of(temperatures, si(reference, "temperature")),
             intervals=intervals,
+            thorough=thorough,
         )
     here = len(temperatures) == 1 and si(reference, "temperature") in {None, *temperatures.tolist()}
     _refuse_shifts("the tests are", vertical, shift_law, None if here else reference)
@@ -289,12 +290,12 @@ def _refuse_shifts(
         )
 
 
-def _own(record: RampHold, law: LawName) -> Own:
+def _own(record: RampHold, law: LawName, *, thorough: bool) -> Own:
     """Return one test of several temperatures with its own free fit; a bent ramp with its law."""
     kelvin = record.specimen.temperature or 0.0
     data = _data([record], Design("full"))
     first, sound = _gated(
-        _Holds([record]), data, None, max_arms=_OWN_ARMS, thorough=False, only=False
+        _Holds([record]), data, None, max_arms=_OWN_ARMS, thorough=thorough, only=False
     )
     if sound or law == "linear":
         return Own.of(record, kelvin, first, None)

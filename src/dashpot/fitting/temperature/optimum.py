@@ -72,6 +72,8 @@ class Optimum(NamedTuple):
         None if the number of arms was asked for.
     point : Point
         Relaxation times ascending.
+    thorough : bool
+        With quasi-random starts.
     """
 
     tests: tuple[Own, ...]
@@ -79,10 +81,17 @@ class Optimum(NamedTuple):
     tried: tuple[Candidate, ...]
     choice: Choice | None
     point: Point
+    thorough: bool
 
 
 def optimum(
-    tests: Sequence[Own], reference: int, *, arms: int | None, max_arms: int, vertical: Vertical
+    tests: Sequence[Own],
+    reference: int,
+    *,
+    arms: int | None,
+    max_arms: int,
+    vertical: Vertical,
+    thorough: bool,
 ) -> Optimum:
     """Return the optimum over all tests, the number of arms chosen if none is asked for.
 
@@ -99,7 +108,7 @@ def optimum(
     effective = sum(test.effective for test in tests)
     joint = joint_of(tests)
     most = max_arms if arms is None else arms
-    tried = candidates(joint, first_shifts(joint), most, effective=effective)
+    tried = candidates(joint, first_shifts(joint), most, effective=effective, thorough=thorough)
     choice = _choice(joint, tried, exhausted=len(tried) - 1 < most)
     # the columns of a warming seal are those of the solid found without them, then with them
     for _ in range(2):
@@ -111,7 +120,7 @@ def optimum(
         tried = again(joint, tried, effective)
         choice = _choice(joint, tried, exhausted=len(tried) - 1 < most)
     best = _ascending(_taken(tried, choice, arms).point)
-    return Optimum(tuple(tests), joint, tried, choice if arms is None else None, best)
+    return Optimum(tuple(tests), joint, tried, choice if arms is None else None, best, thorough)
 
 
 def _warmed(test: Own, point: Point, i: int, temperatures: FloatArray) -> Own:

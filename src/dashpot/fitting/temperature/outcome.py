@@ -99,6 +99,7 @@ def _step(best: Optimum, shifts: TemperatureShifts) -> Step:
     )
     parameters = (
         ("arms", "auto" if best.choice is not None else str(arms)),
+        ("thorough", str(best.thorough).lower()),
         ("vertical", shifts.vertical),
         ("temperatures_K", ", ".join(repr(float(test.temperature)) for test in best.tests)),
         ("reference_K", repr(shifts.reference)),

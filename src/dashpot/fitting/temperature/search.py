@@ -88,7 +88,7 @@ def _left(blocks: Sequence[Block]) -> float:
 
 
 def candidates(
-    joint: Joint, start: FloatArray, most: int, *, effective: float, only: int | None = None
+    joint: Joint, start: FloatArray, most: int, *, effective: float, thorough: bool
 ) -> tuple[Candidate, ...]:
     """Return the best point of every number of arms, from none up to `most`.
 
@@ -100,8 +100,8 @@ def candidates(
     most : int
     effective : float
         Independent residuals.
-    only : int, optional
-        Look no closer at any other number.
+    thorough : bool
+        Add quasi-random starts.
     """
     best: dict[int, Candidate] = {}
     log_a, log_b = start, joint.held_log_b
@@ -110,9 +110,7 @@ def candidates(
             moved(block, log_a[i], log_b[i])
             for block, i in zip(joint.blocks, joint.at, strict=True)
         ]
-        for solution in solve_orders(blocks, most, every=only is not None):
-            if only is not None and solution.order != only:
-                continue
+        for solution in solve_orders(blocks, most, thorough=thorough):
             k = np.maximum(solution.arms[0], 0.0) if solution.order else np.zeros(0)
             there = k > 0
             point = joint.descend(

@@ -79,6 +79,7 @@ def fit_thermal(
     shift_law: ShiftLaw = "auto",
     reference: int = 0,
     intervals: bool = True,
+    thorough: bool = False,
 ) -> Fit:
     r"""Fit one solid to tests at several temperatures.
 
@@ -102,8 +103,12 @@ def fit_thermal(
         Which of the temperatures the solid is that of.
     intervals : bool
         False, with a number of arms, returns the optimum alone, without errors, checks or bounds.
+    thorough : bool
+        Add quasi-random starts.
     """
-    best = optimum(tests, reference, arms=arms, max_arms=max_arms, vertical=vertical)
+    best = optimum(
+        tests, reference, arms=arms, max_arms=max_arms, vertical=vertical, thorough=thorough
+    )
     if not intervals and arms is not None:
         return point_alone(best, vertical, shift_law, asked=arms)
     found = Thermal(best, known(best.joint, best.tests, best.point))
