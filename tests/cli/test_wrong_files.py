@@ -50,7 +50,7 @@ def run(*words: str, code: int = 0) -> str:
         ("fit hammer.csv", "this is a hammer file .*: use dashpot impact"),
         ("fit frf.csv", "this is an FRF .*: use dashpot modes, .*compare or .*identify"),
         ("fit base.csv", "this is a transmissibility .*: use dashpot compare or .*identify with"),
-        ("fit trios.txt", "trios.txt: no force is held: expected a load that rises"),
+        ("fit trios.txt", "^dashpot: trios.txt: no force is held: expected a load that rises"),
         ("fit creep.csv --law linear", "no elastic law .*; leave them out"),
         ("fit creep.csv seal.csv", "a creep test is fitted alone"),
         ("report creep.csv", "this is a creep test: .*use dashpot fit"),

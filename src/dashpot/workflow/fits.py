@@ -133,8 +133,10 @@ def fit_files(
                 "a creep test is fitted alone, or with others at other temperatures, without "
                 "--filter"
             )
+        # a load that is not held says itself of which file it is
+        held = [load_hold(one) if isinstance(one, CreepTest) else one for one in crept if one]
         with about(Path(files[0]).name):
-            record = _creep([one for one in crept if one is not None], shifting, each[0])
+            record = _creep(held, shifting, each[0])
             if isinstance(record, Superposition):
                 if method != "full" or depth_law or law != "auto" or family != "maxwell":
                     raise FitError(
@@ -193,10 +195,10 @@ def _as_creep(
 
 
 def _creep(
-    tests: Sequence[CreepTest | CreepCompliance], shifting: ShiftChoices, specimen: Specimen | None
+    tests: Sequence[LoadHold | CreepCompliance], shifting: ShiftChoices, specimen: Specimen | None
 ) -> LoadHold | CreepCompliance | Superposition:
     """One record of creep as it is fitted, or the compliances of several, shifted together."""
-    if len(tests) == 1 and isinstance(tests[0], CreepTest):
-        return load_hold(tests[0])
-    curves = [dp.measured_compliance(one) if isinstance(one, CreepTest) else one for one in tests]
+    if len(tests) == 1 and isinstance(tests[0], LoadHold):
+        return tests[0]
+    curves = [dp.measured_compliance(one) if isinstance(one, LoadHold) else one for one in tests]
     return one_temperature(curves, shifting, specimen)  # type: ignore[return-value]
