@@ -13,6 +13,7 @@ from dashpot.base.errors import DataError, FitError
 from dashpot.fitting.depth import fit_depths
 from dashpot.fitting.relaxation import fit
 from dashpot.records.relaxation import RampHold
+from dashpot.records.specimen import Specimen
 from dashpot.solids.elastic import ElasticLaw, compare_with_curve
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -137,6 +138,14 @@ def test_the_paper_seal_agrees_with_its_compression_curve() -> None:
 
 def test_what_cannot_be_asked_is_refused(paper_seal: GeneralizedMaxwell) -> None:
     one = quasi_linear(paper_seal, 8e-3)
+    warm, chilled = (
+        replace(quasi_linear(paper_seal, depth), specimen=Specimen(temperature=kelvin))
+        for depth, kelvin in ((4e-3, 296.15), (8e-3, 273.15))
+    )
+    with pytest.raises(FitError, match=r"at several temperatures .* leave out .*--depth-law"):
+        fit_depths([warm, chilled])
+    with pytest.raises(FitError, match=r"a nonlinear law .*: leave out --thorough"):
+        fit(warm, law="nonlinear", thorough=True)
     with pytest.raises(FitError, match="found 1 test; a depth law needs at least two depths"):
         fit_depths([one])
     with pytest.raises(FitError, match="fit equal depths together without depth_law"):

@@ -27,6 +27,7 @@ from dashpot.workflow.inspections import inspect_files
 from dashpot.workflow.job import HammerChoices
 from dashpot.workflow.predictions import predict_files
 from dashpot.workflow.resting import _slid
+from dashpot.workflow.shifting import ShiftChoices
 
 
 @pytest.fixture(scope="module")
@@ -34,6 +35,16 @@ def seal(tmp_path_factory):
     path = tmp_path_factory.mktemp("bench") / "seal.csv"
     path.write_text(write_relaxation(simulate_relaxation(PAPER, hold_time=5.0).test))
     return path
+
+
+@pytest.fixture(scope="module")
+def two_depths(tmp_path_factory):
+    folder, paths = tmp_path_factory.mktemp("depths"), []
+    for depth in (4e-3, 8e-3):
+        paths.append(folder / f"{1e3 * depth:.0f}mm.csv")
+        made = simulate_relaxation(PAPER, depth=depth, hold_time=5.0)
+        paths[-1].write_text(write_relaxation(made.test))
+    return paths
 
 
 @pytest.fixture(scope="module")
@@ -50,6 +61,17 @@ def test_ramp_and_hold_is_fitted_by_the_pipeline_of_its_own(seal):
     assert found.method == "full"
     assert test.depth == pytest.approx(8e-3, rel=0.01)
     assert fit_files([seal], arms=1, method="hold")[0].method == "hold"
+
+
+def test_a_law_of_the_depth_heeds_or_refuses_what_is_asked(two_depths):
+    found, _ = fit_files(two_depths, arms=2, depth_law=True, law="linear")
+    assert set(found.elastic_law.ratio) == {1.0}
+    assert [at.depth for at in found.by_depth] == pytest.approx([4e-3, 8e-3], rel=0.01)
+    with pytest.raises(FitError, match="nor with a law of the depth"):
+        fit_files(two_depths, depth_law=True, law="nonlinear")
+    for choice in ({"thorough": True}, {"shifting": ShiftChoices(law="wlf")}):
+        with pytest.raises(FitError, match="leave out --thorough, --reference, --shift"):
+            fit_files(two_depths, depth_law=True, **choice)
 
 
 def test_a_sweep_is_fitted_as_a_sweep(sweep):

@@ -27,6 +27,7 @@ from dashpot.fitting.nonlinear_ramp.hold_first import MAX_ARMS, follow
 from dashpot.fitting.nonlinear_ramp.ladder import ramp_law
 from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw, covariance_of
 from dashpot.fitting.pipeline import asked_arms
+from dashpot.fitting.temperature.optimum import checked_temperatures
 from dashpot.preparation.ramp_holds import Tests, ramp_holds
 from dashpot.records.fit import AtDepth, Fit
 from dashpot.solids.elastic import ElasticLaw
@@ -80,8 +81,8 @@ def fit_depths(
     Raises
     ------
     FitError
-        If there are fewer than two tests, two share a depth, or a test has no equilibrium
-        stiffness.
+        If there are fewer than two tests, two share a depth, they are of several temperatures, or
+        a test has no equilibrium stiffness.
     """
     records = ramp_holds(tests)
     if len(records) < 2:
@@ -93,6 +94,7 @@ def fit_depths(
             f"depths {', '.join(f'{1e3 * value:.4g} mm' for value in depths)}; expected different "
             "compressions > 0: fit equal depths together without depth_law"
         )
+    checked_temperatures(records, shared=False)
     most = asked_arms(arms, max_arms)
     asked = None if arms == "auto" else most
     found = ramp_law(ordered, arms=asked, max_arms=most)

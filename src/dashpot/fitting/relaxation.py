@@ -58,7 +58,7 @@ from dashpot.fitting.relaxation_data import fitted_data, held_data
 from dashpot.fitting.repeats import refuse_copies
 from dashpot.fitting.shift_law import ShiftLaw
 from dashpot.fitting.temperature.joint import Vertical
-from dashpot.fitting.temperature.optimum import reference_of, temperatures_of
+from dashpot.fitting.temperature.optimum import checked_temperatures, reference_of
 from dashpot.fitting.temperature.reduced import Own, bent_block
 from dashpot.fitting.temperature.thermal_fit import fit_thermal
 from dashpot.fitting.uncertainty.encoder import Encoder
@@ -72,7 +72,6 @@ from dashpot.records.creep import Creep
 from dashpot.records.fit import Fit, Provenance
 from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold
-from dashpot.records.temperature import celsius
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -133,7 +132,7 @@ def fit(
         as the arms, by fits in the metric of that noise (:mod:`dashpot.engine.inference.order`).
     method : "full" or "hold"
     thorough : bool
-        Add quasi-random starts.
+        Add quasi-random starts; a ramp that is bent has its own.
     depth_law : bool
         Give each test its own k_inf and k; ``Fit.by_depth`` holds them, ``Fit.model`` is the
         deepest test's.
@@ -191,11 +190,11 @@ def fit(
     refuse_copies(records)
     most = asked_arms(arms, max_arms)
     _checked_method(records, method)
-    _checked_law(law, method, depth_law=depth_law)
+    _checked_law(law, method, depth_law=depth_law, thorough=thorough)
     _checked_family(family, law, arms, depth_law=depth_law)
     design = Design(method, depth_law, _checked_nuisance(nuisance))
     count = None if arms == "auto" else most
-    temperatures = _temperatures(records, design)
+    temperatures = checked_temperatures(records, shared=method == "full" and not depth_law)
     if len(temperatures) > 1:
         if family != "maxwell":
             raise FitError(
@@ -241,35 +240,6 @@ def fit(
         doubts = [record.depth_doubt for record in records]
         chosen = chosen.with_depth_doubt(doubts, shared=not depth_law)
     return _assembled(holds, chosen, design, both, thorough=thorough)
-
-
-def _temperatures(records: Sequence[RampHold], design: Design) -> FloatArray:
-    """Return the temperatures of the tests, K; one or none if they are of one as far as is known.
-
-    Raises
-    ------
-    FitError
-        If only some tests have one, or they are to be fitted in a way that knows of none.
-    """
-    given = [record.specimen.temperature for record in records]
-    known = [record for record in records if record.specimen.temperature]
-    if known and None in given:
-        first = known[0].specimen.temperature or 0.0
-        raise FitError(
-            f"test {given.index(None) + 1} of {len(given)} has no temperature, where test "
-            f"{given.index(first) + 1} is of {celsius(first)}: give one for every file, in their "
-            "order, such as --temperature 23degC --temperature 0degC, or one for all of them "
-            "(Python: Specimen(temperature=...))"
-        )
-    found = temperatures_of(records)
-    if len(found) < 2:
-        return found
-    if design.method == "hold" or design.depth_law:
-        raise FitError(
-            "tests at several temperatures are fitted by the recorded motion, and share their "
-            "stiffnesses: leave out --method hold and --depth-law"
-        )
-    return found
 
 
 def _refuse_shifts(
@@ -530,13 +500,18 @@ def _encoders(records: Sequence[RampHold], design: Design) -> tuple[Encoder, ...
     return tuple(map(Encoder.of, records))
 
 
-def _checked_law(law: str, method: str, *, depth_law: bool) -> None:
+def _checked_law(law: str, method: str, *, depth_law: bool, thorough: bool) -> None:
     if law not in ("auto", "linear", "nonlinear"):
         raise FitError(f'law = {law!r}; expected "auto", "linear" or "nonlinear"')
     if law == "nonlinear" and (method == "hold" or depth_law):
         raise FitError(
             "a nonlinear law bends the ramp of the recorded motion: it goes neither with the hold "
             "alone nor with a law of the depth; leave one of them out"
+        )
+    if law == "nonlinear" and thorough:
+        raise FitError(
+            "a nonlinear law is fitted from the hold on, with starts of its own: leave out "
+            "--thorough, or leave the law to be linear"
         )
 
 

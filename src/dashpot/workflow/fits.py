@@ -72,7 +72,8 @@ def fit_files(
         intervals.
     depth_law : bool
         Tests of different depths share their relaxation times, and by method ``"full"`` an elastic
-        law (:func:`~dashpot.fitting.depth.fit_depths`); each has its own stiffnesses.
+        law (:func:`~dashpot.fitting.depth.fit_depths`) unless `law` is ``"linear"``; each has its
+        own stiffnesses.
     filter, machine : optional
         As in :func:`~dashpot.preparation.prepare.prepare`.
     cuts : Cuts, optional
@@ -157,7 +158,12 @@ def fit_files(
     if not sweeps:
         depths = {round(test.depth, 9) for test in prepared}
         several = len(depths) == len(prepared) > 1
-        if depth_law and method == "full" and several and family == "maxwell":
+        if depth_law and method == "full" and several and (law, family) == ("auto", "maxwell"):
+            if thorough or shifting != ShiftChoices():
+                raise FitError(
+                    "a law of the depth is one of one temperature, with starts of its own: leave "
+                    "out --thorough, --reference, --shift, --vertical, --at and --shifts"
+                )
             return dp.fit_depths(prepared, arms=arms).fit, prepared
         return dp.fit(prepared, arms=arms, **choices, **shifted_ramps(shifting)), prepared
     if depth_law or method == "hold" or (prepared and len(sweeps) > 1):
