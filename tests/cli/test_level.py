@@ -118,6 +118,8 @@ def test_frfs_of_three_levels_foretell_a_fourth(tmp_path):
         (["frf0.csv", "--level", "0.1N"], "1 levels and no mass"),
         (["frf0.csv", "--level", "0.1mm", "--mass", "104g"], "force"),
         (["sweep.csv", "--mass", "104g"], "--mass belongs to FRFs"),
+        (["sweep.csv", "--seals", "2"], "--seals belongs to FRFs"),
+        (["frf0.csv", "--level", "1N", "--mass", "1kg", "--law", "factor"], "FRFs take no law"),
         (["sweep.csv", "sweep.csv"], "one amplitude sweep at a time"),
         (["flat.csv"], "never changes"),
         (["bare.csv"], "no column of strain or displacement"),

@@ -159,11 +159,19 @@ def level_files(
     """
     kinds = [inspect_file(path, options=options).kind for path in files]
     if all(kind in _RESPONSES for kind in kinds):
+        if law != "auto":
+            raise ReadError("--law is of an amplitude sweep, and FRFs take no law; leave it out")
         return _of_frfs(files, levels, mass=mass, seals=seals, band=band, at=at, options=options)
     given = [
         flag
-        for flag, value in (("--level", levels), ("--mass", mass), ("--band", band), ("--at", at))
-        if value not in ((), None)
+        for flag, said in (
+            ("--level", levels),
+            ("--mass", mass is not None),
+            ("--seals", seals != 1),
+            ("--band", band is not None),
+            ("--at", at),
+        )
+        if said
     ]
     if given:
         raise ReadError(
