@@ -31,6 +31,8 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "fitting/superposition/": ("fit",),
     "fitting/relaxation.py:_temperatures": ("fit",),
     "fitting/relaxation.py:_refuse_shifts": ("fit",),
+    "fitting/relaxation.py:_checked_law": ("fit",),
+    "fitting/temperature/optimum.py:checked_temperatures": ("fit",),
     "fitting/fractional/choice.py:checked_family": ("fit", "identify", "report"),
     "fitting/identification/": ("identify", "report"),
     "vibration/comparison/": MEASURED,

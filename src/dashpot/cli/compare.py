@@ -74,13 +74,8 @@ def command(
     if picture:
         sources = (*fitted.source, *found.comparison.measured.source)
         named = dp.plot.stamp(sources, fitted.specimen, mass=found.mass, seals=seals)
-        # the limits are of the accelerance
-        based = found.comparison.measured.kind == "transmissibility"
         drawn = dp.plot.comparison(
-            found.comparison,
-            band=None if based else found.limits,
-            interval=None if based else found.interval,
-            stamp=named,
+            found.comparison, band=found.limits, interval=found.interval, stamp=named
         )
         write_figure(picture, drawn)
     lines = _text.comparison(found.comparison)
