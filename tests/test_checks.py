@@ -1298,6 +1298,7 @@ def test_the_grades_are_those_typed_here() -> None:
         pytest.param(lambda x: impact.mass_line((x, 0.01), 1.0), 1.49, 1.51, id="mass_line"),
         pytest.param(lambda x: impact.mass_line((-x, 0.01), 1.0), None, 1.0, id="sign"),
         pytest.param(lambda x: simple(0.0, x), 0.99e-3, 1.01e-3, id="simple"),
+        pytest.param(lambda x: level.levels_followed(x, 0.01), 0.099, 0.101, id="levels"),
     ],
 )
 def test_a_gross_failure_forbids_the_use(
