@@ -56,8 +56,9 @@ def test_a_sweep_is_read_as_a_sweep_of_amplitude(tmp_path, header, scale):
     assert "dashpot level" in CliRunner().invoke(main, ["fit", str(path)]).stderr
 
 
-def test_recorded_loops_tell_the_same(tmp_path):
-    """Harmonic cycles at seven amplitudes, marched through a slider and arms."""
+@pytest.mark.parametrize(("noise", "drift"), [(0.0, 0.0), (2e-6, 0.0), (2e-6, 4e-4)])
+def test_recorded_loops_tell_the_same(tmp_path, noise, drift):
+    """Harmonic cycles at nine amplitudes, marched through a slider and arms; m, and m/s."""
     rate, hz, per = 1000, 5.0, 6
     sizes = np.geomspace(1e-4, 6e-3, 9)
     t = np.arange(int(len(sizes) * per / hz * rate)) / rate
@@ -65,9 +66,11 @@ def test_recorded_loops_tell_the_same(tmp_path):
     x = X * np.sin(2 * np.pi * hz * t)
     x[0] = 0.0
     force = dp.friction.InParallel((SEAL, SLIDER)).path_force(t, x)
+    x += drift * t + noise * np.random.default_rng(3).normal(size=len(t))
     path = table(tmp_path / "loops.csv", "time [s],displacement [mm],force [N]", t, 1e3 * x, force)
     found = ran(path)
     assert found["unit"] == "N/m"
+    assert [round(one["frequency_hz"], 2) for one in found["linear"]] == [hz]
     low, high = found["amplitudes"]
     assert (low, high) == pytest.approx((sizes[0], sizes[-1]), rel=0.02)
     stuck, free = (

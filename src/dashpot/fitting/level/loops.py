@@ -5,8 +5,9 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
+from numpy.polynomial import Polynomial
 
-from dashpot.base.arrays import FloatArray
+from dashpot.base.arrays import FloatArray, median
 from dashpot.base.errors import DataError
 from dashpot.records.amplitude import AmplitudeSweep
 from dashpot.records.relaxation import RelaxationTest
@@ -15,13 +16,19 @@ _LEAST = 12
 """Samples of a cycle."""
 _STEADY = 0.05
 """Change of amplitude from a cycle to the next, relatively, in which a loop is closed."""
+_ONE_TONE = 1.05
+"""Cycles whose frequencies lie no farther apart than this factor were asked for at one."""
+_CROSSED = 5.0
+"""SD of the displacement's noise beyond which its sign is sure."""
+_PASSES = 3
 
 
 def sweep_of_loops(test: RelaxationTest) -> AmplitudeSweep:
     r"""Return stiffness and loss of every steady cycle of a harmonic motion.
 
-    Cycles are cut where the displacement rises through its mean. Over each, force and
-    displacement are fitted by a constant, a slope and :math:`e^{j\omega t}` of its own period:
+    Cycles are cut where the displacement, less its drift, rises through its middle. Over each,
+    force and displacement are fitted by a constant, a slope and :math:`e^{j\omega t}` of its own
+    period:
 
     .. math:: K^* = F_1 / X_1
 
@@ -37,7 +44,7 @@ def sweep_of_loops(test: RelaxationTest) -> AmplitudeSweep:
     if len(starts) < 3:
         raise DataError(
             f"{max(len(starts) - 1, 0)} cycles of displacement found; loops need two or more at "
-            "each amplitude"
+            "each amplitude; a ramp and a hold, or a creep test, is for dashpot fit"
         )
     rows, last = [], np.nan
     for begin, end in pairwise(starts.tolist()):
@@ -45,7 +52,7 @@ def sweep_of_loops(test: RelaxationTest) -> AmplitudeSweep:
         if np.count_nonzero(inside) < _LEAST:
             raise DataError(
                 f"{np.count_nonzero(inside)} samples in a cycle of {end - begin:.3g} s; loops need "
-                f"{_LEAST} or more"
+                f"{_LEAST} or more; export more samples, or move slower"
             )
         X1, F1 = _harmonics(t[inside], np.array([x[inside], F[inside]]), 2 * np.pi / (end - begin))
         size = abs(X1)
@@ -59,28 +66,44 @@ def sweep_of_loops(test: RelaxationTest) -> AmplitudeSweep:
         )
     frequency, amplitude, storage, loss = np.array(rows).T
     return AmplitudeSweep(
-        frequency, amplitude, storage, loss, "N/m", "m", test.specimen, test.source
+        _tones(frequency), amplitude, storage, loss, "N/m", "m", test.specimen, test.source
     )
 
 
 def _cycles(t: FloatArray, x: FloatArray) -> FloatArray:
-    """Times at which the displacement rises through its running middle, s."""
-    low, high = float(x.min()), float(x.max())
+    """Times at which the displacement, less its drift, rises through its middle, s."""
+    drift = Polynomial.fit(t, x, 1)
+    noise = 1.4826 * median(np.abs(np.diff(x, 2))) / np.sqrt(6)
+    for _ in range(_PASSES):
+        starts = _rises(t, x - drift(t), _CROSSED * noise)
+        if len(starts) < 3:
+            break
+        rows = np.searchsorted(t, starts)
+        count = np.diff(rows)
+        means = np.add.reduceat(np.column_stack((t, x)), rows)[:-1] / count[:, None]
+        drift = Polynomial.fit(*means.T, 1)  # of whole cycles: a sine itself has a slope
+    return starts
+
+
+def _rises(t: FloatArray, x: FloatArray, unsure: float) -> FloatArray:
+    """Times at which x rises through its median; noise at a slow crossing is no cycle."""
     # a loop may stand on a preload, and small ones follow large ones about the same middle
-    middle = float(np.median(x)) if high > low else low
-    above = x - middle
-    turns = np.flatnonzero((above[:-1] < 0) & (above[1:] >= 0))
+    above = x - median(x)
+    sure = np.abs(above) > unsure
+    t, above = t[sure], above[sure]
+    turns = np.flatnonzero((above[:-1] < 0) & (above[1:] > 0))
     share = above[turns] / (above[turns] - above[turns + 1])
-    found = t[turns] + share * (t[turns + 1] - t[turns])
-    if len(found) < 2:
-        return found
-    # noise at a slow crossing is no cycle
-    kept = [found[0]]
-    period = float(np.median(np.diff(found)))
-    for one in found[1:]:
-        if one - kept[-1] > period / 4:
-            kept.append(one)
-    return np.array(kept)
+    return np.asarray(t[turns] + share * (t[turns + 1] - t[turns]))
+
+
+def _tones(frequency: FloatArray) -> FloatArray:
+    """The frequency that each cycle was asked to have: neighbours share their median."""
+    order = np.argsort(frequency)
+    apart = np.flatnonzero(np.diff(np.log(frequency[order])) > np.log(_ONE_TONE))
+    found = np.empty_like(frequency)
+    for part in np.split(order, apart + 1):
+        found[part] = median(frequency[part])
+    return found
 
 
 def _harmonics(t: FloatArray, signals: FloatArray, omega: float) -> tuple[complex, complex]:
