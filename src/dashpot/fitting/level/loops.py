@@ -81,7 +81,8 @@ def _cycles(t: FloatArray, x: FloatArray) -> FloatArray:
         rows = np.searchsorted(t, starts)
         count = np.diff(rows)
         means = np.add.reduceat(np.column_stack((t, x)), rows)[:-1] / count[:, None]
-        drift = Polynomial.fit(*means.T, 1)  # of whole cycles: a sine itself has a slope
+        # of whole cycles: a sine itself has a slope
+        drift = Polynomial.fit(means[:, 0], means[:, 1], 1)
     return starts
 
 
