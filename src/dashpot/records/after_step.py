@@ -7,10 +7,11 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, increasing, measured, same_length
+from dashpot.base.arrays import increasing, measured, same_length
 from dashpot.base.errors import DataError
+from dashpot.base.provenance import of_file
 from dashpot.records.specimen import tested_at
-from dashpot.records.temperature import ONE_TEMPERATURE, near
+from dashpot.records.temperature import near, span
 
 Curve = TypeVar("Curve", bound=Any)
 
@@ -47,13 +48,13 @@ def curve_at(curve: Curve, value: str, kelvin: float) -> Curve:
     return replace(curve, temperature=None, specimen=specimen, **parts)
 
 
-def several(temperature: FloatArray | None) -> bool:
-    """Whether samples are too far apart in temperature, K, to be of one solid."""
-    return temperature is not None and bool(np.ptp(temperature) > ONE_TEMPERATURE)
-
-
-def span(temperature: FloatArray | None) -> str:
-    """From which to which temperature, in words; nothing if there is but one."""
-    if temperature is None:
-        return ""
-    return f", {temperature.min():.5g} to {temperature.max():.5g} K"
+def described_curve(curve: Any, value: str) -> tuple[str, ...]:
+    """Return which curve it is, and what it covers."""
+    time, values = curve.time, getattr(curve, value)
+    return (
+        of_file(curve.source, len(time)),
+        (
+            f"{values[0]:.5g} to {values[-1]:.5g} {curve.unit} over "
+            f"{time.min():.4g} to {time.max():.5g} s{span(curve.temperature)}"
+        ),
+    )

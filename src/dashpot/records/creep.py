@@ -14,8 +14,9 @@ from dashpot.base.errors import DataError
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, Step, of_file
 from dashpot.base.units import Quantity, si
-from dashpot.records.after_step import curve_at, several, since_a_step, span
+from dashpot.records.after_step import curve_at, described_curve, since_a_step
 from dashpot.records.specimen import Specimen
+from dashpot.records.temperature import several
 
 STRAIGHT = 16
 """Corners of a load that is ramps and holds, at most."""
@@ -128,13 +129,7 @@ class CreepCompliance(ByValue, Described):
     @property
     def described(self) -> tuple[str, ...]:
         """Which curve it is, and what it covers."""
-        return (
-            of_file(self.source, len(self.time)),
-            (
-                f"{self.compliance[0]:.5g} to {self.compliance[-1]:.5g} {self.unit} over "
-                f"{self.time.min():.4g} to {self.time.max():.5g} s{span(self.temperature)}"
-            ),
-        )
+        return described_curve(self, "compliance")
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -20,7 +20,7 @@ from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, of_file
 from dashpot.base.units import Quantity, si
 from dashpot.records.specimen import Specimen, tested_at
-from dashpot.records.temperature import ONE_TEMPERATURE, near
+from dashpot.records.temperature import near, several, span
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -80,14 +80,11 @@ class DynamicTest(ByValue, Described):
     @property
     def described(self) -> tuple[str, ...]:
         """Which sweep it is, and what it covers."""
-        warm = ""
-        if self.temperature is not None:
-            warm = f", {self.temperature.min():.5g} to {self.temperature.max():.5g} K"
         return (
             of_file(self.source, len(self.frequency)),
             (
                 f"storage and loss in {self.unit}, {self.frequency.min():.4g} to "
-                f"{self.frequency.max():.4g} Hz{warm}"
+                f"{self.frequency.max():.4g} Hz{span(self.temperature)}"
             ),
         )
 
@@ -116,7 +113,7 @@ class DynamicTest(ByValue, Described):
     @property
     def several_temperatures(self) -> bool:
         """Whether the sweeps are too far apart in temperature to be of one solid."""
-        return self.temperature is not None and bool(np.ptp(self.temperature) > ONE_TEMPERATURE)
+        return several(self.temperature)
 
     @property
     def omega(self) -> FloatArray:

@@ -7,10 +7,11 @@ from dataclasses import dataclass, field
 from dashpot.base.arrays import ByValue, FloatArray
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described
-from dashpot.base.provenance import Source, of_file
+from dashpot.base.provenance import Source
 from dashpot.base.units import Quantity, si
-from dashpot.records.after_step import curve_at, several, since_a_step, span
+from dashpot.records.after_step import curve_at, described_curve, since_a_step
 from dashpot.records.specimen import Specimen
+from dashpot.records.temperature import several
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -66,10 +67,4 @@ class RelaxationModulus(ByValue, Described):
     @property
     def described(self) -> tuple[str, ...]:
         """Which curve it is, and what it covers."""
-        return (
-            of_file(self.source, len(self.time)),
-            (
-                f"{self.modulus[0]:.5g} to {self.modulus[-1]:.5g} {self.unit} over "
-                f"{self.time.min():.4g} to {self.time.max():.5g} s{span(self.temperature)}"
-            ),
-        )
+        return described_curve(self, "modulus")

@@ -359,6 +359,18 @@ def near(temperature: FloatArray | None, asked: float) -> BoolArray:
     return np.asarray(within)
 
 
+def several(temperature: FloatArray | None) -> bool:
+    """Whether samples are too far apart in temperature, K, to be of one solid."""
+    return temperature is not None and bool(np.ptp(temperature) > ONE_TEMPERATURE)
+
+
+def span(temperature: FloatArray | None) -> str:
+    """From which to which temperature, in words; nothing if there is but one."""
+    if temperature is None:
+        return ""
+    return f", {temperature.min():.5g} to {temperature.max():.5g} K"
+
+
 def carried(turn: FloatArray, covariance: FloatArray) -> FloatArray:
     """Covariance of `turn` times what has this one; where it is infinite, so is what it reaches."""
     unknown = np.isinf(np.diag(covariance))

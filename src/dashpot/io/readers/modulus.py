@@ -17,9 +17,9 @@ from dashpot.io.readers import channels
 from dashpot.io.readers.channels import Channel, Opened
 from dashpot.io.readers.relaxation import joined
 from dashpot.io.readers.stated import stated_specimen, temperatures_of_segments
-from dashpot.records.after_step import several
 from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.specimen import Specimen
+from dashpot.records.temperature import several
 
 _ROLES: tuple[Role, ...] = ("time", "modulus")
 
