@@ -262,6 +262,15 @@ def test_the_bands_cover_over_seeds(solid: GeneralizedMaxwell, late: int) -> Non
     assert hits.mean(axis=1).min() >= 0.93
 
 
+def test_a_seal_that_may_bear_nothing_has_a_loss_factor_all_the_same(broad_fit: Fit) -> None:
+    lost = altered(broad_fit, covariance=np.full_like(broad_fit.covariance, np.inf))
+    band, own = parameter_band(lost, AT, level=0.99), lost.solid.loss_factor(2 * np.pi * AT)
+    assert (band.storage[0] == 0).all()
+    low, high = band.loss_factor
+    assert (low <= own).all()
+    assert (own <= high).all()
+
+
 def test_what_cannot_be_is_refused(broad_fit: Fit, broad_test: RampHold) -> None:
     with pytest.raises(DataError, match="a band needs frequencies > 0"):
         unseen_arm_band(broad_fit, broad_test, [0.0, 1.0])

@@ -56,11 +56,13 @@ def parameter_band(fit: Fit, frequency: npt.ArrayLike, *, level: float = 0.95) -
     _level(level)
     K = _drawn(fit, 2 * np.pi * f)
     own = fit.solid.complex_stiffness(2 * np.pi * f)
+    # a draw that bears nothing has no loss factor
+    borne = np.where(K == 0, own, K)
     return StiffnessBounds(
         f,
         _quantiles(K.real, own.real, level),
         _quantiles(K.imag, own.imag, level),
-        _quantiles(K.imag / K.real, own.imag / own.real, level),
+        _quantiles(borne.imag / borne.real, own.imag / own.real, level),
         f"{100 * level:g} % of the solids that the fit's own standard errors allow; arms that the "
         "fit does not have are not in it",
     )
