@@ -252,6 +252,15 @@ def test_what_is_not_of_a_job_is_told_so(store, asked, change, says):
         job_of(asked | change, store.folder)
 
 
+@pytest.mark.parametrize("mass", ["0g", "-5g"])
+@pytest.mark.parametrize("verb", ["settle", "predict", "study"])
+@pytest.mark.parametrize("base", [False, True])
+def test_a_mass_that_cannot_be_is_told_so(store, asked, mass, verb, base):
+    bare = {"relaxation": asked["relaxation"], "arms": 2, "mass": mass}
+    with pytest.raises(dp.DataError, match=r"mass = .* kg; expected a number > 0"):
+        ask(verb, store, job=bare, base=base)
+
+
 def test_a_job_and_its_command_say_the_same(store, asked):
     more = {
         "compression": "2.6mm", "band": "5:40Hz", "machine": {"sync": "0.5ms"}, "law": "linear",

@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import asdict, replace
 from functools import lru_cache
 
-import numpy as np
-
 from dashpot.base.errors import DashpotError, DataError
 from dashpot.fitting.relaxation import fit
 from dashpot.preparation.prepare import prepare
 from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RampHold, RelaxationTest
+from dashpot.vibration.systems.prediction import highest_peak
 from dashpot.web import records
 from dashpot.workflow.job import Job
 from dashpot.workflow.predictions import Prediction, predict_files
@@ -119,7 +118,7 @@ def base_motion(job: Job) -> Prediction:
     if found.mass is None:
         raise DataError("no mass is given: say what rests on the seals, such as 104 g")
     solid = found.joint or found.fit
-    top = np.sqrt(job.seals * solid.solid.k_0 / found.mass) / (2 * np.pi)
+    top = highest_peak(job.seals * solid.solid.k_0, found.mass)
     return predict_files(
         solid,
         mass=found.mass,

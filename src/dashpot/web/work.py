@@ -25,7 +25,7 @@ from dashpot.records.relaxation import RampHold
 from dashpot.records.specimen import Specimen
 from dashpot.report.pages import COLOURS
 from dashpot.report.summary import simulated
-from dashpot.vibration.systems.prediction import predict_frf
+from dashpot.vibration.systems.prediction import highest_peak, predict_frf
 from dashpot.web import records, results, views, wire
 from dashpot.web.requests import job_of, part, sizes_of
 from dashpot.web.store import path_in
@@ -151,7 +151,7 @@ def _predicted(found: Fit, job: Job, kind: Kind, about: FloatArray) -> FRF:
     """The response on lines that are multiples of the highest frequency of its peak."""
     if job.mass is None:
         raise DataError("no mass is given: say what rests on the seals, such as 104 g")
-    top = np.sqrt(job.seals * found.solid.k_0 / job.mass) / (2 * np.pi)
+    top = highest_peak(job.seals * found.solid.k_0, job.mass)
     return predict_frf(
         found, mass=job.mass, frequency=top * about, kind=kind, seals=job.seals,
         compression=job.compression,

@@ -35,7 +35,7 @@ from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness, dynamic_stiffness
 from dashpot.vibration.modal.peaks import find_peak
 from dashpot.vibration.systems.operating_point import OperatingPoint
-from dashpot.vibration.systems.prediction import REACH, predict_frf
+from dashpot.vibration.systems.prediction import REACH, highest_peak, predict_frf
 from dashpot.workflow.checks import hold_fit_possible, prediction_informed
 from dashpot.workflow.impacts import held_against, read_measured, total_mass, weighed
 from dashpot.workflow.job import Cuts, Job
@@ -448,7 +448,7 @@ def _prediction_bounds(
     seals: float,
 ) -> FRFBounds:
     """Return the limits of the predicted FRF around its peak, by both kinds of ignorance."""
-    top = np.sqrt(seals * point.solid(chosen).k_0 / mass) / (2 * np.pi)
+    top = highest_peak(seals * point.solid(chosen).k_0, mass)
     low, high = top / REACH, top * REACH
     if measured is not None:
         low, high = max(low, measured.frequency[0]), min(high, measured.frequency[-1])

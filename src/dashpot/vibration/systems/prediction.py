@@ -152,8 +152,22 @@ def _lines(stiffness: float, mass: float) -> FloatArray:
         raise DataError(
             "the solid has no stiffness of its own at high frequency (Python: give frequency=)"
         )
-    top = np.sqrt(stiffness / mass) / (2 * np.pi)
+    top = highest_peak(stiffness, mass)
     return np.geomspace(top / REACH, top * REACH, LINES)
+
+
+def highest_peak(stiffness: float, mass: float) -> float:
+    r"""Return the frequency, Hz, that the peak of a mass cannot pass: :math:`\sqrt{k_0/m}/2\pi`.
+
+    `stiffness`, N/m, is that of all the seals together at high frequency, `mass` in kg.
+
+    Raises
+    ------
+    DataError
+        If the mass cannot be.
+    """
+    _checked(mass)
+    return float(np.sqrt(max(stiffness, 0.0) / mass) / (2 * np.pi))
 
 
 def model_modes(model: Solid, mass: float) -> tuple[Mode, ...]:
