@@ -242,6 +242,7 @@ def test_a_hit_is_left_out_by_hand(store, asked):
         ({"cuts": []}, "expected an object"),
         ({"impact": "hammer"}, "expected a list"),
         ({"temperatures": ["cold", "23degC"]}, "not a quantity"),
+        ({"temperatures": ["", "23degC"]}, "1 of 2 tests .* has no temperature"),
         ({"title": 3}, "expected a text"),
         ({"colour": "red"}, "has no 'colour'"),
         ({"reading": {"units": 5}}, "not of the kind"),

@@ -52,10 +52,7 @@ def job_of(given: object, folder: Path) -> Job:
             name: tuple(str(path_in(folder, one)) for one in _list(asked, name))
             for name in ("impact", "further")
         },
-        "temperatures": tuple(
-            _made(lambda text: si(text, "temperature"), one, "temperature")
-            for one in _list(asked, "temperatures")
-        ),
+        "temperatures": _temperatures(_list(asked, "temperatures")),
         "mass": _quantity(asked, "mass", "mass"),
         "seal_mass": _quantity(asked, "seal_mass", "mass"),
         "compression": _quantity(asked, "compression", "length"),
@@ -203,6 +200,15 @@ def _list(asked: Mapping[str, Any], name: str) -> list[Any]:
     if not isinstance(given, list):
         raise DataError(f"{name} is {type(given).__name__}; expected a list")
     return given
+
+
+def _temperatures(given: list[Any]) -> tuple[float, ...]:
+    if "" in given:
+        raise DataError(
+            f"{given.count('')} of {len(given)} tests that are fitted together has no "
+            "temperature: give every one its own, or none"
+        )
+    return tuple(_made(lambda text: si(text, "temperature"), one, "temperature") for one in given)
 
 
 def _quantity(asked: Mapping[str, Any], name: str, dimension: Any) -> float | None:
