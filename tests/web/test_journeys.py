@@ -135,6 +135,10 @@ def test_a_sweep_is_fitted_beside_a_seal(visit, files):
     page.at.locator("#command").filter(has_text="dashpot report").wait_for()
     page.done()
     assert page.at.locator("#solid").inner_text() == shown
+    page.at.get_by_role("button", name="remove sweep.csv").click()
+    page.at.get_by_role("button", name="remove seal_8mm.csv").click()
+    for what in ("#solid", "#checks", "#command"):
+        assert page.at.locator(what).inner_text() == ""
 
 
 def test_a_hammer_alone_asks_for_the_relaxation_test(visit, files):
@@ -275,6 +279,11 @@ def test_a_long_computation_is_cancelled(visit, files):
     page.at.locator("#command").filter(has_text="117.3g").wait_for()
     page.at.get_by_role("button", name="Cancel").click()
     page.at.get_by_role("status").filter(has_text="cancelled").wait_for(timeout=1000)
+    page.at.get_by_role("button", name="Report").click()
+    page.at.get_by_role("status").filter(has_text="making report").wait_for()
+    page.at.get_by_role("button", name="Cancel").click()
+    page.at.get_by_role("status").filter(has_text="cancelled").wait_for(timeout=1000)
+    assert page.at.get_by_role("button", name="Cancel").is_hidden()
     page.at.get_by_role("button", name="2", exact=True).click()
     page.done()
 
@@ -288,6 +297,7 @@ def test_what_is_downloaded_is_what_the_command_prints(visit, files):
     page.at.get_by_role("button", name="Take away").click()
     with page.at.expect_download() as taken:
         page.at.get_by_role("button", name="The solid fit.json").click()
+    page.at.get_by_role("status").filter(has_text="saved fit.json").wait_for()
     mine = json.loads(taken.value.path().read_text())
     words = [sys.executable, "-m", "dashpot", "fit", "seal_8mm.csv", "--arms", "2", "--json"]
     shell = subprocess.run(words, cwd=files, check=True, capture_output=True, text=True).stdout
@@ -381,6 +391,8 @@ CUT = """() => {
   return found;
 }"""
 """What is wider than its place, words that leave their figure, words that lie on others."""
+SCROLLED = "main.scrollHeight - main.clientHeight"
+"""How much of the plots a window hides, px."""
 
 
 def test_nothing_is_cut_at_any_width(visit, files):
@@ -394,6 +406,8 @@ def test_nothing_is_cut_at_any_width(visit, files):
             page.at.locator("#files .file").filter(has_text=file).click()
             page.still()
             assert page.at.evaluate(CUT) == [], (width, file)
+            if width == 1366:
+                assert page.at.evaluate(SCROLLED) == 0, file
 
 
 CONTRAST = """() => {

@@ -37,6 +37,14 @@ export function status(/** @type {string} */ said) {
   $("status").textContent = said;
 }
 
+let cancellable = 0;
+
+/** Offer to cancel while anything is at work that can be. */
+export function atWork(/** @type {1 | -1} */ by) {
+  cancellable += by;
+  $("cancel").hidden = !cancellable;
+}
+
 let refused = "";
 
 /** Say a refusal; a fit that succeeds takes back that of a fit, not that of a file. */

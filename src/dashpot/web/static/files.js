@@ -1,9 +1,9 @@
 // Files in and out: opened, asked about, shown, taken away.
-import { $, all, field, made, refuse, status, words } from "./dom.js";
+import { $, all, atWork, field, made, refuse, status, words } from "./dom.js";
 import { hammers, isBench, isHammer, isTest, job, LOT, shown, state, test } from "./job.js";
 import { bench, settle, study } from "./questions.js";
 import { fileList, views } from "./shown.js";
-import { ask, call, send } from "./wire.js";
+import { ask, call, cancelled, send } from "./wire.js";
 
 /** @typedef {import("./job.js").OpenFile} OpenFile */
 
@@ -154,32 +154,43 @@ function save(/** @type {{name: string, kind: string, text: string}} */ file) {
   link.click();
   link.remove();
   setTimeout(() => URL.revokeObjectURL(href), LINGER);
+  return `saved ${file.name}`;
+}
+
+/** Ask for what is taken away, and say what `done` makes of the answer; it can be cancelled. */
+function make(
+  /** @type {string} */ verb,
+  /** @type {any} */ request,
+  /** @type {string} */ what,
+  /** @type {(head: any) => string} */ done,
+) {
+  status(`making ${what}`);
+  atWork(1);
+  const over = (/** @type {string} */ said) => {
+    atWork(-1);
+    status(said);
+  };
+  // beside the page's own questions: what is shown is wanted, too
+  ask("take", verb, request, ({ head }) => {
+    refuse("");
+    over(done(head));
+  }, (said) => {
+    if (said !== cancelled) refuse(said);
+    over(said === cancelled ? said : "not made");
+  }, () => atWork(-1));
 }
 
 /** The fit of the sweep, the modulus or the creep test that is shown. */
 export function takeBench() {
   const of = bench();
-  if (of) ask("slow", "take-bench", of, ({ head }) => save(head), refuse);
+  if (of) make("take-bench", of, "fit", save);
 }
 
 export function away(/** @type {Record<string, any>} */ what) {
-  status(`making ${what.target || what.what}`);
-  $("cancel").hidden = false;
-  ask("slow", "take", { job: job(), ...what }, ({ head }) => {
-    $("cancel").hidden = true;
-    save(head);
-    refuse("");
-    status(`saved ${head.name}`);
-  }, (said) => {
-    $("cancel").hidden = true;
-    refuse(said);
-    status("not made");
-  });
+  make("take", { job: job(), ...what }, what.target || what.what, save);
 }
 
 export function project() {
-  ask("slow", "project", { job: job(), folder: field("folder").value }, ({ head }) => {
-    refuse("");
-    status(`kept in ${head.folder}`);
-  }, refuse);
+  const request = { job: job(), folder: field("folder").value };
+  make("project", request, "the project", (head) => `kept in ${head.folder}`);
 }

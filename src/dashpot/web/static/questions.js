@@ -1,9 +1,9 @@
 // Questions to the server, and where their answers stand. The page computes no number.
-import { $, all, panelCard, refuse, status } from "./dom.js";
+import { $, all, atWork, panelCard, put, refuse, status } from "./dom.js";
 import { hammers, isBench, job, LOT, remember, shown, sizes, state, test } from "./job.js";
 import { curves, panel, placeHandles, strips } from "./panels.js";
 import { choices, fields, fileList, solid, stale, tables, verdict, views } from "./shown.js";
-import { ask, call, cancelled } from "./wire.js";
+import { ask, call, cancelled, forget } from "./wire.js";
 
 const PATIENCE = 400;
 const seconds = (/** @type {number} */ since, digits = 1) =>
@@ -30,11 +30,12 @@ export function settle(again = false) {
   fields();
   views();
   remember();
-  if (state.current === LOT) return;
-  if (bench()) return fitBench();
-  const of = test();
+  const of = test(), asks = bench(), lot = state.current === LOT;
+  if (lot || asks || !of) ["settle", "slow"].forEach(forget);
+  if (lot) return;
+  if (asks) return fitBench(asks);
   if (!of) {
-    $("hint").hidden = true;
+    nothing();
     const open = state.files.some((one) => one.asked);
     status(open ? "a question is open" : "no relaxation test is open");
     return;
@@ -54,6 +55,16 @@ export function settle(again = false) {
     refuse(said);
     status("not fitted");
   });
+}
+
+/** Without a test nothing is known of a seal. */
+function nothing() {
+  tables.fit = tables.joint = "";
+  solid();
+  chosenArms("");
+  for (const name of ["checks", "beside", "answers", "command"]) $(name).replaceChildren();
+  for (const name of ["hint", "simulated"]) $(name).hidden = true;
+  for (const end of all("[data-cut]")) put(end.id, "");
 }
 
 function settled(/** @type {any} */ head) {
@@ -87,7 +98,7 @@ function slowly(
   /** @type {(head: any) => unknown} */ done,
 ) {
   const since = performance.now();
-  $("cancel").hidden = false;
+  atWork(1);
   let over = false;
   const timer = setInterval(async () => {
     const at = await call("GET", "/api/working").catch(() => null);
@@ -96,9 +107,10 @@ function slowly(
     status(`${doing}, ${seconds(since)}`);
   }, PATIENCE);
   const end = () => {
+    if (over) return;
     over = true;
     clearInterval(timer);
-    $("cancel").hidden = true;
+    atWork(-1);
   };
   ask("slow", verb, request, ({ head }) => {
     end();
@@ -130,9 +142,9 @@ export function bench() {
   return { file, options, temperature, arms: state.job.arms, sizes: { bench: [width, 0] } };
 }
 
-function fitBench() {
+function fitBench(/** @type {any} */ asked) {
   stale(true);
-  slowly("bench", bench(), (head) => {
+  slowly("bench", asked, (head) => {
     refuse("");
     verdict(head);
     stale(false);

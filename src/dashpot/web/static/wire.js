@@ -51,12 +51,12 @@ export async function send(/** @type {string} */ verb, /** @type {any} */ reques
   return { head, arrays };
 }
 
-/** @type {Record<string, {busy: boolean, next: (() => void) | null, dropped: () => void}>} */
+/** @type {Record<string, {busy: boolean, next: (() => void) | null, replaced: () => void}>} */
 const lanes = {};
 // an answer that is no longer asked for would flicker; a curve that follows should move
 const FOLLOWING = new Set(["live", "mass"]);
 
-/** Ask in a lane; a later question of the lane replaces one that waits. */
+/** Ask in a lane; a later question of the lane replaces the one before, which is told at once. */
 export function ask(
   /** @type {string} */ lane,
   /** @type {string} */ verb,
@@ -65,16 +65,14 @@ export function ask(
   /** @type {(words: string) => void} */ failed,
   replaced = () => {},
 ) {
-  const at = (lanes[lane] ||= { busy: false, next: null, dropped: () => {} });
+  const at = (lanes[lane] ||= { busy: false, next: null, replaced });
   const go = async () => {
     at.busy = true;
     try {
       const answer = await send(verb, request);
-      if (at.next && !FOLLOWING.has(lane)) replaced();
-      else done(answer);
+      if (!at.next || FOLLOWING.has(lane)) done(answer);
     } catch (error) {
-      if (at.next) replaced();
-      else failed(error instanceof Error ? error.message : String(error));
+      if (!at.next) failed(error instanceof Error ? error.message : String(error));
     } finally {
       at.busy = false;
       const next = at.next;
@@ -82,10 +80,15 @@ export function ask(
       next?.();
     }
   };
-  if (!at.busy) go();
-  else {
-    if (at.next) at.dropped();
-    at.next = go;
-    at.dropped = replaced;
-  }
+  if (at.busy) at.replaced();
+  at.replaced = replaced;
+  if (at.busy) at.next = go;
+  else go();
+}
+
+/** Want no more what is asked in a lane. */
+export function forget(/** @type {string} */ lane) {
+  if (!lanes[lane]?.busy) return;
+  lanes[lane].replaced();
+  lanes[lane].replaced = lanes[lane].next = () => {};
 }
