@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from kit import levels
 from scipy.optimize import brentq
 
 from dashpot.base.errors import DataError, FitError
 from dashpot.fitting.level.frfs import fit_levels
+from dashpot.fitting.level.loops import sweep_of_loops
 from dashpot.fitting.level.sweep import fit_amplitude
 from dashpot.records.amplitude import AmplitudeSweep
 from dashpot.records.frf import FRF, Kind
@@ -122,6 +124,15 @@ class TestSweep:
     def test_an_amplitude_of_nothing(self):
         with pytest.raises(DataError, match="amplitude"):
             sweep(5e6 * payne(X), np.concatenate(([0.0], X[1:])))
+
+
+def test_a_third_harmonic_stays_out_of_the_first():
+    """A spring that stiffens loses nothing, and 3/4 k3 X^2 is its stiffness."""
+    recorded = levels.loops(force=lambda x: 1e3 * x + 2e8 * x**3, noise=0.0)
+    found = sweep_of_loops(recorded)
+    true = 1e3 + 0.75 * 2e8 * found.amplitude**2
+    assert found.storage == pytest.approx(true, rel=2e-3)
+    assert np.abs(found.loss).max() < 2e-3 * true.min()
 
 
 def jenkins(X, k=100.0, F=0.05):

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from kit import handmade
+from kit import handmade, levels
 from kit.fits import a_fit, altered
 from kit.fractional import SEAL
 from kit.pictures import first, lines, marks
@@ -65,6 +65,11 @@ DRAW = {
     "hero": lambda: plot.hero(S),
     "hero without hammer": lambda: plot.hero(handmade.bench_only()),
     "modulus": lambda: plot.modulus(*of_a_modulus()),
+    "loops": lambda: plot.level(levels.law_of_loops(), [levels.loops()]),
+    "loops alone": lambda: plot.loops(levels.loops()),
+    "amplitude sweep": lambda: plot.level(levels.law_of_sweep(), [levels.sweep()]),
+    "amplitude sweep alone": lambda: plot.amplitude_sweep(levels.sweep()),
+    "levels": lambda: plot.level(levels.followed(), levels.frfs()),
     "dynamic": lambda: plot.stiffness(fit_dynamic(sweep()), data=sweep()),
 }
 

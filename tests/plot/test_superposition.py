@@ -6,7 +6,7 @@ from kit.sweeps import moduli, sweeps
 
 import dashpot as dp
 from dashpot.plot.picture import Area, Dots, Line
-from dashpot.plot.tokens import TEMPERATURES
+from dashpot.plot.tokens import SEQUENTIAL
 from dashpot.workflow.frames import frame
 
 
@@ -19,7 +19,7 @@ def test_every_sample_is_drawn_from_cold_to_warm(data, panels):
     assert len(picture.panels) == panels
     for panel in picture.panels[:-1]:
         dots = [mark for mark in panel.marks if isinstance(mark, Dots)]
-        assert [mark.colour for mark in dots] == list(TEMPERATURES)
+        assert [mark.colour for mark in dots] == list(SEQUENTIAL)
         assert sum(len(mark.x) for mark in dots) == len(found.temperature)
     assert [mark.label for mark in picture.key][:2] == ["−20 to −10 °C", "0 to 10 °C"]
 

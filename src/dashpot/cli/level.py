@@ -6,11 +6,12 @@ from typing import Any
 
 import click
 
+import dashpot as dp
 from dashpot import workflow
 from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._options import Quantity
-from dashpot.cli._shell import File, Outcome, reports
+from dashpot.cli._shell import File, Outcome, reports, write_figure
 
 
 @click.command("level")
@@ -39,9 +40,11 @@ from dashpot.cli._shell import File, Outcome, reports
     show_default=True,
     help="Of a sweep: a share of the stiffness is lost, or friction stands beside it.",
 )
+@options.picture
+@options.overwrite
 @reports
 @options.reading
-def command(*, files: tuple[str, ...], **choices: Any) -> Outcome:
+def command(*, files: tuple[str, ...], picture: str | None, **choices: Any) -> Outcome:
     """Find how far stiffness and damping depend on how far the seal is moved.
 
     SWEEP is storage and loss against strain or displacement at one frequency or a few; LOOPS a
@@ -50,8 +53,10 @@ def command(*, files: tuple[str, ...], **choices: Any) -> Outcome:
 
     \b
     dashpot level sweep.csv
-    dashpot level loops.csv
+    dashpot level loops.csv --plot loops.png
     dashpot level low.csv high.csv --level 0.02N --level 0.2N --mass 104g --seals 2 --at 0.1N
     """
     found = workflow.level_files(files, **choices)
+    if picture:
+        write_figure(picture, dp.plot.level(found.fit, found.records))
     return Outcome(found.document, _text.levels(found), found.checks, verdict=found.verdict)

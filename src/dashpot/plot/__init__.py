@@ -12,6 +12,7 @@ from dashpot.plot.creep import creep
 from dashpot.plot.direct import dynamic_stiffness
 from dashpot.plot.files import rendered, save
 from dashpot.plot.impact import hits
+from dashpot.plot.level import amplitude_sweep, frfs_at_levels, level, loops
 from dashpot.plot.modulus import modulus
 from dashpot.plot.overview import hero
 from dashpot.plot.picture import Picture
@@ -25,6 +26,7 @@ from dashpot.plot.vibration import comparison, frf, nyquist, resonance
 
 __all__ = [
     "Picture",
+    "amplitude_sweep",
     "bench",
     "columns",
     "comparison",
@@ -33,8 +35,11 @@ __all__ = [
     "elastic_law",
     "fit",
     "frf",
+    "frfs_at_levels",
     "hero",
     "hits",
+    "level",
+    "loops",
     "modulus",
     "nyquist",
     "rendered",

@@ -23,7 +23,7 @@ from dashpot.plot.picture import (
 )
 from dashpot.plot.stamps import of_fit
 from dashpot.plot.stamps import stamp as stamped
-from dashpot.plot.tokens import TEMPERATURES
+from dashpot.plot.tokens import SEQUENTIAL, sequential
 from dashpot.records.creep import CreepCompliance
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import Fit
@@ -145,14 +145,13 @@ def _dots(data: Superposition, x: FloatArray, y: FloatArray) -> list[Dots]:
     """The samples, in as many colours as there are for temperatures."""
     celsius = data.temperature - _ZERO
     every = np.unique(celsius)
-    classes = np.array_split(every, min(len(every), len(TEMPERATURES)))
-    places = np.linspace(0, len(TEMPERATURES) - 1, len(classes)).round().astype(int)
+    classes = np.array_split(every, min(len(every), len(SEQUENTIAL)))
     found = []
-    for place, part in zip(places, classes, strict=True):
+    for colour, part in zip(sequential(len(classes)), classes, strict=True):
         here = np.isin(celsius, part)
         ends = dict.fromkeys(f"{end:.0f}".replace("-", "−") for end in (part[0], part[-1]))
         label = f"{' to '.join(ends)} °C"
-        found.append(Dots(x[here], y[here], TEMPERATURES[place], label, size=_DOT))
+        found.append(Dots(x[here], y[here], colour, label, size=_DOT))
     return found
 
 

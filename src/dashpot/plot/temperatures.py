@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
 from dashpot.plot.picture import Axis, Line, Mark, Panel, Pen, Picture, around
@@ -13,7 +11,7 @@ from dashpot.plot.relaxation import SINCE, fitted_force
 from dashpot.plot.stamps import of_fit
 from dashpot.plot.superposition import shift_panel
 from dashpot.plot.thinning import extremes
-from dashpot.plot.tokens import TEMPERATURES
+from dashpot.plot.tokens import sequential
 from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RampHold
 from dashpot.records.temperature import celsius
@@ -42,16 +40,15 @@ def temperatures(fit: Fit, tests: Sequence[RampHold], *, stamp: str = "") -> Pic
         raise DataError("the fit is of one temperature; expected one of several")
     marks: list[Mark] = []
     cold_first = sorted(tests, key=lambda test: test.specimen.temperature or 0.0)
-    places = np.linspace(0, len(TEMPERATURES) - 1, len(cold_first)).round().astype(int)
     shortest = min(0.1 * test.ramp_time for test in tests)
     longest = max(test.hold_end - test.onset for test in tests)
     shown: list[FloatArray] = []
-    for test, place in zip(cold_first, places, strict=True):
+    for test, colour in zip(cold_first, sequential(len(cold_first)), strict=True):
         since = test.time - test.onset
         inside = (since >= shortest) & (since <= test.hold_end - test.onset)
         x, y = extremes(since[inside], test.force[inside], bins=400, log=True)
         said = celsius(test.specimen.temperature or 0.0).replace("deg", "°")
-        marks.append(Line(x, y, Pen(TEMPERATURES[place], 3.2), said))
+        marks.append(Line(x, y, Pen(colour, 3.2), said))
         at, force = fitted_force(fit, test)
         on = at >= shortest
         x, y = extremes(at[on], force[on], bins=400, log=True)

@@ -42,8 +42,15 @@ COLOURS: dict[str, tuple[str, str]] = {
 }
 """Name: on light, on dark."""
 
-TEMPERATURES = ("coldest", "cold", "mild", "warm", "hottest")
-"""Tokens of data at several temperatures: blue to red, without the colours of judgement."""
+SEQUENTIAL = ("coldest", "cold", "mild", "warm", "hottest")
+"""Tokens of data in an order, temperatures or levels: blue to red, no colour of judgement."""
+
+
+def sequential(count: int) -> tuple[str, ...]:
+    """Tokens of so many classes in an order, as far apart as they can be; at most five differ."""
+    last = len(SEQUENTIAL) - 1
+    return tuple(SEQUENTIAL[round(i * last / max(count - 1, 1))] for i in range(count))
+
 
 LIGHT = {name: light for name, (light, _) in COLOURS.items()}
 """Of whatever is printed or leaves as a file."""

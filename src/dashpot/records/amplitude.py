@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+import numpy.typing as npt
 
 from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray, measured, same_length
 from dashpot.base.checks import Check, Verdict, verdict
@@ -178,14 +179,19 @@ class AmplitudeFit(ByValue, Described):
             )
         return tuple(lines)
 
-    def ratio(self, amplitude: float, *, tone: int = 0) -> complex:
-        """Complex stiffness at an amplitude over that at a vanishing one, at one frequency."""
+    def stiffness(self, amplitude: npt.ArrayLike, *, tone: int = 0) -> ComplexArray:
+        """Complex stiffness, in `unit`, at amplitudes, at one of the frequencies."""
+        return np.asarray(self.linear[tone] * self.ratio(amplitude, tone=tone))
+
+    def ratio(self, amplitude: npt.ArrayLike, *, tone: int = 0) -> ComplexArray:
+        """Complex stiffness at amplitudes over that at a vanishing one, at one frequency."""
+        X = np.asarray(amplitude, dtype=float)
         if self.law == "none":
-            return 1.0 + 0j
+            return np.ones(X.shape, dtype=complex)
         if self.law == "factor":
-            return complex(softened(amplitude, self.lost, self.half_way, self.exponent))
-        change = complex(softened(amplitude, 1.0, self.half_way, self.exponent)) - 1
-        return 1 + self.lost * change / complex(self.linear[tone])
+            return softened(X, self.lost, self.half_way, self.exponent)
+        change = softened(X, 1.0, self.half_way, self.exponent) - 1
+        return np.asarray(1 + self.lost * change / complex(self.linear[tone]))
 
     def element(self, scale: float = 1.0, *, stretch: float = 1.0) -> Kraus:
         """The additive law as an element beside a solid.

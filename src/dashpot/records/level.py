@@ -41,6 +41,8 @@ class LevelFit(ByValue, Described):
     mass : float
         On all seals, kg.
     seals : float
+    levels : tuple of float
+        Amplitude of the force at each FRF, N; over a base that moves, of its acceleration, m/s^2.
     checks : tuple of Check
     source : tuple of Source
     """
@@ -54,6 +56,7 @@ class LevelFit(ByValue, Described):
     draws: tuple[tuple[GeneralizedMaxwell, tuple[Jenkins, ...]], ...]
     mass: float
     seals: float = 1.0
+    levels: tuple[float, ...] = ()
     checks: tuple[Check, ...] = ()
     source: tuple[Source, ...] = ()
 

@@ -10,25 +10,24 @@ from typing import Any, Literal
 import numpy as np
 
 import dashpot as dp
-from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.units import Quantity
 from dashpot.fitting.level.frfs import fit_levels
 from dashpot.fitting.level.loops import sweep_of_loops
+from dashpot.fitting.level.response import receptance_at_level
 from dashpot.fitting.level.sweep import fit_amplitude
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.amplitude import read_amplitude
 from dashpot.io.readers.frf import read_frf
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.source import about
-from dashpot.records.amplitude import AmplitudeFit
+from dashpot.records.amplitude import AmplitudeFit, AmplitudeSweep
+from dashpot.records.frf import FRF
 from dashpot.records.level import LevelFit
+from dashpot.records.relaxation import RelaxationTest
 from dashpot.solids.friction import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.solids.rate_independent import InParallel
-from dashpot.vibration.systems.level import response_at_level
-from dashpot.vibration.systems.system import Mount, System, point_mass
 from dashpot.workflow.checks import level_covered
 
 _RESPONSES = ("frf", "transmissibility")
@@ -71,11 +70,14 @@ class Levels:
     at : tuple of PeakAtLevel
         The levels that were asked for.
     checks : tuple of Check
+    records : tuple of AmplitudeSweep, RelaxationTest or FRF
+        What it was found from: one sweep, one record of loops, or the FRF of each level.
     """
 
     fit: AmplitudeFit | LevelFit
     at: tuple[PeakAtLevel, ...]
     checks: tuple[Check, ...]
+    records: tuple[AmplitudeSweep | RelaxationTest | FRF, ...]
 
     @property
     def verdict(self) -> Verdict:
@@ -181,12 +183,14 @@ def level_files(
     if len(files) > 1:
         raise ReadError("one amplitude sweep at a time; only FRFs of several levels go together")
     with about(Path(files[0]).name):
+        record: AmplitudeSweep | RelaxationTest
         if kinds[0] in _LOOPS:
-            sweep = sweep_of_loops(dp.read_relaxation(files[0], options=options))
+            record = dp.read_relaxation(files[0], options=options)
+            found = fit_amplitude(sweep_of_loops(record), law=law)
         else:
-            sweep = read_amplitude(files[0], options=options)
-        found = fit_amplitude(sweep, law=law)
-    return Levels(found, (), found.checks)
+            record = read_amplitude(files[0], options=options)
+            found = fit_amplitude(record, law=law)
+    return Levels(found, (), found.checks, (record,))
 
 
 def _numbers(fit: AmplitudeFit) -> dict[str, Any]:
@@ -217,14 +221,14 @@ def _of_frfs(
     covered = tuple(
         level_covered(one.amplitude, found.amplitudes, level=one.level) for one in peaks
     )
-    return Levels(found, peaks, (*found.checks, *covered))
+    return Levels(found, peaks, (*found.checks, *covered), tuple(frfs))
 
 
 def _peak(found: LevelFit, level: float) -> PeakAtLevel:
     """The largest motion of the mass at a level, and what the draws say of it."""
     low, high = found.band
     lines = np.linspace(low, high, _LINES)
-    top = int(_motion(found, found.solid, found.sliders, level, lines).argmax())
+    top = int(np.abs(receptance_at_level(found, level, lines).value).argmax())
     if top in {0, _LINES - 1}:
         raise DataError(
             f"at {level:g} N the motion is largest at an end of the lines, {low:.4g} to {high:.4g} "
@@ -233,9 +237,9 @@ def _peak(found: LevelFit, level: float) -> PeakAtLevel:
     near = np.linspace(lines[top - 1], lines[top + 1], _LINES)
 
     def largest(solid: GeneralizedMaxwell, sliders: tuple[Jenkins, ...]) -> tuple[float, float]:
-        motion = _motion(found, solid, sliders, level, near)
+        motion = np.abs(receptance_at_level(found, level, near, of=(solid, sliders)).value)
         best = int(motion.argmax())
-        return float(near[best]), float(motion[best]) / level
+        return float(near[best]), float(motion[best])
 
     frequency, receptance = largest(found.solid, found.sliders)
     (least_hz, least), (most_hz, most) = found.interval(largest).tolist()
@@ -247,28 +251,3 @@ def _peak(found: LevelFit, level: float) -> PeakAtLevel:
         (least, most),
         receptance * level,
     )
-
-
-def _motion(
-    found: LevelFit,
-    solid: GeneralizedMaxwell,
-    sliders: tuple[Jenkins, ...],
-    level: float,
-    frequency: FloatArray,
-) -> FloatArray:
-    """Amplitude of the mass at a level of force, m, shape (f,)."""
-    if not sliders:
-        frf = dp.predict_frf(
-            found.seals * solid, mass=found.mass, frequency=frequency, kind="receptance"
-        )
-        return level * np.abs(frf.value)
-    mount = Mount(
-        found.seals * solid, ("mass", "ground"), friction=found.seals * InParallel(sliders)
-    )
-    return response_at_level(
-        System((point_mass("mass", found.mass),), (mount,)),
-        response="mass.z",
-        force="mass.z",
-        level=level,
-        frequency=frequency,
-    ).amplitude

@@ -81,8 +81,10 @@ def fit_levels(
             f"{len(frfs)} FRFs and {len(levels)} levels; expected one level for each FRF"
         )
     kilograms = si(mass, "mass")
+    sizes = [_level(frf, level) for frf, level in zip(frfs, levels, strict=True)]
     rows = [
-        _rows(frf, level, kilograms, seals, band) for frf, level in zip(frfs, levels, strict=True)
+        rows_at_level(frf, size, kilograms, seals, si_range(band, "frequency"))
+        for frf, size in zip(frfs, sizes, strict=True)
     ]
     omega, X, K, weight = (np.concatenate(each) for each in zip(*rows, strict=True))
     low, high = float(X.min()) / 2, float(X.max())
@@ -124,6 +126,7 @@ def fit_levels(
         tuple(draws),
         kilograms,
         seals,
+        tuple(sizes),
         (
             level_matters(gain, range_, "m", followed=bool(followed.passed)),
             amplitudes_spread(range_[1] / range_[0], "m"),
@@ -187,23 +190,32 @@ class _Problem:
         )
 
 
-def _rows(
-    frf: FRF, level: Quantity, mass: float, seals: float, band: Range | None
-) -> tuple[FloatArray, FloatArray, ComplexArray, FloatArray]:
-    """Frequencies rad/s, amplitudes m, stiffness of one seal N/m, weights: usable lines."""
-    limits = si_range(band, "frequency")
-    lines = frf.only(frf.usable)
-    lines = lines if limits is None else lines.band(*limits)
-    if len(lines.value) < _LEAST:
-        raise DataError(
-            f"{len(lines.value)} usable lines at the level {level}; expected {_LEAST} or more"
-        )
-    over_base = lines.kind is Kind.TRANSMISSIBILITY
-    size = si(level, "acceleration" if over_base else "force")
+def _level(frf: FRF, level: Quantity) -> float:
+    """Amplitude of the force, N, or of the ground's acceleration, m/s^2."""
+    size = si(level, "acceleration" if frf.kind is Kind.TRANSMISSIBILITY else "force")
     if not size > 0:
         raise DataError(f"level = {level!r}; expected an amplitude > 0")
+    return size
+
+
+def rows_at_level(
+    frf: FRF, level: float, mass: float, seals: float, band: tuple[float, float] | None = None
+) -> tuple[FloatArray, FloatArray, ComplexArray, FloatArray]:
+    """Frequencies rad/s, amplitudes m, stiffness of one seal N/m, weights: usable lines.
+
+    Raises
+    ------
+    DataError
+        If they are too few.
+    """
+    lines = frf.only(frf.usable)
+    lines = lines if band is None else lines.band(*band)
+    if len(lines.value) < _LEAST:
+        raise DataError(
+            f"{len(lines.value)} usable lines at the level {level:g}; expected {_LEAST} or more"
+        )
+    pull = mass * level if lines.kind is Kind.TRANSMISSIBILITY else level
     receptance = lines.to(Kind.RECEPTANCE, mass=mass)
-    pull = mass * size if over_base else size
     direct = 1 / receptance.value
     K = (direct + mass * lines.omega**2) / seals
     return lines.omega, np.abs(receptance.value) * pull, K, np.asarray(seals / np.abs(direct))

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from dashpot.base.arrays import FloatArray, median
+from dashpot.base.arrays import ComplexArray, FloatArray, median
 from dashpot.base.errors import DataError
 from dashpot.records.amplitude import AmplitudeSweep
 from dashpot.records.relaxation import RelaxationTest
@@ -23,51 +24,96 @@ _CROSSED = 5.0
 _PASSES = 3
 
 
+@dataclass(frozen=True, eq=False)
+class Cycle:
+    """One steady cycle of a loop, about its own middle.
+
+    Attributes
+    ----------
+    frequency : float
+        Hz.
+    amplitude : float
+        Of the first harmonic of the displacement, m.
+    stiffness : complex
+        First harmonic of the force over that of the displacement, N/m.
+    displacement, force : array, shape (n,)
+        As recorded, less their mean and drift, m and N.
+    """
+
+    frequency: float
+    amplitude: float
+    stiffness: complex
+    displacement: FloatArray
+    force: FloatArray
+
+
 def sweep_of_loops(test: RelaxationTest) -> AmplitudeSweep:
     r"""Return stiffness and loss of every steady cycle of a harmonic motion.
 
-    Cycles are cut where the displacement, less its drift, rises through its middle. Over each,
-    force and displacement are fitted by a constant, a slope and :math:`e^{j\omega t}` of its own
-    period:
-
-    .. math:: K^* = F_1 / X_1
-
-    A cycle counts where its amplitude is that of the one before within 5 %: the loop has closed.
+    As :func:`steady_cycles` finds them, :math:`K^* = F_1 / X_1`.
 
     Raises
     ------
     DataError
         If there are fewer than two cycles, or too few samples in them.
     """
-    t, x, F = test.time, test.displacement, test.force
-    starts = _cycles(t, x)
+    cycles = steady_cycles(test)
+    K = np.array([one.stiffness for one in cycles])
+    return AmplitudeSweep(
+        np.array([one.frequency for one in cycles]),
+        np.array([one.amplitude for one in cycles]),
+        K.real,
+        K.imag,
+        "N/m",
+        "m",
+        test.specimen,
+        test.source,
+    )
+
+
+def steady_cycles(test: RelaxationTest) -> tuple[Cycle, ...]:
+    r"""Return every cycle of a harmonic motion whose loop has closed.
+
+    Cycles are cut where the displacement, less its drift, rises through its middle. Over each,
+    force and displacement, less their drift from the mean of the cycle before, are fitted by a
+    constant and :math:`e^{j\omega t}`; of neighbouring frequencies omega is the median. A cycle
+    counts where its amplitude is that of the one before within 5 %: the loop has closed.
+
+    Raises
+    ------
+    DataError
+        If there are fewer than two cycles, or too few samples in them.
+    """
+    t, signals = test.time, np.array([test.displacement, test.force])
+    starts = _cycles(t, test.displacement)
     if len(starts) < 3:
         raise DataError(
             f"{max(len(starts) - 1, 0)} cycles of displacement found; loops need two or more at "
             "each amplitude; a ramp and a hold, or a creep test, is for dashpot fit"
         )
-    rows, last = [], np.nan
-    for begin, end in pairwise(starts.tolist()):
+    tones, means = _tones(1 / np.diff(starts)), _means(t, signals, starts)
+    found, last = [], np.nan
+    for i, (begin, end) in enumerate(pairwise(starts.tolist())):
         inside = (t >= begin) & (t < end)
         if np.count_nonzero(inside) < _LEAST:
             raise DataError(
                 f"{np.count_nonzero(inside)} samples in a cycle of {end - begin:.3g} s; loops need "
                 f"{_LEAST} or more; export more samples, or move slower"
             )
-        X1, F1 = _harmonics(t[inside], np.array([x[inside], F[inside]]), 2 * np.pi / (end - begin))
-        size = abs(X1)
+        within = t[inside] - (begin + end) / 2
+        # what is higher than the first harmonic leaks into a slope fitted to one cycle
+        drift = (means[:, i] - means[:, max(i - 1, 0)])[:, None] / (end - begin) * within
+        x, F = signals[:, inside] - means[:, i, None] - drift
+        X1, F1 = _harmonics(within, np.array((x, F)), 2 * np.pi * tones[i])
+        size = float(abs(X1))
         if abs(size / last - 1) <= _STEADY:
-            K = F1 / X1
-            rows.append((1 / (end - begin), size, K.real, K.imag))
+            found.append(Cycle(float(tones[i]), size, complex(F1 / X1), x, F))
         last = size
-    if not rows:
+    if not found:
         raise DataError(
             "no two cycles that follow each other have one amplitude: hold each for some cycles"
         )
-    frequency, amplitude, storage, loss = np.array(rows).T
-    return AmplitudeSweep(
-        _tones(frequency), amplitude, storage, loss, "N/m", "m", test.specimen, test.source
-    )
+    return tuple(found)
 
 
 def _cycles(t: FloatArray, x: FloatArray) -> FloatArray:
@@ -107,10 +153,16 @@ def _tones(frequency: FloatArray) -> FloatArray:
     return found
 
 
-def _harmonics(t: FloatArray, signals: FloatArray, omega: float) -> tuple[complex, complex]:
-    """First harmonics over one period, beside a constant and a slope."""
-    phase = omega * (t - t[0])
-    A = np.column_stack((np.ones_like(t), phase, np.cos(phase), -np.sin(phase)))
+def _means(t: FloatArray, signals: FloatArray, starts: FloatArray) -> FloatArray:
+    """Mean of each signal over each cycle, shape (signals, cycles)."""
+    steps = np.diff(t) * (signals[:, 1:] + signals[:, :-1]) / 2
+    total = np.pad(np.cumsum(steps, axis=1), ((0, 0), (1, 0)))
+    whole = np.array([np.interp(starts, t, one) for one in total])
+    return np.asarray(np.diff(whole) / np.diff(starts))
+
+
+def _harmonics(t: FloatArray, signals: FloatArray, omega: float) -> ComplexArray:
+    """First harmonics over one period, beside a constant."""
+    A = np.column_stack((np.ones_like(t), np.cos(omega * t), -np.sin(omega * t)))
     found = np.linalg.lstsq(A, signals.T, rcond=None)[0]
-    X1, F1 = found[2] + 1j * found[3]
-    return complex(X1), complex(F1)
+    return np.asarray(found[1] + 1j * found[2])
