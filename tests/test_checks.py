@@ -220,6 +220,13 @@ def measured(**changes: object) -> FRF:
     return replace(frf, **{"averages": 3, "hits": HITS, "coherence": np.ones(150), **changes})
 
 
+def over_base(part: float) -> FRF:
+    """A mass on a spring that peaks at 12 Hz, so much softer or stiffer below 7.2 Hz."""
+    f = np.linspace(2.0, 24.0, 45)
+    stretch = (f / 12) ** 2 * np.where(f <= 7.2, part, 1.0)
+    return FRF(f, 1 / (1 - stretch + 0.1j), "transmissibility")
+
+
 def spectra(*, level: float = 0.0, odd: float = 0.0) -> Spectra:
     """Three hits on a system that answers 1; `level` dB at the mode, one response off by `odd`."""
     force = np.ones((3, 150), dtype=complex)
@@ -850,6 +857,8 @@ IMPACT = [
         -0.299,
         -0.301,
     ),
+    Case("mass_over_base", lambda x: impact.mass_over_base(over_base(x)), 2.99, 3.01),
+    Case("mass_over_base", lambda x: impact.mass_over_base(over_base(x)), 0.34, 0.33),
     Case("scatter_known", lambda _: impact.scatter_known(), None, 0),
     Case(
         "coherence",
@@ -1143,7 +1152,7 @@ LIMITS = {
     },
     "vibration/impact": {
         "hits_enough": 3, "coherence": 0.9, "lines_in_half_power_band": 1.5, "hammer_excites": -10,
-        "frf_dissipates": -0.3, "modes_within_band": 0,
+        "frf_dissipates": -0.3, "mass_over_base": 3, "modes_within_band": 0,
         "hits_agree": 0.1, "amplitude_linear": 1, "rocking_cancelled": 0.05, "hits_centred": 0.25,
         "mass_line": 0.05,
     },
@@ -1189,7 +1198,7 @@ GRADES = {
         },
         "fitting/identification": {"tests_agree"},
         "vibration/comparison": {"no_unit_slip"},
-        "vibration/impact": {"resonance", "frf_dissipates"},
+        "vibration/impact": {"resonance", "frf_dissipates", "mass_over_base"},
         "workflow": {
             "history_present", "history_whole", "history_expected", "history_unchanged",
             "file_present", "file_unchanged", "inputs_listed", "result_recomputed",

@@ -8,12 +8,14 @@ import pytest
 from click.testing import CliRunner
 
 import dashpot as dp
+from dashpot.base.checks import verdict
 from dashpot.base.errors import DataError
 from dashpot.cli import main
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.write import frf_uff, write_frf
 from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER, PAPER_MASS
 from dashpot.vibration.systems.random_base import random_base
+from dashpot.workflow.impacts import judged
 
 pytestmark = pytest.mark.once
 
@@ -170,6 +172,78 @@ def test_a_solid_is_identified_on_a_base_whatever_its_sensors_gain_and_delay(sol
 def test_a_base_tells_the_stiffness_over_the_mass_alone():
     with pytest.raises(DataError, match="neither alone"):
         dp.identify(noisy(2 * PAPER, BROAD_MASS, np.arange(6.0, 36.0, 0.1)), seals=2)
+
+
+def lossy(eta, f, *, mass=0.1, peak=12.7):
+    """T of a mass on many arms with this loss factor at its resonance."""
+    tau = np.geomspace(1e-4, 1e2, 25)
+
+    def K(w, part):
+        x = 1j * np.atleast_1d(w)[:, None] * tau
+        return 1 + part * (x / (1 + x)).sum(axis=1)
+
+    w0, low, high = 2 * np.pi * peak, 0.0, 50.0
+    for _ in range(50):
+        part = (low + high) / 2
+        at = K(w0, part)[0]
+        low, high = (low, part) if at.imag > eta * at.real else (part, high)
+    stiffness = K(2 * np.pi * f, part) * mass * w0**2 / at.real
+    return stiffness / (stiffness - mass * (2 * np.pi * f) ** 2)
+
+
+WRONG = {
+    "upside down": (lambda T: 1 / T, "the base over the mass"),
+    "turned": (lambda T: -T, "opposite polarity"),
+    "relative": (lambda T: T - 1, "not relative to the base"),
+    "relative, turned": (lambda T: 1 - T, "not relative to the base"),
+    "g over m/s^2": (lambda T: T / 9.80665, "the unit of each sensor"),
+    "m/s^2 over g": (lambda T: 9.80665 * T, "the unit of each sensor"),
+    "per cent": (lambda T: 100 * T, "the unit of each sensor"),
+}
+ETA = (0.02, 0.1, 0.3, 0.6)
+
+
+def first_words(T, f):
+    found = judged(dp.FRF(f, T, "transmissibility"), None, mass=0.1)
+    return verdict(found.checks)
+
+
+@pytest.mark.parametrize("eta", ETA)
+@pytest.mark.parametrize("ends", [(0.3, 3.0), (0.2, 2.0), (0.05, 5.0), (0.5, 1.5)])
+def test_a_sound_transmissibility_is_never_taken_for_another(eta, ends):
+    """Sensors 3 % and 1 degree apart, 1 % of scatter."""
+    f = 12.7 * np.linspace(*ends, 300)
+    for seed, gain, turn in ((0, 1.03, 1.0), (1, 0.97, -1.0)):
+        odd = gain * np.exp(1j * np.radians(turn))
+        z = np.random.default_rng(seed).normal(size=(2, len(f)))
+        T = lossy(eta, f) * odd * (1 + 0.007 * (z[0] + 1j * z[1]))
+        assert [one.name for one in first_words(T, f).because] == ["scatter_known"]
+
+
+@pytest.mark.parametrize("eta", ETA)
+@pytest.mark.parametrize("ends", [(0.3, 3.0), (0.5, 1.5)])
+@pytest.mark.parametrize("name", WRONG)
+def test_another_ratio_is_told_first(name, ends, eta):
+    wrong, cause = WRONG[name]
+    f = 12.7 * np.linspace(*ends, 300)
+    said = first_words(wrong(lossy(eta, f)), f)
+    assert said.use == "do not use"
+    assert said.because[0].name == "mass_over_base"
+    assert cause in said.says
+
+
+def test_the_first_line_of_each_command_tells_another_ratio(tmp_path):
+    path, fit = tmp_path / "base.csv", tmp_path / "fit.json"
+    f = np.arange(5.0, 40.0, 0.1)
+    frf = noisy(2 * PAPER, PAPER_MASS, f)
+    write_frf(replace(frf, value=1 / frf.value, sd=None), path)
+    fit.write_text(json.dumps({"schema": "dashpot/fit@1", "model": {"k_inf": 393.0, "arms": []}}))
+    mass = ["--mass", f"{1e3 * PAPER_MASS}g", "--seals", "2"]
+    for words in (["compare", str(fit)], ["identify", "--arms", "1"]):
+        told = CliRunner().invoke(main, [*words, str(path), *mass])
+        assert told.stdout.startswith("do not use: below 12.7 Hz the transmissibility is not that")
+    said = json.loads(CliRunner().invoke(main, ["identify", str(path), *mass, "--json"]).stdout)
+    assert said["verdict"]["because"][0] == "mass_over_base"
 
 
 @pytest.mark.parametrize(

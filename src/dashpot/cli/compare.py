@@ -2,24 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import click
 
 import dashpot as dp
 from dashpot import workflow
-from dashpot.base.checks import verdict
 from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._options import given
 from dashpot.cli._shell import File, Outcome, grams, read_fit, reports, typed, write_figure
 from dashpot.cli._terminal import Text
 from dashpot.io.options import OF_BENCH, ReadOptions
-
-_UNTESTED = (
-    "the mass was inferred from the measured peak, so the stiffness is not tested: give --mass"
-)
 
 
 @click.command("compare")
@@ -87,7 +81,6 @@ def command(
             f"  mass        {found.mass * 1e3:.5g} g, inferred from the measured FRF: the "
             "agreement in frequency then proves nothing; give --mass to test it"
         )
-    checks = (*found.comparison.checks, *found.noted)
     alone = fitted.method in ("full", "hold")
     with_tests = [word for source in fitted.source for word in ("--with", source.file)]
     if fitted.alternative is not None:
@@ -95,14 +88,14 @@ def command(
     return Outcome(
         found.comparison,
         Text(lines, [f"  {arm}" for arm in found.comparison.arms]),
-        checks,
+        found.checks,
         {
             "mass": found.mass,
             "mass_inferred": inferred,
             "seals": seals,
             **found.at_rest.document,
         },
-        verdict=replace(verdict(checks), says=_UNTESTED if inferred else found.comparison.says),
+        verdict=found.verdict,
         follow=typed(
             "identify",
             *measured,

@@ -11,7 +11,7 @@ import numpy as np
 
 import dashpot as dp
 from dashpot.base.arrays import FloatArray
-from dashpot.base.checks import Check
+from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.version import byline
 from dashpot.io.options import OF_BENCH, ReadOptions
@@ -25,7 +25,12 @@ from dashpot.records.impact import ImpactTest
 from dashpot.records.machine import Machine
 from dashpot.records.specimen import Specimen
 from dashpot.vibration.comparison.comparison import Comparison
-from dashpot.vibration.impact.checks import coherence, frf_dissipates, scatter_known
+from dashpot.vibration.impact.checks import (
+    coherence,
+    frf_dissipates,
+    mass_over_base,
+    scatter_known,
+)
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness
 from dashpot.vibration.modal.peaks import find_peak
@@ -36,6 +41,9 @@ from dashpot.workflow.prepared import answered_in, prepared_files, refuse_others
 from dashpot.workflow.resting import LIMIT_LINES, AtRest, at_rest, formal_limits, frf_limits
 
 _RESPONSES = ("frf", "transmissibility")
+_UNTESTED = (
+    "the mass was inferred from the measured peak, so the stiffness is not tested: give --mass"
+)
 # rounds in which a mass and the stiffness under it find each other
 WEIGHINGS = 100
 
@@ -170,6 +178,8 @@ def judged(
     peak = find_peak(near) if main is None else main
     at = int(np.argmin(np.abs(near.frequency - peak.frequency)))
     judged = [frf_dissipates(complex(near.value[at]), float(near.frequency[at]))]
+    if frf.kind is Kind.TRANSMISSIBILITY:
+        judged.insert(0, mass_over_base(frf))
     if frf.coherence is not None:
         judged.append(coherence(near, at))
     elif frf.sd is None:
@@ -278,6 +288,21 @@ class Agreement:
     at_rest: AtRest
     interval: tuple[FloatArray, FloatArray] = field(compare=False)
     limits: FRFBounds | None = None
+
+    @property
+    def checks(self) -> tuple[Check, ...]:
+        """Those of the comparison and what was noted, what forbids the use of the FRF first."""
+        useless = _useless(self.comparison.measured)
+        others = tuple(check for check in self.noted if check not in useless)
+        return (*useless, *self.comparison.checks, *others)
+
+    @property
+    def verdict(self) -> Verdict:
+        """What to make of the prediction; it says how near it came, where the FRF is one."""
+        found = verdict(self.checks)
+        if _useless(self.comparison.measured):
+            return found
+        return replace(found, says=_UNTESTED if self.mass_inferred else self.comparison.says)
 
 
 def compare_files(
@@ -421,7 +446,16 @@ def identify_files(
     if specimen is not None:
         known = replace(found.provenance, specimen=specimen.over(found.specimen))
         found = replace(found, provenance=known)
-    return found, straight, (*frf.checks, *noted)
+    useless = _useless(frf)
+    # an FRF that is none comes before what a solid makes of it
+    evidence = replace(found.evidence, checks=(*useless, *found.checks))
+    others = tuple(check for check in frf.checks if check not in useless)
+    return replace(found, evidence=evidence), straight, (*others, *noted)
+
+
+def _useless(frf: FRF) -> tuple[Check, ...]:
+    """What forbids the use of an FRF by itself."""
+    return tuple(check for check in frf.checks if check.failed and check.grade == "stop")
 
 
 def direct_document(straight: DynamicStiffness) -> dict[str, Any]:

@@ -169,6 +169,49 @@ def frf_dissipates(value: complex, peak: float) -> Finding:
     )
 
 
+@criterion(
+    "(1 - 1/T) (resonance / frequency)^2",
+    "x/",
+    3.0,
+    "1 for a mass on a spring; below 0 no part that dissipates",
+    grade="stop",
+)
+def mass_over_base(frf: FRF) -> Finding:
+    """The transmissibility is of the mass over its base: 1 at rest, falling above the resonance."""
+    T, f = frf.value[frf.usable], frf.frequency[frf.usable]
+    at = _turn(np.abs(T))
+    low = np.zeros(len(f), dtype=bool) if at is None else (f >= f[at] / 4) & (f <= 0.6 * f[at])
+    if at is None or np.count_nonzero(low) < ENOUGH:
+        return Finding(
+            f"fewer than {ENOUGH} lines from 0.25 to 0.6 of a resonance show what the "
+            "transmissibility is at rest, so this is not judged"
+        )
+    part = float(np.median((1 - 1 / T[low]).real * (f[at] / f[low]) ** 2))
+    size = complex(np.median(T[low].real), np.median(T[low].imag))
+    cause = f"it is {abs(size):.3g} there, not 1 or a little more: check the unit of each sensor, "
+    cause += "and that the motion of the mass is absolute, not relative to the base"
+    if 0.5 < abs(size) < 2:
+        upside = "the base over the mass: export the mass over the base"
+        turned = "as if one sensor had the opposite polarity"
+        cause = (
+            f"it looks like {upside}" if size.real > 0 else f"it is {size.real:.3g} there, {turned}"
+        )
+    return Finding(
+        f"the transmissibility rises from 1 towards the resonance at {f[at]:.4g} Hz",
+        part,
+        instead=f"below {f[at]:.4g} Hz the transmissibility is not that of a mass over its base: "
+        + cause,
+    )
+
+
+def _turn(size: FloatArray) -> int | None:
+    """Where a ratio of motions peaks within its lines, or, upside down, is least."""
+    top, least, end = int(size.argmax()), int(size.argmin()), len(size) - 1
+    if 0 < top < end:
+        return top
+    return least if top == end and least > 0 else None
+
+
 @criterion(source="by definition")
 def scatter_known() -> Finding:
     """The FRF says how well each of its lines is known."""
