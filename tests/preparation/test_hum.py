@@ -79,3 +79,12 @@ def test_what_was_read_is_kept() -> None:
     test = prepare(raw)
     np.testing.assert_allclose(np.diff(test.reading), np.diff(raw.force), atol=1e-12)
     assert "hum taken off the force" in test.steps[-1].says
+
+
+@pytest.mark.once
+@pytest.mark.parametrize("jitter", [0.0, 1e-5])
+def test_a_line_is_its_cosine_and_its_sine_on_any_clock(jitter: float) -> None:
+    time = 3.0 + np.arange(2000) / 500 + jitter * np.sin(np.arange(2000.0))
+    phase = 2 * np.pi * 49.7 * (time - 1.0)
+    line = Hum(49.7, 0.3, -0.4, 1.0).force(time)
+    assert line == pytest.approx(0.3 * np.cos(phase) - 0.4 * np.sin(phase), abs=1e-11)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import copy
 from dataclasses import fields
 from functools import wraps
 from typing import Any, TypeAlias, TypeVar
@@ -61,6 +62,18 @@ def kept(function: Callable[[T], R]) -> Callable[[T], R]:
 
     key = f"_{function.__name__}"
     return once
+
+
+def noted(record: T, **words: object) -> T:
+    """Return a frozen record with other words in fields that nothing is computed from.
+
+    As :func:`dataclasses.replace`, but what was kept with the record (:func:`kept`, cached
+    properties) stays with it.
+    """
+    found = copy(record)
+    for name, value in words.items():
+        object.__setattr__(found, name, value)
+    return found
 
 
 def samples(name: str, values: npt.ArrayLike, *, minimum: int = 1) -> FloatArray:
@@ -122,6 +135,13 @@ def same_length(**named: FloatArray | ComplexArray | None) -> int:
         listed = ", ".join(f"{name} has {size}" for name, size in sizes.items())
         raise DataError(f"every array must have one value per sample, but {listed}")
     return next(iter(sizes.values()))
+
+
+def phasor(count: int, turn: float) -> ComplexArray:
+    """Return exp(j turn i) for i = 0 .. count - 1, from two short tables."""
+    short = int(np.ceil(np.sqrt(count)))
+    fine, coarse = (np.exp(1j * turn * np.arange(short) * each) for each in (1, short))
+    return np.asarray((coarse[:, None] * fine).ravel()[:count])
 
 
 def increasing(name: str, values: FloatArray) -> FloatArray:

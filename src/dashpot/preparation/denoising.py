@@ -8,9 +8,12 @@ counts and of its noise first.
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, kept
+from dashpot.engine.blocks.compression import IN_CACHE
 from dashpot.records.relaxation import RampHold
 from dashpot.solids.maxwell import arm_response
 
@@ -179,27 +182,31 @@ def denoised(values: FloatArray, noise: float) -> tuple[FloatArray, FloatArray]:
     """
     n = len(values)
     total = np.concatenate(([0.0], np.cumsum(values - values[0])))
-    best, sd = np.array(values), np.full(n, noise)
     low, high = np.full(n, -np.inf), np.full(n, np.inf)
-    open_still = np.ones(n, dtype=bool)
+    open_still, widened = np.ones(n, dtype=bool), np.zeros(n, dtype=np.uint8)
 
     def widen(here: slice, sums: FloatArray, count: FloatArray | int) -> None:
-        mean, spread = values[0] + sums / count, noise / np.sqrt(count)
-        np.maximum(low[here], mean - APART * spread, out=low[here])
-        np.minimum(high[here], mean + APART * spread, out=high[here])
+        mean, reach = values[0] + sums / count, APART * (noise / np.sqrt(count))
+        np.maximum(low[here], mean - reach, out=low[here])
+        np.minimum(high[here], mean + reach, out=high[here])
         open_still[here] &= low[here] <= high[here]
-        np.copyto(best[here], mean, where=open_still[here])
-        np.copyto(sd[here], spread, where=open_still[here])
+        widened[here] += open_still[here]
 
-    for width in HALF_WIDTHS:
-        count = 2 * width + 1
-        if count > n:
-            break
-        widen(slice(width, n - width), total[count:] - total[:-count], count)
+    # in stretches, whose temporaries are neither given back nor taken again page by page
+    for first, width in product(range(0, n, IN_CACHE), HALF_WIDTHS):
+        i, stop = max(first, width), min(first + IN_CACHE, n - width)
+        if i < stop:
+            sums = total[i + width + 1 : stop + width + 1] - total[i - width : stop - width]
+            widen(slice(i, stop), sums, 2 * width + 1)
+    at, half = np.arange(n), np.asarray(HALF_WIDTHS)[widened - 1]
     # nearer to an end than the widest window, the last one is as wide as there is room
     near = min(HALF_WIDTHS[-1], n)
-    for ends in (np.arange(near), np.arange(max(near, n - near), n)):
-        w = np.minimum(ends, n - 1 - ends)
-        here = slice(ends[0], ends[-1] + 1) if len(ends) else slice(0)
-        widen(here, total[ends + w + 1] - total[ends - w], 2 * w + 1)
-    return best, sd
+    for ends in (slice(0, near), slice(max(near, n - near), n)):
+        here = at[ends]
+        w = np.minimum(here, n - 1 - here)
+        widen(ends, total[here + w + 1] - total[here - w], 2 * w + 1)
+        half[ends] = np.where(open_still[ends], w, half[ends])
+    counts = 2 * half + 1
+    # taken once, of the window that each sample ended with
+    best = values[0] + (total[at + half + 1] - total[at - half]) / counts
+    return best, noise / np.sqrt(counts)

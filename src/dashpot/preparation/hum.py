@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dashpot.base.arrays import ComplexArray, FloatArray, fast_length
+from dashpot.base.arrays import FloatArray, fast_length, phasor
 from dashpot.base.provenance import Step
 from dashpot.records.relaxation import Hum
 
@@ -50,7 +50,7 @@ def hum_lines(
         return (), total
     everywhere, time = time, time[held]
     step = (time[-1] - time[0]) / (n - 1)
-    window = np.hanning(n)
+    window = _hann(n)
     # a prime number of them takes ten times as long
     bins = fast_length(n)
     # the straight line between the ends leaks most
@@ -104,7 +104,7 @@ def _strongest(power: FloatArray, first: int) -> int | None:
 def _refined(rest: FloatArray, step: float, frequency: float) -> float:
     """The frequency at which both halves have the same phase."""
     half = len(rest) // 2
-    taper = np.hanning(half)
+    taper = _hann(half)
     for _ in range(3):
         first = _transform(taper * rest[:half], step, frequency)
         second = _transform(taper * rest[half : 2 * half], step, frequency)
@@ -114,11 +114,9 @@ def _refined(rest: FloatArray, step: float, frequency: float) -> float:
 
 
 def _transform(values: FloatArray, step: float, frequency: float) -> complex:
-    return complex(values @ _phasor(len(values), -2 * np.pi * frequency * step))
+    return complex(values @ phasor(len(values), -2 * np.pi * frequency * step))
 
 
-def _phasor(count: int, turn: float) -> ComplexArray:
-    """exp(j turn i) for i = 0 .. count - 1, from two short tables."""
-    short = int(np.ceil(np.sqrt(count)))
-    fine, coarse = (np.exp(1j * turn * np.arange(short) * each) for each in (1, short))
-    return np.asarray((coarse[:, None] * fine).ravel()[:count])
+def _hann(count: int) -> FloatArray:
+    """Hann's window, as numpy.hanning makes it with a cosine for each sample."""
+    return np.asarray(0.5 - 0.5 * phasor(count, 2 * np.pi / (count - 1)).real)

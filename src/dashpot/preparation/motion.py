@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, median
+from dashpot.base.arrays import FloatArray, kept, median
 from dashpot.base.errors import DataError
 from dashpot.preparation.segments import (
     Cycle,
@@ -21,6 +21,7 @@ from dashpot.preparation.segments import (
     nothing_held,
     resolution_of,
 )
+from dashpot.records.relaxation import RelaxationTest
 
 STEADY = 0.01
 """Part of its rise by which a held signal may change."""
@@ -140,9 +141,7 @@ class Motion:
 
 
 def find_motion(
-    time: FloatArray,
-    displacement: FloatArray,
-    force: FloatArray,
+    test: RelaxationTest,
     *,
     where: str,
     sign: int | None,
@@ -152,7 +151,7 @@ def find_motion(
 
     Parameters
     ----------
-    time, displacement, force : array, shape (n,)
+    test : RelaxationTest
         As recorded; the force only tells whether the columns are swapped.
     where : str
         Name of the record, for errors.
@@ -166,8 +165,8 @@ def find_motion(
     DataError
         If nothing is held.
     """
-    turn, segments = _turned(time, displacement, sign)
-    x = turn * displacement
+    turn, segments = _turned(test) if sign is None else (sign, _segments(test, sign))
+    time, x, force = test.time, turn * test.displacement, test.force
     if not _late(x, force) and _creeps(time, x, force, cycles_of(segments)):
         raise DataError(
             f"{where}: this is a creep test: the force is held while the displacement goes on; "
@@ -181,24 +180,25 @@ def find_motion(
     return _of_cycle(time, x, turn, cycles, index)
 
 
-def loading_in(time: FloatArray, displacement: FloatArray, force: FloatArray) -> Loading:
+def loading_in(test: RelaxationTest) -> Loading:
     """What a record shows, whether or not it can be prepared: a ramp and a hold, or what else."""
-    turn, segments = _turned(time, displacement, None)
-    if _late(displacement, force):
+    turn, segments = _turned(test)
+    if _late(test.displacement, test.force):
         return "other"
-    if _creeps(time, turn * displacement, force, cycles_of(segments)):
+    if _creeps(test.time, turn * test.displacement, test.force, cycles_of(segments)):
         return "creep"
     return loading_of(segments)
 
 
-def _turned(
-    time: FloatArray, displacement: FloatArray, sign: int | None
-) -> tuple[int, tuple[Segment, ...]]:
-    """The sign that makes the first ramp rise, unless it is given, and what then is found."""
-    segments = find_segments(time, (sign or 1) * displacement)
-    if sign is None and _falls_first(segments):
-        return -1, find_segments(time, -displacement)
-    return sign or 1, segments
+@kept
+def _turned(test: RelaxationTest) -> tuple[int, tuple[Segment, ...]]:
+    """The sign that makes the first ramp rise, and what then is found."""
+    segments = _segments(test, 1)
+    return (-1, _segments(test, -1)) if _falls_first(segments) else (1, segments)
+
+
+def _segments(test: RelaxationTest, sign: int) -> tuple[Segment, ...]:
+    return find_segments(test.time, sign * test.displacement)
 
 
 def given_motion(

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, median
+from dashpot.base.arrays import FloatArray, median, noted
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
 from dashpot.base.units import Quantity, si
@@ -129,7 +129,7 @@ def prepare(
         answers.append(checks.range_used(rise, force_range))
     steps = [_turned(motion.sign, turn), _kept(motion, record), _met(touch), tared]
     steps += [*_known(record.machine), _ramped(record, motion), *hum_step(record.hum)]
-    record = averaged(replace(record, steps=tuple(steps), checks=tuple(answers)))
+    record = averaged(noted(record, steps=tuple(steps), checks=tuple(answers)))
     return record if by is None else filtered(record, by)
 
 
@@ -157,16 +157,13 @@ def _motion(
             test.time, test.displacement,
             onset=onset, ramp_end=ramp_end, hold_end=hold_end, sign=sign,
         )  # fmt: skip
-    until = len(test.time)
     if hold_end is not None:
         # what comes after a given end is not there
         until = int(np.searchsorted(test.time, hold_end, side="right"))
         if until < 8:
             raise DataError(f"hold_end = {hold_end:g} s leaves {until} samples; expected 8 or more")
-    return find_motion(
-        test.time[:until], test.displacement[:until], test.force[:until],
-        where=where, sign=sign, number=cycle,
-    )  # fmt: skip
+        test = RelaxationTest(test.time[:until], test.displacement[:until], test.force[:until])
+    return find_motion(test, where=where, sign=sign, number=cycle)
 
 
 def _loaded_and_relaxed(force: FloatArray, motion: Motion) -> tuple[float, float]:
@@ -358,9 +355,11 @@ def _preload(record: RampHold, before: Baseline, touch: Touch, rise: float) -> f
 
 def _on_the_machine(record: RampHold, preload: float, machine: Machine) -> RampHold:
     """The record of that machine: its give, C F, is off displacement and depth."""
+    if not machine.compliance:
+        return replace(record, preload=preload, machine=machine)
     given = machine.compliance * (record.force - preload)
     x = np.where(record.displacement > 0, record.displacement - given, 0.0)
-    sank = _mean(record.time[record.hold], given[record.hold]) if machine.compliance else 0.0
+    sank = _mean(record.time[record.hold], given[record.hold])
     if not sank < record.depth:
         raise DataError(
             f"a machine of {1e6 * machine.compliance:.4g} um/N gives {1e3 * sank:.4g} mm under the "

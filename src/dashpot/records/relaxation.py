@@ -8,11 +8,12 @@ from itertools import pairwise
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray, increasing, measured, same_length
+from dashpot.base.arrays import ByValue, FloatArray, increasing, measured, phasor, same_length
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described, Pictured
 from dashpot.base.provenance import Source, Step, of_file
+from dashpot.engine.blocks.compression import uniform_step
 from dashpot.records.machine import Machine
 from dashpot.records.specimen import Specimen
 
@@ -95,8 +96,13 @@ class Hum:
 
     def force(self, time: FloatArray) -> FloatArray:
         """The line at times, s."""
-        phase = 2 * np.pi * self.frequency * (time - self.origin)
-        return np.asarray(self.amplitude * np.cos(phase - np.arctan2(self.sine, self.cosine)))
+        omega, step = 2 * np.pi * self.frequency, uniform_step(time)
+        turned = (
+            np.exp(1j * omega * (time - self.origin))
+            if step is None
+            else np.exp(1j * omega * (time[0] - self.origin)) * phasor(len(time), omega * step)
+        )
+        return np.asarray(self.cosine * turned.real + self.sine * turned.imag)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

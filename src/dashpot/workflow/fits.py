@@ -193,10 +193,9 @@ def _as_creep(
     """The test if it is one of creep, by its file or by what its force and displacement do."""
     if isinstance(test, CreepTest | CreepCompliance):
         return test
-    if isinstance(test, RelaxationTest):
+    if isinstance(test, RelaxationTest) and loading_in(test) == "creep":
         signals = test.time, test.displacement, test.force
-        if loading_in(*signals) == "creep":
-            return CreepTest(*signals, specimen=test.specimen, source=test.source)
+        return CreepTest(*signals, specimen=test.specimen, source=test.source)
     return None
 
 

@@ -108,7 +108,7 @@ def _inspected(
     try:
         with about(file.raw.name):
             record = read(file)
-        loading = loading_in(record.time, record.displacement, record.force)
+        loading = loading_in(record)
         if loading in {"creep", "triangle", "cyclic"}:
             plain |= {"kind": loading, "reason": f"it is {WANTED_BY[loading][0]}"}
         if loading == "creep":

@@ -163,6 +163,7 @@ def tokens(name: str) -> list[str]:
     return plain(name).split()
 
 
+@lru_cache(maxsize=4096)
 def has_word(name: str, words: tuple[str, ...]) -> bool:
     """Whether one of the words stands in the name, alone or (CJK) as a part."""
     found = {part for word in tokens(name) for part in (word, word.rstrip("0123456789"))}
