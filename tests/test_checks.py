@@ -970,7 +970,7 @@ LOTS = [
     Case(
         "capability_as_asked",
         lambda x: lots.capability_as_asked(
-            "k", "A", capability(np.array([-1.0, 0.0, 1.0]), None, 3 * x), 1.33
+            "k", ("A", capability(np.array([-1.0, 0.0, 1.0]), None, 3 * x)), 0, 1.33
         ),
         1.33,
         1.3299,

@@ -193,6 +193,35 @@ def test_capability_that_is_asked_for_and_not_there_leads_the_page(tmp_path):
     assert check.value == worst
 
 
+@pytest.mark.parametrize(
+    ("rows", "unknown"),
+    [
+        (scattered(1, 1, 4), True),
+        (scattered(1, 4, 1, sds=(0, 0, 0)), True),
+        ([*scattered(1, 5, 2), {"lot": "B", "seal": "1", "outcome": "refused"}], True),
+        (scattered(2, 5, 2), False),
+    ],
+    ids=["one seal", "all equal", "a lot without a seal that is used", "known"],
+)
+def test_a_capability_that_is_asked_for_and_not_known_has_not_passed(tmp_path, rows, unknown):
+    asked = limits(tmp_path, '[k_end]\nlower = "1N/m"\nupper = "999N/m"\ncpk = 1.33\n')
+    found = summary(lot_of(rows), limits=asked).checks
+    (check,) = [one for one in found if one.name == "capability_as_asked"]
+    assert check.failed is unknown
+    assert ("is not known of one lot" in check.says) is unknown
+
+
+def test_a_test_that_lacks_the_quantity_of_a_limit_has_no_result(tmp_path):
+    rows = [row | {"seal": "", "frequency_Hz": None} for row in scattered(1, 3, 1)]
+    rows[0]["frequency_Hz"] = 12.0
+    rows.append({"lot": "L1", "file": "notes.txt", "outcome": "refused"})
+    (asked,) = limits(tmp_path, '[frequency]\nlower = "10Hz"\n', ("frequency_Hz",))
+    found = judged(lot_of(rows), asked)
+    assert [(one.seal, one.decision) for one in found] == [
+        ("L1/1_1.csv", "pass"), ("L1/2_1.csv", "no result"), ("L1/3_1.csv", "no result"),
+    ]  # fmt: skip
+
+
 def test_frequencies_beyond_the_band_are_said():
     rows = [row | {"loss_factor_at_12.7Hz": 0.03, "loss_factor_at_0.1Hz": 0.03}
             for row in scattered(1, 3, 1)]  # fmt: skip

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from dashpot.base.checks import Finding, criterion
+from dashpot.base.numbers import counted
 from dashpot.lots.statistics.capability import Capability
 
 
@@ -54,7 +55,7 @@ def seals_within_limits(words: str, limits: str, decisions: Sequence[str]) -> Fi
     counts = {one: decisions.count(one) for one in ("fail", "not proven", "no result")}
     said = {
         "fail": "outside", "not proven": "inside by less than the guard band",
-        "no result": "without a test that is used",
+        "no result": "without a value that is used",
     }  # fmt: skip
     broken = ", ".join(f"{count} {said[one]}" for one, count in counts.items() if count)
     passed, every = decisions.count("pass"), len(decisions)
@@ -66,8 +67,19 @@ def seals_within_limits(words: str, limits: str, decisions: Sequence[str]) -> Fi
 
 
 @criterion("Cpk", ">=", None, "asked for with the limits")
-def capability_as_asked(words: str, lot: str, of: Capability, asked: float) -> Finding:
-    """The lowest Cpk of the lots is as high as is asked for."""
+def capability_as_asked(
+    words: str, lowest: tuple[str, Capability] | None, unknown: int, asked: float
+) -> Finding:
+    """The Cpk of every lot is known, and the lowest is as high as is asked for."""
+    if lowest is None or unknown:
+        return Finding(
+            "",
+            instead=f"Cpk of {words}, where {asked:.2f} is asked, is not known of "
+            f"{counted(unknown, 'lot')}: test two seals of each, at least, that differ",
+            limit=asked,
+            faulted=True,
+        )
+    lot, of = lowest
     low, high = of.cpk_interval or (0.0, 0.0)
     where = f" of lot {lot}" if lot else ""
     return Finding(

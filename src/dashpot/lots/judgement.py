@@ -65,8 +65,10 @@ def judged(lot: Lot, limits: Limits) -> tuple[Judged, ...]:
             decision = "not proven"
         found.append(Judged(one.lot, one.name, decision, one.mean, guard))
     known = {(one.lot, one.name) for one in seals}
-    rows = lot.table.select("lot", "seal", "outcome").iter_rows()
-    lost = dict.fromkeys((of, seal) for of, seal, _ in rows if seal and (of, seal) not in known)
+    rows = lot.table.select("lot", "seal", "file", "outcome").iter_rows()
+    # a file that nobody named and that has no fit need not be a test
+    asked = ((of, seal or file) for of, seal, file, end in rows if seal or end == "fitted")
+    lost = dict.fromkeys(one for one in asked if one not in known)
     return (*found, *(Judged(of, seal, "no result", None, None) for of, seal in lost))
 
 

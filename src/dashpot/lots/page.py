@@ -118,17 +118,14 @@ def _curves(lot: Lot, found: Summary) -> Drawn | None:
 
 
 def _capability(main: OfQuantity) -> dict[str, Any] | None:
-    """The lot with the lowest Cpk, or the only one."""
-    known = {name: one for name, one in main.capability.items() if one.cpk is not None}
-    if not known or main.limits is None:
+    if main.lowest is None or main.limits is None:
         return None
-    worst = min(known, key=lambda name: known[name].cpk or 0.0)
-    one = known[worst]
+    worst, one = main.lowest
     low, high = one.cpk_interval or (0.0, 0.0)
     near, far = one.outside_interval
     return {
         "lot": worst,
-        "several": len(known) > 1,
+        "several": len(main.known) > 1,
         "cpk": f"{one.cpk:.2f}",
         "from": f"{low:.2f}",
         "to": f"{high:.2f}",

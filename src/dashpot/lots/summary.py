@@ -81,6 +81,16 @@ class OfQuantity:
     capability: dict[str, Capability]
     judged: tuple[Judged, ...]
 
+    @property
+    def known(self) -> dict[str, Capability]:
+        """The capability of each lot whose seals scatter."""
+        return {name: one for name, one in self.capability.items() if one.cpk is not None}
+
+    @property
+    def lowest(self) -> tuple[str, Capability] | None:
+        """The lot with the lowest Cpk, or the only one."""
+        return min(self.known.items(), key=lambda one: one[1].cpk or 0.0, default=None)
+
 
 @dataclass(frozen=True, eq=False)
 class Summary:
@@ -233,12 +243,10 @@ def _checks(lot: Lot, each: Sequence[OfQuantity], flags: Sequence[Flag]) -> Iter
         yield seals_within_limits(
             one.quantity.words, str(one.limits), [judge.decision for judge in one.judged]
         )
-        asked = one.limits.cpk
-        if asked is not None and one.capability:
-            known = {name: of for name, of in one.capability.items() if of.cpk is not None}
-            if known:
-                worst = min(known, key=lambda name: known[name].cpk or 0.0)
-                yield capability_as_asked(one.quantity.words, worst, known[worst], asked)
+        if one.limits.cpk is not None:
+            lots = {judge.lot for judge in one.judged} or {""}
+            unknown = len(lots) - len(one.known)
+            yield capability_as_asked(one.quantity.words, one.lowest, unknown, one.limits.cpk)
     seals = {(one.lot, one.seal, one.file) for one in flags if one.weighty}
     yield stands_out_of_lot(len(seals), len(each[0].seals))
     beyond = [
