@@ -961,6 +961,7 @@ LOTS = [
     Case("fits_usable", lambda x: lots.fits_usable(int(x), 9), 0, 1),
     Case("hammers_compared", lambda x: lots.hammers_compared(int(x), 9), 0, 1),
     Case("tests_alike", lambda x: lots.tests_alike(int(x), 9), 0, 1),
+    Case("records_distinct", lambda x: lots.records_distinct(int(x), 9), 0, 1),
     Case(
         "seals_within_limits",
         lambda x: lots.seals_within_limits("k", "at most 1", ["pass"] + ["fail"] * int(x)),
@@ -1139,7 +1140,7 @@ LIMITS = {
         "levels_followed": 1.5, "loss_followed": 0.15,
     },
     "lots": {"files_fitted": 0, "fits_usable": 0, "hammers_compared": 0,
-             "tests_alike": 0, "seals_within_limits": 0,
+             "tests_alike": 0, "records_distinct": 0, "seals_within_limits": 0,
              "stands_out_of_lot": 0, "asked_in_band": 0, "lots_tested_alike": 0,
              "seals_named": 0},
     "planning": {"tip_excites": -10},

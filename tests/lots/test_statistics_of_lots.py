@@ -13,6 +13,7 @@ from dashpot.base.errors import DataError, ReadError
 from dashpot.cli import main
 from dashpot.lots.comparison import compared, opened
 from dashpot.lots.quantities import natural, quantity
+from dashpot.lots.summary import summary
 
 pytestmark = pytest.mark.once
 
@@ -58,6 +59,22 @@ def test_a_test_made_otherwise_is_left_out(column, keeps, breaks, says):
         assert lot.used.height == 12 - len(left)
         (check,) = [one for one in lot.checks if one.name == "tests_alike"]
         assert check.failed is bool(left)
+
+
+def test_a_record_that_is_given_again_is_named_and_a_lot_is_not_held_against_itself():
+    rows = [row | {"sha256": f"{i}"} for i, row in enumerate(scattered(lots=1, seals=3, repeats=2))]
+    sound = lot_of(rows)
+    assert sound.copies == {}
+    both = compared(("may", sound), ("june", sound), ["k_end"]).checks
+    assert [one.value for one in both if one.name == "records_distinct"] == [6, 0, 0]
+    rows[3]["sha256"] = "0"
+    lot = lot_of(rows)
+    assert lot.copies == {"L1/2_2.csv": "L1/1_1.csv"}
+    (check,) = [one for one in lot.checks if one.name == "records_distinct"]
+    assert check.failed
+    assert [one.says for one in summary(lot).flags if one.file == "L1/2_2.csv"] == [
+        "the same record as L1/1_1.csv"
+    ]
 
 
 def test_of_two_depths_one_is_the_lots():

@@ -49,6 +49,17 @@ def tests_alike(unlike: int, tests: int) -> Finding:
     )
 
 
+@criterion("records given again", "<=", 0, "by definition")
+def records_distinct(again: int, tests: int) -> Finding:
+    """Every test that is used is a record of its own: a copy says nothing that it did not say."""
+    return Finding(
+        f"{tests - again} of {tests} fits are of records of their own",
+        again,
+        ": the others are copies of these, which makes scatter and intervals too small; leave them "
+        "out",
+    )
+
+
 @criterion("seals that do not pass", "<=", 0, "ISO 14253-1:2017, simple acceptance is not enough")
 def seals_within_limits(words: str, limits: str, decisions: Sequence[str]) -> Finding:
     """Every seal is inside the limits that are asked for by more than its guard band."""

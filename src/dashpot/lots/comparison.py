@@ -10,7 +10,7 @@ from typing import Any
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import ascii_only
-from dashpot.lots.checks import lots_tested_alike, seals_named
+from dashpot.lots.checks import lots_tested_alike, records_distinct, seals_named
 from dashpot.lots.lot import ALIKE, DEGREES, Lot
 from dashpot.lots.quantities import Quantity, natural
 from dashpot.lots.statistics.difference import SURE, Difference, holm
@@ -159,12 +159,16 @@ def compared(
     found = [one.compare(other, quantity.name) for quantity in quantities]
     p_values = holm([each.p_value for each in found])
     unnamed = sum(int((lot.used["seal"] == "").sum()) for lot in (one, other))
+    mine = set(one.used["sha256"]) - {""}
+    again = sum(sha256 in mine for sha256 in other.used["sha256"])
+    tests = one.used.height + other.used.height
     return LotComparison(
         (one_name, other_name),
         tuple(map(Compared, quantities, found, p_values)),
         (
             lots_tested_alike(tuple(_otherwise(one, other))),
-            seals_named(unnamed, one.used.height + other.used.height),
+            seals_named(unnamed, tests),
+            records_distinct(again, tests),
             *one.checks,
             *other.checks,
         ),

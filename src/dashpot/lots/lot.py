@@ -15,7 +15,13 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.version import byline
 from dashpot.io.write import neutral
-from dashpot.lots.checks import files_fitted, fits_usable, hammers_compared, tests_alike
+from dashpot.lots.checks import (
+    files_fitted,
+    fits_usable,
+    hammers_compared,
+    records_distinct,
+    tests_alike,
+)
 from dashpot.lots.parts import joined, polars, read_parts
 from dashpot.lots.quantities import Quantity, natural, quantity
 from dashpot.lots.seals import Charts, Seal, charted
@@ -120,6 +126,14 @@ class Lot:
     def used(self) -> pl.DataFrame:
         """The rows of the statistics: those `fitted`, less those `unlike` others of their lot."""
         return self.fitted.filter(~polars().col("file").is_in(list(self.unlike)))
+
+    @cached_property
+    def copies(self) -> dict[str, str]:
+        """Tests that are used and whose file holds what another's does, by file, and that other."""
+        first: dict[str, str] = {}
+        rows = self.used.filter(polars().col("sha256") != "").select("file", "sha256").iter_rows()
+        pairs = ((file, first.setdefault(sha256, file)) for file, sha256 in rows)
+        return {file: other for file, other in pairs if file != other}
 
     def quantity(self, name: str) -> Quantity:
         """Return what a column is, by its name with or without the unit.
@@ -329,6 +343,7 @@ class Lot:
             fits_usable(self.verdicts.get("do not use", 0), fitted),
             hammers_compared(paired - sum(self.agreements.values()), paired),
             tests_alike(len(self.unlike), self.fitted.height),
+            records_distinct(len(self.copies), self.used.height),
         )
 
     @staticmethod

@@ -197,6 +197,8 @@ def _flags(lot: Lot, of: OfQuantity) -> Iterator[Flag]:
     labels = {row[0]: row[1:] for row in lot.table.select("file", "lot", "seal").iter_rows()}
     for file, says in lot.unlike.items():
         yield Flag(labels[file][0], labels[file][1], file, f"{says}: left out of the statistics")
+    for file, other in lot.copies.items():
+        yield Flag(labels[file][0], labels[file][1], file, f"the same record as {other}")
     for file, name, seal, outcome, verdict, reason in lot.table.select(
         "file", "lot", "seal", "outcome", "verdict", "reason"
     ).iter_rows():
