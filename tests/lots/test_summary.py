@@ -55,6 +55,7 @@ def test_limits_have_units_and_the_names_of_the_table(tmp_path):
         ("k_end = 3", "expected a table"),
         ("", "no limit is in it"),
         ("[k_end", "not TOML"),
+        ('[k_end]\nlower = "1N/m"\n[k_end_N_per_m]\nlower = "2N/m"', "k_end_N_per_m stand there"),
         ('["loss_factor_at_12.7Hz"]\nupper = nan', "expected a finite number"),
     ],
 )
@@ -101,6 +102,18 @@ def test_a_guard_band_keeps_its_promise(tmp_path):
         ]
         passed += [one.decision for one in judged(lot_of(rows), asked)].count("pass")
     assert passed / 1000 < 0.05 + 4 * math.sqrt(0.05 * 0.95 / 1000)
+
+
+def test_a_limit_of_a_modulus_is_not_held_against_a_stiffness(tmp_path):
+    part, material = "storage_at_5Hz_N_per_m", "storage_at_5Hz_Pa"
+    rows = [row | {part: 200.0, material: None} for row in scattered(1, 2, 1)]
+    rows += [{"lot": "L1", "seal": f"m{i}", part: None, material: 5e6 + i} for i in range(2)]
+    asked = limits(tmp_path, '[storage_at_5Hz_Pa]\nupper = "6MPa"', (part, material))
+    (found,) = summary(lot_of(rows), limits=asked).others
+    assert {(one.seal, one.value) for one in found.judged if one.decision == "pass"} == {
+        ("m0", 5e6), ("m1", 5e6 + 1),
+    }  # fmt: skip
+    assert {one.seal for one in found.judged if one.decision == "no result"} == {"1", "2"}
 
 
 def test_what_operators_add_widens_the_guard_band(tmp_path):

@@ -49,9 +49,9 @@ def judged(lot: Lot, limits: Limits) -> tuple[Judged, ...]:
     :math:`\nu` degrees of freedom, and what operators add where several are named. Without a repeat
     it is not known, and a seal passes inside the limits.
     """
-    seals = lot.seals(limits.quantity.name)
+    seals = lot.seals(limits.quantity.column)
     deviation, freedom = _pooled(seals)
-    between = _between_operators(lot, limits.quantity.name)
+    between = _between_operators(lot, limits.quantity.column)
     found = []
     for one in seals:
         guard = None

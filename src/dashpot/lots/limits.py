@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import tomllib
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -69,9 +70,13 @@ def read_limits(path: str | Path, columns: Sequence[str]) -> tuple[Limits, ...]:
         raise ReadError(f"{path}: not TOML: {error}") from None
     if not tables:
         raise ReadError(f'{path}: no limit is in it; expected such as [k_end] lower = "0.18N/mm"')
-    return tuple(
-        _stated(f"{path}, [{name}]", name, table, columns) for name, table in tables.items()
-    )
+    found = [_stated(f"{path}, [{name}]", name, table, columns) for name, table in tables.items()]
+    again = [
+        one for one, count in Counter(one.quantity.column for one in found).items() if count > 1
+    ]
+    if again:
+        raise ReadError(f"{path}: limits of {again[0]} stand there twice, by two names; keep one")
+    return tuple(found)
 
 
 def _stated(where: str, name: str, table: object, columns: Sequence[str]) -> Limits:

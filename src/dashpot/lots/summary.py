@@ -143,10 +143,11 @@ def summary(lot: Lot, *, quantity: str = "k_end", limits: Sequence[Limits] = ())
         If no column of numbers is called so.
     """
     main = lot.quantity(quantity)
-    asked = {one.quantity.name: one for one in limits}
+    # a stiffness and a modulus share a name, and never a column
+    asked = {one.quantity.column: one for one in limits}
     first, *others = [
-        _of(lot, one, asked.get(one.name))
-        for one in (main, *(one.quantity for one in limits if one.quantity.name != main.name))
+        _of(lot, one, asked.get(one.column))
+        for one in (main, *(one.quantity for one in limits if one.quantity != main))
     ]
     flags = tuple(_flags(lot, first))
     checks = (*_checks(lot, (first, *others), flags), *lot.checks)
@@ -154,7 +155,7 @@ def summary(lot: Lot, *, quantity: str = "k_end", limits: Sequence[Limits] = ())
 
 
 def _of(lot: Lot, quantity: Quantity, limits: Limits | None) -> OfQuantity:
-    name = quantity.name
+    name = quantity.column
     try:
         scatter = lot.components(name)
     except DataError:

@@ -51,6 +51,16 @@ def test_the_interval_of_cpk_holds_the_truth_as_often_as_it_says(size, mean):
     assert np.mean(truth < ends[:, 0]) < 0.025 + 4 * np.sqrt(0.025 * 0.975 / seeds)
 
 
+@pytest.mark.parametrize("side", [-1, 1])
+@pytest.mark.parametrize("count", [2, 5, 30])
+def test_a_limit_far_off_is_judged_as_one_that_is_less_so(count, side):
+    near, further = (
+        np.array(capability(having(0.0, 1.0, count), None, side * d).cpk_interval)
+        for d in (89.9, 9e5)
+    )
+    np.testing.assert_allclose(further, near * 9e5 / 89.9, rtol=6e-4)
+
+
 def test_what_lies_outside_is_counted_whatever_its_distribution():
     found = capability(np.array([1.0, 2.0, 3.0, 9.0]), 1.0, 8.0)
     assert found.outside == 1  # a limit itself is inside

@@ -15,6 +15,9 @@ Ends: TypeAlias = tuple[float, float]
 _Index: TypeAlias = tuple[float | None, Ends | None]
 _SUSPECT = 0.05
 """Below it normal values are rare."""
+_FAR = 30.0
+"""An index beyond which the mean's scatter is nothing beside the deviation's, and scipy 1.17's
+inverse of the noncentral t loses its digits, then does not end."""
 
 
 @dataclass(frozen=True)
@@ -133,7 +136,11 @@ def _indices(
 def _true_index(index: float, n: int, tail: float) -> float:
     """Return the true index under which n values give this one, or a smaller one, so rarely."""
     from scipy.special import nctdtrinc
+    from scipy.stats import chi2
 
+    if abs(index) > _FAR:
+        share = chi2.isf if index > 0 else chi2.ppf
+        return index * math.sqrt(float(share(tail, n - 1)) / (n - 1))
     scale = 3 * math.sqrt(n)
     return float(nctdtrinc(n - 1, tail, scale * index)) / scale
 
