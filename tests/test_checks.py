@@ -984,6 +984,19 @@ LOTS = [
 
 WORKFLOW = [
     Case(
+        "base_band_informed",
+        lambda x: workflow.base_band_informed((0.1, 20 * x), 12.0, (1.0, 20.0)),
+        0.999,
+        1.001,
+    ),
+    Case(
+        "base_band_informed",
+        # below a quarter of the peak nothing need be known
+        lambda x: workflow.base_band_informed((0.1, 10.0), 4 / x, (1.0, 20.0)),
+        0.999,
+        1.001,
+    ),
+    Case(
         "prediction_informed",
         lambda x: workflow.prediction_informed(2 * x, (1.0, 2.0)),
         0.999,
@@ -1159,6 +1172,7 @@ LIMITS = {
     },
     "workflow": {
         "result_recomputed": 1e-7, "prediction_informed": 1, "level_covered": 1,
+        "base_band_informed": 1,
         "history_present": 1,
         "families_predict_alike": 1.1,
         "files_listed": 0, "page_redrawn": 0, "history_whole": 0,
@@ -1180,7 +1194,9 @@ GRADES = {
         "fitting/temperature": {"shifts_told_apart"},
         "fitting/level": {"level_matters"},
         "fitting/nonlinear_ramp": {"clocks_agree", "offset_believable", "drift_believable"},
-        "workflow": {"hold_fit_possible", "history_complete", "files_listed"},
+        "workflow": {
+            "hold_fit_possible", "history_complete", "files_listed", "base_band_informed",
+        },
     },
     "stop": {
         "preparation": {

@@ -15,11 +15,11 @@ from dashpot.fitting.relaxation_data import relaxation_data
 from dashpot.fitting.uncertainty import admissible_spectra
 from dashpot.fitting.uncertainty.admissible_spectra import Spectra
 from dashpot.fitting.uncertainty.prediction_bounds import (
-    _distances,
     frf_band,
     parameter_band,
     unseen_arm_band,
 )
+from dashpot.fitting.uncertainty.stiffness_set import distances, ratios
 from dashpot.preparation.prepare import prepare
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
@@ -186,7 +186,7 @@ def test_the_limits_of_an_frf_are_those_of_the_set_of_stiffnesses(spectra: Spect
     for f in (9.0, 12.7, 20.0):
         omega = 2 * np.pi * f
         inertia = BROAD_MASS / 2 * omega**2
-        near, far = _distances(spectra, omega, inertia)
+        near, far = distances(spectra, omega, inertia)
         columns = np.array(spectra.stiffness_at(omega))
         ends = np.array([spectra.reach(v) for v in columns])
         angles = np.linspace(0, 2 * np.pi, 721)
@@ -300,3 +300,42 @@ def test_a_spring_without_loss_bounds_its_peak_from_below_alone() -> None:
     assert band.peak_height is not None
     assert band.peak_height[0] > 1
     assert band.peak_height[1] == np.inf
+
+
+@pytest.mark.parametrize("f", [3.0, 12.7, 14.0, 40.0])
+def test_the_limits_over_a_base_are_those_of_the_set_of_stiffnesses(
+    spectra: Spectra, f: float
+) -> None:
+    """Against the edge of the hull of the farthest points in 720 directions, within 1 %."""
+    omega = 2 * np.pi * f
+    inertia = BROAD_MASS / 2 * omega**2
+    low, high = ratios(spectra, omega, inertia)
+    columns = np.array(spectra.stiffness_at(omega))
+    ends = np.array([spectra.reach(v) for v in columns])
+    angles = np.linspace(0, 2 * np.pi, 721)
+    aims = np.column_stack((np.cos(angles), np.sin(angles))) / np.ptp(ends, axis=1)
+    points = np.array([columns @ spectra.farthest(aim @ columns) for aim in aims])
+    steps = np.linspace(0, 1, 200)[:, None, None]
+    K = (points[:-1] + steps * np.diff(points, axis=0)).reshape(-1, 2) @ [1, 1j]
+    size = np.abs(K / (K - inertia))
+    assert 0.98 * size.min() <= low <= size.min() * (1 + 1e-9)
+    assert size.max() * (1 - 1e-9) <= high <= 1.02 * size.max()
+
+
+def test_over_a_base_every_limit_holds_what_it_should(broad_fit: Fit, broad_test: RampHold) -> None:
+    f = np.array([0.1, 1.0, 5.0, 9.0, 12.0, 12.7, 14.0, 18.0, 30.0, 50.0])
+    words = {"mass": BROAD_MASS, "seals": 2, "frequency": f}
+    band = frf_band(broad_fit, broad_test, kind="transmissibility", **words)
+    K = 2 * BROAD.complex_stiffness(2 * np.pi * f)
+    T = np.abs(K / (K - BROAD_MASS * (2 * np.pi * f) ** 2))
+    assert ((band.unseen[0] <= T) & (band.unseen[1] >= T)).mean() >= 0.9
+    for low, high in (band.unseen, band.parameter):
+        assert ((low <= band.magnitude) & (high >= band.magnitude)).all()
+    # a base at rest in the limit
+    assert band.unseen[:, 0] == pytest.approx(1.0, abs=1e-3)
+    # near the peak the motion is that of the accelerance, and so is its doubt
+    forced = frf_band(broad_fit, broad_test, **words)
+    assert band.peak_frequency == forced.peak_frequency
+    assert "m/m" in band.peak_says
+    with pytest.raises(DataError, match="expected accelerance or transmissibility"):
+        frf_band(broad_fit, broad_test, kind="mobility", **words)

@@ -483,6 +483,15 @@ def test_a_measured_frf_is_never_interpolated():
     assert value is S.measured.value
 
 
+def test_the_phase_over_a_base_falls_from_0_to_minus_180_in_one():
+    f = np.linspace(2, 40, 500)
+    base = predict_frf(2 * PAPER, mass=PAPER_MASS, frequency=f, kind="transmissibility")
+    lowest, ticks = phase_axis(base.value)
+    assert ticks == (-180.0, -90.0, 0.0)
+    degrees = turned(base.value, lowest)
+    assert np.abs(np.diff(degrees)).max() < 180
+
+
 def test_phase_does_not_wrap_through_the_noise_of_an_accelerance(drawn):
     assert drawn["frf"].panels[1].y.limits == (-15, 195)
     lowest, _ = phase_axis(S.measured.value)

@@ -294,9 +294,15 @@ def test_the_command_line_predicts_over_a_base(tmp_path):
     assert found["isolation_hz"] == pytest.approx(17.974582, rel=1e-7)
     size = np.hypot(found["real"], found["imag"])
     assert np.interp(5.0, found["frequency_hz"], size) == pytest.approx(1.183257, rel=1e-4)
-    # relative to the base it moves m times the accelerance, which has the limits
-    plain = CliRunner().invoke(main, [*words[:-1], "--json"])
-    assert json.loads(plain.stdout)["limits"] == found["limits"]
+    # each has limits of its own kind
+    limits = found["limits"]
+    assert limits["kind"] == "transmissibility"
+    for low, high in np.transpose(limits["parameter"]):
+        assert low <= high
+    own = np.interp(limits["frequency_hz"], found["frequency_hz"], size)
+    assert limits["parameter"][0] == pytest.approx(own, rel=0.3)
+    plain = json.loads(CliRunner().invoke(main, [*words[:-1], "--json"]).stdout)
+    assert plain["limits"]["kind"] == "accelerance"
     text = CliRunner().invoke(main, words).output
     assert "above 17.975 Hz the mass moves less than its base" in text
     refused = CliRunner().invoke(main, [*words, "--kind", "mobility"])
@@ -304,17 +310,51 @@ def test_the_command_line_predicts_over_a_base(tmp_path):
     assert "--base" in refused.output
 
 
-def test_the_limits_of_the_accelerance_are_called_so(tmp_path):
-    seal = tmp_path / "seal.csv"
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory):
+    """A seal's relaxation test and its fit, as files."""
+    folder = tmp_path_factory.mktemp("bench")
+    seal, fit = folder / "seal.csv", folder / "fit.json"
     run = CliRunner().invoke
     assert run(main, ["simulate", "relaxation", "-o", str(seal)]).exit_code == 0
-    assert run(main, ["fit", str(seal), "-o", str(tmp_path / "fit.json")]).exit_code == 0
-    words = ["predict", str(tmp_path / "fit.json"), "--mass", "114.8g", "--seals", "2"]
-    words += ["--with", str(seal), "--band", "10:16Hz", "-v"]
-    forced = run(main, words).output
+    assert run(main, ["fit", str(seal), "-o", str(fit)]).exit_code == 0
+    return seal, fit
+
+
+def test_the_limits_are_those_of_what_is_predicted(bench):
+    seal, fit = bench
+    run = CliRunner().invoke
+    words = ["predict", str(fit), "--mass", "114.8g", "--seals", "2"]
+    words += ["--with", str(seal), "--band", "10:16Hz", "--lines", "51", "-v"]
     moved = " ".join(run(main, [*words, "--base"]).output.split())
-    assert "of the accelerance A the motion relative to the base is m A times" in moved
-    assert "relative to the base" not in forced
+    assert "m/m high" in moved
+    assert "the transmissibility is extrapolated" in moved
+
+
+def test_bench_and_shaker_together_tell_one_solid(bench, tmp_path):
+    """The test the slow arms, the shaker the fast ones; what follows is informed."""
+    seal, _ = bench
+    f = np.arange(6.0, 36.0, 0.1)
+    path, joint = tmp_path / "base.csv", tmp_path / "joint.json"
+    write_frf(noisy(2 * PAPER, PAPER_MASS, f, gain=1.01, delay=5e-5), path)
+    on = ["--mass", f"{1e3 * PAPER_MASS}g", "--seals", "2"]
+    run = CliRunner().invoke
+    words = ["identify", str(path), "--with", str(seal), *on, "-o", str(joint), "--json"]
+    told = json.loads(run(main, words).stdout)
+    assert told["method"] == "joint"
+    model = told["model"]
+    solid = dp.GeneralizedMaxwell(
+        model["k_inf"], [a["k"] for a in model["arms"]], [a["tau"] for a in model["arms"]]
+    )
+    w = 2 * np.pi * np.array([0.01, 0.1, 9.0, 12.71, 18.0])
+    assert np.abs(solid.storage(w) / PAPER.storage(w) - 1).max() < 0.01
+    assert np.abs(solid.loss(w) / PAPER.loss(w) - 1).max() < 0.1
+    known = json.loads(run(main, ["predict", str(joint), *on, "--base", "--json"]).stdout)
+    limits = np.array(known["limits"]["parameter"])
+    at = np.argmin(np.abs(np.array(known["limits"]["frequency_hz"]) - 12.0))
+    (true,) = np.abs(over_base("paper", [known["limits"]["frequency_hz"][at]]).value)
+    assert limits[0, at] <= true <= limits[1, at]
+    assert limits[1, at] / limits[0, at] < 1.05
 
 
 class TestRandomBase:

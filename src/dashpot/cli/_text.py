@@ -395,10 +395,7 @@ def prediction(found: Prediction, *, mass: float, seals: float) -> Text:
     if str(found.at_rest):
         lines.append(str(found.at_rest))
     if found.limits is not None:
-        of_force = "" if isolated is None else ", of the accelerance A"
-        lines.append(f"  {ascii_only(found.limits.peak_says)}{of_force}")
-        if isolated is not None:
-            lines.append("  the motion relative to the base is m A times that of the base")
+        lines.append(f"  {ascii_only(found.limits.peak_says)}")
     return Text(lines)
 
 

@@ -56,9 +56,8 @@ def command(
 ) -> Outcome:
     """Predict the frequency response of a mass on the seal of FIT (a fit's JSON file).
 
-    The standard errors of the fit become limits of the accelerance A; with the record that was
-    fitted (--with) so does the bound over unresolved arms. Where the base moves (--base) the motion
-    relative to it, T - 1 = -m A, has m times the same limits.
+    The standard errors of the fit become limits of the accelerance, or of the transmissibility
+    (--base); with the record that was fitted (--with) so does the bound over unresolved arms.
 
     Of a material's modulus (a DMA sweep, a master curve) a shape makes a part; one measured
     resonance (--resonance 85Hz --resonance-mass 150g) tells the geometry of all that follow.
@@ -83,8 +82,8 @@ def command(
         drawn = dp.plot.frf(
             found.frf,
             labels=("predicted",),
-            band=None if base else found.limits,
-            interval=None if base else found.interval,
+            band=found.limits,
+            interval=found.interval,
             stamp=named,
         )
         write_figure(picture, drawn)

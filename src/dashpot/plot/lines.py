@@ -25,11 +25,15 @@ def unwrapped(
 def phase_axis(values: ComplexArray) -> tuple[float, tuple[float, ...]]:
     """Where the turn begins for all `values`, degrees, and the quarters that they use.
 
-    From -180 as usual; from -90 where that would cut through the data, as the noise of an
-    accelerance below its resonance does.
+    From -180 as usual. Where that would cut through the data, from -90, as for the noise of an
+    accelerance below its resonance, or from -270, as for a transmissibility above its own.
     """
-    usual = turned(values, -180.0)
-    lowest = -90.0 if bool(np.mean(np.abs(usual) > 165) > 0.02) else -180.0
+
+    def cuts(lowest: float) -> int:
+        return int(np.count_nonzero(np.abs(np.diff(turned(values, lowest))) > 180))
+
+    often = bool(np.mean(np.abs(turned(values, -180.0)) > 165) > 0.02)
+    lowest = min((-90.0, -270.0), key=cuts) if often else -180.0
     degrees = turned(values, lowest)
     first = 90 * np.floor((np.percentile(degrees, 1) + 20) / 90)
     last = 90 * np.ceil((np.percentile(degrees, 99) - 20) / 90)

@@ -72,16 +72,16 @@ class Curve:
 
 @dataclass(frozen=True, eq=False)
 class Spread:
-    """Between which limits a magnitude is predicted, 1/kg, shape (2, n): accelerance."""
+    """Between which limits a magnitude is predicted, shape (2, n): accelerance, 1/kg, or T."""
 
     frequency: FloatArray
     limits: FloatArray
     label: str = INTERVAL
 
     def of_kind(self, kind: Kind) -> FloatArray:
-        """The same limits for another kind of FRF."""
+        """The same limits for another kind of FRF; those of a transmissibility are its own."""
         omega = 2 * np.pi * self.frequency
-        if kind is Kind.ACCELERANCE:
+        if kind in (Kind.ACCELERANCE, Kind.TRANSMISSIBILITY):
             return self.limits
         with np.errstate(divide="ignore"):
             if kind is Kind.DYNAMIC_STIFFNESS:
@@ -121,8 +121,8 @@ def frf(
     band : FRFBounds, optional
         Between which limits a relaxation test predicts.
     interval : (array, array), optional
-        Lines, Hz, and limits of the accelerance by standard errors alone, 1/kg, where no band is
-        known.
+        Lines, Hz, and limits by standard errors alone, where no band is known: of the accelerance,
+        1/kg, or of a transmissibility where that is drawn.
     stamp : str
         What the figure says of its origin; by default the files of the first FRF.
     """

@@ -11,6 +11,7 @@ import numpy as np
 from dashpot.base.arrays import ByValue, FloatArray, frozen, increasing, samples
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import interval, rounded
+from dashpot.records.frf import Kind
 
 
 @dataclass(frozen=True)
@@ -111,14 +112,14 @@ class StiffnessBounds(ByValue):
 
 @dataclass(frozen=True, eq=False)
 class FRFBounds(ByValue):
-    """Between which limits the accelerance of a mass on a seal is predicted.
+    """Between which limits the response of a mass on a seal is predicted.
 
     Attributes
     ----------
     frequency : array, shape (n,)
         Hz.
     magnitude : array, shape (n,)
-        Of the predicted accelerance, 1/kg.
+        Of the predicted accelerance, 1/kg, or transmissibility.
     parameter : array, shape (2, n)
         Lowest and highest magnitude that the standard errors of the fit allow.
     unseen : array, shape (2, n)
@@ -129,7 +130,9 @@ class FRFBounds(ByValue):
         Where one of them may resonate, Hz; an upper end of infinity if nothing limits it. None if
         it was not sought or not found.
     peak_height : (float, float) or None
-        Between which limits the largest magnitude lies, 1/kg; the upper one may be infinite.
+        Between which limits the largest magnitude lies; the upper one may be infinite.
+    kind : Kind
+        Accelerance or transmissibility.
     """
 
     frequency: FloatArray
@@ -139,6 +142,7 @@ class FRFBounds(ByValue):
     says: str = ""
     peak_frequency: tuple[float, float] | None = None
     peak_height: tuple[float, float] | None = None
+    kind: Kind = Kind.ACCELERANCE
 
     @property
     def peak_says(self) -> str:
@@ -151,8 +155,9 @@ class FRFBounds(ByValue):
         if self.peak_height is None:
             return where
         low, high = self.peak_height
-        most = "unlimited" if math.isinf(high) else f"{rounded(high)} 1/kg"
-        return f"{where}, {rounded(low)} 1/kg to {most} high"
+        unit = " 1/kg" if self.kind is Kind.ACCELERANCE else " m/m"
+        most = "unlimited" if math.isinf(high) else f"{rounded(high)}{unit}"
+        return f"{where}, {rounded(low)}{unit} to {most} high"
 
     def __post_init__(self) -> None:
         for name in ("frequency", "magnitude", "parameter", "unseen"):

@@ -35,6 +35,25 @@ def prediction_informed(peak: float, band: tuple[float, float]) -> Finding:
     )
 
 
+@criterion("distance from the band, a factor", "<=", 1.0, "the band of the fit", grade="note")
+def base_band_informed(
+    asked: tuple[float, float], peak: float, band: tuple[float, float]
+) -> Finding:
+    """All that is asked of a base that moves lies where a test informs the solid.
+
+    Below a quarter of the `peak`, Hz, the mass follows its base whatever carries it.
+    """
+    low, high = max(asked[0], min(peak / 4, asked[1])), asked[1]
+    factor = max(high / band[1], band[0] / low) if band[1] > 0 else math.inf
+    says = f"from {low:.3g} to {high:.3g} Hz the transmissibility"
+    return Finding(
+        f"{says} hangs on what the test informs",
+        factor,
+        instead=f"{says} is extrapolated x{factor:.3g} beyond what the test informs, "
+        f"{band[0]:.2g} to {band[1]:.2g} Hz: ask a narrower band (--band), or measure on a shaker",
+    )
+
+
 @criterion("ratio of damping ratios", "x/", 1.1, "10 % of damping; and 1 % of frequency")
 def families_predict_alike(own: Mode | None, other: Mode | None) -> Finding:
     """Another family of solids that explains the test predicts the same resonance.

@@ -25,7 +25,7 @@ from dashpot.vibration.systems.prediction import (
     moving_mass,
     predict_frf,
 )
-from dashpot.workflow.checks import prediction_informed
+from dashpot.workflow.checks import base_band_informed, prediction_informed
 from dashpot.workflow.job import known_of_a_test
 from dashpot.workflow.part import PartChoices
 from dashpot.workflow.prepared import at_their_temperatures, prepared_files, refuse_others
@@ -77,7 +77,7 @@ class Prediction:
 
     @property
     def interval(self) -> tuple[FloatArray, FloatArray]:
-        """Lines, Hz, and limits of the accelerance by standard errors alone, 1/kg."""
+        """Lines, Hz, and limits by standard errors alone, of the accelerance, 1/kg, or of T."""
         limits = self.document["limits"]
         return np.asarray(limits["frequency_hz"]), np.asarray(limits["parameter"])
 
@@ -160,6 +160,7 @@ def predict_files(
             frequency=about,
             seals=seals,
             temperature=temperature,
+            kind=_bounded(frf),
         )
     top = int(np.abs(frf.value).argmax())
     low, high = frf.frequency[max(top - 1, 0)], frf.frequency[min(top + 1, len(frf.value) - 1)]
@@ -197,8 +198,10 @@ def predict_files(
         else (temperature_tested(found.temperatures, temperature),)
     )
     told = family_checks(here, rests.point, mass=moving, seals=seals)
-    informed = prediction_informed(felt, here.band)
-    checks = (*found.checks, *asked, noted, *rested, informed, *told)
+    informed = [prediction_informed(felt, here.band)]
+    if frf.kind is Kind.TRANSMISSIBILITY:
+        informed.append(base_band_informed(band, felt, here.band))
+    checks = (*found.checks, *asked, noted, *rested, *informed, *told)
     return Prediction(frf, modes, peak, at_edge, limits, checks, rests, document, of_part)
 
 
@@ -223,16 +226,27 @@ def _plain(
     seals: float,
     frf: FRF,
 ) -> dict[str, Any]:
-    """Return the limits of the accelerance, 1/kg; null where nothing limits it."""
+    """Return the limits of the accelerance, 1/kg, or of T; null where nothing limits it."""
     lines = frf.frequency[frf.frequency > 0]
     f = np.linspace(lines[0], lines[-1], LIMIT_LINES) if limits is None else limits.frequency
-    formal = formal_limits(found, point, mass=mass, frequency=f, seals=seals)
-    plain: dict[str, Any] = {"frequency_hz": f.tolist(), "parameter": formal.tolist()}
+    of = _bounded(frf)
+    formal = formal_limits(found, point, mass=mass, frequency=f, seals=seals, kind=of)
+    plain: dict[str, Any] = {
+        "kind": str(of),
+        "frequency_hz": f.tolist(),
+        "parameter": formal.tolist(),
+    }
     if limits is not None:
         plain["unseen"] = [_or_null(row) for row in limits.unseen]
         plain["peak_frequency_hz"] = _or_null(limits.peak_frequency)
         plain["peak_height"] = _or_null(limits.peak_height)
     return plain
+
+
+def _bounded(frf: FRF) -> Kind:
+    """What is bounded: of a force on the mass the accelerance, from which the others follow."""
+    over_base = frf.kind is Kind.TRANSMISSIBILITY
+    return Kind.TRANSMISSIBILITY if over_base else Kind.ACCELERANCE
 
 
 def _or_null(values: Iterable[float] | None) -> list[float | None] | None:

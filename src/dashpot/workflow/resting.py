@@ -12,10 +12,10 @@ import numpy.typing as npt
 import dashpot as dp
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
-from dashpot.fitting.uncertainty.prediction_bounds import formal_frf_band
+from dashpot.fitting.uncertainty.prediction_bounds import formal_frf_band, magnitude
 from dashpot.records.bounds import FRFBounds
 from dashpot.records.fit import Fit
-from dashpot.records.frf import Mode
+from dashpot.records.frf import Kind, Mode
 from dashpot.records.relaxation import RampHold
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.checks import compression_tested, mass_of_a_block
@@ -123,13 +123,14 @@ def frf_limits(
     frequency: npt.ArrayLike,
     seals: float = 1.0,
     temperature: float | None = None,
+    kind: Kind = Kind.ACCELERANCE,
 ) -> FRFBounds:
-    r"""Limits of the accelerance by both kinds of ignorance, where the mass rests.
+    r"""Limits of the response by both kinds of ignorance, where the mass rests.
 
     A solid that is s times as stiff and a times as slow answers at :math:`\omega` as the fit at
-    :math:`a\omega` under a mass :math:`m/(a^2 s)`, times :math:`1/(a^2 s)`. The doubt of the
-    tangent, and of b_T, slides the limits along the frequency axis (:func:`_slid`); that of a_T is
-    met by the limits at both of its ends.
+    :math:`a\omega` under a mass :math:`m/(a^2 s)`, an accelerance times :math:`1/(a^2 s)`. The
+    doubt of the tangent, and of b_T, slides the limits along the frequency axis (:func:`_slid`);
+    that of a_T is met by the limits at both of its ends.
 
     Parameters
     ----------
@@ -146,7 +147,10 @@ def frf_limits(
     seals : float
     temperature : float, optional
         K; by default that of the fit's solid.
+    kind : Kind
+        Accelerance or transmissibility.
     """
+    forced = kind is Kind.ACCELERANCE
     moved, f = found.temperatures, np.asarray(frequency, dtype=float)
     b_t, ends, here, doubt_b = 1.0, [1.0], found, 0.0
     if temperature is not None and moved is not None and temperature != moved.reference:
@@ -158,15 +162,18 @@ def frf_limits(
     each = []
     for a in ends:
         scale = a**2 * s
-        of = dp.frf_band(found, tests, mass=mass / scale, frequency=a * f, seals=seals)
-        each.append(_answered(of, 1 / a, 1 / scale))
+        of = dp.frf_band(found, tests, mass=mass / scale, frequency=a * f, seals=seals, kind=kind)
+        each.append(_answered(of, 1 / a, 1 / scale if forced else 1.0))
     if here is found:
         joined = each[0]
     else:
-        omega, solid = 2 * np.pi * f, seals * point.solid(here)
-        own = omega**2 / np.abs(solid.complex_stiffness(omega) - mass * omega**2)
-        formal = formal_frf_band(here, mass=mass / point.factor, frequency=f, seals=seals)
-        joined = _enveloped(each, own, formal / point.factor)
+        omega = 2 * np.pi * f
+        K = point.solid(here).complex_stiffness(omega)
+        own = magnitude(K, omega, mass=mass, seals=seals, kind=kind)
+        formal = formal_frf_band(
+            here, mass=mass / point.factor, frequency=f, seals=seals, kind=kind
+        )
+        joined = _enveloped(each, own, formal / point.factor if forced else formal)
     doubt = "; with the doubt of the tangent at the compression of the mass"
     slid = replace(point, factor_se=float(np.hypot(point.factor_se, point.factor * doubt_b)))
     return replace(
@@ -195,7 +202,7 @@ def _answered(of: FRFBounds, frequency: float, height: float) -> FRFBounds:
 
 
 def _enveloped(each: Sequence[FRFBounds], own: FloatArray, formal: FloatArray) -> FRFBounds:
-    """What holds every one of some limits, and the solid's own accelerance."""
+    """What holds every one of some limits, and the solid's own magnitude."""
     low = np.min([own, *(one.unseen[0] for one in each)], axis=0)
     high = np.max([own, *(one.unseen[1] for one in each)], axis=0)
 
@@ -241,11 +248,18 @@ def family_checks(
 
 
 def formal_limits(
-    found: Fit, point: OperatingPoint, *, mass: float, frequency: FloatArray, seals: float = 1.0
+    found: Fit,
+    point: OperatingPoint,
+    *,
+    mass: float,
+    frequency: FloatArray,
+    seals: float = 1.0,
+    kind: Kind = Kind.ACCELERANCE,
 ) -> FloatArray:
-    """Return the limits by the standard errors alone, 1/kg, shape (2, n), so too."""
+    """Return the limits by the standard errors alone, shape (2, n), so too."""
     s = point.factor
-    limits = formal_frf_band(found, mass=mass / s, frequency=frequency, seals=seals) / s
+    limits = formal_frf_band(found, mass=mass / s, frequency=frequency, seals=seals, kind=kind)
+    limits = limits / s if kind is Kind.ACCELERANCE else limits
     return _slid(frequency, limits, point)
 
 

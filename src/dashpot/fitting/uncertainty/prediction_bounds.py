@@ -13,22 +13,18 @@ from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
 from dashpot.fitting.relaxation_data import relaxation_data
 from dashpot.fitting.uncertainty.admissible_spectra import Spectra, deviance_limit
+from dashpot.fitting.uncertainty.stiffness_set import distances, ratios
 from dashpot.preparation.ramp_holds import Tests, ramp_holds
 from dashpot.records.bounds import FRFBounds, StiffnessBounds
 from dashpot.records.estimate import ELEMENT, parameter_names
 from dashpot.records.fit import Fit
+from dashpot.records.frf import Kind
 from dashpot.solids.fractional import FractionalZener
 
 DRAWS = 400
 SEED = 20061
 # what an unidentified ln tau or relative stiffness may do in a draw
 UNKNOWN = 3.0
-# inner and outer distance of a point from the set of stiffnesses differ by less
-CLOSE = 0.01
-# directions in which that set is felt, at most
-# so many times the stiffness of a mass is as good as infinite
-FAR = 1e9
-DIRECTIONS = 40
 # the resonance is sought within this factor of the fit's own
 SOUGHT = 5.0
 # where the resonance may lie, to this part of a frequency
@@ -119,14 +115,16 @@ def frf_band(
     frequency: npt.ArrayLike,
     seals: float = 1.0,
     level: float = 0.95,
+    kind: Kind | str = Kind.ACCELERANCE,
 ) -> FRFBounds:
-    r"""Limits of the accelerance of a mass on `seals` seals, by both kinds of ignorance.
+    r"""Limits of the response of a mass on `seals` seals, by both kinds of ignorance.
 
     With :math:`|A| = \omega^2 / |n K^* - m\omega^2|`, the limits follow from the nearest and the
-    farthest point of the set of (K', K'') to :math:`(m\omega^2/n, 0)`. For the unseen arms that
-    set is convex, and known by its support in every direction asked. The resonance lies where
-    :math:`K' = m\omega^2/n` for one of them, its height between the largest lower and the largest
-    upper limit.
+    farthest point of the set of (K', K'') to :math:`(m\omega^2/n, 0)`; those of
+    :math:`|T| = |K^*| / |K^* - m\omega^2/n|` from its distances to the origin and that point. For
+    the unseen arms that set is convex, and known by its support in every direction asked. The
+    resonance lies where :math:`K' = m\omega^2/n` for one of them, its height between the largest
+    lower and the largest upper limit.
 
     Parameters
     ----------
@@ -139,21 +137,32 @@ def frf_band(
     frequency : array_like, shape (n,)
         Hz, > 0.
     seals, level : float
+    kind : Kind or str
+        An accelerance, 1/kg, or the transmissibility from a base that moves.
     """
-    mass = si(mass, "mass")
+    mass, kind = si(mass, "mass"), Kind(kind)
+    if kind not in (Kind.ACCELERANCE, Kind.TRANSMISSIBILITY):
+        raise DataError(
+            f"limits of a {kind} are not known; expected accelerance or transmissibility"
+        )
     f = _frequencies(frequency)
-    own, formal = _formal(fit, 2 * np.pi * f, mass=mass, seals=seals, level=level)
+    own, formal = _formal(fit, 2 * np.pi * f, mass=mass, seals=seals, level=level, kind=kind)
     resonance = np.sqrt(seals * fit.model.k_0 / mass) / (2 * np.pi)
     fastest = 2 * np.pi * max(float(f[-1]), SOUGHT * resonance)
     spectra = _spectra(fit, tests, fastest=fastest, level=level)
 
     def limits(at: FloatArray) -> FloatArray:
         omega = 2 * np.pi * at
-        inertia = mass * omega**2 / seals
-        reach = [_distances(spectra, *each) for each in zip(omega, inertia, strict=True)]
-        alone = np.abs(fit.solid.complex_stiffness(omega) - inertia)
-        near, far = _holding(np.transpose(reach), alone)
-        return np.array([_magnitude(omega, far, seals), _magnitude(omega, near, seals)])
+        each = list(zip(omega, mass * omega**2 / seals, strict=True))
+        if kind is Kind.TRANSMISSIBILITY:
+            reach = np.transpose([ratios(spectra, *one) for one in each])
+        else:
+            far_near = np.transpose([distances(spectra, *one)[::-1] for one in each])
+            with np.errstate(divide="ignore"):
+                # where a spectrum without loss may resonate, nothing limits the response
+                reach = omega**2 / (seals * far_near)
+        alone = fit.solid.complex_stiffness(omega)
+        return _holding(reach, magnitude(alone, omega, mass=mass, seals=seals, kind=kind))
 
     unseen = limits(f)
     peak = _resonance(spectra, mass / seals, 2 * np.pi * resonance)
@@ -170,7 +179,8 @@ def frf_band(
         unseen=unseen,
         peak_frequency=peak,
         peak_height=height,
-        says=f"{100 * level:g} % limits of a predicted accelerance: by the fit's standard errors, "
+        kind=kind,
+        says=f"{100 * level:g} % limits of a predicted {kind}: by the fit's standard errors, "
         "and, nearly so and line by line, by every spectrum that the relaxation test does not "
         "reject",
     )
@@ -183,33 +193,40 @@ def formal_frf_band(
     frequency: npt.ArrayLike,
     seals: float = 1.0,
     level: float = 0.95,
+    kind: Kind = Kind.ACCELERANCE,
 ) -> FloatArray:
-    """Lowest and highest accelerance, 1/kg, that the standard errors allow, shape (2, n).
+    """Lowest and highest magnitude that the standard errors allow, shape (2, n).
 
     Parameters are those of :func:`frf_band`, but for the tests: arms that the fit does not have
     are not in it.
     """
     omega = 2 * np.pi * _frequencies(frequency)
-    return _formal(fit, omega, mass=mass, seals=seals, level=level)[1]
+    return _formal(fit, omega, mass=mass, seals=seals, level=level, kind=kind)[1]
 
 
 def _formal(
-    fit: Fit, omega: FloatArray, *, mass: float, seals: float, level: float
+    fit: Fit, omega: FloatArray, *, mass: float, seals: float, level: float, kind: Kind
 ) -> tuple[FloatArray, FloatArray]:
-    """The fit's own accelerance, shape (n,), and its limits by the draws, shape (2, n)."""
+    """The fit's own magnitude, shape (n,), and its limits by the draws, shape (2, n)."""
     if not (np.isfinite(mass) and mass > 0):
         raise DataError(f"mass = {mass!r} kg; expected a number > 0")
-    inertia = mass * omega**2 / seals
-    own = np.abs(fit.solid.complex_stiffness(omega) - inertia)
-    drawn = np.abs(_drawn(fit, omega) - inertia)
-    limits = _quantiles(drawn, own, level)[::-1]
-    return _magnitude(omega, own, seals), _magnitude(omega, limits, seals)
+    K = fit.solid.complex_stiffness(omega)
+    own, drawn = (
+        magnitude(each, omega, mass=mass, seals=seals, kind=kind)
+        for each in (K, _drawn(fit, omega))
+    )
+    return own, _quantiles(drawn, own, level)
 
 
-def _magnitude(omega: FloatArray, distance: FloatArray, seals: float) -> FloatArray:
-    # where a spectrum without loss may resonate at the line, nothing limits the response
+def magnitude(
+    stiffness: ComplexArray, omega: FloatArray, *, mass: float, seals: float, kind: Kind
+) -> FloatArray:
+    """Magnitude of the response of a mass on seals of one such stiffness each, shape (..., n)."""
+    away = np.abs(seals * stiffness - mass * omega**2)
     with np.errstate(divide="ignore"):
-        return np.asarray(omega**2 / (seals * distance))
+        if kind is Kind.TRANSMISSIBILITY:
+            return np.asarray(seals * np.abs(stiffness) / away)
+        return np.asarray(omega**2 / away)
 
 
 # -- draws ------------------------------------------------------------------------------------
@@ -302,84 +319,6 @@ def _limits(spectra: Spectra, omega: float) -> list[tuple[float, float]]:
 def _holding(limits: FloatArray, own: FloatArray) -> FloatArray:
     """Limits, shape (2, n), that hold the fit itself."""
     return np.array([np.minimum(limits[0], own), np.maximum(limits[1], own)])
-
-
-def _distances(spectra: Spectra, omega: float, inertia: float) -> tuple[float, float]:
-    """Nearest and farthest distance of the convex set of (K', K'') from (inertia, 0), outer."""
-    columns = np.array(spectra.stiffness_at(omega))
-    point = np.array([inertia, 0.0])
-    felt = _Felt(columns, spectra, point)
-    for direction in ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)):
-        felt.towards(np.array(direction))
-    while len(felt.directions) < DIRECTIONS:
-        nearest, inside = felt.nearest()
-        gap_near = 0.0 if inside else 1 - felt.near / max(float(np.linalg.norm(nearest)), 1e-300)
-        corner = felt.farthest_corner()
-        reach = float(np.linalg.norm(corner))
-        # a set that is one point, where the point is, has no farther one
-        gap_far = 1 - felt.far / reach if reach > 0 else 0.0
-        if max(gap_near, gap_far) <= CLOSE:
-            break
-        felt.towards(-nearest if gap_near > gap_far else corner)
-    nearest, inside = felt.nearest()
-    return 0.0 if inside else felt.near, float(np.linalg.norm(felt.farthest_corner()))
-
-
-class _Felt:
-    """What supports in some directions say of a convex set in the plane, seen from a point."""
-
-    def __init__(self, columns: FloatArray, spectra: Spectra, point: FloatArray) -> None:
-        self.columns, self.spectra, self.point = columns, spectra, point
-        self.directions: list[FloatArray] = []
-        self.points: list[FloatArray] = []
-
-    def towards(self, direction: FloatArray) -> None:
-        """Feel the set in one more direction."""
-        unit = direction / np.linalg.norm(direction)
-        spectrum = self.spectra.farthest(unit @ self.columns)
-        open_ended = np.isinf(spectrum)
-        # as good as without end, and still a point
-        end = FAR * float(np.linalg.norm(self.point)) / np.linalg.norm(self.columns, axis=0)
-        farthest = self.columns @ np.where(open_ended, end, spectrum)
-        self.directions.append(unit)
-        self.points.append(farthest - self.point)
-
-    @property
-    def near(self) -> float:
-        """No point of the set is nearer."""
-        supports = np.vecdot(np.array(self.directions), np.array(self.points))
-        return max(0.0, -float(supports.min()))
-
-    @property
-    def far(self) -> float:
-        """Some point of the set is as far."""
-        return float(np.linalg.norm(self.points, axis=1).max())
-
-    def nearest(self) -> tuple[FloatArray, bool]:
-        """The nearest point of the hull of all points met, and whether the origin is in it."""
-        points = np.array(self.points)
-        angles = np.sort(np.arctan2(points[:, 1], points[:, 0]))
-        inside = float(np.diff(angles, append=angles[0] + 2 * np.pi).max()) < np.pi
-        start, end = (points[i] for i in np.triu_indices(len(points), 1))
-        along = end - start
-        length = np.maximum(np.vecdot(along, along), np.finfo(float).tiny)
-        part = np.clip(-np.vecdot(start, along) / length, 0.0, 1.0)
-        candidates = start + part[:, None] * along
-        distances = np.linalg.norm(candidates, axis=1)
-        return candidates[np.argmin(distances)], inside or float(distances.min()) == 0.0
-
-    def farthest_corner(self) -> FloatArray:
-        """The farthest corner of the polygon that the support lines enclose."""
-        directions, points = np.array(self.directions), np.array(self.points)
-        order = np.argsort(np.arctan2(directions[:, 1], directions[:, 0]))
-        u, h = directions[order], np.vecdot(directions, points)[order]
-        v, g = np.roll(u, -1, axis=0), np.roll(h, -1)
-        cross = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
-        turned = cross > 1e-9
-        u, v, h, g = u[turned], v[turned], h[turned], g[turned]
-        corners = np.column_stack((h * v[:, 1] - g * u[:, 1], g * u[:, 0] - h * v[:, 0]))
-        corners /= cross[turned, None]
-        return np.asarray(corners[np.argmax(np.linalg.norm(corners, axis=1))])
 
 
 def _resonance(spectra: Spectra, share: float, own: float) -> tuple[float, float] | None:
