@@ -212,6 +212,19 @@ class TestLevels:
                 found.described + tuple(c.says for c in found.checks)
             )
 
+    @pytest.mark.parametrize(("said", "use"), [(True, "use"), (False, "do not use")])
+    def test_lines_that_are_noise_count_by_the_error_that_they_state(self, said, use):
+        part = np.where(F > 15, 0.2, 0.003)
+        rng = np.random.default_rng(2)
+        noisy = []
+        for one in three(noise=0.0):
+            off = part * (rng.normal(size=len(F)) + 1j * rng.normal(size=len(F)))
+            sd = part * np.abs(one.value) if said else None
+            noisy.append(FRF(F, one.value * (1 + off), one.kind, sd=sd))
+        found = fit_levels(noisy, LEVELS, mass=MASS)
+        assert bool(worst(found) < 0.002) is said
+        assert found.verdict.use == use
+
     def test_transmissibility_says_the_same(self):
         w0 = 2 * np.pi * 13
         base = [

@@ -245,8 +245,7 @@ class FRF(ByValue, Pictured):
 
     def _scatter(self, scale: float) -> FloatArray | None:
         """What is known of the random error, scaled: a sum with 1 keeps it, the coherence not."""
-        known = self.scatter_of_one if self.random_sd is None else self.random_sd
-        return None if known is None else scale * known
+        return None if self.line_scatter is None else scale * self.line_scatter
 
     @property
     def random_sd(self) -> FloatArray | None:
@@ -273,10 +272,15 @@ class FRF(ByValue, Pictured):
         return np.asarray(np.abs(self.value) * np.sqrt((1 - squared) / (2 * squared)))
 
     @property
+    def line_scatter(self) -> FloatArray | None:
+        """Which lines are better known than others, by `random_sd` or what there is of it."""
+        return self.scatter_of_one if self.random_sd is None else self.random_sd
+
+    @property
     def usable(self) -> BoolArray:
         """Lines to hold against a model: not 0 Hz, not zero, not mere noise, shape (n,)."""
         keep = (self.frequency > ZERO) & (np.abs(self.value) > 0)
-        sd = self.scatter_of_one if self.random_sd is None else self.random_sd
+        sd = self.line_scatter
         if sd is not None:
             quiet = keep & (sd < NOISY_LINE * np.abs(self.value))
             keep = quiet if np.count_nonzero(quiet) >= FEWEST else keep

@@ -218,7 +218,16 @@ def rows_at_level(
     receptance = lines.to(Kind.RECEPTANCE, mass=mass)
     direct = 1 / receptance.value
     K = (direct + mass * lines.omega**2) / seals
-    return lines.omega, np.abs(receptance.value) * pull, K, np.asarray(seals / np.abs(direct))
+    weight = seals / np.abs(direct) * _knowledge(lines)
+    return lines.omega, np.abs(receptance.value) * pull, K, np.asarray(weight)
+
+
+def _knowledge(lines: FRF) -> FloatArray:
+    """Weights of lines less well known than most, by the error that the FRF states: at most 1."""
+    if lines.line_scatter is None:
+        return np.ones(len(lines.value))
+    relative = np.maximum(lines.line_scatter / np.abs(lines.value), _FLOOR)
+    return np.asarray(np.minimum(np.median(relative) / relative, 1.0))
 
 
 def _noise(problem: _Problem, K: ComplexArray, parts: IndexArray) -> float | None:
