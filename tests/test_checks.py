@@ -16,6 +16,7 @@ import pytest
 from kit.fits import a_fit
 
 import dashpot
+from dashpot.base.capability import capability
 from dashpot.base.checks import REGISTER, Check, Finding, criterion
 from dashpot.engine.inference.covariance import Noise, nearly_white, noise_of
 from dashpot.engine.inference.order import DECISIVE, Choice, choose
@@ -30,10 +31,10 @@ from dashpot.fitting.shift_law import LawScore, OddOne
 from dashpot.fitting.temperature import checks as several
 from dashpot.io.readers import checks as reading
 from dashpot.lots import checks as lots
-from dashpot.lots.statistics.capability import capability
 from dashpot.planning import checks as planning
 from dashpot.planning.expected import Pulse, RecordNeed
 from dashpot.preparation import checks as preparation
+from dashpot.preparation.cld import checks as cld
 from dashpot.preparation.contact import Baseline, Touch
 from dashpot.preparation.filters import parse_filter
 from dashpot.preparation.segments import Cycle, Segment
@@ -956,6 +957,25 @@ LEVEL = [
     Case("levels_followed", lambda x: level.levels_followed(x * 0.01, 0.01), 1.49, 1.51),
 ]
 
+CLD = [
+    Case("zero_recorded", lambda x: cld.zero_recorded(x, air=False), 0.0499, 0.0501),
+    Case("conditioned", lambda x: cld.conditioned(x, cycle=3, softening=0.1), 0.0199, 0.0201),
+    Case("conditioned", lambda x: cld.conditioned(-x, cycle=3, softening=0.1), 0.0199, 0.0201),
+    Case(
+        "conditioned",
+        lambda x: cld.conditioned(0.0 if x else None, cycle=1, softening=0.0),
+        1,
+        0,
+    ),
+    Case("depth_conditioned", lambda x: cld.depth_conditioned(x, 2), 1.019, 1.021),
+    Case("compressions_reached", lambda x: cld.compressions_reached(x, 1.0), 0.999, 1.001),
+    Case("load_cell_steady", cld.load_cell_steady, 0.0199, 0.0201),
+    Case("load_cell_steady", lambda x: cld.load_cell_steady(-x), 0.0199, 0.0201),
+    Case("speed_even", cld.speed_even, 0.0199, 0.0201),
+    Case("unloading_recorded", lambda x: cld.unloading_recorded(recorded=bool(x)), 1, 0),
+    Case("length_given", lambda x: cld.length_given(given=bool(x)), 1, 0),
+]
+
 LOTS = [
     Case("files_fitted", lambda x: lots.files_fitted(int(x), 9), 0, 1),
     Case("fits_usable", lambda x: lots.fits_usable(int(x), 9), 0, 1),
@@ -1032,6 +1052,13 @@ WORKFLOW = [
         0.999,
         1.001,
     ),
+    Case("pieces_tested_alike", lambda x: workflow.pieces_tested_alike(["speed"] * int(x)), 0, 1),
+    Case(
+        "pieces_capable",
+        lambda x: workflow.pieces_capable(capability(np.array([-1.0, 0.0, 1.0]), -9.0, 3 * x), "N"),
+        1.331,
+        1.329,
+    ),
     Case("hold_fit_possible", lambda _: workflow.hold_fit_possible("two ramps"), None, 0),
     Case("history_present", workflow.history_present, 1, 0),
     Case("history_complete", lambda x: workflow.history_complete(1, torn=bool(x)), 0, 1),
@@ -1083,6 +1110,7 @@ STAGES = {
     "export": EXPORT,
     "io/readers": READING,
     "preparation": PREPARATION,
+    "preparation/cld": CLD,
     "fitting": [*FITTING, *CREEP],
     "fitting/identification": IDENTIFICATION,
     "fitting/nonlinear_ramp": RAMP,
@@ -1115,6 +1143,10 @@ LIMITS = {
         "range_used": 0.05, "force_not_clipped": 5, "force_resolved": 20,
         "depth_resolved": 0.005, "hold_is_still": 0.01, "hold_outlasts_ramp": 10,
         "ramp_sampled": 10, "strain_small": 0.2,
+    },
+    "preparation/cld": {
+        "zero_recorded": 0.05, "conditioned": 0.02, "depth_conditioned": 1.02,
+        "compressions_reached": 1, "load_cell_steady": 0.02, "speed_even": 0.02,
     },
     "fitting": {
         "same_specimen": 3,
@@ -1173,7 +1205,7 @@ LIMITS = {
     "workflow": {
         "result_recomputed": 1e-7, "prediction_informed": 1, "level_covered": 1,
         "base_band_informed": 1,
-        "history_present": 1,
+        "history_present": 1, "pieces_tested_alike": 0, "pieces_capable": 1.33,
         "families_predict_alike": 1.1,
         "files_listed": 0, "page_redrawn": 0, "history_whole": 0,
     },
@@ -1182,6 +1214,7 @@ LIMITS = {
 GRADES = {
     "note": {
         "lots": {"stands_out_of_lot"},
+        "preparation/cld": {"unloading_recorded", "length_given"},
         "preparation": {
             "baseline_recorded", "single_loading", "overshoot_small", "range_used",
             "hold_outlasts_ramp", "load_held",

@@ -28,6 +28,7 @@ from .fitting.uncertainty.bootstrap import bootstrap as bootstrap
 from .fitting.uncertainty.prediction_bounds import frf_band as frf_band
 from .fitting.uncertainty.prediction_bounds import unseen_arm_band as unseen_arm_band
 from .io.readers.bench import read_bench as read_bench
+from .io.readers.cld import read_cld as read_cld
 from .io.readers.creep import read_creep as read_creep
 from .io.readers.dynamic import read_dynamic as read_dynamic
 from .io.readers.frf import read_frf as read_frf
@@ -39,9 +40,12 @@ from .io.readers.shifts import read_shifts as read_shifts
 from .lots.batches import batch as batch
 from .lots.lot import Lot as Lot
 from .planning.plan import plan as plan
+from .preparation.cld.cycles import cld as cld
 from .preparation.prepare import prepare as prepare
 from .records.amplitude import AmplitudeFit as AmplitudeFit
 from .records.amplitude import AmplitudeSweep as AmplitudeSweep
+from .records.cld import CLD as CLD
+from .records.cld import CompressionTest as CompressionTest
 from .records.creep import CreepCompliance as CreepCompliance
 from .records.creep import CreepTest as CreepTest
 from .records.dynamic import DynamicTest as DynamicTest

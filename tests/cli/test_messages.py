@@ -18,7 +18,18 @@ from dashpot.cli import COMMANDS, main
 from dashpot.workflow.assumptions import ASSUMPTIONS
 
 SOURCES = Path(dashpot.__file__).parent
-READING = ("inspect", "fit", "predict", "impact", "modes", "level", "compare", "identify", "report")
+READING = (
+    "inspect",
+    "fit",
+    "predict",
+    "impact",
+    "modes",
+    "level",
+    "cld",
+    "compare",
+    "identify",
+    "report",
+)
 BENCH = ("inspect", "fit", "predict", "identify", "report")
 MEASURED = ("compare", "identify", "report")
 SPEAKERS: dict[str, tuple[str, ...]] = {
@@ -45,6 +56,8 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "workflow/job.py:refuse_several": ("fit", "report"),
     "workflow/part.py": ("predict",),
     "workflow/levels.py": ("level",),
+    "workflow/cld.py": ("cld",),
+    "preparation/cld/": ("cld",),
     "io/readers/amplitude.py": ("level",),
     "workflow/predictions.py": ("predict",),
     "workflow/prepared.py": ("predict", "compare"),

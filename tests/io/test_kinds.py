@@ -10,6 +10,7 @@ import pytest
 from dashpot.base.errors import ReadError
 from dashpot.io.columns.kinds import MASTER, ONE_FREQUENCY, WANTED_BY, kind_of
 from dashpot.io.options import ReadOptions
+from dashpot.io.readers.cld import read_cld
 from dashpot.io.readers.creep import read_creep
 from dashpot.io.readers.dynamic import read_dynamic
 from dashpot.io.readers.frf import read_frf
@@ -23,11 +24,12 @@ from tests.kit.kinds import bench, csv, files, hammer, late, ramp_and_hold, resp
 
 FILES = files()
 READERS = {
-    read_relaxation: {"relaxation", "triangle", "cyclic"},
+    read_relaxation: {"relaxation", "cld", "cyclic"},
+    read_cld: {"relaxation", "cld", "cyclic"},
     read_impact: {"impact"},
     read_frf: {"frf", "transmissibility"},
     read_dynamic: {"dma", "master-curve"},
-    read_creep: {"creep", "relaxation", "triangle", "cyclic"},
+    read_creep: {"creep", "relaxation", "cld", "cyclic"},
 }
 
 
@@ -57,7 +59,11 @@ def test_a_reader_takes_its_kind_and_says_of_others_what_they_are(
 ) -> None:
     kind = FILES[name][1]
     path = written(tmp_path, name)
-    by_numbers = name == "creep.csv" and read is read_relaxation  # prepare() tells it
+    by_numbers = name == "creep.csv" and read in {read_relaxation, read_cld}  # prepare() tells it
+    if name == "unclocked.csv" and read in {read_relaxation, read_creep}:
+        with pytest.raises(ReadError, match="--rate"):
+            read(path)
+        return
     if kind in READERS[read] or by_numbers:
         read(path)
         return

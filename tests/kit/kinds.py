@@ -114,7 +114,10 @@ def files() -> dict[str, tuple[str, str]]:
             csv("time [s],Creep Compliance [1/MPa]", decay, (1 + decay) ** 0.4), "creep",
         ),
         "trios.txt": ("Procedure name: Creep\n" + bench(1e-4 * CLOCK), "creep"),
-        "triangle.csv": (bench(triangle), "triangle"),
+        "triangle.csv": (bench(triangle), "cld"),
+        "unclocked.csv": (
+            csv("displacement [mm],force [N]", 1e3 * triangle, answer(CLOCK, triangle)), "cld",
+        ),
         "fatigue.csv": (bench(waves), "cyclic"),
         "hammer.csv": (hammer(), "impact"),
         "frf.csv": (

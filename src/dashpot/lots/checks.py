@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from dashpot.base.capability import Capability
 from dashpot.base.checks import Finding, criterion
 from dashpot.base.numbers import counted
-from dashpot.lots.statistics.capability import Capability
 
 
 @criterion("files without a fit", "<=", 0, "by definition")

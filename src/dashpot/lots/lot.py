@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dashpot.base.capability import Capability, capability
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.version import byline
@@ -25,7 +26,6 @@ from dashpot.lots.checks import (
 from dashpot.lots.parts import joined, polars, read_parts
 from dashpot.lots.quantities import Quantity, natural, quantity
 from dashpot.lots.seals import Charts, Seal, charted
-from dashpot.lots.statistics.capability import Capability, capability
 from dashpot.lots.statistics.control import Chart, means_and_deviations
 from dashpot.lots.statistics.difference import Difference, difference
 from dashpot.lots.statistics.gauge import Gauge, gauge

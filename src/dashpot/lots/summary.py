@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from dashpot.base.capability import Capability
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import ascii_only
@@ -23,7 +24,6 @@ from dashpot.lots.limits import Limits
 from dashpot.lots.lot import Lot
 from dashpot.lots.quantities import Quantity
 from dashpot.lots.seals import Charts, Seal
-from dashpot.lots.statistics.capability import Capability
 from dashpot.lots.statistics.control import BEYOND, Chart
 from dashpot.lots.statistics.gauge import Gauge
 from dashpot.lots.statistics.scatter import Component, robust_distance, stands_out

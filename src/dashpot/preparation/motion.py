@@ -29,6 +29,8 @@ CREPT = 0.02
 """Part of its travel by which a displacement goes on under a force that is held."""
 
 
+EVEN = 0.05
+"""Part of a move by which a quarter of it may be early or late where its speed is even."""
 SETTLES = 0.05
 """Part of its level by which a displacement may move that is held from the first sample on."""
 
@@ -167,7 +169,8 @@ def find_motion(
     """
     turn, segments = _turned(test) if sign is None else (sign, _segments(test, sign))
     time, x, force = test.time, turn * test.displacement, test.force
-    if not _late(x, force) and _creeps(time, x, force, cycles_of(segments)):
+    driven = _late(x, force) or _at_one_speed(time, x, segments)
+    if not driven and _creeps(time, x, force, cycles_of(segments)):
         raise DataError(
             f"{where}: this is a creep test: the force is held while the displacement goes on; "
             "use dashpot fit (Python: fit of a CreepTest)"
@@ -181,13 +184,32 @@ def find_motion(
 
 
 def loading_in(test: RelaxationTest) -> Loading:
-    """What a record shows, whether or not it can be prepared: a ramp and a hold, or what else."""
+    """What a record shows, whether or not it can be prepared: a ramp and a hold, or what else.
+
+    Ramps up and down at one speed are compression load deflection; a sine is not.
+    """
     turn, segments = _turned(test)
     if _late(test.displacement, test.force):
         return "other"
+    if _at_one_speed(test.time, turn * test.displacement, segments):
+        return "cld"
     if _creeps(test.time, turn * test.displacement, test.force, cycles_of(segments)):
         return "creep"
     return loading_of(segments)
+
+
+def _at_one_speed(time: FloatArray, x: FloatArray, segments: Sequence[Segment]) -> bool:
+    """Whether a compression goes in and back at one speed, and is never held."""
+    moves = [part for part in segments if part.kind != "hold"]
+    to_and_fro = {part.kind for part in moves} == {"load", "unload"}
+    held = bool(cycles_of(tuple(segments)))
+    return to_and_fro and not held and all(_straight(time, x, part) for part in moves)
+
+
+def _straight(time: FloatArray, x: FloatArray, part: Segment) -> bool:
+    """Whether a move is at a quarter of its way after a quarter of its time; a sine lags by 0.1."""
+    quarter = float(np.interp(part.start + 0.25 * part.duration, time, x))
+    return abs((quarter - part.origin) / (part.level - part.origin) - 0.25) < EVEN
 
 
 @kept

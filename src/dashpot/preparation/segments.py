@@ -285,18 +285,19 @@ def nothing_held(segments: tuple[Segment, ...], where: str, advice: str) -> str:
         return f"{where}: the displacement never moves by more than its own scatter; {advice}"
     shown = ", ".join(_in_words(segment) for segment in segments[:4])
     more = f", and {len(segments) - 4} more" if len(segments) > 4 else ""
-    names = {"triangle": "a triangle, a ramp up and down", "cyclic": "a cyclic (fatigue) run"}
+    names = {"cld": "a triangle, a ramp up and down", "cyclic": "a cyclic (fatigue) run"}
     if found in names:
         return (
             f"{where}: this is {names[found]} without a hold ({shown}{more}); expected a ramp and "
-            "then a displacement that rests: it is the hold that tells the relaxation times"
+            "then a displacement that rests: it is the hold that tells the relaxation times; "
+            "dashpot cld takes a seal that is pressed and released (Python: cld)"
         )
     return (
         f"{where}: no hold after a ramp was found: the displacement shows {shown}{more}; {advice}"
     )
 
 
-Loading: TypeAlias = Literal["relaxation", "creep", "triangle", "cyclic", "still", "other"]
+Loading: TypeAlias = Literal["relaxation", "creep", "cld", "cyclic", "still", "other"]
 
 
 def loading_of(segments: tuple[Segment, ...]) -> Loading:
@@ -307,7 +308,7 @@ def loading_of(segments: tuple[Segment, ...]) -> Loading:
     if not moves:
         return "still"
     if {"load", "unload"} == set(moves):
-        return "triangle" if len(moves) == 2 else "cyclic" if len(moves) > 3 else "other"
+        return "cld" if len(moves) == 2 else "cyclic" if len(moves) > 3 else "other"
     return "other"
 
 

@@ -10,6 +10,7 @@ from html import escape
 from dashpot import plot
 from dashpot.io.readers.inspect import Inspection
 from dashpot.plot import Picture
+from dashpot.records.cld import CLD
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
 from dashpot.records.relaxation import RampHold
@@ -29,6 +30,7 @@ picture.register(FRF, plot.frf)
 picture.register(Comparison, plot.comparison)
 picture.register(Study, plot.hero)
 picture.register(RampHold, plot.segments)
+picture.register(CLD, plot.cld)
 picture.register(Superposition, plot.superposition)
 
 

@@ -1,4 +1,6 @@
 from .archive import document as document
+from .cld import Pieces as Pieces
+from .cld import cld_files as cld_files
 from .examples import CAPTIONS as CAPTIONS
 from .examples import EXAMPLES as EXAMPLES
 from .examples import FIRST as FIRST

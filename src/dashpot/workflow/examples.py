@@ -108,6 +108,31 @@ def _sweeps() -> str:
     return "\n".join([f"# {byline('simulated dynamic test')}", "# simulated", head, *rows, ""])
 
 
+def _pressed(stiffness: float, seed: int, *, speed: float = 50e-3 / 60) -> Callable[[], str]:
+    """A piece of a stiffening seal, pressed 8 mm and released four times, softer each time."""
+
+    def made() -> str:
+        depth, gap, cycles = 8e-3, 1e-3, 4
+        stroke = (depth + gap) / speed
+        turns = np.arange(2 * cycles + 1) * stroke + 2.0
+        knots = np.concatenate(([0.0], turns, [turns[-1] + 2.0]))
+        places = np.array([-gap, *([-gap, depth] * cycles), -gap, -gap])
+        time = np.linspace(0.0, knots[-1], 1601)
+        plate = np.interp(time, knots, places)
+        x = np.maximum(plate, 0.0)
+        number = np.searchsorted(turns[2::2], time)
+        softer = 1 - 0.1 * (1 - np.exp(-2.0 * number))
+        path = softer * (0.7 * x + 0.3 * x**3 / depth**2)
+        force = np.where(plate > 0, np.maximum(stiffness * BROAD.force(time, path), 0.0), 0.0)
+        noise = 4e-3 * np.random.default_rng(seed).standard_normal(len(time))
+        lines = zip(time, 1e3 * plate, force + 0.03 + noise, strict=True)
+        head = [f"# {byline('simulated compression load deflection test')}", "# simulated"]
+        rows = (",".join(f"{value:.6g}" for value in row) for row in lines)
+        return "\n".join([*head, "time [s],displacement [mm],force [N]", *rows, ""])
+
+    return made
+
+
 def _line() -> str:
     """A quarter of a door: x, y, z, mm."""
     angle = np.linspace(0.0, np.pi / 2, 13)
@@ -130,6 +155,9 @@ CAPTIONS: Mapping[str, str] = MappingProxyType(
         "sweep.csv": "storage and loss over frequency, as a dynamic testing machine writes them",
         "sweeps.csv": "such sweeps of a rubber at nine temperatures, for a master curve",
         "curve.csv": 'a relaxation modulus over time, for dashpot fit --modulus "E(t)"',
+        "cld_1.csv": "100 mm of a seal pressed 8 mm and released four times at 50 mm/min",
+        "cld_2.csv": "a second piece of it",
+        "cld_3.csv": "a third: dashpot cld takes the three",
         "line.csv": "x, y, z of a seal along a quarter of a door, for dashpot export --line",
     }
 )
@@ -153,6 +181,9 @@ EXAMPLES: Mapping[str, Callable[[], str]] = MappingProxyType(
         "sweep.csv": _sweep,
         "sweeps.csv": _sweeps,
         "curve.csv": _curve,
+        "cld_1.csv": _pressed(1.0, 1),
+        "cld_2.csv": _pressed(1.04, 2),
+        "cld_3.csv": _pressed(0.97, 3),
         "line.csv": _line,
     }
 )

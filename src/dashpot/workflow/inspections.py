@@ -109,9 +109,9 @@ def _inspected(
         with about(file.raw.name):
             record = read(file)
         loading = loading_in(record)
-        if loading in {"creep", "triangle", "cyclic"}:
+        if loading in WANTED_BY and loading != "relaxation":
             plain |= {"kind": loading, "reason": f"it is {WANTED_BY[loading][0]}"}
-        if loading == "creep":
+        if loading in {"creep", "cld"}:
             return InspectedFile(**plain)
         test = prepared(record, options)
     except DashpotError as error:

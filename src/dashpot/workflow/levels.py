@@ -31,7 +31,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.workflow.checks import level_covered
 
 _RESPONSES = ("frf", "transmissibility")
-_LOOPS = ("cyclic", "triangle", "relaxation", "creep")
+_LOOPS = ("cyclic", "cld", "relaxation", "creep")
 """What a record of time, displacement and force is taken for; here it is one of loops."""
 _LINES = 61
 

@@ -20,12 +20,11 @@ from dashpot.io.table import Table
 
 FileKind: TypeAlias = Literal[
     "relaxation", "impact", "frf", "transmissibility", "dma", "master-curve", "strain-sweep",
-    "temperature-sweep", "one-frequency", "modulus", "creep", "triangle", "cyclic", "not-a-test",
+    "temperature-sweep", "one-frequency", "modulus", "creep", "cld", "cyclic", "not-a-test",
     "unclear",
 ]  # fmt: skip
 
 _NO_TIMES = "it tells no relaxation times; sweep the frequency"
-_FIT_TAKES = "dashpot fit takes a ramp and the hold after it"
 WANTED_BY: MappingProxyType[str, tuple[str, str]] = MappingProxyType({
     "relaxation": ("a relaxation test", "use dashpot fit or dashpot report"),
     "impact": ("a hammer file", "use dashpot impact"),
@@ -40,10 +39,10 @@ WANTED_BY: MappingProxyType[str, tuple[str, str]] = MappingProxyType({
     "one-frequency": ("a dynamic test at one frequency", _NO_TIMES),
     "modulus": ("a relaxation modulus over time", "use dashpot fit FILE --modulus COLUMN"),
     "creep": ("a creep test", "use dashpot fit"),
-    "triangle": ("a triangle, a ramp up and down without a hold", _FIT_TAKES),
+    "cld": ("a compression load deflection (CLD), pressed and released", "use dashpot cld"),
     "cyclic": (
         "a cyclic run without a hold",
-        f"{_FIT_TAKES}; dashpot level takes loops of several amplitudes",
+        "use dashpot cld for cycles at one speed, dashpot level for loops of several amplitudes",
     ),
 })  # fmt: skip
 """What each kind of file is called, and which command wants it or why none does."""
@@ -144,6 +143,11 @@ _RULES: tuple[tuple[FileKind, str, Callable[[_NamedColumns], bool]], ...] = (
             "height of the specimen first"
         ),
         lambda s: s.has("stress", "strain") and s.timed(),
+    ),
+    (
+        "cld",
+        "it has displacement and force, and no clock",
+        lambda s: not s.timed() and s.has("force", "displacement", least=2.5),
     ),
     ("unclear", "no set of columns that makes a test was recognised", lambda _: True),
 )

@@ -69,7 +69,7 @@ def creep_in(file: Opened, specimen: Specimen) -> CreepTest | CreepCompliance:
     channels.refuse_summary(file)
     wanted = roles(file)
     named = ["displacement", "force", "stress", "strain", "creep_compliance"]
-    channels.expect(file, ["creep", "relaxation"], "a creep test is", named=named)
+    channels.expect(file, ["creep", "relaxation", "cld"], "a creep test is", named=named)
     # rows on an even clock need no column of time
     if wanted is _CURVE:
         return _curve(file, *stated_specimen(file, specimen))

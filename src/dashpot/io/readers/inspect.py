@@ -25,6 +25,7 @@ _RESPONSE: tuple[Role, ...] = ("frequency", "real", "imaginary", "magnitude", "p
 _ROLES: dict[str, tuple[Role, ...]] = {
     "relaxation": ("time", "displacement", "force"),
     "unclear": ("time", "displacement", "force"),
+    "cld": ("displacement", "force"),
     "impact": ("time", "hammer"),
     "frf": _RESPONSE,
     "transmissibility": _RESPONSE,

@@ -173,9 +173,15 @@ def _refuse_swapped(
 
 
 def _expected(file: Opened, besides: Sequence[FileKind] = ()) -> None:
-    """Refuse another kind of file; a sweep may hold the columns of a relaxation test too."""
+    """Refuse another kind of file; a sweep may hold the columns of a relaxation test too.
+
+    What lacks a clock alone is asked for its rate.
+    """
     channels.expect(
-        file, ["relaxation", *besides], "a ramp and a hold is", named=["displacement", "force"]
+        file,
+        ["relaxation", "cld", *besides],
+        "a ramp and a hold is",
+        named=["displacement", "force"],
     )
 
 

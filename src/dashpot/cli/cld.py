@@ -1,0 +1,149 @@
+"""dashpot cld: compression load deflection of one piece or several."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+import dashpot as dp
+from dashpot import workflow
+from dashpot.cli import _options as options
+from dashpot.cli._options import Quantity, Range
+from dashpot.cli._shell import File, Outcome, reports, write_figure
+from dashpot.cli._terminal import Text
+from dashpot.cli._text import rounded, table, with_error
+
+
+@click.command("cld")
+@click.argument("files", type=File(), nargs=-1, required=True, metavar="FILE...")
+@click.option(
+    "--at", type=Quantity("length"), help="Nominal compression, e.g. 6mm [default: the deepest]."
+)
+@click.option("--between", type=Range("length"), help="Its tolerance, e.g. 4:8mm.")
+@click.option(
+    "--limits",
+    type=Range("force"),
+    help="Of the force there, over several pieces, e.g. 4.5:5.5N; of 100 mm with --length.",
+)
+@options.picture
+@options.overwrite
+@reports
+@options.specimen
+@options.reading
+def command(*, files: tuple[str, ...], picture: str | None, **choices: Any) -> Outcome:
+    """Find force, slope, hysteresis, energy and set of a seal that is pressed and released.
+
+    A FILE holds displacement and force of one piece, in one cycle or several, with a clock or
+    without. Several are pieces that scatter.
+
+    \b
+    dashpot cld piece.csv --length 100mm --at 6mm --between 4:8mm
+    dashpot cld piece1.csv piece2.csv piece3.csv --length 100mm --at 6mm --limits 4.5:5.5N
+    """
+    found = workflow.cld_files(files, **choices)
+    if picture:
+        write_figure(picture, dp.plot.cld(found.pieces))
+    return Outcome(found.document, _said(found), found.checks, verdict=found.verdict)
+
+
+def _said(found: workflow.Pieces) -> Text:
+    """The figures of each piece, then of all; the cycles for who asks."""
+    lines, details = [], []
+    for one in found.pieces:
+        name = "" if one.source is None else one.source.file
+        lines += [f"{name}: cycle {one.cycle.number} of {len(one.cycles)}", *_piece(one)]
+        details += [f"{name}, every cycle", *_cycles(one)]
+    if found.scatter:
+        rows = [["", "mean", "deviation", "cv, %", "unit"]]
+        for each in found.scatter:
+            word, of, length = each.unit.partition(" per ")
+            unit, scale = _SHOWN.get(word, (word, 1.0))
+            cv = rounded(100 * each.deviation / each.mean) if each.mean else ""
+            rows.append(
+                [
+                    each.name,
+                    rounded(scale * each.mean),
+                    rounded(scale * each.deviation),
+                    cv,
+                    unit + of + length,
+                ]
+            )
+        lines += [f"{len(found.pieces)} pieces", *table(rows)]
+        # one piece a row says more than a block each
+        if len(found.pieces) > _BLOCKS:
+            lines = [*_overview(found), *lines[-len(rows) - 1 :]]
+    if found.capability is not None and found.capability.cpk is not None:
+        low, high = found.capability.cpk_interval or (0.0, 0.0)
+        lines.append(
+            f"  Cpk {found.capability.cpk:.2f} ({low:.2f} to {high:.2f}), "
+            f"{found.capability.outside} of {found.capability.count} outside"
+        )
+    return Text(lines, details)
+
+
+_BLOCKS = 2
+"""Pieces that are shown one by one."""
+_SHOWN = {"N/m": ("N/mm", 1e-3), "J": ("mJ", 1e3), "m": ("mm", 1e3), "": ("%", 100.0)}
+
+
+def _overview(found: workflow.Pieces) -> list[str]:
+    rows = [["", f"{found.unit} at nominal", "hysteresis, %", "set, mm"]]
+    for one in found.pieces:
+        lost = one.cycle.hysteresis
+        rows.append(
+            [
+                "" if one.source is None else one.source.file,
+                with_error(one.per * one.nominal.loading, one.per * one.nominal.loading_se),
+                "" if lost is None else rounded(100 * lost, digits=3),
+                "" if one.set is None else rounded(1e3 * one.set, digits=3),
+            ]
+        )
+    return table(rows)
+
+
+def _piece(one: dp.CLD) -> list[str]:
+    per, of = one.per, one.unit.removeprefix("N")
+    rows = [["compression, mm", f"loading, {one.unit}", "unloading", f"slope, N/mm{of}",
+             f"energy, mJ{of}"]]  # fmt: skip
+    for mark in one.marked:
+        back = "" if mark.unloading is None else rounded(per * mark.unloading)
+        rows.append(
+            [
+                rounded(1e3 * mark.compression),
+                with_error(per * mark.loading, per * mark.loading_se),
+                back,
+                with_error(1e-3 * per * mark.slope, 1e-3 * per * mark.slope_se),
+                rounded(1e3 * per * mark.energy),
+            ]
+        )
+    cycle, said = one.cycle, []
+    if cycle.hysteresis is not None and cycle.returned is not None:
+        said.append(
+            f"hysteresis {100 * cycle.hysteresis:.3g} % of {1e3 * per * cycle.energy:.4g} mJ{of}"
+        )
+    if len(one.cycles) > 1:
+        said.append(f"softer than cycle 1 by {100 * one.softening:.3g} %")
+    if one.set is not None:
+        said.append(f"set {1e3 * one.set:.3g} mm when it was next met")
+    if cycle.speed is not None:
+        said.append(f"{1e3 * cycle.speed:.4g} mm/s")
+    return [*table(rows), f"  {'; '.join(said)}"] if said else table(rows)
+
+
+def _cycles(one: dp.CLD) -> list[str]:
+    rows = [["cycle", "depth, mm", "peak, N", "in, mJ", "back, mJ", "hysteresis, %", "met, mm"]]
+    for each in one.cycles:
+        lost, back = each.hysteresis, each.returned
+        rows.append(
+            [
+                str(each.number),
+                rounded(1e3 * each.depth),
+                rounded(each.peak),
+                rounded(1e3 * each.energy),
+                "" if back is None else rounded(1e3 * back),
+                "" if lost is None else rounded(100 * lost),
+                "" if each.contact is None else rounded(1e3 * each.contact),
+            ]
+        )
+    return table(rows)

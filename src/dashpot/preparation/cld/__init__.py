@@ -1,0 +1,1 @@
+"""Compression load deflection: from a record to cycles and their figures."""

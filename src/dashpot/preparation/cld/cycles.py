@@ -1,0 +1,209 @@
+"""From a compression load deflection record to cycles, and the figures of one of them."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError
+from dashpot.base.units import Quantity, Range, si, si_range
+from dashpot.preparation.cld import checks
+from dashpot.preparation.cld.figures import WINDOW, at_compression, local, unevenness
+from dashpot.preparation.cld.strokes import Stroke, inward, strokes_of
+from dashpot.preparation.cld.zero import Zero, met_again, zero_of
+from dashpot.preparation.segments import resolution_of
+from dashpot.records.cld import CLD, AtCompression, Branch, CompressionTest, Cycle
+
+_COMMON = 0.95
+"""Part of the least depth at which cycles are compared."""
+_BEYOND = 5e-3
+"""Part of the depth by which a compression asked for may lie beyond the last reading."""
+_UNFINISHED = 0.9
+"""A last loading that ends before this part of the depth, and is not unloaded, is left out."""
+
+
+class _Found(NamedTuple):
+    """The cycles of a record, before one is chosen; a compression may lie so far `beyond` them."""
+
+    cycles: tuple[Cycle, ...]
+    zero: Zero
+    beyond: float
+    common: float
+    uneven: tuple[float | None, ...]
+
+
+def cld(
+    test: CompressionTest,
+    *,
+    at: Quantity | None = None,
+    between: Range | None = None,
+    cycle: int | None = None,
+) -> CLD:
+    """Find the cycles of a compression load deflection test, and the figures of one of them.
+
+    Compression is counted from first contact of the first cycle; the load cell's zero is what it
+    reads in air, wherever the plate is there.
+
+    Parameters
+    ----------
+    test : CompressionTest
+    at : float or str, optional
+        Nominal compression, m or with its unit; by default the depth of the cycle.
+    between : (float, float) or str, optional
+        Least and greatest compression of the tolerance, m or as ``"4:8mm"``.
+    cycle : int, optional
+        Which cycle, from 1; by default the last that was unloaded and reaches `at`.
+
+    Returns
+    -------
+    CLD
+
+    Raises
+    ------
+    DataError
+        If nothing was pressed, there is no such cycle, or none reaches `at`.
+    """
+    found = _cycles(test)
+    nominal = None if at is None else si(at, "length")
+    index = _chosen(found, cycle, nominal)
+    used = found.cycles[index]
+    nominal = used.depth if nominal is None else nominal
+    ends = (None, None) if between is None else si_range(between, "length")
+    least, middle, most = (_at(found, used, one) for one in (ends[0], nominal, ends[1]))
+    if middle is None:
+        deepest = max(one.depth for one in found.cycles)
+        raise DataError(
+            f"{1e3 * nominal:.4g} mm was asked for; expected a compression > 0 that the seal was "
+            f"pressed to, at most {1e3 * deepest:.4g} mm: --at gives it, --cycle another cycle"
+        )
+    zero, specimen = found.zero, test.specimen
+    return CLD(
+        found.cycles,
+        index,
+        zero.contact,
+        zero.contact_se,
+        zero.preload,
+        zero.drift,
+        zero.noise,
+        found.common,
+        middle,
+        least,
+        most,
+        _checks(found, index, max(one for one in (nominal, *ends) if one is not None), test),
+        specimen,
+        test.source,
+    )
+
+
+def _at(found: _Found, cycle: Cycle, at: float | None) -> AtCompression | None:
+    if at is None or not at > 0:
+        return None
+    return at_compression(
+        cycle,
+        at,
+        beyond=found.beyond,
+        contact_se=found.zero.contact_se,
+        force_se=found.zero.force_se,
+    )
+
+
+def _cycles(test: CompressionTest) -> _Found:
+    turn, push = inward(test.displacement, test.force)
+    x, force = turn * test.displacement, push * test.force
+    clock = np.arange(float(len(x))) if test.time is None else test.time
+    resolution = resolution_of(clock, x)
+    strokes = strokes_of(x, resolution=resolution)
+    way_in = [i for i, one in enumerate(strokes) if one.inward]
+    if not way_in:
+        raise DataError(
+            "no loading was found: the compression only falls; expected a seal that is pressed, "
+            "and then released"
+        )
+    first = strokes[way_in[0]]
+    zero = zero_of(clock, x, force, first, resolution=resolution)
+    x, force = x - zero.contact, force - zero.force
+    pairs = [(strokes[i], strokes[i + 1] if i + 1 < len(strokes) else None) for i in way_in]
+    depths = [float(x[one.last]) for one, _ in pairs]
+    if len(pairs) > 1 and pairs[-1][1] is None and depths[-1] < _UNFINISHED * max(depths):
+        pairs.pop()
+    common = _COMMON * min(float(x[one.last]) for one, _ in pairs)
+    beyond = max(resolution, 3 * zero.contact_se, _BEYOND * max(depths))
+    cycles, uneven = [], []
+    for number, (loading, unloading) in enumerate(pairs, start=1):
+        speed, departure = unevenness(clock[loading.samples], x[loading.samples])
+        cycles.append(
+            _cycle(x, force, number, loading, unloading, zero=zero, common=common,
+                   beyond=beyond, speed=None if test.time is None else speed)
+        )  # fmt: skip
+        uneven.append(None if test.time is None else departure)
+    return _Found(tuple(cycles), zero, beyond, common, tuple(uneven))
+
+
+def _cycle(
+    x: FloatArray,
+    force: FloatArray,
+    number: int,
+    loading: Stroke,
+    unloading: Stroke | None,
+    *,
+    zero: Zero,
+    common: float,
+    beyond: float,
+    speed: float | None,
+) -> Cycle:
+    way_in = Branch(x[loading.samples], force[loading.samples])
+    back = None if unloading is None else Branch(x[unloading.samples], force[unloading.samples])
+    contact = 0.0
+    if number > 1:
+        met = met_again(way_in.compression, way_in.force, noise=zero.noise)
+        contact = np.nan if met is None else met
+    depth = float(x[loading.last])
+    here = local(way_in, common, half=WINDOW * depth, beyond=beyond)
+    peak = local(way_in, depth, half=WINDOW * depth, beyond=beyond)
+    if here is None or peak is None:
+        raise DataError(
+            f"cycle {number}: {len(way_in.force)} samples of loading; expected 4 or more"
+        )
+    return Cycle(
+        number, depth, speed, None if np.isnan(contact) else contact, peak.force, here.force,
+        way_in, back,
+    )  # fmt: skip
+
+
+def _chosen(found: _Found, asked: int | None, at: float | None) -> int:
+    cycles = found.cycles
+    if asked is not None:
+        if not 1 <= asked <= len(cycles):
+            plural = "s" * (len(cycles) != 1)
+            raise DataError(
+                f"cycle {asked} was asked for, but the record holds {len(cycles)} cycle{plural}"
+            )
+        return asked - 1
+    reach = [i for i, one in enumerate(cycles) if at is None or one.depth >= at - found.beyond]
+    whole = [i for i in reach if cycles[i].unloading is not None]
+    return (whole or reach or [len(cycles) - 1])[-1]
+
+
+def _checks(found: _Found, index: int, most: float, test: CompressionTest) -> tuple[Check, ...]:
+    cycles, zero = found.cycles, found.zero
+    used, before = cycles[index], cycles[:index]
+    drift = zero.drift / used.peak if zero.drift else None
+    return (
+        checks.zero_recorded(zero.begins, air=zero.air),
+        checks.conditioned(
+            used.common / before[-1].common - 1 if before else None,
+            cycle=used.number,
+            softening=cycles[0].common / cycles[-1].common - 1,
+        ),
+        checks.depth_conditioned(
+            used.depth / max(one.depth for one in before) if before else None, used.number
+        ),
+        checks.compressions_reached(most, used.depth + found.beyond),
+        checks.load_cell_steady(drift),
+        checks.speed_even(found.uneven[index]),
+        checks.unloading_recorded(recorded=used.unloading is not None),
+        checks.length_given(given=test.specimen.length is not None),
+    )

@@ -1,0 +1,279 @@
+"""Compression load deflection (CLD): a seal pressed and released, as recorded and as cycles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from dashpot.base.arrays import ByValue, FloatArray, increasing, measured, same_length
+from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.offered import Described, Pictured
+from dashpot.base.provenance import Source, of_file
+from dashpot.records.specimen import Specimen
+
+PER = 0.1
+"""Length of seal that a force is quoted for, m."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class CompressionTest(ByValue, Described):
+    """A compression load deflection test as the machine wrote it, in SI units.
+
+    Attributes
+    ----------
+    displacement, force : array, shape (n,)
+        m and N in the order of recording, sign and zero as recorded.
+    time : array, shape (n,), or None
+        s, strictly increasing; None where the file has no clock.
+    specimen : Specimen
+    source : Source or None
+        The file it came from; None for arrays made in memory.
+
+    Raises
+    ------
+    DataError
+        If the arrays differ in length, hold fewer than 8 samples, are not finite, or time stalls.
+    """
+
+    displacement: FloatArray
+    force: FloatArray
+    time: FloatArray | None = None
+    specimen: Specimen = field(default_factory=Specimen)
+    source: Source | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("displacement", "force"):
+            object.__setattr__(self, name, measured(name, getattr(self, name), minimum=8))
+        if self.time is not None:
+            object.__setattr__(self, "time", increasing("time", measured("time", self.time)))
+        same_length(time=self.time, displacement=self.displacement, force=self.force)
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """Which record it is, and how far it reaches."""
+        return (
+            of_file(self.source, len(self.force)),
+            (
+                f"displacement spans {1e3 * np.ptp(self.displacement):.4g} mm, force "
+                f"{np.ptp(self.force):.4g} N" + ", no clock" * (self.time is None)
+            ),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Branch(ByValue):
+    """One way of a cycle, loading or unloading, in the order of recording.
+
+    Attributes
+    ----------
+    compression : array, shape (n,)
+        From first contact of the first cycle, m; below 0 is air.
+    force : array, shape (n,)
+        Compressive, tared, N.
+    """
+
+    compression: FloatArray
+    force: FloatArray
+
+    def work(self, depth: float = np.inf) -> float:
+        r"""Work on the seal from contact to a depth, m: :math:`\int F\,dx` along the path, J."""
+        x = np.clip(self.compression, 0.0, depth)
+        return float(np.trapezoid(self.force, x))
+
+
+@dataclass(frozen=True, eq=False)
+class Cycle(ByValue):
+    """One loading and, where it was recorded, the unloading after it.
+
+    Attributes
+    ----------
+    number : int
+        In the record, from 1.
+    depth : float
+        Greatest compression, m.
+    speed : float or None
+        Of the loading, m/s; None without a clock.
+    contact : float or None
+        Compression at which the loading met the seal again, m: the set that is left of the cycles
+        before it. 0 of the first cycle; None where no air was crossed.
+    peak : float
+        Force at `depth`, N.
+    common : float
+        Force on loading at the compression that every cycle reaches, N.
+    loading : Branch
+    unloading : Branch or None
+    """
+
+    number: int
+    depth: float
+    speed: float | None
+    contact: float | None
+    peak: float
+    common: float
+    loading: Branch
+    unloading: Branch | None
+
+    @property
+    def energy(self) -> float:
+        """Put in by the loading, J."""
+        return self.loading.work()
+
+    @property
+    def returned(self) -> float | None:
+        """Given back by the unloading, J."""
+        return None if self.unloading is None else -self.unloading.work()
+
+    @property
+    def hysteresis(self) -> float | None:
+        """Part of the energy that was not given back."""
+        returned = self.returned
+        return None if returned is None else 1 - returned / self.energy
+
+
+@dataclass(frozen=True)
+class AtCompression:
+    """What a cycle shows at one compression.
+
+    Attributes
+    ----------
+    compression : float
+        m.
+    loading, loading_se : float
+        Force on loading and its standard error, N.
+    unloading : float or None
+        Force on unloading, N.
+    slope, slope_se : float
+        Of the loading curve, N/m.
+    energy : float
+        Put in up to here, J.
+    """
+
+    compression: float
+    loading: float
+    loading_se: float
+    unloading: float | None
+    slope: float
+    slope_se: float
+    energy: float
+
+    @property
+    def secant(self) -> float:
+        """Force on loading over compression, N/m."""
+        return self.loading / self.compression
+
+    @property
+    def hysteresis(self) -> float | None:
+        """Part of the force that is missing on the way back."""
+        return None if self.unloading is None else 1 - self.unloading / self.loading
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class CLD(ByValue, Pictured):
+    """A compression load deflection test as cycles, and what one of them shows.
+
+    Made by :func:`dashpot.cld`.
+
+    Attributes
+    ----------
+    cycles : tuple of Cycle
+    index : int
+        Of the cycle that the figures are of, in `cycles`.
+    contact, contact_se : float
+        Where the plate first met the seal, on the scale of the record, and its standard error, m.
+    preload : float
+        Force at the first sample where the record begins in contact under a load, N; else 0.
+    drift : float
+        Change of the load cell's zero over the record, N, taken off; 0 where no air shows it.
+    noise : float
+        Scatter of the force from sample to sample, N.
+    common : float
+        Compression at which cycles are compared, m.
+    nominal : AtCompression
+    least, most : AtCompression or None
+        At the ends of the tolerance, where they are asked for and reached.
+    checks : tuple of Check
+    specimen : Specimen
+    source : Source or None
+    """
+
+    cycles: tuple[Cycle, ...]
+    index: int
+    contact: float
+    contact_se: float
+    preload: float
+    drift: float
+    noise: float
+    common: float
+    nominal: AtCompression
+    least: AtCompression | None
+    most: AtCompression | None
+    checks: tuple[Check, ...] = ()
+    specimen: Specimen = field(default_factory=Specimen)
+    source: Source | None = None
+
+    @property
+    def cycle(self) -> Cycle:
+        """The cycle that the figures are of."""
+        return self.cycles[self.index]
+
+    @property
+    def loading(self) -> Branch:
+        """Its way in."""
+        return self.cycle.loading
+
+    @property
+    def unloading(self) -> Branch | None:
+        """Its way back."""
+        return self.cycle.unloading
+
+    @property
+    def marked(self) -> tuple[AtCompression, ...]:
+        """Least, nominal and most, as far as they are known."""
+        return tuple(one for one in (self.least, self.nominal, self.most) if one is not None)
+
+    @property
+    def per(self) -> float:
+        """What a force, N, is multiplied with: to N per 100 mm, or 1 where no length is known."""
+        return 1.0 if self.specimen.length is None else PER / self.specimen.length
+
+    @property
+    def unit(self) -> str:
+        """Of a force times `per`."""
+        return "N" if self.specimen.length is None else "N per 100 mm"
+
+    @property
+    def softening(self) -> float:
+        """Part of the first cycle's force that is missing in the last, at `common`."""
+        return 1 - self.cycles[-1].common / self.cycles[0].common
+
+    @property
+    def set(self) -> float | None:
+        """Compression at which the last cycle that crossed air met the seal again, m."""
+        met = [one.contact for one in self.cycles[1:] if one.contact is not None]
+        return met[-1] if met else None
+
+    @property
+    def verdict(self) -> Verdict:
+        """What to make of it."""
+        return verdict(self.checks, sound="nothing that was judged limits the use")
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """The verdict, the force at the nominal compression, and the cycle that it is of."""
+        judged, one, cycle = self.verdict, self.nominal, self.cycle
+        lost = cycle.hysteresis
+        return (
+            f"{judged.use}: {judged.says}",
+            (
+                f"{self.per * one.loading:.4g} {self.unit} at {1e3 * one.compression:.4g} mm, "
+                f"slope {1e-3 * self.per * one.slope:.3g} N/mm"
+                + " per 100 mm"
+                * (self.specimen.length is not None)
+            ),
+            (
+                f"cycle {cycle.number} of {len(self.cycles)}, to {1e3 * cycle.depth:.4g} mm"
+                + ("" if lost is None else f", hysteresis {100 * lost:.3g} %")
+            ),
+            *(check.says for check in self.checks if check.failed),
+        )

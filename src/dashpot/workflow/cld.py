@@ -1,0 +1,250 @@
+"""From files of compression load deflection to the figures of pieces, and how they scatter."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import dashpot as dp
+from dashpot.base.capability import Capability, capability
+from dashpot.base.checks import Check, Verdict, verdict, worst
+from dashpot.base.errors import ReadError
+from dashpot.base.units import Quantity, Range
+from dashpot.io.options import ReadOptions
+from dashpot.io.source import about
+from dashpot.records.cld import CLD, AtCompression, Cycle
+from dashpot.records.specimen import Specimen
+from dashpot.workflow.checks import pieces_capable, pieces_tested_alike
+
+_ALIKE = 0.05
+"""Relative difference of depths and speeds that are one."""
+
+
+@dataclass(frozen=True)
+class Scatter:
+    """One figure over the pieces.
+
+    Attributes
+    ----------
+    name : str
+    unit : str
+    count : int
+        Of the pieces that have it.
+    mean, deviation : float
+        In SI units; a force of 100 mm where the lengths are known.
+    """
+
+    name: str
+    unit: str
+    count: int
+    mean: float
+    deviation: float
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """What ``dashpot cld`` found.
+
+    Attributes
+    ----------
+    pieces : tuple of CLD
+        One a file.
+    scatter : tuple of Scatter
+        Of two or more pieces.
+    capability : Capability or None
+        Of the force at the nominal compression between its limits.
+    checks : tuple of Check
+        Those of every piece, each at its worst, and of the pieces together.
+    """
+
+    pieces: tuple[CLD, ...]
+    scatter: tuple[Scatter, ...]
+    capability: Capability | None
+    checks: tuple[Check, ...]
+
+    @property
+    def unit(self) -> str:
+        """Of a force."""
+        return self.pieces[0].unit
+
+    @property
+    def verdict(self) -> Verdict:
+        """What to make of them."""
+        return verdict(self.checks, sound="nothing that was judged limits the use")
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """``dashpot/cld@1``: SI units; a force also per 100 mm, where the length is known."""
+        judged = self.verdict
+        return {
+            "schema": "dashpot/cld@1",
+            "unit": self.unit,
+            "pieces": [_piece(one) for one in self.pieces],
+            "scatter": [asdict(one) for one in self.scatter],
+            "capability": None if self.capability is None else asdict(self.capability),
+            "verdict": {
+                "use": judged.use,
+                "says": judged.says,
+                "because": [check.name for check in judged.because],
+            },
+            "checks": [asdict(check) for check in self.checks],
+        }
+
+
+def cld_files(
+    files: Sequence[str | Path],
+    *,
+    at: Quantity | None = None,
+    between: Range | None = None,
+    limits: tuple[float, float] | None = None,
+    specimen: Specimen | None = None,
+    options: ReadOptions | None = None,
+) -> Pieces:
+    """Find the figures of compression load deflection of pieces, and how they scatter.
+
+    Parameters
+    ----------
+    files : sequence of path
+        A piece each.
+    at, between
+        As in :func:`~dashpot.preparation.cld.cycles.cld`; without `at` the least depth of all.
+    limits : (float, float), optional
+        Of the force at the nominal compression, N, of 100 mm where the length is known.
+    specimen : Specimen, optional
+        What is the same of every piece, such as its length.
+    options : ReadOptions, optional
+        What the user said of the files; `cycle` is the cycle that the figures are of.
+
+    Raises
+    ------
+    ReadError, DataError
+        If a file cannot be read or shows no loading, or limits are given for one piece.
+    """
+    options = options or ReadOptions()
+    if limits is not None and len(files) < 2:
+        raise ReadError("--limits are of several pieces; name a file for each, or leave them out")
+    tests = [dp.read_cld(path, options=options, specimen=specimen) for path in files]
+    seen: dict[str, str] = {}
+    for test in tests:
+        source = test.source
+        if source is not None and source.sha256 in seen:
+            raise ReadError(
+                f"{source.file} is the same record as {seen[source.sha256]}; each piece once"
+            )
+        seen |= {} if source is None else {source.sha256: source.file}
+    pieces = []
+    for path, test in zip(files, tests, strict=True):
+        with about(Path(path).name):
+            pieces.append(dp.cld(test, at=at, between=between, cycle=options.cycle))
+    if at is None and len(pieces) > 1:
+        least = min(one.cycle.depth for one in pieces)
+        pieces = [dp.cld(test, at=least, between=between, cycle=options.cycle) for test in tests]
+    forces = np.array([one.per * one.nominal.loading for one in pieces])
+    within = None if limits is None else capability(forces, *limits)
+    together = [] if len(pieces) < 2 else [pieces_tested_alike(_otherwise(pieces))]
+    if within is not None:
+        together.append(pieces_capable(within, pieces[0].unit))
+    every = [worst(each) for each in zip(*(one.checks for one in pieces), strict=True)]
+    return Pieces(tuple(pieces), tuple(_scatter(pieces)), within, (*every, *together))
+
+
+def _scatter(pieces: Sequence[CLD]) -> list[Scatter]:
+    if len(pieces) < 2:
+        return []
+    unit = pieces[0].unit
+    each_mm = "N/m" + unit.removeprefix("N")
+    figures: tuple[tuple[str, str, Callable[[CLD], float | None]], ...] = (
+        ("force at least", unit, lambda one: _force(one, one.least)),
+        ("force at nominal", unit, lambda one: _force(one, one.nominal)),
+        ("force at most", unit, lambda one: _force(one, one.most)),
+        ("slope at nominal", each_mm, lambda one: one.per * one.nominal.slope),
+        ("energy", "J" + unit.removeprefix("N"), lambda one: one.per * one.cycle.energy),
+        ("hysteresis", "", lambda one: one.cycle.hysteresis),
+        ("softening", "", lambda one: one.softening if len(one.cycles) > 1 else None),
+        ("set", "m", lambda one: one.set),
+    )
+    found = []
+    for name, of, figure in figures:
+        known = [value for value in map(figure, pieces) if value is not None]
+        if len(known) > 1:
+            found.append(
+                Scatter(name, of, len(known), float(np.mean(known)), float(np.std(known, ddof=1)))
+            )
+    return found
+
+
+def _force(one: CLD, at: AtCompression | None) -> float | None:
+    return None if at is None else one.per * at.loading
+
+
+def _otherwise(pieces: Sequence[CLD]) -> list[str]:
+    """What differs between the tests of pieces that should scatter by themselves alone."""
+    figures: tuple[tuple[str, list[float | None]], ...] = (
+        ("speed", [one.cycle.speed for one in pieces]),
+        ("depth", [one.cycle.depth for one in pieces]),
+        ("number of the cycle", [float(one.cycle.number) for one in pieces]),
+    )
+    found = []
+    for name, values in figures:
+        known = [value for value in values if value is not None]
+        if known and max(known) > (1 + _ALIKE) * min(known):
+            found.append(name)
+    if len({one.specimen.length is None for one in pieces}) > 1:
+        found.append("length, known of some alone")
+    warm = [one.specimen.temperature for one in pieces if one.specimen.temperature is not None]
+    if warm and max(warm) - min(warm) > 3:
+        found.append("temperature")
+    return found
+
+
+def _piece(one: CLD) -> dict[str, Any]:
+    source = one.source
+    return {
+        "file": None if source is None else source.file,
+        "sha256": None if source is None else source.sha256,
+        "length": one.specimen.length,
+        "contact": one.contact,
+        "contact_se": one.contact_se,
+        "preload": one.preload,
+        "drift": one.drift,
+        "cycle": one.cycle.number,
+        "softening": one.softening,
+        "set": one.set,
+        "least": _at(one, one.least),
+        "nominal": _at(one, one.nominal),
+        "most": _at(one, one.most),
+        "cycles": [_cycle(cycle) for cycle in one.cycles],
+        "checks": [asdict(check) for check in one.checks],
+    }
+
+
+def _at(one: CLD, at: AtCompression | None) -> dict[str, Any] | None:
+    if at is None:
+        return None
+    known = asdict(at) | {"secant": at.secant, "hysteresis": at.hysteresis}
+    if one.specimen.length is None:
+        return known
+    return known | {"per_100mm": {
+        "loading": one.per * at.loading,
+        "loading_se": one.per * at.loading_se,
+        "unloading": None if at.unloading is None else one.per * at.unloading,
+        "slope": one.per * at.slope,
+        "energy": one.per * at.energy,
+    }}  # fmt: skip
+
+
+def _cycle(cycle: Cycle) -> dict[str, Any]:
+    return {
+        "number": cycle.number,
+        "depth": cycle.depth,
+        "speed": cycle.speed,
+        "contact": cycle.contact,
+        "peak": cycle.peak,
+        "energy": cycle.energy,
+        "returned": cycle.returned,
+        "hysteresis": cycle.hysteresis,
+    }

@@ -1,0 +1,127 @@
+"""dashpot cld: files of pieces to figures, scatter and Cpk."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from kit.cld import bulb, pressed
+
+import dashpot as dp
+from dashpot.base.capability import capability
+from dashpot.cli import main
+
+pytestmark = pytest.mark.once
+SCALES = (1.0, 1.04, 0.97, 1.01)
+WORDS = ("--length", "50mm", "--at", "6mm", "--between", "4:7.5mm")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("pieces")
+    for number, scale in enumerate(SCALES, start=1):
+        pressed(bulb, scale=scale, seed=number, softening=0.05).write(folder / f"p{number}.csv")
+    pressed(bulb, speed=2e-3, softening=0.05).write(folder / "slow.csv")
+    pressed(bulb, softening=0.05).write(folder / "unclocked.csv", clock=False)
+    return folder
+
+
+def ran(folder, *words, code=0):
+    words = [str(folder / word) if word.endswith(".csv") else word for word in words]
+    result = CliRunner().invoke(main, ["cld", *words])
+    assert result.exit_code == code, result.output
+    return result
+
+
+def told(folder, *words):
+    return json.loads(ran(folder, *words, "--json").stdout)
+
+
+def test_one_piece_in_full(folder):
+    found = told(folder, "p1.csv", *WORDS)
+    assert found["schema"] == "dashpot/cld@1"
+    assert found["unit"] == "N per 100 mm"
+    (piece,) = found["pieces"]
+    assert piece["length"] == 0.05
+    assert len(piece["sha256"]) == 64
+    assert [one["number"] for one in piece["cycles"]] == [1, 2, 3, 4]
+    nominal = piece["nominal"]
+    assert nominal["per_100mm"]["loading"] == pytest.approx(2 * nominal["loading"])
+    assert piece["least"]["compression"] == pytest.approx(4e-3)
+    test = dp.read_cld(folder / "p1.csv", specimen=dp.Specimen(length="50mm"))
+    assert dp.cld(test, at="6mm").nominal.loading == nominal["loading"]
+    assert found["scatter"] == []
+    assert found["capability"] is None
+
+
+def test_pieces_scatter_as_they_were_made(folder):
+    files = [f"p{number}.csv" for number in range(1, 5)]
+    found = told(folder, *files, *WORDS, "--limits", "4:6.5N")
+    force = next(one for one in found["scatter"] if one["name"] == "force at nominal")
+    spread = np.std(SCALES, ddof=1) / np.mean(SCALES)
+    assert force["deviation"] / force["mean"] == pytest.approx(spread, rel=0.05)
+    values = [one["nominal"]["per_100mm"]["loading"] for one in found["pieces"]]
+    assert found["capability"]["cpk"] == capability(np.array(values), 4.0, 6.5).cpk
+    names = {check["name"]: check["passed"] for check in found["checks"]}
+    assert names["pieces_tested_alike"] is True
+    said = ran(folder, *files, *WORDS, "--limits", "4:6.5N").stdout
+    assert "4 pieces" in said
+    assert "Cpk" in said
+
+
+def test_without_a_length_forces_are_of_the_piece_and_it_is_said(folder):
+    said = ran(folder, "unclocked.csv", "--at", "6mm", "-v").stdout
+    assert "loading, N " in said
+    assert "length_given" in said
+    assert "N per 100 mm" not in said.split("checks")[0]
+    assert told(folder, "unclocked.csv")["pieces"][0]["cycles"][0]["speed"] is None
+
+
+def test_pieces_pressed_otherwise_are_told_apart(folder):
+    found = told(folder, "p1.csv", "slow.csv", *WORDS)
+    assert "speed" in next(c["says"] for c in found["checks"] if c["name"] == "pieces_tested_alike")
+
+
+def test_a_figure_is_drawn(folder, tmp_path):
+    path = tmp_path / "a.svg"
+    ran(folder, "p1.csv", *WORDS, "--plot", str(path))
+    assert "N per 100 mm" in path.read_text()
+    ran(folder, "p1.csv", "p2.csv", "--plot", str(path), "--overwrite")
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["p1.csv", "--limits", "1:2N"], "several pieces"),
+        (["p1.csv", "p1.csv"], "same record as"),
+        (["p1.csv", "--at", "12mm"], "at most 7.99"),
+        (["p1.csv", "--cycle", "9"], "holds 4 cycles"),
+        (["p1.csv", "--at", "6N"], "length"),
+    ],
+)
+def test_what_does_not_go_is_refused(folder, words, says):
+    assert says in ran(folder, *words, code=2).stderr
+
+
+@pytest.mark.parametrize(
+    ("head", "says"),
+    [
+        ("time [s],displacement [m],force [N]", "is the unit mm?"),
+        ("time [s],displacement [um],force [N]", "is the unit mm?"),
+        ("time [s],displacement [mm],force [kN]", "is the unit N?"),
+        ("time [s],displacement [mm],force", "unit"),
+    ],
+)
+def test_a_wrong_unit_is_asked_about(tmp_path, head, says):
+    path = pressed(bulb).write(tmp_path / "a.csv", head=head)
+    assert says in ran(tmp_path, path.name, code=2).stderr
+
+
+def test_inspect_names_the_kind(folder):
+    for name in ("p1.csv", "unclocked.csv"):
+        result = CliRunner().invoke(main, ["inspect", str(folder / name), "--json"])
+        assert '"cld"' in result.stdout
+    result = CliRunner().invoke(main, ["fit", str(folder / "p1.csv")])
+    assert "dashpot cld takes" in result.stderr

@@ -1,0 +1,122 @@
+"""Compression load deflection of a seal whose truth is known: nothing of dashpot is used.
+
+The seal answers its elastic law with memory, each arm by the exact recursion; it softens from cycle
+to cycle, carries a set, and does not pull. The machine counts, drifts and makes noise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[Any]
+
+ARMS = ((0.35, 0.5), (0.15, 16.0))
+"""g_j, parts of the relaxed force, and tau_j, s."""
+LENGTH = 0.1
+
+
+def stiffening(x: Array) -> Array:
+    """Relaxed force of a stiffening seal, N; x in m."""
+    return 150.0 * x + 7.2656e5 * x**3
+
+
+def bulb(x: Array) -> Array:
+    """Relaxed force of a bulb: stiff at first, a plateau, then the walls meet."""
+    u = np.maximum(x, 0.0) / 8e-3
+    return np.sign(x) * (2.2 * np.tanh(2.2 * u) + 0.25 * u + 1.4 * u**6) * (x != 0)
+
+
+@dataclass(frozen=True)
+class Truth:
+    """A record and what is true of it; SI units, compression positive."""
+
+    time: Array
+    displacement: Array
+    force: Array
+    compression: Array
+    clean: Array
+
+    def text(self, *, head: str = "time [s],displacement [mm],force [N]", clock: bool = True,
+             rows: slice = slice(None)) -> str:  # fmt: skip
+        columns = [self.time, 1e3 * self.displacement, self.force][not clock :]
+        table = np.column_stack([one[rows] for one in columns])
+        names = head if clock else head.partition(",")[2]
+        return "\n".join([names, *(",".join(f"{v:.9g}" for v in row) for row in table), ""])
+
+    def write(self, path: Path, **how: Any) -> Path:
+        path.write_text(self.text(**how), encoding="utf-8")
+        return path
+
+
+def pressed(
+    law: Callable[[Array], Array] = stiffening,
+    *,
+    depth: float | tuple[float, ...] = 8e-3,
+    speed: float = 5e-3,
+    cycles: int = 4,
+    gap: float = 1e-3,
+    arms: tuple[tuple[float, float], ...] = ARMS,
+    softening: float = 0.12,
+    set_: float = 0.0,
+    wait: float = 0.0,
+    rest: float = 1.0,
+    rate: float = 100.0,
+    noise: float = 4e-3,
+    drift: float = 0.0,
+    bias: float = 0.05,
+    count: float = 2e-6,
+    scale: float = 1.0,
+    unload: bool = True,
+    seed: int = 1,
+) -> Truth:
+    """A seal pressed through cycles at one speed, from a gap of air, m.
+
+    `set_` is reached after a few cycles; softening is 1 - m (1 - e^{-(n-1)/1.5}) of the law's
+    force in cycle n; a negative `gap` begins in contact.
+    """
+    depths = (depth,) * cycles if isinstance(depth, float) else depth
+    knots, at, ends = [0.0, rest], [-gap, -gap], []
+    for number, deep in enumerate(depths):
+        last = number == len(depths) - 1
+        knots.append(knots[-1] + (deep + gap) / speed)
+        at.append(deep)
+        if wait:
+            knots.append(knots[-1] + wait)
+            at.append(deep)
+        if unload or not last:
+            knots.append(knots[-1] + (deep + gap) / speed)
+            at.append(-gap)
+            ends.append(knots[-1])
+    if unload:
+        knots.append(knots[-1] + rest)
+        at.append(-gap)
+    time = np.arange(0.0, knots[-1] + 0.5 / rate, 1 / rate)
+    x = np.interp(time, knots, at)
+    number = np.searchsorted(ends, time)
+    n = np.clip(number, 0, len(depths) - 1).astype(float)
+    soft = 1 - softening * (1 - np.exp(-n / 1.5))
+    lost = set_ * (1 - np.exp(-n))
+    elastic = soft * law(np.maximum(x - lost, 0.0))
+    clean = elastic.copy()
+    for g, tau in arms:
+        arm, last_e = 0.0, elastic[0]
+        out = np.zeros_like(x)
+        decay = np.exp(-1 / rate / tau)
+        mean = (1 - decay) * tau * rate
+        out[0] = 0.0
+        for i in range(1, len(x)):
+            arm = decay * arm + g * mean * (elastic[i] - last_e)
+            last_e = elastic[i]
+            out[i] = arm
+        clean = clean + out
+    clean = scale * np.where(x > lost, np.maximum(clean, 0.0), 0.0)
+    draw = np.random.default_rng(seed).standard_normal(len(x))
+    read = clean + bias + drift * time + noise * draw
+    counted = np.round(x / count) * count if count else x
+    return Truth(time, counted, read, x, clean)
