@@ -45,6 +45,7 @@ from dashpot.records.dynamic import DynamicTest
 from dashpot.records.estimate import Nuisance
 from dashpot.records.fit import Explanation
 from dashpot.records.frf import FRF, Hit, Mode
+from dashpot.records.frf_set import ModeShape
 from dashpot.records.relaxation import RampHold
 from dashpot.records.specimen import Specimen
 from dashpot.records.temperature import Shift, TemperatureShifts
@@ -59,7 +60,9 @@ from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.impact import checks as impact
 from dashpot.vibration.impact.estimators import Estimator, Spectra
 from dashpot.vibration.impact.rocking import Combination
+from dashpot.vibration.modal import checks as modal
 from dashpot.vibration.modal.peaks import Peak
+from dashpot.vibration.modal.stabilisation import DAMPING, Stabilisation
 from dashpot.vibration.systems.operating_point import OperatingPoint
 from dashpot.vibration.systems.prediction import moving_mass, predict_frf
 from dashpot.workflow import checks as workflow
@@ -850,6 +853,34 @@ COMPARISON = [
     ),
 ]
 
+
+def shape(misfit: float) -> ModeShape:
+    """A mode of one point whose lines are missed by so much."""
+    return ModeShape(MODE, np.array([MODE.residue]), np.zeros(1), misfit)
+
+
+def charted(orders: int) -> Stabilisation:
+    """A chart of one point in which a mode is stable at so many orders."""
+    count = np.arange(1, orders + 1)
+    hz, ratio = (np.full(orders, x) for x in (MODE.frequency, MODE.damping_ratio))
+    state = np.full(orders, DAMPING)
+    return Stabilisation(count, hz, ratio, state, np.ones(9), np.ones(9), highest=30, points=1)
+
+
+MODAL = [
+    Case("modes_stable", whole(lambda n: modal.modes_stable([shape(1.0)], charted(n))), 5, 4),
+    Case(
+        "modes_explain_lines",
+        lambda x: modal.modes_explain_lines([shape(0.5), shape(x)], known=True),
+        3.999,
+        4.001,
+    ),
+    # of two masses four numbers, whose sum of squares exceeds 13.28 once in a hundred
+    Case(
+        "one_solid", lambda x: modal.one_solid(x, (0.1, 0.2), (0.1, "1 % of stiffness")), 3.63, 3.66
+    ),
+]
+
 IMPACT = [
     Case("hits_enough", whole(lambda n: impact.hits_enough(measured(averages=n))), 3, 2),
     Case(
@@ -1122,6 +1153,7 @@ STAGES = {
     "vibration": VIBRATION,
     "vibration/comparison": COMPARISON,
     "vibration/impact": IMPACT,
+    "vibration/modal": MODAL,
     "workflow": WORKFLOW,
 }
 #: what each value that the cases give is held against, where the criterion itself sets the limit
@@ -1202,6 +1234,7 @@ LIMITS = {
         "hits_agree": 0.1, "amplitude_linear": 1, "rocking_cancelled": 0.05, "hits_centred": 0.25,
         "mass_line": 0.05,
     },
+    "vibration/modal": {"modes_stable": 5, "modes_explain_lines": 4},
     "workflow": {
         "result_recomputed": 1e-7, "prediction_informed": 1, "level_covered": 1,
         "base_band_informed": 1,
@@ -1472,6 +1505,7 @@ def test_what_cannot_be_judged_neither_passes_nor_fails() -> None:
         comparison.operating_point(OperatingPoint(1e-3, None)),
         impact.coherence(measured(coherence=None), 75),
         impact.mass_line(None, 1.0),
+        modal.modes_explain_lines([shape(9.0)], known=False),
     ):
         assert found.passed is None, found
         assert not found.failed

@@ -32,6 +32,7 @@ from .io.readers.cld import read_cld as read_cld
 from .io.readers.creep import read_creep as read_creep
 from .io.readers.dynamic import read_dynamic as read_dynamic
 from .io.readers.frf import read_frf as read_frf
+from .io.readers.frf_set import read_frfs as read_frfs
 from .io.readers.impact import read_impact as read_impact
 from .io.readers.inspect import inspect_file as inspect_file
 from .io.readers.modulus import read_modulus as read_modulus
@@ -52,6 +53,7 @@ from .records.dynamic import DynamicTest as DynamicTest
 from .records.fit import Fit as Fit
 from .records.fit import Status as Status
 from .records.frf import FRF as FRF
+from .records.frf_set import FRFSet as FRFSet
 from .records.impact import ImpactTest as ImpactTest
 from .records.level import LevelFit as LevelFit
 from .records.machine import Machine as Machine
@@ -75,6 +77,9 @@ from .vibration.comparison.compare import infer_mass as infer_mass
 from .vibration.comparison.comparison import Comparison as Comparison
 from .vibration.impact.frf_estimation import estimate_frf as estimate_frf
 from .vibration.modal.dynamic_stiffness import dynamic_stiffness as dynamic_stiffness
+from .vibration.modal.several_masses import several_masses as several_masses
+from .vibration.modal.shapes import mac as mac
+from .vibration.modal.stabilisation import stabilisation as stabilisation
 from .vibration.systems.level import response_at_level as response_at_level
 from .vibration.systems.prediction import isolation_frequency as isolation_frequency
 from .vibration.systems.prediction import predict_frf as predict_frf

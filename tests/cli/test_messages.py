@@ -48,6 +48,8 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "fitting/identification/": ("identify", "report"),
     "vibration/comparison/": MEASURED,
     "vibration/impact/checks.py:modes_within_band": ("modes",),
+    "workflow/measured_modes.py": ("modes",),
+    "workflow/modes_by_mass.py": ("modes",),
     "export/": ("export",),
     "report/answer.py": ("export",),
     "workflow/fits.py": ("fit",),

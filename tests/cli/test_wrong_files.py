@@ -260,7 +260,7 @@ def test_an_frf_without_coherence_says_so_first(lab: Path) -> None:
     [
         (
             "fit seal.csv --mass 104g",
-            "--mass is an option of dashpot predict, impact, level, compare",
+            "--mass is an option of dashpot predict, impact, modes, level, compare",
         ),
         ("report seal.csv hammer.csv --mass 104g", "hits of the hammer are given by --impact"),
         ("fit seal.csv --units kraft=N", "'kraft' is no role .* and no column of seal.csv"),

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from dashpot.solids.elastic import ElasticLaw
     from dashpot.workflow.impacts import ImpactResult
     from dashpot.workflow.levels import Levels
-    from dashpot.workflow.measured_modes import MeasuredModes
     from dashpot.workflow.predictions import Prediction
     from dashpot.workflow.study import Study
 
@@ -308,24 +307,6 @@ def impact(found: ImpactResult) -> Text:
     lines += table(rows)
     lines += [f"    {hit.name}: {reason}" for hit in frf.hits for reason in hit.reasons]
     return Text(lines)
-
-
-def modes(found: MeasuredModes) -> Text:
-    """Return each mode with its errors, and where modes were sought."""
-    rows = [["mode", "frequency, Hz", "damping ratio, %", "residue, m/(N s)", "modal mass, kg"]]
-    for number, mode in enumerate(found.modes, start=1):
-        rows.append(
-            [
-                str(number),
-                with_error(mode.frequency_hz, mode.frequency_se_hz),
-                with_error(mode.damping_ratio, mode.damping_ratio_se, scale=100),
-                with_error(abs(complex(mode.residue_real, mode.residue_imag)), mode.residue_se),
-                f"{mode.modal_mass:.4g}",
-            ]
-        )
-    near = found.frf.band(*found.band)
-    sought = f"  {len(near.frequency)} lines, {hertz(found.band)}, of the {found.frf.kind}"
-    return Text([*(table(rows) if found.modes else ()), sought])
 
 
 def levels(found: Levels) -> Text:

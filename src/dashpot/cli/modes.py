@@ -1,34 +1,76 @@
-"""dashpot modes: what rings in a measured FRF, and how well that is known."""
+"""dashpot modes: what rings in measured FRFs, and how well that is known."""
 
 from __future__ import annotations
 
 import click
 
+import dashpot as dp
 from dashpot import workflow
 from dashpot.base.checks import verdict
+from dashpot.base.errors import ReadError
+from dashpot.cli import _modes_text as text
 from dashpot.cli import _options as options
-from dashpot.cli import _text
-from dashpot.cli._options import Range
-from dashpot.cli._shell import File, Outcome, reports
+from dashpot.cli._options import Quantity, Range
+from dashpot.cli._shell import File, Outcome, reports, write_figure
 from dashpot.io.options import ReadOptions
 
 
 @click.command("modes")
-@click.argument("frf", type=File(), metavar="FRF")
+@click.argument("frfs", type=File(), nargs=-1, required=True, metavar="FRF...")
 @click.option("--band", type=Range("frequency"), help="Where to look for modes, e.g. 5:50Hz.")
+@click.option(
+    "--against",
+    type=File(),
+    multiple=True,
+    metavar="FRF",
+    help="The same points in another test, whose modes are held against these; repeat for more.",
+)
+@click.option(
+    "--mass",
+    "masses",
+    type=Quantity("mass"),
+    multiple=True,
+    help="On the seals in each FRF, in order, e.g. 104g: is it one solid that carries them all?",
+)
+@options.seals
+@options.picture
+@options.overwrite
 @reports
 @options.reading
-def command(*, frf: str, band: tuple[float, float] | None, options: ReadOptions) -> Outcome:
-    """Find the modes of the frequency response in FRF (text, UFF 58, MAT, HDF5).
+def command(
+    *,
+    frfs: tuple[str, ...],
+    band: tuple[float, float] | None,
+    against: tuple[str, ...],
+    masses: tuple[float, ...],
+    seals: float,
+    picture: str | None,
+    options: ReadOptions,
+) -> Outcome:
+    """Find the modes of the frequency responses in FRF (text, UFF 58, MAT, HDF5).
 
     Natural frequencies, damping ratios and residues of the receptance, each with its standard
     error; the mode that moves most comes first. Without a band they are sought within two octaves
-    of where a block on its mounts moves most.
+    of where a block on its mounts moves most. Several points of one structure, in one file or in
+    several, give poles that they share, and shapes; --plot draws the stabilisation chart.
 
     \b
     dashpot modes frf.csv
-    dashpot modes frf.uff --band 5:50Hz --json
+    dashpot modes frf.uff --band 5:50Hz --plot chart.svg
+    dashpot modes light.csv heavy.csv --mass 104g --mass 250g --seals 2
     """
-    found = workflow.modes_file(frf, options=options, band=band)
+    if masses:
+        if picture or against:
+            raise ReadError(
+                "--plot and --against are of one structure, --mass of several: leave either out"
+            )
+        held = workflow.modes_by_mass(frfs, masses, seals=seals, options=options, band=band)
+        return Outcome(held.document, text.modes_by_mass(held), held.checks,
+                       verdict=verdict(held.checks))  # fmt: skip
+    found, chart = workflow.modes_files(frfs, options=options, band=band, against=against)
+    if picture:
+        modes = [one.mode for one in found.modes]
+        stamp = dp.plot.stamp(found.frf.source)
+        write_figure(picture, dp.plot.stabilisation(chart, modes, stamp=stamp))
     checks = found.frf.checks
-    return Outcome(found, _text.modes(found), checks, verdict=verdict(checks))
+    return Outcome(found, text.modes(found), checks, verdict=verdict(checks))

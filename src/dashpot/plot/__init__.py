@@ -14,6 +14,7 @@ from dashpot.plot.direct import dynamic_stiffness
 from dashpot.plot.files import rendered, save
 from dashpot.plot.impact import hits
 from dashpot.plot.level import amplitude_sweep, frfs_at_levels, level, loops
+from dashpot.plot.modal import stabilisation
 from dashpot.plot.modulus import modulus
 from dashpot.plot.overview import hero
 from dashpot.plot.picture import Picture
@@ -49,6 +50,7 @@ __all__ = [
     "save",
     "segments",
     "spectrum",
+    "stabilisation",
     "stamp",
     "stiffness",
     "superposition",

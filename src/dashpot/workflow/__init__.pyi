@@ -21,7 +21,9 @@ from .job import Job as Job
 from .levels import Levels as Levels
 from .levels import level_files as level_files
 from .measured_modes import MeasuredModes as MeasuredModes
-from .measured_modes import modes_file as modes_file
+from .measured_modes import modes_files as modes_files
+from .modes_by_mass import ModesByMass as ModesByMass
+from .modes_by_mass import modes_by_mass as modes_by_mass
 from .predictions import Prediction as Prediction
 from .predictions import predict_files as predict_files
 from .project import create as create

@@ -168,16 +168,18 @@ def judged(
     main: Mode | None = None,
     *,
     mass: float | None = None,
+    driven: bool = True,
 ) -> FRF:
     """Return an FRF that was averaged elsewhere with what it says of itself at its peak.
 
     The peak is the highest in `band`, Hz, or that of a mode; a transmissibility needs the mass, kg.
+    Only where a point is struck itself (`driven`) does its phase tell whether the part dissipates.
     """
     near = frf.to("accelerance", mass=mass)
     near = near if band is None else near.band(*band)
     peak = find_peak(near) if main is None else main
     at = int(np.argmin(np.abs(near.frequency - peak.frequency)))
-    judged = [frf_dissipates(complex(near.value[at]), float(near.frequency[at]))]
+    judged = [frf_dissipates(complex(near.value[at]), float(near.frequency[at]))] * driven
     if frf.kind is Kind.TRANSMISSIBILITY:
         judged.insert(0, mass_over_base(frf))
     if frf.coherence is not None:

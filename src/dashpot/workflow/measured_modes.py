@@ -1,31 +1,89 @@
-"""From the file of a measured FRF to its modes."""
+"""From the files of measured FRFs to their modes."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
+from dashpot.base.errors import DataError
 from dashpot.io.options import ReadOptions
-from dashpot.io.readers.frf import read_frf
+from dashpot.io.readers.frf_set import read_frfs
 from dashpot.records.frf import FRF, Mode
+from dashpot.records.frf_set import FRFSet, ModeShape
 from dashpot.vibration.impact.checks import (
     lines_in_half_power_band,
     modes_within_band,
     record_long_enough,
     resonance,
 )
-from dashpot.vibration.modal.modes import mount_band
+from dashpot.vibration.modal.checks import modes_explain_lines, modes_stable
+from dashpot.vibration.modal.several_points import shapes_of, within
+from dashpot.vibration.modal.shapes import mac, phase_collinearity, phase_deviation
+from dashpot.vibration.modal.stabilisation import Stabilisation, stabilisation
 from dashpot.workflow.impacts import ImpactMode, finite, judged
+
+SAME_MODE = 0.2
+"""Relative: no mode of another set is the same one farther off than this."""
+
+
+@dataclass(frozen=True)
+class PointInMode:
+    """How a point moves in a mode, over the one that moves most; `se` of either part."""
+
+    point: str
+    real: float
+    imag: float
+    se: float | None
 
 
 @dataclass(frozen=True)
 class MeasuredMode(ImpactMode):
-    """A mode with its residue of the receptance, m/(N s), and the mass that moves in it, kg."""
+    """A mode with its residue of the receptance, m/(N s), and the mass that moves in it, kg.
+
+    Of several points they are those of the point that moves most.
+
+    Attributes
+    ----------
+    orders : int
+        Of the stabilisation chart, at which the mode is stable.
+    shape : tuple of PointInMode
+        Empty of a single point.
+    phase_collinearity, phase_deviation_deg : float or None
+        1 and 0 where all points move in phase or against it.
+    """
 
     residue_real: float
     residue_imag: float
     residue_se: float | None
     modal_mass: float
+    orders: int = 0
+    shape: tuple[PointInMode, ...] = ()
+    phase_collinearity: float | None = None
+    phase_deviation_deg: float | None = None
+
+    @property
+    def mode(self) -> Mode:
+        """The pole with its residue and their errors: nan where a method cannot tell."""
+        known = (self.frequency_se_hz, self.damping_ratio_se, self.residue_se)
+        frequency, ratio, size = (float("nan") if se is None else se for se in known)
+        residue = complex(self.residue_real, self.residue_imag)
+        return Mode(
+            self.frequency_hz, self.damping_ratio, residue, frequency, ratio, size, self.method
+        )
+
+
+@dataclass(frozen=True)
+class SameMode:
+    """A mode and the one of another set that is most like it: both from 1, and how alike."""
+
+    mode: int
+    other: int
+    frequency_hz: float
+    damping_ratio: float
+    mac: float | None
 
 
 @dataclass(frozen=True)
@@ -35,59 +93,123 @@ class MeasuredModes:
     Attributes
     ----------
     frf : FRF
-        As it was read, with every check.
+        As it was read, with every check; of several points that which the checks are about.
     modes : tuple of MeasuredMode
         The one that moves most first; empty if nothing rings in the band.
     band : (float, float)
         Where they were sought, Hz.
+    points : tuple of str
+        What the points are called; empty of a single one.
+    highest_order : int
+        Of the stabilisation chart.
+    mac : tuple of tuple of float
+        Modal assurance criterion of every mode with every other; empty of a single point.
+    against : tuple of SameMode
+        The modes of another set that these are found in again.
     """
 
     frf: FRF
     modes: tuple[MeasuredMode, ...]
     band: tuple[float, float]
+    points: tuple[str, ...] = ()
+    highest_order: int = 0
+    mac: tuple[tuple[float, ...], ...] = ()
+    against: tuple[SameMode, ...] = ()
 
 
-def modes_file(
-    path: str | Path,
+def modes_files(
+    files: Sequence[str | Path],
     *,
     options: ReadOptions | None = None,
     band: tuple[float, float] | None = None,
-) -> MeasuredModes:
-    """Find natural frequencies, damping ratios and residues of the FRF in a file.
+    against: Sequence[str | Path] = (),
+) -> tuple[MeasuredModes, Stabilisation]:
+    """Find the modes that the FRFs in files share, and their stabilisation chart.
 
     Parameters
     ----------
-    path : path
-        Of any format and kind that :func:`~dashpot.io.readers.frf.read_frf` reads.
+    files : sequence of path
+        Of any format and kind that :func:`~dashpot.io.readers.frf_set.read_frfs` reads: one point
+        or several, in one file or in several.
     options : ReadOptions, optional
-        What the user said of the file.
+        What the user said of the files.
     band : (float, float), optional
         Where to look for modes, Hz; by default two octaves to either side of where a block on its
         mounts moves most.
+    against : sequence of path
+        The same points, tested once more, whose modes are held against these.
 
     Raises
     ------
     ReadError
-        If there is no FRF in the file.
+        If there is no FRF in a file.
     DataError
-        If the band holds fewer than 8 lines.
+        If the band holds fewer than 8 lines, or the points are not on the same ones.
     """
-    frf = read_frf(path, options=options)
-    accelerance = frf.to("accelerance")
-    sought = band or mount_band(accelerance.frequency, accelerance.value, accelerance.sd)
-    modes = accelerance.modes(band=sought)
-    main = modes[0] if modes else None
-    near = accelerance.band(*sought)
-    checks = [*judged(frf, sought, main).checks, resonance(near, main)]
+    measured = read_frfs(files, options=options)
+    near = within(measured, band)
+    lines = near.frfs[0].frequency
+    sought = band or (float(lines[0]), float(lines[-1]))
+    chart = stabilisation(measured, band=sought)
+    shapes = shapes_of(near)
+    several = len(measured.points) > 1
+    found = MeasuredModes(
+        _judged(measured, near, shapes, chart, sought),
+        tuple(_told(one, chart, measured.points if several else ()) for one in shapes),
+        sought,
+        measured.points if several else (),
+        chart.highest,
+        _macs(shapes, shapes) if several else (),
+    )
+    if not against:
+        return found, chart
+    other = read_frfs(against, options=options)
+    if len(other.points) != len(measured.points):
+        raise DataError(
+            f"{len(measured.points)} points are held against {len(other.points)} (--against); "
+            "expected the same ones, in the same order"
+        )
+    return replace(found, against=_again(shapes, other.modes(band=sought), several)), chart
+
+
+def _judged(
+    measured: FRFSet,
+    near: FRFSet,
+    shapes: Sequence[ModeShape],
+    chart: Stabilisation,
+    sought: tuple[float, float],
+) -> FRF:
+    """Return the FRF of the point that tells most, with what it and the modes say of themselves."""
+    main = shapes[0] if shapes else None
+    driven = [i for i, name in enumerate(measured.points) if _is_driven(name)]
+    single = len(measured.points) == 1
+    top = 0 if main is None else int(np.argmax(np.abs(main.residues)))
+    at = 0 if single else driven[0] if driven else top
+    frf, mode = measured.frfs[at], None if main is None else main.mode
+    checks = [*judged(frf, sought, mode, driven=single or bool(driven)).checks]
+    checks.append(resonance(near.frfs[at], mode))
     if main is not None:
-        checks += [modes_within_band(modes, sought), lines_in_half_power_band(near, main)]
+        modes = [one.mode for one in shapes]
+        checks += [
+            modes_within_band(modes, sought),
+            lines_in_half_power_band(near.frfs[at], main.mode),
+            modes_stable(shapes, chart),
+            modes_explain_lines(shapes, known=near.sd is not None),
+        ]
         if frf.record is not None:
-            checks.append(record_long_enough(frf, main))
-    told = tuple(_told(mode) for mode in modes)
-    return MeasuredModes(replace(frf, checks=tuple(checks)), told, sought)
+            checks.append(record_long_enough(frf, main.mode))
+    return replace(frf, checks=tuple(checks))
 
 
-def _told(mode: Mode) -> MeasuredMode:
+def _is_driven(name: str) -> bool:
+    """Whether a point such as 1+Z/1+Z is struck where it is measured."""
+    moves, slash, struck = name.rpartition(" ")[2].partition("/")
+    return bool(slash) and moves == struck
+
+
+def _told(one: ModeShape, chart: Stabilisation, points: Sequence[str]) -> MeasuredMode:
+    mode, shape = one.mode, one.shape
+    errors = one.residue_se / np.abs(one.residues).max()
     return MeasuredMode(
         mode.frequency,
         mode.damping_ratio,
@@ -98,4 +220,44 @@ def _told(mode: Mode) -> MeasuredMode:
         mode.residue.imag,
         finite(mode.residue_se),
         mode.modal_mass,
+        chart.orders_with(mode),
+        tuple(
+            PointInMode(name, float(value.real), float(value.imag), finite(float(se)))
+            for name, value, se in zip(points, shape, errors, strict=False)
+        ),
+        phase_collinearity(shape) if points else None,
+        float(np.degrees(phase_deviation(shape))) if points else None,
     )
+
+
+def _macs(one: Sequence[ModeShape], other: Sequence[ModeShape]) -> tuple[tuple[float, ...], ...]:
+    if not one or not other:
+        return ()
+    both = [np.column_stack([shape.residues for shape in some]) for some in (one, other)]
+    return tuple(tuple(map(float, row)) for row in mac(*both))
+
+
+def _again(
+    shapes: Sequence[ModeShape], others: Sequence[ModeShape], several: bool
+) -> tuple[SameMode, ...]:
+    """The mode of another set that each is found in again: the most alike of those nearby."""
+    alike = _macs(shapes, others)
+    found = []
+    for i, one in enumerate(shapes):
+        near = [
+            (
+                -alike[i][j] if several else 0.0,
+                abs(other.mode.frequency / one.mode.frequency - 1),
+                j,
+            )
+            for j, other in enumerate(others)
+            if abs(other.mode.frequency / one.mode.frequency - 1) < SAME_MODE
+        ]
+        if near:
+            j = min(near)[2]
+            mode = others[j].mode
+            found.append(
+                SameMode(i + 1, j + 1, mode.frequency, mode.damping_ratio,
+                         alike[i][j] if several else None)
+            )  # fmt: skip
+    return tuple(found)

@@ -20,14 +20,18 @@ _PSD = 9
 _QUANTITY = {8: "m", 11: "m/s", 12: "m/s^2", 9: "N", 13: "N", 17: "s", 18: "Hz"}
 """SI unit by the specific data type of an axis."""
 _BLANK = {"", "NONE", "NULL"}
+_AXES = ("", "X", "Y", "Z", "RX", "RY", "RZ")
+SEGMENT = "--segment NUMBER"
+"""What answers which of several FRFs is meant."""
 _Set: TypeAlias = dict[str, Any]
 
 
 def read(raw: Raw, options: ReadOptions) -> Table:
     """Return the FRFs of a file, else its time records, as a table.
 
-    Of several FRFs one is chosen by ``--segment``. Units are those of the axis labels; where a
-    label is blank, dataset 164 and the specific data type give them.
+    Of several FRFs one is chosen by ``--segment``; without it those on the same lines are columns
+    side by side, named after their points, for a reader that takes them all. Units are those of the
+    axis labels; where a label is blank, dataset 164 and the specific data type give them.
 
     Raises
     ------
@@ -86,22 +90,56 @@ def _frf(
     doubts: tuple[Question, ...] = ()
     if segment is None and len(frfs) > 1:
         listed = ", ".join(f"{i + 1} {_title(entry)}" for i, entry in enumerate(frfs[:8]))
-        says = f"{len(frfs)} FRFs in the file: {listed}; choose one, for example --segment 1"
-        doubts = (Question(says, "--segment NUMBER"),)
+        says = (
+            f"{len(frfs)} FRFs in the file: {listed}; choose one, for example --segment 1 "
+            "(dashpot modes takes them together)"
+        )
+        doubts = (Question(says, SEGMENT),)
     number = segment or 1
     if number > len(frfs):
         raise ReadError(f"--segment {segment}, but the file has {len(frfs)} FRFs")
     one = frfs[number - 1]
-    unit = _per(_unit(one, "ordinate", units), _unit(one, "orddenom", units))
-    value = np.asarray(one["data"], dtype=complex)
-    columns = [Column("frequency", _label(one["abscissa_axis_units_lab"]) or "Hz"),
-               Column("real", unit), Column("imaginary", unit)]  # fmt: skip
-    values = [np.asarray(one["x"], dtype=float), value.real, value.imag]
-    same = next((e for e in coherent if np.array_equal(e["x"], one["x"])), None)
-    if same is not None:
-        columns.append(Column("coherence", "1"))
-        values.append(np.real(same["data"]))
+    together = segment is None and all(np.array_equal(e["x"], one["x"]) for e in frfs)
+    columns = [Column("frequency", _label(one["abscissa_axis_units_lab"]) or "Hz")]
+    values = [np.asarray(one["x"], dtype=float)]
+    shown = frfs if together else [one]
+    for entry, name in zip(shown, _points(shown), strict=True):
+        unit = _per(_unit(entry, "ordinate", units), _unit(entry, "orddenom", units))
+        value = np.asarray(entry["data"], dtype=complex)
+        columns += [Column(f"real{name}", unit), Column(f"imaginary{name}", unit)]
+        values += [value.real, value.imag]
+        own = _coherence_of(entry, coherent)
+        if own is not None:
+            columns.append(Column(f"coherence{name}", "1"))
+            values.append(np.real(own["data"]))
     return _table(columns, values, one, notes, doubts)
+
+
+def _coherence_of(frf: _Set, coherent: Sequence[_Set]) -> _Set | None:
+    """The coherence of the same two points on the same lines; or the only one there is."""
+    same = [e for e in coherent if np.array_equal(e["x"], frf["x"])]
+    own = [e for e in same if _ends(e) == _ends(frf)]
+    return own[0] if len(own) == 1 else same[0] if len(same) == 1 else None
+
+
+def _ends(entry: _Set) -> tuple[str, str]:
+    """Where it moves and where it is struck, such as 3+Z and 1+Z; "" if a file does not say."""
+    return _end(entry, "rsp"), _end(entry, "ref")
+
+
+def _end(entry: _Set, end: str) -> str:
+    node, way = int(entry.get(f"{end}_node") or 0), int(entry.get(f"{end}_dir") or 0)
+    axis = _AXES[abs(way)] if abs(way) < len(_AXES) else ""
+    return f"{node}{'-' if way < 0 else '+'}{axis}" if axis else str(node) if node else ""
+
+
+def _points(frfs: Sequence[_Set]) -> list[str]:
+    """What the columns of each FRF are called behind their role; of a single one nothing."""
+    if len(frfs) == 1:
+        return [""]
+    names = ["/".join(filter(None, _ends(entry))) for entry in frfs]
+    alone = len(set(names)) == len(names) and all(names)
+    return [f" {name}" if alone else f" {i + 1}" for i, name in enumerate(names)]
 
 
 def _per(above: str | None, below: str | None) -> str | None:

@@ -55,37 +55,48 @@ def read_frf(path: str | Path, *, options: ReadOptions | None = None) -> FRF:
     """
     with channels.opened(path, options) as file:
         channels.expect(file, ["frf", "transmissibility"], "an FRF is", named=["real", "magnitude"])
-        index, kind, factor, hertz, radian = settled(file)
-        loaded = channels.load(file.table, range(len(file.table.columns)), None)
-        column = {role: loaded.values[:, i] for role, i in index.items()}
-        value: ComplexArray = np.asarray(
-            column["real"] + 1j * column["imaginary"]
-            if "real" in index
-            else _polar(file, index, column, radian)
+        return built(file, settled(file))
+
+
+def built(file: Opened, known: Settled) -> FRF:
+    """Return the FRF that stands in the columns that were settled.
+
+    Raises
+    ------
+    ReadError
+        If its numbers cannot be those of an FRF.
+    """
+    index, kind, factor, hertz, radian = known
+    loaded = channels.load(file.table, range(len(file.table.columns)), None)
+    column = {role: loaded.values[:, i] for role, i in index.items()}
+    value: ComplexArray = np.asarray(
+        column["real"] + 1j * column["imaginary"]
+        if "real" in index
+        else _polar(file, index, column, radian)
+    )
+    if not value.any():
+        raise ReadError("the FRF is 0 at every line; export its values, or name their columns")
+    ticks = file.table.columns[index["frequency"]]
+    top = hertz * float(column["frequency"].max())
+    if top > _HIGHEST and not file.options.unit_of("frequency", ticks.name):
+        raise ReadError(
+            f"the FRF goes to {1e-3 * top:.4g} kHz, where no seal is struck: is the unit of "
+            'frequency Hz? Then add --units "frequency=Hz"; if it is meant so, say it: '
+            '--units "frequency=kHz"'
         )
-        if not value.any():
-            raise ReadError("the FRF is 0 at every line; export its values, or name their columns")
-        ticks = file.table.columns[index["frequency"]]
-        top = hertz * float(column["frequency"].max())
-        if top > _HIGHEST and not file.options.unit_of("frequency", ticks.name):
-            raise ReadError(
-                f"the FRF goes to {1e-3 * top:.4g} kHz, where no seal is struck: is the unit of "
-                'frequency Hz? Then add --units "frequency=Hz"; if it is meant so, say it: '
-                '--units "frequency=kHz"'
-            )
-        sd = next((i for i, c in enumerate(file.table.columns) if c.name.casefold() == "sd"), None)
-        stated = _comments(file.table.header)
-        names = [c.name for c in file.table.columns]
-        return FRF(
-            column["frequency"] * hertz, value * factor, kind,
-            coherence=None
-            if "coherence" not in column
-            else _in_parts(file, index["coherence"], column["coherence"]),
-            sd=None if sd is None else loaded.values[:, sd] * factor,
-            shift=stated.get("shift", 0.0), record=stated.get("record"),
-            averages=int(stated.get("averages", 0)),
-            source=(channels.source(file, names, (*file.table.notes, *loaded.notes)),),
-        )  # fmt: skip
+    sd = next((i for i, c in enumerate(file.table.columns) if c.name.casefold() == "sd"), None)
+    stated = _comments(file.table.header)
+    names = [c.name for c in file.table.columns]
+    return FRF(
+        column["frequency"] * hertz, value * factor, kind,
+        coherence=None
+        if "coherence" not in column
+        else _in_parts(file, index["coherence"], column["coherence"]),
+        sd=None if sd is None else loaded.values[:, sd] * factor,
+        shift=stated.get("shift", 0.0), record=stated.get("record"),
+        averages=int(stated.get("averages", 0)),
+        source=(channels.source(file, names, (*file.table.notes, *loaded.notes)),),
+    )  # fmt: skip
 
 
 class Settled(NamedTuple):

@@ -49,6 +49,32 @@ def run_about(good: BoolArray, at: int) -> slice:
     return slice(int(left[-1]) + 1 if left.size else 0, int(right[0]) if right.size else len(good))
 
 
+def mount_band(
+    frequency: FloatArray, accelerance: ComplexArray, sd: FloatArray | None = None
+) -> tuple[float, float]:
+    """Two octaves to either side of where a block on its mounts moves most, Hz.
+
+    The receptance has its highest peak there; lines that are mostly noise are passed over, and so
+    is the rise of noise towards 0 Hz, which is no peak.
+    """
+    receptance = np.abs(accelerance) / np.maximum(frequency, 1e-12) ** 2
+    good = frequency > 2 * frequency[0] if len(frequency) > 8 else frequency > 0
+    if sd is not None:
+        quiet = good & (sd < 0.3 * np.abs(accelerance))
+        good = quiet if quiet.sum() >= 8 else good
+    inner = np.zeros(len(frequency), dtype=bool)
+    inner[1:-1] = (receptance[1:-1] >= receptance[:-2]) & (receptance[1:-1] >= receptance[2:])
+    best, centre = 0.0, None
+    for i in np.flatnonzero(inner & good)[np.argsort(-receptance[inner & good])][:20]:
+        near = (frequency > frequency[i] / 2) & (frequency < frequency[i] * 2)
+        if receptance[i] > 3 * np.median(receptance[near]) and receptance[i] > best:
+            best, centre = float(receptance[i]), float(frequency[i])
+    if centre is None:  # a heavily damped mode hardly peaks; its mobility does best
+        mobility = np.where(good, np.abs(accelerance) / np.maximum(frequency, 1e-12), 0.0)
+        centre = float(frequency[np.argmax(mobility)])
+    return max(centre / 4, float(frequency[0])), min(centre * 4, float(frequency[-1]))
+
+
 def find_peak(frf: FRF) -> Peak:
     r"""Find the highest peak of the accelerance, between the lines if need be.
 

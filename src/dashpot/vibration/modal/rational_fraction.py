@@ -20,6 +20,7 @@ from functools import cached_property
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
+from dashpot.vibration.modal.shapes import mac
 
 FLOOR = 1e-3  # relative error below which no line of a measured FRF is trusted
 FLOOR_OF_TOP = 3e-4  # and of the highest line: leakage is modelled that well
@@ -27,6 +28,7 @@ STEPS = 60
 MOST_DAMPED = 0.75  # sigma / omega of a mode; beyond it is relaxation
 SLOW_POLES = (1e-3, 0.3, 1.5, 7.0)  # of the background, times the middle of the band
 SMALLEST_MODE = 0.01  # of the largest value in the band
+ALIKE = 0.8  # by the modal assurance criterion: two shapes that no close poles are told apart by
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,13 +86,19 @@ class PoleFit:
         Upper half of the plane, 1/s.
     residues : complex array, shape (channels, modes)
         Of the accelerance.
-    covariance : array, shape (4 modes, 4 modes)
-        Of sigma, omega of each mode, then of real and imaginary residues of the first channel.
+    covariance : array, shape (2 modes, 2 modes)
+        Of sigma and omega of each mode.
+    residue_se : array, shape (channels, modes)
+        Of real and imaginary part together.
+    misfit : array, shape (modes,)
+        Squared over its variance, of the lines about each mode, for each degree of freedom.
     """
 
     poles: ComplexArray
     residues: ComplexArray
     covariance: FloatArray
+    residue_se: FloatArray
+    misfit: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -315,20 +323,34 @@ def _with_next_pole(trial: _Trial) -> _Trial:
 
 
 def _finish(trial: _Trial) -> PoleFit:
-    """Residues, and the covariance of the first channel's fit with all parameters in it."""
-    poles, modes, sd = trial.poles, len(trial.poles), trial.lines.sd[0]
-    slopes = _stack(trial.slopes(0), 1 / sd)
-    slopes[:, 0::2] /= poles.real  # by p.real = -sigma, so by sigma up to the sign
-    full = np.hstack((slopes, _stack(trial.columns, 1 / sd)))
-    scale = np.linalg.norm(full, axis=0)
-    covariance = np.linalg.pinv((full / scale).T @ (full / scale)) / np.outer(scale, scale)
+    """Residues, and the errors of all parameters: every channel tells the poles."""
+    modes = len(trial.poles)
+    normal = np.zeros((2 * modes, 2 * modes))
+    channels = []
+    for i, sd in enumerate(trial.lines.sd):
+        slopes = _stack(trial.slopes(i), 1 / sd)
+        slopes[:, 0::2] /= -trial.poles.real  # by sigma, not by its logarithm
+        columns = _stack(trial.columns, 1 / sd)
+        scale = np.linalg.norm(columns, axis=0)
+        q, triangle = np.linalg.qr(columns / scale)
+        apart = slopes - q @ (q.T @ slopes)
+        normal += apart.T @ apart
+        inverse = (np.linalg.pinv(triangle, rcond=1e-12) / scale[:, None])[: 2 * modes]
+        channels.append((inverse, inverse @ (q.T @ slopes)))
+    scale = np.sqrt(np.diag(normal))
+    covariance = np.linalg.pinv(normal / np.outer(scale, scale)) / np.outer(scale, scale)
+    variance = np.array(
+        [(own**2).sum(axis=1) + ((by @ covariance) * by).sum(axis=1) for own, by in channels]
+    )
     # what the model misses about a mode widens that mode's error
-    worse = np.sqrt([max(_chi2(trial, p), 1.0) for p in poles])
-    widen = np.concatenate((np.repeat(worse, 2), np.repeat(worse, 2)))
+    misfit = np.array([_chi2(trial, p) for p in trial.poles])
+    worse = np.sqrt(np.maximum(misfit, 1.0))
     return PoleFit(
-        poles=poles,
+        poles=trial.poles,
         residues=trial.residues,
-        covariance=covariance[: 4 * modes, : 4 * modes] * np.outer(widen, widen),
+        covariance=covariance * np.outer(np.repeat(worse, 2), np.repeat(worse, 2)),
+        residue_se=np.sqrt(variance[:, 0::2] + variance[:, 1::2]) * worse,
+        misfit=misfit,
     )
 
 
@@ -363,9 +385,10 @@ def _is_mode(trial: _Trial, i: int) -> bool:
         return False
     residue = np.abs(trial.residues)
     taller = residue.max(axis=0) > residue[:, i].max()
-    # closer than this no record of such length tells two modes apart
+    # closer than this no record of such length tells two modes apart, unless their shapes do
     apart = max(-0.5 * p.real, 0.0 if record is None else 3 * np.pi / record)
-    if (np.abs(trial.poles - p)[taller] < apart).any():
+    alike = mac(trial.residues, trial.residues[:, [i]])[:, 0] > ALIKE
+    if (np.abs(trial.poles - p)[taller & alike] < apart).any():
         return False
     height = residue[:, i] * float(np.abs(kernel(lines, p)).max())
     return bool((height >= SMALLEST_MODE * np.abs(lines.value).max(axis=1)).any())

@@ -1,0 +1,83 @@
+"""The figure of a stabilisation chart: orders over frequency, and the response above them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from dashpot.base.numbers import rounded
+from dashpot.plot.picture import (
+    MEASURED,
+    Axis,
+    Dots,
+    Line,
+    Mark,
+    Panel,
+    Pen,
+    Picture,
+    Rule,
+    Tag,
+    around_log,
+)
+from dashpot.records.frf import Mode
+from dashpot.vibration.modal.stabilisation import DAMPING, FREQUENCY, NEW, SHAPE, Stabilisation
+
+FOUND = Pen("fit", 1.2, (7, 4))
+BEHIND = Pen("line", 1.4)
+LOOKS = {
+    SHAPE: ("stable in frequency, damping and shape", "fit", 4.5, False),
+    DAMPING: ("stable in frequency and damping", "fit", 4.5, False),
+    FREQUENCY: ("stable in frequency", "ref", 4.5, True),
+    NEW: ("new at its order", "ref", 2.5, False),
+}
+"""Words, colour, size and whether hollow."""
+NAMED = 4
+"""That many modes have their numbers beside them."""
+
+
+def stabilisation(chart: Stabilisation, modes: Sequence[Mode] = (), *, stamp: str = "") -> Picture:
+    """Poles of every order over frequency, by what of each stayed from the order before.
+
+    Above them, and pale behind them, the root mean square of the points' accelerances; dashed the
+    modes that were found without the chart.
+
+    Parameters
+    ----------
+    chart : Stabilisation
+    modes : sequence of Mode
+    stamp : str
+        What the figure says of its origin.
+    """
+    x = Axis("frequency, Hz", (float(chart.lines[0]), float(chart.lines[-1])))
+    rules = [Rule(mode.frequency, FOUND, "mode found") for mode in modes]
+    limits = around_log(chart.height, margin=2.0)
+    upper: list[Mark] = [*rules, Line(chart.lines, chart.height, MEASURED, "measured")]
+    tallest = sorted(modes, key=lambda one: -abs(one.residue))[:NAMED]
+    for mode in sorted(tallest, key=lambda one: one.frequency):
+        top = float(np.interp(mode.frequency, chart.lines, chart.height))
+        text = f"{rounded(mode.frequency, digits=4)} Hz, {rounded(100 * mode.damping_ratio)} %"
+        upper.append(Tag(mode.frequency, top, text, "fit"))
+    what = "accelerance, 1/kg" if chart.points == 1 else "rms accelerance, 1/kg"
+    level = np.log(chart.height / limits[0]) / np.log(limits[1] / limits[0])
+    lower: list[Mark] = [Line(chart.lines, level * chart.highest, BEHIND), *rules]
+    several = chart.points > 1
+    for state, (label, colour, size, hollow) in sorted(LOOKS.items()):
+        here = chart.state == state
+        if here.any():
+            # of several points what stays in shape stands out, of one there is no shape
+            pale = several and state == DAMPING
+            lower.append(
+                Dots(chart.frequency[here], chart.order[here].astype(float), colour, label,
+                     size=size, hollow=hollow or pale)
+            )  # fmt: skip
+    count = f"{chart.points} points" if several else "one point"
+    caption = (
+        f"Stabilisation chart of {count}: poles of one denominator after another. What the "
+        "structure does stays where it is; dashed, the modes that were found without the chart."
+    )
+    strip = (
+        Panel(x, Axis(what, limits, log=True), tuple(upper), height=150),
+        Panel(x, Axis("order", (0.0, chart.highest + 1.0)), tuple(lower), height=230),
+    )
+    return Picture("stabilisation", caption, (strip,), 1, stamp)

@@ -1,0 +1,69 @@
+"""What a second look says of the modes of measured FRFs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from statistics import NormalDist
+
+from dashpot.base.checks import Finding, criterion
+from dashpot.records.frf_set import ModeShape
+from dashpot.vibration.modal.stabilisation import Stabilisation
+
+STABLE = 5
+MISSED = 4.0
+SURE = 0.99
+
+
+@criterion("orders", ">=", STABLE, "measured: what only follows noise is stable at fewer")
+def modes_stable(modes: Sequence[ModeShape], chart: Stabilisation) -> Finding:
+    """Every mode stands in the stabilisation chart, which knows nothing of how it was found."""
+    counts = [(chart.orders_with(one.mode), one.mode.frequency) for one in modes]
+    fewest = min(counts)[0]
+    doubtful = ", ".join(f"{hz:.4g} Hz ({count})" for count, hz in counts if count < STABLE)
+    of = f"of {chart.highest} orders of the stabilisation chart"
+    return Finding(
+        f"every mode is stable at {fewest} or more {of}",
+        fewest,
+        instead=f"stable at few {of}: {doubtful}; such a mode may be noise, or stand too close to "
+        "another for the chart to part them: hold it against other points, or record longer",
+    )
+
+
+@criterion(
+    "squared misfit over its variance", "<=", MISSED, "our choice: twice the scatter; 1 is chance"
+)
+def modes_explain_lines(modes: Sequence[ModeShape], *, known: bool) -> Finding:
+    """The modes follow the lines about them as closely as the lines are known."""
+    if not known:
+        return Finding(
+            "the lines come without their scatter, so whether the modes explain them is not told"
+        )
+    worst = max(modes, key=lambda one: one.misfit)
+    return Finding(
+        f"about {worst.mode.frequency:.4g} Hz the lines miss the modes by {worst.misfit:.2g} times "
+        "their variance",
+        worst.misfit,
+        ", and the errors are widened by as much: another mode close by or beyond the band, points "
+        "that were not measured at once, or a structure that is not linear",
+    )
+
+
+@criterion("distance, standard errors", "<=", source="chance exceeds it once in a hundred")
+def one_solid(distance: float, masses: Sequence[float], worst: tuple[float, str]) -> Finding:
+    """One linear solid has the poles that were measured under all of the masses."""
+    listed = ", ".join(f"{1e3 * mass:.4g}" for mass in masses)
+    kilogram, by = worst
+    return Finding(
+        f"one linear solid has the poles under {listed} g",
+        distance,
+        instead=f"no linear solid has the poles under {listed} g; the closest misses that under "
+        f"{1e3 * kilogram:.4g} g by {by}: the seals are compressed more by a larger mass, or move "
+        "farther under one of them, a mass is not what was weighed, or the temperature changed",
+        limit=_by_chance(2 * len(masses)),
+    )
+
+
+def _by_chance(count: int) -> float:
+    """What the root of so many squared standard errors exceeds once in a hundred tests."""
+    z, share = NormalDist().inv_cdf(SURE), 2 / (9 * count)
+    return float((count * (1 - share + z * share**0.5) ** 3) ** 0.5)  # Wilson and Hilferty 1931

@@ -1,0 +1,110 @@
+"""From the FRFs of several masses on the same seals to one solid, or to why there is none."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError
+from dashpot.io.options import ReadOptions
+from dashpot.vibration.modal.checks import one_solid
+from dashpot.vibration.modal.several_masses import SeveralMasses, several_masses
+from dashpot.workflow.measured_modes import MeasuredModes, modes_files
+
+
+@dataclass(frozen=True)
+class ModesByMass:
+    """What ``dashpot modes`` found under several masses.
+
+    Attributes
+    ----------
+    tests : tuple of MeasuredModes
+        One for each mass.
+    together : SeveralMasses
+    checks : tuple of Check
+        Of every test, with its mass, and whether one solid has all poles.
+    """
+
+    tests: tuple[MeasuredModes, ...]
+    together: SeveralMasses
+    checks: tuple[Check, ...]
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """``dashpot/modes-by-mass@1``."""
+        found = self.together
+        solid = found.solid
+        arms = zip(solid.k, solid.tau, strict=True)
+        return {
+            "schema": "dashpot/modes-by-mass@1",
+            "tests": [
+                {"mass": mass, "band": list(one.band), "modes": [asdict(m) for m in one.modes]}
+                for mass, one in zip(found.masses, self.tests, strict=True)
+            ],
+            "stiffness": [
+                {"frequency_hz": mode.frequency, "storage": k.real, "loss": k.imag,
+                 "storage_se": float(se[0]), "loss_se": float(se[1])}
+                for mode, k, se in zip(found.modes, found.stiffness, found.spread, strict=True)
+            ],
+            "model": {
+                "k_inf": solid.k_inf,
+                "b": solid.b,
+                "arms": [{"k": float(k), "tau": float(tau)} for k, tau in arms],
+            },
+            "distance": found.distance,
+            "checks": [asdict(check) for check in self.checks],
+        }  # fmt: skip
+
+
+def modes_by_mass(
+    files: Sequence[str | Path],
+    masses: Sequence[float],
+    *,
+    seals: float = 1.0,
+    options: ReadOptions | None = None,
+    band: tuple[float, float] | None = None,
+) -> ModesByMass:
+    """Find the main mode under each of several masses, and hold them against one solid.
+
+    Parameters
+    ----------
+    files : sequence of path
+        The FRF of each mass on the same seals.
+    masses : sequence of float
+        kg, in the order of the files.
+    seals : float
+        That carry each of them.
+    options, band
+        As in :func:`.modes_files`.
+
+    Raises
+    ------
+    DataError
+        If there are not two or more masses, one for each file, or nothing rings under one of them.
+    """
+    if len(files) != len(masses) or len(files) < 2:
+        raise DataError(
+            f"{len(masses)} masses (--mass) for {len(files)} files; expected two or more files and "
+            "the mass of each, in their order"
+        )
+    tests = tuple(modes_files([file], options=options, band=band)[0] for file in files)
+    silent = [mass for mass, one in zip(masses, tests, strict=True) if not one.modes]
+    if silent:
+        raise DataError(
+            f"nothing rings under the mass of {1e3 * silent[0]:.4g} g; give the band of its "
+            "resonance (--band), or leave its file out"
+        )
+    modes = [one.modes[0].mode for one in tests]
+    found = several_masses(modes, masses, seals=seals)
+    missed = found.missed
+    by = f"{100 * missed.real:+.2g} % of stiffness and {100 * missed.imag:+.2g} % of damping"
+    own = [
+        replace(check, says=f"{1e3 * mass:.4g} g: {check.says}")
+        for mass, one in zip(masses, tests, strict=True)
+        for check in one.frf.checks
+    ]
+    across = one_solid(found.distance, masses, (masses[found.worst], by))
+    return ModesByMass(tests, found, (across, *own))
