@@ -286,7 +286,9 @@ mass_if_known = click.option(
     "--mass", type=Quantity("mass"), help="Block mass; inferred, and said so, if missing."
 )
 seal_mass = click.option(
-    "--seal-mass", type=Quantity("mass"), help="Of one seal; a third moves along."
+    "--seal-mass",
+    type=Quantity("mass"),
+    help="Of one seal: a third moves along, a sixth couples mass and base.",
 )
 seals = click.option(
     "--seals", type=float, default=1.0, show_default=True, help="Seals in parallel."

@@ -34,6 +34,7 @@ from dashpot.vibration.impact.checks import (
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness
 from dashpot.vibration.modal.peaks import find_peak
+from dashpot.vibration.systems.mounts import entrained, on_light_mounts
 from dashpot.vibration.systems.operating_point import operating_point
 from dashpot.vibration.systems.prediction import moving_mass, predict_frf
 from dashpot.workflow.job import HammerChoices, known_of_a_test
@@ -345,6 +346,7 @@ def compare_files(
     """
     _, frf = read_measured(measured, choices=hammer, options=options, mass=mass, band=band)
     total, noted = total_mass(mass, seal=seal_mass, seals=seals)
+    frf = _on_light_mounts(frf, total, seal_mass, seals)
     known = weighed(found, frf, mass=total, seals=seals, band=band, compression=compression)
     _, comparison = held_against(
         found, frf, mass=known, seals=seals, band=band, compression=compression
@@ -427,6 +429,7 @@ def identify_files(
         )
     _, frf = read_measured(measured, choices=hammer, options=options, mass=mass, band=band)
     total, noted = total_mass(mass, seal=seal_mass, seals=seals)
+    frf = _on_light_mounts(frf, total, seal_mass, seals)
     with answered_in("--with-profile", besides=("units", *OF_BENCH)):
         prepared = prepared_files(
             tests, machine=machine, options=options_with, temperatures=temperatures
@@ -453,6 +456,13 @@ def identify_files(
     evidence = replace(found.evidence, checks=(*useless, *found.checks))
     others = tuple(check for check in frf.checks if check not in useless)
     return replace(found, evidence=evidence), straight, (*others, *noted)
+
+
+def _on_light_mounts(frf: FRF, mass: float | None, seal_mass: float | None, seals: float) -> FRF:
+    """A transmissibility as seals without mass would show it; another FRF as it is."""
+    if frf.kind is not Kind.TRANSMISSIBILITY or mass is None:
+        return frf
+    return on_light_mounts(frf, mass=mass, coupled=entrained(seal_mass, seals))
 
 
 def _useless(frf: FRF) -> tuple[Check, ...]:

@@ -18,6 +18,7 @@ from dashpot.records.bounds import FRFBounds
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF, Kind, Mode
 from dashpot.records.machine import Machine
+from dashpot.vibration.systems.mounts import entrained, on_heavy_mounts
 from dashpot.vibration.systems.operating_point import OperatingPoint
 from dashpot.vibration.systems.prediction import (
     isolation_frequency,
@@ -143,7 +144,14 @@ def predict_files(
         here = found = part.applied(here, seals=seals, base=base)
     rests = at_rest(here, mass=moving, seals=seals, compression=compression)
     solid = seals * rests.point.solid(here)
-    frf = predict_frf(solid, mass=moving, frequency=np.linspace(*band, lines), kind=kind)
+    # over a base, mounts that weigh something couple the mass to it
+    coupled = entrained(seal_mass, seals) if Kind(kind) is Kind.TRANSMISSIBILITY else 0.0
+
+    def answer(frequency: FloatArray) -> FRF:
+        frf = predict_frf(solid, mass=moving, frequency=frequency, kind=kind)
+        return on_heavy_mounts(frf, mass=moving, coupled=coupled) if coupled > 0 else frf
+
+    frf = answer(np.linspace(*band, lines))
     modes = model_modes(solid, moving)
     rival = rival_modes(here, rests.point, mass=moving, seals=seals)
     limits = None
@@ -161,10 +169,11 @@ def predict_files(
             seals=seals,
             temperature=temperature,
             kind=_bounded(frf),
+            coupled=coupled,
         )
     top = int(np.abs(frf.value).argmax())
     low, high = frf.frequency[max(top - 1, 0)], frf.frequency[min(top + 1, len(frf.value) - 1)]
-    fine = predict_frf(solid, mass=moving, frequency=np.linspace(low, high, 2001), kind=frf.kind)
+    fine = answer(np.linspace(low, high, 2001))
     height = np.abs(fine.value)
     peak = float(fine.frequency[height.argmax()]), float(height.max())
     at_edge = top in {0, len(frf.value) - 1} and peak[0] in {low, high}
@@ -185,10 +194,12 @@ def predict_files(
         "frequency_hz": frf.frequency.tolist(),
         "real": frf.value.real.tolist(),
         "imag": frf.value.imag.tolist(),
-        "limits": _plain(here, limits, rests.point, mass=moving, seals=seals, frf=frf),
+        "limits": _plain(
+            here, limits, rests.point, mass=moving, seals=seals, frf=frf, coupled=coupled
+        ),
     }
     if frf.kind is Kind.TRANSMISSIBILITY:
-        document["isolation_hz"] = isolation_frequency(solid, moving)
+        document["isolation_hz"] = isolation_frequency(solid, moving - coupled)
     # what the test must inform is the resonance, inside the band or not
     felt = modes[0].frequency if at_edge and modes else peak[0]
     rested = rest_checks(rests.point, mass)
@@ -225,12 +236,15 @@ def _plain(
     mass: float,
     seals: float,
     frf: FRF,
+    coupled: float,
 ) -> dict[str, Any]:
     """Return the limits of the accelerance, 1/kg, or of T; null where nothing limits it."""
     lines = frf.frequency[frf.frequency > 0]
     f = np.linspace(lines[0], lines[-1], LIMIT_LINES) if limits is None else limits.frequency
     of = _bounded(frf)
-    formal = formal_limits(found, point, mass=mass, frequency=f, seals=seals, kind=of)
+    formal = formal_limits(
+        found, point, mass=mass, frequency=f, seals=seals, kind=of, coupled=coupled
+    )
     plain: dict[str, Any] = {
         "kind": str(of),
         "frequency_hz": f.tolist(),

@@ -12,7 +12,7 @@ import numpy.typing as npt
 import dashpot as dp
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
-from dashpot.fitting.uncertainty.prediction_bounds import formal_frf_band, magnitude
+from dashpot.fitting.uncertainty.prediction_bounds import Answer, formal_frf_band
 from dashpot.records.bounds import FRFBounds
 from dashpot.records.fit import Fit
 from dashpot.records.frf import Kind, Mode
@@ -124,6 +124,7 @@ def frf_limits(
     seals: float = 1.0,
     temperature: float | None = None,
     kind: Kind = Kind.ACCELERANCE,
+    coupled: float = 0.0,
 ) -> FRFBounds:
     r"""Limits of the response by both kinds of ignorance, where the mass rests.
 
@@ -149,6 +150,8 @@ def frf_limits(
         K; by default that of the fit's solid.
     kind : Kind
         Accelerance or transmissibility.
+    coupled : float
+        As in :func:`~dashpot.fitting.uncertainty.prediction_bounds.frf_band`, kg.
     """
     forced = kind is Kind.ACCELERANCE
     moved, f = found.temperatures, np.asarray(frequency, dtype=float)
@@ -162,16 +165,29 @@ def frf_limits(
     each = []
     for a in ends:
         scale = a**2 * s
-        of = dp.frf_band(found, tests, mass=mass / scale, frequency=a * f, seals=seals, kind=kind)
+        of = dp.frf_band(
+            found,
+            tests,
+            mass=mass / scale,
+            frequency=a * f,
+            seals=seals,
+            kind=kind,
+            coupled=coupled / scale,
+        )
         each.append(_answered(of, 1 / a, 1 / scale if forced else 1.0))
     if here is found:
         joined = each[0]
     else:
         omega = 2 * np.pi * f
         K = point.solid(here).complex_stiffness(omega)
-        own = magnitude(K, omega, mass=mass, seals=seals, kind=kind)
+        own = Answer(mass, seals, kind, coupled).magnitude(K, omega)
         formal = formal_frf_band(
-            here, mass=mass / point.factor, frequency=f, seals=seals, kind=kind
+            here,
+            mass=mass / point.factor,
+            frequency=f,
+            seals=seals,
+            kind=kind,
+            coupled=coupled / point.factor,
         )
         joined = _enveloped(each, own, formal / point.factor if forced else formal)
     doubt = "; with the doubt of the tangent at the compression of the mass"
@@ -255,10 +271,13 @@ def formal_limits(
     frequency: FloatArray,
     seals: float = 1.0,
     kind: Kind = Kind.ACCELERANCE,
+    coupled: float = 0.0,
 ) -> FloatArray:
     """Return the limits by the standard errors alone, shape (2, n), so too."""
     s = point.factor
-    limits = formal_frf_band(found, mass=mass / s, frequency=frequency, seals=seals, kind=kind)
+    limits = formal_frf_band(
+        found, mass=mass / s, frequency=frequency, seals=seals, kind=kind, coupled=coupled / s
+    )
     limits = limits / s if kind is Kind.ACCELERANCE else limits
     return _slid(frequency, limits, point)
 

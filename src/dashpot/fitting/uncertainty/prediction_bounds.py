@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -116,6 +117,7 @@ def frf_band(
     seals: float = 1.0,
     level: float = 0.95,
     kind: Kind | str = Kind.ACCELERANCE,
+    coupled: float = 0.0,
 ) -> FRFBounds:
     r"""Limits of the response of a mass on `seals` seals, by both kinds of ignorance.
 
@@ -139,6 +141,9 @@ def frf_band(
     seals, level : float
     kind : Kind or str
         An accelerance, 1/kg, or the transmissibility from a base that moves.
+    coupled : float
+        Of mounts that weigh something, the mass that couples both ends, kg
+        (:mod:`dashpot.vibration.systems.mounts`); of a transmissibility alone.
     """
     mass, kind = si(mass, "mass"), Kind(kind)
     if kind not in (Kind.ACCELERANCE, Kind.TRANSMISSIBILITY):
@@ -146,23 +151,16 @@ def frf_band(
             f"limits of a {kind} are not known; expected accelerance or transmissibility"
         )
     f = _frequencies(frequency)
-    own, formal = _formal(fit, 2 * np.pi * f, mass=mass, seals=seals, level=level, kind=kind)
+    answer = Answer(mass, seals, kind, coupled)
+    own, formal = _formal(fit, 2 * np.pi * f, answer, level=level)
     resonance = np.sqrt(seals * fit.model.k_0 / mass) / (2 * np.pi)
     fastest = 2 * np.pi * max(float(f[-1]), SOUGHT * resonance)
     spectra = _spectra(fit, tests, fastest=fastest, level=level)
 
     def limits(at: FloatArray) -> FloatArray:
         omega = 2 * np.pi * at
-        each = list(zip(omega, mass * omega**2 / seals, strict=True))
-        if kind is Kind.TRANSMISSIBILITY:
-            reach = np.transpose([ratios(spectra, *one) for one in each])
-        else:
-            far_near = np.transpose([distances(spectra, *one)[::-1] for one in each])
-            with np.errstate(divide="ignore"):
-                # where a spectrum without loss may resonate, nothing limits the response
-                reach = omega**2 / (seals * far_near)
-        alone = fit.solid.complex_stiffness(omega)
-        return _holding(reach, magnitude(alone, omega, mass=mass, seals=seals, kind=kind))
+        reach = np.transpose([answer.reach(spectra, one) for one in omega])
+        return _holding(reach, answer.magnitude(fit.solid.complex_stiffness(omega), omega))
 
     unseen = limits(f)
     peak = _resonance(spectra, mass / seals, 2 * np.pi * resonance)
@@ -194,6 +192,7 @@ def formal_frf_band(
     seals: float = 1.0,
     level: float = 0.95,
     kind: Kind = Kind.ACCELERANCE,
+    coupled: float = 0.0,
 ) -> FloatArray:
     """Lowest and highest magnitude that the standard errors allow, shape (2, n).
 
@@ -201,32 +200,46 @@ def formal_frf_band(
     are not in it.
     """
     omega = 2 * np.pi * _frequencies(frequency)
-    return _formal(fit, omega, mass=mass, seals=seals, level=level, kind=kind)[1]
+    return _formal(fit, omega, Answer(mass, seals, kind, coupled), level=level)[1]
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What is predicted of a mass, kg, on seals: see :func:`frf_band`."""
+
+    mass: float
+    seals: float
+    kind: Kind
+    coupled: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.mass) and self.mass > 0):
+            raise DataError(f"mass = {self.mass!r} kg; expected a number > 0")
+
+    def magnitude(self, stiffness: ComplexArray, omega: FloatArray) -> FloatArray:
+        """Magnitude of the response on seals of one such stiffness each, shape (..., n)."""
+        away = np.abs(self.seals * stiffness - self.mass * omega**2)
+        with np.errstate(divide="ignore"):
+            if self.kind is Kind.TRANSMISSIBILITY:
+                return np.asarray(np.abs(self.seals * stiffness + self.coupled * omega**2) / away)
+            return np.asarray(omega**2 / away)
+
+    def reach(self, spectra: Spectra, omega: float) -> tuple[float, float]:
+        """Lowest and highest magnitude over all spectra that the tests do not reject."""
+        felt = omega**2 / self.seals
+        if self.kind is Kind.TRANSMISSIBILITY:
+            return ratios(spectra, omega, self.mass * felt, self.coupled * felt)
+        near, far = distances(spectra, omega, self.mass * felt)
+        # where a spectrum without loss may resonate, nothing limits the response
+        return felt / far, felt / near if near > 0 else np.inf
 
 
 def _formal(
-    fit: Fit, omega: FloatArray, *, mass: float, seals: float, level: float, kind: Kind
+    fit: Fit, omega: FloatArray, answer: Answer, *, level: float
 ) -> tuple[FloatArray, FloatArray]:
     """The fit's own magnitude, shape (n,), and its limits by the draws, shape (2, n)."""
-    if not (np.isfinite(mass) and mass > 0):
-        raise DataError(f"mass = {mass!r} kg; expected a number > 0")
-    K = fit.solid.complex_stiffness(omega)
-    own, drawn = (
-        magnitude(each, omega, mass=mass, seals=seals, kind=kind)
-        for each in (K, _drawn(fit, omega))
-    )
-    return own, _quantiles(drawn, own, level)
-
-
-def magnitude(
-    stiffness: ComplexArray, omega: FloatArray, *, mass: float, seals: float, kind: Kind
-) -> FloatArray:
-    """Magnitude of the response of a mass on seals of one such stiffness each, shape (..., n)."""
-    away = np.abs(seals * stiffness - mass * omega**2)
-    with np.errstate(divide="ignore"):
-        if kind is Kind.TRANSMISSIBILITY:
-            return np.asarray(seals * np.abs(stiffness) / away)
-        return np.asarray(omega**2 / away)
+    own = answer.magnitude(fit.solid.complex_stiffness(omega), omega)
+    return own, _quantiles(answer.magnitude(_drawn(fit, omega), omega), own, level)
 
 
 # -- draws ------------------------------------------------------------------------------------

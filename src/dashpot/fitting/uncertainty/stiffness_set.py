@@ -36,17 +36,22 @@ def distances(spectra: Spectra, omega: float, inertia: float) -> tuple[float, fl
     return 0.0 if inside else felt.near, float(np.linalg.norm(felt.farthest_corner()))
 
 
-def ratios(spectra: Spectra, omega: float, inertia: float) -> tuple[float, float]:
+def ratios(
+    spectra: Spectra, omega: float, inertia: float, coupled: float = 0.0
+) -> tuple[float, float]:
     r"""Lowest and highest transmissibility :math:`|K| / |K - m\omega^2/n|` over the set, outer.
+
+    `coupled` is what mounts that weigh something add to K above the line, N/m.
 
     Its logarithm is harmonic but where either distance is none: over a polygon it is extreme on
     the edges. Where it goes beyond 1 upwards, or below 1 downwards, the stiffnesses that go as far
     are a disc, which a straight line parts from the set; else a corner reaches farthest.
     """
     felt = StiffnessSet(spectra, omega, inertia)
+    base = inertia + coupled
     while True:
-        outer = [_extreme(felt.corners(), inertia, sign) for sign in (1, -1)]
-        inner = [_extreme(felt.hull(), inertia, sign) for sign in (1, -1)]
+        outer = [_extreme(felt.corners(), base, sign) for sign in (1, -1)]
+        inner = [_extreme(felt.hull(), base, sign) for sign in (1, -1)]
         (most, _), (least, _) = outer
         # where nothing limits a ratio nothing more can be felt
         gaps = [
@@ -58,7 +63,7 @@ def ratios(spectra: Spectra, omega: float, inertia: float) -> tuple[float, float
             return least, most
         sign, disc = ((1, most > 1), (-1, least < 1))[worse]
         at = (inner if disc else outer)[worse][1]
-        felt.towards(sign * _steepest(at, inertia))
+        felt.towards(sign * _steepest(at, base))
 
 
 class StiffnessSet:
@@ -135,10 +140,10 @@ class StiffnessSet:
         return np.asarray(corners)
 
 
-def _extreme(corners: FloatArray, inertia: float, sign: int) -> tuple[float, FloatArray]:
-    """The highest (sign 1) or lowest ratio |d + inertia| / |d| over a polygon, and where."""
+def _extreme(corners: FloatArray, offset: float, sign: int) -> tuple[float, FloatArray]:
+    """The highest (sign 1) or lowest ratio |d + offset| / |d| over a polygon, and where."""
     start, along = corners, np.roll(corners, -1, axis=0) - corners
-    base = start + np.array([inertia, 0.0])
+    base = start + np.array([offset, 0.0])
     pole = start if sign > 0 else base
     if _holds(pole, along):
         return (np.inf if sign > 0 else 0.0), start[0]
@@ -153,7 +158,7 @@ def _extreme(corners: FloatArray, inertia: float, sign: int) -> tuple[float, Flo
     steps = np.clip(np.nan_to_num(steps, nan=0.0, posinf=0.0, neginf=0.0), 0.0, 1.0)
     points = (start + steps[..., None] * along).reshape(-1, 2)
     with np.errstate(divide="ignore"):
-        ratio = np.linalg.norm(points + np.array([inertia, 0.0]), axis=1) / np.linalg.norm(
+        ratio = np.linalg.norm(points + np.array([offset, 0.0]), axis=1) / np.linalg.norm(
             points, axis=1
         )
     best = int(np.argmax(sign * ratio))
@@ -166,8 +171,8 @@ def _holds(start: FloatArray, along: FloatArray) -> bool:
     return bool((left >= 0).all() and (left > 0).any())
 
 
-def _steepest(at: FloatArray, inertia: float) -> FloatArray:
-    """The direction in which ln (|d + inertia| / |d|) grows most."""
-    base = at + np.array([inertia, 0.0])
+def _steepest(at: FloatArray, offset: float) -> FloatArray:
+    """The direction in which ln (|d + offset| / |d|) grows most."""
+    base = at + np.array([offset, 0.0])
     tiny = float(np.finfo(float).tiny)
     return np.asarray(base / max(float(base @ base), tiny) - at / max(float(at @ at), tiny))
