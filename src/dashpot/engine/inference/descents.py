@@ -112,8 +112,13 @@ class Descents:
         size = curvature[:, arms, arms]
         stretch = np.where(size > 0, size, 1.0)
         curvature[:, arms, arms] = size + stretch * _RIDGE + (size <= 0)
-        bent = self.known.bent[on]
-        curvature += np.where(_moderate(curvature, bent)[:, None, None], bent, 0.0)
+        both = np.concatenate((self.known.bent[on], gradient[:, :, None]), axis=2)
+        share, first = np.split(np.linalg.solve(curvature, both), [len(arms)], axis=2)
+        # what the move takes off the residual bends nothing where it leads
+        taken = np.vecdot(first[..., 0], gradient) / np.maximum(self.known.sse[on], 1e-300)
+        left = np.maximum(1.0 - taken * taken, 0.0)[:, None, None]
+        believed = _moderate(left * share)[:, None, None]
+        curvature += np.where(believed, left, 0.0) * self.known.bent[on]
         curvature[:, arms, arms] += stretch * self.damping[on][:, None]
         move = np.linalg.solve(curvature, gradient[:, :, None])[..., 0]
         longest = np.abs(move).max(axis=1, keepdims=True)
@@ -121,9 +126,8 @@ class Descents:
         return move, np.vecdot(move, gradient)
 
 
-def _moderate(curvature: FloatArray, bent: FloatArray) -> BoolArray:
-    """Which of some curvatures of residuals are moderate parts of J'J."""
-    share = np.linalg.solve(curvature, bent)
+def _moderate(share: FloatArray) -> BoolArray:
+    """Which of some curvatures of residuals, in parts of J'J, are moderate."""
     # the eigenvalues of the ratio are real, and none is larger than the root of their squares
     least, most = _BENT
     believed = (share * share.swapaxes(1, 2)).sum(axis=(1, 2)) < min(-least, most) ** 2

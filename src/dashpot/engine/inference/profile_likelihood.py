@@ -47,6 +47,9 @@ _NODES_APART = 0.08
 #: a change of ln tau from one point of a walk to the next that may be foretold
 _FORETOLD = 0.7
 _RIDGE = 1e-13
+_POWERS = np.arange(4.0)
+#: what each power of u gives to the powers of a cubic, of its slope and of its curve
+_DERIVED = np.array([np.eye(4), np.diag(_POWERS[1:], 1), np.diag([2.0, 6.0], 2)]).swapaxes(0, 1)
 
 
 class Optimum(NamedTuple):
@@ -98,17 +101,22 @@ class _Together:
         self.restricted = stack.restricted(self.arms, signed=False)
         self.reach = stack.bounds[0] - outside, stack.bounds[1] + outside
         count = int(np.ceil((self.reach[1] - self.reach[0]) / _NODES_APART)) + 1
-        self.nodes, self.apart = np.linspace(*self.reach, count, retstep=True)
-        rows = stack.evaluate(self.nodes)
+        nodes, apart = np.linspace(*self.reach, count, retstep=True)
+        rows = stack.evaluate(nodes)
         self.target, self.still = rows.target, rows.phi[:, : self.fixed].T
 
         def by_node(columns: FloatArray) -> FloatArray:
             shape = (len(self.target), self.groups, count)
             return np.ascontiguousarray(columns.reshape(shape).transpose(2, 1, 0))
 
-        # node, group, row
-        self.columns = by_node(rows.phi[:, self.fixed :])
-        self.slopes = by_node(rows.slope)
+        columns, slopes = by_node(rows.phi[:, self.fixed :]), apart * by_node(rows.slope)
+        change, rise, fall = np.diff(columns, axis=0), slopes[:-1], slopes[1:]
+        # node, group, power of the part of the way to the next node, row
+        self.cubics = np.stack(
+            (columns[:-1], rise, 3 * change - 2 * rise - fall, rise + fall - 2 * change), axis=2
+        )
+        turn = _DERIVED / apart ** np.arange(3.0)[:, None]
+        self.apart, self.turn = float(apart), turn.reshape(4, -1)
         start = self._phi(optimum.log_tau[None])[0][0]
         self.best = float(np.square(self.target - optimum.beta @ start).sum())
 
@@ -146,9 +154,8 @@ class _Together:
                 if walk.arrived(self._deviance(walk, known.beta[i], there, sse)):
                     foretold = (there - left[i]) * (walk.goal - walk.at) / (walk.at - at)
                     left[i] = there
-                if np.abs(foretold).max(initial=0.0) > _FORETOLD:
-                    foretold[:] = 0.0
-                descents.start(i, left[i] + foretold)
+                far = np.abs(foretold).max(initial=0.0)
+                descents.start(i, left[i] + min(1.0, _FORETOLD / max(far, _FORETOLD)) * foretold)
                 goal[i] = walk.goal
 
     def _spare(self, walks: Sequence[Walk], held: _Held) -> None:
@@ -208,19 +215,12 @@ class _Together:
     def _phi(self, log_tau: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Design matrix (A, p, n), its slopes and curves by ln tau (A, G, N, n), from the table."""
         place = (log_tau.ravel() - self.reach[0]) / self.apart
-        node = np.clip(place.astype(int), 0, len(self.nodes) - 2)
-        u = (place - node)[:, None, None]
-        below, above = self.columns[node], self.columns[node + 1]
-        rise, fall = self.apart * self.slopes[node], self.apart * self.slopes[node + 1]
-        change = above - below
-        bend, twist = 3 * change - 2 * rise - fall, rise + fall - 2 * change
-        column = below + u * (rise + u * (bend + u * twist))
-        slope = (rise + u * (2 * bend + 3 * u * twist)) / self.apart
-        curve = (2 * bend + 6 * u * twist) / self.apart**2
-        shape = (*log_tau.shape, self.groups, len(self.target))
-        arms, slopes, curves = (
-            part.reshape(shape).swapaxes(1, 2) for part in (column, slope, curve)
-        )
+        node = np.clip(place.astype(int), 0, len(self.cubics) - 1)
+        weights = (place - node)[:, None] ** _POWERS @ self.turn
+        found = weights.reshape(-1, 1, 3, 4) @ self.cubics[node]
+        shape = (*log_tau.shape, self.groups, 3, len(self.target))
+        found = found.reshape(shape).swapaxes(1, 2)
+        arms, slopes, curves = (found[..., i, :] for i in range(3))
         trials = len(log_tau)
         still = np.broadcast_to(self.still, (trials, *self.still.shape))
         phi = np.concatenate((still, arms.reshape(trials, -1, len(self.target))), axis=1)
