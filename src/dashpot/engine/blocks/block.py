@@ -133,11 +133,11 @@ class Block:
         self, name: str, column: FloatArray, *, full: Callable[[], Block] | None = None
     ) -> Block:
         """The block with one more fixed column in its own coordinates, which are steady."""
-        one = column[:, None]
+        fixed = self.rows(np.zeros(0), False).fixed
+        wider = np.concatenate((fixed.T, column[None])).T
 
         def rows(log_tau: FloatArray, derivative: bool) -> Evaluation:
-            found = self.rows(log_tau, derivative)
-            return found._replace(fixed=np.concatenate((found.fixed, one), axis=1))
+            return self.rows(log_tau, derivative)._replace(fixed=wider)
 
         names = (*self.fixed_names, name)
         return replace(self, rows=rows, fixed_names=names, sampling=None, full=full)

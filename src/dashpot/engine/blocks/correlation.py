@@ -33,6 +33,8 @@ from dashpot.engine.blocks.late_force import Late, Steps, late_lags, turned_back
 #: relative sum of squares below which a Gram matrix holds rounding only
 ROUNDING = 1e-14
 _SIGNS = np.array([[1.0], [-1.0]])
+#: part of the whole motion that is rounding of it
+RESTS = 1e-14
 #: so many columns of decays are dependent to rounding
 MANY = 24
 
@@ -99,11 +101,12 @@ class Response(ByValue):
 
     def own_lag(self, steps: FloatArray) -> FloatArray:
         """Correlation of the window's steps with all steps, shape (count,)."""
-        if self.start:
-            return self.lag(steps[self.start :])
-        power = self.lagged.conj()
-        power *= self.lagged
-        return np.asarray(np.fft.irfft(power, self.size)[: self.count])
+        found = _self_lag(self.lagged, self.size)[: self.count]
+        before = steps[: self.start]
+        if before.any():
+            size = fast_length(2 * self.start)
+            found[: self.start] -= _self_lag(np.fft.rfft(before, size), size)[: self.start]
+        return found
 
     def gram(self, tau: FloatArray, force: Force, *, derivative: bool) -> FloatArray:
         """Gram matrix of [fixed, arms, y] or [fixed, arms, slopes, y].
@@ -157,6 +160,11 @@ class Response(ByValue):
             (decay @ own)[..., 0],
             (falling @ own)[..., 0],
         )
+
+
+def _self_lag(spectrum: ComplexArray, size: int) -> FloatArray:
+    """Correlation with itself of what has this Fourier transform, or the conjugate of it."""
+    return np.asarray(np.fft.irfft(spectrum.real**2 + spectrum.imag**2, size))
 
 
 class Force(NamedTuple):
@@ -296,9 +304,9 @@ def response(
     start, stop : int
         The window.
     """
-    d = x[:stop].copy()
-    d[1:] -= x[: stop - 1]
-    size = fast_length(2 * stop)
+    d = _steps(x[:stop])
+    # the lags may wrap around where nothing moves any more
+    size = fast_length(stop + int(np.flatnonzero(d)[-1:].sum()) + 1)
     lags = counted(stop)
     before = np.zeros(len(lags.nodes))
     if start:
@@ -322,6 +330,16 @@ def response(
     sequences = np.concatenate((nodes[:-1], before[None], nodes[-1:]))
     after = float(x[stop] - x[stop - 1] if stop < len(x) else d[-1])
     return replace(bare, sequences=sequences, steps=Steps(d, after, own))
+
+
+def _steps(x: FloatArray) -> FloatArray:
+    """The steps of a motion from zero; what it still moves by rounding is rest."""
+    off = np.abs(x - x[-1])
+    moving = int(np.flatnonzero(off > RESTS * off.max())[-1:].sum()) + 1
+    d = x.copy()
+    d[moving:] = x[-1]
+    d[1:] -= d[:-1].copy()
+    return d
 
 
 def _lagged(

@@ -113,8 +113,8 @@ def recursion_block(
         q, p = q[window], p[window]
         return (q, p) if root is None else (root * q, root * p)
 
-    columns_fixed = [column[:, None] for column in fixed.values()]
-    matrix = columns_fixed[0] if len(fixed) == 1 else np.concatenate(columns_fixed, axis=1)
+    # columns stand as contiguous rows, turned
+    matrix = np.stack(list(fixed.values())).T
     return design_block(
         target=y[window] if root is None else root[:, 0] * y[window],
         fixed=matrix if root is None else root * matrix,

@@ -44,26 +44,22 @@ def even_arms(
     # beside the steps of each stretch, what the one before it ends with
     given = np.zeros((count, STRETCH + 2))
     given[:, :STRETCH] = steps.reshape(count, STRETCH)
-    q = np.empty((len(z), count * STRETCH))
-    p = np.empty_like(q) if derivative else q
+    both = np.empty((2 if derivative else 1, len(z), count, STRETCH))
     index = np.arange(STRETCH + 1.0)
     for j, one in enumerate(z):
         power = np.exp(-one * index)
         mean = -np.expm1(-one) / one
         ends = piled(given[:, :STRETCH] @ power[STRETCH - 1 :: -1], one * STRETCH)
         given[1:, STRETCH] = ends[:-1]
-        made = [_answers(mean * power)]
+        np.matmul(given[:, :-1], _answers(mean * power), out=both[0, j])
         if derivative:
             late = index * power
             late_ends = given[:, :STRETCH] @ late[STRETCH - 1 :: -1]
             late_ends[1:] += late[STRETCH] * ends[:-1]
             given[1:, STRETCH + 1] = piled(late_ends, one * STRETCH)[:-1]
-            made.append(_answers((mean - power[1]) * power + mean * one * late))
-            made[1][STRETCH + 1] = mean * one * power[1:]
-        found = given @ np.concatenate(made, axis=1)
-        q[j] = found[:, :STRETCH].ravel()
-        if derivative:
-            p[j] = found[:, STRETCH:].ravel()
+            made = _answers((mean - power[1]) * power + mean * one * late)
+            np.matmul(given, np.concatenate((made, mean * one * power[None, 1:])), out=both[1, j])
+    q, p = (one.reshape(len(z), -1) for one in (both[0], both[-1]))
     if x[0] != 0.0:
         passed = z[:, None] * np.arange(q.shape[1])
         left = x[0] * np.exp(-passed)
@@ -74,11 +70,8 @@ def even_arms(
 
 
 def _answers(kernel: FloatArray) -> FloatArray:
-    """A row of answers to each step of a stretch, to the end before it, and one of zeros."""
-    rows = np.zeros((STRETCH + 2, STRETCH))
-    rows[:STRETCH] = _triangle(kernel[:STRETCH])
-    rows[STRETCH] = kernel[1:]
-    return rows
+    """A row of answers to each step of a stretch, and one to the end before it."""
+    return np.concatenate((_triangle(kernel[:STRETCH]), kernel[None, 1:]))
 
 
 def piled(values: FloatArray, z: float) -> FloatArray:
