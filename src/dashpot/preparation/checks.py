@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, median, runs
+from dashpot.base.arrays import FloatArray, kept, median, runs
 from dashpot.base.checks import Check, Finding, criterion, worst
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import rounded
@@ -312,17 +312,18 @@ def range_used(peak: float, full_scale: float) -> Finding:
 
 def of_records(tests: Sequence[RampHold], *, method: str) -> tuple[Check, ...]:
     """Return the checks that need no fit, each at its worst over `tests`."""
-    questions: tuple[Callable[[RampHold], Check], ...] = (
-        force_not_clipped,
-        lambda test: force_resolved(test.reading),
-        depth_resolved,
-        lambda test: hold_is_still(test, method=method),
-        hold_outlasts_ramp,
-        ramp_sampled,
-        force_relaxes,
-        strain_small,
-    )
-    return tuple(worst(question(test) for test in tests) for question in questions)
+    still = [hold_is_still(test, method=method) for test in tests]
+    before, after = zip(*map(_as_recorded, tests), strict=True)
+    columns = (*zip(*before, strict=True), still, *zip(*after, strict=True))
+    return tuple(map(worst, columns))
+
+
+@kept
+def _as_recorded(test: RampHold) -> tuple[tuple[Check, ...], tuple[Check, ...]]:
+    """The checks of one record whatever is fitted, before and behind that of its hold."""
+    before = force_not_clipped(test), force_resolved(test.reading), depth_resolved(test)
+    after = hold_outlasts_ramp(test), ramp_sampled(test), force_relaxes(test), strain_small(test)
+    return before, after
 
 
 @criterion(
