@@ -2,15 +2,20 @@
 
 Run: python benchmarks/batch.py [TESTS [REPEATS [FILES]]]
 
-The tests are of the virtual rig, 42 500 rows each. A cost is CPU time of all processes: the least
-of some repeats, taken in turns, for other work on a machine lengthens it. Every run is an
-interpreter of its own; a run of the first quarter of the files is taken off, so that neither its
-start nor that of its workers counts. Memory is told by many short records.
+The tests are of the virtual rig, 42 500 rows each, linked so that there are four of each. A cost is
+CPU time of all processes: the least of some repeats, taken in turns, for other work on a machine
+lengthens it. Every run is an interpreter of its own; a run of a quarter of the files is taken off,
+so that neither its start nor that of its workers counts.
+
+Processors that work side by side share caches, memory and clock rate: the same loop takes longer
+on each than it takes alone. An engine is therefore held to plain loops, one on each processor at
+the same time, each over its share of the same files. Memory is told by many short records.
 """
 
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 import time
@@ -40,12 +45,14 @@ KINDS: dict[str, dict[str, Any]] = {
 }
 TARGETS = {"intervals and checks": 9, "--arms 2 --quick": 25}
 SHORT = {"arms": 1, "method": "hold", "quick": True}
+LINKS = 4
+"""Of each file in the folder of all, whose other folder holds each once."""
 COUNTED = (100, 1_000, 10_000, 100_000, 1_000_000, 10_000_000)
 
 
 def main() -> None:
     """Print the cost of a test, the memory of many, and what ten million would take."""
-    tests, repeats, files = [int(word) for word in sys.argv[1:]] + [40, 3, 5000][
+    tests, repeats, files = [int(word) for word in sys.argv[1:]] + [60, 3, 5000][
         len(sys.argv) - 1 :
     ]
     with TemporaryDirectory() as place:
@@ -56,8 +63,10 @@ def main() -> None:
         for i in range(tests):
             seal = (1 + 0.03 * rng.standard_normal()) * PAPER
             text = write_relaxation(simulate_relaxation(seal, seed=i).test)
-            for folder in (whole, part)[: 1 + (i < tests // 4)]:
-                (folder / f"seal_{i:04d}.csv").write_text(text)
+            made = part / f"seal_{i:04d}.csv"
+            made.write_text(text)
+            for again in range(LINKS):
+                (whole / f"{made.stem}_{again}.csv").hardlink_to(made)
         costs = {name: cost(name, how, whole, part, repeats) for name, how in KINDS.items()}
         own = memory(many, files)
     counted(costs, own)
@@ -76,11 +85,11 @@ def cost(name: str, how: dict[str, Any], whole: Path, part: Path, repeats: int) 
         tests = [runs[engine, folder][0]["tests"] for folder in (whole, part)]
         least[engine] = (cpu[0] - cpu[1]) / (tests[0] - tests[1])
     for engine, each in least.items():
-        beside = each / least["loop"] - 1
+        beside = each / least["loops"] - 1
         target = f"   target {TARGETS[name]}" if name in TARGETS else ""
         print(
             f"{name:22} {engine:10} {1e3 * each:6.1f} ms   {1 / each:5.1f} tests/s/core{target}"
-            + (f"   engine {100 * beside:+.1f} %" if engine != "loop" else "")
+            + (f"   beside loops {100 * beside:+.1f} %" if engine not in {"loop", "loops"} else "")
         )
     return least["processes"]
 
@@ -131,13 +140,31 @@ def measured(engine: str, folder: str, how: dict[str, Any]) -> dict[str, float]:
     }  # fmt: skip
 
 
-def in_a_loop(folder: str, how: dict[str, Any]) -> int:
+def in_a_loop(folder: str, how: dict[str, Any], share: slice = slice(None)) -> int:
     """Make the rows here, one after the other, and no table."""
     import msgspec  # noqa: F401 -- as in a worker
 
     choices = BatchChoices(**how)
-    asked = tasks(entries([folder], without=Path(folder) / "none"), choices)
+    found = entries([folder], without=Path(folder) / "none")[share]
+    asked = tasks(found, choices)
     return sum(row(one.entry, one.hashes, choices)["outcome"] == "fitted" for one in asked)
+
+
+def in_loops(folder: str, how: dict[str, Any]) -> int:
+    """Make them in as many loops as processors, each on one of its own; no table, no engine."""
+    count = processors()
+    words = [sys.executable, __file__, "--share", folder, json.dumps(how), str(count)]
+    loops = [
+        subprocess.Popen([*words, str(i)], stdout=subprocess.PIPE, text=True) for i in range(count)
+    ]
+    return sum(int(one.communicate()[0]) for one in loops)
+
+
+def in_its_loop(folder: str, how: str, count: str, i: str) -> None:
+    """Be one of those loops."""
+    if hasattr(os, "sched_setaffinity"):
+        os.sched_setaffinity(0, {sorted(os.sched_getaffinity(0))[int(i)]})
+    print(in_a_loop(folder, json.loads(how), slice(int(i), None, int(count))))
 
 
 def by_processes(folder: str, how: dict[str, Any]) -> int:
@@ -159,10 +186,12 @@ def by_cluster(folder: str, how: dict[str, Any]) -> int:
         return lot.outcomes["fitted"]
 
 
-ENGINES = {"loop": in_a_loop, "processes": by_processes, "cluster": by_cluster}
+ENGINES = {"loop": in_a_loop, "loops": in_loops, "processes": by_processes, "cluster": by_cluster}
 
 if __name__ == "__main__":
     if sys.argv[1:2] == ["--engine"]:
         print(json.dumps(measured(*sys.argv[2:4], json.loads(sys.argv[4]))))
+    elif sys.argv[1:2] == ["--share"]:
+        in_its_loop(*sys.argv[2:])
     else:
         main()

@@ -27,7 +27,7 @@ _BLOCK = 1 << 20
 _HEAD = 1 << 12
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Entry:
     """One test of a batch.
 
