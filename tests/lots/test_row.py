@@ -9,6 +9,7 @@ import pytest
 from kit.kinds import ARMS, MASS, STIFFNESS, files
 
 import dashpot as dp
+from dashpot.base.errors import DataError
 from dashpot.io.options import ReadOptions
 from dashpot.io.write import write_frf
 from dashpot.lots.choices import BatchChoices
@@ -53,6 +54,16 @@ def test_every_kind_is_a_row_by_its_fit_or_with_the_sentence_why_not(folder, nam
         assert found["k_inf_N_per_m"] is None
     if kind in {"impact", "frf"}:
         assert found["measured_Hz"] == pytest.approx(14.6, abs=0.1)
+
+
+def test_a_quick_row_judges_nothing_that_it_does_not_write(folder, monkeypatch):
+    def judged(*_args, **_how):
+        raise DataError("judged")
+
+    monkeypatch.setattr("dashpot.preparation.checks.motion_resolved", judged)
+    name = "seal.csv"
+    assert row_of(Entry(str(folder / name)), replace(ONE_ARM, quick=True))["outcome"] == "fitted"
+    assert row_of(Entry(str(folder / name)))["reason"] == "judged"
 
 
 def test_a_modulus_whose_column_nobody_named_says_which_option_names_it(folder):

@@ -458,6 +458,15 @@ def test_a_saturated_force_is_refused(raw: RelaxationTest, ceiling: float):
         prepare(replace(raw, force=np.minimum(raw.force, ceiling)))
 
 
+@pytest.mark.once
+def test_a_record_that_is_not_judged_is_the_same_and_refused_all_the_same(raw: RelaxationTest):
+    found = prepare(raw, judged=False)
+    assert found.checks == ()
+    assert replace(found, checks=prepare(raw).checks) == prepare(raw)
+    with pytest.raises(DataError, match="saturated"):
+        prepare(replace(raw, force=np.minimum(raw.force, 0.7 * raw.force.max())), judged=False)
+
+
 def test_swapped_columns_are_not_called_saturated():
     time = np.arange(0, 42, 0.01)
     held = 8 * np.clip(time - 1, 0, 1)

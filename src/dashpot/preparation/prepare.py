@@ -41,6 +41,7 @@ def prepare(
     drift: float | str | None = None,
     force_range: Quantity | None = None,
     machine: Machine | None = None,
+    judged: bool = True,
 ) -> RampHold:
     r"""Find the ramp and the hold, the contact and the tare; change nothing else.
 
@@ -77,6 +78,9 @@ def prepare(
         Full scale of the load cell, N, to say how much of it the test used.
     machine : Machine, optional
         What is known of the machine: clocks, drift, compliance, a filter in the force channel.
+    judged : bool
+        False leaves ``checks`` empty, for whoever asks for an optimum alone; what no fit could be
+        made of is refused all the same.
 
     Raises
     ------
@@ -112,20 +116,24 @@ def prepare(
     record = _on_the_machine(record, preload, machine or Machine())
     checks.refuse_unresolved(where, rise, test.force)
     checks.refuse_saturated(where, record)
-    answers = [
-        checks.single_loading(motion.index, motion.cycles, asked=cycle is not None),
-        checks.baseline_recorded(before),
-        checks.contact_found(touch, record.depth, given=contact is not None),
-        checks.preload_absent(preload, rise, moving=motion.cycle.rest is None),
-        checks.overshoot_small(record, moves=motion.cycle.moves),
-        checks.samples_unbroken(record),
-        checks.spikes_absent(record),
-        checks.columns_plausible(record),
-        checks.motion_resolved(record),
-        checks.motion_measured(record),
-        *checks.of_temperature(test.specimen),
-    ]
-    if force_range is not None:
+    answers = (
+        []
+        if not judged
+        else [
+            checks.single_loading(motion.index, motion.cycles, asked=cycle is not None),
+            checks.baseline_recorded(before),
+            checks.contact_found(touch, record.depth, given=contact is not None),
+            checks.preload_absent(preload, rise, moving=motion.cycle.rest is None),
+            checks.overshoot_small(record, moves=motion.cycle.moves),
+            checks.samples_unbroken(record),
+            checks.spikes_absent(record),
+            checks.columns_plausible(record),
+            checks.motion_resolved(record),
+            checks.motion_measured(record),
+            *checks.of_temperature(test.specimen),
+        ]
+    )
+    if judged and force_range is not None:
         answers.append(checks.range_used(rise, force_range))
     steps = [_turned(motion.sign, turn), _kept(motion, record), _met(touch), tared]
     steps += [*_known(record.machine), _ramped(record, motion), *hum_step(record.hum)]

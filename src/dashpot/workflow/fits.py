@@ -150,7 +150,14 @@ def fit_files(
     sweeps = [test for test in tests if isinstance(test, DynamicTest)]
     cuts.refuse_several(sum(isinstance(test, RelaxationTest) for test in tests))
     prepared = tuple(
-        dp.prepare(test, filter=filter, machine=machine, cycle=options.cycle, **asdict(cuts))
+        dp.prepare(
+            test,
+            filter=filter,
+            machine=machine,
+            cycle=options.cycle,
+            judged=intervals or bool(sweeps),
+            **asdict(cuts),
+        )
         for test in tests
         if isinstance(test, RelaxationTest)
     )
