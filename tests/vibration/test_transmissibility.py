@@ -1,6 +1,7 @@
 """A mass on a base that moves: numbers of the stiffness alone, ways back, what a phase does."""
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -9,9 +10,10 @@ from click.testing import CliRunner
 
 import dashpot as dp
 from dashpot.base.checks import verdict
-from dashpot.base.errors import DataError
+from dashpot.base.errors import DashpotError, DataError
 from dashpot.cli import main
 from dashpot.io.readers.inspect import inspect_file
+from dashpot.io.readers.psd import read_psd
 from dashpot.io.write import frf_uff, write_frf
 from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER, PAPER_MASS
 from dashpot.vibration.systems.random_base import random_base
@@ -392,3 +394,100 @@ class TestRandomBase:
     def test_noise_that_has_no_answer(self, solid, words):
         with pytest.raises(DataError):
             random_base(solid, mass=0.1, **words)
+
+    def test_a_march_in_time_says_the_same(self):
+        """Every 0.05 Hz a sine of the table's density at a chance phase; arms exact for ramps."""
+        from scipy.signal import cont2discrete, lfilter, ss2tf
+
+        solid, mass, df, rate = 2 * BROAD, BROAD_MASS, 0.05, 800.0
+        ends, S = np.array([5.0, 20.0, 60.0]), np.array([0.4, 2.0, 0.1])
+        n = round(rate / df)
+        f = np.arange(1, n // 2) * df
+        density = np.exp(np.interp(np.log(f), np.log(ends), np.log(S)))
+        density[(f < ends[0]) | (f > ends[-1])] = 0
+        turn = np.exp(2j * np.pi * np.random.default_rng(5).random(len(f)))
+        lines = np.concatenate(([0], n * np.sqrt(density * df / 2) * turn, [0]))
+        base = np.tile(np.fft.irfft(lines, n), 3)
+        k, tau = np.array(solid.k), np.array(solid.tau)
+        A = np.zeros((2 + len(k), 2 + len(k)))
+        A[0, 1] = A[2:, 1] = 1
+        A[1] = [-solid.k_inf / mass, 0, *(-k / mass)]
+        A[2:, 2:] = -np.diag(1 / tau)
+        push = np.zeros((len(A), 1))
+        push[1] = -1
+        out = np.array([[1.0, *np.zeros(len(A) - 1)], A[1]])
+        a, b, c, d, _ = cont2discrete((A, push, out, np.zeros((2, 1))), 1 / rate, method="foh")
+        tops, bottom = ss2tf(a, b, c, d)
+        stretch, felt = (lfilter(top, bottom, base)[-n:].std() for top in tops)
+        found = random_base(solid, mass=mass, psd=S, frequency=ends)
+        assert felt == pytest.approx(found.acceleration, rel=5e-3)
+        assert stretch == pytest.approx(found.stretch, rel=5e-3)
+
+    @pytest.mark.parametrize("mounts", [0.0, 2e-3])
+    def test_a_table_is_the_integral_of_the_transmissibility(self, mounts):
+        from scipy.integrate import quad
+
+        ends, S = [4.0, 40.0], [1.0, 0.01]
+        moving = BROAD_MASS + mounts / 3
+
+        def carried(f):
+            w2 = (2 * np.pi * f) ** 2
+            K = complex((2 * BROAD).complex_stiffness(np.array([2 * np.pi * f]))[0])
+            T = (K + w2 * mounts / 6) / (K - w2 * moving)
+            return abs(T) ** 2 * (f / 4) ** -2
+
+        words = {"limit": 500, "points": [12.2, 12.6, 13.0], "epsrel": 1e-9}
+        exact = np.sqrt(quad(carried, *ends, **words)[0])
+        found = random_base(2 * BROAD, mass=moving, psd=S, frequency=ends, coupled=mounts / 6)
+        assert found.acceleration == pytest.approx(exact, rel=1e-5)
+
+    @pytest.mark.parametrize(
+        ("unit", "scale"),
+        [
+            ("g^2/Hz", 9.80665**2),
+            ("g2/Hz", 9.80665**2),
+            ("g²/Hz", 9.80665**2),
+            ("(m/s^2)^2/Hz", 1.0),
+            ("(m/s²)²/Hz", 1.0),
+            ("m^2/s^3", 1.0),
+            ("(mm/s^2)^2/Hz", 1e-6),
+        ],
+    )
+    def test_the_command_line_shakes_the_base(self, tmp_path, unit, scale):
+        fit, psd = tmp_path / "fit.json", tmp_path / "psd.csv"
+        arms = [{"k": k, "tau": t} for k, t in zip(PAPER.k, PAPER.tau, strict=True)]
+        model = {"k_inf": PAPER.k_inf, "arms": arms}
+        fit.write_text(json.dumps({"schema": "dashpot/fit@1", "model": model}))
+        psd.write_text(f"frequency [Hz],PSD [{unit}]\n5,0.01\n20,0.04\n200,0.001\n")
+        words = ["predict", str(fit), "--mass", f"{1e3 * PAPER_MASS}g", "--seals", "2"]
+        told = CliRunner().invoke(main, [*words, "--base-psd", str(psd), "--json"])
+        assert told.exit_code == 0, told.output
+        said = json.loads(told.stdout)["random"]
+        table = scale * np.array([0.01, 0.04, 0.001])
+        known = random_base(2 * PAPER, mass=PAPER_MASS, psd=table, frequency=[5.0, 20.0, 200.0])
+        assert said["acceleration"] == pytest.approx(known.acceleration, rel=1e-9)
+        assert said["band_hz"] == [5.0, 200.0]
+        white = CliRunner().invoke(main, [*words, "--base-psd", f"1{unit}"])
+        flat = random_base(2 * PAPER, mass=PAPER_MASS, psd=scale)
+        assert f"feels {flat.acceleration:.4g} m/s^2 rms" in " ".join(white.output.split())
+
+    @pytest.mark.parametrize(
+        ("header", "says"),
+        [
+            ("frequency [Hz],PSD [g/Hz]", "expected a density in g^2/Hz"),
+            ("frequency [Hz],PSD", "has no unit"),
+            ("frequency [Hz],PSD [mm^2/Hz]", "expected a density in g^2/Hz"),
+            ("frequency [Hz],x [g^2/Hz],y [g^2/Hz]", "2 columns beside the frequency"),
+        ],
+    )
+    def test_a_density_of_another_kind_is_refused(self, tmp_path, header, says):
+        psd = tmp_path / "psd.csv"
+        more = ",1" * (header.count(",") - 1)
+        psd.write_text(f"{header}\n5,0.01{more}\n20,0.04{more}\n200,0.001{more}\n")
+        with pytest.raises(DashpotError, match=re.escape(says)):
+            read_psd(psd)
+
+    def test_words_that_are_no_density_are_refused(self):
+        for word in ("0.01", "0.01g", "0.01g^2", "no-such-file.csv", "1 m/Hz"):
+            with pytest.raises(DashpotError):
+                read_psd(word)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 from dashpot.base import numbers
 from dashpot.base.numbers import ascii_only
@@ -368,6 +368,9 @@ def prediction(found: Prediction, *, mass: float, seals: float) -> Text:
     isolated = found.document.get("isolation_hz")
     if isolated is not None:
         lines.append(f"  above {isolated:.5g} Hz the mass moves less than its base")
+    shaken = found.document.get("random")
+    if shaken is not None:
+        lines.append(f"  {_shaken(shaken)}")
     if found.at_edge:
         lines.append(f"  that is the end of the band, and no peak{_wider(found.modes)}")
     for mode in found.modes:
@@ -378,6 +381,16 @@ def prediction(found: Prediction, *, mass: float, seals: float) -> Text:
     if found.limits is not None:
         lines.append(f"  {ascii_only(found.limits.peak_says)}")
     return Text(lines)
+
+
+def _shaken(found: Mapping[str, Any]) -> str:
+    """What a base that shakes at random does."""
+    band, stretch = found["band_hz"], 1e3 * found["stretch"]
+    reach = "" if band is None else f" ({band[0]:.4g} to {band[1]:.4g} Hz)"
+    return (
+        f"shaken by {found['of']}{reach} the mass feels {found['acceleration']:.4g} m/s^2 rms and "
+        f"the seals move {stretch:.4g} mm rms, {found['crossings']:.4g} times a second"
+    )
 
 
 def _wider(modes: Iterable[Mode]) -> str:

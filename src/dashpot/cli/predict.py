@@ -37,6 +37,12 @@ from dashpot.cli._shell import File, Outcome, grams, read_fit, reports, typed, w
     "--base", is_flag=True, help="The base moves instead: the transmissibility to the mass."
 )
 @click.option(
+    "--base-psd",
+    type=File(),
+    metavar="FILE|DENSITY",
+    help="The base shakes at random: a file of frequency and g^2/Hz, or white noise as 0.01g^2/Hz.",
+)
+@click.option(
     "--with",
     "records",
     type=File(),
@@ -66,11 +72,13 @@ def command(
     dashpot predict fit.json --mass 104g --seals 2
     dashpot predict fit.json --mass 104g --seals 2 --band 1:50Hz -o frf.csv
     dashpot predict fit.json --mass 104g --seals 2 --base
+    dashpot predict fit.json --mass 104g --seals 2 --base-psd 0.01g^2/Hz
     dashpot predict fit.json --mass 104g --seals 2 --with seal_8mm.csv --plot frf.png
     dashpot predict moving.json --mass 104g --seals 2 --temperature -10degC
     dashpot predict dma.json --disc 20mm,20mm --mass 400g --seals 2 --base
     """
     fitted = read_fit(fit)
+    base = base or choices["base_psd"] is not None
     if base:
         _no_other_kind()
         choices["kind"] = "transmissibility"

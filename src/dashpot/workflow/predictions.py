@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +14,12 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.fitting.temperature.checks import temperature_tested
 from dashpot.io.options import ReadOptions
+from dashpot.io.readers.psd import BasePSD, read_psd
 from dashpot.records.bounds import FRFBounds
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF, Kind, Mode
 from dashpot.records.machine import Machine
+from dashpot.solids.maxwell import Solid
 from dashpot.vibration.systems.mounts import entrained, on_heavy_mounts
 from dashpot.vibration.systems.operating_point import OperatingPoint
 from dashpot.vibration.systems.prediction import (
@@ -26,6 +28,7 @@ from dashpot.vibration.systems.prediction import (
     moving_mass,
     predict_frf,
 )
+from dashpot.vibration.systems.random_base import random_base
 from dashpot.workflow.checks import base_band_informed, prediction_informed
 from dashpot.workflow.job import known_of_a_test
 from dashpot.workflow.part import PartChoices
@@ -98,6 +101,7 @@ def predict_files(
     part: PartChoices | None = None,
     machine: Machine | None = None,
     options: ReadOptions | None = None,
+    base_psd: str | None = None,
 ) -> Prediction:
     """Predict the FRF of a mass on a fitted seal.
 
@@ -124,6 +128,8 @@ def predict_files(
         What is known of the machine of those tests.
     options : ReadOptions, optional
         What the user said of their files.
+    base_psd : str, optional
+        A file, or a word such as ``"0.01g^2/Hz"``: how the base shakes at random.
 
     Raises
     ------
@@ -199,6 +205,8 @@ def predict_files(
         ),
     }
     if frf.kind is Kind.TRANSMISSIBILITY:
+        if base_psd is not None:
+            document["random"] = _shaken(solid, read_psd(base_psd), mass=moving, coupled=coupled)
         document["isolation_hz"] = isolation_frequency(solid, moving - coupled)
     # what the test must inform is the resonance, inside the band or not
     felt = modes[0].frequency if at_edge and modes else peak[0]
@@ -214,6 +222,19 @@ def predict_files(
         informed.append(base_band_informed(band, felt, here.band))
     checks = (*found.checks, *asked, noted, *rested, *informed, *told)
     return Prediction(frf, modes, peak, at_edge, limits, checks, rests, document, of_part)
+
+
+def _shaken(solid: Solid, base: BasePSD, *, mass: float, coupled: float) -> dict[str, Any]:
+    """Standard deviations over a base that shakes at random, and of what."""
+    found = random_base(
+        solid, mass=mass, psd=base.density, frequency=base.frequency, coupled=coupled
+    )
+    f = base.frequency
+    return {
+        **asdict(found),
+        "of": "white noise" if f is None else base.source[0].file,
+        "band_hz": None if f is None else [float(f[0]), float(f[-1])],
+    }
 
 
 def _listed(modes: Iterable[Mode]) -> list[dict[str, float]]:

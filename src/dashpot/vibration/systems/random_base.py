@@ -43,6 +43,7 @@ def random_base(
     mass: Quantity,
     psd: float | npt.ArrayLike,
     frequency: npt.ArrayLike | None = None,
+    coupled: float = 0.0,
 ) -> RandomResponse:
     r"""Standard deviations of a mass on a base whose acceleration is stationary noise.
 
@@ -64,12 +65,15 @@ def random_base(
         One-sided, of the base's acceleration, (m/s^2)^2/Hz.
     frequency : array_like, shape (n,), optional
         Hz, of a table; it is 0 outside.
+    coupled : float
+        Of mounts that weigh something, the mass that couples both ends, kg
+        (:mod:`dashpot.vibration.systems.mounts`).
 
     Raises
     ------
     DataError
-        If a density is below 0, or white noise meets a parallel dashpot, through which it has no
-        finite acceleration.
+        If a density is below 0, or white noise meets a parallel dashpot or a coupled mass, through
+        which it has no finite acceleration.
     """
     kilograms = si(mass, "mass")
     if not (np.isfinite(kilograms) and kilograms > 0):
@@ -78,13 +82,18 @@ def random_base(
         density = float(np.asarray(psd, dtype=float))
         if not (np.isfinite(density) and density >= 0):
             raise DataError(f"psd = {psd!r}; expected a density >= 0, in (m/s^2)^2/Hz")
+        if coupled > 0:
+            raise DataError(
+                "white noise through mounts that weigh something has no finite acceleration; give "
+                "a psd over frequencies"
+            )
         return _white(model.maxwell, kilograms, density)
     f = increasing("frequency", samples("frequency", frequency, minimum=2))
     table = samples("psd", psd, minimum=2)
     same_length(frequency=f, psd=table)
     if f[0] <= 0 or (table < 0).any():
         raise DataError("a table of psd needs frequencies > 0 Hz and densities >= 0")
-    return _tabled(model, kilograms, f, table)
+    return _tabled(model, kilograms, f, table, coupled)
 
 
 def _white(solid: GeneralizedMaxwell, mass: float, density: float) -> RandomResponse:
@@ -112,7 +121,9 @@ def _white(solid: GeneralizedMaxwell, mass: float, density: float) -> RandomResp
     return _response(float(pull @ P @ pull), float(P[0, 0]), float(P[1, 1]))
 
 
-def _tabled(model: Solid, mass: float, f: FloatArray, table: FloatArray) -> RandomResponse:
+def _tabled(
+    model: Solid, mass: float, f: FloatArray, table: FloatArray, coupled: float
+) -> RandomResponse:
     grids = [np.geomspace(f[0], f[-1], _LINES), f]
     for mode in model_modes(model, mass):
         width = mode.frequency * max(mode.damping_ratio, 1e-6)
@@ -124,8 +135,9 @@ def _tabled(model: Solid, mass: float, f: FloatArray, table: FloatArray) -> Rand
         S = np.exp(np.interp(np.log(at), np.log(f), np.log(table)))
     w = 2 * np.pi * at
     K = model.complex_stiffness(w)
-    relative = mass / (K - mass * w**2)  # stretch per acceleration of the base
-    carried = np.abs(K * relative / mass) ** 2
+    felt = 1 / (K - mass * w**2)
+    relative = (mass + coupled) * felt  # stretch per acceleration of the base
+    carried = np.abs((K + coupled * w**2) * felt) ** 2
     moved = np.abs(relative) ** 2
     return _response(
         float(np.trapezoid(carried * S, at)),
