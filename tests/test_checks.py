@@ -22,6 +22,7 @@ from dashpot.engine.inference.covariance import Noise, nearly_white, noise_of
 from dashpot.engine.inference.order import DECISIVE, Choice, choose
 from dashpot.export import checks as export
 from dashpot.fitting.checks import creep, curves, relaxation, solid, temperature
+from dashpot.fitting.cld import checks as relaxed
 from dashpot.fitting.fractional import checks as fractional
 from dashpot.fitting.identification import checks as identification
 from dashpot.fitting.level import checks as level
@@ -1007,6 +1008,25 @@ CLD = [
     Case("length_given", lambda x: cld.length_given(given=bool(x)), 1, 0),
 ]
 
+RELAXED = [
+    Case("memory_explains", lambda x: relaxed.memory_explains(0.2, x), 0.0299, 0.0301),
+    Case("memory_explains", lambda x: relaxed.memory_explains(0.2, -x), 0.0299, 0.0301),
+    Case(
+        "stroke_within_memory",
+        lambda x: relaxed.stroke_within_memory(x * 5 / np.pi, (0.1, 1.0)),
+        1.0,
+        1.01,
+    ),
+    Case(
+        "stroke_within_memory",
+        lambda x: relaxed.stroke_within_memory(0.5 / np.pi / x, (0.1, 1.0)),
+        1.0,
+        1.01,
+    ),
+    Case("relaxed_agrees", lambda x: relaxed.relaxed_agrees(x, 8e-3, 200.0), 0.0499, 0.0501),
+    Case("relaxed_agrees", lambda x: relaxed.relaxed_agrees(-x, 8e-3, 200.0), 0.0499, 0.0501),
+]
+
 LOTS = [
     Case("files_fitted", lambda x: lots.files_fitted(int(x), 9), 0, 1),
     Case("fits_usable", lambda x: lots.fits_usable(int(x), 9), 0, 1),
@@ -1148,6 +1168,7 @@ STAGES = {
     "fitting/fractional": FRACTIONAL,
     "fitting/temperature": TEMPERATURE,
     "fitting/level": LEVEL,
+    "fitting/cld": RELAXED,
     "lots": LOTS,
     "planning": PLANNING,
     "vibration": VIBRATION,
@@ -1215,6 +1236,9 @@ LIMITS = {
     "fitting/level": {
         "level_matters": 20, "amplitudes_spread": 3, "softening_seen": 2, "law_followed": 0.03,
         "levels_followed": 1.5, "loss_followed": 0.15,
+    },
+    "fitting/cld": {
+        "memory_explains": 0.03, "stroke_within_memory": 1, "relaxed_agrees": 0.05,
     },
     "lots": {"files_fitted": 0, "fits_usable": 0, "hammers_compared": 0,
              "tests_alike": 0, "records_distinct": 0, "seals_within_limits": 0,

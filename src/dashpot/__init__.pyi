@@ -11,6 +11,7 @@ from .base.errors import ReadError as ReadError
 from .base.provenance import Source as Source
 from .base.version import __version__ as __version__
 from .engine.sums import fit_exponential_sum as fit_exponential_sum
+from .fitting.cld.relaxed import relaxed_law as relaxed_law
 from .fitting.compliance import measured_compliance as measured_compliance
 from .fitting.creep import fit_creep as fit_creep
 from .fitting.depth import fit_depths as fit_depths
@@ -47,6 +48,7 @@ from .records.amplitude import AmplitudeFit as AmplitudeFit
 from .records.amplitude import AmplitudeSweep as AmplitudeSweep
 from .records.cld import CLD as CLD
 from .records.cld import CompressionTest as CompressionTest
+from .records.cld import RelaxedLaw as RelaxedLaw
 from .records.creep import CreepCompliance as CreepCompliance
 from .records.creep import CreepTest as CreepTest
 from .records.dynamic import DynamicTest as DynamicTest

@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from kit.cld import bulb, pressed
+from kit.cld import bulb, fit_of, pressed
 
 import dashpot as dp
 from dashpot.base.capability import capability
@@ -125,3 +125,16 @@ def test_inspect_names_the_kind(folder):
         assert '"cld"' in result.stdout
     result = CliRunner().invoke(main, ["fit", str(folder / "p1.csv")])
     assert "dashpot cld takes" in result.stderr
+
+
+def test_with_a_fit_the_law_is_told_and_written(folder, tmp_path):
+    fit = fit_of(bulb)
+    (folder / "fit.json").write_text(dp.to_json(fit))
+    words = ("p1.csv", "--at", "6mm", "--with", str(folder / "fit.json"))
+    law = tmp_path / "law.json"
+    found = told(folder, *words, "-o", str(law))
+    assert found["relaxed"]["left"] == pytest.approx(0, abs=0.01)
+    written = dp.from_json(law.read_text())
+    assert list(written.elastic_law.knots) == found["relaxed"]["elastic_law"]["knots"]
+    assert "tangent, N/mm" in ran(folder, *words).stdout
+    assert "--with" in ran(folder, "p1.csv", "-o", str(tmp_path / "no.json"), code=2).stderr

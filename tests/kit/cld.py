@@ -1,4 +1,4 @@
-"""Compression load deflection of a seal whose truth is known: nothing of dashpot is used.
+"""Compression load deflection of a seal whose truth is known: its motion and force use no dashpot.
 
 The seal answers its elastic law with memory, each arm by the exact recursion; it softens from cycle
 to cycle, carries a set, and does not pull. The machine counts, drifts and makes noise.
@@ -7,12 +7,17 @@ to cycle, carries a set, and does not pull. The machine counts, drifts and makes
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+
+import dashpot as dp
+from dashpot.solids.elastic import ElasticLaw
+
+from . import handmade
 
 Array = npt.NDArray[Any]
 
@@ -52,6 +57,24 @@ class Truth:
     def write(self, path: Path, **how: Any) -> Path:
         path.write_text(self.text(**how), encoding="utf-8")
         return path
+
+
+def answered(
+    wanted: Array, met: Array, arms: tuple[tuple[float, float], ...], step: float
+) -> Array:
+    """The force of relaxed forces with memory; a seal that would pull is left, and recovers."""
+    g, tau = (np.array([arm[i] for arm in arms]) for i in (0, 1))
+    decay = np.exp(-step / tau)
+    mean = g * (1 - decay) * tau / step
+    arm, e, force = np.zeros(len(arms)), 0.0, np.zeros(len(wanted))
+    for i, asked in enumerate(wanted):
+        passed = decay * arm
+        force[i] = asked + np.sum(passed + mean * (asked - e))
+        last, e = e, asked
+        if force[i] <= 0 or not met[i]:
+            force[i], e = 0.0, (mean.sum() * last - passed.sum()) / (1 + mean.sum())
+        arm = passed + mean * (e - last)
+    return force
 
 
 def pressed(
@@ -102,21 +125,18 @@ def pressed(
     n = np.clip(number, 0, len(depths) - 1).astype(float)
     soft = 1 - softening * (1 - np.exp(-n / 1.5))
     lost = set_ * (1 - np.exp(-n))
-    elastic = soft * law(np.maximum(x - lost, 0.0))
-    clean = elastic.copy()
-    for g, tau in arms:
-        arm, last_e = 0.0, elastic[0]
-        out = np.zeros_like(x)
-        decay = np.exp(-1 / rate / tau)
-        mean = (1 - decay) * tau * rate
-        out[0] = 0.0
-        for i in range(1, len(x)):
-            arm = decay * arm + g * mean * (elastic[i] - last_e)
-            last_e = elastic[i]
-            out[i] = arm
-        clean = clean + out
-    clean = scale * np.where(x > lost, np.maximum(clean, 0.0), 0.0)
+    wanted = soft * law(np.maximum(x - lost, 0.0))
+    clean = scale * answered(wanted, x > lost, arms, 1 / rate)
     draw = np.random.default_rng(seed).standard_normal(len(x))
     read = clean + bias + drift * time + noise * draw
     counted = np.round(x / count) * count if count else x
     return Truth(time, counted, read, x, clean)
+
+
+def fit_of(law, *, arms=ARMS, scale=1.0, depth=8e-3):
+    """A fit that knows the memory, and the secant stiffness at a depth."""
+    k = scale * float(law(np.array([depth]))[0]) / depth
+    model = dp.GeneralizedMaxwell(k, tuple(k * g for g, _ in arms), tuple(tau for _, tau in arms))
+    found = handmade.study().fit
+    evidence = replace(found.evidence, band=(1e-3, 10.0), by_depth=(), checks=())
+    return replace(found, solid=model, elastic_law=ElasticLaw.linear(k, depth), evidence=evidence)

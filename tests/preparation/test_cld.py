@@ -106,7 +106,7 @@ def test_softening_is_that_of_the_cycles_and_set_that_of_the_contact():
         ({"gap": -1e-3}, {"zero_recorded"}),
         ({"cycles": 1}, {"conditioned"}),
         ({"cycles": 2}, {"conditioned"}),
-        ({"depth": (4e-3, 5e-3, 6e-3, 8e-3)}, {"depth_conditioned"}),
+        ({"depth": (4e-3, 5e-3, 6e-3, 8e-3)}, {"conditioned", "depth_conditioned"}),
         ({"wait": 3.0}, set()),
         ({"drift": 3e-3}, {"load_cell_steady"}),
         ({"cycles": 1, "unload": False}, {"conditioned", "unloading_recorded"}),
@@ -119,8 +119,8 @@ def test_what_is_wrong_with_a_record_is_said_and_no_more(how, names):
 def test_a_preload_is_left_and_said():
     truth = pressed(gap=-1e-3, bias=0.0)
     one = found(truth, at=5e-3)
-    assert one.preload == pytest.approx(float(truth.clean[0]), abs=4e-3)
-    assert "begins in contact, under 8" in one.verdict.says
+    assert one.preload == pytest.approx(float(np.median(truth.clean[:100])), abs=4e-3)
+    assert "begins in contact, under 11 %" in one.verdict.says
     assert one.cycle.depth == pytest.approx(7e-3, abs=1e-5)
 
 
@@ -188,7 +188,7 @@ def test_noise_and_counts_make_no_strokes():
 def test_memory_is_what_makes_a_release_fall_behind():
     """An elastic seal has no hysteresis; one with arms has, and shows less when slow."""
     lost = [
-        found(pressed(speed=v, softening=0.0, arms=arms), at=6e-3).cycle.hysteresis
+        found(pressed(speed=v, softening=0.0, arms=arms, rate=2e4 * v), at=6e-3).cycle.hysteresis
         for v, arms in ((5e-3, ()), (5e-3, ARMS), (0.2e-3, ARMS))
     ]
     assert abs(lost[0]) < 0.005

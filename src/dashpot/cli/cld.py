@@ -8,9 +8,10 @@ import click
 
 import dashpot as dp
 from dashpot import workflow
+from dashpot.base.errors import ReadError
 from dashpot.cli import _options as options
 from dashpot.cli._options import Quantity, Range
-from dashpot.cli._shell import File, Outcome, reports, write_figure
+from dashpot.cli._shell import File, Outcome, printed, read_fit, reports, write, write_figure
 from dashpot.cli._terminal import Text
 from dashpot.cli._text import rounded, table, with_error
 
@@ -26,12 +27,27 @@ from dashpot.cli._text import rounded, table, with_error
     type=Range("force"),
     help="Of the force there, over several pieces, e.g. 4.5:5.5N; of 100 mm with --length.",
 )
+@click.option(
+    "--with",
+    "memory",
+    type=File(),
+    metavar="FIT",
+    help="Fit of a relaxation test: its memory is taken off, which leaves the elastic law.",
+)
+@options.output("Write that fit with this elastic law as JSON.", ".json")
 @options.picture
 @options.overwrite
 @reports
 @options.specimen
 @options.reading
-def command(*, files: tuple[str, ...], picture: str | None, **choices: Any) -> Outcome:
+def command(
+    *,
+    files: tuple[str, ...],
+    memory: str | None,
+    output: str | None,
+    picture: str | None,
+    **choices: Any,
+) -> Outcome:
     """Find force, slope, hysteresis, energy and set of a seal that is pressed and released.
 
     A FILE holds displacement and force of one piece, in one cycle or several, with a clock or
@@ -40,8 +56,17 @@ def command(*, files: tuple[str, ...], picture: str | None, **choices: Any) -> O
     \b
     dashpot cld piece.csv --length 100mm --at 6mm --between 4:8mm
     dashpot cld piece1.csv piece2.csv piece3.csv --length 100mm --at 6mm --limits 4.5:5.5N
+    dashpot cld piece.csv --at 6mm --with fit.json -o fit_with_law.json
     """
-    found = workflow.cld_files(files, **choices)
+    if output and memory is None:
+        raise ReadError(
+            "-o writes the fit of a relaxation test with the elastic law of the load deflection: "
+            "name that fit by --with"
+        )
+    known = None if memory is None else read_fit(memory)
+    found = workflow.cld_files(files, memory=known, **choices)
+    if output:
+        write(output, printed(found.fit) + "\n")
     if picture:
         write_figure(picture, dp.plot.cld(found.pieces))
     return Outcome(found.document, _said(found), found.checks, verdict=found.verdict)
@@ -79,7 +104,28 @@ def _said(found: workflow.Pieces) -> Text:
             f"  Cpk {found.capability.cpk:.2f} ({low:.2f} to {high:.2f}), "
             f"{found.capability.outside} of {found.capability.count} outside"
         )
+    if found.relaxed is not None:
+        lines += _relaxed(found.relaxed, found.pieces[0])
     return Text(lines, details)
+
+
+def _relaxed(found: dp.RelaxedLaw, one: dp.CLD) -> list[str]:
+    law = found.law
+    rows = [["relaxed, mm", "force, N", "secant, N/mm", "tangent, N/mm"]]
+    for mark in (at.compression for at in one.marked):
+        tangent, error = (float(law.stiffness * each(mark)) for each in (law.factor, law.factor_se))
+        rows.append(
+            [
+                rounded(1e3 * mark),
+                rounded(float(law.force(mark))),
+                rounded(1e-3 * float(law.secant(mark))),
+                with_error(1e-3 * tangent, 1e-3 * error),
+            ]
+        )
+    said = f"  softer than cycle 1 by {100 * found.softening:.3g} % without the memory"
+    if found.left is not None and found.hysteresis is not None:
+        said += f"; of {100 * found.hysteresis:.3g} % hysteresis {100 * found.left:.2g} % are left"
+    return [*table(rows), said]
 
 
 _BLOCKS = 2

@@ -11,6 +11,8 @@ from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.offered import Described, Pictured
 from dashpot.base.provenance import Source, of_file
 from dashpot.records.specimen import Specimen
+from dashpot.solids.elastic import ElasticLaw
+from dashpot.solids.maxwell import GeneralizedMaxwell
 
 PER = 0.1
 """Length of seal that a force is quoted for, m."""
@@ -71,10 +73,18 @@ class Branch(ByValue):
         From first contact of the first cycle, m; below 0 is air.
     force : array, shape (n,)
         Compressive, tared, N.
+    first : int
+        Its first sample in the record.
     """
 
     compression: FloatArray
     force: FloatArray
+    first: int
+
+    @property
+    def samples(self) -> slice:
+        """Of the record."""
+        return slice(self.first, self.first + len(self.force))
 
     def work(self, depth: float = np.inf) -> float:
         r"""Work on the seal from contact to a depth, m: :math:`\int F\,dx` along the path, J."""
@@ -192,6 +202,10 @@ class CLD(ByValue, Pictured):
     nominal : AtCompression
     least, most : AtCompression or None
         At the ends of the tolerance, where they are asked for and reached.
+    time : array, shape (n,), or None
+        Of the whole record, s; None without a clock.
+    compression, force : array, shape (n,)
+        Of the whole record, zeroed, m and N.
     checks : tuple of Check
     specimen : Specimen
     source : Source or None
@@ -208,6 +222,9 @@ class CLD(ByValue, Pictured):
     nominal: AtCompression
     least: AtCompression | None
     most: AtCompression | None
+    time: FloatArray | None
+    compression: FloatArray
+    force: FloatArray
     checks: tuple[Check, ...] = ()
     specimen: Specimen = field(default_factory=Specimen)
     source: Source | None = None
@@ -277,3 +294,33 @@ class CLD(ByValue, Pictured):
             ),
             *(check.says for check in self.checks if check.failed),
         )
+
+
+@dataclass(frozen=True)
+class RelaxedLaw:
+    """The elastic law under a cycle that was driven at a finite speed.
+
+    Made by :func:`dashpot.relaxed_law`.
+
+    Attributes
+    ----------
+    law : ElasticLaw
+        Relaxed force against compression, to the depth of the cycle.
+    memory : GeneralizedMaxwell
+        What was taken off, with a stiffness at rest of 1: its k are parts of the relaxed force.
+    residual : float
+        Rms of what relaxed loading and unloading leave of the law, N.
+    hysteresis, left : float
+        Part of the energy that the cycle lost, and that its relaxed forces still lose: friction.
+    softening : float
+        Part of the first cycle's relaxed force that is missing in the last, at ``CLD.common``.
+    checks : tuple of Check
+    """
+
+    law: ElasticLaw
+    memory: GeneralizedMaxwell
+    residual: float
+    hysteresis: float | None
+    left: float | None
+    softening: float
+    checks: tuple[Check, ...] = ()

@@ -660,6 +660,39 @@ class Fit(ByValue, Pictured):
         )
         return replace(self._scaled(factor, step), solid=tangent, elastic_law=None)
 
+    def with_elastic_law(self, law: ElasticLaw, *, checks: Sequence[Check] = ()) -> Fit:
+        """The fit with a law measured otherwise, of which the shape alone is taken.
+
+        Its stiffnesses stay what they are at the depth that was held; the solid is then the secant
+        one at the law's deepest compression.
+
+        Raises
+        ------
+        DataError
+            If no part was pressed, or the law ends more than 1 % before the depth that was held.
+        """
+        if self.elastic_law is None:
+            raise DataError("the fit is of no pressed part: expected one of a relaxation test")
+        held = self.elastic_law.depth
+        if law.depth < 0.99 * held:
+            raise DataError(
+                f"the law ends at {1e3 * law.depth:.4g} mm, and the test was held at "
+                f"{1e3 * held:.4g} mm: expected a cycle at least as deep"
+            )
+        factor = held / float(law.path(held))
+        step = Step(
+            "elastic law",
+            (("depth_m", repr(law.depth)), ("of", self.identity)),
+            f"elastic law of compression load deflection to {1e3 * law.depth:.4g} mm: stiffnesses "
+            f"there {factor:.4g} times the secant of fit {self.identity}",
+        )
+        scaled = self._scaled(factor, step)
+        return replace(
+            scaled,
+            elastic_law=replace(law, stiffness=scaled.model.k_inf),
+            evidence=replace(scaled.evidence, checks=(*self.checks, *checks), end_of_hold=None),
+        )
+
     def as_part(
         self, shape: Geometry | float, mode: Mode | None = None, *, bonded: bool = True
     ) -> Fit:

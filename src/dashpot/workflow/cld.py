@@ -16,7 +16,8 @@ from dashpot.base.errors import ReadError
 from dashpot.base.units import Quantity, Range
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import about
-from dashpot.records.cld import CLD, AtCompression, Cycle
+from dashpot.records.cld import CLD, AtCompression, Cycle, RelaxedLaw
+from dashpot.records.fit import Fit
 from dashpot.records.specimen import Specimen
 from dashpot.workflow.checks import pieces_capable, pieces_tested_alike
 
@@ -59,12 +60,18 @@ class Pieces:
         Of the force at the nominal compression between its limits.
     checks : tuple of Check
         Those of every piece, each at its worst, and of the pieces together.
+    relaxed : RelaxedLaw or None
+        The elastic law under the first piece, where a relaxation test told its memory.
+    fit : Fit or None
+        That of the relaxation test with this law.
     """
 
     pieces: tuple[CLD, ...]
     scatter: tuple[Scatter, ...]
     capability: Capability | None
     checks: tuple[Check, ...]
+    relaxed: RelaxedLaw | None = None
+    fit: Fit | None = None
 
     @property
     def unit(self) -> str:
@@ -86,6 +93,7 @@ class Pieces:
             "pieces": [_piece(one) for one in self.pieces],
             "scatter": [asdict(one) for one in self.scatter],
             "capability": None if self.capability is None else asdict(self.capability),
+            **({} if self.relaxed is None else {"relaxed": _law(self.relaxed)}),
             "verdict": {
                 "use": judged.use,
                 "says": judged.says,
@@ -101,6 +109,7 @@ def cld_files(
     at: Quantity | None = None,
     between: Range | None = None,
     limits: tuple[float, float] | None = None,
+    memory: Fit | None = None,
     specimen: Specimen | None = None,
     options: ReadOptions | None = None,
 ) -> Pieces:
@@ -114,6 +123,8 @@ def cld_files(
         As in :func:`~dashpot.preparation.cld.cycles.cld`; without `at` the least depth of all.
     limits : (float, float), optional
         Of the force at the nominal compression, N, of 100 mm where the length is known.
+    memory : Fit, optional
+        Of a relaxation test: its memory is taken off the first piece, which leaves the elastic law.
     specimen : Specimen, optional
         What is the same of every piece, such as its length.
     options : ReadOptions, optional
@@ -148,8 +159,13 @@ def cld_files(
     together = [] if len(pieces) < 2 else [pieces_tested_alike(_otherwise(pieces))]
     if within is not None:
         together.append(pieces_capable(within, pieces[0].unit))
+    relaxed = None if memory is None else dp.relaxed_law(pieces[0], memory)
+    fed = None
+    if memory is not None and relaxed is not None:
+        together += relaxed.checks
+        fed = memory.with_elastic_law(relaxed.law, checks=relaxed.checks)
     every = [worst(each) for each in zip(*(one.checks for one in pieces), strict=True)]
-    return Pieces(tuple(pieces), tuple(_scatter(pieces)), within, (*every, *together))
+    return Pieces(tuple(pieces), tuple(_scatter(pieces)), within, (*every, *together), relaxed, fed)
 
 
 def _scatter(pieces: Sequence[CLD]) -> list[Scatter]:
@@ -247,4 +263,19 @@ def _cycle(cycle: Cycle) -> dict[str, Any]:
         "energy": cycle.energy,
         "returned": cycle.returned,
         "hysteresis": cycle.hysteresis,
+    }
+
+
+def _law(found: RelaxedLaw) -> dict[str, Any]:
+    law = found.law
+    return {
+        "elastic_law": {
+            "kind": law.kind,
+            "knots": list(law.knots),
+            "tangent": law.tangent(law.knots).tolist(),
+        },
+        "residual": found.residual,
+        "hysteresis": found.hysteresis,
+        "left": found.left,
+        "softening": found.softening,
     }

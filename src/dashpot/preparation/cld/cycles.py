@@ -33,6 +33,8 @@ class _Found(NamedTuple):
     beyond: float
     common: float
     uneven: tuple[float | None, ...]
+    compression: FloatArray
+    force: FloatArray
 
 
 def cld(
@@ -92,6 +94,9 @@ def cld(
         middle,
         least,
         most,
+        test.time,
+        found.compression,
+        found.force,
         _checks(found, index, max(one for one in (nominal, *ends) if one is not None), test),
         specimen,
         test.source,
@@ -139,7 +144,7 @@ def _cycles(test: CompressionTest) -> _Found:
                    beyond=beyond, speed=None if test.time is None else speed)
         )  # fmt: skip
         uneven.append(None if test.time is None else departure)
-    return _Found(tuple(cycles), zero, beyond, common, tuple(uneven))
+    return _Found(tuple(cycles), zero, beyond, common, tuple(uneven), x, force)
 
 
 def _cycle(
@@ -154,8 +159,8 @@ def _cycle(
     beyond: float,
     speed: float | None,
 ) -> Cycle:
-    way_in = Branch(x[loading.samples], force[loading.samples])
-    back = None if unloading is None else Branch(x[unloading.samples], force[unloading.samples])
+    way_in = _branch(x, force, loading)
+    back = None if unloading is None else _branch(x, force, unloading)
     contact = 0.0
     if number > 1:
         met = met_again(way_in.compression, way_in.force, noise=zero.noise)
@@ -171,6 +176,10 @@ def _cycle(
         number, depth, speed, None if np.isnan(contact) else contact, peak.force, here.force,
         way_in, back,
     )  # fmt: skip
+
+
+def _branch(x: FloatArray, force: FloatArray, stroke: Stroke) -> Branch:
+    return Branch(x[stroke.samples], force[stroke.samples], stroke.first)
 
 
 def _chosen(found: _Found, asked: int | None, at: float | None) -> int:

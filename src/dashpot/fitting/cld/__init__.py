@@ -1,0 +1,1 @@
+"""From compression load deflection to the elastic law, and to the memory of several speeds."""

@@ -1,0 +1,101 @@
+"""The elastic law under load deflection, from records whose law and memory are known."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from kit.cld import ARMS, bulb, fit_of, pressed, stiffening
+
+import dashpot as dp
+from dashpot.base.errors import DataError, FitError
+
+AT = np.array([1e-3, 2e-3, 4e-3, 6e-3, 7.5e-3])
+
+
+def found(truth, **how):
+    return dp.cld(dp.CompressionTest(truth.displacement, truth.force, truth.time), **how)
+
+
+EXACT = {"noise": 0.0, "count": 0.0, "bias": 0.0}
+
+
+@pytest.mark.parametrize("law", [stiffening, bulb])
+@pytest.mark.parametrize("speed", [0.5e-3, 5e-3])
+def test_the_law_is_that_of_the_truth_at_any_speed_and_loading_is_not(law, speed):
+    one = found(pressed(law, speed=speed, softening=0.0, rate=2e4 * speed, **EXACT))
+    relaxed = dp.relaxed_law(one, fit_of(law))
+    slope = (law(AT + 1e-6) - law(AT - 1e-6)) / 2e-6
+    # first contact is known to some 10 um where a force begins to rise between two samples
+    assert (np.abs(relaxed.law.force(AT) - law(AT)) <= 1e-3 * law(AT) + 1e-5 * slope).all()
+    assert relaxed.law.tangent(AT) == pytest.approx(slope, rel=0.02)
+    assert abs(relaxed.left) < 2e-4
+    assert relaxed.hysteresis > 0.05
+    loading = np.interp(AT, one.loading.compression, one.loading.force)
+    assert np.abs(loading / law(AT) - 1).max() > 0.06
+    assert all(check.passed for check in relaxed.checks if check.name != "stroke_within_memory")
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_noise_counts_and_drift_leave_the_law_near(seed):
+    one = found(pressed(seed=seed, softening=0.0, drift=2e-4, count=2e-5))
+    relaxed = dp.relaxed_law(one, fit_of(stiffening))
+    assert relaxed.law.force(AT[2:]) == pytest.approx(stiffening(AT[2:]), rel=0.015)
+    z = (relaxed.law.tangent(AT) - 150 - 3 * 7.2656e5 * AT**2) / relaxed.law.stiffness
+    assert np.abs(z / relaxed.law.factor_se(AT)).max() < 5
+
+
+def test_softening_without_the_memory_is_mullins_alone():
+    one = found(pressed(softening=0.12, **EXACT))
+    relaxed = dp.relaxed_law(one, fit_of(stiffening))
+    assert relaxed.softening == pytest.approx(0.12 * (1 - np.exp(-2)), abs=1e-3)
+    assert one.softening > relaxed.softening + 0.015
+
+
+def test_another_memory_leaves_hysteresis_and_another_seal_another_force():
+    one = found(pressed(softening=0.0))
+    half = tuple((g / 2, tau) for g, tau in ARMS)
+    wrong = dp.relaxed_law(one, fit_of(stiffening, arms=half))
+    assert "memory_explains" in {check.name for check in wrong.checks if check.failed}
+    other = dp.relaxed_law(one, fit_of(stiffening, scale=1.1))
+    agrees = next(check for check in other.checks if check.name == "relaxed_agrees")
+    assert agrees.value == pytest.approx(1 / 1.1 - 1, abs=0.01)
+    # of a fit to several depths, at each
+    law = dp.relaxed_law(one, fit_of(stiffening)).law
+    depths = tuple(
+        dp.relaxed_law(one, fit_of(stiffening, depth=h)).checks[-1].value for h in (4e-3, 6e-3)
+    )
+    assert depths == pytest.approx(law.force([4e-3, 6e-3]) / stiffening(np.array([4e-3, 6e-3])) - 1)
+
+
+def test_the_fit_with_the_law_is_the_tangent_where_a_mass_rests():
+    relaxed = dp.relaxed_law(found(pressed(softening=0.0, **EXACT)), fit_of(stiffening))
+    for held in (5e-3, 8e-3):
+        fit = fit_of(stiffening, depth=held).with_elastic_law(relaxed.law, checks=relaxed.checks)
+        for x in (2.6e-3, 5e-3):
+            solid = fit.model_at(x)
+            assert solid.k_inf == pytest.approx(150 + 3 * 7.2656e5 * x**2, rel=0.01)
+            assert np.array(solid.k) / solid.k_inf == pytest.approx([g for g, _ in ARMS])
+        assert fit.model_at(held, secant=True).k_inf == pytest.approx(
+            float(stiffening(np.array([held]))[0]) / held, rel=2e-3
+        )
+        assert relaxed.checks[0] in fit.checks
+        assert dp.from_json(dp.to_json(fit)).elastic_law == fit.elastic_law
+
+
+def test_what_has_no_clock_no_rest_or_no_depth_is_refused():
+    truth = pressed(softening=0.0)
+    fit = fit_of(stiffening)
+    bare = dp.cld(dp.CompressionTest(truth.displacement, truth.force))
+    with pytest.raises(FitError, match="no clock"):
+        dp.relaxed_law(bare, fit)
+    one = found(truth)
+    loose = replace(fit, solid=dp.GeneralizedMaxwell(0.0, (1.0,), (1.0,)))
+    with pytest.raises(FitError, match="no stiffness at rest"):
+        dp.relaxed_law(one, loose)
+    law = dp.relaxed_law(one, fit).law
+    with pytest.raises(DataError, match="at least as deep"):
+        fit_of(stiffening, depth=9e-3).with_elastic_law(law)
+    with pytest.raises(DataError, match="no pressed part"):
+        replace(fit, elastic_law=None).with_elastic_law(law)
