@@ -1,6 +1,9 @@
 """The same simulated hammer hits, by dashpot and by its peers: errors of both against the truth.
 
-    pip install pyFRF sdypy-EMA && python benchmarks/frf_peers.py
+    pip install pyFRF sdypy-EMA && python benchmarks/frf_peers.py [HITS.lvm]
+
+A record of real hits with a force F and two accelerometers m_1 and m_2 is analysed by both if it is
+given; nobody knows its truth, so the two are held against each other.
 
 FRF error: root mean square of |H / H_true - 1| over 5 to 40 Hz. Each is held against the truth
 of what it claims to give: pyFRF and SciPy against H(j omega), dashpot with an exponential window
@@ -11,6 +14,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import sys
 import warnings
 from collections.abc import Callable
 from dataclasses import replace
@@ -270,6 +274,8 @@ def estimators() -> None:
 
 
 if __name__ == "__main__":
+    import modal_peers
+
     for peer, have in (("pyFRF", HAVE_PYFRF), ("sdypy-EMA", HAVE_EMA)):
         if not have:
             print(f"{peer} is not installed: pip install {peer}")
@@ -279,3 +285,6 @@ if __name__ == "__main__":
     verdicts()
     single_hit()
     estimators()
+    modal_peers.shapes()
+    for given in sys.argv[1:]:
+        modal_peers.real_hits(given)
