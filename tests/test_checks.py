@@ -981,12 +981,18 @@ TEMPERATURE = [
 ]
 
 LEVEL = [
-    Case("level_matters", lambda x: level.level_matters(x, (1e-4, 1e-3), "m"), 20.1, 19.9),
+    Case(
+        "level_matters",
+        lambda x: level.level_matters(x, (1e-4, 1e-3), "m", "friction"),
+        20.1,
+        19.9,
+    ),
+    Case("spring_cubic", level.spring_cubic, 19.9, 20.1),
     Case("amplitudes_spread", lambda x: level.amplitudes_spread(x, "m"), 3.01, 2.99),
     Case("softening_seen", level.softening_seen, 2.01, 1.99),
     Case("law_followed", level.law_followed, 0.0299, 0.0301),
     Case("loss_followed", level.loss_followed, 0.149, 0.151),
-    Case("levels_followed", lambda x: level.levels_followed(x * 0.01, 0.01), 1.49, 1.51),
+    Case("levels_followed", lambda x: level.levels_followed(x * 0.01, 0.01), 1.39, 1.41),
 ]
 
 CLD = [
@@ -1235,7 +1241,7 @@ LIMITS = {
     },
     "fitting/level": {
         "level_matters": 20, "amplitudes_spread": 3, "softening_seen": 2, "law_followed": 0.03,
-        "levels_followed": 1.5, "loss_followed": 0.15,
+        "levels_followed": 1.4, "loss_followed": 0.15, "spring_cubic": 20,
     },
     "fitting/cld": {
         "memory_explains": 0.03, "stroke_within_memory": 1, "relaxed_agrees": 0.05,

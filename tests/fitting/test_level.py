@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 from dashpot.base.errors import DataError, FitError
 from dashpot.fitting.level.frfs import fit_levels
 from dashpot.fitting.level.loops import sweep_of_loops
+from dashpot.fitting.level.response import resonance_at_level
 from dashpot.fitting.level.sweep import fit_amplitude
 from dashpot.records.amplitude import AmplitudeSweep
 from dashpot.records.frf import FRF, Kind
@@ -83,7 +84,7 @@ class TestSweep:
         assert found.verdict.use == "use with care"
 
     def test_a_linear_rubber_has_no_law(self):
-        for seed in range(10):
+        for seed in range(6):
             found = fit_amplitude(sweep(np.full(len(X), 5e6 * (1 + 0.1j)), noise=0.01, seed=seed))
             assert found.law == "none", seed
             assert (
@@ -111,6 +112,41 @@ class TestSweep:
         one = (theta - np.sin(2 * theta) / 2) / np.pi + 4j / np.pi * r * (1 - r)
         found = fit_amplitude(sweep(1e6 * (3 + 0.3j + 2 * one), noise=0.005))
         assert [check.name for check in found.checks if check.failed] == ["loss_followed"]
+
+    def test_a_spring_that_stiffens_is_no_friction(self):
+        held, Xs = 0, np.geomspace(1e-4, 6e-3, 24)
+        for seed in range(12):
+            K = 400 * (1 + 0.08j) + 0.75 * 3e6 * Xs**2
+            found = fit_amplitude(sweep(K, Xs, noise=0.003, seed=seed, unit="N/m", of="m"))
+            assert (found.law, found.verdict.use) == ("cubic", "use"), seed
+            held += abs(found.k3 - 3e6) < 2 * dict(found.se)["k3"]
+            assert found.spring().k3 == found.k3
+        assert held >= 10
+        assert found.ratio(6e-3) == pytest.approx(complex(K[-1] / (400 + 32j)), rel=0.01)
+
+    def test_both_are_found_and_the_springs_error_knows_of_the_friction(self):
+        Xs = np.geomspace(1e-4, 6e-3, 12)
+        for friction in (lambda X: payne(X, d=1.0, X_c=4e-4), lambda X: jenkins(X) / 100):
+            K = 400 + 30j + 150 * np.array([friction(one) for one in Xs]) + 0.75 * 5e6 * Xs**2
+            found = fit_amplitude(sweep(K, Xs, noise=0.003, unit="N/m", of="m"))
+            assert found.law == "additive+cubic"
+            assert abs(found.k3 - 5e6) < 2.5 * dict(found.se)["k3"]
+
+    @pytest.mark.parametrize("other", [lambda X: 8e10 * 0.625 * X**4, lambda X: 2 * stop(X)])
+    def test_a_spring_that_is_not_cubic_is_said_and_no_friction_either(self, other):
+        Xs = np.tile(np.geomspace(1e-4, 6e-3, 12), 3)
+        K = 400 + 30j + np.array([other(one) for one in Xs])
+        found = fit_amplitude(sweep(K, Xs, noise=0.002, unit="N/m", of="m"))
+        assert found.law == "cubic"
+        assert [check.name for check in found.checks if check.failed] == ["spring_cubic"]
+
+    @pytest.mark.parametrize("slip", [1e-4, 1e-3, 4e-3])
+    def test_friction_that_is_not_the_laws_is_no_spring(self, slip):
+        Xs = np.geomspace(1e-4, 6e-3, 12)
+        K = 400 + 30j + np.array([jenkins(one, F=100 * slip) for one in Xs])
+        for seed in range(3):
+            found = fit_amplitude(sweep(K, Xs, noise=0.003, seed=seed, unit="N/m", of="m"))
+            assert "cubic" not in found.law
 
     def test_too_few(self):
         with pytest.raises(FitError, match="5 amplitudes"):
@@ -144,9 +180,31 @@ def jenkins(X, k=100.0, F=0.05):
     return k / np.pi * (theta - np.sin(2 * theta) / 2) + 4j * F * (X - x_y) / np.pi / X**2
 
 
+def stop(X, k=150.0, gap=3e-3):
+    """The describing function of a spring that begins at a gap."""
+    r = min(gap / X, 1.0)
+    return k * (1 - 2 / np.pi * (np.arcsin(r) + r * np.sqrt(1 - r**2)))
+
+
 def arms(w):
     s = 1j * w
     return 393 + 235 * s * 0.502 / (1 + s * 0.502) + 35.6 * s * 0.012 / (1 + s * 0.012)
+
+
+def marched(f, level, k3, per=128, cycles=90):
+    """First harmonic over the force of a mass on arms and a cubic spring, by leapfrog."""
+    k, tau = np.array([[235.0], [200.0]]), np.array([[0.502], [0.012]])
+    dt = 1 / f / per
+    x, v, e, X = np.zeros_like(f), np.zeros_like(f), np.zeros((2, len(f))), 0j
+    fade, share = np.exp(-dt / tau), -np.expm1(-dt / tau) * tau / dt
+    for i in range(cycles * per):
+        turn = np.exp(2j * np.pi * i / per)
+        if i >= (cycles - 8) * per:
+            X = X + x * turn.conj()
+        pull = level * turn.real * min(1, i / (10 * per))
+        v = v + (pull - 393 * x - (k * e).sum(axis=0) - k3 * x**3) / MASS * dt
+        x, e = x + v * dt, fade * e + share * v * dt
+    return 2 * X / (8 * per) / level
 
 
 def measured(level, f, friction=jenkins, *, noise=0.01, seed=0, kind=Kind.ACCELERANCE):
@@ -192,6 +250,7 @@ class TestLevels:
         for seed in range(6):
             found = fit_levels(three(seed=seed), LEVELS, mass=MASS)
             assert worst(found) < 0.01, seed
+            assert found.k3 == 0
             assert found.verdict.use == "use"
             assert found.residual < 0.012
             assert found.linear_residual > 0.05
@@ -207,7 +266,7 @@ class TestLevels:
 
         for seed in range(12):
             found = fit_levels(three(nothing, seed=seed), LEVELS, mass=MASS)
-            assert found.sliders == (), seed
+            assert found.beside == (), seed
             assert "no dependence" in " ".join(
                 found.described + tuple(c.says for c in found.checks)
             )
@@ -246,8 +305,8 @@ class TestLevels:
             ({"levels": (0.005, 0.1, 0.5)}, "use with care"),
             ({"gain": 1.05}, "use with care"),
             ({"phase": np.radians(1)}, "use with care"),
-            ({"friction": lambda X: jenkins(X) + 0.75 * 2e7 * X**2}, "do not use"),
-            ({"friction": lambda X: jenkins(X) - 0.75 * 4e5 * X**2}, "use with care"),
+            ({"friction": lambda X: jenkins(X) + stop(X)}, "use with care"),
+            ({"friction": lambda X: jenkins(X) - 0.4 * stop(X)}, "use with care"),
         ],
     )
     def test_what_is_told_wrong_or_lies_outside_is_no_use(self, wrong, use):
@@ -261,9 +320,45 @@ class TestLevels:
         # what nothing explains is not called linear
         assert "the solid is linear" not in " ".join(check.says for check in found.checks)
 
+    @pytest.mark.parametrize("k3", [4e5, -4e5, 8e5])
+    @pytest.mark.parametrize("slips", [False, True])
+    def test_a_spring_that_stiffens_is_told_from_friction(self, k3, slips):
+        def both(X):
+            return 0.75 * k3 * X**2 + (jenkins(X) if slips else 0)
+
+        for seed in range(2):
+            found = fit_levels(three(both, seed=seed), LEVELS, mass=MASS)
+            assert bool(found.sliders) == slips, seed
+            assert found.k3 == pytest.approx(k3, rel=0.05)
+            assert worst(found, both) < 0.01
+            assert found.verdict.use == "use"
+            assert ("stiffens" in repr(found)) == (k3 > 0)
+
+    def test_a_resonance_that_leans_is_followed_with_its_third_harmonic(self):
+        """Marched in time, so that the motion is what it is."""
+        k3, levels = 3e6, (0.05, 0.6)
+        f = np.linspace(9, 17, 33)
+        frfs = [marched(f, level, k3) for level in levels]
+        rng, held = np.random.default_rng(3), 0
+        for _ in range(4):
+            noise = 1 + 0.001 * (rng.normal(size=(2, 33)) + 1j * rng.normal(size=(2, 33)))
+            noisy = [FRF(f, H * one, Kind.RECEPTANCE) for H, one in zip(frfs, noise, strict=True)]
+            found = fit_levels(noisy, levels, mass=MASS)
+            assert found.sliders == ()
+            assert found.k3 == pytest.approx(k3, rel=0.01)
+            low, high = found.k3_interval
+            held += low < k3 < high
+        assert held >= 3
+        # it rises with the level, and where the sweep upwards jumps is its end
+        peaks = [resonance_at_level(found, level) for level in (0.05, 0.2, 0.6)]
+        assert np.all(np.diff([hz for hz, _ in peaks]) > 0)
+        hz, X = peaks[-1]
+        swept = np.abs(marched(np.linspace(hz - 0.3, hz + 0.3, 13), 0.6, k3)) * 0.6
+        assert swept.max() == pytest.approx(X, rel=0.01)
+
     def test_its_intervals_hold_the_truth(self):
         held, w = [], 2 * np.pi * 13.0
-        for seed in range(12):
+        for seed in range(8):
             found = fit_levels(three(seed=40 + seed), LEVELS, mass=MASS)
             for X in (2e-4, 1e-3, 4e-3):
                 for part in (np.real, np.imag):

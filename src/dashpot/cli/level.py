@@ -35,10 +35,11 @@ from dashpot.cli._shell import File, Outcome, reports, write_figure
 )
 @click.option(
     "--law",
-    type=click.Choice(["auto", "factor", "additive"]),
+    type=click.Choice(["auto", "factor", "additive", "cubic", "factor+cubic", "additive+cubic"]),
     default="auto",
     show_default=True,
-    help="Of a sweep: a share of the stiffness is lost, or friction stands beside it.",
+    help="Of a sweep or loops: a share of the stiffness is lost, or friction stands beside it; a "
+    "spring stiffens.",
 )
 @options.picture
 @options.overwrite

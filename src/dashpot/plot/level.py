@@ -36,6 +36,7 @@ from dashpot.records.relaxation import RelaxationTest
 from dashpot.solids.friction import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.rate_independent import InParallel
+from dashpot.solids.stiffening import Cubic
 
 _HEIGHT = 240.0
 _WIDE = 860.0
@@ -305,8 +306,8 @@ def _informed(fit: LevelFit, frfs: Sequence[FRF]) -> list[Panel]:
 def _interval(fit: LevelFit, omega: float, X: FloatArray) -> FloatArray:
     """95 % interval of storage and loss over amplitude, N/m, shape (2, 2, n)."""
 
-    def both(solid: GeneralizedMaxwell, sliders: tuple[Jenkins, ...]) -> FloatArray:
-        K = InParallel((solid, *sliders)).equivalent(omega, X)
+    def both(solid: GeneralizedMaxwell, beside: tuple[Jenkins | Cubic, ...]) -> FloatArray:
+        K = InParallel((solid, *beside)).equivalent(omega, X)
         return np.array((K.real, K.imag))
 
     return fit.interval(both)

@@ -15,6 +15,7 @@ from dashpot.base.provenance import Source, of_file
 from dashpot.records.specimen import Specimen
 from dashpot.solids.friction import Kraus
 from dashpot.solids.softening import softened
+from dashpot.solids.stiffening import Cubic
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -35,6 +36,8 @@ class AmplitudeSweep(ByValue, Described):
         ``"m"`` or ``"strain"``: what the amplitude is of.
     specimen : Specimen
     source : Source or None
+    sd : array, shape (n,) or None
+        Standard deviation of storage and of loss, in `unit`, where it is known.
 
     Raises
     ------
@@ -50,15 +53,19 @@ class AmplitudeSweep(ByValue, Described):
     of: str = "strain"
     specimen: Specimen = field(default_factory=Specimen)
     source: Source | None = None
+    sd: FloatArray | None = None
 
     def __post_init__(self) -> None:
         for name in ("frequency", "amplitude", "storage", "loss"):
             object.__setattr__(self, name, measured(name, getattr(self, name)))
+        if self.sd is not None:
+            object.__setattr__(self, "sd", measured("sd", self.sd))
         same_length(
             frequency=self.frequency,
             amplitude=self.amplitude,
             storage=self.storage,
             loss=self.loss,
+            sd=self.sd,
         )
         for name, unit in (("frequency", "Hz"), ("amplitude", self.of)):
             values = getattr(self, name)
@@ -90,8 +97,11 @@ class AmplitudeSweep(ByValue, Described):
 
     def only(self, chosen: BoolArray) -> AmplitudeSweep:
         """The chosen samples."""
-        names = ("frequency", "amplitude", "storage", "loss")
-        return replace(self, **{name: getattr(self, name)[chosen] for name in names})
+        names = ("frequency", "amplitude", "storage", "loss", "sd")
+        known = {name: getattr(self, name) for name in names}
+        return replace(
+            self, **{name: one[chosen] for name, one in known.items() if one is not None}
+        )
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -100,7 +110,8 @@ class AmplitudeFit(ByValue, Described):
 
     ``"factor"``: :math:`K^*(\omega, X) = K^*(\omega)\,\phi(X)`; ``"additive"``:
     :math:`K^*(\omega) + d\,[\phi_1(X) - 1]`, with :math:`\phi_1` that of a share of 1;
-    ``"none"``: no dependence is seen.
+    ``"cubic"``: :math:`K^*(\omega) + \tfrac34 k_3 X^2`; ``"factor+cubic"`` and
+    ``"additive+cubic"``: both; ``"none"``: no dependence is seen.
 
     Attributes
     ----------
@@ -115,7 +126,8 @@ class AmplitudeFit(ByValue, Described):
         Amplitude X_c where half of it is lost.
     exponent : float
     se : tuple of (str, float)
-        Standard errors of lost, half_way and exponent; 0 for an exponent that was set.
+        Standard errors of lost, half_way, exponent and k3, those that the law has; 0 for an
+        exponent that was set.
     amplitudes : (float, float)
         The range that the sweep informs.
     residual : float
@@ -128,6 +140,8 @@ class AmplitudeFit(ByValue, Described):
         As in the sweep.
     checks : tuple of Check
     source : Source or None
+    k3 : float
+        Of the cubic spring, in `unit` per square of `of`; 0 where there is none.
     """
 
     law: str
@@ -145,6 +159,7 @@ class AmplitudeFit(ByValue, Described):
     of: str = "strain"
     checks: tuple[Check, ...] = ()
     source: Source | None = None
+    k3: float = 0.0
 
     @property
     def verdict(self) -> Verdict:
@@ -155,20 +170,26 @@ class AmplitudeFit(ByValue, Described):
     def described(self) -> tuple[str, ...]:
         """The verdict, the law and its numbers."""
         judged = self.verdict
-        lines = [f"{judged.use}: {judged.says}"]
-        if self.law != "none":
-            error = dict(self.se)
+        lines, error = [f"{judged.use}: {judged.says}"], dict(self.se)
+        low, high = self.amplitudes
+        kraus = self.law.partition("+")[0]
+        if kraus in {"factor", "additive"}:
             size = (
-                f"{100 * self.lost:.3g} %"
-                if self.law == "factor"
-                else f"{self.lost:.4g} {self.unit}"
+                f"{100 * self.lost:.3g} %" if kraus == "factor" else f"{self.lost:.4g} {self.unit}"
             )
             lines.append(
-                f"{self.law} law: {size} of the stiffness is lost with amplitude, half of it at "
+                f"{kraus} law: {size} of the stiffness is lost with amplitude, half of it at "
                 f"{self.half_way:.3g} +- {error['half_way']:.2g} {self.of}, exponent "
                 f"{self.exponent:.2g}"
             )
-        low, high = self.amplitudes
+        if self.k3:
+            per = f"{self.unit}" + ("" if self.of == "strain" else "/m^2")
+            way = "stiffens" if self.k3 > 0 else "softens"
+            most = 0.75 * abs(self.k3) * high**2
+            lines.append(
+                f"cubic spring: k3 = {self.k3:.4g} +- {error['k3']:.2g} {per}, which {way} by "
+                f"{most:.3g} {self.unit} at the largest amplitude"
+            )
         lines.append(
             f"leaves {100 * self.residual:.2g} % rms from {low:.3g} to {high:.3g} {self.of}; "
             "beyond it nothing is known"
@@ -186,12 +207,20 @@ class AmplitudeFit(ByValue, Described):
     def ratio(self, amplitude: npt.ArrayLike, *, tone: int = 0) -> ComplexArray:
         """Complex stiffness at amplitudes over that at a vanishing one, at one frequency."""
         X = np.asarray(amplitude, dtype=float)
-        if self.law == "none":
-            return np.ones(X.shape, dtype=complex)
-        if self.law == "factor":
-            return softened(X, self.lost, self.half_way, self.exponent)
-        change = softened(X, 1.0, self.half_way, self.exponent) - 1
-        return np.asarray(1 + self.lost * change / complex(self.linear[tone]))
+        linear, kraus = complex(self.linear[tone]), self.law.partition("+")[0]
+        found = np.ones(X.shape, dtype=complex)
+        if kraus == "factor":
+            found = softened(X, self.lost, self.half_way, self.exponent)
+        elif kraus == "additive":
+            change = softened(X, 1.0, self.half_way, self.exponent) - 1
+            found = found + self.lost * change / linear
+        return np.asarray(found + 0.75 * self.k3 * X**2 / linear)
+
+    def spring(self, scale: float = 1.0, *, stretch: float = 1.0) -> Cubic:
+        """The cubic spring as an element beside a solid; scale and stretch as in `element`."""
+        if not self.k3:
+            raise DataError(f"the law is '{self.law}', which has no cubic spring")
+        return Cubic(self.k3 * scale / stretch**2)
 
     def element(self, scale: float = 1.0, *, stretch: float = 1.0) -> Kraus:
         """The additive law as an element beside a solid.
@@ -203,6 +232,6 @@ class AmplitudeFit(ByValue, Described):
         stretch : float
             m for each of `of`: 1 for a part, the height over the strain factor for a material.
         """
-        if self.law != "additive":
+        if not self.law.startswith("additive"):
             raise DataError(f"the law is '{self.law}'; only an additive law stands beside a solid")
         return Kraus(self.lost * scale, self.half_way * stretch, self.exponent)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -15,18 +16,23 @@ from dashpot.base.provenance import Source
 from dashpot.solids.friction import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.rate_independent import InParallel
+from dashpot.solids.stiffening import Cubic
+
+Parts: TypeAlias = tuple[GeneralizedMaxwell, tuple[Jenkins | Cubic, ...]]
+"""A solid, and what stands beside it."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LevelFit(ByValue, Described):
-    """Arms and sliders of one seal that follow its FRFs at several levels.
+    """Arms, sliders and a spring of one seal that follow its FRFs at several levels.
 
     Attributes
     ----------
     solid : GeneralizedMaxwell
         What does not depend on the level; its single arms mean little beyond the band.
-    sliders : tuple of Jenkins
-        The friction beside it: a spectrum over yield displacements; none where it is not seen.
+    beside : tuple of Jenkins or Cubic
+        What stands beside it: friction, a spectrum over yield displacements, and a spring that
+        stiffens or softens; none where it is not seen.
     amplitudes : (float, float)
         Range of displacement amplitudes of the seal that the lines cover, m.
     band : (float, float)
@@ -35,9 +41,9 @@ class LevelFit(ByValue, Described):
         Rms of what is left of F/X, relative, over every line.
     linear_residual : float
         As `residual`, of arms alone.
-    draws : tuple of (GeneralizedMaxwell, tuple of Jenkins)
+    draws : tuple of (GeneralizedMaxwell, tuple of Jenkins or Cubic)
         The same fit of records that chance might have given: what is known of anything that
-        follows from the solid and its sliders.
+        follows from the solid and what stands beside it.
     mass : float
         On all seals, kg.
     seals : float
@@ -45,39 +51,58 @@ class LevelFit(ByValue, Described):
         Amplitude of the force at each FRF, N; over a base that moves, of its acceleration, m/s^2.
     checks : tuple of Check
     source : tuple of Source
+    orders : tuple of (str, float)
+        2 ln L of each explanation that was tried, over arms alone.
     """
 
     solid: GeneralizedMaxwell
-    sliders: tuple[Jenkins, ...]
+    beside: tuple[Jenkins | Cubic, ...]
     amplitudes: tuple[float, float]
     band: tuple[float, float]
     residual: float
     linear_residual: float
-    draws: tuple[tuple[GeneralizedMaxwell, tuple[Jenkins, ...]], ...]
+    draws: tuple[Parts, ...]
     mass: float
     seals: float = 1.0
     levels: tuple[float, ...] = ()
     checks: tuple[Check, ...] = ()
     source: tuple[Source, ...] = ()
+    orders: tuple[tuple[str, float], ...] = ()
 
     @property
     def verdict(self) -> Verdict:
         """What to make of it."""
         return verdict(self.checks)
 
+    @property
+    def sliders(self) -> tuple[Jenkins, ...]:
+        """The friction beside the solid."""
+        return tuple(one for one in self.beside if isinstance(one, Jenkins))
+
+    @property
+    def k3(self) -> float:
+        """Of the cubic spring beside the solid, N/m^3; 0 where there is none."""
+        return _k3(self.solid, self.beside)
+
+    @property
+    def k3_interval(self) -> tuple[float, float]:
+        """95 %, N/m^3."""
+        low, high = self.interval(_k3).tolist()
+        return low, high
+
     def stiffness(self, omega: npt.ArrayLike, amplitude: npt.ArrayLike) -> ComplexArray:
         """Complex stiffness of one seal, N/m, at rad/s and amplitudes, m."""
-        return InParallel((self.solid, *self.sliders)).equivalent(omega, amplitude)
+        return InParallel((self.solid, *self.beside)).equivalent(omega, amplitude)
 
     def interval(
-        self, follows: Callable[[GeneralizedMaxwell, tuple[Jenkins, ...]], npt.ArrayLike]
+        self, follows: Callable[[GeneralizedMaxwell, tuple[Jenkins | Cubic, ...]], npt.ArrayLike]
     ) -> FloatArray:
-        """95 % interval of what follows from the solid and its sliders (basic bootstrap).
+        """95 % interval of what follows from the solid and what is beside it (basic bootstrap).
 
         The fit leans to the side on which its draws lean: they are reflected about it. Shape
         (2,) of a number, (2, n) of several.
         """
-        here = np.asarray(follows(self.solid, self.sliders))
+        here = np.asarray(follows(self.solid, self.beside))
         drawn = np.array([np.asarray(follows(*draw), dtype=float) for draw in self.draws])
         return np.asarray(2 * here - np.quantile(drawn, [0.975, 0.025], axis=0))
 
@@ -106,5 +131,24 @@ class LevelFit(ByValue, Described):
                 f"{self.solid.arms} arms and {len(self.sliders)} sliders leave "
                 f"{100 * self.residual:.2g} % of F/X; arms alone {100 * self.linear_residual:.2g} %"
             ),
+            *self._stiffening,
             *(check.says for check in self.checks if check.failed),
         )
+
+    @property
+    def _stiffening(self) -> tuple[str, ...]:
+        if not self.k3:
+            return ()
+        low, high = self.k3_interval
+        way = "stiffens" if self.k3 > 0 else "softens"
+        share = 0.75 * self.k3 * self.amplitudes[1] ** 2
+        return (
+            (
+                f"it {way} as a cubic spring, k3 = {self.k3:.4g} N/m^3 ({low:.4g} to {high:.4g}): "
+                f"{1e-3 * share:+.3g} N/mm at the largest amplitude"
+            ),
+        )
+
+
+def _k3(_: GeneralizedMaxwell, beside: tuple[Jenkins | Cubic, ...]) -> float:
+    return sum(one.k3 for one in beside if isinstance(one, Cubic))

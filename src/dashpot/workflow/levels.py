@@ -5,17 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
 import dashpot as dp
+from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
-from dashpot.base.errors import DataError, ReadError
+from dashpot.base.errors import ReadError
 from dashpot.base.units import Quantity
 from dashpot.fitting.level.frfs import fit_levels
 from dashpot.fitting.level.loops import sweep_of_loops
-from dashpot.fitting.level.response import receptance_at_level
+from dashpot.fitting.level.response import resonance_at_level
 from dashpot.fitting.level.sweep import fit_amplitude
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.amplitude import read_amplitude
@@ -28,12 +29,12 @@ from dashpot.records.level import LevelFit
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.solids.friction import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.stiffening import Cubic
 from dashpot.workflow.checks import level_covered
 
 _RESPONSES = ("frf", "transmissibility")
 _LOOPS = ("cyclic", "cld", "relaxation", "creep")
 """What a record of time, displacement and force is taken for; here it is one of loops."""
-_LINES = 61
 
 
 @dataclass(frozen=True)
@@ -108,7 +109,7 @@ class Levels:
                     {"frequency_hz": hz, "storage": one.real, "loss": one.imag}
                     for hz, one in zip(fit.frequency.tolist(), fit.linear.tolist(), strict=True)
                 ],
-                **({} if fit.law == "none" else _numbers(fit)),
+                **_numbers(fit),
                 "orders": dict(fit.orders),
             }
         return known | {
@@ -123,6 +124,8 @@ class Levels:
                 ],
             },
             "sliders": [{"k": one.k, "slip": one.slip} for one in fit.sliders],
+            "cubic": {"k3": fit.k3, "interval": list(fit.k3_interval)} if fit.k3 else None,
+            "orders": dict(fit.orders),
             "at": [asdict(one) for one in self.at],
         }
 
@@ -135,7 +138,7 @@ def level_files(
     seals: float = 1.0,
     band: tuple[float, float] | None = None,
     at: Sequence[float] = (),
-    law: Literal["auto", "factor", "additive"] = "auto",
+    law: str = "auto",
     options: ReadOptions | None = None,
 ) -> Levels:
     """Find how stiffness and damping move with amplitude.
@@ -155,7 +158,7 @@ def level_files(
     at : sequence of float
         Levels at which the resonance of that mass is wanted, N.
     law : str
-        Of an amplitude sweep: ``"auto"``, ``"factor"`` or ``"additive"``.
+        Of an amplitude sweep or loops: ``"auto"`` or one of ``fitting.level.laws.LAWS``.
     options : ReadOptions, optional
         What the user said of the files.
     """
@@ -195,7 +198,7 @@ def level_files(
 
 def _numbers(fit: AmplitudeFit) -> dict[str, Any]:
     """The numbers of a law, each with its standard error."""
-    found: dict[str, Any] = {"lost": fit.lost, "half_way": fit.half_way, "exponent": fit.exponent}
+    found = {name: getattr(fit, name) for name, _ in fit.se}
     return found | {f"{name}_se": error for name, error in fit.se}
 
 
@@ -226,22 +229,12 @@ def _of_frfs(
 
 def _peak(found: LevelFit, level: float) -> PeakAtLevel:
     """The largest motion of the mass at a level, and what the draws say of it."""
-    low, high = found.band
-    lines = np.linspace(low, high, _LINES)
-    top = int(np.abs(receptance_at_level(found, level, lines).value).argmax())
-    if top in {0, _LINES - 1}:
-        raise DataError(
-            f"at {level:g} N the motion is largest at an end of the lines, {low:.4g} to {high:.4g} "
-            "Hz: there is no resonance among them"
-        )
-    near = np.linspace(lines[top - 1], lines[top + 1], _LINES)
 
-    def largest(solid: GeneralizedMaxwell, sliders: tuple[Jenkins, ...]) -> tuple[float, float]:
-        motion = np.abs(receptance_at_level(found, level, near, of=(solid, sliders)).value)
-        best = int(motion.argmax())
-        return float(near[best]), float(motion[best])
+    def largest(solid: GeneralizedMaxwell, beside: tuple[Jenkins | Cubic, ...]) -> FloatArray:
+        hz, X = resonance_at_level(found, level, of=(solid, beside))
+        return np.array((hz, X / level))
 
-    frequency, receptance = largest(found.solid, found.sliders)
+    frequency, receptance = largest(found.solid, found.beside).tolist()
     (least_hz, least), (most_hz, most) = found.interval(largest).tolist()
     return PeakAtLevel(
         level,

@@ -1,9 +1,10 @@
-"""From FRFs at several levels to arms and sliders: linear, with the measured amplitude."""
+"""From FRFs at several levels to arms, sliders and a spring: linear, with the amplitude."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -16,10 +17,12 @@ from dashpot.fitting.level.checks import (
     level_matters,
     levels_followed,
 )
+from dashpot.fitting.level.response import stiffness_at, with_third_harmonic
 from dashpot.records.frf import FRF, Kind
-from dashpot.records.level import LevelFit
+from dashpot.records.level import LevelFit, Parts
 from dashpot.solids.friction import Jenkins, slipping_share
 from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.stiffening import Cubic
 
 _PER_DECADE = 10
 _FINER = 8
@@ -30,8 +33,18 @@ _THIRD = float(np.sqrt(20 * np.log(2)))
 _FLOOR = 1e-3
 """No line is trusted beyond this part of its value."""
 _DRAWS = 60
+_PASSES = 2
+_STEP = 1e-4
 _LEAST = 8
 """Lines at a level."""
+
+Term = Literal["friction", "a cubic spring"]
+_TERMS: tuple[tuple[Term, ...], ...] = (
+    (),
+    ("friction",),
+    ("a cubic spring",),
+    ("friction", "a cubic spring"),
+)
 
 
 def fit_levels(
@@ -43,17 +56,18 @@ def fit_levels(
     band: Range | None = None,
     seed: int = 0,
 ) -> LevelFit:
-    r"""Fit one solid and its friction to FRFs of one mass at several levels.
+    r"""Fit one solid, its friction and its stiffening to FRFs of one mass at several levels.
 
     Each line is a measured stiffness at a measured amplitude, and every unknown is linear in it:
 
     .. math:: \frac{F_i}{X_i} + m\omega_i^2 = k_\infty
         + \sum_j k_j \frac{j\omega_i\tau_j}{1 + j\omega_i\tau_j}
-        + \sum_s k_s\, J(|X_i|; x_s), \qquad k \ge 0
+        + \sum_s k_s\, J(|X_i|; x_s) + \tfrac34 k_3 |X_i|^2, \qquad k \ge 0
 
-    over grids of tau and of yield displacements (J of a Jenkins element), weighted by X over F.
-    Friction is taken where it explains what arms alone do not by 2 ln L > 20. No balance of
-    harmonics is needed; noise of the amplitude does no harm (5 %: 0.4 % of the stiffness).
+    over grids of tau and of yield displacements (J of a Jenkins element), weighted by X over F;
+    k_3 of a cubic spring has either sign. Friction, the spring, or both are taken where each
+    explains what is left without it by 2 ln L > 20. No balance of harmonics is needed, but for the
+    third one of the spring; noise of the amplitude does no harm (5 %: 0.4 % of the stiffness).
 
     Parameters
     ----------
@@ -89,51 +103,97 @@ def fit_levels(
     omega, X, K, weight = (np.concatenate(each) for each in zip(*rows, strict=True))
     low, high = float(X.min()) / 2, float(X.max())
     count = max(round(_PER_DECADE * np.log10(high / low)), 2)
-    problem = _Problem(omega, X, weight, np.geomspace(low, high, count + 1)[:-1])
-    alone, plain = problem.solve(K, friction=False)
-    finer, (whole, both) = problem.with_sliders(K)
-    n = 2 * len(K)
-    floor = n * 1e-20
-    rss_plain, rss_both = (max(float((np.abs(r) ** 2).sum()), floor) for r in (plain, both))
-    gain = n * float(np.log(rss_plain / rss_both))
-    chosen, left = (whole, both) if gain > MATTERS else (alone, plain)
-    scatter = float(np.sqrt((np.abs(left) ** 2).mean() / 2))
-    rng = np.random.default_rng(seed)
-    draws = []
-    inertia = kilograms * omega**2 / seals
-    direct = K + left / weight - inertia  # F/X of the fit itself
-    for _ in range(_DRAWS):
-        # one error of the FRF is in the stiffness and in the amplitude
-        off = 1 + scatter * (rng.normal(size=len(K)) + 1j * rng.normal(size=len(K)))
-        other, again = direct * off + inertia, replace(problem, X=X / np.abs(off))
-        if gain > MATTERS:  # where the sliders are found moves, too
-            grid, (k, _) = again.with_sliders(other)
-            draws.append(grid.parts(k))
-        else:
-            draws.append(again.parts(again.solve(other, friction=False)[0]))
-    solid, sliders = (finer if gain > MATTERS else problem).parts(chosen)
-    range_ = (float(X.min()), float(X.max()))
-    residual = float(np.sqrt((np.abs(left) ** 2).mean()))
+    problem = _Problem(omega, X, weight, kilograms / seals, np.geomspace(low, high, count + 1)[:-1])
+    tried = [problem.solved(K, terms) for terms in _TERMS]
+    plain, best = tried[0], min(tried, key=lambda one: one.deviance + MATTERS * len(one.terms))
+    draws = _draws(problem, K, best, seed)
+    solid, beside = best.parts
+    range_ = (float(X.min()), high)
     begins = np.cumsum([len(each[0]) for each in rows])[:-1]
-    followed = levels_followed(residual, _noise(problem, K, begins))
+    followed = levels_followed(best.residual, _noise(problem, K, begins))
+    gains = {" and ".join(one.terms): plain.deviance - one.deviance for one in tried[1:]}
+    by = " and ".join(best.terms)
     return LevelFit(
         solid,
-        sliders,
+        beside,
         range_,
         (float(omega.min() / 2 / np.pi), float(omega.max() / 2 / np.pi)),
-        residual,
-        float(np.sqrt((np.abs(plain) ** 2).mean())),
-        tuple(draws),
+        best.residual,
+        plain.residual,
+        draws,
         kilograms,
         seals,
         tuple(sizes),
         (
-            level_matters(gain, range_, "m", followed=bool(followed.passed)),
+            level_matters(
+                gains.get(by) or max(gains[one] for one in get_args(Term)),
+                range_,
+                "m",
+                by,
+                followed=bool(followed.passed),
+            ),
             amplitudes_spread(range_[1] / range_[0], "m"),
             followed,
         ),
         tuple(one for frf in frfs for one in frf.source),
+        tuple(gains.items()),
     )
+
+
+def _draws(problem: _Problem, K: ComplexArray, best: _Solved, seed: int) -> tuple[Parts, ...]:
+    """The same fit of records that chance might have given."""
+    rng, inertia = np.random.default_rng(seed), problem.inertia * problem.omega**2
+    direct = K + best.left / best.problem.weight - inertia  # F/X of the fit itself
+    scatter = best.residual / np.sqrt(2)
+    known = replace(problem, weight=best.problem.weight, bent=best.problem.bent)
+    found = []
+    for _ in range(_DRAWS):
+        # one error of the FRF is in the stiffness and in the amplitude
+        off = 1 + scatter * (rng.normal(size=len(K)) + 1j * rng.normal(size=len(K)))
+        again = replace(known, X=problem.X / np.abs(off))
+        found.append(again.solved(direct * off + inertia, best.terms, passes=0).parts)
+    return tuple(found)
+
+
+@dataclass(frozen=True, eq=False)
+class _Solved:
+    """Coefficients >= 0 of one set of terms, and the weighted residual."""
+
+    problem: _Problem
+    terms: tuple[Term, ...]
+    k: FloatArray
+    left: ComplexArray
+
+    @property
+    def residual(self) -> float:
+        """Rms of what is left of F/X."""
+        return float(np.sqrt((np.abs(self.left) ** 2).mean()))
+
+    @property
+    def deviance(self) -> float:
+        """Minus twice the log likelihood, but for a constant."""
+        rss = 2 * len(self.left) * float(np.log(max(self.residual**2, 1e-20)))
+        return rss - 4 * float(np.log(self.problem.weight).sum())
+
+    @property
+    def parts(self) -> Parts:
+        """The solid and what stands beside it; what is nothing is left out."""
+        problem, k = self.problem, self.k
+        least = _NOTHING * float(k.sum())
+        arms, rest = k[1 : 1 + len(problem.tau)], k[1 + len(problem.tau) :]
+        solid = GeneralizedMaxwell(
+            float(k[0]), tuple(arms[arms > least]), tuple(problem.tau[arms > least])
+        )
+        beside: list[Jenkins | Cubic] = []
+        if "friction" in self.terms:
+            beside += [
+                Jenkins(float(each), float(each * at))
+                for each, at in zip(rest, problem.yields, strict=False)
+                if each > least
+            ]
+        if "a cubic spring" in self.terms and rest[-2] != rest[-1]:
+            beside.append(Cubic(float(rest[-2] - rest[-1]) / problem.X.max() ** 2))
+        return solid, tuple(beside)
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,8 +201,12 @@ class _Problem:
     omega: FloatArray
     X: FloatArray
     weight: FloatArray
+    #: of one seal, kg
+    inertia: float
     #: yield displacements, m: beyond the largest amplitude a slider is a spring
     yields: FloatArray
+    #: what the third harmonic makes of the stiffness of a cubic spring
+    bent: ComplexArray | float = 1.0
 
     @property
     def tau(self) -> FloatArray:
@@ -150,44 +214,51 @@ class _Problem:
         low, high = 1 / self.omega.max() / 30, 1 / self.omega.min() * 30
         return np.geomspace(low, high, round(_PER_DECADE / 2 * np.log10(high / low)) + 1)
 
-    def with_sliders(self, K: ComplexArray) -> tuple[_Problem, tuple[FloatArray, ComplexArray]]:
-        """Solved on a coarse grid, and on a finer one about the sliders found there."""
-        k, _ = self.solve(K, friction=True)
-        found = np.flatnonzero(k[1 + len(self.tau) :] > _NOTHING * float(k.sum()))
-        step = self.yields[1] / self.yields[0]
-        near = step ** (np.arange(-_FINER, _FINER + 1) / _FINER)
-        finer = np.unique((self.yields[found, None] * near).round(15))
-        fine = replace(self, yields=finer) if len(found) else self
-        return fine, fine.solve(K, friction=True)
+    def solved(self, K: ComplexArray, terms: tuple[Term, ...], *, passes: int = _PASSES) -> _Solved:
+        """Solved; sliders on a coarse grid, then on a finer one about those found there."""
+        found = self._solve(K, terms)
+        count = len(self.tau) + 1
+        sliders = found.k[count : count + len(self.yields)] if "friction" in terms else np.zeros(0)
+        active = np.flatnonzero(sliders > _NOTHING * float(found.k.sum()))
+        if len(active):
+            step = self.yields[1] / self.yields[0]
+            near = step ** (np.arange(-_FINER, _FINER + 1) / _FINER)
+            finer = np.unique((self.yields[active, None] * near).round(15))
+            found = replace(self, yields=finer)._solve(K, terms)
+        for _ in range(passes if terms else 0):
+            found = found.problem.about(found.parts, K)._solve(K, terms)
+        return found
 
-    def _columns(self, friction: bool) -> ComplexArray:
+    def about(self, parts: Parts, K: ComplexArray) -> _Problem:
+        r"""With what is known once a solution is: the third harmonic, and what its X do.
+
+        A relative error e of the FRF is an error :math:`-e F/X` of K and, through the amplitude
+        at which it is taken to be, :math:`-\mathrm{Re}(e)\, dK/d\ln X`.
+        """
+        X, h = self.X, _STEP
+        up, down = (stiffness_at(parts, self.omega, X * at, self.inertia) for at in (1 + h, 1 - h))
+        slope, direct = (up - down) / (2 * h), K - self.inertia * self.omega**2
+        size = np.abs(direct) ** 2 + np.abs(slope) ** 2 / 2 + (direct * slope.conj()).real
+        bent = with_third_harmonic(parts, self.omega, X, self.inertia)
+        return replace(self, weight=1 / np.sqrt(size), bent=bent)
+
+    def _columns(self, terms: tuple[Term, ...]) -> ComplexArray:
         product = 1j * self.omega[:, None] * self.tau
         found = [np.ones((len(self.X), 1), dtype=complex), product / (1 + product)]
-        if friction:
+        if "friction" in terms:
             found.append(slipping_share(self.X[:, None], self.yields))
+        if "a cubic spring" in terms:  # it stiffens, or it softens
+            square = 0.75 * (self.X / self.X.max()) ** 2 * self.bent
+            found.append(square[:, None] * np.array([1.0, -1.0]))
         return np.hstack(found)
 
-    def solve(self, K: ComplexArray, *, friction: bool) -> tuple[FloatArray, ComplexArray]:
-        """Coefficients >= 0 and the weighted residual."""
+    def _solve(self, K: ComplexArray, terms: tuple[Term, ...]) -> _Solved:
         from scipy.optimize import nnls  # costs an import that few need
 
-        A = self._columns(friction) * self.weight[:, None]
+        A = self._columns(terms) * self.weight[:, None]
         y = K * self.weight
         k, _ = nnls(np.vstack((A.real, A.imag)), np.concatenate((y.real, y.imag)))
-        return k, np.asarray(A @ k - y)
-
-    def parts(self, k: FloatArray) -> tuple[GeneralizedMaxwell, tuple[Jenkins, ...]]:
-        """The solid and the sliders; those that are nothing are left out."""
-        arms, sliders = k[1 : 1 + len(self.tau)], k[1 + len(self.tau) :]
-        least = _NOTHING * float(k.sum())
-        solid = GeneralizedMaxwell(
-            float(k[0]), tuple(arms[arms > least]), tuple(self.tau[arms > least])
-        )
-        return solid, tuple(
-            Jenkins(float(each), float(each * at))
-            for each, at in zip(sliders, self.yields, strict=False)
-            if each > least
-        )
+        return _Solved(self, terms, k, np.asarray(A @ k - y))
 
 
 def _level(frf: FRF, level: Quantity) -> float:

@@ -36,6 +36,8 @@ class Cycle:
         Of the first harmonic of the displacement, m.
     stiffness : complex
         First harmonic of the force over that of the displacement, N/m.
+    sd : float
+        Of either part of that, from the scatter between neighbouring samples, N/m.
     displacement, force : array, shape (n,)
         As recorded, less their mean and drift, m and N.
     """
@@ -43,6 +45,7 @@ class Cycle:
     frequency: float
     amplitude: float
     stiffness: complex
+    sd: float
     displacement: FloatArray
     force: FloatArray
 
@@ -68,6 +71,7 @@ def sweep_of_loops(test: RelaxationTest) -> AmplitudeSweep:
         "m",
         test.specimen,
         test.source,
+        np.array([one.sd for one in cycles]),
     )
 
 
@@ -107,7 +111,9 @@ def steady_cycles(test: RelaxationTest) -> tuple[Cycle, ...]:
         X1, F1 = _harmonics(within, np.array((x, F)), 2 * np.pi * tones[i])
         size = float(abs(X1))
         if abs(size / last - 1) <= _STEADY:
-            found.append(Cycle(float(tones[i]), size, complex(F1 / X1), x, F))
+            K = complex(F1 / X1)
+            sd = _scatter(F - K.real * x) * np.sqrt(2 / len(x)) / size
+            found.append(Cycle(float(tones[i]), size, K, sd, x, F))
         last = size
     if not found:
         raise DataError(
@@ -119,7 +125,7 @@ def steady_cycles(test: RelaxationTest) -> tuple[Cycle, ...]:
 def _cycles(t: FloatArray, x: FloatArray) -> FloatArray:
     """Times at which the displacement, less its drift, rises through its middle, s."""
     drift = Polynomial.fit(t, x, 1)
-    noise = 1.4826 * median(np.abs(np.diff(x, 2))) / np.sqrt(6)
+    noise = _scatter(x)
     for _ in range(_PASSES):
         starts = _rises(t, x - drift(t), _CROSSED * noise)
         if len(starts) < 3:
@@ -130,6 +136,11 @@ def _cycles(t: FloatArray, x: FloatArray) -> FloatArray:
         # of whole cycles: a sine itself has a slope
         drift = Polynomial.fit(means[:, 0], means[:, 1], 1)
     return starts
+
+
+def _scatter(x: FloatArray) -> float:
+    """SD of the noise of samples, by their second differences."""
+    return float(1.4826 * median(np.abs(np.diff(x, 2))) / np.sqrt(6))
 
 
 def _rises(t: FloatArray, x: FloatArray, unsure: float) -> FloatArray:
