@@ -170,7 +170,9 @@ def median(values: FloatArray) -> float:
 def block_means(values: FloatArray, count: int) -> FloatArray:
     """Means over each `count` neighbours along the last axis; a rest at the end is dropped."""
     whole = values.shape[-1] // count * count
-    return np.asarray(values[..., :whole].reshape(*values.shape[:-1], -1, count).mean(axis=-1))
+    parts = values[..., :whole].reshape(*values.shape[:-1], -1, count)
+    # a product is several times as fast as many short sums
+    return np.asarray(parts @ np.full(count, 1.0 / count))
 
 
 def fast_length(least: int) -> int:

@@ -113,9 +113,10 @@ class Descents:
         stretch = np.where(size > 0, size, 1.0)
         curvature[:, arms, arms] = size + stretch * _RIDGE + (size <= 0)
         both = np.concatenate((self.known.bent[on], gradient[:, :, None]), axis=2)
-        share, first = np.split(np.linalg.solve(curvature, both), [len(arms)], axis=2)
+        solved = np.linalg.solve(curvature, both)
+        share, first = solved[..., :-1], solved[..., -1]
         # what the move takes off the residual bends nothing where it leads
-        taken = np.vecdot(first[..., 0], gradient) / np.maximum(self.known.sse[on], 1e-300)
+        taken = np.vecdot(first, gradient) / np.maximum(self.known.sse[on], 1e-300)
         left = np.maximum(1.0 - taken * taken, 0.0)[:, None, None]
         believed = _moderate(left * share)[:, None, None]
         curvature += np.where(believed, left, 0.0) * self.known.bent[on]

@@ -154,7 +154,7 @@ class _Together:
                 if walk.arrived(self._deviance(walk, known.beta[i], there, sse)):
                     foretold = (there - left[i]) * (walk.goal - walk.at) / (walk.at - at)
                     left[i] = there
-                far = np.abs(foretold).max(initial=0.0)
+                far = max(map(abs, foretold.tolist()), default=0.0)
                 descents.start(i, left[i] + min(1.0, _FORETOLD / max(far, _FORETOLD)) * foretold)
                 goal[i] = walk.goal
 
@@ -212,25 +212,23 @@ class _Together:
         times = 1.0 if gain is None else gain(beta, log_tau)
         return max(float(sse) - self.best, 0.0) / (walk.asked.scale * times)
 
-    def _phi(self, log_tau: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Design matrix (A, p, n), its slopes and curves by ln tau (A, G, N, n), from the table."""
+    def _phi(self, log_tau: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Design matrix (A, p, n), and columns, slopes and curves of arms (A, G, N, 3, n)."""
         place = (log_tau.ravel() - self.reach[0]) / self.apart
         node = np.clip(place.astype(int), 0, len(self.cubics) - 1)
         weights = (place - node)[:, None] ** _POWERS @ self.turn
         found = weights.reshape(-1, 1, 3, 4) @ self.cubics[node]
-        shape = (*log_tau.shape, self.groups, 3, len(self.target))
-        found = found.reshape(shape).swapaxes(1, 2)
-        arms, slopes, curves = (found[..., i, :] for i in range(3))
-        trials = len(log_tau)
+        trials, rows = len(log_tau), len(self.target)
+        found = found.reshape(trials, self.arms, self.groups, 3, rows).swapaxes(1, 2)
         still = np.broadcast_to(self.still, (trials, *self.still.shape))
-        phi = np.concatenate((still, arms.reshape(trials, -1, len(self.target))), axis=1)
-        return phi, slopes, curves
+        arms = found[..., 0, :].reshape(trials, -1, rows)
+        return np.concatenate((still, arms), axis=1), found
 
     def _solved(self, log_tau: FloatArray, goal: FloatArray, held: _Held, on: IndexArray) -> Solved:
-        phi, slopes, curves = self._phi(log_tau)
+        phi, found = self._phi(log_tau)
         each, arm, column = np.arange(len(on)), held.arm[on], held.column[on]
-        amount = held.amount(log_tau, goal, on)
-        target = self.target - amount[:, None] * phi[each, column]
+        amount, own = held.amount(log_tau, goal, on), phi[each, column]
+        target = self.target - amount[:, None] * own
         normal = _Normal(phi, held.free(phi.shape[1], on))
         beta = normal.solved(phi @ target[:, :, None])[..., 0]
         # what must not be negative rests at zero, the worst first
@@ -242,34 +240,36 @@ class _Together:
         residual = target - (beta[:, None, :] @ phi)[:, 0]
         beta[each, column] += amount
         stiffness = beta[:, self.fixed :].reshape(len(on), self.groups, self.arms)
-        turned = (slopes * stiffness[..., None]).sum(axis=1)
-        second = (curves * stiffness[..., None]).sum(axis=1)
+        turned = (found[..., 1, :] * stiffness[..., None]).sum(axis=1)
+        # columns, slopes and curves meet the residual
+        met = (found @ residual[:, None, None, :, None])[..., 0]
+        second = (stiffness * met[..., 2]).sum(axis=1)
         # k = exp(ln b - ln tau): the stiffness of an arm whose b is held falls as its ln tau rises
-        falls = (amount * held.log_b[on])[:, None]
-        columns = slopes.reshape(len(on), -1, slopes.shape[-1])
-        own, rising = phi[each, column], columns[each, np.maximum(column - self.fixed, 0)]
-        second[each, arm] -= falls * (2.0 * rising - own)
-        turned[each, arm] -= falls * own
+        falls = amount * held.log_b[on]
+        at_zero, rising, _ = met.reshape(len(on), -1, 3)[each, np.maximum(column - self.fixed, 0)].T
+        second[each, arm] -= falls * (2.0 * rising - at_zero)
+        turned[each, arm] -= falls[:, None] * own
         # a coefficient and its own tau meet in the residual
         meets = np.zeros((*beta.shape, self.arms))
         place = np.arange(self.groups * self.arms)
-        meets[:, self.fixed + place, place % self.arms] = np.vecdot(columns, residual[:, None, :])
+        meets[:, self.fixed + place, place % self.arms] = met[..., 1].reshape(len(on), -1)
         moment = phi @ turned.swapaxes(1, 2)
-        along, across = np.split(normal.solved(np.concatenate((moment, meets), axis=2)), 2, axis=2)
+        both = normal.solved(np.concatenate((moment, meets), axis=2))
+        along, across = both[..., : self.arms], both[..., self.arms :]
         outside = turned - along.swapaxes(1, 2) @ phi
         crossed = meets.swapaxes(1, 2) @ (along - 0.5 * across)
         bent = crossed + crossed.swapaxes(1, 2)
         index = np.arange(self.arms)
-        bent[:, index, index] -= np.vecdot(second, residual[:, None, :])
+        bent[:, index, index] -= second
         moves = np.ones(log_tau.shape)
         moves[each, arm] = ~held.log_tau[on]
-        both = moves[:, :, None] * moves[:, None, :]
+        pairs = moves[:, :, None] * moves[:, None, :]
         return Solved(
             np.vecdot(residual, residual),
             beta,
             np.vecdot(outside, residual[:, None, :]) * moves,
-            outside @ outside.swapaxes(1, 2) * both,
-            bent * both,
+            outside @ outside.swapaxes(1, 2) * pairs,
+            bent * pairs,
         )
 
 

@@ -92,7 +92,7 @@ class Walk:
     def arrived(self, deviance: float) -> bool:
         """Take note of the deviance at the goal; True if the walk goes on from there."""
         rise = float(np.sqrt(deviance)) - self.root
-        self.step *= float(np.clip(self.rise / max(rise, 1e-3), 0.1, 3.0))
+        self.step *= min(max(self.rise / max(rise, 1e-3), 0.1), 3.0)
         near = rise <= 2.0 * self.rise
         if near:
             self.walked.append((self.goal, deviance))

@@ -80,21 +80,21 @@ def farthest(
 def _walked(
     columns: FloatArray, target: FloatArray, aim: FloatArray | None, squared: float, s: FloatArray
 ) -> FloatArray:
-    s = s.copy()
+    # a column is a row: so they are picked and factored
+    s, rows = s.copy(), np.ascontiguousarray(columns.T)
     active = np.flatnonzero(s > 0)
     nothing = NOTHING * float(np.linalg.norm(target))
     barred: list[int] = []
     entered = -1
     for _ in range(PATIENCE * columns.shape[1]):
-        goal, multiplier = _face(
-            columns[:, active], target, None if aim is None else aim[active], squared
-        )
-        if not np.isfinite(goal).all():
+        face = rows[active]
+        goal, multiplier = _face(face, target, None if aim is None else aim[active], squared)
+        if not np.isfinite(goal.sum()):
             raise FitError(
                 "the data bound nothing: they do not follow the motion that they are fitted to; "
                 "look whether each column is what it is taken for"
             )
-        if (goal <= 0).any():
+        if goal.min(initial=1.0) <= 0:
             s[active], kept = _as_far_as_allowed(s[active], goal)
             # rounding let it enter: it would leave at once for ever
             if entered >= 0 and s[entered] == 0.0:
@@ -102,35 +102,35 @@ def _walked(
             active = active[kept]
             continue
         s[active] = goal
-        gain = _gain(columns, target - columns[:, active] @ goal, aim, multiplier)
+        gain = _gain(rows, target - goal @ face, aim, multiplier)
         gain[active] = gain[barred] = -np.inf
         entered = int(np.argmax(gain))
         if not gain[entered] > nothing:
             break
-        if len(active) == len(columns):
+        if len(active) == len(target):
             raise FitError("the record has too few samples to say what it leaves open; record more")
         active = np.append(active, entered)
     return s
 
 
 def _gain(
-    columns: FloatArray, residual: FloatArray, aim: FloatArray | None, multiplier: float
+    rows: FloatArray, residual: FloatArray, aim: FloatArray | None, multiplier: float
 ) -> FloatArray:
     """Return what each column would add; any of the aim is a gain to a face that has none."""
     if np.isinf(multiplier) and aim is not None:
         return aim.copy()
-    gain = columns.T @ residual
+    gain = np.asarray(rows @ residual)
     return gain if aim is None else gain + multiplier * aim
 
 
 def _face(
-    columns: FloatArray, target: FloatArray, aim: FloatArray | None, squared: float
+    rows: FloatArray, target: FloatArray, aim: FloatArray | None, squared: float
 ) -> tuple[FloatArray, float]:
     """Return the farthest point of a face, and its multiplier; inf if the face has no aim."""
-    if not columns.shape[1]:
+    count = len(rows)
+    if not count:
         return np.zeros(0), 0.0 if aim is None else np.inf
-    count = columns.shape[1]
-    factor = triangle(np.concatenate((columns.T, target[None])))
+    factor = triangle(np.concatenate((rows, target[None])))
     inverse, along = np.linalg.inv(factor[:count, :count]), factor[:count, -1]
     if aim is None:
         return np.asarray(inverse @ along), 0.0
@@ -145,9 +145,10 @@ def _face(
 
 def _as_far_as_allowed(s: FloatArray, goal: FloatArray) -> tuple[FloatArray, BoolArray]:
     """Return the point on the way to `goal` where a first coefficient vanishes, and the others."""
-    falls = goal <= 0
-    share = np.ones(len(s))
-    np.divide(s, s - goal, out=share, where=falls & (s > 0))
-    share[falls & (s == 0)] = 0.0
-    kept = ~falls | (share > share.min())
-    return np.where(kept, s + share.min() * (goal - s), 0.0), kept
+    falls = np.flatnonzero(goal <= 0)
+    left = s[falls]
+    share = left / np.where(left > 0, left - goal[falls], 1.0)
+    least = share.min()
+    kept = np.ones(len(s), dtype=bool)
+    kept[falls[share <= least]] = False
+    return np.where(kept, s + least * (goal - s), 0.0), kept

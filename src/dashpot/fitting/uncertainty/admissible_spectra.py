@@ -131,17 +131,17 @@ class Spectra:
         columns = np.where(self.shown, rows[:, 1:] / self.scale, 0.0)
         told = np.linalg.norm(columns, axis=1) > ROUNDING
         aside, self.target = float(rows[~told, 0] @ rows[~told, 0]), rows[told, 0].copy()
-        self.columns = np.ascontiguousarray(columns[told])
+        self.columns = columns[told][:, self.shown]
         self.best = np.zeros(len(norm))
         self.best[self.shown] = nonnegative_least_squares(
-            self.columns[:, self.shown], self.target, (start * self.scale)[self.shown]
+            self.columns, self.target, (start * self.scale)[self.shown]
         )
         self.least = self.left(self.best)
         return self.least + aside
 
     def left(self, s: FloatArray) -> float:
         """Sum of squares that a spectrum, in unit columns, leaves."""
-        misfit = self.columns @ s - self.target
+        misfit = self.columns @ s[self.shown] - self.target
         return float(misfit @ misfit)
 
     # -- quantities -------------------------------------------------------------------------------
@@ -174,7 +174,7 @@ class Spectra:
         start = max(self.met, key=lambda s: float(aim @ s))
         found = np.zeros(len(aim))
         found[on] = farthest(
-            self.columns[:, on], self.target, aim[on], self.least + self.limit, start[on]
+            self.columns, self.target, aim[on], self.least + self.limit, start[on]
         )
         self.met.append(found)
         return np.where(~on & (aim > 0), np.inf, found / self.scale)

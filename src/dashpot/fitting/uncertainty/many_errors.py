@@ -6,7 +6,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray, IndexArray, block_means
 from dashpot.engine.blocks.recorded import arm_columns
-from dashpot.engine.inference.covariance import autocovariance, geyer_cut
+from dashpot.engine.inference.covariance import autocovariance
 from dashpot.engine.solver.many_records import ManySolutions
 
 # about so many means stand for a record
@@ -40,7 +40,7 @@ def many_errors(
     count, arms = found.arms.shape
     few = max(1, len(time) // MEANS)
     used = slice(-(-first // few), None)
-    clock, motion = block_means(time, few), block_means(x, few)
+    clock, motion, forces = (block_means(one, few) for one in (time, x, records))
     out = np.full((count, 1 + 2 * arms), np.nan)
     for order in range(arms + 1):
         rows = np.flatnonzero(found.order == order)
@@ -48,7 +48,7 @@ def many_errors(
         for start in range(0, len(rows), _AT_ONCE):
             part = rows[start : start + _AT_ONCE]
             jacobian, model = _model(clock, motion, found, part, order)
-            left = (block_means(records[part], few) - model)[:, used]
+            left = (forces[part] - model)[:, used]
             out[np.ix_(part, columns)] = _standard_errors(jacobian[:, :, used], left)
     return out
 
@@ -57,22 +57,27 @@ def _model(
     time: FloatArray, x: FloatArray, found: ManySolutions, rows: IndexArray, order: int
 ) -> tuple[FloatArray, FloatArray]:
     """Jacobians (R, 1 + 2 N, n) by k_inf, k and ln tau, and the forces of the solids (R, n)."""
-    k = found.arms[rows, :order, None]
+    k, k_inf = found.arms[rows, :order], found.fixed[rows, :1]
+    jacobian = np.empty((len(rows), 1 + 2 * order, len(x)))
+    jacobian[:, 0] = x
     if not order:
-        jacobian = np.broadcast_to(x, (len(rows), 1, len(x)))
-        return jacobian, found.fixed[rows, :1] * x
+        return jacobian, k_inf * x
     both = arm_columns(time, x, np.exp(found.log_tau[rows, :order].ravel()))
     q, slope = (part.T.reshape(len(rows), order, -1) for part in both)
-    spring = np.broadcast_to(x, (len(rows), 1, len(x)))
-    jacobian = np.concatenate((spring, q, k * slope), axis=1)
-    return jacobian, found.fixed[rows, :1] * x + (k * q).sum(axis=1)
+    jacobian[:, 1 : 1 + order] = q
+    np.multiply(k[:, :, None], slope, out=jacobian[:, 1 + order :])
+    return jacobian, k_inf * x + (k[:, None] @ q)[:, 0]
 
 
 def _standard_errors(jacobian: FloatArray, residual: FloatArray) -> FloatArray:
     """Standard errors (R, p) by the power of the residuals (R, n)."""
     _, parameters, n = jacobian.shape
     gamma = autocovariance(residual)
-    power = np.array([max(one[0], 2 * one[: geyer_cut(one)].sum() - one[0]) for one in gamma])
+    pairs = gamma[:, : n // 2 * 2 : 2] + gamma[:, 1::2]
+    # up to the first pair that is not positive, as `geyer_cut` says
+    kept = np.logical_and.accumulate(pairs > 0, axis=1)
+    sums = (pairs * kept).sum(axis=1) + kept[:, -1] * gamma[:, n // 2 * 2 :].sum(axis=1)
+    power = np.maximum(gamma[:, 0], 2 * sums - gamma[:, 0])
     information = jacobian @ jacobian.swapaxes(1, 2)
     length = np.sqrt(np.maximum(np.diagonal(information, axis1=1, axis2=2), 1e-300))
     values, vectors = np.linalg.eigh(information / (length[:, :, None] * length[:, None, :]))
