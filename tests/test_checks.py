@@ -892,6 +892,12 @@ IMPACT = [
     ),
     Case("mass_over_base", lambda x: impact.mass_over_base(over_base(x)), 2.99, 3.01),
     Case("mass_over_base", lambda x: impact.mass_over_base(over_base(x)), 0.34, 0.33),
+    Case(
+        "segments_resolve",
+        lambda x: impact.segments_resolve(measured(), replace(MODE, damping_ratio=x / 200)),
+        6.01,
+        5.99,
+    ),
     Case("scatter_known", lambda _: impact.scatter_known(), None, 0),
     Case(
         "coherence",
@@ -1260,7 +1266,7 @@ LIMITS = {
     },
     "vibration/impact": {
         "hits_enough": 3, "coherence": 0.9, "lines_in_half_power_band": 1.5, "hammer_excites": -10,
-        "frf_dissipates": -0.3, "mass_over_base": 3, "modes_within_band": 0,
+        "frf_dissipates": -0.3, "mass_over_base": 3, "segments_resolve": 6, "modes_within_band": 0,
         "hits_agree": 0.1, "amplitude_linear": 1, "rocking_cancelled": 0.05, "hits_centred": 0.25,
         "mass_line": 0.05,
     },

@@ -48,6 +48,8 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "fitting/identification/": ("identify", "report"),
     "vibration/comparison/": MEASURED,
     "vibration/impact/checks.py:modes_within_band": ("modes",),
+    "vibration/impact/checks.py:segments_resolve": ("impact", *MEASURED),
+    "vibration/impact/shaken.py": ("impact", *MEASURED),
     "workflow/measured_modes.py": ("modes",),
     "workflow/modes_by_mass.py": ("modes",),
     "export/": ("export",),

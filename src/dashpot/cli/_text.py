@@ -288,7 +288,11 @@ def impact(found: ImpactResult) -> Text:
         lines.append(f"  mode  {frequency} Hz, damping ratio {ratio} % ({mode.method})")
     used = f"{frf.averages} of {len(frf.hits)} hit{'s' * (len(frf.hits) != 1)} averaged"
     spacing = frf.frequency[1] - frf.frequency[0]
+    if frf.kind == "transmissibility":
+        used = f"base shaken, worth {frf.averages} averages"
     lines.append(f"{used}, {found.estimator}, {spacing:.4g} Hz between lines")
+    if not frf.hits:
+        return Text(lines)
     # hits of records that each begin at 0 strike at the same time
     restarts = len({round(hit.time, 3) for hit in frf.hits}) < len(frf.hits)
     rows = [

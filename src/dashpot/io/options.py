@@ -70,6 +70,8 @@ class ReadOptions:
         The force of an impact test; by default `force`.
     acceleration : tuple of str
         The acceleration columns of an impact test, in the order wanted.
+    base_acceleration : str or None
+        The acceleration of a base that is shaken, in place of a hammer.
     units : mapping or tuple of (str, str)
         Unit by role or by column name: ``{"force": "N"}``. Wins over what the file says.
     rate : float or None
@@ -100,6 +102,7 @@ class ReadOptions:
         "Column of acceleration; repeat for more.", multiple=True
     )
     hammer: str | None = _column("Column of the hammer's force.")
+    base_acceleration: str | None = _column("Column of a shaken base's acceleration: no hammer.")
     frequency: str | None = _column("Column of frequency.")
     storage: str | None = _column("Column of storage modulus or stiffness.")
     loss: str | None = _column("Column of loss modulus or stiffness.")
@@ -180,7 +183,8 @@ class ReadOptions:
 
 
 OF_HAMMER = (
-    "acceleration", "hammer", "frequency", "real", "imaginary", "magnitude", "phase", "coherence",
+    "acceleration", "hammer", "base_acceleration", "frequency", "real", "imaginary", "magnitude",
+    "phase", "coherence",
 )  # fmt: skip
 """Fields that speak of a hammer test, whatever other file a command reads."""
 OF_HAMMER_ALONE = tuple(name for name in OF_HAMMER if name != "frequency")

@@ -12,12 +12,13 @@ import numpy as np
 import dashpot as dp
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
-from dashpot.base.errors import DataError, ReadError
+from dashpot.base.errors import DataError, FitError, ReadError
 from dashpot.base.version import byline
 from dashpot.io.options import OF_BENCH, ReadOptions
 from dashpot.io.readers.frf import read_frf
 from dashpot.io.readers.impact import HITS, hits_in, read_impact
 from dashpot.io.readers.inspect import inspect_file
+from dashpot.io.readers.shaken import read_shaken
 from dashpot.records.bounds import FRFBounds
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF, Kind, Mode
@@ -30,8 +31,10 @@ from dashpot.vibration.impact.checks import (
     frf_dissipates,
     mass_over_base,
     scatter_known,
+    segments_resolve,
 )
 from dashpot.vibration.impact.frf_estimation import estimate_frf
+from dashpot.vibration.impact.shaken import estimate_transmissibility
 from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness
 from dashpot.vibration.modal.peaks import find_peak
 from dashpot.vibration.systems.mounts import entrained, on_light_mounts
@@ -42,6 +45,10 @@ from dashpot.workflow.prepared import answered_in, prepared_files, refuse_others
 from dashpot.workflow.resting import LIMIT_LINES, AtRest, at_rest, formal_limits, frf_limits
 
 _RESPONSES = ("frf", "transmissibility")
+_NO_MASS = (
+    "the file holds a transmissibility, which tells the stiffness over the mass and neither alone: "
+    "give the mass (--mass)"
+)
 _UNTESTED = (
     "the mass was inferred from the measured peak, so the stiffness is not tested: give --mass"
 )
@@ -119,13 +126,17 @@ def impact_files(
         Why no mode was found, else empty.
     """
     hammer = hammer or HammerChoices()
-    frf = average(read_impact(list(files), options=options), choices=hammer, mass=mass, band=band)
     modes: tuple[Mode, ...] = ()
     reason = ""
-    try:
-        modes = frf.modes(band=band)
-    except DataError as error:
-        reason = str(error)
+    if options is not None and options.base_acceleration is not None:
+        frf, modes, reason = shaken(files, choices=hammer, options=options, mass=mass, band=band)
+    else:
+        tests = read_impact(list(files), options=options)
+        frf = average(tests, choices=hammer, mass=mass, band=band)
+        try:
+            modes = frf.modes(band=band)
+        except DataError as error:
+            reason = str(error)
     shown = tuple(
         ImpactMode(
             mode.frequency,
@@ -151,16 +162,59 @@ def read_measured(
 
     Its checks are about the resonance in `band`, Hz.
     """
+    if options.base_acceleration is not None:
+        if mass is None:
+            raise ReadError(_NO_MASS)
+        return None, shaken(paths, choices=choices, options=options, mass=mass, band=band)[0]
     if len(paths) == 1 and inspect_file(paths[0], options=options).kind in _RESPONSES:
         frf = read_frf(paths[0], options=options)
         if frf.kind is Kind.TRANSMISSIBILITY and mass is None:
-            raise ReadError(
-                "the file holds a transmissibility, which tells the stiffness over the mass and "
-                "neither alone: give the mass (--mass)"
-            )
+            raise ReadError(_NO_MASS)
         return None, judged(frf, band, mass=mass)
     impact = hits_in(list(paths), options, f"an FRF or {HITS}")
     return impact, average(impact, choices=choices, mass=mass, band=band)
+
+
+def shaken(
+    paths: Sequence[str | Path],
+    *,
+    choices: HammerChoices,
+    options: ReadOptions,
+    mass: float | None,
+    band: tuple[float, float] | None = None,
+) -> tuple[FRF, tuple[Mode, ...], str]:
+    """Return the transmissibility of a shaken base, judged, its modes, and why there are none.
+
+    Without the mass, kg, it has none, and nothing at its resonance is judged.
+    """
+    _no_hammer(choices)
+    test = read_shaken(paths, options)
+    frf = estimate_transmissibility(test, estimator=choices.estimator, segment=choices.record)
+    if mass is None:
+        return replace(frf, checks=(mass_over_base(frf),)), (), _NO_MASS
+    modes: tuple[Mode, ...] = ()
+    reason = ""
+    try:
+        modes = frf.to("accelerance", mass=mass).modes(band=band)
+    except (DataError, FitError) as error:
+        reason = str(error)
+    resolved = segments_resolve(frf, next(iter(modes), None))
+    frf = judged(frf, band, mass=mass)
+    return replace(frf, checks=(*frf.checks, resolved)), modes, reason
+
+
+def _no_hammer(choices: HammerChoices) -> None:
+    """Refuse choices that a base that is shaken has no use for."""
+    default = HammerChoices()
+    odd = [
+        f"--{name}"
+        for name in ("window", "combine", "accept", "reject", "pretrigger", "polarity")
+        if getattr(choices, name) != getattr(default, name)
+    ]
+    if odd:
+        raise ReadError(
+            f"{', '.join(odd)}: of hits, and the base was shaken (--base-acceleration); leave out"
+        )
 
 
 def judged(
@@ -346,7 +400,7 @@ def compare_files(
     """
     _, frf = read_measured(measured, choices=hammer, options=options, mass=mass, band=band)
     total, noted = total_mass(mass, seal=seal_mass, seals=seals)
-    frf = _on_light_mounts(frf, total, seal_mass, seals)
+    frf = relieved(frf, total, seal_mass, seals)
     known = weighed(found, frf, mass=total, seals=seals, band=band, compression=compression)
     _, comparison = held_against(
         found, frf, mass=known, seals=seals, band=band, compression=compression
@@ -429,7 +483,7 @@ def identify_files(
         )
     _, frf = read_measured(measured, choices=hammer, options=options, mass=mass, band=band)
     total, noted = total_mass(mass, seal=seal_mass, seals=seals)
-    frf = _on_light_mounts(frf, total, seal_mass, seals)
+    frf = relieved(frf, total, seal_mass, seals)
     with answered_in("--with-profile", besides=("units", *OF_BENCH)):
         prepared = prepared_files(
             tests, machine=machine, options=options_with, temperatures=temperatures
@@ -458,8 +512,8 @@ def identify_files(
     return replace(found, evidence=evidence), straight, (*others, *noted)
 
 
-def _on_light_mounts(frf: FRF, mass: float | None, seal_mass: float | None, seals: float) -> FRF:
-    """A transmissibility as seals without mass would show it; another FRF as it is."""
+def relieved(frf: FRF, mass: float | None, seal_mass: float | None, seals: float) -> FRF:
+    """Return a transmissibility as seals without mass would show it; another FRF as it is."""
     if frf.kind is not Kind.TRANSMISSIBILITY or mass is None:
         return frf
     return on_light_mounts(frf, mass=mass, coupled=entrained(seal_mass, seals))

@@ -37,7 +37,7 @@ from dashpot.vibration.modal.peaks import find_peak
 from dashpot.vibration.systems.operating_point import OperatingPoint
 from dashpot.vibration.systems.prediction import REACH, highest_peak, predict_frf
 from dashpot.workflow.checks import hold_fit_possible, prediction_informed
-from dashpot.workflow.impacts import held_against, read_measured, total_mass, weighed
+from dashpot.workflow.impacts import held_against, read_measured, relieved, total_mass, weighed
 from dashpot.workflow.job import Cuts, Job
 from dashpot.workflow.prepared import answered_in
 from dashpot.workflow.resting import (
@@ -371,6 +371,7 @@ def run(job: Job, *, read: Reader | None = None) -> Study:
             impact, measured = read_measured(
                 job.impact, choices=job.hammer, options=job.reading_impact, mass=mass, band=job.band
             )
+        measured = relieved(measured, mass, job.seal_mass, job.seals)
     study = characterise(
         test,
         measured,

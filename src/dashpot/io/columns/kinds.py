@@ -113,6 +113,11 @@ _RULES: tuple[tuple[FileKind, str, Callable[[_NamedColumns], bool]], ...] = (
     ("not-a-test", "it is a power spectral density, which has no phase", _NamedColumns.spectral),
     (
         "impact",
+        "it has time, and an acceleration is said to be that of the base",
+        lambda s: s.timed() and s.options.base_acceleration is not None,
+    ),
+    (
+        "impact",
         "it has time and an acceleration",
         lambda s: s.timed() and s.accelerated() and not s.has("displacement", least=2.5),
     ),

@@ -247,6 +247,10 @@ def _nothing(table: Table, role: Role) -> Question:
     if role == "time":
         guess = "or --rate 1000Hz if the rows are evenly spaced in time"
         example += "; " + "; ".join(table.hints) if table.hints else f", {guess}"
+    free = dict(enumerate(table.columns))
+    if role == "hammer" and len(_likely_accelerations(free, ReadOptions())) > 1:
+        example += "; where a base was shaken instead, name its acceleration, for example "
+        example += f'{flag("base_acceleration")} "{_example(table, "acceleration")}"'
     says = (
         f"no column is recognised as {_word(role)}{kind}; the columns are "
         f"{list_columns(table.columns)}; name it by its name or number, for example {example}"

@@ -106,13 +106,13 @@ def _one(path: str | Path, options: ReadOptions, want: str) -> ImpactTest:
         loaded = channels.load_test(file, chosen)
         if file.options.rate is None:
             loaded = cleaning.without_padding(loaded)
-        _whole(loaded)
+        whole(loaded)
         columns = [channels.si(loaded.values[:, j], c.unit) for j, c in enumerate(chosen)]
         notes = [*file.table.notes, *channels.rivals(file, chosen[:-1]), *loaded.notes]
         starts, rate = loaded.starts, file.options.rate
         if rate is None:
             time, *signals = columns
-            starts, remarks = _starts(time, loaded)
+            starts, remarks = starts_of(time, loaded)
             notes += remarks
         else:
             time, signals = np.arange(len(loaded.values)) / rate, columns
@@ -127,7 +127,7 @@ def _one(path: str | Path, options: ReadOptions, want: str) -> ImpactTest:
             advice = "; if the rows are evenly sampled, give the rate, for example --rate 2048Hz"
             more = advice if "even sampling" in str(error) and rate is None else ""
             raise ReadError(f"{error}{more}") from None
-        _refuse_same(file, chosen, signals)
+        refuse_same(file, chosen, signals)
         _refuse_swapped(file, chosen, signals)
         _refuse_sizes(file, chosen, time, signals)
         return test
@@ -172,8 +172,8 @@ def _refuse_sizes(
     channels.refuse_sizes(file, asked)
 
 
-def _refuse_same(file: Opened, chosen: Sequence[Channel], signals: Sequence[FloatArray]) -> None:
-    """Two channels do not measure the same to the last digit: one was exported twice."""
+def refuse_same(file: Opened, chosen: Sequence[Channel], signals: Sequence[FloatArray]) -> None:
+    """Refuse one channel exported twice: two do not measure the same to the last digit."""
     named = [quoted(file.table.columns, one.index) for one in chosen[-len(signals) :]]
     for j, signal in enumerate(signals):
         for i in range(j):
@@ -203,7 +203,8 @@ def _refuse_swapped(file: Opened, chosen: Sequence[Channel], signals: Sequence[F
     )
 
 
-def _whole(loaded: Loaded) -> None:
+def whole(loaded: Loaded) -> None:
+    """Refuse a record in which a sample is missing."""
     holes = np.flatnonzero(~np.isfinite(loaded.values).all(axis=1))
     if holes.size:
         raise ReadError(
@@ -213,7 +214,7 @@ def _whole(loaded: Loaded) -> None:
         )
 
 
-def _starts(time: FloatArray, loaded: Loaded) -> tuple[tuple[int, ...], list[str]]:
+def starts_of(time: FloatArray, loaded: Loaded) -> tuple[tuple[int, ...], list[str]]:
     """First samples of the records: the segments, and wherever an even clock jumps."""
     steps = np.diff(time)
     step = float(np.median(steps)) if steps.size else 0.0

@@ -212,6 +212,8 @@ def _proposal(file: Opened, kind: str) -> tuple[dict[int, tuple[Role, str]], lis
     for role in creep.roles(file) if kind == "creep" else _ROLES.get(kind, ()):
         if role == "time" and (clocks or options.rate is not None):
             continue
+        if role == "hammer" and options.base_acceleration is not None:
+            continue
         answer = assign(table, role, options)
         if isinstance(answer, Question):
             needless = role == "loss" and isinstance(

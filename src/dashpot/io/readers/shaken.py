@@ -1,0 +1,93 @@
+"""From one file or several to the record of a base that is shaken and the mass on it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from dashpot.base.errors import ReadError
+from dashpot.io.columns.roles import Assigned, accelerations, find_column, quoted
+from dashpot.io.options import ReadOptions, flag
+from dashpot.io.readers import channels
+from dashpot.io.readers.channels import Channel, Opened
+from dashpot.io.readers.impact import refuse_same, starts_of, whole
+from dashpot.records.shaken import ShakenTest
+
+_SAME_RATE = 1e-3
+"""Part of a sampling rate by which the files of one set-up may differ."""
+
+
+def read_shaken(paths: Sequence[str | Path], options: ReadOptions) -> ShakenTest:
+    """Return the accelerations of base and mass in files of one set-up, in SI units.
+
+    Segments, jumps of the clock, and further files each start a new continuous record.
+
+    Raises
+    ------
+    ReadError
+        If a column is not found or has no unit, or the files have other rates.
+    """
+    tests = [_one(path, options) for path in paths]
+    first = tests[0]
+    for path, test in zip(paths, tests, strict=True):
+        if abs(test.rate / first.rate - 1) > _SAME_RATE:
+            raise ReadError(
+                f"{path}: sampled at {test.rate:.6g} Hz, but {paths[0]} at {first.rate:.6g} Hz; "
+                "give files of one set-up"
+            )
+    offsets = np.cumsum([0, *(len(test.base) for test in tests[:-1])])
+    starts = [np.add(test.starts, offset) for test, offset in zip(tests, offsets, strict=True)]
+    return ShakenTest(
+        first.rate,
+        np.concatenate([test.base for test in tests]),
+        np.concatenate([test.mass for test in tests]),
+        tuple(np.concatenate(starts).tolist()),
+        tuple(source for test in tests for source in test.source),
+    )
+
+
+def _one(path: str | Path, options: ReadOptions) -> ShakenTest:
+    with channels.opened(path, options) as file:
+        channels.refuse_summary(file)
+        chosen = _channels(file)
+        channels.refuse_other_rate(file)
+        loaded = channels.load_test(file, chosen)
+        whole(loaded)
+        columns = [channels.si(loaded.values[:, j], c.unit) for j, c in enumerate(chosen)]
+        base, mass = columns[-2:]
+        refuse_same(file, chosen, [base, mass])
+        starts, notes, rate = loaded.starts, [*file.table.notes, *loaded.notes], options.rate
+        if rate is None:
+            starts, remarks = starts_of(columns[0], loaded)
+            notes += remarks
+            first = columns[0][: (*starts, len(base))[1]]
+            if not np.ptp(first) > 0:
+                raise ReadError("the time stands still; give the rate, for example --rate 512Hz")
+            rate = (len(first) - 1) / float(first[-1] - first[0])
+        source = channels.source(file, [c.says for c in chosen], notes)
+        return ShakenTest(rate, base, mass, starts, (source,))
+
+
+def _channels(file: Opened) -> list[Channel]:
+    """Time unless a rate is given, the base, and the one other acceleration."""
+    columns, base_flag = file.table.columns, flag("base_acceleration")
+    base = find_column(columns, str(file.options.base_acceleration), base_flag)
+    ticks = [] if file.options.rate is not None else channels.chosen(file, ["time"])
+    taken = [base, *(one.index for one in ticks)]
+    found = [i for i in accelerations(file.table, taken, file.options) if i not in taken]
+    if len(found) != 1:
+        listed = f": {', '.join(quoted(columns, i) for i in found)}" if found else ""
+        raise ReadError(
+            f"{len(found)} accelerations beside that of the base, {quoted(columns, base)}{listed}; "
+            f"expected one, of the mass: name it with {flag('acceleration')}"
+        )
+    return channels.with_units(
+        file,
+        [
+            *ticks,
+            Assigned("acceleration", base, f"of the base, named by {base_flag}"),
+            Assigned("acceleration", found[0], "of the mass"),
+        ],
+    )

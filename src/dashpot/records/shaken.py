@@ -1,0 +1,55 @@
+"""A base that is shaken and the mass on it, as recorded."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dashpot.base.arrays import ByValue, FloatArray, measured, same_length
+from dashpot.base.errors import DataError
+from dashpot.base.offered import Described
+from dashpot.base.provenance import Source, of_file
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ShakenTest(ByValue, Described):
+    """Two accelerations, of the base and of the mass on its mounts, sampled together.
+
+    Attributes
+    ----------
+    rate : float
+        Samples a second, Hz.
+    base, mass : array, shape (n,)
+        Absolute, m/s^2, in the same direction.
+    starts : tuple of int
+        First sample of each continuous record.
+    source : tuple of Source
+    """
+
+    rate: float
+    base: FloatArray
+    mass: FloatArray
+    starts: tuple[int, ...] = (0,)
+    source: tuple[Source, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.rate) and self.rate > 0):
+            raise DataError(f"rate = {self.rate!r} Hz; expected a sampling rate > 0")
+        for name in ("base", "mass"):
+            object.__setattr__(self, name, measured(name, getattr(self, name), minimum=8))
+        same_length(base=self.base, mass=self.mass)
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """Which record it is, and how hard the base was shaken."""
+        one = self.source[0] if len(self.source) == 1 else None
+        return (
+            of_file(one, len(self.base)),
+            f"base and mass at {self.rate:.6g} Hz, the base at {self.base.std():.4g} m/s^2 rms",
+        )
+
+    def records(self) -> tuple[slice, ...]:
+        """The continuous records, as slices of the samples."""
+        stops = (*self.starts[1:], len(self.base))
+        return tuple(slice(a, b) for a, b in zip(self.starts, stops, strict=True))

@@ -1,0 +1,182 @@
+"""Two accelerometers on a shaker, as recorded, to a transmissibility."""
+
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from dashpot.base.errors import DashpotError, DataError
+from dashpot.cli import main
+from dashpot.io.options import ReadOptions
+from dashpot.io.readers.shaken import read_shaken
+from dashpot.records.shaken import ShakenTest
+from dashpot.solids.table_1 import BROAD, BROAD_MASS
+from dashpot.vibration.impact.shaken import estimate_transmissibility
+
+pytestmark = pytest.mark.once
+
+RATE, SOLID = 256.0, 2 * BROAD
+
+
+def truth(f):
+    w = 2 * np.pi * np.maximum(f, 1e-9)
+    K = SOLID.complex_stiffness(w)
+    return K / (K - BROAD_MASS * w**2)
+
+
+def shaken(seconds=120.0, *, noise=(0.0, 0.0), seed=0, gain=1.0, offset=0.0):
+    """Chance motion from 1 to 80 Hz, through the mass by transforms of twice the record."""
+    rng, n = np.random.default_rng(seed), int(seconds * RATE)
+    f = np.fft.rfftfreq(2 * n, 1 / RATE)
+    lines = np.fft.rfft(rng.normal(size=2 * n)) * ((f > 1) & (f < 80))
+    base, mass = np.fft.irfft(lines), np.fft.irfft(lines * truth(f))
+    base, mass = base[n:], mass[n:]
+    slow = offset * np.linspace(-1, 1, n) * base.std()
+    e = rng.normal(size=(2, n)) * base.std()
+    return ShakenTest(RATE, base + noise[0] * e[0] + slow, gain * mass + noise[1] * e[1] + slow)
+
+
+def apart(frf, low=5.0, high=40.0):
+    near = (frf.frequency > low) & (frf.frequency < high)
+    return frf.only(near), truth(frf.frequency[near])
+
+
+@pytest.mark.parametrize("estimator", ["H1", "H2", "Hv"])
+def test_it_comes_back_within_its_scatter(estimator):
+    frf, T = apart(estimate_transmissibility(shaken(noise=(3e-3, 3e-3)), estimator=estimator))
+    assert np.median(np.abs(frf.value / T - 1)) < 0.01
+    off = np.abs(frf.value - T) / np.sqrt(2) / frf.random_sd
+    assert np.sqrt(np.mean(off**2)) == pytest.approx(1.0, abs=0.25)
+    assert frf.coherence[(frf.frequency > 6) & (frf.frequency < 25)].min() > 0.9
+
+
+def test_each_estimator_is_right_where_its_channel_alone_is_noisy():
+    for noise, right, other in (((0.0, 0.5), "H1", "H2"), ((0.5, 0.0), "H2", "H1")):
+        test = shaken(noise=noise, seconds=240.0)
+        sizes = {}
+        for name in (right, other):
+            frf, T = apart(estimate_transmissibility(test, estimator=name, segment=6), 17.0, 30.0)
+            sizes[name] = np.mean(np.abs(frf.value / T))
+        assert sizes[right] == pytest.approx(1.0, abs=0.06)
+        assert abs(sizes[other] - 1) > 0.1
+
+
+def test_a_drifting_offset_leaks_into_no_line():
+    one, T = apart(estimate_transmissibility(shaken(offset=5.0)))
+    assert np.median(np.abs(one.value / T - 1)) < 0.01
+
+
+def test_short_segments_flatten_the_peak_and_the_coherence_shows_it():
+    test = shaken(seconds=400.0)
+    highs, least = [], []
+    for seconds in (2.0, 16.0):
+        frf, _ = apart(estimate_transmissibility(test, segment=seconds))
+        highs.append(np.abs(frf.value).max() / np.abs(truth(np.linspace(12, 13, 999))).max())
+        least.append(frf.coherence.min())
+    assert highs[0] < 0.85
+    assert highs[1] == pytest.approx(1.0, abs=0.04)
+    assert least[0] < 0.9 < least[1]
+
+
+def test_records_are_not_joined_into_one():
+    one, other = shaken(60.0, seed=1), shaken(60.0, seed=2)
+    both = ShakenTest(
+        RATE,
+        np.concatenate((one.base, other.base)),
+        np.concatenate((one.mass, other.mass)),
+        (0, len(one.base)),
+    )
+    frf, T = apart(estimate_transmissibility(both, segment=10))
+    assert np.median(np.abs(frf.value / T - 1)) < 0.01
+    alone = estimate_transmissibility(one, segment=10)
+    assert frf.averages in (2 * alone.averages, 2 * alone.averages + 1)
+
+
+def test_what_cannot_be_averaged_is_refused():
+    with pytest.raises(DataError, match="Hs needs the quiet before a hit"):
+        estimate_transmissibility(shaken(10.0), estimator="Hs")
+    with pytest.raises(DataError, match=r"1 segments of 8 s in the record; expected 3"):
+        estimate_transmissibility(shaken(10.0), segment=8)
+    still = ShakenTest(RATE, np.zeros(4096), np.zeros(4096))
+    with pytest.raises(DataError, match="the base does not move"):
+        estimate_transmissibility(still)
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory):
+    """A table in g, the mass in m/s^2, beside a third channel."""
+    found, test = tmp_path_factory.mktemp("shaker") / "shaker.csv", shaken(noise=(2e-3, 2e-3))
+    t = np.arange(len(test.base)) / RATE
+    rows = np.column_stack((t, test.base / 9.80665, test.mass))
+    np.savetxt(found, rows, delimiter=",", comments="", header="time [s],table [g],block [m/s^2]")
+    return found
+
+
+def ran(*words):
+    return CliRunner().invoke(main, [str(word) for word in words])
+
+
+def test_the_file_is_read_like_a_hammers(path, tmp_path):
+    mass = ["--mass", f"{1e3 * BROAD_MASS}g"]
+    base = ["--base-acceleration", "table"]
+    asked = ran("inspect", path).output
+    assert "--base-acceleration" in asked
+    answered = ran("inspect", path, *base).output
+    assert "said to be that of the base" in answered
+    assert "ASK" not in answered
+    out = tmp_path / "t.csv"
+    told = ran("impact", path, *base, *mass, "--estimator", "Hv", "-o", out)
+    assert told.exit_code == 0, told.output
+    assert "use: " in told.output
+    assert "hits" not in told.output
+    assert ": transmissibility (" in ran("inspect", out).output
+    direct = json.loads(ran("identify", path, *base, *mass, "--seals", 2, "--json").stdout)
+    near = np.interp([9.0, 18.0], direct["direct"]["frequency_hz"], direct["direct"]["stiffness"])
+    assert near == pytest.approx(BROAD.storage(2 * np.pi * np.array([9.0, 18.0])), rel=0.02)
+    names = [one["name"] for one in json.loads(ran("impact", path, *base, *mass, "--json").stdout)[
+        "frf"]["checks"]]  # fmt: skip
+    assert {"mass_over_base", "coherence", "segments_resolve"} <= set(names)
+
+
+def test_the_two_channels_taken_for_each_other_are_told_first(path):
+    mass = ["--mass", f"{1e3 * BROAD_MASS}g"]
+    told = ran("impact", path, "--base-acceleration", "block", *mass).output
+    assert told.startswith("do not use: below 12.")
+    assert "the base over the mass" in " ".join(told.split())
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["compare", "fit.json"], "give the mass (--mass)"),
+        (["impact", "--window", "exponential"], "--window: of hits"),
+        (["impact", "--reject", "2"], "--reject: of hits"),
+    ],
+)
+def test_what_a_shaken_base_has_no_use_for(path, tmp_path, words, says):
+    fit = tmp_path / "fit.json"
+    fit.write_text(json.dumps({"schema": "dashpot/fit@1", "model": {"k_inf": 393.0, "arms": []}}))
+    words = [fit if word == "fit.json" else word for word in words]
+    told = ran(*words, path, "--base-acceleration", "table")
+    assert told.exit_code == 2
+    assert says in " ".join(told.output.split())
+
+
+def test_columns_that_leave_it_open_are_asked_for(tmp_path):
+    three = tmp_path / "three.csv"
+    header = "time [s],a [g],b [g],c [g]"
+    rows = np.column_stack((np.arange(64) / 64, np.random.default_rng(0).normal(size=(64, 3))))
+    np.savetxt(three, rows, delimiter=",", comments="", header=header)
+    with pytest.raises(DashpotError, match="2 accelerations beside that of the base"):
+        read_shaken([three], ReadOptions(base_acceleration="a"))
+    found = read_shaken([three], ReadOptions(base_acceleration="a", acceleration=("c",)))
+    assert found.mass == pytest.approx(9.80665 * rows[:, 3])
+    with pytest.raises(DashpotError, match="there is no such column"):
+        read_shaken([three], ReadOptions(base_acceleration="d"))
+    with pytest.raises(DashpotError, match="0 accelerations beside that of the base"):
+        read_shaken([three], ReadOptions(base_acceleration="a", acceleration=("a",)))
+    rows[:, 3] = rows[:, 1]
+    np.savetxt(three, rows, delimiter=",", comments="", header=header)
+    with pytest.raises(DashpotError, match="hold the same numbers"):
+        read_shaken([three], ReadOptions(base_acceleration="a", acceleration=("c",)))
