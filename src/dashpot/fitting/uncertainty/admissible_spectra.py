@@ -173,9 +173,7 @@ class Spectra:
         aim, on = v / self.scale, self.shown
         start = max(self.met, key=lambda s: float(aim @ s))
         found = np.zeros(len(aim))
-        found[on] = farthest(
-            self.columns, self.target, aim[on], self.least + self.limit, start[on]
-        )
+        found[on] = farthest(self.columns, self.target, aim[on], self.least + self.limit, start[on])
         self.met.append(found)
         return np.where(~on & (aim > 0), np.inf, found / self.scale)
 
