@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from dashpot import plot
 from dashpot.plot.picture import Panel, joint_pen
 from dashpot.plot.svg import checked, strip, swatch
-from dashpot.records.frf import FRF, Kind
+from dashpot.records.frf import Kind
 from dashpot.records.frf_set import FRFSet
 from dashpot.vibration.modal.stabilisation import stabilisation
 from dashpot.vibration.systems.prediction import predict_frf
@@ -171,15 +171,19 @@ def _of_vibration(study: Study) -> Iterator[plot.Picture]:
             labels=("measured" if measured else "predicted, untested",),
             band=None if measured else study.frf_band,
         )
-    if study.measured is not None and study.measured.kind is not Kind.TRANSMISSIBILITY:
-        yield _chart(study.measured, None if study.comparison is None else study.comparison.band)
+    chart = chart_of(study)
+    if chart is not None:
+        yield chart
     if study.direct is not None:
         yield plot.dynamic_stiffness(study.direct, fit=study.fit, joint=study.joint)
     if study.impact is not None and study.measured is not None:
         yield plot.hits(study.impact, study.measured)
 
 
-def _chart(measured: FRF, band: tuple[float, float] | None) -> plot.Picture:
-    """The stabilisation chart of the measured FRF and the modes that it is a second opinion on."""
-    chart = stabilisation(FRFSet((measured,)), band=band)
-    return plot.stabilisation(chart, measured.modes(band=band))
+def chart_of(study: Study) -> plot.Picture | None:
+    """The stabilisation chart of the measured FRF with its modes; none of a transmissibility."""
+    if study.measured is None or study.measured.kind is Kind.TRANSMISSIBILITY:
+        return None
+    band = None if study.comparison is None else study.comparison.band
+    chart = stabilisation(FRFSet((study.measured,)), band=band)
+    return plot.stabilisation(chart, study.measured.modes(band=band))

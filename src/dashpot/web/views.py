@@ -40,6 +40,7 @@ from dashpot.records.frf import FRF, Kind
 from dashpot.records.relaxation import RampHold
 from dashpot.report import answer
 from dashpot.report.answer import GRADES, Row
+from dashpot.report.figures import chart_of
 from dashpot.report.pages import COLOURS, environment
 from dashpot.report.tables import READ, parameters
 from dashpot.vibration.impact.hits import cut_hits
@@ -62,6 +63,8 @@ SHORT = {
     "noise, one SD": "noise", "ramp": "", "eq. (5), hold only": "eq. (5)",
     "k∞, relaxation fit": "k∞", "relaxation fit": "arms",
     "band that every accepted hit excites": "excited by all",
+    "mode found": "mode", "new at its order": "new", "stable in frequency": "frequency stays",
+    "stable in frequency and damping": "damping too",
 }  # fmt: skip
 """What the key calls a mark where the title has said the rest."""
 Sizes = Mapping[str, tuple[float, float]]
@@ -191,11 +194,14 @@ def base_panel(found: Prediction, joint: bool, sizes: Sizes) -> str:
 
 
 def hit_panels(study: Study, sizes: Sizes) -> dict[str, str]:
-    """The pulses of the hits, their spectra and the answers to them, one panel each."""
+    """The pulses of the hits, their spectra, the answers to them, and the chart of their poles."""
     if study.impact is None or study.measured is None:
         return {}
     strips = plot.hits(study.impact, study.measured).strips
     found = {"pulses": strips[0][0], "force": strips[1][0], "answers": strips[-1][0]}
+    chart = chart_of(study)
+    if chart is not None:
+        found["poles"] = chart.panels[-1]
     return {
         name: drawn(name, replace(_in_short(one), title=""), sizes) for name, one in found.items()
     }
