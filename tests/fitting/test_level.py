@@ -73,7 +73,10 @@ class TestSweep:
             error = dict(found.se)
             held += abs(found.half_way - 2e-3) < 2 * error["half_way"]
             held += abs(found.lost - 0.55) < 2 * error["lost"]
-        assert 0.88 <= held / 120 <= 0.995
+            off, se = found.linear[0] - 5e6 * (1 + 0.1j), found.linear_se[0]
+            held += abs(off.real) < 2 * se.real
+            held += abs(off.imag) < 2 * se.imag
+        assert 0.88 <= held / 240 <= 0.995
 
     def test_a_short_sweep_sets_the_exponent_and_says_so(self):
         short = np.geomspace(1e-5, 2e-3, 13)

@@ -120,6 +120,8 @@ class AmplitudeFit(ByValue, Described):
         Hz.
     linear : complex array, shape (f,)
         At a vanishing amplitude, in `unit`.
+    linear_se : complex array, shape (f,)
+        Standard errors of its real and of its imaginary part.
     lost : float
         d: share of the stiffness (factor), or stiffness in `unit` (additive), that is lost.
     half_way : float
@@ -147,6 +149,7 @@ class AmplitudeFit(ByValue, Described):
     law: str
     frequency: FloatArray
     linear: ComplexArray
+    linear_se: ComplexArray
     lost: float
     half_way: float
     exponent: float

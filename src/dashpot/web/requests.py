@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import MISSING, fields
 from pathlib import Path
 from typing import Any, TypeVar
@@ -49,14 +49,14 @@ def job_of(given: object, folder: Path) -> Job:
     made: dict[str, Any] = {
         "relaxation": str(path_in(folder, asked["relaxation"])),
         **{
-            name: tuple(str(path_in(folder, one)) for one in _list(asked, name))
+            name: tuple(str(path_in(folder, one)) for one in listed(asked, name))
             for name in ("impact", "further")
         },
-        "temperatures": _temperatures(_list(asked, "temperatures")),
-        "mass": _quantity(asked, "mass", "mass"),
-        "seal_mass": _quantity(asked, "seal_mass", "mass"),
-        "compression": _quantity(asked, "compression", "length"),
-        "seals": _number(asked.get("seals", 1.0), "seals"),
+        "temperatures": _temperatures(listed(asked, "temperatures")),
+        "mass": quantity(asked, "mass", "mass"),
+        "seal_mass": quantity(asked, "seal_mass", "mass"),
+        "compression": quantity(asked, "compression", "length"),
+        "seals": number(asked.get("seals", 1.0), "seals"),
         "arms": arms_of(asked.get("arms", "auto")),
         "joint": asked.get("joint", True) is True,
         "band": _made(lambda text: si_range(text, "frequency"), asked.get("band") or None, "band"),
@@ -64,9 +64,7 @@ def job_of(given: object, folder: Path) -> Job:
     for name, kind in _PARTS.items():
         made[name] = part(kind, asked.get(name, {}), name)
     for name, choices in _CHOICES.items():
-        made[name] = asked.get(name, choices[0])
-        if made[name] not in choices:
-            raise DataError(f"{name} = {made[name]!r}; expected one of {', '.join(choices)}")
+        made[name] = choice(asked, name, choices)
     for name in _TEXTS:
         text = asked.get(name)
         if text is not None and not isinstance(text, str):
@@ -165,11 +163,11 @@ def deck_choices(request: Mapping[str, Any]) -> dict[str, Any]:
     return {
         "form": request.get("form") or None,
         "frequency_range": _made(lambda text: si_range(text, "frequency"), band, "range"),
-        "seals": _number(request.get("seals", 1.0), "seals"),
-        "compression": _quantity(request, "compression", "length"),
-        "modulus": _quantity(request, "modulus", "stress"),
-        "bulk_modulus": _quantity(request, "bulk_modulus", "stress"),
-        "mass": _quantity(request, "mass", "mass"),
+        "seals": number(request.get("seals", 1.0), "seals"),
+        "compression": quantity(request, "compression", "length"),
+        "modulus": quantity(request, "modulus", "stress"),
+        "bulk_modulus": quantity(request, "bulk_modulus", "stress"),
+        "mass": quantity(request, "mass", "mass"),
     }
 
 
@@ -195,7 +193,8 @@ def _made(make: Callable[[Any], T], given: Any, name: str) -> T:
         raise DataError(f"{name} = {given!r} is not of the kind expected") from None
 
 
-def _list(asked: Mapping[str, Any], name: str) -> list[Any]:
+def listed(asked: Mapping[str, Any], name: str) -> list[Any]:
+    """Return what must be a list; nothing is an empty one."""
     given = asked.get(name, [])
     if not isinstance(given, list):
         raise DataError(f"{name} is {type(given).__name__}; expected a list")
@@ -211,7 +210,8 @@ def _temperatures(given: list[Any]) -> tuple[float, ...]:
     return tuple(_made(lambda text: si(text, "temperature"), one, "temperature") for one in given)
 
 
-def _quantity(asked: Mapping[str, Any], name: str, dimension: Any) -> float | None:
+def quantity(asked: Mapping[str, Any], name: str, dimension: Any) -> float | None:
+    """Return a quantity that is typed with its unit, in SI; nothing is None."""
     given = asked.get(name)
     if given in (None, ""):
         return None
@@ -220,10 +220,19 @@ def _quantity(asked: Mapping[str, Any], name: str, dimension: Any) -> float | No
     return si(given, dimension)
 
 
-def _number(given: object, name: str) -> float:
+def number(given: object, name: str) -> float:
+    """Return what must be a number."""
     if isinstance(given, bool) or not isinstance(given, int | float):
         raise DataError(f"{name} = {given!r}; expected a number")
     return float(given)
+
+
+def choice(asked: Mapping[str, Any], name: str, choices: Sequence[str]) -> Any:
+    """Return what must be one of a few words; nothing is the first."""
+    given = asked.get(name, choices[0])
+    if given not in choices:
+        raise DataError(f"{name} = {given!r}; expected one of {', '.join(choices)}")
+    return given
 
 
 def arms_of(given: object) -> Any:

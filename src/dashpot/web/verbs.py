@@ -6,13 +6,14 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from dashpot.web import bench, folders, taking, work
+from dashpot.web import bench, folders, level, taking, work
 
 VERBS: Mapping[str, Callable[[Mapping[str, Any], Path], bytes]] = {
     "inspect": work.inspect, "live": work.live, "settle": work.settle, "predict": work.predict,
     "study": work.study, "take": taking.take, "profile": taking.profile,
     "project": taking.project,
     "bench": bench.bench, "take-bench": bench.take_bench,
+    "level": level.level, "take-level": level.take_level,
     "recent": folders.listed, "folder": folders.folder, "row": folders.row,
 }  # fmt: skip
 """From the request and the folder of the files to a message."""

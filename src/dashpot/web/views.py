@@ -51,9 +51,11 @@ from dashpot.workflow.study import Study
 
 ROLES = ("time", "displacement", "force", "hammer", "acceleration")
 """What a column of a relaxation test or of a hammer test can be."""
-TAKEN = ("relaxation", "impact", "frf")
-"""The kinds of file that a job is made of."""
-FITTED = ("dma", "master-curve", "modulus", "creep")
+RESPONSES = ("frf", "transmissibility")
+"""Those that may be one of several, each at its level."""
+TAKEN = ("relaxation", "impact", *RESPONSES)
+"""The kinds of file that a job, or a fit of several levels, is made of."""
+FITTED = ("dma", "master-curve", "modulus", "creep", "strain-sweep", "cyclic")
 """Those that the page fits by themselves."""
 ASKED: tuple[Dimension, ...] = ("time", "length", "force", "acceleration")
 """What its unit can be one of."""
@@ -306,10 +308,10 @@ def terms(fit: Fit) -> list[Term]:
     if end is not None:
         unit, scale = READ[fit.unit]
         value = scale * float(fit.solid.relaxation(end.time))
-        rows.append(_term(f"k({duration(end.time)})", value, _scaled(end.k_end, scale), unit))
+        rows.append(term(f"k({duration(end.time)})", value, _scaled(end.k_end, scale), unit))
     # b = k tau says of an arm what k and tau say
     shown = (one for one in parameters(fit) if not one.name.startswith("b"))
-    rows += [_term(one.name, one.value, one.ends, one.unit) for one in shown]
+    rows += [term(one.name, one.value, one.ends, one.unit) for one in shown]
     return rows
 
 
@@ -317,7 +319,8 @@ def _scaled(ends: tuple[float, float], factor: float) -> tuple[float, float]:
     return factor * ends[0], factor * ends[1]
 
 
-def _term(name: str, value: float, ends: tuple[float, float], unit: str) -> Term:
+def term(name: str, value: float, ends: tuple[float, float], unit: str) -> Term:
+    """A parameter in the unit it is shown in, with the ends of its interval there."""
     low, high = ends
     half = (high - low) / 2
     known = half if np.isfinite(half) and half > 0 else None
@@ -335,17 +338,26 @@ def _term(name: str, value: float, ends: tuple[float, float], unit: str) -> Term
 
 def solid_table(fit: Fit) -> str:
     """The solid of one seal, each term with its interval and a mark."""
-    found, groups = terms(fit), []
-    dense = fit.family == "maxwell" and fit.model.arms > SINGLE
-    if dense:
+    found, more = terms(fit), ""
+    if fit.family == "maxwell" and fit.model.arms > SINGLE:
         found = [one for one in found if one.name == symbol("k_inf")]
+        more = (
+            f"and a spectrum of {fit.model.arms} arms from {fit.model.tau[0]:.3g} to "
+            f"{fit.model.tau[-1]:.3g} s, a table for a solver: fit.json holds it."
+        )
+    return term_table("Solid of one seal", found, more)
+
+
+def term_table(title: str, found: Sequence[Term], more: str = "") -> str:
+    """Terms by unit, each with its interval and a mark, and what else is to be said of them."""
+    groups = []
     for unit in dict.fromkeys(one.unit for one in found):
         rows = [one for one in found if one.unit == unit]
         columns = [_pads(texts) for texts in zip(*(row[1:4] for row in rows), strict=True)]
         groups.append(
             (unit, [one._replace(pads=pads) for one, *pads in zip(rows, *columns, strict=True)])
         )
-    return piece("solid", groups=groups, tau=fit.model.tau if dense else ())
+    return piece("solid", title=title, groups=groups, more=more)
 
 
 def _pads(texts: Sequence[str]) -> list[str]:
@@ -414,14 +426,20 @@ def file_row(found: InspectedFile) -> dict[str, Any]:
             f"{rounded(1e3 * ready.depth)} mm, {rounded(ready.ramp_time)} s, "
             f"{rounded(ready.hold_time)} s"
         )
-    elif found.kind in FITTED and not found.questions:
-        line = found.refusal or WANTED_BY[found.kind][0]
+    elif found.kind in (*FITTED, *RESPONSES) and not found.questions:
+        line = _refusal(found) or WANTED_BY[found.kind][0]
     elif found.questions:
         line = "asks: " + ("a unit" if "--units" in found.questions[0].option else "a column")
     else:
         line = found.refusal or found.reason
-    mark = "care" if found.questions else "bad" if found.refusal or _stranger(found) else "good"
+    strange = _refusal(found) or _stranger(found)
+    mark = "care" if found.questions else "bad" if strange else "good"
     return {"kind": found.kind, "line": line, "mark": mark, "simulated": found.simulated}
+
+
+def _refusal(found: InspectedFile) -> str:
+    """Why a file is not fitted; that loops are no ramp and hold is no reason."""
+    return "" if found.kind == "cyclic" else found.refusal
 
 
 def _heading(found: InspectedFile) -> str:
@@ -439,8 +457,8 @@ def _stranger(found: InspectedFile) -> str:
         return ""
     advice = WANTED_BY[found.kind][1]
     return (
-        "this page takes relaxation tests, hammer files, FRFs, sweeps, moduli and creep tests; for "
-        f"this one: {advice}"
+        "this page takes relaxation tests, hammer files, FRFs, sweeps, loops, moduli and creep "
+        f"tests; for this one: {advice}"
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+from collections.abc import Sequence
 from dataclasses import fields
 from typing import Any
 
@@ -89,6 +90,28 @@ def fit_command(
     words += [] if arms == "auto" else ["--arms", str(arms)]
     if temperature is not None:
         words += ["--temperature", typed(temperature, "temperature")]
+    return shlex.join([*words, *words_of(options)])
+
+
+def level_command(
+    files: Sequence[str],
+    *,
+    options: ReadOptions,
+    levels: Sequence[str] = (),
+    mass: float | None = None,
+    seals: float = 1.0,
+    at: Sequence[float] = (),
+    law: str = "auto",
+) -> str:
+    """Return ``dashpot level ...`` of a sweep, of loops, or of FRFs at several levels."""
+    words = ["dashpot", "level", *files]
+    for one in levels:
+        words += ["--level", one]
+    words += [] if mass is None else ["--mass", typed(mass, "mass")]
+    words += [] if seals == 1 else ["--seals", f"{seals!r}".removesuffix(".0")]
+    for force in at:
+        words += ["--at", typed(force, "force")]
+    words += [] if law == "auto" else ["--law", law]
     return shlex.join([*words, *words_of(options)])
 
 

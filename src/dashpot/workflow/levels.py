@@ -13,6 +13,7 @@ import dashpot as dp
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import ReadError
+from dashpot.base.provenance import Source
 from dashpot.base.units import Quantity
 from dashpot.fitting.level.frfs import fit_levels
 from dashpot.fitting.level.loops import sweep_of_loops
@@ -86,6 +87,14 @@ class Levels:
         return verdict(self.checks, sound=self.fit.verdict.says)
 
     @property
+    def source(self) -> tuple[Source, ...]:
+        """The files."""
+        given = self.fit.source
+        if isinstance(given, Source):
+            return (given,)
+        return given or ()
+
+    @property
     def document(self) -> dict[str, Any]:
         """``dashpot/levels@1``."""
         fit = self.fit
@@ -106,8 +115,19 @@ class Levels:
                 "unit": fit.unit,
                 "of": fit.of,
                 "linear": [
-                    {"frequency_hz": hz, "storage": one.real, "loss": one.imag}
-                    for hz, one in zip(fit.frequency.tolist(), fit.linear.tolist(), strict=True)
+                    {
+                        "frequency_hz": hz,
+                        "storage": one.real,
+                        "loss": one.imag,
+                        "storage_se": se.real,
+                        "loss_se": se.imag,
+                    }
+                    for hz, one, se in zip(
+                        fit.frequency.tolist(),
+                        fit.linear.tolist(),
+                        fit.linear_se.tolist(),
+                        strict=True,
+                    )
                 ],
                 **_numbers(fit),
                 "orders": dict(fit.orders),

@@ -35,6 +35,8 @@ class Fitted:
         One of `LAWS`, or ``"none"``.
     linear : complex array, shape (f,)
         At a vanishing amplitude, one a frequency.
+    linear_se : complex array, shape (f,)
+        Standard errors of its real and of its imaginary part.
     numbers : dict of str to float
         lost, half_way, exponent and k3, those that the law has.
     se : dict of str to float
@@ -53,6 +55,7 @@ class Fitted:
 
     law: str
     linear: ComplexArray
+    linear_se: ComplexArray
     numbers: dict[str, float]
     se: dict[str, float]
     left: ComplexArray
@@ -98,7 +101,7 @@ def fitted(sweep: AmplitudeSweep, law: str, exponent: float | None = None) -> Fi
     deviance = n * float(np.log(rss / n))
     tones = len(problem.tones)
     numbers = problem.numbers(free, coefficients)
-    se = problem.errors(free, coefficients, rss / max(n - known, 1))
+    sd, se = problem.errors(free, coefficients, rss / max(n - known, 1))
     bends = 0.0
     if problem.cubic:
         bends, other = problem.bent(free, deviance)
@@ -109,6 +112,7 @@ def fitted(sweep: AmplitudeSweep, law: str, exponent: float | None = None) -> Fi
     return Fitted(
         law,
         coefficients[:tones] + 1j * coefficients[tones : 2 * tones],
+        sd[:tones] + 1j * sd[tones : 2 * tones],
         numbers,
         se,
         left,
@@ -252,8 +256,10 @@ class _Problem:
             found["k3"] = coefficients[-1] / self.sweep.amplitude.max() ** 2
         return {name: float(one) for name, one in found.items()}
 
-    def errors(self, p: FloatArray, coefficients: FloatArray, scatter: float) -> dict[str, float]:
-        """Standard errors of those, from all parameters' covariance."""
+    def errors(
+        self, p: FloatArray, coefficients: FloatArray, scatter: float
+    ) -> tuple[FloatArray, dict[str, float]]:
+        """Standard errors of the coefficients and of those numbers, from one covariance."""
         steps = 1e-5 * np.maximum(np.abs(p), 1e-3)
         J = [self.columns(p)]
         for i in self.free:
@@ -272,7 +278,7 @@ class _Problem:
             found = {"lost": lost, "half_way": np.exp(p[0]) * free[0], "exponent": free[1]}
         if self.cubic:
             found["k3"] = linear[-1] / self.sweep.amplitude.max() ** 2
-        return {name: float(one) for name, one in found.items()}
+        return linear, {name: float(one) for name, one in found.items()}
 
     def rises(self, left: ComplexArray) -> bool:
         """Whether the storage rises at the end, where a spring stands beside Kraus's law.

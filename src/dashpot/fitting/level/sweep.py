@@ -93,6 +93,7 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
         best.law,
         np.unique(sweep.frequency),
         best.linear,
+        best.linear_se,
         best.numbers.get("lost", 0.0),
         best.numbers.get("half_way", np.nan),
         best.numbers.get("exponent", np.nan),

@@ -2,9 +2,9 @@
 import { $, field, made, status } from "./dom.js";
 import * as files from "./files.js";
 import * as folders from "./folders.js";
-import { become, remember, state, test, undo } from "./job.js";
+import { become, levelUnit, remember, shown, state, test, undo } from "./job.js";
 import * as lot from "./lot.js";
-import { live, predict, settle, study } from "./questions.js";
+import { bench, live, predict, settle, study } from "./questions.js";
 import { choices, describe, fields, fileList, solid, views } from "./shown.js";
 import { call } from "./wire.js";
 
@@ -239,6 +239,17 @@ const typed = {
   compression: (text) => {
     state.job.compression = text && `${text}mm`;
   },
+  level: (text) => {
+    const one = shown();
+    if (one) one.level = text && text + levelUnit(one);
+    fileList();
+  },
+  "amplitude-law": (law) => {
+    state.levels = { ...state.levels, law };
+  },
+  "level-at": (text) => {
+    state.levels = { ...state.levels, at: text };
+  },
 };
 
 let pause = 0;
@@ -306,7 +317,7 @@ addEventListener("drop", (event) => {
 let [wide, tall] = [innerWidth, innerHeight];
 addEventListener("resize", () => {
   const changed = Math.max(Math.abs(innerWidth - wide), Math.abs(innerHeight - tall));
-  if (changed < NOTICED || !test()) return;
+  if (changed < NOTICED || !(test() || bench())) return;
   [wide, tall] = [innerWidth, innerHeight];
   settle();
 });

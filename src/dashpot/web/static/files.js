@@ -180,10 +180,10 @@ function make(
   }, () => atWork(-1));
 }
 
-/** The fit of the sweep, the modulus or the creep test that is shown. */
+/** The fit of what the page fits by itself. */
 export function takeBench() {
   const of = bench();
-  if (of) make("take-bench", of, "fit", save);
+  if (of) make(`take-${of.verb}`, of.request, "fit", save);
 }
 
 export function away(/** @type {Record<string, any>} */ what) {

@@ -16,6 +16,7 @@ import { call } from "./wire.js";
  * @property {boolean} [long]
  * @property {boolean} [together]
  * @property {string} [temperature]
+ * @property {string} [level] Amplitude of the force, or of the base's acceleration, of an FRF
  */
 /**
  * @typedef {object} Choices
@@ -30,11 +31,14 @@ import { call } from "./wire.js";
  * @property {Record<string, string>} specimen
  * @property {{accept: string[], reject: string[]}} hammer
  */
-/** @typedef {{files: OpenFile[], current: string, joint: boolean, base: boolean, lot: string, mass: number, job: Choices}} State */
+/** @typedef {{at: string, law: string}} OfLevels Forces at which a resonance is asked for, and the law */
+/** @typedef {{files: OpenFile[], current: string, joint: boolean, base: boolean, lot: string, mass: number, levels: OfLevels, job: Choices}} State */
 
 /** What is shown where no file is. */
 export const LOT = "lot";
 const BENCH = ["dma", "master-curve", "modulus", "creep"];
+const LEVELS = ["strain-sweep", "cyclic"];
+const RESPONSES = ["frf", "transmissibility"];
 const HAMMERS = ["impact", "frf"];
 const STEPS_BACK = 100;
 const KEY = 18;
@@ -47,6 +51,7 @@ const fresh = () => ({
   base: false,
   lot: "",
   mass: 0,
+  levels: { at: "", law: "auto" },
   job: {
     mass: "",
     seals: 1,
@@ -69,10 +74,20 @@ export function become(/** @type {Partial<State>} */ kept) {
 
 export const isTest = (/** @type {OpenFile} */ one) =>
   one.kind === "relaxation" && one.mark === "good";
-export const isHammer = (/** @type {OpenFile} */ one) =>
-  HAMMERS.includes(one.kind || "") && one.mark === "good";
-export const isBench = (/** @type {OpenFile} */ one) =>
-  BENCH.includes(one.kind || "") && one.mark === "good";
+/** @returns {(one: OpenFile) => boolean} */
+const isGood = (/** @type {string[]} */ kinds) => (one) =>
+  kinds.includes(one.kind || "") && one.mark === "good";
+/** An FRF of a level goes with those of other levels, and with no relaxation test. */
+export const isHammer = (/** @type {OpenFile} */ one) => isGood(HAMMERS)(one) && !one.level;
+export const isResponse = isGood(RESPONSES);
+/** A file, or one of several, in which amplitude was varied. */
+export const isLevel = (/** @type {OpenFile} */ one) =>
+  isGood(LEVELS)(one) || (isResponse(one) && !!one.level);
+/** What the page fits by itself. */
+export const isBench = (/** @type {OpenFile} */ one) => isGood(BENCH)(one) || isLevel(one);
+/** The unit in which the level of an FRF is said. */
+export const levelUnit = (/** @type {OpenFile | undefined} */ one) =>
+  one?.kind === "transmissibility" ? "m/s^2" : "N";
 export const shown = () => state.files.find((one) => one.id === state.current);
 
 /** The test that is fitted. */
@@ -129,13 +144,14 @@ const past = [];
 
 /** What of the state the user chose; what a file was found to be is none of it. */
 const key = () => {
-  const { job, joint, base, mass, files } = state;
+  const { job, joint, base, mass, levels, files } = state;
   return JSON.stringify([
     job,
     joint,
     base,
     mass,
-    files.map((one) => [one.id, one.options, one.together, one.temperature]),
+    levels,
+    files.map((one) => [one.id, one.options, one.together, one.temperature, one.level]),
   ]);
 };
 

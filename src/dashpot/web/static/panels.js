@@ -55,6 +55,7 @@ export function panel(/** @type {string} */ name, /** @type {string} */ html) {
 export function strips(
   /** @type {HTMLElement} */ home,
   /** @type {[string, string][]} */ drawn,
+  /** @type {string} */ verb,
 ) {
   home.replaceChildren(...drawn.map(([title, html]) => {
     const body = made("div", { class: "body" }), out = made("p", { class: "read" });
@@ -64,7 +65,8 @@ export function strips(
     const card = { class: drawn.length > 1 ? "card" : "card only" };
     return made("figure", card, made("figcaption", {}, title), body, out);
   }));
-  const button = made("button", { "data-act": "take-bench" }, "Save the solid (fit.json)");
+  const what = verb === "level" ? "Save the numbers (levels.json)" : "Save the solid (fit.json)";
+  const button = made("button", { "data-act": "take-bench" }, what);
   home.append(made("p", { class: "buttons" }, button));
 }
 

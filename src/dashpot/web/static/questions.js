@@ -1,6 +1,18 @@
 // Questions to the server, and where their answers stand. The page computes no number.
 import { $, all, atWork, panelCard, put, refuse, status } from "./dom.js";
-import { hammers, isBench, job, LOT, remember, shown, sizes, state, test } from "./job.js";
+import {
+  hammers,
+  isBench,
+  isLevel,
+  isResponse,
+  job,
+  LOT,
+  remember,
+  shown,
+  sizes,
+  state,
+  test,
+} from "./job.js";
 import { curves, panel, placeHandles, strips } from "./panels.js";
 import { choices, fields, fileList, solid, stale, tables, verdict, views } from "./shown.js";
 import { ask, call, cancelled, forget } from "./wire.js";
@@ -62,7 +74,10 @@ function nothing() {
   tables.fit = tables.joint = "";
   solid();
   chosenArms("");
-  for (const name of ["checks", "beside", "answers", "command"]) $(name).replaceChildren();
+  for (const name of ["verdict", "checks", "beside", "answers", "command", "bench-page"]) {
+    $(name).replaceChildren();
+  }
+  $("verdict").className = "verdict";
   for (const name of ["hint", "simulated"]) $(name).hidden = true;
   for (const end of all("[data-cut]")) put(end.id, "");
 }
@@ -96,6 +111,7 @@ function slowly(
   /** @type {string} */ verb,
   /** @type {any} */ request,
   /** @type {(head: any) => unknown} */ done,
+  without = () => stale(false),
 ) {
   const since = performance.now();
   atWork(1);
@@ -117,7 +133,7 @@ function slowly(
     if (done(head) !== false) status(`done in ${seconds(since)}`);
   }, (said) => {
     end();
-    stale(false);
+    without();
     if (said !== cancelled) refuse(said);
     status(said === cancelled ? "cancelled" : "stopped");
   }, end);
@@ -134,17 +150,30 @@ export function study(again = false) {
   });
 }
 
-/** What is asked of the file that is shown, if the page fits it by itself. */
+/** What is asked of the file that is shown, if the page fits it by itself, and by which verb. */
 export function bench() {
   const one = shown();
   if (!one || !isBench(one)) return null;
-  const { id: file, options, temperature } = one, width = $("main").clientWidth - 16;
-  return { file, options, temperature, arms: state.job.arms, sizes: { bench: [width, 0] } };
+  const { id: file, options, temperature } = one, { arms, mass, seals } = state.job;
+  const sizes = { bench: [$("main").clientWidth - 16, 0] };
+  if (!isLevel(one)) return { verb: "bench", request: { file, options, temperature, arms, sizes } };
+  const { at, law } = state.levels;
+  if (!isResponse(one)) return { verb: "level", request: { files: [file], options, law, sizes } };
+  const all = state.files.filter((each) => isResponse(each) && each.level);
+  const files = all.map((each) => each.id), levels = all.map((each) => each.level);
+  const wanted = at.split(/[\s;]+/).filter(Boolean).map((force) => `${force.replace(",", ".")}N`);
+  const request = { files, levels, options: all[0].options, mass, seals, at: wanted, sizes };
+  return { verb: "level", request };
 }
 
-function fitBench(/** @type {any} */ asked) {
+let benched = "";
+
+function fitBench(/** @type {{verb: string, request: any}} */ { verb, request }) {
   stale(true);
-  slowly("bench", asked, (head) => {
+  // what stands there may be another file's
+  if (benched !== state.current) nothing();
+  benched = state.current;
+  slowly(verb, request, (head) => {
     refuse("");
     verdict(head);
     stale(false);
@@ -158,9 +187,9 @@ function fitBench(/** @type {any} */ asked) {
     $("hint").hidden = true;
     $("command").textContent = head.command;
     $("simulated").hidden = !head.simulated;
-    strips($("bench-page"), head.figures);
+    strips($("bench-page"), head.figures, verb);
     return true;
-  });
+  }, nothing);
 }
 
 function told(/** @type {any} */ head) {

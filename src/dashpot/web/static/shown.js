@@ -1,7 +1,21 @@
 // What stands on the page beside the drawings: verdict, solid, choices, files, fields.
 import { $, all, field, made, panelCard, put } from "./dom.js";
-import { hammers, isBench, isTest, LOT, shown, state, test, together } from "./job.js";
+import {
+  hammers,
+  isBench,
+  isLevel,
+  isResponse,
+  isTest,
+  levelUnit,
+  LOT,
+  shown,
+  state,
+  test,
+  together,
+} from "./job.js";
 import { handles } from "./panels.js";
+
+/** @typedef {import("./job.js").OpenFile} OpenFile */
 
 const SPECIMEN = { name: "", lot: "", length: "mm" };
 const SVG = "http://www.w3.org/2000/svg";
@@ -59,7 +73,9 @@ function mark(/** @type {string} */ name) {
 export function fileList() {
   const of = test();
   $("files").replaceChildren(...state.files.map((one) => {
-    const words = made("span", {}, made("b", {}, one.name), made("i", {}, one.line || "reading"));
+    const level = isLevel(one) && one.level ? `, at ${levelWords(one)}` : "";
+    const says = `${one.line || "reading"}${level}`;
+    const words = made("span", {}, made("b", {}, one.name), made("i", {}, says));
     const item = made(
       "li",
       {},
@@ -92,6 +108,12 @@ export function fileList() {
   for (const button of all('[data-needs="test"]')) button.toggleAttribute("disabled", !of);
 }
 
+const unitWords = (/** @type {OpenFile | undefined} */ one) =>
+  levelUnit(one).replace("^2", "\u00b2");
+const levelNumber = (/** @type {OpenFile | undefined} */ one) =>
+  (one?.level || "").slice(0, -levelUnit(one).length);
+const levelWords = (/** @type {OpenFile} */ one) => `${levelNumber(one)} ${unitWords(one)}`;
+
 /** Which page is shown: a question, the hits, the panels, or what is missing. */
 export function views() {
   const one = shown(), asks = one?.asked || "";
@@ -99,14 +121,19 @@ export function views() {
   const fitted = !!one && isBench(one), lot = state.current === LOT;
   document.body.classList.toggle("in-lot", lot);
   $("lot-page").hidden = !lot;
-  document.body.classList.toggle("bench", fitted);
+  const response = !!one && isResponse(one), level = !!one && isLevel(one);
+  const classes = { bench: fitted, level, swept: level && !response, response };
+  for (const [name, yes] of Object.entries(classes)) document.body.classList.toggle(name, yes);
   $("bench-page").hidden = !fitted;
   $("question").hidden = !asks;
   $("question").innerHTML = asks;
   $("hits-page").hidden = !hits || !!asks;
+  // a transmissibility goes with no relaxation test on this page
+  const alone = one?.kind === "transmissibility" && response && !level;
   $("missing").hidden = lot || !!asks || fitted || !!test() || !hammers().length;
-  $("grid").hidden = lot || !!asks || hits || fitted || !test();
-  $("verdict").hidden = lot || !!asks || !(test() || fitted);
+  $("no-level").hidden = lot || !response || fitted || !(alone || !test());
+  $("grid").hidden = lot || !!asks || hits || fitted || alone || !test();
+  $("verdict").hidden = lot || !!asks || alone || !(test() || fitted);
 }
 
 /** The numbers of the choices in their fields. */
@@ -117,6 +144,10 @@ export function fields() {
   put("compression", job.compression.replace(/mm$/, ""));
   field("mass-slider").disabled = !job.mass;
   put("mass-slider", String(mass && grams ? Math.log10(grams / mass) : 0));
+  put("level", levelNumber(shown()));
+  $("level-unit").textContent = unitWords(shown());
+  put("level-at", state.levels.at);
+  put("amplitude-law", state.levels.law);
   put("specimen-temperature", (described()?.temperature || "").replace("degC", ""));
   for (const [name, unit] of Object.entries(SPECIMEN)) {
     const said = job.specimen[name] || "";
