@@ -48,6 +48,7 @@ from dashpot.records.fit import Explanation
 from dashpot.records.frf import FRF, Hit, Mode
 from dashpot.records.frf_set import ModeShape
 from dashpot.records.relaxation import RampHold
+from dashpot.records.shaken import ShakenTest
 from dashpot.records.specimen import Specimen
 from dashpot.records.temperature import Shift, TemperatureShifts
 from dashpot.solids.interconversion import CreepSpectrum
@@ -230,6 +231,15 @@ def over_base(part: float) -> FRF:
     f = np.linspace(2.0, 24.0, 45)
     stretch = (f / 12) ** 2 * np.where(f <= 7.2, part, 1.0)
     return FRF(f, 1 / (1 - stretch + 0.1j), "transmissibility")
+
+
+def held_at(runs: int) -> ShakenTest:
+    """A mass that so often stays for three samples at the end of its range."""
+    base = np.sin(np.arange(400.0))
+    mass = base.copy()
+    for run in range(runs):
+        mass[20 * run + 5 : 20 * run + 8] = 2.0 * (-1) ** run
+    return ShakenTest(256.0, base, mass)
 
 
 def spectra(*, level: float = 0.0, odd: float = 0.0) -> Spectra:
@@ -892,6 +902,7 @@ IMPACT = [
     ),
     Case("mass_over_base", lambda x: impact.mass_over_base(over_base(x)), 2.99, 3.01),
     Case("mass_over_base", lambda x: impact.mass_over_base(over_base(x)), 0.34, 0.33),
+    Case("channels_not_clipped", lambda x: impact.channels_not_clipped(held_at(int(x))), 1, 2),
     Case(
         "segments_resolve",
         lambda x: impact.segments_resolve(measured(), replace(MODE, damping_ratio=x / 200)),
@@ -1266,7 +1277,8 @@ LIMITS = {
     },
     "vibration/impact": {
         "hits_enough": 3, "coherence": 0.9, "lines_in_half_power_band": 1.5, "hammer_excites": -10,
-        "frf_dissipates": -0.3, "mass_over_base": 3, "segments_resolve": 6, "modes_within_band": 0,
+        "frf_dissipates": -0.3, "mass_over_base": 3, "segments_resolve": 6,
+        "channels_not_clipped": 1, "modes_within_band": 0,
         "hits_agree": 0.1, "amplitude_linear": 1, "rocking_cancelled": 0.05, "hits_centred": 0.25,
         "mass_line": 0.05,
     },
@@ -1317,7 +1329,9 @@ GRADES = {
         },
         "fitting/identification": {"tests_agree"},
         "vibration/comparison": {"no_unit_slip"},
-        "vibration/impact": {"resonance", "frf_dissipates", "mass_over_base"},
+        "vibration/impact": {
+            "resonance", "frf_dissipates", "mass_over_base", "channels_not_clipped",
+        },
         "workflow": {
             "history_present", "history_whole", "history_expected", "history_unchanged",
             "file_present", "file_unchanged", "inputs_listed", "result_recomputed",

@@ -1,6 +1,7 @@
 """Two accelerometers on a shaker, as recorded, to a transmissibility."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from dashpot.io.options import ReadOptions
 from dashpot.io.readers.shaken import read_shaken
 from dashpot.records.shaken import ShakenTest
 from dashpot.solids.table_1 import BROAD, BROAD_MASS
+from dashpot.vibration.impact.checks import channels_not_clipped
 from dashpot.vibration.impact.shaken import estimate_transmissibility
 
 pytestmark = pytest.mark.once
@@ -144,6 +146,17 @@ def test_the_two_channels_taken_for_each_other_are_told_first(path):
     told = ran("impact", path, "--base-acceleration", "block", *mass).output
     assert told.startswith("do not use: below 12.")
     assert "the base over the mass" in " ".join(told.split())
+
+
+def test_a_clipped_channel_is_told_and_a_sine_is_not():
+    """Clipped at 2.5 standard deviations the loss is 15 % off, at coherence 0.98."""
+    sound = shaken()
+    assert not channels_not_clipped(sound).failed
+    cut = 2.5 * sound.mass.std()
+    clipped = replace(sound, mass=np.clip(sound.mass, -cut, cut))
+    assert channels_not_clipped(clipped).failed
+    turn = 2 * np.pi * (np.arange(5120) + 0.5) / 64
+    assert not channels_not_clipped(ShakenTest(RATE, np.sin(turn), np.cos(turn))).failed
 
 
 @pytest.mark.parametrize(

@@ -491,3 +491,49 @@ class TestRandomBase:
         for word in ("0.01", "0.01g", "0.01g^2", "no-such-file.csv", "1 m/Hz"):
             with pytest.raises(DashpotError):
                 read_psd(word)
+
+
+class TestErrorsOfTheRatio:
+    """What an error of T does to the stiffness: |dK/K| = |e| / |T - 1|."""
+
+    KNOWN = over_base("paper", np.array([5.0, 12.71, 50.0]))
+    PHASE = np.pi / 180
+
+    def off(self, turned, known=KNOWN):
+        """Relative error of the stiffness, of values off by a factor each."""
+        wrong = replace(known, value=known.value * turned).to("receptance", mass=PAPER_MASS)
+        K = 1 / wrong.value + PAPER_MASS * wrong.omega**2
+        return np.abs(K / (2 * PAPER.complex_stiffness(wrong.omega)) - 1)
+
+    def test_of_an_absolute_and_of_a_relative_sensor(self):
+        e, T = 1e-4, self.KNOWN.value
+        assert self.off(np.exp(1j * e)) == pytest.approx(e / np.abs(T - 1), rel=1e-3)
+        assert self.off(1 + e) == pytest.approx(e / np.abs(T - 1), rel=1e-3)
+        # one degree, by size: 9.5 % and 1.6 %; of the motion relative to the base 1.5 % and 25 %
+        assert self.PHASE / np.abs(T - 1)[[0, 2]] == pytest.approx([0.095, 0.0163], rel=0.01)
+        assert self.PHASE / np.abs(T)[[0, 2]] == pytest.approx([0.0148, 0.253], rel=0.01)
+        relative = replace(self.KNOWN, value=1 + (T - 1) * np.exp(1j * e))
+        assert self.off(1.0, relative) == pytest.approx(e / np.abs(T), rel=1e-3)
+
+    def test_by_chance(self):
+        f = np.full(4000, 9.0) + np.arange(4000) * 1e-9
+        known = over_base("paper", f)
+        z = np.random.default_rng(2).normal(size=(2, len(f)))
+        found = self.off(1 + 0.01 * (z[0] + 1j * z[1]), known)
+        due = 0.01 * np.sqrt(2) / np.abs(known.value - 1).mean()
+        assert np.sqrt(np.mean(found**2)) == pytest.approx(due, rel=0.03)
+
+    def test_the_band_in_which_a_degree_leaves_the_loss(self):
+        """.01 of the loss factor wants |T - 1| >= 1.75: 0.80 to 1.53 of the resonance."""
+        r = np.linspace(0.3, 3.0, 27000)
+        size = np.abs(1 / (1 - r**2) - 1)
+        inside = r[size >= self.PHASE / 0.01]
+        assert (inside[0], inside[-1]) == pytest.approx((0.80, 1.53), abs=0.006)
+        assert r[size >= 1][0] == pytest.approx(0.71, abs=0.003)
+        gain = self.off(1.01, over_base("paper", 12.71 * np.array([0.72, 1.5])))
+        assert (gain < 0.0101).all()
+
+    def test_a_mass_off_is_as_much_stiffness(self):
+        K = self.KNOWN.to("dynamic_stiffness", mass=1.01 * PAPER_MASS)
+        K = K.value + 1.01 * PAPER_MASS * K.omega**2
+        assert pytest.approx(1.01 * 2 * PAPER.complex_stiffness(self.KNOWN.omega), rel=1e-9) == K

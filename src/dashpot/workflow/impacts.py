@@ -27,6 +27,7 @@ from dashpot.records.machine import Machine
 from dashpot.records.specimen import Specimen
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.impact.checks import (
+    channels_not_clipped,
     coherence,
     frf_dissipates,
     mass_over_base,
@@ -190,8 +191,9 @@ def shaken(
     _no_hammer(choices)
     test = read_shaken(paths, options)
     frf = estimate_transmissibility(test, estimator=choices.estimator, segment=choices.record)
+    whole = channels_not_clipped(test)
     if mass is None:
-        return replace(frf, checks=(mass_over_base(frf),)), (), _NO_MASS
+        return replace(frf, checks=(mass_over_base(frf), whole)), (), _NO_MASS
     modes: tuple[Mode, ...] = ()
     reason = ""
     try:
@@ -200,7 +202,7 @@ def shaken(
         reason = str(error)
     resolved = segments_resolve(frf, next(iter(modes), None))
     frf = judged(frf, band, mass=mass)
-    return replace(frf, checks=(*frf.checks, resolved)), modes, reason
+    return replace(frf, checks=(*frf.checks, whole, resolved)), modes, reason
 
 
 def _no_hammer(choices: HammerChoices) -> None:

@@ -11,6 +11,7 @@ from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.base.checks import Check, Finding, criterion
 from dashpot.base.student_t import t_quantile
 from dashpot.records.frf import FRF, Mode
+from dashpot.records.shaken import ShakenTest
 from dashpot.vibration.checks import GRAVITY
 from dashpot.vibration.impact.estimators import Estimator, Spectra, estimate, leave_one_out
 from dashpot.vibration.impact.quality import Verdict
@@ -280,6 +281,31 @@ def lines_in_half_power_band(frf: FRF, main: Mode) -> Finding:
         width / spacing,
         f": the peak falls between the lines; record {need:.3g} s",
     )
+
+
+@criterion(
+    "runs of 3 samples at an end of the range", "<=", 1.0, "by definition; chance", grade="stop"
+)
+def channels_not_clipped(test: ShakenTest) -> Finding:
+    """No channel of a shaken base stays at the end of its range."""
+    runs = {name: _stays(signal) for name, signal in (("base", test.base), ("mass", test.mass))}
+    worst = max(runs, key=lambda name: runs[name])
+    return Finding(
+        "neither channel stays at the end of its range",
+        runs[worst],
+        instead=f"the acceleration of the {worst} stays at the end of its range {runs[worst]} "
+        "times: the channel is overloaded, and damping from it is wrong; take a larger range, or "
+        "shake less",
+    )
+
+
+def _stays(signal: FloatArray) -> int:
+    """How often three samples in a row are the highest of all, or the lowest."""
+    found = 0
+    for end in (signal.max(), signal.min()):
+        held = np.convolve(signal == end, np.ones(3), "valid") == 3
+        found += int(np.count_nonzero(held & ~np.append(False, held[:-1])))
+    return found
 
 
 @criterion(
