@@ -1047,6 +1047,10 @@ RELAXED = [
         1.01,
     ),
     Case("relaxed_agrees", lambda x: relaxed.relaxed_agrees(x, 8e-3, 200.0), 0.0499, 0.0501),
+    Case("speeds_spread", relaxed.speeds_spread, 10.01, 9.99),
+    Case("speeds_followed", lambda x: relaxed.speeds_followed(x * 5e-3, 5e-3, 2.0), 1.99, 2.01),
+    Case("slowest_relaxed", lambda x: relaxed.slowest_relaxed(x * 80.0, 80.0), 0.999, 1.001),
+    Case("memory_told", relaxed.memory_told, 0.499, 0.501),
     Case("relaxed_agrees", lambda x: relaxed.relaxed_agrees(-x, 8e-3, 200.0), 0.0499, 0.0501),
 ]
 
@@ -1262,6 +1266,7 @@ LIMITS = {
     },
     "fitting/cld": {
         "memory_explains": 0.03, "stroke_within_memory": 1, "relaxed_agrees": 0.05,
+        "speeds_spread": 10, "speeds_followed": 2, "slowest_relaxed": 1, "memory_told": 0.5,
     },
     "lots": {"files_fitted": 0, "fits_usable": 0, "hammers_compared": 0,
              "tests_alike": 0, "records_distinct": 0, "seals_within_limits": 0,

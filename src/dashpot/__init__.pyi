@@ -12,6 +12,7 @@ from .base.provenance import Source as Source
 from .base.version import __version__ as __version__
 from .engine.sums import fit_exponential_sum as fit_exponential_sum
 from .fitting.cld.relaxed import relaxed_law as relaxed_law
+from .fitting.cld.speeds import fit_speeds as fit_speeds
 from .fitting.compliance import measured_compliance as measured_compliance
 from .fitting.creep import fit_creep as fit_creep
 from .fitting.depth import fit_depths as fit_depths

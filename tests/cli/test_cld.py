@@ -80,7 +80,7 @@ def test_without_a_length_forces_are_of_the_piece_and_it_is_said(folder):
 
 
 def test_pieces_pressed_otherwise_are_told_apart(folder):
-    found = told(folder, "p1.csv", "slow.csv", *WORDS)
+    found = told(folder, "p1.csv", "slow.csv", *WORDS, "--limits", "4:6.5N")
     assert "speed" in next(c["says"] for c in found["checks"] if c["name"] == "pieces_tested_alike")
 
 
@@ -138,3 +138,15 @@ def test_with_a_fit_the_law_is_told_and_written(folder, tmp_path):
     assert list(written.elastic_law.knots) == found["relaxed"]["elastic_law"]["knots"]
     assert "tangent, N/mm" in ran(folder, *words).stdout
     assert "--with" in ran(folder, "p1.csv", "-o", str(tmp_path / "no.json"), code=2).stderr
+
+
+def test_records_at_several_speeds_are_one_seal(folder, tmp_path):
+    law = tmp_path / "law.json"
+    words = ("p1.csv", "slow.csv", "--at", "6mm")
+    found = told(folder, *words, "-o", str(law))
+    assert found["fit"] == json.loads(law.read_text())
+    assert found["scatter"] == []
+    assert found["fit"]["method"] == "cld"
+    names = {check["name"] for check in found["checks"]}
+    assert {"speeds_spread", "slowest_relaxed"} <= names
+    assert "elastic law" in ran(folder, *words).stdout

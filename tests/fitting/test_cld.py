@@ -99,3 +99,55 @@ def test_what_has_no_clock_no_rest_or_no_depth_is_refused():
         fit_of(stiffening, depth=9e-3).with_elastic_law(law)
     with pytest.raises(DataError, match="no pressed part"):
         replace(fit, elastic_law=None).with_elastic_law(law)
+
+
+def at_speeds(speeds, law=bulb, **how):
+    """Records of one seal, their sampling and rests as long as their strokes ask."""
+    return [
+        found(pressed(law, speed=v, rate=max(1e4 * v, 2.0), rest=5.0, cycles=2, seed=i, **how))
+        for i, v in enumerate(speeds)
+    ]
+
+
+@pytest.mark.once
+def test_several_speeds_tell_law_and_memory():
+    """Softening of the first cycle and the free recovery in air are not taken for memory."""
+    fit = dp.fit_speeds(at_speeds((0.2e-3, 2e-3, 20e-3), softening=0.1))
+    assert fit.model.arms == 2
+    for j, (g, tau) in enumerate(ARMS):
+        assert fit.model.k[j] / fit.model.k_inf == pytest.approx(g, rel=0.05)
+        error = fit.standard_error["tau"][j]
+        assert fit.model.tau[j] == pytest.approx(tau, abs=3.5 * error)
+        assert error < 0.1 * tau
+    softer = 1 - 0.1 * (1 - np.exp(-1 / 1.5))
+    assert fit.elastic_law.force(AT[1:]) == pytest.approx(softer * bulb(AT[1:]), rel=0.01)
+    assert fit.ok
+    assert dp.from_json(dp.to_json(fit)).solid == fit.solid
+
+
+def test_one_arm_at_two_speeds_and_what_they_do_not_tell():
+    (fit, near) = (
+        dp.fit_speeds(at_speeds(speeds, softening=0.0, arms=((0.3, 2.0),)), arms=1)
+        for speeds in ((0.5e-3, 8e-3), (2e-3, 4e-3))
+    )
+    assert fit.model.k[0] / fit.model.k_inf == pytest.approx(0.3, rel=0.03)
+    assert fit.model.tau[0] == pytest.approx(2.0, rel=0.05)
+    assert {check.name for check in fit.checks if check.failed} == set()
+    assert "speeds_spread" in {check.name for check in near.checks if check.failed}
+
+
+def test_pieces_that_differ_are_no_memory():
+    slow, fast = at_speeds((0.5e-3, 8e-3), softening=0.0, arms=((0.3, 2.0),))
+    other = replace(fast, force=1.03 * fast.force)
+    fit = dp.fit_speeds([slow, other], arms=1)
+    assert "speeds_followed" in {check.name for check in fit.checks if check.failed}
+
+
+def test_one_speed_is_refused():
+    truth = pressed()
+    one = found(truth)
+    with pytest.raises(FitError, match="one speed alone"):
+        dp.fit_speeds([one, one])
+    bare = dp.cld(dp.CompressionTest(truth.displacement, truth.force))
+    with pytest.raises(FitError, match="no clock"):
+        dp.fit_speeds([one, bare])

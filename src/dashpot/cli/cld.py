@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 import click
@@ -10,6 +11,7 @@ import dashpot as dp
 from dashpot import workflow
 from dashpot.base.errors import ReadError
 from dashpot.cli import _options as options
+from dashpot.cli import _text
 from dashpot.cli._options import Quantity, Range
 from dashpot.cli._shell import File, Outcome, printed, read_fit, reports, write, write_figure
 from dashpot.cli._terminal import Text
@@ -32,9 +34,9 @@ from dashpot.cli._text import rounded, table, with_error
     "memory",
     type=File(),
     metavar="FIT",
-    help="Fit of a relaxation test: its memory is taken off, which leaves the elastic law.",
+    help="Of a relaxation test: its memory is taken off, which leaves the elastic law.",
 )
-@options.output("Write that fit with this elastic law as JSON.", ".json")
+@options.output("Write that fit with the elastic law, or that of several speeds, as JSON.", ".json")
 @options.picture
 @options.overwrite
 @reports
@@ -51,25 +53,28 @@ def command(
     """Find force, slope, hysteresis, energy and set of a seal that is pressed and released.
 
     A FILE holds displacement and force of one piece, in one cycle or several, with a clock or
-    without. Several are pieces that scatter.
+    without. Several are pieces that scatter; at several speeds they are one seal, whose elastic law
+    and memory are fitted.
 
     \b
     dashpot cld piece.csv --length 100mm --at 6mm --between 4:8mm
     dashpot cld piece1.csv piece2.csv piece3.csv --length 100mm --at 6mm --limits 4.5:5.5N
+    dashpot cld slow.csv fast.csv --at 6mm -o law.json
     dashpot cld piece.csv --at 6mm --with fit.json -o fit_with_law.json
     """
-    if output and memory is None:
-        raise ReadError(
-            "-o writes the fit of a relaxation test with the elastic law of the load deflection: "
-            "name that fit by --with"
-        )
     known = None if memory is None else read_fit(memory)
     found = workflow.cld_files(files, memory=known, **choices)
+    if output and found.fit is None:
+        raise ReadError(
+            "-o writes a fit: that of a relaxation test (--with), with the elastic law of the load "
+            "deflection, or that of records at several speeds; here is neither"
+        )
     if output:
         write(output, printed(found.fit) + "\n")
     if picture:
         write_figure(picture, dp.plot.cld(found.pieces))
-    return Outcome(found.document, _said(found), found.checks, verdict=found.verdict)
+    more = {} if found.fit is None else {"fit": json.loads(printed(found.fit))}
+    return Outcome(found.document, _said(found), found.checks, more, verdict=found.verdict)
 
 
 def _said(found: workflow.Pieces) -> Text:
@@ -104,6 +109,10 @@ def _said(found: workflow.Pieces) -> Text:
             f"  Cpk {found.capability.cpk:.2f} ({low:.2f} to {high:.2f}), "
             f"{found.capability.outside} of {found.capability.count} outside"
         )
+    if found.fit is not None and found.relaxed is None:
+        fitted = _text.fit(found.fit)
+        lines = [*_overview(found), *fitted.lines]
+        details += fitted.details
     if found.relaxed is not None:
         lines += _relaxed(found.relaxed, found.pieces[0])
     return Text(lines, details)
@@ -134,12 +143,13 @@ _SHOWN = {"N/m": ("N/mm", 1e-3), "J": ("mJ", 1e3), "m": ("mm", 1e3), "": ("%", 1
 
 
 def _overview(found: workflow.Pieces) -> list[str]:
-    rows = [["", f"{found.unit} at nominal", "hysteresis, %", "set, mm"]]
+    rows = [["", "mm/s", f"{found.unit} at nominal", "hysteresis, %", "set, mm"]]
     for one in found.pieces:
         lost = one.cycle.hysteresis
         rows.append(
             [
                 "" if one.source is None else one.source.file,
+                "" if one.cycle.speed is None else rounded(1e3 * one.cycle.speed),
                 with_error(one.per * one.nominal.loading, one.per * one.nominal.loading_se),
                 "" if lost is None else rounded(100 * lost, digits=3),
                 "" if one.set is None else rounded(1e3 * one.set, digits=3),

@@ -233,7 +233,8 @@ class Provenance:
     Attributes
     ----------
     method : str
-        ``"full"``, ``"hold"``, ``"frf"``, ``"joint"``, ``"dynamic"``, ``"modulus"`` or ``"creep"``.
+        ``"full"``, ``"hold"``, ``"frf"``, ``"joint"``, ``"dynamic"``, ``"modulus"``,
+        ``"creep"`` or ``"cld"``.
     source : tuple of Source
     steps : tuple of Step
         Everything done since the raw file, with its parameters.

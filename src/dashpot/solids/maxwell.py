@@ -4,12 +4,17 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import ComplexArray, FloatArray, increasing, same_length, samples
 from dashpot.base.errors import DataError
+
+if TYPE_CHECKING:
+    from dashpot.solids.interconversion import CreepSpectrum
 
 
 class Solid(ABC):
@@ -255,9 +260,7 @@ class GeneralizedMaxwell(Solid):
         where poles and residues of :math:`1 / (s K(s))` give :math:`\lambda_i, D_i` exactly
         (:func:`dashpot.solids.interconversion.creep_spectrum`).
         """
-        from dashpot.solids.interconversion import creep_spectrum  # no fit needs it
-
-        return creep_spectrum(self.k_inf, self.k, self.tau, self.b).compliance(t)
+        return self._creep_spectrum.compliance(t)
 
     def ramp_hold_force(self, t: npt.ArrayLike, *, depth: float, ramp_time: float) -> FloatArray:
         r"""Force, N, under a ramp of `ramp_time` s to `depth` m that is then held (paper eqs. 1-5).
@@ -327,16 +330,20 @@ class GeneralizedMaxwell(Solid):
         force : array_like, shape (n,)
             Force, N; a first sample that is not zero is a step at that instant.
         """
-        from dashpot.solids.interconversion import creep_spectrum  # no fit needs it
-
         time, F = increasing("t", samples("t", t)), samples("force", force)
         same_length(t=time, force=F)
-        creep = creep_spectrum(self.k_inf, self.k, self.tau, self.b)
+        creep = self._creep_spectrum
         impulse = np.concatenate(([0.0], np.cumsum(0.5 * (F[1:] + F[:-1]) * np.diff(time))))
         total = creep.glass * F + creep.flow * impulse
         for d, lam in zip(creep.d, creep.lam, strict=True):
             total = total + d * (F - arm_response(time, F, lam))
         return np.asarray(total)
+
+    @cached_property
+    def _creep_spectrum(self) -> CreepSpectrum:
+        from dashpot.solids.interconversion import creep_spectrum  # few need it
+
+        return creep_spectrum(self.k_inf, self.k, self.tau, self.b)
 
     # -- frequency ----------------------------------------------------------------------------
 

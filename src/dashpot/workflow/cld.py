@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +14,10 @@ from dashpot.base.capability import Capability, capability
 from dashpot.base.checks import Check, Verdict, verdict, worst
 from dashpot.base.errors import ReadError
 from dashpot.base.units import Quantity, Range
+from dashpot.fitting.cld.speeds import SAME_SPEED
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import about
-from dashpot.records.cld import CLD, AtCompression, Cycle, RelaxedLaw
+from dashpot.records.cld import CLD, AtCompression, CompressionTest, Cycle, RelaxedLaw
 from dashpot.records.fit import Fit
 from dashpot.records.specimen import Specimen
 from dashpot.workflow.checks import pieces_capable, pieces_tested_alike
@@ -63,7 +64,7 @@ class Pieces:
     relaxed : RelaxedLaw or None
         The elastic law under the first piece, where a relaxation test told its memory.
     fit : Fit or None
-        That of the relaxation test with this law.
+        That of the relaxation test with this law; or, of records at several speeds, theirs.
     """
 
     pieces: tuple[CLD, ...]
@@ -115,6 +116,9 @@ def cld_files(
 ) -> Pieces:
     """Find the figures of compression load deflection of pieces, and how they scatter.
 
+    Records at speeds that differ by half or more are taken for one seal, whose elastic law and
+    memory are fitted, unless there are limits, or a memory.
+
     Parameters
     ----------
     files : sequence of path
@@ -139,14 +143,7 @@ def cld_files(
     if limits is not None and len(files) < 2:
         raise ReadError("--limits are of several pieces; name a file for each, or leave them out")
     tests = [dp.read_cld(path, options=options, specimen=specimen) for path in files]
-    seen: dict[str, str] = {}
-    for test in tests:
-        source = test.source
-        if source is not None and source.sha256 in seen:
-            raise ReadError(
-                f"{source.file} is the same record as {seen[source.sha256]}; each piece once"
-            )
-        seen |= {} if source is None else {source.sha256: source.file}
+    _refuse_twice(tests)
     pieces = []
     for path, test in zip(files, tests, strict=True):
         with about(Path(path).name):
@@ -154,18 +151,37 @@ def cld_files(
     if at is None and len(pieces) > 1:
         least = min(one.cycle.depth for one in pieces)
         pieces = [dp.cld(test, at=least, between=between, cycle=options.cycle) for test in tests]
+    every = [worst(each) for each in zip(*(one.checks for one in pieces), strict=True)]
+    if memory is None and limits is None and _several_speeds(pieces):
+        fit = dp.fit_speeds(pieces)
+        return Pieces(tuple(pieces), (), None, (*every, *fit.checks), fit=fit)
     forces = np.array([one.per * one.nominal.loading for one in pieces])
     within = None if limits is None else capability(forces, *limits)
-    together = [] if len(pieces) < 2 else [pieces_tested_alike(_otherwise(pieces))]
+    if len(pieces) > 1:
+        every.append(pieces_tested_alike(_otherwise(pieces)))
     if within is not None:
-        together.append(pieces_capable(within, pieces[0].unit))
-    relaxed = None if memory is None else dp.relaxed_law(pieces[0], memory)
-    fed = None
-    if memory is not None and relaxed is not None:
-        together += relaxed.checks
-        fed = memory.with_elastic_law(relaxed.law, checks=relaxed.checks)
-    every = [worst(each) for each in zip(*(one.checks for one in pieces), strict=True)]
-    return Pieces(tuple(pieces), tuple(_scatter(pieces)), within, (*every, *together), relaxed, fed)
+        every.append(pieces_capable(within, pieces[0].unit))
+    found = Pieces(tuple(pieces), tuple(_scatter(pieces)), within, tuple(every))
+    if memory is None:
+        return found
+    relaxed = dp.relaxed_law(pieces[0], memory)
+    fed = memory.with_elastic_law(relaxed.law, checks=relaxed.checks)
+    return replace(found, checks=(*every, *relaxed.checks), relaxed=relaxed, fit=fed)
+
+
+def _refuse_twice(tests: Sequence[CompressionTest]) -> None:
+    seen: dict[str, str] = {}
+    for source in (test.source for test in tests if test.source is not None):
+        if source.sha256 in seen:
+            raise ReadError(
+                f"{source.file} is the same record as {seen[source.sha256]}; each piece once"
+            )
+        seen[source.sha256] = source.file
+
+
+def _several_speeds(pieces: Sequence[CLD]) -> bool:
+    speeds = [one.cycle.speed for one in pieces if one.cycle.speed is not None]
+    return len(speeds) == len(pieces) and max(speeds) >= SAME_SPEED * min(speeds)
 
 
 def _scatter(pieces: Sequence[CLD]) -> list[Scatter]:

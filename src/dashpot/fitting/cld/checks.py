@@ -8,6 +8,7 @@ from dashpot.base.checks import Finding, criterion
 
 UNEXPLAINED = 0.03
 AGREES = 0.05
+TOLD = 0.5
 
 
 @criterion("part of the energy", "|x| <=", UNEXPLAINED, "our choice: a tenth of a usual hysteresis")
@@ -50,4 +51,50 @@ def relaxed_agrees(difference: float | None, depth: float, k_inf: float) -> Find
         difference,
         ": another piece, another conditioning, or another zero of the compression; say both "
         "lengths, and press both alike",
+    )
+
+
+@criterion("fastest / slowest", ">=", 10.0, "our choice: one arm is told over a decade of speeds")
+def speeds_spread(ratio: float) -> Finding:
+    """The speeds lie far enough apart to tell a memory."""
+    return Finding(
+        f"the speeds span a factor of {ratio:.3g}",
+        ratio,
+        ", too narrow: arms and elastic law trade; press a decade slower or faster",
+    )
+
+
+@criterion("residual / noise", "<=", 2.0, "pieces 2 % apart: 3.4; one piece: 0.9 to 1.1")
+def speeds_followed(residual: float, noise: float, peak: float) -> Finding:
+    """One law and one memory follow every speed, in and back, to the noise or 0.1 %."""
+    return Finding(
+        f"what is left is {100 * residual / peak:.2g} % of the greatest force, the noise "
+        f"{100 * noise / peak:.2g} %",
+        residual / max(noise, 1e-3 * peak),
+        ": the seal rubs, softens within the cycle, or is not one piece, and arms are as much off; "
+        "press one piece, conditioned, at every speed",
+    )
+
+
+@criterion("longest time / slowest stroke", "<=", 1.0, "what is slower is not at rest by then")
+def slowest_relaxed(longest: float | None, stroke: float) -> Finding:
+    """The slowest stroke is slow against the longest relaxation time."""
+    if longest is None:
+        return Finding("no memory was found")
+    return Finding(
+        f"the slowest stroke takes {stroke:.3g} s, the longest relaxation time is {longest:.3g} s",
+        longest / stroke,
+        ": the law at rest is extrapolated; press slower, or hold a relaxation test",
+    )
+
+
+@criterion("standard error of ln tau", "<=", TOLD, "as for the arms of a relaxation test")
+def memory_told(error: float | None) -> Finding:
+    """Every relaxation time is told."""
+    if error is None:
+        return Finding("no memory was found")
+    return Finding(
+        f"the least known relaxation time is known to a factor of {1 + error:.3g}",
+        error,
+        ": more speeds, or fewer arms",
     )
