@@ -34,7 +34,7 @@ export function live() {
 }
 
 /** A key that takes two lines is known when it stands there: its drawing is then to be lower. */
-const tooTall = () => all("[data-panel]").some((one) => one.scrollHeight > one.clientHeight + 2);
+const tooTall = () => all("[data-panel]").some((one) => one.scrollHeight > one.clientHeight + 1);
 
 /** The fit with its intervals and checks, and every panel of the test. */
 export function settle(again = false) {
