@@ -49,6 +49,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "vibration/comparison/": MEASURED,
     "vibration/impact/checks.py:modes_within_band": ("modes",),
     "vibration/impact/checks.py:segments_resolve": ("impact", *MEASURED),
+    "vibration/impact/checks.py:mass_over_base": ("impact", *MEASURED),
     "vibration/impact/shaken.py": ("impact", *MEASURED),
     "workflow/measured_modes.py": ("modes",),
     "workflow/modes_by_mass.py": ("modes",),

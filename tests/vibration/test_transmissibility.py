@@ -248,6 +248,26 @@ def test_the_first_line_of_each_command_tells_another_ratio(tmp_path):
     assert said["verdict"]["because"][0] == "mass_over_base"
 
 
+def test_a_relative_motion_is_said_to_be_one(tmp_path):
+    path, absolute = tmp_path / "relative.csv", tmp_path / "absolute.csv"
+    frf = noisy(2 * PAPER, PAPER_MASS, np.arange(5.0, 40.0, 0.1))
+    write_frf(frf, absolute)
+    write_frf(replace(frf, value=frf.value - 1), path)
+    words = ["--mass", f"{1e3 * PAPER_MASS}g", "--seals", "2", "--arms", "1", "--json"]
+
+    def direct(*more):
+        told = CliRunner().invoke(main, ["identify", *map(str, more), *words])
+        return json.loads(told.stdout)["direct"]
+
+    one, other = direct(absolute), direct(path, "--motion", "relative")
+    assert other["stiffness"] == pytest.approx(one["stiffness"], rel=1e-9)
+    assert other["loss_factor_sd"] == pytest.approx(one["loss_factor_sd"], rel=1e-9)
+    forced = tmp_path / "forced.csv"
+    write_frf(frf.to("accelerance", mass=PAPER_MASS), forced)
+    refused = CliRunner().invoke(main, ["identify", str(forced), "--motion", "relative", *words])
+    assert "leave out" in refused.output
+
+
 @pytest.mark.parametrize(
     ("header", "units"),
     [

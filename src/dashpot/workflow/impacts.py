@@ -38,7 +38,7 @@ from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.impact.shaken import estimate_transmissibility
 from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness
 from dashpot.vibration.modal.peaks import find_peak
-from dashpot.vibration.systems.mounts import entrained, on_light_mounts
+from dashpot.vibration.systems.mounts import entrained, from_relative, on_light_mounts
 from dashpot.vibration.systems.operating_point import operating_point
 from dashpot.vibration.systems.prediction import moving_mass, predict_frf
 from dashpot.workflow.job import HammerChoices, known_of_a_test
@@ -49,6 +49,9 @@ _RESPONSES = ("frf", "transmissibility")
 _NO_MASS = (
     "the file holds a transmissibility, which tells the stiffness over the mass and neither alone: "
     "give the mass (--mass)"
+)
+_NO_BASE = (
+    "--motion relative is of a mass over a base that moves, and here a force moves it: leave out"
 )
 _UNTESTED = (
     "the mass was inferred from the measured peak, so the stiffness is not tested: give --mass"
@@ -168,7 +171,7 @@ def read_measured(
             raise ReadError(_NO_MASS)
         return None, shaken(paths, choices=choices, options=options, mass=mass, band=band)[0]
     if len(paths) == 1 and inspect_file(paths[0], options=options).kind in _RESPONSES:
-        frf = read_frf(paths[0], options=options)
+        frf = _absolute(read_frf(paths[0], options=options), choices)
         if frf.kind is Kind.TRANSMISSIBILITY and mass is None:
             raise ReadError(_NO_MASS)
         return None, judged(frf, band, mass=mass)
@@ -191,6 +194,7 @@ def shaken(
     _no_hammer(choices)
     test = read_shaken(paths, options)
     frf = estimate_transmissibility(test, estimator=choices.estimator, segment=choices.record)
+    frf = _absolute(frf, choices)
     whole = channels_not_clipped(test)
     if mass is None:
         return replace(frf, checks=(mass_over_base(frf), whole)), (), _NO_MASS
@@ -203,6 +207,15 @@ def shaken(
     resolved = segments_resolve(frf, next(iter(modes), None))
     frf = judged(frf, band, mass=mass)
     return replace(frf, checks=(*frf.checks, whole, resolved)), modes, reason
+
+
+def _absolute(frf: FRF, choices: HammerChoices) -> FRF:
+    """The transmissibility of the mass, where its motion was measured relative to the base."""
+    if choices.motion == "absolute":
+        return frf
+    if frf.kind is not Kind.TRANSMISSIBILITY:
+        raise ReadError(_NO_BASE)
+    return from_relative(frf)
 
 
 def _no_hammer(choices: HammerChoices) -> None:
@@ -254,7 +267,10 @@ def average(
     band: tuple[float, float] | None = None,
 ) -> FRF:
     """Return the FRF of an impact test under these choices."""
-    return estimate_frf(impact, **asdict(choices), mass=mass, resonance_band=band)
+    asked = asdict(choices)
+    if asked.pop("motion") != "absolute":
+        raise ReadError(_NO_BASE)
+    return estimate_frf(impact, **asked, mass=mass, resonance_band=band)
 
 
 def total_mass(

@@ -37,7 +37,8 @@ def known_of_a_test(machine: Machine | None, *, tests: int, add: str) -> None:
 class HammerChoices:
     """How hits are found, judged, windowed and averaged.
 
-    The fields are the arguments of :func:`~dashpot.vibration.impact.frf_estimation.estimate_frf`.
+    The fields are the arguments of :func:`~dashpot.vibration.impact.frf_estimation.estimate_frf`,
+    and how the mass over a base that moves was measured.
     """
 
     estimator: str = option("H1", choices=("H1", "H2", "Hv", "Hs"))
@@ -55,6 +56,11 @@ class HammerChoices:
         choices=("+1", "-1"),
         multiple=True,
         parse=signs,
+    )
+    motion: str = option(
+        "absolute",
+        "Of the mass over a base that moves: absolute, or relative to the base.",
+        choices=("absolute", "relative"),
     )
 
 

@@ -190,7 +190,7 @@ def mass_over_base(frf: FRF) -> Finding:
     part = float(np.median((1 - 1 / T[low]).real * (f[at] / f[low]) ** 2))
     size = complex(np.median(T[low].real), np.median(T[low].imag))
     cause = f"it is {abs(size):.3g} there, not 1 or a little more: check the unit of each sensor, "
-    cause += "and that the motion of the mass is absolute, not relative to the base"
+    cause += "and that the motion of the mass is absolute, not relative to the base (--motion)"
     if 0.5 < abs(size) < 2:
         upside = "the base over the mass: export the mass over the base"
         turned = "as if one sensor had the opposite polarity"

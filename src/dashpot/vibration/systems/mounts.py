@@ -1,9 +1,10 @@
-"""What mounts that weigh something do to a transmissibility."""
+"""What mounts that weigh something, and a sensor between both ends, do to a transmissibility."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
+from dashpot.base.arrays import ComplexArray
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
 from dashpot.records.frf import FRF, Kind
@@ -48,8 +49,20 @@ def on_light_mounts(frf: FRF, *, mass: float, coupled: float) -> FRF:
 
 def _scaled(frf: FRF, factor: float) -> FRF:
     """The motion relative to the base, so many times."""
+    return _of_relative(frf, factor * (frf.value - 1), factor)
+
+
+def from_relative(frf: FRF) -> FRF:
+    """The transmissibility of which a sensor on both ends shows T - 1, mass against base."""
+    step = Step("from_relative", (), "1 added: the motion was measured relative to the base")
+    found = _of_relative(frf, frf.value, 1.0)
+    return replace(found, steps=(*frf.steps, step))
+
+
+def _of_relative(frf: FRF, relative: ComplexArray, factor: float) -> FRF:
+    """T of a relative motion, its scatter that of an FRF so many times."""
     if frf.kind is not Kind.TRANSMISSIBILITY:
         raise DataError(f"the FRF is a {frf.kind}; expected a transmissibility")
     known = frf.scatter_of_one if frf.random_sd is None else frf.random_sd
     sd = None if known is None else factor * known
-    return replace(frf, value=1 + factor * (frf.value - 1), sd=sd)
+    return replace(frf, value=1 + relative, sd=sd)
