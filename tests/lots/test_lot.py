@@ -313,6 +313,18 @@ def test_killed_at_random_and_run_again_the_table_is_the_same(folder, whole, tmp
 
 @ON_LINUX
 @pytest.mark.once
+@pytest.mark.parametrize("jobs", [1, 2, 7, 64])
+@pytest.mark.parametrize("count", [1, 9, 60, 2000])
+def test_no_process_waits_for_the_last_chunk_of_another(count, jobs):
+    found = batches._chunks(range(count), jobs)
+    assert [one for chunk in found for one in chunk] == list(range(count))
+    sizes = [len(chunk) for chunk in found]
+    assert sizes == sorted(sizes, reverse=True)
+    assert sizes[0] <= batches.CHUNK
+    assert len(sizes) >= min(jobs, count)
+    assert max(sizes[-jobs:]) <= batches._LAST
+
+
 def test_interrupted_it_says_what_is_kept_and_goes_on_from_there(folder, whole, tmp_path):
     """As a terminal does it: all its processes are told."""
     code = (

@@ -37,6 +37,8 @@ from dashpot.lots.row import row
 
 CHUNK = SMALL
 """Files of a chunk: what a run that is cut short loses at most, for each process."""
+_LAST = 5
+"""Files of the last chunks, where each process can have so many: to write a part takes 3 ms."""
 LOG = "batch.log"
 _LOCK = ".lock"
 _TIMED = 3
@@ -259,9 +261,15 @@ def _missing(asked: Sequence[Task], folder: Path) -> list[Task]:
 
 
 def _chunks(missing: Sequence[Task], jobs: int) -> list[tuple[Task, ...]]:
-    """No chunk is so large that a process would have none."""
-    size = max(1, min(CHUNK, -(-len(missing) // jobs)))
-    return [tuple(missing[i : i + size]) for i in range(0, len(missing), size)]
+    """Smaller ones towards the end, so that no process waits long for the last of another."""
+    found: list[tuple[Task, ...]] = []
+    first, most = 0, max(1, len(missing) // jobs)
+    while first < len(missing):
+        left = len(missing) - first
+        size = min(CHUNK, max(_LAST, left // (2 * jobs)), most)
+        found.append(tuple(missing[first : first + size]))
+        first += size
+    return found
 
 
 def _compute(missing: Sequence[Task], choices: BatchChoices, folder: Path, by: Engine) -> None:
