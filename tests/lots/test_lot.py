@@ -393,7 +393,7 @@ def test_the_command_prints_logs_and_judges(folder, tmp_path):
     words = ["batch", str(folder), "-o", str(out), "--arms", "1", "--quick", "--by", BY]
     planned = CliRunner().invoke(main, [*words, "--dry-run", "--json", "--jobs", "2"])
     plan = json.loads(planned.stdout)
-    assert (plan["files"], plan["done"], plan["chunks"], plan["jobs"]) == (11, 0, 2, 2)
+    assert (plan["files"], plan["done"], plan["chunks"], plan["jobs"]) == (11, 0, 3, 2)
     assert plan["seconds"] > 0
     assert not out.exists()
     ran = CliRunner().invoke(main, [*words, "--json", "--jobs", "2"])
@@ -401,7 +401,7 @@ def test_the_command_prints_logs_and_judges(folder, tmp_path):
     assert json.loads(ran.stdout)["outcomes"] == {"fitted": 8, "refused": 2, "other": 1}
     assert len((out / "lot.csv").read_text().splitlines()) == 13
     log = (out / "batch.log").read_text().splitlines()
-    assert len(log) == 2
+    assert len(log) == 3
     assert " 11 of 11 tests" in log[-1]
     strict = CliRunner().invoke(main, [*words, "--strict", "-v"])
     assert strict.exit_code == 1

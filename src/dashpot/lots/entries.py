@@ -23,7 +23,6 @@ _QUANTITIES = ("temperature", "mass")
 _KNOWN = ("file", *LABELS, *_QUANTITIES, "hammer")
 _MANIFEST = 1 << 26
 """Bytes of the largest manifest."""
-_BLOCK = 1 << 20
 _HEAD = 1 << 12
 
 
@@ -66,16 +65,13 @@ class Entry:
 
 def hashed(path: str) -> str:
     """Return the SHA-256 of a file's contents; empty where they cannot be read."""
-    digest = hashlib.sha256()
     try:
         if not Path(path).is_file():
             return ""
         with Path(path).open("rb") as stream:
-            while block := stream.read(_BLOCK):
-                digest.update(block)
+            return hashlib.file_digest(stream, "sha256").hexdigest()
     except (OSError, ValueError):
         return ""
-    return digest.hexdigest()
 
 
 def entries(
