@@ -25,6 +25,7 @@ from dashpot.fitting.checks import creep, curves, relaxation, solid, temperature
 from dashpot.fitting.cld import checks as relaxed
 from dashpot.fitting.fractional import checks as fractional
 from dashpot.fitting.identification import checks as identification
+from dashpot.fitting.indentation import checks as indentation
 from dashpot.fitting.level import checks as level
 from dashpot.fitting.nonlinear_ramp import checks as ramp
 from dashpot.fitting.repeats import EndStiffness
@@ -47,10 +48,12 @@ from dashpot.records.estimate import Nuisance
 from dashpot.records.fit import Explanation
 from dashpot.records.frf import FRF, Hit, Mode
 from dashpot.records.frf_set import ModeShape
+from dashpot.records.indentation import Found, IndentationFit, Indenter
 from dashpot.records.relaxation import RampHold
 from dashpot.records.shaken import ShakenTest
 from dashpot.records.specimen import Specimen
 from dashpot.records.temperature import Shift, TemperatureShifts
+from dashpot.solids.contact import ViscousContact
 from dashpot.solids.interconversion import CreepSpectrum
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import PAPER
@@ -997,6 +1000,43 @@ TEMPERATURE = [
     Case("temperature_tested", lambda x: several.temperature_tested(TESTED, 270 - x), 0, 0.01),
 ]
 
+
+def contact_fit() -> IndentationFit:
+    """A contact whose restitution is 1, beside nothing else."""
+    found = (Found("restitution", 1.0, 0.9, 1.1, ""),)
+    none = np.zeros(0)
+    return IndentationFit(
+        "hertz", ViscousContact(1.0), found, (), Indenter(1.0), "force", none, none, none, 0.0, 0.0,
+        0.0, 1.0,
+    )  # fmt: skip
+
+
+def differs(part: float) -> Check:
+    return indentation.laws_agree(
+        contact_fit(), [("hertz-maxwell", (Found("restitution", 1 + part, 0.9, 1.2, ""),))]
+    )
+
+
+INDENTATION = [
+    Case("contact_sampled", indentation.contact_sampled, 20.0, 19.9),
+    Case("flights_recorded", lambda x: indentation.flights_recorded(x, 1.0), 0.101, 0.099),
+    Case("flights_recorded", lambda x: indentation.flights_recorded(1.0, x), 0.101, -0.2),
+    Case("sensor_in_range", whole(indentation.sensor_in_range), 0, 1),
+    Case("first_contact", lambda x: indentation.first_contact(int(x), 2), 0, 1),
+    Case("law_followed", lambda x: indentation.law_followed(x, 0.01), 1.49, 1.51),
+    Case("law_followed", lambda x: indentation.law_followed(2.0, x), 0.0019, 0.0021),
+    Case("released_freely", lambda x: indentation.released_freely(x, 0.0), -0.0199, -0.0201),
+    Case("released_freely", lambda x: indentation.released_freely(x, 0.01), -0.0299, -0.0301),
+    Case("parameters_known", lambda x: indentation.parameters_known("k", x), 1.249, 1.251),
+    Case("laws_agree", differs, 0.0499, 0.0501),
+    Case("velocity_agrees", lambda x: indentation.velocity_agrees(x, 1.0), 1.099, 1.101),
+    Case("velocity_agrees", lambda x: indentation.velocity_agrees(1.0, x), 1.099, 1.101),
+    Case("gravity_known", lambda x: indentation.gravity_known(x, None), 0.0099, 0.0101),
+    Case("force_agrees", indentation.force_agrees, 1.099, 1.101),
+    Case("indentation_shallow", lambda x: indentation.indentation_shallow(x, 1.0), 0.299, 0.301),
+    Case("sensor_fast_enough", indentation.sensor_fast_enough, 0.0299, 0.0301),
+]
+
 LEVEL = [
     Case(
         "level_matters",
@@ -1171,6 +1211,9 @@ READING = [
     Case("ramp_not_fast", lambda x: reading.ramp_not_fast(x, "s"), 0.299, 0.301),
     Case("hammer_not_heavy", lambda x: reading.hammer_not_heavy(x, "kN"), 999, 1001),
     Case("hammer_felt", lambda x: reading.hammer_felt(x, "mN"), 0.0501, 0.0499),
+    Case("shock_not_large", lambda x: reading.shock_not_large(x, "g"), 9.99e5, 1.01e6),
+    Case("indenter_not_fast", lambda x: reading.indenter_not_fast(x, "m/s"), 99.9, 100.1),
+    Case("contact_rate", lambda x: reading.contact_rate(x, "s"), 501, 499),
     Case(
         "acceleration_not_large", lambda x: reading.acceleration_not_large(x, "g"), 9.99e3, 1.01e4
     ),
@@ -1194,6 +1237,7 @@ STAGES = {
     "fitting/nonlinear_ramp": RAMP,
     "fitting/fractional": FRACTIONAL,
     "fitting/temperature": TEMPERATURE,
+    "fitting/indentation": INDENTATION,
     "fitting/level": LEVEL,
     "fitting/cld": RELAXED,
     "lots": LOTS,
@@ -1211,6 +1255,7 @@ LIMITS = {
         "travel_of_a_seal": 0.2, "force_of_a_seal": 1000, "time_of_a_test": 0.1,
         "travel_of_a_bench": 2e-5, "force_of_a_bench": 0.01, "ramp_not_slow": 200,
         "ramp_not_fast": 0.3, "hammer_not_heavy": 1000, "hammer_felt": 0.05,
+        "shock_not_large": 1e6, "indenter_not_fast": 100, "contact_rate": 500,
         "acceleration_not_large": 1e4, "hammer_sampled": 50, "hammer_not_oversampled": 2.5e5,
     },
     "preparation": {
@@ -1259,6 +1304,12 @@ LIMITS = {
         "lines_explained": 2, "relaxation_still_explained": 1.3, "mass_believable": 2.5,
         "gain_believable": 2.5, "delay_believable": 2.5, "stiffness_believable": 2.5,
         "earlier_fit_kept": 2.5, "dashpot_not_missed": 50, "arms_identified": 0.5,
+    },
+    "fitting/indentation": {
+        "contact_sampled": 20, "flights_recorded": 0.1, "sensor_in_range": 0, "first_contact": 0,
+        "law_followed": 1.5, "released_freely": -0.02, "parameters_known": 1.25, "laws_agree": 0.05,
+        "velocity_agrees": 1.1, "gravity_known": 0.01, "force_agrees": 1.1,
+        "indentation_shallow": 0.3, "sensor_fast_enough": 0.03,
     },
     "fitting/level": {
         "level_matters": 20, "amplitudes_spread": 3, "softening_seen": 2, "law_followed": 0.03,
@@ -1325,6 +1376,7 @@ GRADES = {
         "io/readers": {
             "travel_of_a_seal", "force_of_a_seal", "time_of_a_test", "travel_of_a_bench",
             "force_of_a_bench", "ramp_not_slow", "ramp_not_fast", "hammer_not_heavy",
+            "shock_not_large", "indenter_not_fast", "contact_rate",
             "hammer_felt", "acceleration_not_large", "hammer_sampled", "hammer_not_oversampled",
         },
         "fitting": {
@@ -1446,6 +1498,10 @@ def test_the_grades_are_those_typed_here() -> None:
         pytest.param(lambda x: impact.mass_line((-x, 0.01), 1.0), None, 1.0, id="sign"),
         pytest.param(lambda x: simple(0.0, x), 0.99e-3, 1.01e-3, id="simple"),
         pytest.param(lambda x: level.levels_followed(x, 0.01), 0.099, 0.101, id="levels"),
+        pytest.param(lambda x: indentation.law_followed(2.0, x), 0.019, 0.021, id="contact"),
+        pytest.param(
+            lambda x: indentation.flights_recorded(-x, 1.0), 0.33, 0.34, id="part of a contact"
+        ),
     ],
 )
 def test_a_gross_failure_forbids_the_use(

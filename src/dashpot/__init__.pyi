@@ -19,6 +19,7 @@ from .fitting.depth import fit_depths as fit_depths
 from .fitting.dynamic import fit_dynamic as fit_dynamic
 from .fitting.fit_many import fit_many as fit_many
 from .fitting.identification.identify import identify as identify
+from .fitting.indentation.fit import fit_indentation as fit_indentation
 from .fitting.level.frfs import fit_levels as fit_levels
 from .fitting.level.sweep import fit_amplitude as fit_amplitude
 from .fitting.modulus import fit_modulus as fit_modulus
@@ -36,6 +37,7 @@ from .io.readers.dynamic import read_dynamic as read_dynamic
 from .io.readers.frf import read_frf as read_frf
 from .io.readers.frf_set import read_frfs as read_frfs
 from .io.readers.impact import read_impact as read_impact
+from .io.readers.indentation import read_indentation as read_indentation
 from .io.readers.inspect import inspect_file as inspect_file
 from .io.readers.modulus import read_modulus as read_modulus
 from .io.readers.relaxation import read_relaxation as read_relaxation
@@ -58,6 +60,9 @@ from .records.fit import Status as Status
 from .records.frf import FRF as FRF
 from .records.frf_set import FRFSet as FRFSet
 from .records.impact import ImpactTest as ImpactTest
+from .records.indentation import IndentationFit as IndentationFit
+from .records.indentation import IndentationTest as IndentationTest
+from .records.indentation import Indenter as Indenter
 from .records.level import LevelFit as LevelFit
 from .records.machine import Machine as Machine
 from .records.modulus import RelaxationModulus as RelaxationModulus

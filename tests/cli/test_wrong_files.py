@@ -62,6 +62,9 @@ def run(*words: str, code: int = 0) -> str:
         ("fit modulus.csv", 'use dashpot fit FILE --modulus "Relaxation modulus"'),
         ("fit late.csv", "the record begins after its ramp"),
         ('fit compliance.csv --modulus 2', "is a compliance.*use dashpot fit, without --modulus"),
+        ("fit ball.csv", "this is a contact of an indenter .*: use dashpot indent with its mass"),
+        ("indent hammer.csv --mass 5g", "this is a hammer file .*: use dashpot impact"),
+        ("indent ball.csv", "--mass 5g"),
         ("impact seal.csv", "this is a relaxation test .*: use dashpot fit or dashpot report"),
         ("impact frf.csv", "this is an FRF .*: use dashpot modes, .*compare or .*identify"),
         ("modes hammer.csv", "hammer file .*, where an FRF is expected: use dashpot impact"),
@@ -260,7 +263,7 @@ def test_an_frf_without_coherence_says_so_first(lab: Path) -> None:
     [
         (
             "fit seal.csv --mass 104g",
-            "--mass is an option of dashpot predict, impact, modes, level, compare",
+            "--mass is an option of dashpot predict, impact, modes, level, indent",
         ),
         ("report seal.csv hammer.csv --mass 104g", "hits of the hammer are given by --impact"),
         ("fit seal.csv --units kraft=N", "'kraft' is no role .* and no column of seal.csv"),

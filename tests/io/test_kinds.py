@@ -15,6 +15,7 @@ from dashpot.io.readers.creep import read_creep
 from dashpot.io.readers.dynamic import read_dynamic
 from dashpot.io.readers.frf import read_frf
 from dashpot.io.readers.impact import read_impact
+from dashpot.io.readers.indentation import read_indentation
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.io.table import Column, Table, in_memory
@@ -30,6 +31,7 @@ READERS = {
     read_frf: {"frf", "transmissibility"},
     read_dynamic: {"dma", "master-curve"},
     read_creep: {"creep", "relaxation", "cld", "cyclic"},
+    read_indentation: {"indentation"},
 }
 
 

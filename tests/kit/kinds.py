@@ -104,6 +104,7 @@ def files() -> dict[str, tuple[str, str]]:
     ones = np.ones(25)
     spread = np.geomspace(0.1, 50, 25)
     long = np.geomspace(1e-6, 1e6, 60)
+    flown = np.arange(0, 9, 0.02)
     decay = np.geomspace(0.01, 1e3, 40)
     triangle = 8e-3 * np.interp(CLOCK, [0, 10, 20], [0, 1, 0])
     waves = 4e-3 * (1 - np.cos(np.pi * CLOCK))
@@ -120,6 +121,10 @@ def files() -> dict[str, tuple[str, str]]:
         ),
         "fatigue.csv": (bench(waves), "cyclic"),
         "hammer.csv": (hammer(), "impact"),
+        "ball.csv": (
+            csv("time [ms],velocity [m/s]", flown, np.cos(np.clip(flown - 3, 0, np.pi))),
+            "indentation",
+        ),
         "frf.csv": (
             csv(frf.format("(m/s^2)/N"), lines, value.real, value.imag, 1 + 0 * lines), "frf",
         ),

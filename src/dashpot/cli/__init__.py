@@ -31,6 +31,7 @@ COMMANDS = {
     "modes": "Natural frequencies, damping and residues of a measured FRF.",
     "level": "What stiffness and damping do with amplitude.",
     "cld": "Compression load deflection: force at nominal, hysteresis, scatter.",
+    "indent": "Stiffness, damping and modulus from an indenter's hit.",
     "compare": "The predicted FRF against a measured one.",
     "identify": "Maxwell parameters from vibration, alone or jointly.",
     "app": "The same in a browser: drop a file, drag a handle.",

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from dashpot.records.frf import Mode
     from dashpot.solids.elastic import ElasticLaw
     from dashpot.workflow.impacts import ImpactResult
+    from dashpot.workflow.indentations import Indentation
     from dashpot.workflow.levels import Levels
     from dashpot.workflow.predictions import Prediction
     from dashpot.workflow.study import Study
@@ -331,6 +332,28 @@ def levels(found: Levels) -> Text:
             ]
         )
     return Text([*lines, *(table(rows) if found.at else ())])
+
+
+_READ_IN = {
+    "N/m": (1e-3, "N/mm"), "m": (1e3, "mm"), "Pa": (1e-6, "MPa"), "s": (1e3, "ms"),
+}  # fmt: skip
+"""What people are shown, by the unit in SI."""
+
+
+def indentation(found: Indentation) -> Text:
+    """Return the law of a contact, its numbers with their intervals, and the laws tried."""
+    rows = [["", "", "95 %", ""]]
+    for one in found.fit.found:
+        scale, unit = _READ_IN.get(one.unit, (1.0, one.unit))
+        low, high = scale * one.low, scale * one.high
+        value = scale * one.value
+        error = (high - low) / 4
+        rows.append(
+            [one.name.replace("_", " "), rounded(value, error), f"{low:.4g} to {high:.4g}", unit]
+        )
+    least = min(score for _, score in found.fit.orders)
+    tried = ", ".join(f"{name} {score - least:.1f}" for name, score in found.fit.orders)
+    return Text([f"  law: {found.fit.law}", *table(rows), f"  BIC above the least: {tried}"])
 
 
 def comparison(found: Comparison, joint: Comparison | None = None) -> list[str]:

@@ -68,6 +68,8 @@ class ReadOptions:
         So too, in an FRF.
     hammer : str or None
         The force of an impact test; by default `force`.
+    velocity : str or None
+        Of an indenter.
     acceleration : tuple of str
         The acceleration columns of an impact test, in the order wanted.
     base_acceleration : str or None
@@ -103,6 +105,7 @@ class ReadOptions:
     )
     hammer: str | None = _column("Column of the hammer's force.")
     base_acceleration: str | None = _column("Column of a shaken base's acceleration: no hammer.")
+    velocity: str | None = _column("Column of an indenter's velocity.")
     frequency: str | None = _column("Column of frequency.")
     storage: str | None = _column("Column of storage modulus or stiffness.")
     loss: str | None = _column("Column of loss modulus or stiffness.")

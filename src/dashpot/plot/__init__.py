@@ -13,6 +13,7 @@ from dashpot.plot.creep import creep
 from dashpot.plot.direct import dynamic_stiffness
 from dashpot.plot.files import rendered, save
 from dashpot.plot.impact import hits
+from dashpot.plot.indentation import indentation
 from dashpot.plot.level import amplitude_sweep, frfs_at_levels, level, loops
 from dashpot.plot.modal import stabilisation
 from dashpot.plot.modulus import modulus
@@ -41,6 +42,7 @@ __all__ = [
     "frfs_at_levels",
     "hero",
     "hits",
+    "indentation",
     "level",
     "loops",
     "modulus",

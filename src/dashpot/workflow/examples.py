@@ -15,12 +15,15 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.base.version import byline
 from dashpot.io.write import write_impact, write_relaxation
+from dashpot.records.indentation import GRAVITY
 from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.simulation.relaxation import Climate, Rig, simulate_relaxation
 from dashpot.simulation.truth import stamp
+from dashpot.solids.contact import ViscousContact, sphere_stiffness
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import BROAD
 from dashpot.solids.temperature import WLF
+from dashpot.vibration.systems.contact import collide
 
 MASS = 0.1148
 """Of the block under the hammer, kg: 114.8 g on two seals."""
@@ -150,6 +153,18 @@ def _pressed(stiffness: float, seed: int, *, speed: float = 50e-3 / 60) -> Calla
     return made
 
 
+def _hit() -> str:
+    """A steel ball of 5 g on rubber, its acceleration at 100 kHz, 0.5 % noisy, with an offset."""
+    law = ViscousContact(sphere_stiffness(4e6, 5e-3), 1e-4)
+    one = collide(law, mass=5e-3, velocity=1.0, pull=GRAVITY)
+    time = np.arange(600) * 1e-5
+    felt = np.interp(time - 2e-3, one.time, one.force / one.mass, left=0.0, right=0.0)
+    felt += 3.0 + 0.005 * felt.max() * np.random.default_rng(1).standard_normal(len(time))
+    rows = (f"{t:.5f},{a:.5g}" for t, a in zip(time, -felt, strict=True))
+    head = [f"# {byline('simulated indentation')}", "# simulated", "# indenter of 5 g, radius 5 mm"]
+    return "\n".join([*head, "time [s],acceleration [m/s^2]", *rows, ""])
+
+
 def _line() -> str:
     """A quarter of a door: x, y, z, mm."""
     angle = np.linspace(0.0, np.pi / 2, 13)
@@ -177,6 +192,7 @@ CAPTIONS: Mapping[str, str] = MappingProxyType(
         "cld_3.csv": "a third: dashpot cld takes the three",
         "cld_slow.csv": "the first piece at 5 mm/min",
         "cld_fast.csv": "and at 500 mm/min: dashpot cld takes the three speeds",
+        "hit.csv": "a ball of 5 g, radius 5 mm, dropped 51 mm on rubber, for dashpot indent",
         "line.csv": "x, y, z of a seal along a quarter of a door, for dashpot export --line",
     }
 )
@@ -205,6 +221,7 @@ EXAMPLES: Mapping[str, Callable[[], str]] = MappingProxyType(
         "cld_3.csv": _pressed(0.97, 3),
         "cld_slow.csv": _pressed(1.0, 4, speed=5e-3 / 60),
         "cld_fast.csv": _pressed(1.0, 5, speed=500e-3 / 60),
+        "hit.csv": _hit,
         "line.csv": _line,
     }
 )

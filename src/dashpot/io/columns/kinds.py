@@ -20,8 +20,8 @@ from dashpot.io.table import Table
 
 FileKind: TypeAlias = Literal[
     "relaxation", "impact", "frf", "transmissibility", "dma", "master-curve", "strain-sweep",
-    "temperature-sweep", "one-frequency", "modulus", "creep", "cld", "cyclic", "not-a-test",
-    "unclear",
+    "temperature-sweep", "one-frequency", "modulus", "creep", "indentation", "cld", "cyclic",
+    "not-a-test", "unclear",
 ]  # fmt: skip
 
 _NO_TIMES = "it tells no relaxation times; sweep the frequency"
@@ -40,6 +40,7 @@ WANTED_BY: MappingProxyType[str, tuple[str, str]] = MappingProxyType({
     "modulus": ("a relaxation modulus over time", "use dashpot fit FILE --modulus COLUMN"),
     "creep": ("a creep test", "use dashpot fit"),
     "cld": ("a compression load deflection (CLD), pressed and released", "use dashpot cld"),
+    "indentation": ("a contact of an indenter", "use dashpot indent with its mass"),
     "cyclic": (
         "a cyclic run without a hold",
         "use dashpot cld for cycles at one speed, dashpot level for loops of several amplitudes",
@@ -91,6 +92,18 @@ class _NamedColumns:
         named = named or self.has("creep_compliance", least=2.5)  # J(t), in 1/Pa
         return named or ("creep" in header and "relax" not in header)
 
+    def indented(self) -> bool:
+        """Whether an indenter is named beside its motion, or a velocity stands alone."""
+        if not self.timed():
+            return False
+        names = " ".join((*self.table.header, *(c.name for c in self.table.columns))).casefold()
+        fast = self.has("velocity", least=2.5)
+        if "indent" in names and (fast or self.accelerated()):
+            return True
+        return fast and not (
+            self.accelerated() or any(self.has(one) for one in ("displacement", "force"))
+        )
+
     def spectral(self) -> bool:
         return any(
             "spectral density" in c.name.casefold() or "psd" in vocabulary.tokens(c.name)
@@ -111,6 +124,11 @@ _RULES: tuple[tuple[FileKind, str, Callable[[_NamedColumns], bool]], ...] = (
         lambda s: s.has("storage", "frequency") and (s.has("loss") or s.has("loss_factor")),
     ),
     ("not-a-test", "it is a power spectral density, which has no phase", _NamedColumns.spectral),
+    (
+        "indentation",
+        "it has time and the acceleration or velocity of an indenter",
+        _NamedColumns.indented,
+    ),
     (
         "impact",
         "it has time, and an acceleration is said to be that of the base",

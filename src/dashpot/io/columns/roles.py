@@ -19,7 +19,7 @@ from dashpot.io.table import Column, Question, Table
 EXAMPLE = {
     "time": "s", "displacement": "mm", "force": "N", "acceleration": "m/s^2", "frequency": "Hz",
     "storage": "MPa", "loss": "MPa", "temperature": "degC", "modulus": "MPa", "hammer": "N",
-    "phase": "deg", "creep_compliance": "1/MPa", "stress": "MPa", "strain": "%",
+    "phase": "deg", "velocity": "m/s", "creep_compliance": "1/MPa", "stress": "MPa", "strain": "%",
 }  # fmt: skip
 """What a role is measured in most often."""
 _OF_A_PART: dict[Role, Dimension] = {
@@ -164,7 +164,7 @@ def score(column: Column, role: Role, options: ReadOptions) -> float:
     value = _named_score(column, role, options)
     if value == 0.0:
         return 0.0
-    if vocabulary.has_word(column.name, vocabulary.DERIVED):
+    if role != "velocity" and vocabulary.has_word(column.name, vocabulary.DERIVED):
         return 0.5
     for words, less, of_time in _LESS:
         if of_time in {None, role == "time"} and vocabulary.has_word(column.name, words):

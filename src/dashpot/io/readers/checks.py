@@ -13,13 +13,16 @@ LONGEST_RAMP = 200.0
 FASTEST_RAMP = 0.3
 MOST_ACCELERATION = 1e4
 LEAST_BLOW = 5e-2
+MOST_SHOCK = 1e6
+MOST_SPEED = 100.0
+LEAST_CONTACT_RATE = 500.0
 LEAST_RATE = 50.0
 MOST_RATE = 2.5e5
 
 _SMALLER = {
     "m": "mm", "cm": "mm", "ft": "mm", "in": "mm", "mm": "um", "MN": "kN", "kN": "N", "N": "mN",
     "kgf": "N", "lbf": "N", "min": "s", "h": "s", "s": "ms", "ms": "us",
-    "g": "m/s^2", "m/s^2": "mm/s^2",
+    "g": "m/s^2", "m/s^2": "mm/s^2", "m/s": "mm/s",
 }  # fmt: skip
 """What a unit is mistaken for most often, where its numbers are too large."""
 _LARGER = {
@@ -174,6 +177,41 @@ def hammer_not_oversampled(rate: float, unit: str) -> Finding:
     """The record is sampled no faster than recorders of vibration do."""
     says = f"the record is sampled at {_short(rate, 'Hz')}"
     return Finding(says, rate, instead=_doubted(says, "time", unit, _LARGER))
+
+
+@criterion(
+    "greatest acceleration, m/s^2",
+    "<=",
+    MOST_SHOCK,
+    "our choice: a hundred thousand g, the range of shock accelerometers",
+    grade="stop",
+)
+def shock_not_large(acceleration: float, unit: str) -> Finding:
+    """The acceleration of the indenter is one that a shock accelerometer measures."""
+    says = f"the acceleration reaches {_short(acceleration, 'm/s^2')}"
+    return Finding(says, acceleration, instead=_doubted(says, "acceleration", unit, _SMALLER))
+
+
+@criterion(
+    "greatest speed, m/s", "<=", MOST_SPEED, "our choice: rubber is hit more slowly", grade="stop"
+)
+def indenter_not_fast(speed: float, unit: str) -> Finding:
+    """The indenter is no faster than a test of rubber drives it."""
+    says = f"the velocity reaches {_short(speed, 'm/s')}"
+    return Finding(says, speed, instead=_doubted(says, "velocity", unit, _SMALLER))
+
+
+@criterion(
+    "sampling rate, Hz",
+    ">=",
+    LEAST_CONTACT_RATE,
+    "our choice: a contact lasts 40 ms at most",
+    grade="stop",
+)
+def contact_rate(rate: float, unit: str) -> Finding:
+    """The record is sampled as fast as a contact needs."""
+    says = f"the record is sampled at {_short(rate, 'Hz')}"
+    return Finding(says, rate, instead=_doubted(says, "time", unit, _SMALLER))
 
 
 def _doubted(says: str, role: str, unit: str, likely: dict[str, str]) -> str:

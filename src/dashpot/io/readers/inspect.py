@@ -27,6 +27,7 @@ _ROLES: dict[str, tuple[Role, ...]] = {
     "unclear": ("time", "displacement", "force"),
     "cld": ("displacement", "force"),
     "impact": ("time", "hammer"),
+    "indentation": ("time", "velocity"),
     "frf": _RESPONSE,
     "transmissibility": _RESPONSE,
     "modulus": ("time", "modulus"),
@@ -36,7 +37,7 @@ COURSE_ROWS = 400
 """Rows that an inspection keeps for a picture."""
 
 _COURSE = "_course"
-_WELCOME = {"temperature", "real", "imaginary", "magnitude", "phase", "coherence"}
+_WELCOME = {"velocity", "temperature", "real", "imaginary", "magnitude", "phase", "coherence"}
 """Roles that are shown where they are found, and not asked for."""
 
 
@@ -225,7 +226,7 @@ def _proposal(file: Opened, kind: str) -> tuple[dict[int, tuple[Role, str]], lis
         questions += [] if role in _WELCOME else _unit_question(table, answer, options)
     if kind == "frf":
         questions = _frf_questions(file)
-    if kind == "impact":
+    if kind in {"impact", "indentation"}:
         for i in accelerations(table, list(roles), options):
             found = Assigned("acceleration", i, "its name or unit says acceleration")
             roles[i] = (found.role, found.reason)

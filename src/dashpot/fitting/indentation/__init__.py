@@ -1,0 +1,1 @@
+"""A contact's motion to the law of the surface."""

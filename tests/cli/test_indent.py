@@ -1,0 +1,87 @@
+"""dashpot indent: hits as other labs' files hold them."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from kit import contacts
+
+import dashpot as dp
+from dashpot.cli import main
+from dashpot.workflow.examples import EXAMPLES
+
+pytestmark = pytest.mark.once
+
+BALL = ("--mass", "5g", "--radius", "5mm", "--law", "hertz-kelvin-voigt")
+
+
+def ran(*words, code=0):
+    told = CliRunner().invoke(main, ["indent", *map(str, words)])
+    assert told.exit_code == code, told.output
+    return told
+
+
+def table(path, header, *columns):
+    np.savetxt(path, np.column_stack(columns), delimiter=",", header=header, comments="")
+    return path
+
+
+@pytest.fixture(scope="module")
+def hit():
+    rows = contacts.march(contacts.kuwabara(4 / 3 * 4e6 * 5e-3**0.5, 1e-4), 5e-3, 1.0)
+    return {of: contacts.recorded(rows, 5e-3, 1e5, of=of) for of in ("acceleration", "velocity")}
+
+
+def test_the_example_end_to_end(tmp_path):
+    path, figure = tmp_path / "hit.csv", tmp_path / "hit.svg"
+    path.write_text(EXAMPLES["hit.csv"](), encoding="utf-8")
+    assert dp.inspect_file(path).kind == "indentation"
+    words = [path, *BALL, "--drop-height", "51mm"]
+    found = json.loads(ran(*words, "--json", "--plot", figure).stdout)
+    assert found["schema"] == "dashpot/indentation@1"
+    assert found["modulus"] == pytest.approx(4e6, rel=0.01)
+    low, high = found["intervals"]["modulus"]
+    assert low < found["modulus"] < high
+    assert found["verdict"]["use"] == "use"
+    assert "hertz-kelvin-voigt" in figure.read_text("utf-8")
+    text = ran(*words).stdout
+    assert "restitution" in text
+    assert "MPa" in text
+
+
+@pytest.mark.parametrize(
+    ("of", "header", "scale"),
+    [
+        ("acceleration", "t [ms],Beschleunigung [g]", 1 / 9.80665),
+        ("velocity", "Time (ms),Velocity (mm/s)", 1e3),
+    ],
+)
+def test_headers_and_units_of_other_labs(tmp_path, hit, of, header, scale):
+    t, y = hit[of]
+    path = table(tmp_path / "a.csv", header, 1e3 * t, scale * y)
+    found = json.loads(ran(path, *BALL, "--impact-velocity", "1m/s", "--json").stdout)
+    assert found["of"] == of
+    assert found["modulus"] == pytest.approx(4e6, rel=2e-3)
+
+
+def test_what_is_missing_or_wrong_is_asked_for(tmp_path, hit):
+    t, y = hit["acceleration"]
+    path = table(tmp_path / "a.csv", "time [s],acceleration [m/s^2]", t, y)
+    assert "--mass 5g" in ran(path, code=2).stderr
+    unitless = table(tmp_path / "b.csv", "time [s],acceleration", t, y)
+    assert "has no unit" in ran(unitless, *BALL, code=2).stderr
+    slow = table(tmp_path / "c.csv", "time [s],acceleration [m/s^2]", 1e3 * t, y)
+    assert 'time=ms"' in ran(slow, *BALL, code=2).stderr
+    hot = table(tmp_path / "d.csv", "time [s],acceleration [g]", t, 1e3 * y)
+    assert "is the unit m/s^2?" in ran(hot, *BALL, code=2).stderr
+    two = table(tmp_path / "e.csv", "time [s],acc 1 [g],acc 2 [g]", t, y, 2 * y)
+    assert "--acceleration" in ran(two, *BALL, code=2).stderr
+    fast = table(tmp_path / "f.csv", "time [s],velocity [m/s]", t, 1e3 * hit["velocity"][1])
+    assert "is the unit mm/s?" in ran(fast, *BALL, code=2).stderr
+    none = table(tmp_path / "g.csv", "time [s],noise [V]", t, y)
+    assert "--acceleration, --velocity" in ran(none, *BALL, code=2).stderr
+    still = table(tmp_path / "h.csv", "time [s],acceleration [m/s^2]", t, np.sin(1e9 * t))
+    assert "h.csv: no contact stands out" in ran(still, *BALL, code=2).stderr
