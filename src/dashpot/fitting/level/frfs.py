@@ -103,7 +103,9 @@ def fit_levels(
     omega, X, K, weight = (np.concatenate(each) for each in zip(*rows, strict=True))
     low, high = float(X.min()) / 2, float(X.max())
     count = max(round(_PER_DECADE * np.log10(high / low)), 2)
-    problem = _Problem(omega, X, weight, kilograms / seals, np.geomspace(low, high, count + 1)[:-1])
+    inertia, yields = kilograms / seals, np.geomspace(low, high, count + 1)[:-1]
+    known = weight * np.abs(K - inertia * omega**2)
+    problem = _Problem(omega, X, weight, known, inertia, yields)
     tried = [problem.solved(K, terms) for terms in _TERMS]
     plain, best = tried[0], min(tried, key=lambda one: one.deviance + MATTERS * len(one.terms))
     draws = _draws(problem, K, best, seed)
@@ -149,7 +151,7 @@ def _draws(problem: _Problem, K: ComplexArray, best: _Solved, seed: int) -> tupl
     found = []
     for _ in range(_DRAWS):
         # one error of the FRF is in the stiffness and in the amplitude
-        off = 1 + scatter * (rng.normal(size=len(K)) + 1j * rng.normal(size=len(K)))
+        off = 1 + scatter * (rng.normal(size=len(K)) + 1j * rng.normal(size=len(K))) / problem.known
         again = replace(known, X=problem.X / np.abs(off))
         found.append(again.solved(direct * off + inertia, best.terms, passes=0).parts)
     return tuple(found)
@@ -201,6 +203,8 @@ class _Problem:
     omega: FloatArray
     X: FloatArray
     weight: FloatArray
+    #: of each line, beside most: at most 1
+    known: FloatArray
     #: of one seal, kg
     inertia: float
     #: yield displacements, m: beyond the largest amplitude a slider is a spring
@@ -240,7 +244,7 @@ class _Problem:
         slope, direct = (up - down) / (2 * h), K - self.inertia * self.omega**2
         size = np.abs(direct) ** 2 + np.abs(slope) ** 2 / 2 + (direct * slope.conj()).real
         bent = with_third_harmonic(parts, self.omega, X, self.inertia)
-        return replace(self, weight=1 / np.sqrt(size), bent=bent)
+        return replace(self, weight=self.known / np.sqrt(size), bent=bent)
 
     def _columns(self, terms: tuple[Term, ...]) -> ComplexArray:
         product = 1j * self.omega[:, None] * self.tau
@@ -294,7 +298,7 @@ def rows_at_level(
 
 
 def _knowledge(lines: FRF) -> FloatArray:
-    """Weights of lines less well known than most, by the error that the FRF states: at most 1."""
+    """How well lines are known beside most, by the error that the FRF states: at most 1."""
     if lines.line_scatter is None:
         return np.ones(len(lines.value))
     relative = np.maximum(lines.line_scatter / np.abs(lines.value), _FLOOR)
