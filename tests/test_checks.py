@@ -1067,6 +1067,7 @@ CLD = [
     Case("load_cell_steady", cld.load_cell_steady, 0.0199, 0.0201),
     Case("load_cell_steady", lambda x: cld.load_cell_steady(-x), 0.0199, 0.0201),
     Case("speed_even", cld.speed_even, 0.0199, 0.0201),
+    Case("energy_lost", cld.energy_lost, -0.0199, -0.0201),
     Case("unloading_recorded", lambda x: cld.unloading_recorded(recorded=bool(x)), 1, 0),
     Case("length_given", lambda x: cld.length_given(given=bool(x)), 1, 0),
 ]
@@ -1272,6 +1273,7 @@ LIMITS = {
     "preparation/cld": {
         "zero_recorded": 0.05, "conditioned": 0.02, "depth_conditioned": 1.02,
         "compressions_reached": 1, "load_cell_steady": 0.02, "speed_even": 0.02,
+        "energy_lost": -0.02,
     },
     "fitting": {
         "same_specimen": 3,
@@ -1369,6 +1371,7 @@ GRADES = {
         },
     },
     "stop": {
+        "preparation/cld": {"energy_lost"},
         "preparation": {
             "columns_plausible", "force_not_clipped", "force_resolved", "force_relaxes",
             "ramp_recorded",

@@ -193,3 +193,22 @@ def test_memory_is_what_makes_a_release_fall_behind():
     ]
     assert abs(lost[0]) < 0.005
     assert lost[1] > lost[2] > 0.05
+
+
+def test_swapped_columns_make_energy_and_are_not_to_be_used():
+    truth = pressed(cycles=3)
+    swapped = dp.CompressionTest(1e-3 * truth.force, 1e3 * truth.displacement, truth.time)
+    one = dp.cld(swapped)
+    assert one.verdict.use == "do not use"
+    assert "swapped" in one.verdict.says
+
+
+def test_a_curve_typed_from_a_sheet_begins_where_it_begins():
+    """A few rows from 0 mm and 0 N, without a clock, a rest or the way back."""
+    x = np.linspace(0, 8e-3, 17)
+    one = dp.cld(dp.CompressionTest(x, 200.0 * x), at=6e-3)
+    assert one.nominal.loading == pytest.approx(1.2)
+    assert one.preload == 0
+    assert failed(one) == {"conditioned", "unloading_recorded", "length_given"}
+    up = np.concatenate((x, x[-2::-1]))
+    assert dp.cld(dp.CompressionTest(up, 200.0 * up)).cycle.hysteresis == pytest.approx(0, abs=1e-9)

@@ -110,6 +110,25 @@ def speed_even(departure: float | None) -> Finding:
     )
 
 
+@criterion(
+    "energy lost / put in",
+    ">=",
+    -0.02,
+    "no seal gives back more than it is given; less is noise",
+    grade="stop",
+)
+def energy_lost(hysteresis: float | None) -> Finding:
+    """The seal gives back no more energy than was put in."""
+    if hysteresis is None:
+        return Finding("without the unloading nothing shows what is given back")
+    return Finding(
+        f"of the energy put in {100 * hysteresis:.3g} % is lost",
+        hysteresis,
+        ": a seal does not make energy; are force and displacement swapped (--force, "
+        "--displacement)?",
+    )
+
+
 @criterion(grade="note")
 def unloading_recorded(*, recorded: bool) -> Finding:
     """The way back was recorded, too."""

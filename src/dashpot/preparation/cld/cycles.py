@@ -124,8 +124,8 @@ def _cycles(test: CompressionTest) -> _Found:
     way_in = [i for i, one in enumerate(strokes) if one.inward]
     if not way_in:
         raise DataError(
-            "no loading was found: the compression only falls; expected a seal that is pressed, "
-            "and then released"
+            "no loading was found: the compression only falls, or never moves by more than its "
+            "scatter; expected a seal that is pressed, and then released"
         )
     first = strokes[way_in[0]]
     zero = zero_of(clock, x, force, first, resolution=resolution)
@@ -213,6 +213,7 @@ def _checks(found: _Found, index: int, most: float, test: CompressionTest) -> tu
         checks.compressions_reached(most, used.depth + found.beyond),
         checks.load_cell_steady(drift),
         checks.speed_even(found.uneven[index]),
+        checks.energy_lost(used.hysteresis),
         checks.unloading_recorded(recorded=used.unloading is not None),
         checks.length_given(given=test.specimen.length is not None),
     )

@@ -11,6 +11,7 @@ from dashpot.records.cld import AtCompression, Branch, Cycle
 
 WINDOW = 0.04
 """Half of the compressions taken, as a part of the depth."""
+_DIGITS = 1e-6
 _LEAST = 8
 """Samples there; a window with fewer is widened."""
 
@@ -46,7 +47,11 @@ def local(branch: Branch, at: float, *, half: float, beyond: float) -> Local | N
     rho = min(max(rho, 0.0), 0.95)
     spread = power / free * (1 + rho) / (1 - rho)
     known = np.sqrt(np.maximum(np.diag(np.linalg.pinv(A.T @ A)) * spread, 0.0))
-    return Local(float(c[0]), float(known[0]), float(c[1]) / half, float(known[1]) / half)
+    least = _DIGITS * abs(float(c[0]))  # what follows without a rest still has a file's digits
+    return Local(
+        float(c[0]), max(float(known[0]), least), float(c[1]) / half,
+        max(float(known[1]), least) / half,
+    )  # fmt: skip
 
 
 def at_compression(

@@ -70,7 +70,7 @@ def zero_of(
     """
     noise = max(usual_scatter(clock, force), quantum(force) / 12**0.5)
     rested = first.first + 1 >= _RESTED
-    start = slice(0, max(first.first + 1, _RESTED))
+    start = slice(0, first.first + 1)
     level, rest, top = median(force[start]), median(x[: first.first + 1]), float(x[first.last])
     rise = float(force[first.last]) - level
     touch = touch_of(
