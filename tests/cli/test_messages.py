@@ -74,6 +74,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "workflow/predictions.py": ("predict",),
     "workflow/prepared.py": ("predict", "compare"),
     "workflow/impacts.py": MEASURED,
+    "workflow/measured.py": MEASURED,
     "workflow/checks.py": ("predict",),
     "workflow/impacts.py:identify_files": ("identify",),
     "workflow/study.py": ("report",),

@@ -17,7 +17,7 @@ from dashpot.io.readers.psd import read_psd
 from dashpot.io.write import frf_uff, write_frf
 from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER, PAPER_MASS
 from dashpot.vibration.systems.random_base import random_base
-from dashpot.workflow.impacts import judged
+from dashpot.workflow.measured import judged
 
 pytestmark = pytest.mark.once
 

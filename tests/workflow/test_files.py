@@ -22,9 +22,10 @@ from dashpot.solids.table_1 import PAPER
 from dashpot.vibration.systems.operating_point import operating_point
 from dashpot.vibration.systems.prediction import predict_frf
 from dashpot.workflow.fits import fit_files
-from dashpot.workflow.impacts import compare_files, identify_files, total_mass, weighed
+from dashpot.workflow.impacts import compare_files, identify_files, weighed
 from dashpot.workflow.inspections import inspect_files
 from dashpot.workflow.job import HammerChoices
+from dashpot.workflow.measured import total_mass
 from dashpot.workflow.predictions import predict_files
 from dashpot.workflow.resting import _slid
 from dashpot.workflow.shifting import ShiftChoices

@@ -14,8 +14,9 @@ from dashpot.records.relaxation import RampHold
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.modal.peaks import find_peak
 from dashpot.workflow.fits import Record
-from dashpot.workflow.impacts import held_against, read_measured
+from dashpot.workflow.impacts import held_against
 from dashpot.workflow.job import HammerChoices
+from dashpot.workflow.measured import read_measured
 from dashpot.workflow.resting import at_rest
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,47 +12,24 @@ import numpy as np
 import dashpot as dp
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
-from dashpot.base.errors import DataError, FitError, ReadError
+from dashpot.base.errors import DataError, ReadError
 from dashpot.base.version import byline
 from dashpot.io.options import OF_BENCH, ReadOptions
-from dashpot.io.readers.frf import read_frf
-from dashpot.io.readers.impact import HITS, hits_in, read_impact
-from dashpot.io.readers.inspect import inspect_file
-from dashpot.io.readers.shaken import read_shaken
+from dashpot.io.readers.impact import read_impact
 from dashpot.records.bounds import FRFBounds
 from dashpot.records.fit import Fit
-from dashpot.records.frf import FRF, Kind, Mode
-from dashpot.records.impact import ImpactTest
+from dashpot.records.frf import FRF, Mode
 from dashpot.records.machine import Machine
 from dashpot.records.specimen import Specimen
 from dashpot.vibration.comparison.comparison import Comparison
-from dashpot.vibration.impact.checks import (
-    channels_not_clipped,
-    coherence,
-    frf_dissipates,
-    mass_over_base,
-    scatter_known,
-    segments_resolve,
-)
-from dashpot.vibration.impact.frf_estimation import estimate_frf
-from dashpot.vibration.impact.shaken import estimate_transmissibility
 from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness
-from dashpot.vibration.modal.peaks import find_peak
-from dashpot.vibration.systems.mounts import entrained, from_relative, on_light_mounts
 from dashpot.vibration.systems.operating_point import operating_point
-from dashpot.vibration.systems.prediction import moving_mass, predict_frf
+from dashpot.vibration.systems.prediction import predict_frf
 from dashpot.workflow.job import HammerChoices, known_of_a_test
+from dashpot.workflow.measured import average, read_measured, relieved, shaken, total_mass
 from dashpot.workflow.prepared import answered_in, prepared_files, refuse_others
 from dashpot.workflow.resting import LIMIT_LINES, AtRest, at_rest, formal_limits, frf_limits
 
-_RESPONSES = ("frf", "transmissibility")
-_NO_MASS = (
-    "the file holds a transmissibility, which tells the stiffness over the mass and neither alone: "
-    "give the mass (--mass)"
-)
-_NO_BASE = (
-    "--motion relative is of a mass over a base that moves, and here a force moves it: leave out"
-)
 _UNTESTED = (
     "the mass was inferred from the measured peak, so the stiffness is not tested: give --mass"
 )
@@ -152,135 +129,6 @@ def impact_files(
         for mode in modes
     )
     return ImpactResult(frf, shown, hammer.estimator, hammer.window, file), reason
-
-
-def read_measured(
-    paths: Sequence[str | Path],
-    *,
-    choices: HammerChoices,
-    options: ReadOptions,
-    mass: float | None = None,
-    band: tuple[float, float] | None = None,
-) -> tuple[ImpactTest | None, FRF]:
-    """Return the hits that files hold and their FRF, or the FRF that a file holds.
-
-    Its checks are about the resonance in `band`, Hz.
-    """
-    if options.base_acceleration is not None:
-        if mass is None:
-            raise ReadError(_NO_MASS)
-        return None, shaken(paths, choices=choices, options=options, mass=mass, band=band)[0]
-    if len(paths) == 1 and inspect_file(paths[0], options=options).kind in _RESPONSES:
-        frf = _absolute(read_frf(paths[0], options=options), choices)
-        if frf.kind is Kind.TRANSMISSIBILITY and mass is None:
-            raise ReadError(_NO_MASS)
-        return None, judged(frf, band, mass=mass)
-    impact = hits_in(list(paths), options, f"an FRF or {HITS}")
-    return impact, average(impact, choices=choices, mass=mass, band=band)
-
-
-def shaken(
-    paths: Sequence[str | Path],
-    *,
-    choices: HammerChoices,
-    options: ReadOptions,
-    mass: float | None,
-    band: tuple[float, float] | None = None,
-) -> tuple[FRF, tuple[Mode, ...], str]:
-    """Return the transmissibility of a shaken base, judged, its modes, and why there are none.
-
-    Without the mass, kg, it has none, and nothing at its resonance is judged.
-    """
-    _no_hammer(choices)
-    test = read_shaken(paths, options)
-    frf = estimate_transmissibility(test, estimator=choices.estimator, segment=choices.record)
-    frf = _absolute(frf, choices)
-    whole = channels_not_clipped(test)
-    if mass is None:
-        return replace(frf, checks=(mass_over_base(frf), whole)), (), _NO_MASS
-    modes: tuple[Mode, ...] = ()
-    reason = ""
-    try:
-        modes = frf.to("accelerance", mass=mass).modes(band=band)
-    except (DataError, FitError) as error:
-        reason = str(error)
-    resolved = segments_resolve(frf, next(iter(modes), None))
-    frf = judged(frf, band, mass=mass)
-    return replace(frf, checks=(*frf.checks, whole, resolved)), modes, reason
-
-
-def _absolute(frf: FRF, choices: HammerChoices) -> FRF:
-    """The transmissibility of the mass, where its motion was measured relative to the base."""
-    if choices.motion == "absolute":
-        return frf
-    if frf.kind is not Kind.TRANSMISSIBILITY:
-        raise ReadError(_NO_BASE)
-    return from_relative(frf)
-
-
-def _no_hammer(choices: HammerChoices) -> None:
-    """Refuse choices that a base that is shaken has no use for."""
-    default = HammerChoices()
-    odd = [
-        f"--{name}"
-        for name in ("window", "combine", "accept", "reject", "pretrigger", "polarity")
-        if getattr(choices, name) != getattr(default, name)
-    ]
-    if odd:
-        raise ReadError(
-            f"{', '.join(odd)}: of hits, and the base was shaken (--base-acceleration); leave out"
-        )
-
-
-def judged(
-    frf: FRF,
-    band: tuple[float, float] | None,
-    main: Mode | None = None,
-    *,
-    mass: float | None = None,
-    driven: bool = True,
-) -> FRF:
-    """Return an FRF that was averaged elsewhere with what it says of itself at its peak.
-
-    The peak is the highest in `band`, Hz, or that of a mode; a transmissibility needs the mass, kg.
-    Only where a point is struck itself (`driven`) does its phase tell whether the part dissipates.
-    """
-    near = frf.to("accelerance", mass=mass)
-    near = near if band is None else near.band(*band)
-    peak = find_peak(near) if main is None else main
-    at = int(np.argmin(np.abs(near.frequency - peak.frequency)))
-    judged = [frf_dissipates(complex(near.value[at]), float(near.frequency[at]))] * driven
-    if frf.kind is Kind.TRANSMISSIBILITY:
-        judged.insert(0, mass_over_base(frf))
-    if frf.coherence is not None:
-        judged.append(coherence(near, at))
-    elif frf.sd is None:
-        judged.append(scatter_known())
-    return replace(frf, checks=(*frf.checks, *judged))
-
-
-def average(
-    impact: ImpactTest,
-    *,
-    choices: HammerChoices,
-    mass: float | None = None,
-    band: tuple[float, float] | None = None,
-) -> FRF:
-    """Return the FRF of an impact test under these choices."""
-    asked = asdict(choices)
-    if asked.pop("motion") != "absolute":
-        raise ReadError(_NO_BASE)
-    return estimate_frf(impact, **asked, mass=mass, resonance_band=band)
-
-
-def total_mass(
-    block: float | None, *, seal: float | None, seals: float
-) -> tuple[float | None, tuple[Check, ...]]:
-    """Return the block's mass with what moves of the seals, where both are known."""
-    if block is None or seal is None:
-        return block, ()
-    mass, check = moving_mass(block, seal=seal, seals=seals)
-    return mass, (check,)
 
 
 def weighed(
@@ -528,13 +376,6 @@ def identify_files(
     evidence = replace(found.evidence, checks=(*useless, *found.checks))
     others = tuple(check for check in frf.checks if check not in useless)
     return replace(found, evidence=evidence), straight, (*others, *noted)
-
-
-def relieved(frf: FRF, mass: float | None, seal_mass: float | None, seals: float) -> FRF:
-    """Return a transmissibility as seals without mass would show it; another FRF as it is."""
-    if frf.kind is not Kind.TRANSMISSIBILITY or mass is None:
-        return frf
-    return on_light_mounts(frf, mass=mass, coupled=entrained(seal_mass, seals))
 
 
 def _useless(frf: FRF) -> tuple[Check, ...]:

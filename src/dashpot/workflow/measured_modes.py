@@ -23,7 +23,8 @@ from dashpot.vibration.modal.checks import modes_explain_lines, modes_stable
 from dashpot.vibration.modal.several_points import shapes_of, within
 from dashpot.vibration.modal.shapes import mac, phase_collinearity, phase_deviation
 from dashpot.vibration.modal.stabilisation import Stabilisation, stabilisation
-from dashpot.workflow.impacts import ImpactMode, finite, judged
+from dashpot.workflow.impacts import ImpactMode, finite
+from dashpot.workflow.measured import judged
 
 SAME_MODE = 0.2
 """Relative: no mode of another set is the same one farther off than this."""

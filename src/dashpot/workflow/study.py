@@ -37,8 +37,9 @@ from dashpot.vibration.modal.peaks import find_peak
 from dashpot.vibration.systems.operating_point import OperatingPoint
 from dashpot.vibration.systems.prediction import REACH, highest_peak, predict_frf
 from dashpot.workflow.checks import hold_fit_possible, prediction_informed
-from dashpot.workflow.impacts import held_against, read_measured, relieved, total_mass, weighed
+from dashpot.workflow.impacts import held_against, weighed
 from dashpot.workflow.job import Cuts, Job
+from dashpot.workflow.measured import read_measured, relieved, total_mass
 from dashpot.workflow.prepared import answered_in
 from dashpot.workflow.resting import (
     AtRest,
