@@ -11,9 +11,9 @@ from dashpot.base.errors import DataError, FitError
 from dashpot.records.frf import FRF, Kind, Mode
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.impact.frf_estimation import estimate_frf
+from dashpot.vibration.modal.lines import Lines, kernel
 from dashpot.vibration.modal.modes import Method
 from dashpot.vibration.modal.peaks import mount_band
-from dashpot.vibration.modal.rational_fraction import Lines, kernel
 from dashpot.vibration.systems.prediction import model_modes, predict_frf
 
 MASS, BROAD_MASS = 0.1040426, 0.114829829

@@ -246,6 +246,22 @@ def test_a_lone_damper_makes_shapes_complex(damper):
     assert least > 0.999 if damper < 1 else least < 0.98
 
 
+@pytest.mark.once
+def test_a_mode_beyond_the_band_leaves_those_within_it_alone():
+    measured, poles, _ = chain(4.0)
+    first, second, third = np.sort(np.abs(poles)) / (2 * np.pi)
+    for band in ((4.0, 1.06 * second), (4.0, 0.97 * third), (1.05 * first, 60.0)):
+        found = measured.modes(band=band)
+        assert len(found) == 2
+        for one in found:
+            true = poles[np.argmin(np.abs(poles - one.mode.pole))]
+            assert band[0] < abs(true) / (2 * np.pi) < band[1]
+            off = one.mode.frequency - abs(true) / (2 * np.pi)
+            assert abs(off) < 4 * one.mode.frequency_se < 1e-2 * one.mode.frequency
+            off = one.mode.damping_ratio + true.real / abs(true)
+            assert abs(off) < 4 * one.mode.damping_ratio_se
+
+
 def test_collinear_and_circular_shapes_are_the_two_ends():
     straight = np.array([1.0, -0.5, 0.3, -0.9]) * np.exp(0.7j)
     assert phase_collinearity(straight) == pytest.approx(1)

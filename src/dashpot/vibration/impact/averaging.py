@@ -23,8 +23,8 @@ from dashpot.vibration.impact.estimators import (
 from dashpot.vibration.impact.hits import HitBlock
 from dashpot.vibration.impact.quality import Verdict, judge, remaining
 from dashpot.vibration.impact.rocking import Combination, null_rocking
+from dashpot.vibration.modal.lines import Lines
 from dashpot.vibration.modal.peaks import mount_band
-from dashpot.vibration.modal.rational_fraction import Lines
 
 FORCE_LEFT = 0.1  # -20 dB: where the force has fallen this far, the FRF ends
 ALIAS_FREE = 0.4  # of the sampling rate

@@ -14,7 +14,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
-from dashpot.vibration.modal.rational_fraction import FLOOR, Lines, find_poles, kernel, residues_at
+from dashpot.vibration.modal.lines import FLOOR, Lines, kernel
+from dashpot.vibration.modal.rational_fraction import find_poles, residues_at
 
 ABOUT = 1.2  # times their frequencies lie the lines that decide about two modes
 FEWEST = 12  # lines for that

@@ -20,60 +20,16 @@ from functools import cached_property
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
+from dashpot.vibration.modal.lines import Lines, kernel, kernel_slope
 from dashpot.vibration.modal.shapes import mac
 
-FLOOR = 1e-3  # relative error below which no line of a measured FRF is trusted
-FLOOR_OF_TOP = 3e-4  # and of the highest line: leakage is modelled that well
 STEPS = 60
 MOST_DAMPED = 0.75  # sigma / omega of a mode; beyond it is relaxation
 SLOW_POLES = (1e-3, 0.3, 1.5, 7.0)  # of the background, times the middle of the band
 SMALLEST_MODE = 0.01  # of the largest value in the band
+OUTSIDE = (1.02, 1.1, 1.3)  # times the band's ends, where poles beyond it are tried
+FARTHEST = 2.0  # beyond which the background says the same
 ALIKE = 0.8  # by the modal assurance criterion: two shapes that no close poles are told apart by
-
-
-@dataclass(frozen=True, eq=False)
-class Lines:
-    """FRF lines to be fitted: one row of `value` and `sd` per channel.
-
-    Attributes
-    ----------
-    s : complex array, shape (n,)
-    value : complex array, shape (channels, n)
-        Accelerance, 1/kg.
-    sd : array, shape (channels, n)
-    record : float or None
-        Length of the record after the hit, s; None if the response was not cut.
-    pulse : float
-        Rms width of the hit, s.
-    """
-
-    s: ComplexArray
-    value: ComplexArray
-    sd: FloatArray
-    record: float | None
-    pulse: float = 0.0
-
-    @classmethod
-    def measured(
-        cls,
-        s: ComplexArray,
-        value: ComplexArray,
-        sd: FloatArray | None,
-        *,
-        record: float | None,
-        pulse: float = 0.0,
-    ) -> Lines:
-        """Lines as an FRF holds them; `value` and `sd` of shape (channels, n)."""
-        size = np.abs(value)
-        top = size.max(axis=1, keepdims=True)
-        error = np.broadcast_to(FLOOR * top, size.shape)
-        if sd is not None:
-            error = np.sqrt(sd**2 + (FLOOR * size) ** 2 + (FLOOR_OF_TOP * top) ** 2)
-        return cls(s, value, error, record, pulse)
-
-    def only(self, keep: BoolArray) -> Lines:
-        """The chosen lines."""
-        return replace(self, s=self.s[keep], value=self.value[:, keep], sd=self.sd[:, keep])
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,28 +117,14 @@ class _Trial:
         """Derivative of the modes' sum by ln sigma and omega at fixed residues, (n, 2 modes)."""
         columns = []
         for p, residue in zip(self.poles, self.residues[channel], strict=True):
-            up = residue * _kernel_slope(self.lines, p)
-            down = residue.conjugate() * _kernel_slope(self.lines, p.conjugate())
+            up = residue * kernel_slope(self.lines, p)
+            down = residue.conjugate() * kernel_slope(self.lines, p.conjugate())
             columns += [p.real * (up + down), 1j * (up - down)]
         return np.array(columns).T
 
     def only(self, modes: list[int]) -> _Trial:
         """The chosen modes."""
         return replace(self, theta=self.theta.reshape(-1, 2)[modes].ravel())
-
-
-def kernel(lines: Lines, p: complex) -> ComplexArray:
-    r"""Transform of :math:`e^{pt}` over the record (module docstring), shape (n,)."""
-    s = lines.s
-    if lines.record is None:
-        return np.asarray(1 / (s - p))
-    return np.asarray(-np.expm1(_lost(lines, p)) / (s - p))
-
-
-def _lost(lines: Lines, p: complex) -> ComplexArray:
-    """Logarithm of the part that the end of the record takes."""
-    T = lines.record or 0.0
-    return np.asarray((p - lines.s) * T + 0.5 * lines.pulse**2 * (p**2 - lines.s**2))
 
 
 def find_poles(lines: Lines, *, most: int, count: int | None = None) -> PoleFit | None:
@@ -213,7 +155,8 @@ def find_poles(lines: Lines, *, most: int, count: int | None = None) -> PoleFit 
             break
     if count is None:
         kept = _prune(kept)
-    return _finish(kept) if kept.theta.size else None
+    modes = len(kept.poles)
+    return _finish(_with_outer_poles(kept), modes) if modes else None
 
 
 def residues_at(lines: Lines, poles: ComplexArray) -> ComplexArray:
@@ -250,14 +193,6 @@ def _near(lines: Lines, p: complex) -> BoolArray:
     omega = lines.s.imag
     reach = max(10.5 * float(np.median(np.diff(omega))), -6 * p.real)
     return np.asarray(np.abs(omega - p.imag) <= reach)
-
-
-def _kernel_slope(lines: Lines, p: complex) -> ComplexArray:
-    k = kernel(lines, p)
-    if lines.record is None:
-        return k**2
-    later = lines.record + lines.pulse**2 * p
-    return np.asarray((k - later * np.exp(_lost(lines, p))) / (lines.s - p))
 
 
 def _refine(trial: _Trial) -> _Trial:
@@ -302,15 +237,21 @@ def _with_next_pole(trial: _Trial) -> _Trial:
     lines, omega = trial.lines, trial.lines.s.imag
     missed = (trial.misfit * lines.sd**2).sum(axis=0)
     worst, step = float(omega[np.argmax(missed)]), float(np.median(np.diff(omega)))
-    weights = [1 / sd for sd in lines.sd]
-    bases = [np.linalg.qr(_stack(trial.columns, weight))[0] for weight in weights]
     ratios = np.geomspace(3e-4, 0.4, 9)
     # sharp peaks stand where most is missed, to a line; broad ones may be missed most beside it
-    trials = [(r * worst, worst + i * step) for r in ratios for i in np.linspace(-1.5, 1.5, 7)]
+    starts = [(r * worst, worst + i * step) for r in ratios for i in np.linspace(-1.5, 1.5, 7)]
     broad = np.geomspace(omega[0], omega[-1], 16)[1:-1]
-    trials += [(r * at, float(at)) for r in ratios[5:] for at in broad]
+    starts += [(r * at, float(at)) for r in ratios[5:] for at in broad]
+    return _with_best(trial, starts)[0]
+
+
+def _with_best(trial: _Trial, starts: list[tuple[float, float]]) -> tuple[_Trial, float]:
+    """Add the pole, of several (sigma, omega), that explains most, and say how much that is."""
+    lines = trial.lines
+    weights = [1 / sd for sd in lines.sd]
+    bases = [np.linalg.qr(_stack(trial.columns, weight))[0] for weight in weights]
     best, start = -np.inf, np.zeros(2)
-    for sigma, at in trials:
+    for sigma, at in starts:
         pair = np.column_stack(_mode_columns(lines, complex(-sigma, at)))
         gain = 0.0
         for weight, basis, r in zip(weights, bases, trial.solution[1], strict=True):
@@ -319,13 +260,38 @@ def _with_next_pole(trial: _Trial) -> _Trial:
             gain += float(r @ new @ np.linalg.pinv(new.T @ new) @ (new.T @ r))
         if gain > best:
             best, start = gain, np.array([np.log(sigma), at])
-    return _Trial(lines, np.concatenate((trial.theta, start)))
+    return _Trial(lines, np.concatenate((trial.theta, start))), best
 
 
-def _finish(trial: _Trial) -> PoleFit:
-    """Residues, and the errors of all parameters: every channel tells the poles."""
-    modes = len(trial.poles)
-    normal = np.zeros((2 * modes, 2 * modes))
+def _with_outer_poles(trial: _Trial) -> _Trial:
+    """Add poles beyond either end of the band, as background, where they explain what is missed."""
+    omega, size = trial.lines.s.imag, 2 * trial.lines.value.size
+    low, high = float(omega[0]), float(omega[-1])
+    places = [float(at) for by in OUTSIDE for at in (low / by, high * by)]
+    starts = [(ratio * at, at) for at in places for ratio in (0.003, 0.02, 0.1)]
+    for _ in range(2):
+        more, gain = _with_best(trial, starts)
+        # a scan shows a part of what a refined pole explains
+        if 10 * gain < trial.cost * _worth(trial) / size:
+            break
+        more = _refine(more)
+        at = more.poles[-1].imag
+        beyond = low / FARTHEST < at <= low or high <= at < high * FARTHEST
+        if not beyond or trial.cost - more.cost < more.cost * _worth(trial) / size:
+            break
+        trial = more
+    return trial
+
+
+def _worth(trial: _Trial) -> float:
+    """What a pole must explain, in variances, to be there."""
+    return float(3 * _parameters(trial.misfit) * np.log(2 * trial.lines.value.size))
+
+
+def _finish(trial: _Trial, modes: int) -> PoleFit:
+    """Residues of the first poles, and all errors: every channel tells the poles."""
+    every = len(trial.poles)
+    normal = np.zeros((2 * every, 2 * every))
     channels = []
     for i, sd in enumerate(trial.lines.sd):
         slopes = _stack(trial.slopes(i), 1 / sd)
@@ -338,16 +304,17 @@ def _finish(trial: _Trial) -> PoleFit:
         inverse = (np.linalg.pinv(triangle, rcond=1e-12) / scale[:, None])[: 2 * modes]
         channels.append((inverse, inverse @ (q.T @ slopes)))
     scale = np.sqrt(np.diag(normal))
-    covariance = np.linalg.pinv(normal / np.outer(scale, scale)) / np.outer(scale, scale)
+    whole = np.linalg.pinv(normal / np.outer(scale, scale)) / np.outer(scale, scale)
+    covariance = whole[: 2 * modes, : 2 * modes]
     variance = np.array(
-        [(own**2).sum(axis=1) + ((by @ covariance) * by).sum(axis=1) for own, by in channels]
+        [(own**2).sum(axis=1) + ((by @ whole) * by).sum(axis=1) for own, by in channels]
     )
     # what the model misses about a mode widens that mode's error
-    misfit = np.array([_chi2(trial, p) for p in trial.poles])
+    misfit = np.array([_chi2(trial, p) for p in trial.poles[:modes]])
     worse = np.sqrt(np.maximum(misfit, 1.0))
     return PoleFit(
-        poles=trial.poles,
-        residues=trial.residues,
+        poles=trial.poles[:modes],
+        residues=trial.residues[:, :modes],
         covariance=covariance * np.outer(np.repeat(worse, 2), np.repeat(worse, 2)),
         residue_se=np.sqrt(variance[:, 0::2] + variance[:, 1::2]) * worse,
         misfit=misfit,
@@ -372,7 +339,7 @@ def _matters(trial: _Trial, before: _Trial) -> bool:
     p = trial.poles[-1]
     near = _near(trial.lines, p)
     gain = float((before.misfit - trial.misfit)[:, near].sum()) / max(_chi2(trial, p), 1e-300)
-    return bool(gain > 3 * _parameters(trial.misfit) * np.log(2 * trial.lines.value.size))
+    return bool(gain > _worth(trial))
 
 
 def _is_mode(trial: _Trial, i: int) -> bool:

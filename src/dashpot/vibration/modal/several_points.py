@@ -9,8 +9,9 @@ import numpy as np
 from dashpot.base.errors import DataError
 from dashpot.records.frf import FRF, Kind, Mode
 from dashpot.records.frf_set import FRFSet, ModeShape
+from dashpot.vibration.modal.lines import Lines
 from dashpot.vibration.modal.peaks import mount_band
-from dashpot.vibration.modal.rational_fraction import Lines, find_poles
+from dashpot.vibration.modal.rational_fraction import find_poles
 
 FEWEST_LINES = 8
 MOST_MODES, MOST_OF_A_SET = 6, 24

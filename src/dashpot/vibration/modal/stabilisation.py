@@ -21,7 +21,8 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray, IndexArray
 from dashpot.records.frf import Mode
 from dashpot.records.frf_set import FRFSet
-from dashpot.vibration.modal.rational_fraction import MOST_DAMPED, Lines
+from dashpot.vibration.modal.lines import Lines
+from dashpot.vibration.modal.rational_fraction import MOST_DAMPED
 from dashpot.vibration.modal.several_points import lines_of, together, within
 from dashpot.vibration.modal.shapes import mac
 
