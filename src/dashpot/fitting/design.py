@@ -9,6 +9,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.engine.blocks.block import Block, prior_block
+from dashpot.engine.blocks.compression import uniform_step
 from dashpot.engine.blocks.hold import hold_block
 from dashpot.engine.blocks.late_force import Late
 from dashpot.engine.blocks.recorded import recorded_block
@@ -107,7 +108,8 @@ def _late(test: RampHold, block: Block, rough: Solution) -> Late:
     k = rough.arms[rough.groups.index(block.arm_group)]
     k_g = rough.coefficient(block.fixed_names[0]) + float(k.sum())
     arms = block.exact.evaluate(rough.log_tau, False).arms
-    return Late.of(arms, k, rough.tau, k_g, np.gradient(x, time)[first_sample(test) :])
+    speed = np.gradient(x, uniform_step(time) or time)
+    return Late.of(arms, k, rough.tau, k_g, speed[first_sample(test) :])
 
 
 def first_sample(test: RampHold) -> int:

@@ -181,12 +181,13 @@ def denoised(values: FloatArray, noise: float) -> tuple[FloatArray, FloatArray]:
     confidence intervals.
     """
     n = len(values)
-    total = np.concatenate(([0.0], np.cumsum(values - values[0])))
+    # counted from the last value, a hold that stands stays exactly where it is
+    total = np.concatenate(([0.0], np.cumsum(values - values[-1])))
     low, high = np.full(n, -np.inf), np.full(n, np.inf)
     open_still, widened = np.ones(n, dtype=bool), np.zeros(n, dtype=np.uint8)
 
     def widen(here: slice, sums: FloatArray, count: FloatArray | int) -> None:
-        mean, reach = values[0] + sums / count, APART * (noise / np.sqrt(count))
+        mean, reach = values[-1] + sums / count, APART * (noise / np.sqrt(count))
         np.maximum(low[here], mean - reach, out=low[here])
         np.minimum(high[here], mean + reach, out=high[here])
         open_still[here] &= low[here] <= high[here]
@@ -208,5 +209,5 @@ def denoised(values: FloatArray, noise: float) -> tuple[FloatArray, FloatArray]:
         half[ends] = np.where(open_still[ends], w, half[ends])
     counts = 2 * half + 1
     # taken once, of the window that each sample ended with
-    best = values[0] + (total[at + half + 1] - total[at - half]) / counts
+    best = values[-1] + (total[at + half + 1] - total[at - half]) / counts
     return best, noise / np.sqrt(counts)

@@ -33,8 +33,8 @@ from dashpot.engine.blocks.late_force import Late, Steps, late_lags, turned_back
 #: relative sum of squares below which a Gram matrix holds rounding only
 ROUNDING = 1e-14
 _SIGNS = np.array([[1.0], [-1.0]])
-#: part of the whole motion that is rounding of it
-RESTS = 1e-14
+#: part of the whole motion that is rest: rounding
+RESTS = 1e-13
 #: so many columns of decays are dependent to rounding
 MANY = 24
 
@@ -76,7 +76,7 @@ class Response(ByValue):
 
     def with_fixed(self, column: FloatArray, own: FloatArray | None = None) -> Response:
         """The response with one more fixed column, shape (n,), `own` its correlation if known."""
-        fixed = np.concatenate((self.fixed, column[:, None]), axis=1)
+        fixed = np.concatenate((self.fixed.T, column[None])).T
         crossed = column @ fixed
         size = len(crossed)
         gram = np.empty((size, size))
@@ -98,15 +98,6 @@ class Response(ByValue):
         spectrum = np.fft.rfft(values, self.size)
         spectrum *= self.lagged
         return np.asarray(np.fft.irfft(spectrum, self.size)[..., : self.count])
-
-    def own_lag(self, steps: FloatArray) -> FloatArray:
-        """Correlation of the window's steps with all steps, shape (count,)."""
-        found = _self_lag(self.lagged, self.size)[: self.count]
-        before = steps[: self.start]
-        if before.any():
-            size = fast_length(2 * self.start)
-            found[: self.start] -= _self_lag(np.fft.rfft(before, size), size)[: self.start]
-        return found
 
     def gram(self, tau: FloatArray, force: Force, *, derivative: bool) -> FloatArray:
         """Gram matrix of [fixed, arms, y] or [fixed, arms, slopes, y].
@@ -162,9 +153,16 @@ class Response(ByValue):
         )
 
 
-def _self_lag(spectrum: ComplexArray, size: int) -> FloatArray:
-    """Correlation with itself of what has this Fourier transform, or the conjugate of it."""
-    return np.asarray(np.fft.irfft(spectrum.real**2 + spectrum.imag**2, size))
+def _own_lag(d: FloatArray, start: int, moving: int) -> FloatArray:
+    """Correlation of the steps from `start` on with all steps, the last of which is at `moving`."""
+    found = np.zeros(len(d))
+    for count, sign in ((moving, 1.0), (min(start, moving), -1.0)):
+        if d[:count].any():
+            size = fast_length(2 * count)
+            spectrum = np.fft.rfft(d[:count], size)
+            power = spectrum.real**2 + spectrum.imag**2
+            found[:count] += sign * np.fft.irfft(power, size)[:count]
+    return found
 
 
 class Force(NamedTuple):
@@ -304,9 +302,9 @@ def response(
     start, stop : int
         The window.
     """
-    d = _steps(x[:stop])
+    d, moving = _steps(x[:stop])
     # the lags may wrap around where nothing moves any more
-    size = fast_length(stop + int(np.flatnonzero(d)[-1:].sum()) + 1)
+    size = fast_length(stop + moving)
     lags = counted(stop)
     before = np.zeros(len(lags.nodes))
     if start:
@@ -324,7 +322,7 @@ def response(
         count=stop,
         step=float(time[-1] - time[0]) / (len(time) - 1),
     )
-    own = bare.own_lag(d)
+    own = _own_lag(d, start, moving)
     rows = [_lagged(bare, column, x, d, own) for column in fixed.T]
     nodes = lags.nodes_of_each([*rows, own, d[::-1]])
     sequences = np.concatenate((nodes[:-1], before[None], nodes[-1:]))
@@ -332,14 +330,15 @@ def response(
     return replace(bare, sequences=sequences, steps=Steps(d, after, own))
 
 
-def _steps(x: FloatArray) -> FloatArray:
-    """The steps of a motion from zero; what it still moves by rounding is rest."""
+def _steps(x: FloatArray) -> tuple[FloatArray, int]:
+    """The steps of a motion from zero, and where they end: what it still moves by is rounding."""
     off = np.abs(x - x[-1])
-    moving = int(np.flatnonzero(off > RESTS * off.max())[-1:].sum()) + 1
+    moving = int(np.flatnonzero(off > RESTS * off.max())[-1:].sum()) + 2
     d = x.copy()
-    d[moving:] = x[-1]
-    d[1:] -= d[:-1].copy()
-    return d
+    d[1:] -= x[:-1]
+    d[moving - 1 : moving] = x[-1] - x[moving - 2]
+    d[moving:] = 0.0
+    return d, min(moving, len(x))
 
 
 def _lagged(

@@ -59,7 +59,7 @@ def even_arms(
             given[1:, STRETCH + 1] = piled(late_ends, one * STRETCH)[:-1]
             made = _answers((mean - power[1]) * power + mean * one * late)
             np.matmul(given, np.concatenate((made, mean * one * power[None, 1:])), out=both[1, j])
-    q, p = (one.reshape(len(z), -1) for one in (both[0], both[-1]))
+    q, p = (one.reshape(len(z), count * STRETCH) for one in (both[0], both[-1]))
     if x[0] != 0.0:
         passed = z[:, None] * np.arange(q.shape[1])
         left = x[0] * np.exp(-passed)
