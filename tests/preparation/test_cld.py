@@ -212,3 +212,13 @@ def test_a_curve_typed_from_a_sheet_begins_where_it_begins():
     assert failed(one) == {"conditioned", "unloading_recorded", "length_given"}
     up = np.concatenate((x, x[-2::-1]))
     assert dp.cld(dp.CompressionTest(up, 200.0 * up)).cycle.hysteresis == pytest.approx(0, abs=1e-9)
+
+
+def test_its_numbers_are_a_table_and_its_picture_is_there():
+    pytest.importorskip("pandas")
+    one = found(pressed(cycles=1), at=6e-3)
+    table = one.to_pandas()
+    assert list(table.columns) == ["force", "time"]
+    assert table.attrs["units"]["force"] == "N"
+    assert np.array_equal(table["force"], one.force)
+    assert one.plot().panels[0].y.label == "force, N per 100 mm"

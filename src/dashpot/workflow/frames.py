@@ -12,6 +12,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
 from dashpot.io.readers.inspect import Inspection
+from dashpot.records.cld import CLD, CompressionTest
 from dashpot.records.creep import CreepCompliance, CreepTest
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import Fit
@@ -93,6 +94,20 @@ def _frame(**columns: tuple[Any, str]) -> Frame:
 def _(noun: RelaxationTest | RampHold) -> Frame:
     return _frame(
         time=(noun.time, "s"), displacement=(noun.displacement, "m"), force=(noun.force, "N")
+    )
+
+
+@frame.register
+def _(noun: CompressionTest) -> Frame:
+    return _frame(
+        displacement=(noun.displacement, "m"), force=(noun.force, "N"), time=(noun.time, "s")
+    )
+
+
+@frame.register
+def _(noun: CLD) -> Frame:
+    return _frame(
+        compression=(noun.compression, "m"), force=(noun.force, "N"), time=(noun.time, "s")
     )
 
 
