@@ -85,6 +85,7 @@ from .vibration.comparison.compare import infer_mass as infer_mass
 from .vibration.comparison.comparison import Comparison as Comparison
 from .vibration.impact.frf_estimation import estimate_frf as estimate_frf
 from .vibration.modal.dynamic_stiffness import dynamic_stiffness as dynamic_stiffness
+from .vibration.modal.rod import rod_modulus as rod_modulus
 from .vibration.modal.several_masses import several_masses as several_masses
 from .vibration.modal.shapes import mac as mac
 from .vibration.modal.stabilisation import stabilisation as stabilisation
