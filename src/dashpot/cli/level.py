@@ -11,7 +11,7 @@ from dashpot import workflow
 from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._options import Quantity
-from dashpot.cli._shell import File, Outcome, reports, write_figure
+from dashpot.cli._shell import File, Outcome, reports, write, write_figure
 
 
 @click.command("level")
@@ -42,10 +42,13 @@ from dashpot.cli._shell import File, Outcome, reports, write_figure
     "spring stiffens.",
 )
 @options.picture
+@options.output("Write a page of it.", ".html", ".htm")
 @options.overwrite
 @reports
 @options.reading
-def command(*, files: tuple[str, ...], picture: str | None, **choices: Any) -> Outcome:
+def command(
+    *, files: tuple[str, ...], picture: str | None, output: str | None, **choices: Any
+) -> Outcome:
     """Find how far stiffness and damping depend on how far the seal is moved.
 
     SWEEP is storage and loss against strain or displacement at one frequency or a few; LOOPS a
@@ -54,10 +57,12 @@ def command(*, files: tuple[str, ...], picture: str | None, **choices: Any) -> O
 
     \b
     dashpot level sweep.csv
-    dashpot level loops.csv --plot loops.png
+    dashpot level loops.csv --plot loops.png -o loops.html
     dashpot level low.csv high.csv --level 0.02N --level 0.2N --mass 104g --seals 2 --at 0.1N
     """
     found = workflow.level_files(files, **choices)
     if picture:
         write_figure(picture, dp.plot.level(found.fit, found.records))
+    if output:
+        write(output, dp.report.html(found))
     return Outcome(found.document, _text.levels(found), found.checks, verdict=found.verdict)

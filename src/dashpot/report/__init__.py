@@ -1,25 +1,21 @@
-"""A study to one self-contained HTML file."""
+"""A study, or a fit of several levels, to one self-contained HTML file."""
 
 from __future__ import annotations
 
-import platform
-from functools import cache
-from importlib import metadata, resources
 from typing import Any
 
 from dashpot.base.provenance import Step
-from dashpot.base.version import __version__, byline
-from dashpot.plot import tokens
-from dashpot.report import answer, summary, tables
+from dashpot.report import answer, level, summary, tables
 from dashpot.report.figures import figures_of
-from dashpot.report.pages import COLOURS, digest, environment
+from dashpot.report.pages import COLOURS, environment, frame
+from dashpot.workflow.levels import Levels
 from dashpot.workflow.recommendation import recommendation
 from dashpot.workflow.study import Study
 
 __all__ = ["html"]
 
 
-def html(study: Study) -> str:
+def html(study: Study | Levels) -> str:
     """Return the report as one self-contained HTML file.
 
     The first screen holds the verdict, the figure that answers, and the solid to take; then test,
@@ -30,42 +26,29 @@ def html(study: Study) -> str:
 
     Parameters
     ----------
-    study : Study
+    study : Study or Levels
+        What ``dashpot report`` or ``dashpot level`` found; of levels the page holds verdict,
+        figures, numbers, checks and files.
 
     Returns
     -------
     str
         The text of the file; the same study gives the same text.
     """
-    return str(environment("dashpot.report").get_template("report.html").render(_contents(study)))
-
-
-@cache
-def _part(name: str) -> str:
-    """A part of the page that is no HTML, as it stands in its file."""
-    return resources.files("dashpot.report").joinpath("templates", name).read_text("utf-8").strip()
-
-
-@cache
-def _charts() -> str:
-    """The script that lets figures be zoomed and read off: that of every page."""
-    return resources.files("dashpot.plot").joinpath("charts.js").read_text("utf-8").strip()
+    if isinstance(study, Levels):
+        name, contents = "level.html", level.contents(study)
+    else:
+        name, contents = "report.html", _contents(study)
+    return str(environment("dashpot.report").get_template(name).render(contents))
 
 
 def _contents(study: Study) -> dict[str, Any]:
     length = study.prepared.specimen.length
     stages = summary.stages(study)
-    style = f"{tokens.css()}\n{_part('report.css')}"
-    # the one page holds the modules one after the other, so the second imports nothing
-    script = f"{_charts()}\n{_part('report.js').partition(chr(10))[2]}"
     found = recommendation(study)
     return {
         "study": study,
-        "byline": byline("report"),
-        "style": style,
-        "script": script,
-        "policy": f"default-src 'none'; img-src data:; style-src {digest(style)}; "
-        f"script-src {digest(script)}; base-uri 'none'; form-action 'none'",
+        **frame(),
         "title": summary.title(study),
         "header": answer.header(study),
         "verdict": study.verdict,
@@ -107,7 +90,6 @@ def _contents(study: Study) -> dict[str, Any]:
         "assumptions": tables.assumptions(study),
         "sources": summary.sources(study),
         "steps": _steps(study),
-        "versions": versions(),
     }
 
 
@@ -116,12 +98,3 @@ def _steps(study: Study) -> list[Step]:
     groups = [study.fit.steps or study.prepared.steps]
     groups += [later.steps for later in (study.measured, study.joint) if later is not None]
     return list(dict.fromkeys(step for steps in groups for step in steps))
-
-
-def versions() -> tuple[tuple[str, str], ...]:
-    """What computed this page."""
-    return (
-        ("dashpot", __version__),
-        *((name, metadata.version(name)) for name in ("numpy", "scipy")),
-        ("Python", platform.python_version()),
-    )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import math
 import shlex
 from collections.abc import Collection, Iterable
@@ -14,6 +13,7 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import ExportError
 from dashpot.base.numbers import counted, decibels, duration, hertz, percent, rounded
 from dashpot.export import DeckText
+from dashpot.report.pages import held
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.workflow.archive import to_json
 from dashpot.workflow.recommendation import Answer, Recommendation
@@ -351,7 +351,7 @@ def _json(name: str, label: str, about: str, noun: object) -> File:
 
 
 def _file(name: str, label: str, about: str, kind: str, text: str) -> File:
-    link = f"data:{kind};base64,{base64.b64encode(text.encode()).decode()}"
+    link = held(kind, text)
     return File(name, label, about, link)
 
 

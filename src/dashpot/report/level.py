@@ -1,17 +1,23 @@
-"""What is read of a fit of several levels: its numbers in the units of people."""
+"""What is read of a fit of several levels: its numbers in the units of people, and its page."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
+from dashpot import plot
 from dashpot.base.arrays import FloatArray
 from dashpot.base.numbers import rounded
 from dashpot.plot.picture import unit_of
 from dashpot.records.amplitude import AmplitudeFit
 from dashpot.records.level import LevelFit
-from dashpot.report.tables import READ, Parameter
+from dashpot.report.figures import drawn
+from dashpot.report.pages import COLOURS, frame, held
+from dashpot.report.tables import READ, Parameter, Table, checks
 from dashpot.solids.friction import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.rate_independent import InParallel
@@ -22,6 +28,35 @@ _95 = 1.96
 """Standard errors to either end of a 95 % interval."""
 _FINEST = 1e-6
 """Part of a number to which it is known at best: no sweep has more digits."""
+
+
+def contents(found: Levels) -> dict[str, Any]:
+    """What the page of a fit of several levels holds."""
+    rows = []
+    for one in numbers(found):
+        half = (one.ends[1] - one.ends[0]) / 2
+        value, low, high = (rounded(each, half) for each in (one.value, *one.ends))
+        rows.append((one.name, value, low, high, one.unit))
+    picture = replace(plot.level(found.fit, found.records), name="level")
+    names = dict.fromkeys(one.file for one in found.source)
+    return {
+        **frame(),
+        "title": ", ".join(names) or "levels",
+        "verdict": found.verdict,
+        "colour": COLOURS[found.verdict.use],
+        "figures": {"level": drawn(picture)},
+        "numbers": Table(("", "value", "95 % from", "to", "unit"), tuple(rows)),
+        "beyond": beyond(found),
+        "checks": checks([("levels", found.checks)], found.checks),
+        "sources": tuple(dict.fromkeys(found.source)),
+        "simulated": list(dict.fromkeys(one.file for one in found.source if one.simulated)),
+        "link": held("application/json", document(found)),
+    }
+
+
+def document(found: Levels) -> str:
+    """The JSON that ``dashpot level --json`` prints."""
+    return json.dumps(found.document, indent=2, ensure_ascii=False, allow_nan=False)
 
 
 def numbers(found: Levels) -> list[Parameter]:

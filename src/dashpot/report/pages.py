@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import platform
 from functools import cache
-from typing import TYPE_CHECKING
+from importlib import metadata, resources
+from typing import TYPE_CHECKING, Any
 
 from dashpot.base import numbers
 from dashpot.base.checks import Use
+from dashpot.base.version import __version__, byline
+from dashpot.plot import tokens
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -38,6 +42,42 @@ def environment(package: str) -> Environment:
         hertz=numbers.hertz,
     )
     return found
+
+
+@cache
+def _part(package: str, *path: str) -> str:
+    """A part of a page that is no HTML, as it stands in its file."""
+    return resources.files(package).joinpath(*path).read_text("utf-8").strip()
+
+
+def frame() -> dict[str, Any]:
+    """What every page of the report's look has: style, script, policy, what computed it."""
+    style = f"{tokens.css()}\n{_part('dashpot.report', 'templates', 'report.css')}"
+    own = _part("dashpot.report", "templates", "report.js")
+    # the one page holds the modules one after the other, so the second imports nothing
+    script = f"{_part('dashpot.plot', 'charts.js')}\n{own.partition(chr(10))[2]}"
+    return {
+        "byline": byline("report"),
+        "style": style,
+        "script": script,
+        "policy": f"default-src 'none'; img-src data:; style-src {digest(style)}; "
+        f"script-src {digest(script)}; base-uri 'none'; form-action 'none'",
+        "versions": versions(),
+    }
+
+
+def versions() -> tuple[tuple[str, str], ...]:
+    """What computed this page."""
+    return (
+        ("dashpot", __version__),
+        *((name, metadata.version(name)) for name in ("numpy", "scipy")),
+        ("Python", platform.python_version()),
+    )
+
+
+def held(kind: str, text: str) -> str:
+    """A link that holds the file itself."""
+    return f"data:{kind};base64,{base64.b64encode(text.encode()).decode()}"
 
 
 def digest(text: str) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
@@ -15,7 +14,7 @@ from dashpot.base.units import si
 from dashpot.fitting.level.laws import LAWS
 from dashpot.io.options import ReadOptions
 from dashpot.plot.picture import Picture
-from dashpot.report.level import beyond, numbers
+from dashpot.report.level import beyond, document, numbers
 from dashpot.report.pages import COLOURS
 from dashpot.web import views, wire
 from dashpot.web.bench import KEPT, WIDE
@@ -87,5 +86,5 @@ def level(request: Mapping[str, Any], folder: Path) -> bytes:
 def take_level(request: Mapping[str, Any], folder: Path) -> bytes:
     """The fit as its JSON, as ``dashpot level --json`` prints it."""
     found, _ = _fitted(_asked(request, folder))
-    text = json.dumps(found.document, indent=2, ensure_ascii=False, allow_nan=False)
+    text = document(found)
     return wire.packed({"name": "levels.json", "kind": "application/json", "text": text})
