@@ -881,6 +881,14 @@ def charted(orders: int) -> Stabilisation:
     return Stabilisation(count, hz, ratio, state, np.ones(9), np.ones(9), highest=30, points=1)
 
 
+def sharing(overlap: float) -> list[ModeShape]:
+    """Two close modes of two points whose shapes share so much."""
+    other = np.array([overlap, -np.sqrt(1 - overlap**2)], dtype=complex)
+    close = replace(MODE, frequency=1.02 * MODE.frequency)
+    one = ModeShape(MODE, np.array([1.0, 0.0], dtype=complex), np.zeros(2), 1.0)
+    return [one, ModeShape(close, other, np.zeros(2), 1.0)]
+
+
 MODAL = [
     Case("modes_stable", whole(lambda n: modal.modes_stable([shape(1.0)], charted(n))), 5, 4),
     Case(
@@ -889,6 +897,7 @@ MODAL = [
         3.999,
         4.001,
     ),
+    Case("points_share_modes", lambda x: modal.points_share_modes(sharing(x)), 0.2001, 0.1999),
     # of two masses four numbers, whose sum of squares exceeds 13.28 once in a hundred
     Case(
         "one_solid", lambda x: modal.one_solid(x, (0.1, 0.2), (0.1, "1 % of stiffness")), 3.63, 3.66
@@ -1340,7 +1349,9 @@ LIMITS = {
         "hits_agree": 0.1, "amplitude_linear": 1, "rocking_cancelled": 0.05, "hits_centred": 0.25,
         "mass_line": 0.05,
     },
-    "vibration/modal": {"modes_stable": 5, "modes_explain_lines": 4},
+    "vibration/modal": {
+        "modes_stable": 5, "modes_explain_lines": 4, "points_share_modes": 0.2,
+    },
     "workflow": {
         "result_recomputed": 1e-7, "prediction_informed": 1, "level_covered": 1,
         "base_band_informed": 1,
@@ -1620,6 +1631,7 @@ def test_what_cannot_be_judged_neither_passes_nor_fails() -> None:
         impact.coherence(measured(coherence=None), 75),
         impact.mass_line(None, 1.0),
         modal.modes_explain_lines([shape(9.0)], known=False),
+        modal.points_share_modes([shape(1.0)]),
     ):
         assert found.passed is None, found
         assert not found.failed

@@ -236,13 +236,13 @@ def test_a_lone_damper_makes_shapes_complex(damper):
     for one in found:
         i = int(np.argmin(np.abs(poles - one.mode.pole)))
         assert abs(one.mode.pole / poles[i] - 1) < 1e-4
-        assert phase_collinearity(one.shape) == pytest.approx(
+        assert phase_collinearity(one.normalised) == pytest.approx(
             phase_collinearity(residues[:, i]), abs=1e-3
         )
-        assert phase_deviation(one.shape) == pytest.approx(
+        assert phase_deviation(one.normalised) == pytest.approx(
             phase_deviation(residues[:, i]), abs=2e-3
         )
-    least = min(phase_collinearity(one.shape) for one in found)
+    least = min(phase_collinearity(one.normalised) for one in found)
     assert least > 0.999 if damper < 1 else least < 0.98
 
 
@@ -290,6 +290,14 @@ def test_the_chart_is_drawn(tmp_path):
     words = ["modes", str(as_text(tmp_path, points())), "--band", "5:79Hz", "--plot", str(figure)]
     assert CliRunner().invoke(main, words).exit_code == 0
     assert "stable in frequency, damping and shape" in figure.read_text()
+
+
+def test_points_measured_at_two_states_are_not_two_modes(tmp_path):
+    frfs = [points([(hz, 0.01, 0.1, (1,))], noise=0.01)[0] for hz in (20.0, 19.8)]
+    found = modes_of(*(written(tmp_path, frf, f"{i}.csv") for i, frf in enumerate(frfs)))
+    assert "points_share_modes" in {check.name for check in found.frf.checks if check.failed}
+    found = modes_of(as_text(tmp_path, points()), band=(5, 79))
+    assert not [check.name for check in found.frf.checks if check.failed]
 
 
 # -- the stabilisation chart ----------------------------------------------------------------------

@@ -122,6 +122,6 @@ class ModeShape(ByValue):
     misfit: float
 
     @property
-    def shape(self) -> ComplexArray:
+    def normalised(self) -> ComplexArray:
         """Residues over that of the point that moves most, shape (points,)."""
         return np.asarray(self.residues / self.residues[np.argmax(np.abs(self.residues))])

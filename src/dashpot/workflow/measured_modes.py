@@ -19,7 +19,7 @@ from dashpot.vibration.impact.checks import (
     record_long_enough,
     resonance,
 )
-from dashpot.vibration.modal.checks import modes_explain_lines, modes_stable
+from dashpot.vibration.modal.checks import modes_explain_lines, modes_stable, points_share_modes
 from dashpot.vibration.modal.several_points import shapes_of, within
 from dashpot.vibration.modal.shapes import mac, phase_collinearity, phase_deviation
 from dashpot.vibration.modal.stabilisation import Stabilisation, stabilisation
@@ -197,6 +197,7 @@ def _judged(
             modes_stable(shapes, chart),
             modes_explain_lines(shapes, known=near.sd is not None),
         ]
+        checks += [] if single else [points_share_modes(shapes)]
         if frf.record is not None:
             checks.append(record_long_enough(frf, main.mode))
     return replace(frf, checks=tuple(checks))
@@ -209,7 +210,7 @@ def _is_driven(name: str) -> bool:
 
 
 def _told(one: ModeShape, chart: Stabilisation, points: Sequence[str]) -> MeasuredMode:
-    mode, shape = one.mode, one.shape
+    mode, shape = one.mode, one.normalised
     errors = one.residue_se / np.abs(one.residues).max()
     return MeasuredMode(
         mode.frequency,

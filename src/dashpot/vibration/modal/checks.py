@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import combinations
 from statistics import NormalDist
+
+import numpy as np
 
 from dashpot.base.checks import Finding, criterion
 from dashpot.records.frf_set import ModeShape
@@ -12,6 +15,7 @@ from dashpot.vibration.modal.stabilisation import Stabilisation
 STABLE = 5
 MISSED = 4.0
 SURE = 0.99
+OVERLAP, CLOSE = 0.2, 0.05
 
 
 @criterion("orders", ">=", STABLE, "measured: what only follows noise is stable at fewer")
@@ -46,6 +50,33 @@ def modes_explain_lines(modes: Sequence[ModeShape], *, known: bool) -> Finding:
         ", and the errors are widened by as much: another mode close by or beyond the band, points "
         "that were not measured at once, or a structure that is not linear",
     )
+
+
+@criterion("least overlap of two close shapes", ">=", OVERLAP, "our choice; 1 is the same points")
+def points_share_modes(modes: Sequence[ModeShape]) -> Finding:
+    """Modes close together move the same points, as those of one structure do."""
+    close = [
+        (_overlap(one, other), one.mode.frequency, other.mode.frequency)
+        for one, other in combinations(modes, 2)
+        if abs(one.mode.frequency / other.mode.frequency - 1) < CLOSE
+    ]
+    if not close:
+        return Finding("no two modes are so close that they could be one, measured at two states")
+    least, one_hz, other_hz = min(close)
+    pair = f"the modes at {one_hz:.4g} and {other_hz:.4g} Hz"
+    return Finding(
+        f"{pair} move the same points",
+        least,
+        instead=f"{pair} hardly share a point: one mode that was measured at two states looks so, "
+        "as where an accelerometer loads the structure or the seals warm up between points; "
+        "measure the points at once",
+    )
+
+
+def _overlap(one: ModeShape, other: ModeShape) -> float:
+    """What two shapes share of their points, whatever the signs."""
+    a, b = np.abs(one.residues), np.abs(other.residues)
+    return float(a @ b / np.sqrt((a @ a) * (b @ b)))
 
 
 @criterion("distance, standard errors", "<=", source="chance exceeds it once in a hundred")
