@@ -108,9 +108,9 @@ class ModeShape(ByValue):
     ----------
     mode : Mode
         Pole and errors; its residue is that of the point that moves most.
-    residues : complex array, shape (points,)
-        Of the receptances, m/(N s).
-    residue_se : array, shape (points,)
+    residues : complex array, shape (n,)
+        Of the receptances at n points, m/(N s).
+    residue_se : array, shape (n,)
         Their standard errors.
     misfit : float
         Squared misfit of the lines about the mode over its variance, for each degree of freedom.

@@ -15,12 +15,12 @@ def mac(one: ComplexArray, other: ComplexArray) -> FloatArray:
 
     Parameters
     ----------
-    one, other : complex array, shape (points, modes)
-        Residues or shapes; their lengths and phases do not matter.
+    one, other : complex array, shape (n, modes)
+        Residues or shapes at n points; their lengths and phases do not matter.
 
     Returns
     -------
-    array, shape (modes of one, modes of other)
+    array, shape (modes, modes)
         0 to 1; 0 where a shape is nothing but zeros.
 
     Notes
