@@ -302,6 +302,7 @@ def test_a_spring_without_loss_bounds_its_peak_from_below_alone() -> None:
     assert band.peak_height[1] == np.inf
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("f", [3.0, 12.7, 14.0, 40.0])
 def test_the_limits_over_a_base_are_those_of_the_set_of_stiffnesses(
     spectra: Spectra, f: float
@@ -322,6 +323,7 @@ def test_the_limits_over_a_base_are_those_of_the_set_of_stiffnesses(
     assert size.max() * (1 - 1e-9) <= high <= 1.02 * size.max()
 
 
+@pytest.mark.once
 def test_over_a_base_every_limit_holds_what_it_should(broad_fit: Fit, broad_test: RampHold) -> None:
     f = np.array([0.1, 1.0, 5.0, 9.0, 12.0, 12.7, 14.0, 18.0, 30.0, 50.0])
     words = {"mass": BROAD_MASS, "seals": 2, "frequency": f}

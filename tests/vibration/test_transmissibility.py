@@ -250,7 +250,7 @@ def test_the_first_line_of_each_command_tells_another_ratio(tmp_path):
 
 def test_a_relative_motion_is_said_to_be_one(tmp_path):
     path, absolute = tmp_path / "relative.csv", tmp_path / "absolute.csv"
-    frf = noisy(2 * PAPER, PAPER_MASS, np.arange(5.0, 40.0, 0.1))
+    frf = noisy(2 * PAPER, PAPER_MASS, np.arange(5.0, 40.0, 0.4))
     write_frf(frf, absolute)
     write_frf(replace(frf, value=frf.value - 1), path)
     words = ["--mass", f"{1e3 * PAPER_MASS}g", "--seals", "2", "--arms", "1", "--json"]
