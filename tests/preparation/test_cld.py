@@ -214,6 +214,7 @@ def test_a_curve_typed_from_a_sheet_begins_where_it_begins():
     assert dp.cld(dp.CompressionTest(up, 200.0 * up)).cycle.hysteresis == pytest.approx(0, abs=1e-9)
 
 
+@pytest.mark.once
 def test_its_numbers_are_a_table_and_its_picture_is_there():
     pytest.importorskip("pandas")
     one = found(pressed(cycles=1), at=6e-3)
