@@ -63,6 +63,7 @@ from dashpot.vibration.comparison import checks as comparison
 from dashpot.vibration.comparison.compare import compare
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.impact import checks as impact
+from dashpot.vibration.impact.amplitude import Line
 from dashpot.vibration.impact.estimators import Estimator, Spectra
 from dashpot.vibration.impact.rocking import Combination
 from dashpot.vibration.modal import checks as modal
@@ -279,8 +280,13 @@ def stiffer(departure: float, *, explains: bool = True) -> Explanation:
 def trend(**changes: float) -> impact.Trend:
     """Hits of 1 to 4 in height, whose resonance changes by so much a doubling."""
     stiffness = 0.02 if "stiffness_sure" in changes else 0.0
-    values = {"stiffness": stiffness, "stiffness_sure": 0.0, "damping": 0.0, "damping_sure": 0.0}
-    return impact.Trend(**(values | changes), range=4.0)
+    values = {"stiffness": stiffness, "damping": 0.0} | changes
+    stiffer, damped = (
+        Line(values[name], values.get(f"{name}_sure", 0.0), values.get(f"{name}_found", 0.0),
+             0.0, 0.0, 0.0, 1.0, 3)
+        for name in ("stiffness", "damping")
+    )  # fmt: skip
+    return impact.Trend(stiffer, damped, 0.1, 0.0, (1e-4, 4e-4), 4.0)
 
 
 def whole(judge: Callable[[int], Check]) -> Callable[[float], Check]:
@@ -928,6 +934,12 @@ IMPACT = [
         0.9001,
         0.8999,
     ),
+    Case(
+        "softening_detectable",
+        lambda x: impact.softening_detectable(trend(stiffness_found=x)),
+        0.0099,
+        0.0101,
+    ),
     *(
         Case(
             "amplitude_linear",
@@ -1346,7 +1358,8 @@ LIMITS = {
         "hits_enough": 3, "coherence": 0.9, "lines_in_half_power_band": 1.5, "hammer_excites": -10,
         "frf_dissipates": -0.3, "mass_over_base": 3, "segments_resolve": 6,
         "channels_not_clipped": 1, "modes_within_band": 0,
-        "hits_agree": 0.1, "amplitude_linear": 1, "rocking_cancelled": 0.05, "hits_centred": 0.25,
+        "hits_agree": 0.1, "amplitude_linear": 1, "softening_detectable": 0.01,
+        "rocking_cancelled": 0.05, "hits_centred": 0.25,
         "mass_line": 0.05,
     },
     "vibration/modal": {

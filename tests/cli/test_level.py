@@ -11,8 +11,10 @@ from click.testing import CliRunner
 import dashpot as dp
 from dashpot.cli import main
 from dashpot.io.write import write_frf
+from dashpot.report.level import beyond, numbers
 from dashpot.solids.networks import spring
 from dashpot.vibration.systems.system import Mount, System, point_mass
+from dashpot.workflow.levels import level_files
 
 pytestmark = pytest.mark.once
 
@@ -139,3 +141,41 @@ def test_what_cannot_be_is_said(tmp_path, monkeypatch, words, says):
     table("flat.csv", header, tones, np.ones(12), K.real, K.imag)
     table("bare.csv", "frequency [Hz],storage [MPa],loss [MPa]", tones, K.real, K.imag)
     assert says in ran(*words, code=2)
+
+
+def test_hits_of_different_height_say_for_which_level_they_speak(tmp_path):
+    """Six hits of 1 to 8 in height on a linear seal: no trend, and how small a one was sought."""
+    w, zeta, dt, every = 2 * np.pi * 12.7, 0.03, 1 / 5120, 10
+    x, v, rows = np.zeros(6), np.zeros(6), []
+    for t in np.arange(-0.2, 4.0, dt):
+        force = np.geomspace(0.5, 4.0, 6) * max(np.sin(np.pi * t / 0.012), 0.0) * (0 <= t < 0.012)
+        a = force / 0.1 - 2 * zeta * w * v - w**2 * x
+        rows.append((force, a))
+        v = v + a * dt
+        x = x + v * dt
+    count = len(rows) // every * every
+    rng = np.random.default_rng(2)
+    force, a = np.array(rows)[:count].reshape(-1, every, 2, 6).mean(axis=1).transpose(1, 2, 0)
+    force, a = force.ravel(), a.ravel() + 0.01 * rng.normal(size=force.size)
+    time = every * dt * np.arange(len(force))
+    header = "time [s],hammer [N],acceleration 1 [m/s^2]"
+    path = table(tmp_path / "hits.csv", header, time, force + 0.002 * rng.normal(size=len(a)), a)
+    found = ran(path, "--at", "0.05N", "--at", "2N", "--plot", tmp_path / "hits.svg")
+    assert "damping ratio, %" in (tmp_path / "hits.svg").read_text()
+    stiffness = found["per_doubling"]["stiffness"]
+    assert abs(stiffness["change"]) < 4 * stiffness["se"] < stiffness["found"] * 2 < 0.01
+    low, high = found["amplitudes"]
+    asked, far = found["at"]
+    assert low < asked["amplitude"] < high < far["amplitude"]
+    assert asked["frequency"] == pytest.approx(12.7, rel=0.002)
+    # the steady motion of a mass on a spring at its resonance
+    assert asked["receptance"] == pytest.approx(1 / (2 * 0.1 * zeta * w**2), rel=0.1)
+    assert [c["passed"] for c in found["checks"] if c["name"] == "level_covered"] == [True, False]
+    assert found["verdict"]["use"] == "use with care"
+    assert "--mass belongs to FRFs" in ran(path, "--mass", "0.1kg", code=2)
+    read = level_files([path], at=[0.05])
+    assert [one.name for one in numbers(read)][:2] == [
+        "stiffness per doubling",
+        "damping per doubling",
+    ]
+    assert "Four of five such tests find" in beyond(read)

@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 from dashpot.base.errors import DataError
-from dashpot.records.frf import FRF, Kind
+from dashpot.base.student_t import t_quantile
+from dashpot.records.frf import FRF, Hit, Kind
 from dashpot.records.impact import ImpactTest
 from dashpot.simulation.impact import Hammer, simulate_impact
+from dashpot.vibration.impact.amplitude import trend_of_hits
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.systems.prediction import model_modes, predict_frf
 
@@ -445,3 +447,41 @@ def test_the_result_is_an_frf_with_its_story(strike):
     assert frf.kind is Kind.ACCELERANCE
     assert [step.name for step in frf.steps] == ["cut", "exponential_window", "estimate"]
     assert frf.frequency[0] > 0
+
+
+def test_every_hit_has_its_resonance_and_how_far_it_moved_the_mass(strike, paper_seal):
+    """A mass on a seal: velocity F / m after the pulse, and so an amplitude of F / (m omega)."""
+    frf = struck_alike(strike, paper_seal, softens=0.01)
+    peaks = np.array([hit.peak for hit in frf.hits])
+    X = np.array([hit.amplitude for hit in frf.hits])
+    assert X / X[0] == pytest.approx(peaks / peaks[0], rel=0.03)
+    assert [hit.modal_mass for hit in frf.hits] == pytest.approx(6 * [MASS], rel=0.03)
+    trend = trend_of_hits(frf.hits)
+    assert trend.stiffness == pytest.approx(-0.01, rel=0.15)
+    assert trend.amplitudes == pytest.approx((0.55 * X.min(), 0.55 * X.max()))
+
+
+def test_what_such_hits_would_find_is_found_by_four_of_five():
+    """Published numbers: five hits over 1:4, eight over 1:2.5, 0.1 % scatter of the frequency."""
+    rng = np.random.default_rng(1)
+    for count, wide, published in ((5, 4.0, 0.0054), (8, 2.5, 0.0055)):
+        sizes = np.geomspace(1.0, wide, count)
+
+        def tested(change, count=count, sizes=sizes):
+            f = 12.7 * sizes ** (change / np.log(4)) * (1 + 1e-3 * rng.normal(size=count))
+            return trend_of_hits(
+                [
+                    Hit(str(i), 0.0, True, (), 1.0, 0.0, hz, 0.03, 0.1, 1e-3 * X)
+                    for i, (hz, X) in enumerate(zip(f, sizes, strict=True))
+                ]
+            )
+
+        every = [tested(published) for _ in range(400)]
+        assert np.sqrt(np.mean([one.stiffness_found**2 for one in every])) == pytest.approx(
+            published, rel=0.06
+        )
+        seen = [
+            abs(one.stiffness) > t_quantile(0.95, count - 2) * one.stiffness_line.se
+            for one in every
+        ]
+        assert np.mean(seen) == pytest.approx(0.8, abs=0.06)

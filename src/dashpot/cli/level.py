@@ -15,7 +15,7 @@ from dashpot.cli._shell import File, Outcome, reports, write, write_figure
 
 
 @click.command("level")
-@click.argument("files", type=File(), nargs=-1, required=True, metavar="SWEEP|LOOPS|FRF...")
+@click.argument("files", type=File(), nargs=-1, required=True, metavar="SWEEP|LOOPS|HITS|FRF...")
 @click.option(
     "--level",
     "levels",
@@ -31,7 +31,7 @@ from dashpot.cli._shell import File, Outcome, reports, write, write_figure
     "--at",
     type=Quantity("force"),
     multiple=True,
-    help="Level at which the resonance of that mass is wanted, e.g. 0.2N.",
+    help="Level at which the resonance of that mass, or of the one struck, is wanted, e.g. 0.2N.",
 )
 @click.option(
     "--law",
@@ -52,12 +52,14 @@ def command(
     """Find how far stiffness and damping depend on how far the seal is moved.
 
     SWEEP is storage and loss against strain or displacement at one frequency or a few; LOOPS a
-    record of harmonic cycles at several amplitudes; FRF... those of one mass at several levels,
-    from which arms and sliders are found, and the resonance at another level (--at).
+    record of harmonic cycles at several amplitudes; HITS a hammer test with hits of different
+    height; FRF... those of one mass at several levels, from which arms, sliders and a spring are
+    found. Hits and FRFs tell the resonance at another level (--at), and whether they speak for it.
 
     \b
     dashpot level sweep.csv
     dashpot level loops.csv --plot loops.png -o loops.html
+    dashpot level hammer.csv --at 0.5N
     dashpot level low.csv high.csv --level 0.02N --level 0.2N --mass 104g --seals 2 --at 0.1N
     """
     found = workflow.level_files(files, **choices)

@@ -8,6 +8,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.fitting.level.frfs import rows_at_level
+from dashpot.fitting.level.hits import HitLevels
 from dashpot.fitting.level.loops import Cycle, steady_cycles, sweep_of_loops
 from dashpot.fitting.level.response import receptance_at_level
 from dashpot.plot.picture import (
@@ -37,6 +38,7 @@ from dashpot.solids.friction import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.rate_independent import InParallel
 from dashpot.solids.stiffening import Cubic
+from dashpot.vibration.impact.amplitude import DECAYED
 
 _HEIGHT = 240.0
 _WIDE = 860.0
@@ -47,7 +49,7 @@ _BINS = 16
 
 
 def level(
-    found: AmplitudeFit | LevelFit,
+    found: AmplitudeFit | LevelFit | HitLevels,
     records: Sequence[AmplitudeSweep | RelaxationTest | FRF],
     *,
     stamp: str = "",
@@ -56,12 +58,14 @@ def level(
 
     Parameters
     ----------
-    found : AmplitudeFit or LevelFit
+    found : AmplitudeFit, LevelFit or HitLevels
     records : sequence of AmplitudeSweep, RelaxationTest or FRF
         As fitted: one sweep, one record of loops, or the FRF of each level.
     stamp : str
         What the figure says of its origin; by default files, specimen and date.
     """
+    if isinstance(found, HitLevels):
+        return hits_as_levels(found, stamp=stamp)
     if isinstance(found, LevelFit):
         frfs = [one for one in records if isinstance(one, FRF)]
         return frfs_at_levels(found, frfs, stamp=stamp)
@@ -162,6 +166,48 @@ def frfs_at_levels(fit: LevelFit, frfs: Sequence[FRF], *, stamp: str = "") -> Pi
         "stiffness and loss of one seal over its amplitude."
     )
     return Picture("levels", caption, strips, 3, said, width=1100.0)
+
+
+def hits_as_levels(found: HitLevels, *, stamp: str = "") -> Picture:
+    """Frequency and damping of every hit over the motion that it made, with their lines.
+
+    Shaded is the 95 % interval of the line, dashed what no hit tested.
+
+    Parameters
+    ----------
+    found : HitLevels
+    stamp : str
+        What the figure says of its origin; by default the files.
+    """
+    hits = [one for one in found.frf.hits if one.amplitude]
+    X = DECAYED * np.array([one.amplitude for one in hits])
+    low, high = found.amplitudes
+    dense = np.geomspace(low / 2, high * 2, 80)
+    within = (dense >= low * 0.999) & (dense <= high * 1.001)
+    word, mm = unit_of(X, "m")
+    across = Axis(f"amplitude of motion, {word}", around_log(mm * dense, margin=1.0), log=True)
+    strips = []
+    for name, values, line, power in (
+        ("resonance, Hz", [one.frequency for one in hits], found.trend.stiffness_line, 0.5),
+        ("damping ratio, %", [one.damping_ratio for one in hits], found.trend.damping_line, 1.0),
+    ):
+        scale = 100.0 if name.endswith("%") else 1.0
+        ends = np.array([line.at(float(x)) for x in np.log2(dense)])
+        middle, lower, upper = (
+            scale * np.exp(power * (ends[:, 0] + way * ends[:, 1])) for way in (0, -1, 1)
+        )
+        dots = scale * np.array(values, dtype=float)
+        marks = (
+            Area(mm * dense, lower, upper, "fit", "95 % interval"),
+            Line(mm * dense, np.where(within, np.nan, middle), PREDICTED, "extrapolated"),
+            Line(mm * dense, np.where(within, middle, np.nan), FIT, "fit"),
+            Dots(mm * X, dots, "measured", "measured"),
+        )
+        limits = around(dots, lower[within], upper[within], margin=0.3)
+        strips.append((Panel(across, Axis(name, limits), marks, height=_HEIGHT),))
+    caption = "The resonance of every hit over the motion that it made."
+    said = stamp or stamped(found.frf.source)
+    return Picture("hits", caption, tuple(strips), 2, said, width=_WIDE)
 
 
 def _apart(cycles: Sequence[Cycle]) -> list[Cycle]:

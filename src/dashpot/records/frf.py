@@ -68,6 +68,10 @@ class Hit:
         Largest force, N.
     duration : float
         Pulse width at 10 % of the peak, s.
+    frequency, damping_ratio, modal_mass : float or None
+        Resonance of the ringing after this hit alone, Hz, 1 and kg; None where it is not told.
+    amplitude : float or None
+        Displacement with which that ringing begins, m.
     """
 
     name: str
@@ -76,6 +80,10 @@ class Hit:
     reasons: tuple[str, ...] = ()
     peak: float = 0.0
     duration: float = 0.0
+    frequency: float | None = None
+    damping_ratio: float | None = None
+    modal_mass: float | None = None
+    amplitude: float | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -12,6 +12,7 @@ import numpy as np
 from dashpot import plot
 from dashpot.base.arrays import FloatArray
 from dashpot.base.numbers import rounded
+from dashpot.fitting.level.hits import HitLevels
 from dashpot.plot.picture import unit_of
 from dashpot.records.amplitude import AmplitudeFit
 from dashpot.records.level import LevelFit
@@ -64,7 +65,8 @@ def numbers(found: Levels) -> list[Parameter]:
     fit = found.fit
     if isinstance(fit, AmplitudeFit):
         return [*_of_law(fit)]
-    return [*_of_levels(fit), *(row for one in found.at for row in _of_peak(one))]
+    rows = _of_hits(fit) if isinstance(fit, HitLevels) else _of_levels(fit)
+    return [*rows, *(row for one in found.at for row in _of_peak(one))]
 
 
 def beyond(found: Levels) -> str:
@@ -75,6 +77,13 @@ def beyond(found: Levels) -> str:
         said = f"Leaves {rounded(100 * fit.residual, digits=2)} % rms"
         if fit.left_out:
             said += f", less {fit.left_out} samples of the smallest amplitudes, which scatter"
+    elif isinstance(fit, HitLevels):
+        word, scale = unit_of(np.array(fit.amplitudes), "m")
+        said = (
+            f"Four of five such tests find {rounded(100 * fit.trend.stiffness_found, digits=2)} % "
+            f"of stiffness and {rounded(100 * fit.trend.damping_found, digits=2)} % of damping per "
+            "doubling"
+        )
     else:
         word, scale = unit_of(np.array(fit.amplitudes), "m")
         arms, sliders = fit.solid.arms, len(fit.sliders)
@@ -114,6 +123,15 @@ def _of_law(fit: AmplitudeFit) -> Iterator[Parameter]:
     )  # fmt: skip
     # one that was set is not known
     yield _known("exponent", fit.exponent, error_of["exponent"] or np.inf, "")
+
+
+def _of_hits(fit: HitLevels) -> Iterator[Parameter]:
+    """How stiffness and damping change for twice the motion."""
+    for name, line in (
+        ("stiffness per doubling", fit.trend.stiffness_line),
+        ("damping per doubling", fit.trend.damping_line),
+    ):
+        yield _known(name, 100 * line.slope, 100 * line.se, "%")
 
 
 def _amplitude(fit: AmplitudeFit) -> tuple[str, float]:

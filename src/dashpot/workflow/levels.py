@@ -16,12 +16,14 @@ from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Source
 from dashpot.base.units import Quantity
 from dashpot.fitting.level.frfs import fit_levels
+from dashpot.fitting.level.hits import HitLevels, hits_as_levels
 from dashpot.fitting.level.loops import sweep_of_loops
 from dashpot.fitting.level.response import resonance_at_level
 from dashpot.fitting.level.sweep import fit_amplitude
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.amplitude import read_amplitude
 from dashpot.io.readers.frf import read_frf
+from dashpot.io.readers.impact import read_impact
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.source import about
 from dashpot.records.amplitude import AmplitudeFit, AmplitudeSweep
@@ -31,9 +33,11 @@ from dashpot.records.relaxation import RelaxationTest
 from dashpot.solids.friction import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.stiffening import Cubic
+from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.workflow.checks import level_covered
 
 _RESPONSES = ("frf", "transmissibility")
+_HITS = ("impact",)
 _LOOPS = ("cyclic", "cld", "relaxation", "creep")
 """What a record of time, displacement and force is taken for; here it is one of loops."""
 
@@ -68,7 +72,7 @@ class Levels:
 
     Attributes
     ----------
-    fit : AmplitudeFit or LevelFit
+    fit : AmplitudeFit, LevelFit or HitLevels
     at : tuple of PeakAtLevel
         The levels that were asked for.
     checks : tuple of Check
@@ -76,7 +80,7 @@ class Levels:
         What it was found from: one sweep, one record of loops, or the FRF of each level.
     """
 
-    fit: AmplitudeFit | LevelFit
+    fit: AmplitudeFit | LevelFit | HitLevels
     at: tuple[PeakAtLevel, ...]
     checks: tuple[Check, ...]
     records: tuple[AmplitudeSweep | RelaxationTest | FRF, ...]
@@ -101,7 +105,6 @@ class Levels:
         known: dict[str, Any] = {
             "schema": "dashpot/levels@1",
             "amplitudes": list(fit.amplitudes),
-            "residual": fit.residual,
             "verdict": {
                 "use": self.verdict.use,
                 "says": self.verdict.says,
@@ -109,6 +112,9 @@ class Levels:
             },
             "checks": [asdict(check) for check in self.checks],
         }
+        if isinstance(fit, HitLevels):
+            return known | fit.document | {"at": [asdict(one) for one in self.at]}
+        known["residual"] = fit.residual
         if isinstance(fit, AmplitudeFit):
             return known | {
                 "law": fit.law,
@@ -166,7 +172,8 @@ def level_files(
     Parameters
     ----------
     files : sequence of path
-        One amplitude sweep, one record of loops, or FRFs of one mass at several levels.
+        One amplitude sweep, one record of loops, FRFs of one mass at several levels, or hits of
+        different height.
     levels : sequence of str or float
         Of the FRFs: amplitude of the force, N, one for each file; of transmissibilities that of
         the base's acceleration, m/s^2.
@@ -174,9 +181,9 @@ def level_files(
         Under those FRFs, kg.
     seals : float
     band : (float, float), optional
-        Lines taken, Hz.
+        Lines taken, or where the resonance of the hits lies, Hz.
     at : sequence of float
-        Levels at which the resonance of that mass is wanted, N.
+        Levels at which the resonance of that mass, or of the one that was struck, is wanted, N.
     law : str
         Of an amplitude sweep or loops: ``"auto"`` or one of ``fitting.level.laws.LAWS``.
     options : ReadOptions, optional
@@ -187,14 +194,15 @@ def level_files(
         if law != "auto":
             raise ReadError("--law is of an amplitude sweep, and FRFs take no law; leave it out")
         return _of_frfs(files, levels, mass=mass, seals=seals, band=band, at=at, options=options)
+    struck = all(kind in _HITS for kind in kinds)
     given = [
         flag
         for flag, said in (
             ("--level", levels),
             ("--mass", mass is not None),
             ("--seals", seals != 1),
-            ("--band", band is not None),
-            ("--at", at),
+            ("--band", band is not None and not struck),
+            ("--at", at and not struck),
         )
         if said
     ]
@@ -203,6 +211,10 @@ def level_files(
             f"{given[0]} belongs to FRFs of a mass, and {Path(files[0]).name} is another kind of "
             "file; leave it out"
         )
+    if struck:
+        if law != "auto":
+            raise ReadError("--law is of an amplitude sweep, and hits take no law; leave it out")
+        return _of_hits(files, band=band, at=at, options=options)
     if len(files) > 1:
         raise ReadError("one amplitude sweep at a time; only FRFs of several levels go together")
     with about(Path(files[0]).name):
@@ -214,6 +226,29 @@ def level_files(
             record = read_amplitude(files[0], options=options)
             found = fit_amplitude(record, law=law)
     return Levels(found, (), found.checks, (record,))
+
+
+def _of_hits(
+    files: Sequence[str | Path],
+    *,
+    band: tuple[float, float] | None,
+    at: Sequence[float],
+    options: ReadOptions | None,
+) -> Levels:
+    tests = read_impact(list(files), options=options)
+    with about(", ".join(Path(path).name for path in files)):
+        frf = estimate_frf(tests, resonance_band=band)
+        found = hits_as_levels(frf, band=band)
+    peaks = []
+    for level in at:
+        hz, receptance, about_hz, about_receptance = found.resonance(level)
+        peaks.append(
+            PeakAtLevel(level, hz, receptance, about_hz, about_receptance, level * receptance)
+        )
+    covered = tuple(
+        level_covered(one.amplitude, found.amplitudes, level=one.level) for one in peaks
+    )
+    return Levels(found, tuple(peaks), (*found.checks, *covered), (frf,))
 
 
 def _numbers(fit: AmplitudeFit) -> dict[str, Any]:

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.base.checks import Check, Finding, criterion
-from dashpot.base.student_t import t_quantile
 from dashpot.records.frf import FRF, Mode
 from dashpot.records.shaken import ShakenTest
 from dashpot.vibration.checks import GRAVITY
+from dashpot.vibration.impact.amplitude import Trend, trend_of_hits
 from dashpot.vibration.impact.estimators import Estimator, Spectra, estimate, leave_one_out
 from dashpot.vibration.impact.quality import Verdict
 from dashpot.vibration.impact.rocking import Combination
@@ -20,7 +20,6 @@ from dashpot.vibration.impact.rocking import Combination
 ENOUGH = 3  # good hits
 COHERENT = 0.9
 # lines on either side of a resonance from which a single hit tells it
-AROUND = 5.0
 LINES = 1.5  # in the half-power band
 TIME_CONSTANTS = 6  # of decay that a record should hold: FRF errors below 0.5 %
 OUTLIER = 5.0  # times the usual disagreement between a hit and the others
@@ -28,9 +27,6 @@ DISAGREES = 0.1
 TOLERANCE = 0.05
 GROSS = 1.5  # so far off it is a unit, a sign or another body
 ABOVE = 2.5  # times the natural frequency the mass line begins
-WIDE = 4.0  # bandwidths to either side of a resonance tell it
-SURE = 0.99  # of records without a trend show less than is called one
-EQUAL = 0.2  # of a doubling: hits so alike show no trend
 SOFTENING, NARROW = 0.01, 0.2  # of the stiffness; of the half-power band
 
 
@@ -85,14 +81,13 @@ def checks_of(
     frf: FRF,
     spectra: Spectra,
     estimator: Estimator,
+    main: Mode | None,
     *,
     combination: Combination | None = None,
     mass: float | None = None,
     band: tuple[float, float] | None = None,
 ) -> tuple[Check, ...]:
-    """Every named question to a measured FRF, about its resonance in `band`, Hz."""
-    modes = frf.modes(band=band)
-    main = modes[0] if modes else None
+    """Every named question to a measured FRF, about its resonance `main` in `band`, Hz."""
     near = frf if band is None else frf.band(*band)
     at = resonant_line(near, main)
     checks = [hits_enough(frf), coherence(near, at), resonance(near, main)]
@@ -105,7 +100,7 @@ def checks_of(
     if spectra.averages >= ENOUGH and main is not None:
         checks += [
             hits_agree(frf, spectra, estimator, main),
-            amplitude_linear(amplitude_trend(frf, spectra, main), main),
+            amplitude_linear(trend_of_hits(frf.hits), main),
         ]
     if combination is not None:
         checks += [rocking_cancelled(frf, combination), hits_centred(frf, combination)]
@@ -357,63 +352,6 @@ def hits_agree(frf: FRF, spectra: Spectra, estimator: Estimator, main: Mode) -> 
     )
 
 
-@dataclass(frozen=True)
-class Trend:
-    """How the resonance of single hits changes as the hits grow.
-
-    Attributes
-    ----------
-    stiffness, stiffness_sure : float
-        Relative change of the stiffness for twice the peak force, and what chance exceeds in one
-        of a hundred records without any.
-    damping, damping_sure : float
-        So too of the damping ratio.
-    range : float
-        Highest over lowest peak force.
-    """
-
-    stiffness: float
-    stiffness_sure: float
-    damping: float
-    damping_sure: float
-    range: float
-
-
-def amplitude_trend(frf: FRF, spectra: Spectra, main: Mode) -> Trend | None:
-    r"""Regress the resonance of every single hit on the hit's height; None of too few hits.
-
-    .. math:: 2 \ln f_i = a + s \log_2 P_i, \qquad \ln\zeta_i = b + d \log_2 P_i
-
-    over the peak forces :math:`P_i`; s and d are known by the scatter about the lines (Student).
-    """
-    hits = [hit for hit in frf.hits if hit.accepted]
-    step = float(np.median(np.diff(frf.frequency)))
-    reach = max(WIDE * (main.bandwidth + frf.shift / np.pi), AROUND * step)
-    near = np.abs(frf.frequency - main.frequency) <= reach
-    ends = float(frf.frequency[near][0]), float(frf.frequency[near][-1])
-    rows = []
-    for hit, value in zip(hits, (spectra.response / spectra.force)[:, near], strict=True):
-        own = FRF(frf.frequency[near], value, shift=frf.shift, record=frf.record, pulse=frf.pulse)
-        for mode in own.modes(band=ends, count=1):
-            if mode.damping_ratio > 0:
-                rows.append(np.log([hit.peak, mode.frequency**2, mode.damping_ratio]))
-    if len(rows) <= ENOUGH:
-        return None
-    size, stiffness, damping = np.transpose(rows)
-    size = size / np.log(2)
-    if np.ptp(size) < EQUAL:
-        return None
-    return Trend(*_slope(size, stiffness), *_slope(size, damping), float(2 ** np.ptp(size)))
-
-
-def _slope(x: FloatArray, y: FloatArray) -> tuple[float, float]:
-    """Slope of y over x, and what chance exceeds in one of a hundred."""
-    x, y = x - x.mean(), y - y.mean()
-    slope = float(x @ y / (x @ x))
-    rest, dof = y - slope * x, len(x) - 2
-    return slope, t_quantile(SURE, dof) * float(np.sqrt(rest @ rest / dof / (x @ x)))
-
-
 @criterion(
     "change over the hits made, times what is sure and matters",
     "<=",
@@ -435,11 +373,32 @@ def amplitude_linear(trend: Trend | None, main: Mode) -> Finding:
     return Finding(
         f"over hits of 1 to {trend.range:.3g} in height the stiffness {way} by "
         f"{100 * abs(trend.stiffness):.2g} % per doubling (chance: "
-        f"{100 * trend.stiffness_sure:.2g} %) and the damping changes by "
-        f"{100 * trend.damping:+.2g} % (chance: {100 * trend.damping_sure:.2g} %)",
+        f"{100 * trend.stiffness_sure:.2g} %; {100 * trend.stiffness_found:.2g} % would be found) "
+        f"and the damping changes by {100 * trend.damping:+.2g} % (chance: "
+        f"{100 * trend.damping_sure:.2g} %; {100 * trend.damping_found:.2g} %)",
         max(stiffness, damping),
         ": the seals are not linear at these amplitudes, and an average over such hits is broader "
         "than any of them; hit alike, as hard as the part will move in use",
+    )
+
+
+@criterion(
+    "change of stiffness per doubling that 4 of 5 such tests find", "<=", SOFTENING, "as it matters"
+)
+def softening_detectable(trend: Trend | None) -> Finding:
+    """Hits differ enough in height to find a change of stiffness that matters."""
+    if trend is None:
+        return Finding(
+            f"whether a change with amplitude would be found takes more than {ENOUGH} hits of "
+            "different height"
+        )
+    return Finding(
+        f"a change of {100 * trend.stiffness_found:.2g} % of the stiffness, or "
+        f"{100 * trend.damping_found:.2g} % of the damping, per doubling would be found by four "
+        "of five such tests",
+        trend.stiffness_found,
+        ": a smaller one stays unseen; hit from soft to hard, four times as high and more: that is "
+        "worth more than more hits",
     )
 
 

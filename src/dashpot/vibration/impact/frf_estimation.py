@@ -13,6 +13,7 @@ from dashpot.base.provenance import Step
 from dashpot.base.units import Quantity, Range, si, si_range
 from dashpot.records.frf import FRF, Hit
 from dashpot.records.impact import ImpactTest
+from dashpot.vibration.impact.amplitude import with_resonances
 from dashpot.vibration.impact.averaging import Average, Choices, Window, average_hits
 from dashpot.vibration.impact.checks import checks_of
 from dashpot.vibration.impact.estimators import Estimator
@@ -115,10 +116,14 @@ def estimate_frf(
         source=tuple(dict.fromkeys(source for test in tests for source in test.source)),
         steps=_steps(average, choices),
     )
+    main = next(iter(frf.modes(band=resonance_band)), None)
+    if main is not None:
+        frf = replace(frf, hits=with_resonances(frf, average.spectra, main))
     checks = checks_of(
         frf,
         average.spectra,
         choices.estimator,
+        main,
         combination=average.rocking,
         mass=mass,
         band=resonance_band,
