@@ -141,7 +141,8 @@ def test_commands_are_found_and_output_is_compared():
 
 
 @pytest.mark.parametrize("page", ["README.md", "docs/first_seal.md", "docs/howto/own_file.md",
-                                  "docs/howto/notebook.md", "docs/howto/joint.md"])  # fmt: skip
+                                  "docs/howto/notebook.md", "docs/howto/joint.md",
+                                  "docs/howto/level.md"])  # fmt: skip
 def test_the_python_of_a_page_runs_as_it_stands(page, bench):
     (code,) = re.findall(r"```python\n(.*?)```", (ROOT / page).read_text("utf-8"), re.DOTALL)
     names = {}

@@ -20,10 +20,13 @@ from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.simulation.relaxation import Climate, Rig, simulate_relaxation
 from dashpot.simulation.truth import stamp
 from dashpot.solids.contact import ViscousContact, sphere_stiffness
+from dashpot.solids.friction import Iwan
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import BROAD
 from dashpot.solids.temperature import WLF
 from dashpot.vibration.systems.contact import collide
+from dashpot.vibration.systems.level import response_at_level
+from dashpot.vibration.systems.system import Mount, System, point_mass
 
 MASS = 0.1148
 """Of the block under the hammer, kg: 114.8 g on two seals."""
@@ -165,6 +168,43 @@ def _hit() -> str:
     return "\n".join([*head, "time [s],acceleration [m/s^2]", *rows, ""])
 
 
+_RUBBING = Iwan(120.0, 0.06)
+"""Friction beside a seal, N/m and N: it softens with amplitude."""
+
+
+def _loops() -> str:
+    """Six cycles at each of nine amplitudes, 5 Hz, about a compression of 4 mm."""
+    rate, cycles, hz = 250, 6, 5.0
+    sizes = np.geomspace(5e-5, 3e-3, 9)
+    time = np.arange(int(len(sizes) * cycles / hz * rate)) / rate
+    size = sizes[np.minimum((time * hz / cycles).astype(int), len(sizes) - 1)]
+    x = size * np.sin(2 * np.pi * hz * time)
+    noise = 3e-4 * np.random.default_rng(1).standard_normal(len(time))
+    force = (BROAD + _RUBBING).path_force(time, x) + 1.2 + noise
+    rows = (f"{t:.6g},{d:.6g},{f:.6g}" for t, d, f in zip(time, 1e3 * x + 4, force, strict=True))
+    head = [f"# {byline('simulated loops')}", "# simulated", "time [s],displacement [mm],force [N]"]
+    return "\n".join([*head, *rows, ""])
+
+
+def _at_level(level: float, seed: int) -> Callable[[], str]:
+    """The FRF of the block on two seals that rub, under a force of that amplitude, 0.5 % noisy."""
+
+    def made() -> str:
+        mount = Mount(2 * BROAD, ("block", "ground"), friction=2 * _RUBBING)
+        found = response_at_level(
+            System((point_mass("block", MASS),), (mount,)), response="block.z", force="block.z",
+            level=level, frequency=np.linspace(8, 20, 97),
+        ).frf()  # fmt: skip
+        draw = np.random.default_rng(seed).standard_normal
+        value = found.value * (1 + 0.005 * (draw(97) + 1j * draw(97)))
+        rows = zip(found.frequency, value.real, value.imag, strict=True)
+        head = "frequency [Hz],real [(m/s^2)/N],imaginary [(m/s^2)/N]"
+        lines = [f"# {byline('simulated shaker test')}", "# simulated", head]
+        return "\n".join([*lines, *(",".join(f"{one:.6g}" for one in row) for row in rows), ""])
+
+    return made
+
+
 def _line() -> str:
     """A quarter of a door: x, y, z, mm."""
     angle = np.linspace(0.0, np.pi / 2, 13)
@@ -193,6 +233,9 @@ CAPTIONS: Mapping[str, str] = MappingProxyType(
         "cld_slow.csv": "the first piece at 5 mm/min",
         "cld_fast.csv": "and at 500 mm/min: dashpot cld takes the three speeds",
         "hit.csv": "a ball of 5 g, radius 5 mm, dropped 51 mm on rubber, for dashpot indent",
+        "loops.csv": "a seal that rubs, moved to and fro at nine amplitudes, for dashpot level",
+        "shaker_20mN.csv": "the block on two such seals, on a shaker of 0.02 N",
+        "shaker_500mN.csv": "the same at 0.5 N: dashpot level takes the two",
         "line.csv": "x, y, z of a seal along a quarter of a door, for dashpot export --line",
     }
 )
@@ -222,6 +265,9 @@ EXAMPLES: Mapping[str, Callable[[], str]] = MappingProxyType(
         "cld_slow.csv": _pressed(1.0, 4, speed=5e-3 / 60),
         "cld_fast.csv": _pressed(1.0, 5, speed=500e-3 / 60),
         "hit.csv": _hit,
+        "loops.csv": _loops,
+        "shaker_20mN.csv": _at_level(0.02, 1),
+        "shaker_500mN.csv": _at_level(0.5, 2),
         "line.csv": _line,
     }
 )
