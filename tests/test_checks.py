@@ -138,11 +138,12 @@ def sinking(share: float) -> RampHold:
 def bending(share: float) -> RampHold:
     """A ramp of alternate speeds, missed between samples by this share of the noise."""
     wave = np.where(np.arange(len(TIME)) % 2, 1.0, -1.0) * (TIME > 0.5) * (TIME < 0.9)
-    pressed = PLATE > 0.2 * DEPTH
+    tie = 1e-9 * (np.abs(PLATE - 0.2 * DEPTH) < 1e-9)  # no sample at the very limit
     scatter = 5e-6  # of the encoder; three of its standard deviations explain as much of a bend
     size, noise = 0.0, 0.1
     for _ in range(20):
-        x = PLATE + size * wave
+        x = PLATE + size * wave + tie
+        pressed = x > 0.2 * DEPTH
         stiffness = (RECORD.force[pressed] / x[pressed]).max()
         size = 2 * (share * noise / stiffness + 3 * 6**0.5 / 8 * scatter)
     return replace(RECORD, displacement=x, force_noise=noise, displacement_noise=scatter)

@@ -182,7 +182,7 @@ class AtCompression:
 class CLD(ByValue, Pictured):
     """A compression load deflection test as cycles, and what one of them shows.
 
-    Made by :func:`dashpot.cld`.
+    Made by :func:`dashpot.preparation.cld.cycles.cld`.
 
     Attributes
     ----------
@@ -300,7 +300,7 @@ class CLD(ByValue, Pictured):
 class RelaxedLaw:
     """The elastic law under a cycle that was driven at a finite speed.
 
-    Made by :func:`dashpot.relaxed_law`.
+    Made by :func:`dashpot.fitting.cld.relaxed.relaxed_law`.
 
     Attributes
     ----------

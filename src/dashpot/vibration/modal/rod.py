@@ -228,7 +228,7 @@ def _root(equation: _Equation, w: complex, y: complex, ratio: float, line: float
             return w
     raise DataError(
         f"no modulus explains the line at {line:.5g} Hz: expected the FRF of a mass on the rod; "
-        "check mass and density, or leave the line out (band=)"
+        "check mass and density, or leave the line out (Python: band=)"
     )
 
 
