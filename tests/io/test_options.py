@@ -16,7 +16,8 @@ text = st.text(st.characters(blacklist_categories=("Cs",)), min_size=1, max_size
 maybe = st.none() | text
 OPTIONS = st.builds(
     ReadOptions,
-    time=maybe, displacement=maybe, force=maybe, acceleration=st.lists(text, max_size=3).map(tuple),
+    time=maybe, displacement=maybe, force=maybe, velocity=maybe, base_acceleration=maybe,
+    acceleration=st.lists(text, max_size=3).map(tuple),
     frequency=maybe, storage=maybe, loss=maybe, loss_factor=maybe, modulus=maybe, stress=maybe,
     strain=maybe, creep_compliance=maybe,
     temperature=maybe, real=maybe, imaginary=maybe, magnitude=maybe, phase=maybe, coherence=maybe,

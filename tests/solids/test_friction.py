@@ -158,6 +158,23 @@ class TestSeries:
         K = 1j * np.trapezoid(F * np.exp(-1j * w * last), last) * w / np.pi / X
         assert abs(K - complex(pair.equivalent(w, X))) < 0.02 * abs(K)
 
+    def test_one_harmonic_of_a_bare_slider_is_as_far_off_as_it_says(self):
+        pair, one = InSeries(spring(100.0), Coulomb(0.05)), Jenkins(100.0, 0.05)
+        X = np.geomspace(2e-4, 0.05, 60)
+        exact = one.equivalent(1.0, X)
+        off = np.abs(pair.equivalent(1.0, X) - exact) / np.abs(exact)
+        assert 0.3 < off.max() < 0.4
+
+
+def test_the_energy_of_a_cycle_is_the_area_of_its_loop():
+    solid = GeneralizedMaxwell(200.0, (300.0,), (0.02,))
+    part = solid + Jenkins(400.0, 0.06)
+    w, X, n = 40.0, 1e-3, 4000
+    t = np.arange(4 * n + 1) * 2 * np.pi / w / n
+    x = X * np.sin(w * t)
+    F = part.path_force(t, x)[-n - 1 :]
+    assert np.trapezoid(F, x[-n - 1 :]) == pytest.approx(float(part.energy_per_cycle(w, X)), 1e-4)
+
 
 def test_jenkins_elements_stand_for_kraus_s_storage():
     law = Kraus(235.0, 3e-4, exponent=0.5)

@@ -25,6 +25,7 @@ from dashpot.records.indentation import Indenter
     help="Of the contact; auto takes the one that the record prefers.",
 )
 @options.picture
+@options.overwrite
 @reports
 @options.reading
 def command(*, hit: str, picture: str | None, **choices: Any) -> Outcome:

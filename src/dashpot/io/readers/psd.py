@@ -18,7 +18,7 @@ from dashpot.io.readers import channels
 
 _WORDS = "g^2/Hz or (m/s^2)^2/Hz"
 _CUBED = {"m2/s3": 1.0, "m^2/s^3": 1.0, "m²/s³": 1.0, "m**2/s**3": 1.0}
-_SQUARED = re.compile(r"\A\(?(.+?)\)?\s*(?:\^2|\*\*2|²|(?<=[a-z])2)\s*/\s*hz\Z", re.IGNORECASE)
+_POWERS = ("**2", "^2", "²", "2")
 _TYPED = re.compile(r"\A\s*([-+]?[\d.]+(?:e[-+]?\d+)?)\s*(\D.*)\Z", re.IGNORECASE)
 
 
@@ -89,8 +89,12 @@ def _factor(word: str, what: str) -> float:
     plain = word.strip()
     if plain in _CUBED:
         return _CUBED[plain]
-    squared = _SQUARED.match(plain)
-    known = None if squared is None else units.find(squared[1], "acceleration")
+    squared, _, per = plain.rpartition("/")
+    power = next((one for one in _POWERS if squared.rstrip().endswith(one)), None)
+    known = None
+    if power and per.strip().lower() == "hz":
+        root = squared.rstrip().removesuffix(power).rstrip()
+        known = units.find(root.removeprefix("(").removesuffix(")"), "acceleration")
     if known is None:
         given = f"the unit '{plain}'" if plain else "no unit"
         raise DataError(f"{what} has {given}; expected a density in {_WORDS}")
