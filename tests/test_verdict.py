@@ -25,6 +25,8 @@ from dashpot.simulation.relaxation import Rig, simulate_relaxation
 from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER, PAPER_MASS
 from dashpot.vibration.systems.prediction import predict_frf
 
+pytestmark = pytest.mark.once
+
 NOTE = Check("a_note", False, "a note", grade="note")
 LIMIT = Check("a_limit", False, "a limit; do this")
 STOP = Check("a_stop", False, "a stop; do that", grade="stop")

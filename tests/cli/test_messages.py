@@ -17,6 +17,8 @@ import dashpot
 from dashpot.cli import COMMANDS, main
 from dashpot.workflow.assumptions import ASSUMPTIONS
 
+pytestmark = pytest.mark.once
+
 SOURCES = Path(dashpot.__file__).parent
 READING = (
     "inspect",

@@ -12,6 +12,8 @@ from dashpot.fitting.relaxation import fit
 from dashpot.fitting.uncertainty.prediction_bounds import frf_band
 from dashpot.preparation.prepare import prepare
 
+pytestmark = pytest.mark.once
+
 DISTURBED = replace(SOUND, late=1e-3, hum=5e-3, drift=0.2e-3)
 
 

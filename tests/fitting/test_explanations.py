@@ -22,6 +22,8 @@ from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.workflow.archive import from_json, to_json
 
+pytestmark = pytest.mark.once
+
 TABLE_1 = GeneralizedMaxwell(196.5, (117.5, 17.8), (59.0 / 117.5, 292.2 / 17.8))
 MASS, SEALS = 0.104, 2.0
 LINES = np.arange(4.0, 40.0, 0.1)

@@ -21,6 +21,8 @@ from dashpot.simulation.relaxation import Rig, simulate_relaxation
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import PAPER
 
+pytestmark = pytest.mark.once
+
 BENCHMARKS = Path(__file__).resolve().parents[2] / "benchmarks"
 
 

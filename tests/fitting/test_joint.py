@@ -32,6 +32,8 @@ from dashpot.vibration.comparison.compare import compare
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.systems.prediction import predict_frf
 
+pytestmark = pytest.mark.once
+
 
 @pytest.fixture(scope="module")
 def joint(broad_frf: FRF, broad_test: RampHold, broad_fit: Fit) -> Fit:

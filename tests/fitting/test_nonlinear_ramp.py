@@ -30,6 +30,8 @@ from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import PAPER
 
+pytestmark = pytest.mark.once
+
 QUICK = Bench(rate=200.0)
 
 

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.once
+
 SCRIPT = Path(__file__).parents[1] / "kit" / "patterns.py"
 
 pytest.importorskip("resource")

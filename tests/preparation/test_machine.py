@@ -10,6 +10,8 @@ import dashpot as dp
 from dashpot.preparation.denoising import true_motion
 from dashpot.workflow.job import Job
 
+pytestmark = pytest.mark.once
+
 PAPER = Seal.of_arms(196.5, (117.5, 17.8), (0.5021, 16.416))
 OMEGA = 2 * np.pi * 12.7
 RATE = 250.0

@@ -18,7 +18,7 @@ from dashpot.base.checks import Check
 from dashpot.plot import tokens
 from dashpot.report import html
 
-pytestmark = needs_browser
+pytestmark = [needs_browser, pytest.mark.once]
 
 S = handmade.study()
 

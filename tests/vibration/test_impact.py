@@ -16,6 +16,8 @@ from dashpot.vibration.impact.amplitude import trend_of_hits
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.systems.prediction import model_modes, predict_frf
 
+pytestmark = pytest.mark.once
+
 MASS = 0.1040426
 NOISE = (5e-3, 0.02)
 

@@ -11,6 +11,8 @@ from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.impact.hits import calm, cut_hits
 
+pytestmark = pytest.mark.once
+
 MASS = 0.1040426
 TRUE = 12.70975, 0.00443503
 

@@ -13,6 +13,8 @@ from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.impact.rocking import _weights
 
+pytestmark = pytest.mark.once
+
 MASS = 0.114829829
 TRUE = 12.69983, 0.0285575
 
