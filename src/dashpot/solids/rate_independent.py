@@ -111,7 +111,7 @@ class RateIndependent(AmplitudeDependent):
         return np.asarray(2 / np.pi * (force * np.exp(-1j * phase)) @ weights / X)
 
     def energy(self, amplitude: npt.ArrayLike) -> FloatArray:
-        """As :meth:`energy_per_cycle`, at every frequency."""
+        """Energy lost in a cycle, J, at every frequency."""
         return self.energy_per_cycle(0.0, amplitude)
 
     def secant(self, amplitude: npt.ArrayLike) -> FloatArray:
