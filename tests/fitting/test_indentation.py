@@ -11,6 +11,7 @@ from kit import contacts
 
 from dashpot import IndentationTest, Indenter, fit_indentation
 from dashpot.base.errors import DataError
+from dashpot.fitting.indentation.checks import parameters_known
 
 pytestmark = pytest.mark.once
 
@@ -208,3 +209,8 @@ class TestRefusals:
             Indenter(mass=-1.0)
         with pytest.raises(DataError, match="expected one of"):
             IndentationTest(np.arange(40.0), np.ones(40), "jerk", BALL)
+
+
+def test_what_nothing_shows_is_not_given_a_factor():
+    assert "within a factor 99" in parameters_known("c", 99.0).says
+    assert parameters_known("c", 5e21).says.startswith("c is not known, not even in its size")

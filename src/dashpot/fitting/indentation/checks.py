@@ -20,6 +20,8 @@ SMALL = 2e-3
 """Part of the push that may be left of a record without noise."""
 _NOISELESS = 1e-4
 """Part of the push below which what is left in flight is no noise."""
+_UNKNOWN = 100.0
+"""A factor beyond which not even the size of a number is known."""
 _COMPARED = ("restitution", "modulus", "depth")
 
 
@@ -190,8 +192,9 @@ def released_freely(pull: float | None, noise: float) -> Finding:
 def parameters_known(name: str, factor: float) -> Finding:
     """Each parameter of the law is known to a quarter."""
     word = name.replace("_", " ")
+    within = f"{word} is known within a factor {factor:.4g}"
     return Finding(
-        f"{word} is known within a factor {factor:.4g}",
+        within if factor < _UNKNOWN else f"{word} is not known, not even in its size",
         factor,
         f": this contact does not show {word} by itself; other numbers may be known better, see "
         "their intervals",
