@@ -33,6 +33,7 @@ from .fitting.uncertainty.prediction_bounds import unseen_arm_band as unseen_arm
 from .io.readers.bench import read_bench as read_bench
 from .io.readers.cld import read_cld as read_cld
 from .io.readers.creep import read_creep as read_creep
+from .io.readers.door import read_door as read_door
 from .io.readers.dynamic import read_dynamic as read_dynamic
 from .io.readers.frf import read_frf as read_frf
 from .io.readers.frf_set import read_frfs as read_frfs
@@ -54,6 +55,7 @@ from .records.cld import CompressionTest as CompressionTest
 from .records.cld import RelaxedLaw as RelaxedLaw
 from .records.creep import CreepCompliance as CreepCompliance
 from .records.creep import CreepTest as CreepTest
+from .records.door import Door as Door
 from .records.dynamic import DynamicTest as DynamicTest
 from .records.fit import Fit as Fit
 from .records.fit import Status as Status
@@ -68,6 +70,9 @@ from .records.machine import Machine as Machine
 from .records.modulus import RelaxationModulus as RelaxationModulus
 from .records.relaxation import RampHold as RampHold
 from .records.relaxation import RelaxationTest as RelaxationTest
+from .records.seal_line import Joint as Joint
+from .records.seal_line import SealLine as SealLine
+from .records.seal_line import SealSection as SealSection
 from .records.specimen import Specimen as Specimen
 from .records.superposition import Superposition as Superposition
 from .solids import friction as friction

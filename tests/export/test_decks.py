@@ -28,8 +28,8 @@ from dashpot.fitting.dynamic import fit_dynamic
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.estimate import Residual
 from dashpot.records.fit import Fit, Status
+from dashpot.records.seal_line import SealLine
 from dashpot.records.specimen import Specimen
-from dashpot.seals.line import SealLine
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 GOLDEN = Path(__file__).parent / "golden"
@@ -292,7 +292,7 @@ def golden_decks(fit: Fit) -> dict[str, str]:
     )
     decks["nastran-line.bdf"] = export.nastran(
         fit, units="mm-t-s", tolerance=0.01, frequency_range=(1.0, 30.0),
-        line=SealLine([(0, 0, 0), (0.5, 0, 0), (0.5, 0.25, 0)], pitch=0.25, normal=(0.0, 0.0, 1.0)),
+        line=SealLine([(0, 0, 0), (0.5, 0, 0), (0.5, 0.25, 0)]).stations(0.25),
     )  # fmt: skip
     return decks
 
@@ -525,31 +525,6 @@ def test_a_table_is_of_the_solid_itself_not_of_its_arms():
     exact = SEAL.complex_stiffness(2 * np.pi * f)
     assert storage + 1j * loss == pytest.approx(exact, rel=1e-9)
     assert np.abs(SEAL.maxwell.complex_stiffness(2 * np.pi * f) / exact - 1).max() > 1e-6
-
-
-@pytest.mark.parametrize(
-    ("points", "pieces"),
-    [
-        ([(0, 0, 0), (1, 1, 0), (1, 0, 0), (0, 1, 0)], "from point 0 meets the one from point 2"),
-        ([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0.5, 0, 0)], "from point 0 meets the one from point 2"),
-        ([(0, 0, 0), (2, 0, 0), (2, 1, 0), (1, 0, 0), (0, 0, 0)], "crosses itself"),
-    ],
-)
-def test_a_seal_line_that_crosses_itself_is_refused(points, pieces):
-    with pytest.raises(ExportError, match=pieces):
-        SealLine(points, 0.1)
-
-
-def test_a_closed_or_a_passing_seal_line_is_no_crossing():
-    assert SealLine([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 0)], 0.1).length == 4
-    SealLine([(0, 0, 0), (1, 1, 0), (1, 0, 0.1), (0, 1, 0.1)], 0.1)  # passes 50 mm above itself
-
-
-@given(st.integers(3, 12), st.floats(0.1, 5.0))
-def test_a_convex_loop_never_crosses_itself(corners: int, size: float):
-    angle = 2 * np.pi * np.arange(corners + 1) / corners
-    loop = size * np.column_stack((np.cos(angle), np.sin(angle), 0.2 * np.cos(3 * angle)))
-    assert SealLine(loop, size / 50).elements > 0
 
 
 @every_deck

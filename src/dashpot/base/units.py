@@ -20,7 +20,7 @@ Range: TypeAlias = tuple[Quantity, Quantity] | str
 Dimension: TypeAlias = Literal[
     "time", "length", "force", "mass", "acceleration", "velocity", "frequency",
     "stiffness", "damping", "temperature", "strain", "stress", "voltage", "torque", "angle",
-    "compliance", "force rate", "material compliance",
+    "compliance", "force rate", "material compliance", "moment of inertia",
 ]  # fmt: skip
 
 
@@ -67,6 +67,7 @@ def _table() -> dict[str, Unit]:
         "voltage": {"V": 1.0, "mV": 1e-3, "uV": 1e-6},
         "torque": {"N*m": 1.0, "N*mm": 1e-3, "mN*m": 1e-3, "uN*m": 1e-6},
         "angle": {"rad": 1.0, "deg": 0.017453292519943295},
+        "moment of inertia": {"kg*m^2": 1.0, "kg*mm^2": 1e-6, "t*mm^2": 1e-3, "g*mm^2": 1e-9},
     }  # fmt: skip
     units: dict[str, Unit] = {}
     for dimension, words in rows.items():
@@ -143,6 +144,10 @@ _SPELLINGS = {
     "mN*m": "mnm mn·m mn.m mn-m",
     "uN*m": "µnm µn·m µn.m µn-m",
     "N*mm": "nmm n·mm n.mm n-mm",
+    "kg*m^2": "kg*m2 kg*m² kgm2 kgm^2 kgm² kg·m² kg·m^2 kg.m2 kg.m^2",
+    "kg*mm^2": "kg*mm2 kg*mm² kgmm2 kgmm^2 kgmm² kg·mm² kg.mm2 kg.mm^2",
+    "t*mm^2": "t*mm2 t*mm² t.mm2 t.mm^2",
+    "g*mm^2": "g*mm2 g*mm² g.mm2 g.mm^2",
     "deg": "° degree degrees grad_ °(deg)",
     "rad": "radian radians",
     "degC": "°c c ℃ deg_c degc celsius grad_c градус °с",

@@ -14,6 +14,7 @@ from dashpot.cli._echo import to_stderr
 from dashpot.cli._options import Quantity, Range
 from dashpot.cli._shell import File, Outcome, read_fit, reports, write
 from dashpot.cli._terminal import Text
+from dashpot.records.seal_line import Stations
 from dashpot.records.specimen import Specimen
 
 # written out, so that --help need not import the decks; a test holds it to export.TARGETS
@@ -129,9 +130,7 @@ _ASKED = "temperature"
 """Of the specimen: what a deck is asked for, not what is added to the fit."""
 
 
-def _seal_line(
-    path: str, pitch: float | None, normal: str | None, units: str | None
-) -> dp.export.SealLine:
+def _seal_line(path: str, pitch: float | None, normal: str | None, units: str | None) -> Stations:
     """Return the polyline in a CSV file of x, y, z in the deck's unit of length."""
     import numpy as np
 
@@ -150,10 +149,10 @@ def _seal_line(
         x, y, z = (float(part) for part in (normal or "0,0,1").split(","))
     except ValueError:
         raise ExportError(f"--normal {normal}: expected three numbers, such as 0,0,1") from None
-    line = dp.export.SealLine(corners, pitch, (x, y, z))
+    line = dp.SealLine(corners, normal=np.array((x, y, z)))
     if line.length > LONGEST_LINE:
         raise ExportError(
             f"{path}: the line is {line.length:.4g} m long in the deck's unit of length ({units}): "
             "write its points in that unit, or choose the --units they are in"
         )
-    return line
+    return line.stations(pitch)

@@ -26,7 +26,6 @@ from dashpot.export import statespace as _statespace
 from dashpot.export.deck import PROBLEMS, DeckText
 from dashpot.export.notation import UNIT_SYSTEMS
 from dashpot.records.fit import Fit
-from dashpot.seals.line import SealLine
 
 _MODULES = {
     module.__name__.rpartition(".")[2]: module
@@ -110,7 +109,6 @@ __all__ = [
     "TARGETS",
     "UNIT_SYSTEMS",
     "DeckText",
-    "SealLine",
     "abaqus",
     "adams",
     "ansys",

@@ -13,8 +13,8 @@ from dashpot.base.units import Quantity, Range, si, si_range
 from dashpot.export.deck import Deck, DeckText, Exportable, open_deck
 from dashpot.export.frequency_tables import Damping, Table
 from dashpot.export.notation import packed
+from dashpot.records.seal_line import SealSection, Stations
 from dashpot.records.specimen import Specimen
-from dashpot.seals.line import SealLine
 
 FORMS = ("table", "viscous-table", "arms")
 _VERIFIED = (
@@ -33,7 +33,7 @@ def nastran(
     frequency_range: Range = (1.0, 100.0),
     tolerance: float = 1e-3,
     nominal: Quantity | None = None,
-    line: SealLine | None = None,
+    line: Stations | None = None,
     first_id: int = 1,
 ) -> DeckText:
     r"""Bulk data for Nastran and OptiStruct: a bushing whose stiffness depends on frequency.
@@ -58,9 +58,10 @@ def nastran(
     nominal : float, optional
         Frequency, Hz, of the nominal K and GE of PBUSH, which normal modes use; the geometric
         middle of the range if not given.
-    line : SealLine, optional
-        Puts one CBUSH at each station, each with its share of the stiffness: needs the contact
-        length that the model stands for. Without it there is one CBUSH at the origin.
+    line : Stations, optional
+        Puts one CBUSH at each station of a :class:`~dashpot.records.seal_line.SealLine`, each with
+        its share of the stiffness, at its compression and its normal: needs the contact length
+        that the model stands for. Without it there is one CBUSH at the origin.
     first_id : int
         First number given to grids, elements, properties, tables, coordinate systems.
 
@@ -75,22 +76,39 @@ def nastran(
     if form == "arms":
         return _arms(deck, row, first_id)
     damping: Damping = "loss_factor" if form == "table" else "damping"
-    table = deck.table(frequency_range, tolerance, share=row.share, damping=damping, printed=_large)
-    at = nominal or float(np.sqrt(frequency_range[0] * frequency_range[1]))
-    return _table(deck, row, table, damping=damping, nominal=at, first_id=first_id)
+    at, asked = nominal or float(np.sqrt(np.prod(frequency_range))), (frequency_range, tolerance)
+    return _table(deck, row, asked=asked, damping=damping, nominal=at, first_id=first_id)
+
+
+@dataclass(frozen=True)
+class _Element:
+    """Where one stands, deck units, and what it carries of the tested stiffness."""
+
+    place: tuple[float, ...] = (0.0, 0.0, 0.0)
+    normal: tuple[float, ...] = (1.0, 0.0, 0.0)
+    share: float = 1.0
 
 
 @dataclass(frozen=True)
 class _Row:
-    """Where the elements stand, deck units, and what each carries of the tested stiffness."""
-
-    stations: tuple[tuple[float, ...], ...] = ((0.0, 0.0, 0.0),)
-    normal: tuple[float, ...] = (1.0, 0.0, 0.0)
-    share: float = 1.0
+    elements: tuple[_Element, ...] = (_Element(),)
     remarks: tuple[str, ...] = ()
 
+    @property
+    def shares(self) -> dict[float, int]:
+        """Every share that there is, and its rank."""
+        found = dict.fromkeys(one.share for one in self.elements)
+        return {share: rank for rank, share in enumerate(found)}
 
-def _row_of(deck: Deck, line: SealLine | None) -> _Row:
+    @property
+    def normals(self) -> dict[tuple[float, ...], int]:
+        """Every normal that is not the x axis, and its rank."""
+        found = dict.fromkeys(one.normal for one in self.elements)
+        turned = [normal for normal in found if not np.allclose(normal, (1.0, 0.0, 0.0))]
+        return {normal: rank for rank, normal in enumerate(turned)}
+
+
+def _row_of(deck: Deck, line: Stations | None) -> _Row:
     if line is None:
         return _Row()
     if deck.specimen.length is None:
@@ -99,33 +117,47 @@ def _row_of(deck: Deck, line: SealLine | None) -> _Row:
             "--length 100mm (Python: Specimen(length=...), m)"
         )
     unit, word = deck.units.length, deck.units.words[0]
-    share = line.piece / deck.specimen.length
+    shares = line.factor * line.length / deck.specimen.length
+    law = deck.fit.elastic_law if deck.fit else None
+    if line.compression is not None:
+        shares = shares * SealSection(deck.solid, law).factor(line.compression)
+    carried = shares > 0
+    if not carried.any():
+        raise ExportError("no station of the seal line touches: its compression is below 0 m")
+    least, most = float(shares[carried].min()), float(shares.max())
+    each = f"{least:.6g}" if least == most else f"{least:.6g} to {most:.6g}"
     remark = (
-        f"seal line: {line.length / unit:.6g} {word}, {line.elements} elements of "
-        f"{line.piece / unit:.6g} {word}, each with {share:.6g} of the stiffness above"
+        f"seal line: {line.length.sum() / unit:.6g} {word}, {int(carried.sum())} elements of "
+        f"{line.length[0] / unit:.6g} {word}, each with {each} of the stiffness above"
     )
-    stations = tuple(tuple(place) for place in (line.stations() / unit).tolist())
-    return _Row(stations, line.normal, share, (remark,))
+    if not carried.all():
+        remark += f"; {int((~carried).sum())} more do not touch and are left out"
+    # shares that differ by rounding are one
+    rows = zip(line.place / unit, line.normal, shares.tolist(), carried, strict=True)
+    return _Row(
+        tuple(
+            _Element(tuple(place.tolist()), tuple(np.round(normal, 9).tolist()), float(f"{s:.9g}"))
+            for place, normal, s, touches in rows
+            if touches
+        ),
+        (remark,),
+    )
 
 
 def _table(
-    deck: Deck, row: _Row, table: Table, *, damping: Damping, nominal: float, first_id: int
+    deck: Deck,
+    row: _Row,
+    *,
+    asked: tuple[tuple[float, float], float],
+    damping: Damping,
+    nominal: float,
+    first_id: int,
 ) -> DeckText:
-    units = deck.units
-    K = complex((deck.solid * row.share).complex_stiffness(2 * np.pi * nominal))
-    if damping == "loss_factor":
-        label, nominal_damping, damped = "GE", K.imag / K.real, table.damping
-    else:
-        label, nominal_damping = "B", units.damping(K.imag / (2 * np.pi * nominal))
-        damped = units.damping(table.damping)
-    properties = bush_property(
-        first_id,
-        frequency=units.frequency(table.frequency).tolist(),
-        stiffness=units.stiffness(table.storage).tolist(),
-        damping=damped.tolist(),
-        label=label,
-        nominal=(units.stiffness(K.real), nominal_damping),
-    )
+    properties: list[str] = []
+    for share, rank in row.shares.items():
+        table = deck.table(*asked, share=share, damping=damping, printed=_large)
+        own = first_id + 2 * rank
+        properties += _property(deck, table, own, share=share, damping=damping, nominal=nominal)
     return deck.written(
         "$",
         "frequency-dependent bushing for Nastran and OptiStruct",
@@ -136,6 +168,27 @@ def _table(
             f"nominal K and damping: those at {nominal:.6g} Hz; the bushing acts along its x axis",
         ],
         table=table,
+    )
+
+
+def _property(
+    deck: Deck, table: Table, property_id: int, *, share: float, damping: Damping, nominal: float
+) -> list[str]:
+    """One share of the solid: its property and tables."""
+    units = deck.units
+    K = complex((deck.solid * share).complex_stiffness(2 * np.pi * nominal))
+    if damping == "loss_factor":
+        label, nominal_damping, damped = "GE", K.imag / K.real, table.damping
+    else:
+        label, nominal_damping = "B", units.damping(K.imag / (2 * np.pi * nominal))
+        damped = units.damping(table.damping)
+    return bush_property(
+        property_id,
+        frequency=units.frequency(table.frequency).tolist(),
+        stiffness=units.stiffness(table.storage).tolist(),
+        damping=damped.tolist(),
+        label=label,
+        nominal=(units.stiffness(K.real), nominal_damping),
     )
 
 
@@ -161,16 +214,16 @@ def bush_property(
 
 
 def _bushings(row: _Row, first_id: int) -> list[str]:
-    cards = []
-    system: int | str = 0
-    if not np.allclose(row.normal, (1.0, 0.0, 0.0)):
-        system = first_id
-        cards += _coordinates(system, row.normal)
-    for i, place in enumerate(row.stations):
+    cards, shares, normals = [], row.shares, row.normals
+    for normal, rank in normals.items():
+        cards += _coordinates(first_id + rank, normal)
+    for i, one in enumerate(row.elements):
         a, b = first_id + 2 * i, first_id + 2 * i + 1
         for grid in (a, b):
-            cards += _card("GRID*", [grid, "", *place])
-        cards.append(_small("CBUSH", first_id + i, first_id, a, b, "", "", "", system))
+            cards += _card("GRID*", [grid, "", *one.place])
+        system = first_id + normals[one.normal] if one.normal in normals else 0
+        own = first_id + 2 * shares[one.share]
+        cards.append(_small("CBUSH", first_id + i, own, a, b, "", "", "", system))
     return cards
 
 
@@ -186,19 +239,19 @@ def _coordinates(number: int, normal: Sequence[float]) -> list[str]:
 def _arms(deck: Deck, row: _Row, first_id: int) -> DeckText:
     per = 2 + 2 * deck.model.arms + 2
     cards: list[str] = []
-    for i, place in enumerate(row.stations):
+    for i, one in enumerate(row.elements):
         a, b = first_id + per * i, first_id + per * i + 1
         for grid in (a, b):
-            cards += _card("GRID*", [grid, "", *place])
+            cards += _card("GRID*", [grid, "", *one.place])
         number = itertools.count(a)
         if deck.k_inf > 0:
-            cards += _card("CELAS2*", [next(number), deck.k_inf * row.share, a, 1, b, 1])
+            cards += _card("CELAS2*", [next(number), deck.k_inf * one.share, a, 1, b, 1])
         if deck.b > 0:
-            cards += _card("CDAMP2*", [next(number), deck.b * row.share, a, 1, b, 1])
+            cards += _card("CDAMP2*", [next(number), deck.b * one.share, a, 1, b, 1])
         for inner, (k, _, arm_b) in enumerate(deck.arms, start=b + 1):
             cards.append(_small("SPOINT", inner))
-            cards += _card("CELAS2*", [next(number), k * row.share, a, 1, inner, ""])
-            cards += _card("CDAMP2*", [next(number), arm_b * row.share, inner, "", b, 1])
+            cards += _card("CELAS2*", [next(number), k * one.share, a, 1, inner, ""])
+            cards += _card("CDAMP2*", [next(number), arm_b * one.share, inner, "", b, 1])
     return deck.written(
         "$",
         "network of springs and dashpots for Nastran and OptiStruct",
