@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Literal, TypeAlias, TypedDict
+from typing import Any, Literal, TypeAlias
 
 import dashpot as dp
 from dashpot.base.errors import FitError
@@ -13,7 +13,7 @@ from dashpot.io.options import ReadOptions
 from dashpot.io.source import about
 from dashpot.preparation.creep import load_hold
 from dashpot.preparation.motion import loading_in
-from dashpot.records.creep import CreepCompliance, CreepTest, LoadHold
+from dashpot.records.creep import Creep, CreepCompliance, CreepTest, LoadHold
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import Fit
 from dashpot.records.machine import Machine
@@ -29,15 +29,49 @@ Record: TypeAlias = (
 )
 
 
-class _Choices(TypedDict):
-    """What :func:`~dashpot.fitting.relaxation.fit` is told besides the number of arms."""
+@dataclass(frozen=True)
+class _Asked:
+    """What the user asked for, whatever the records turn out to be."""
 
+    arms: int | Literal["auto"]
     method: Literal["full", "hold"]
     depth_law: bool
     thorough: bool
     law: Literal["auto", "linear", "nonlinear"]
     family: Literal["maxwell", "fractional", "auto"]
     intervals: bool
+    filter: str | None
+    shifting: ShiftChoices
+    specimen: Specimen | None
+
+    def nothing_of(self, *names: str) -> bool:
+        """Whether each of these is left at what it is where nothing is said."""
+        usual = {"method": "full", "depth_law": False, "law": "auto", "family": "maxwell"}
+        return all(getattr(self, name) == usual[name] for name in names)
+
+    def refuse_for_a_modulus(self) -> None:
+        """Refuse what belongs to a ramp."""
+        usual = self.nothing_of("method", "depth_law", "family")
+        if self.filter or self.law == "nonlinear" or not usual:
+            raise FitError(
+                "a relaxation modulus is fitted without --depth-law, --method hold, --law, "
+                "--filter and --family: it is the answer to a step already, of a linear solid with "
+                "arms"
+            )
+
+    def fit(self, tests: Sequence[RampHold] | Creep, **further: Any) -> Fit:
+        """Fit ramps and holds, or one creep test."""
+        return dp.fit(
+            tests,
+            arms=self.arms,
+            method=self.method,
+            depth_law=self.depth_law,
+            thorough=self.thorough,
+            law=self.law,
+            family=self.family,
+            intervals=self.intervals,
+            **further,
+        )
 
 
 def fit_files(
@@ -100,16 +134,12 @@ def fit_files(
     """
     options, cuts = options or ReadOptions(), cuts or Cuts()
     each = each_specimen(specimen, temperatures, len(files))
+    asked = _Asked(
+        arms, method, depth_law, thorough, law, family, intervals, filter, shifting, each[0]
+    )
     if options.modulus is not None:
-        known_of_a_test(machine, tests=0, add="a ramp and hold")
-        cuts.refuse_several(0)
-        refused = depth_law or method == "hold" or filter or law == "nonlinear"
-        if refused or family != "maxwell":
-            raise FitError(
-                "a relaxation modulus is fitted without --depth-law, --method hold, --law, "
-                "--filter and --family: it is the answer to a step already, of a linear solid with "
-                "arms"
-            )
+        asked.refuse_for_a_modulus()
+        _refuse_a_machine(machine, cuts)
         curves = [
             dp.read_modulus(path, options=options, specimen=one)
             for path, one in zip(files, each, strict=True)
@@ -121,77 +151,96 @@ def fit_files(
         dp.read_bench(path, options=options, specimen=one)
         for path, one in zip(files, each, strict=True)
     ]
-    choices: _Choices = {
-        "method": method, "depth_law": depth_law, "thorough": thorough, "law": law,
-        "family": family, "intervals": intervals,
-    }  # fmt: skip
-    crept = [_as_creep(test) for test in tests]
-    if any(one is not None for one in crept):
-        known_of_a_test(machine, tests=0, add="a ramp and hold")
-        cuts.refuse_several(0)
-        if None in crept or filter:
+    crept = [one for one in map(_as_creep, tests) if one is not None]
+    if crept:
+        _refuse_a_machine(machine, cuts)
+        if len(crept) < len(tests) or filter:
             raise FitError(
                 "a creep test is fitted alone, or with others at other temperatures, without "
                 "--filter"
             )
-        # a load that is not held says itself of which file it is
-        held = [load_hold(one) if isinstance(one, CreepTest) else one for one in crept if one]
         with about(Path(files[0]).name):
-            record = _creep(held, shifting, each[0])
-            if isinstance(record, Superposition):
-                if method != "full" or depth_law or law != "auto" or family != "maxwell":
-                    raise FitError(
-                        "creep at several temperatures has a linear solid with arms: leave out "
-                        "--method, --depth-law, --law and --family"
-                    )
-                return dp.fit_creep(record, arms=arms, thorough=thorough), (record,)
-            further = {} if shifting.at is not None else shifted_ramps(shifting)
-            return dp.fit(record, arms=arms, **choices, **further), (record,)
-    sweeps = [test for test in tests if isinstance(test, DynamicTest)]
-    cuts.refuse_several(sum(isinstance(test, RelaxationTest) for test in tests))
+            return _crept(crept, asked)
+    pressed = [test for test in tests if isinstance(test, RelaxationTest)]
+    cuts.refuse_several(len(pressed))
     prepared = tuple(
         dp.prepare(
             test,
             filter=filter,
             machine=machine,
             cycle=options.cycle,
-            judged=intervals or bool(sweeps),
+            judged=intervals or len(pressed) < len(tests),
             **asdict(cuts),
         )
-        for test in tests
-        if isinstance(test, RelaxationTest)
+        for test in pressed
     )
     known_of_a_test(machine, tests=len(prepared), add="a ramp and hold")
+    sweeps = [test for test in tests if isinstance(test, DynamicTest)]
     if not sweeps:
-        depths = {round(test.depth, 9) for test in prepared}
-        several = len(depths) == len(prepared) > 1
-        if depth_law and method == "full" and several and (law, family) == ("auto", "maxwell"):
-            if thorough or shifting != ShiftChoices():
-                raise FitError(
-                    "a law of the depth is one of one temperature, with starts of its own: leave "
-                    "out --thorough, --reference, --shift, --vertical, --at and --shifts"
-                )
-            return dp.fit_depths(prepared, arms=arms).fit, prepared
-        return dp.fit(prepared, arms=arms, **choices, **shifted_ramps(shifting)), prepared
-    if depth_law or method == "hold" or (prepared and len(sweeps) > 1):
+        return _pressed(prepared, asked), prepared
+    return _swept(sweeps, prepared, asked)
+
+
+def _refuse_a_machine(machine: Machine | None, cuts: Cuts) -> None:
+    """Refuse what is known of a ramp and hold alone."""
+    known_of_a_test(machine, tests=0, add="a ramp and hold")
+    cuts.refuse_several(0)
+
+
+def _crept(
+    tests: Sequence[CreepTest | CreepCompliance], asked: _Asked
+) -> tuple[Fit, tuple[Record, ...]]:
+    """Fit one creep test, or the master curve of several."""
+    # a load that is not held says itself of which file it is
+    held = [load_hold(one) if isinstance(one, CreepTest) else one for one in tests]
+    record = _creep(held, asked.shifting, asked.specimen)
+    if isinstance(record, Superposition):
+        if not asked.nothing_of("method", "depth_law", "law", "family"):
+            raise FitError(
+                "creep at several temperatures has a linear solid with arms: leave out "
+                "--method, --depth-law, --law and --family"
+            )
+        return dp.fit_creep(record, arms=asked.arms, thorough=asked.thorough), (record,)
+    further = {} if asked.shifting.at is not None else shifted_ramps(asked.shifting)
+    return asked.fit(record, **further), (record,)
+
+
+def _pressed(tests: tuple[RampHold, ...], asked: _Asked) -> Fit:
+    """Fit ramps and holds together; of depths that all differ, with one elastic law."""
+    several = len({round(test.depth, 9) for test in tests}) == len(tests) > 1
+    if several and asked.depth_law and asked.nothing_of("method", "law", "family"):
+        if asked.thorough or asked.shifting != ShiftChoices():
+            raise FitError(
+                "a law of the depth is one of one temperature, with starts of its own: leave "
+                "out --thorough, --reference, --shift, --vertical, --at and --shifts"
+            )
+        return dp.fit_depths(tests, arms=asked.arms).fit
+    return asked.fit(tests, **shifted_ramps(asked.shifting))
+
+
+def _swept(
+    sweeps: Sequence[DynamicTest], tests: tuple[RampHold, ...], asked: _Asked
+) -> tuple[Fit, tuple[Record, ...]]:
+    """Fit a dynamic sweep or a master curve, with the ramps and holds of the same part."""
+    if asked.depth_law or asked.method == "hold" or (tests and len(sweeps) > 1):
         raise FitError(
             "a dynamic sweep is fitted alone, with others at other temperatures, or with "
             "relaxation tests of the same part, without --depth-law and --method hold"
         )
-    if law == "nonlinear" or (filter and not prepared):
+    if asked.law == "nonlinear" or (asked.filter and not tests):
         raise FitError(
             "a dynamic sweep is of a linear solid, and nothing of it is filtered: leave out --law "
             "and --filter, which are for ramps and holds"
         )
-    sweep = one_temperature(sweeps, shifting, each[0])
+    sweep = one_temperature(sweeps, asked.shifting, asked.specimen)
     found = dp.fit_dynamic(
         sweep,  # type: ignore[arg-type]
-        arms=arms,
-        tests=prepared,
-        thorough=thorough,
-        family=family,
+        arms=asked.arms,
+        tests=tests,
+        thorough=asked.thorough,
+        family=asked.family,
     )
-    return found, (sweep, *prepared)
+    return found, (sweep, *tests)
 
 
 def _as_creep(
