@@ -7,7 +7,8 @@ import pytest
 from scipy import signal
 
 from dashpot.base.errors import DataError
-from dashpot.simulation.relaxation import Axis, setpoints
+from dashpot.simulation.axis import Axis
+from dashpot.simulation.frames import setpoints
 
 
 def ramp(axis: Axis, *, depth: float = 8e-3, duration: float = 1.0, hold: float = 4.0):
@@ -50,6 +51,21 @@ def test_friction_sticks_and_the_integrator_brings_the_axis_home():
     assert stuck[-1] == stuck[-500]
     assert abs(stuck[-1] - 8e-3) > 0.02e-3
     assert abs(home[-1] - 8e-3) < 0.02e-3
+
+
+@pytest.mark.parametrize("friction", [0.2, 0.5, 2.0])
+def test_an_axis_that_friction_stops_far_away_ends_within_a_count(friction: float):
+    # R1: steady error < 1 count; without its integrator the axis stops f/k_p short, here beyond
+    # the integrator's zone of 0.1 mm
+    reference = ramp(Axis(), hold=15.0)[1]
+    stuck = Axis(friction=friction, integral=0.0).follow(reference)
+    home = Axis(friction=friction).follow(reference)
+    assert 8e-3 - stuck[-1] > 0.1e-3
+    assert abs(home[-1] - 8e-3) < 0.02e-3
+    assert home.max() < 1.01 * 8e-3
+    # by the rate alone: an integrator that knows only its zone never begins
+    alone = Axis(friction=friction, standstill=0.0).follow(reference)
+    assert 8e-3 - alone[-1] > 0.1e-3
 
 
 def test_a_limited_axis_does_not_wind_up():

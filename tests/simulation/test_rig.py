@@ -10,7 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError
-from dashpot.simulation.relaxation import Axis, Rig, in_steps, simulate_path, simulate_relaxation
+from dashpot.simulation.axis import Axis
+from dashpot.simulation.relaxation import Rig, in_steps, simulate_path, simulate_relaxation
 from dashpot.solids.table_1 import (
     BROAD,
     BROAD_MASS,

@@ -85,6 +85,21 @@ class Wlf(click.ParamType[Any]):
             self.fail(f"'{value}': expected C1,C2,T_r, such as 6.94,129.6K,23degC", param, ctx)
 
 
+class Direction(click.ParamType[Any]):
+    """Three numbers, ``x,y,z``."""
+
+    name = "x,y,z"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        if not isinstance(value, str):
+            return value
+        try:
+            x, y, z = map(float, value.split(","))
+        except ValueError:
+            self.fail(f"'{value}': expected x,y,z, such as 0,0,-1", param, ctx)
+        return x, y, z
+
+
 def _kelvin(text: str) -> float:
     return parse_quantity(text.strip(), "temperature")
 

@@ -10,11 +10,13 @@ import click
 import dashpot as dp
 from dashpot.base.checks import verdict
 from dashpot.base.errors import DataError
+from dashpot.base.version import byline
 from dashpot.cli import _options as options
-from dashpot.cli._options import Quantity, given
-from dashpot.cli._shell import Outcome, reports, typed
+from dashpot.cli._options import Direction, Quantity, given
+from dashpot.cli._shell import Outcome, Output, reports, typed, write
 from dashpot.cli._terminal import Text
 from dashpot.cli.simulate import seal
+from dashpot.io.write import write_motion
 
 if TYPE_CHECKING:
     from dashpot.solids.temperature import TemperatureLaw
@@ -57,6 +59,21 @@ if TYPE_CHECKING:
     "--temperature", type=Quantity("temperature"), help="Of the test; else 23degC or the fit's."
 )
 @options.wlf
+@click.option(
+    "--setpoints",
+    type=Output((".csv", ".txt")),
+    metavar="FILE",
+    help="Write the planned motion for a controller, one set-point a row; - is stdout.",
+)
+@click.option("--interval", type=Quantity("time"), default="10ms", show_default=True)
+@click.option(
+    "--along",
+    type=Direction(),
+    default="0,0,-1",
+    show_default=True,
+    help="Where the plate goes, in the axes of the controller.",
+)
+@options.force
 @reports
 def command(
     *,
@@ -68,6 +85,9 @@ def command(
     arm_time: float | None,
     wanted: float,
     wlf: TemperatureLaw | None,
+    setpoints: str | None,
+    interval: float,
+    along: tuple[float, float, float],
     **choices: Any,
 ) -> Outcome:
     """Tell how well a planned test will know stiffness and loss factor at a frequency.
@@ -77,6 +97,7 @@ def command(
     dashpot plan --ramp 0.1s --at 12.71Hz --noise 1mN --record 8s --pulse 15ms
     dashpot plan --ramp 1s --at 12.71Hz --sync 0.5ms --drift 0.2mN/s
     dashpot plan --ramp 1s --at 12.71Hz --cold 0degC --cold 10degC
+    dashpot plan --ramp 1s --hold 40s --at 12.71Hz --setpoints ramp.csv
     """
     if arm_time is not None and arm_stiffness is None:
         raise DataError("--arm-time needs --arm-stiffness, e.g. --arm-stiffness 0.05N/mm")
@@ -94,8 +115,22 @@ def command(
         law=wlf or guess.law,
         **choices,
     )
+    if setpoints is not None:
+        motion = dp.planned_motion(
+            depth=choices["depth"],
+            ramp_time=ramp,
+            hold_time=hold,
+            baseline=choices["baseline"],
+            interval=interval,
+            along=along,
+        )
+        count = byline(f"{len(motion.time)} set-points of a planned test")
+        timed = f"rest {choices['baseline']:g} s, ramp {ramp:g} s, hold {hold:g} s"
+        says = (count, f"{timed}; one each {interval:g} s, the first where the plate touches")
+        write(setpoints, write_motion(motion, comments=says))
     rehearsed = typed(
         "simulate", "relaxation", *given("ramp", "hold"), "-o", "rehearsal.csv", why="rehearses it"
     )
     made = verdict(found.checks)
-    return Outcome(found, Text([str(found)]), found.checks, verdict=made, follow=rehearsed)
+    text = None if setpoints == "-" else Text([str(found)])
+    return Outcome(found, text, found.checks, verdict=made, follow=rehearsed)

@@ -17,6 +17,7 @@ from dashpot.io.source import extra
 from dashpot.records.creep import CreepTest
 from dashpot.records.frf import FRF, Kind
 from dashpot.records.impact import ImpactTest
+from dashpot.records.motion import Motion
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.records.temperature import TemperatureShifts
 
@@ -46,6 +47,22 @@ def write_relaxation(
     kelvin = test.specimen.temperature
     stated = [] if kelvin is None else [temperature_line(kelvin)]
     return _written(_text([*_stamped(stamp, comments), *comments, *stated], head, columns), path)
+
+
+def write_motion(
+    motion: Motion, path: str | Path | None = None, *, comments: Sequence[str] = ()
+) -> str:
+    """Return a motion as text that `read_motion` takes back, and write it to `path` if given.
+
+    The columns are ``time [s], displacement [mm]`` and, where it is known in space,
+    ``x [mm], y [mm], z [mm]``, to the picometre.
+    """
+    head, columns = ["time [s]", "displacement [mm]"], [motion.displacement]
+    if motion.position is not None:
+        head += ["x [mm]", "y [mm]", "z [mm]"]
+        columns += list(motion.position.T)
+    moved = [np.round(1e3 * column, 9) + 0.0 for column in columns]  # no zero is negative
+    return _written(_text(comments, head, [motion.time, *moved]), path)
 
 
 def temperature_line(kelvin: float) -> str:

@@ -1,0 +1,34 @@
+"""From a file to a motion: the columns of time and displacement, whatever else it holds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from dashpot.io.options import ReadOptions
+from dashpot.io.readers import channels
+from dashpot.records.motion import Motion
+
+
+def read_motion(path: str | Path, *, options: ReadOptions | None = None) -> Motion:
+    """Return the motion in a record or in a list of set-points; ``-`` is stdin.
+
+    Rows without a number are left out, and said in the notes of its source.
+
+    Raises
+    ------
+    ReadError
+        If the file cannot be read, or leaves open which column is what or in which unit.
+    """
+    with channels.opened(path, options) as file:
+        channels.refuse_other_rate(file)
+        rate = file.options.rate
+        chosen = channels.choose(file, ["displacement"] if rate else ["time", "displacement"])
+        loaded = channels.load_test(file, chosen, 2)
+        values, said = channels.whole_rows(loaded)
+        columns = [channels.si(values[:, j], c.unit) for j, c in enumerate(chosen)]
+        time = np.arange(len(values)) / rate if rate else columns[0]
+        notes = [*file.table.notes, *said]
+        source = channels.source(file, [c.says for c in chosen], notes)
+        return Motion(time, columns[-1], source=source)

@@ -1,0 +1,121 @@
+"""Where the plate is: set-points on a line in space, three axes, the depth along its normal."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import atan2, cos, hypot, sin
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import DataError
+from dashpot.simulation.axis import Axis
+
+Point: TypeAlias = tuple[float, float, float]
+"""x, y, z, m; or a direction."""
+
+
+def setpoints(
+    start: float | Point, stop: float | Point, *, duration: float, interval: float
+) -> FloatArray:
+    """Positions that a robot is sent through, evenly spaced in time, both ends exact.
+
+    >>> len(setpoints(0.0, -8e-3, duration=1.0, interval=10e-3))
+    101
+    >>> setpoints((0, 0, 0), (0, 0, -8e-3), duration=1.0, interval=10e-3)[-1].tolist()
+    [0.0, 0.0, -0.008]
+    """
+    first, last = np.asarray(start, dtype=float), np.asarray(stop, dtype=float)
+    count = max(1, round(duration / interval))
+    points = np.asarray(first + np.multiply.outer(np.arange(count + 1), last - first) / count)
+    points[-1] = last
+    return points
+
+
+def unit(direction: npt.ArrayLike) -> FloatArray:
+    """Return a direction as a vector of length 1.
+
+    Raises
+    ------
+    DataError
+        If it is not three numbers, or has no length.
+    """
+    vector = np.asarray(direction, dtype=float)
+    length = float(np.linalg.norm(vector)) if vector.shape == (3,) else 0.0
+    if not (np.isfinite(length) and length > 0):
+        raise DataError(f"{direction!r} is no direction; expected three numbers, not all zero")
+    return np.asarray(vector / length)
+
+
+def depth_along(
+    positions: npt.ArrayLike, normal: npt.ArrayLike, *, contact: Point = (0.0, 0.0, 0.0)
+) -> FloatArray:
+    r"""Indentation by projection on the plate's normal, :math:`(p - p_0) \cdot \hat n`, m.
+
+    Parameters
+    ----------
+    positions : array, shape (n, 3)
+        m.
+    normal : array, shape (3,)
+        Into the seal; of any length.
+    contact : (float, float, float)
+        Where the plate touches, m.
+    """
+    return np.asarray((np.asarray(positions, dtype=float) - np.asarray(contact)) @ unit(normal))
+
+
+@dataclass(frozen=True)
+class Robot:
+    """Three axes at right angles, each with its own controller and encoder.
+
+    Attributes
+    ----------
+    axes : tuple of Axis
+        x, y, z.
+    encoder : float
+        Position quantum of each, m; 0 for none.
+    """
+
+    axes: tuple[Axis, Axis, Axis] = field(default_factory=lambda: (Axis(), Axis(), Axis()))
+    encoder: float = 0.02e-3
+
+    def follow(self, reference: npt.ArrayLike) -> FloatArray:
+        """Return the true position at each control instant, shape (n, 3), m.
+
+        Parameters
+        ----------
+        reference : array_like, shape (n, 3)
+            Set-point in force at each control instant, m.
+        """
+        wanted = np.asarray(reference, dtype=float)
+        return np.column_stack([a.follow(w) for a, w in zip(self.axes, wanted.T, strict=True)])
+
+    def read(self, positions: FloatArray) -> FloatArray:
+        """Return what the encoders say of positions, m: whole counts of each axis."""
+        counts = np.round(positions / self.encoder) if self.encoder else positions
+        return np.asarray(counts * self.encoder if self.encoder else counts)
+
+
+def tilted(force: npt.ArrayLike, angle: float, *, towards: float = 0.0) -> FloatArray:
+    r"""Return the force that a misaligned transducer feels, shape (3, n), N.
+
+    A seal pushes along the plate's normal; a transducer turned by `angle` from it feels
+
+    .. math:: F\,(\sin\theta\cos\varphi,\; \sin\theta\sin\varphi,\; \cos\theta)
+
+    Parameters
+    ----------
+    force : array_like, shape (n,)
+        Along the normal, N.
+    angle, towards : float
+        :math:`\theta` from the normal and :math:`\varphi` from x, rad.
+    """
+    arrow = [sin(angle) * cos(towards), sin(angle) * sin(towards), cos(angle)]
+    return np.multiply.outer(np.array(arrow), np.asarray(force, dtype=float))
+
+
+def misalignment(x: float, y: float, z: float) -> float:
+    r"""Angle between plate and transducer, :math:`\arctan(F_{lat} / F_z)`, rad."""
+    return atan2(hypot(x, y), z)

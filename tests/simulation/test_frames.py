@@ -1,0 +1,66 @@
+"""Three axes, the plate's normal, a transducer that is not square to it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dashpot.base.errors import DataError
+from dashpot.simulation.frames import Robot, depth_along, misalignment, setpoints, tilted, unit
+
+SLANTED = (0.0, 0.6, 0.8)
+
+
+def test_8_mm_along_a_slanted_normal_are_8_mm():
+    # R2: 8 mm along (0, 0.6, 0.8) gives 8.000
+    points = setpoints((0.01, 0.02, 0.03), (0.01, 0.0248, 0.0364), duration=1.0, interval=10e-3)
+    depth = depth_along(points, SLANTED, contact=(0.01, 0.02, 0.03))
+    assert depth[-1] == pytest.approx(8e-3, abs=1e-15)
+    assert depth[0] == 0.0
+
+
+def test_a_line_in_space_has_101_set_points_and_the_last_is_exact():
+    # R1: (0,0,0) -> (0,0,-8), dt = 10 ms
+    points = setpoints((0, 0, 0), (0, 0, -8e-3), duration=1.0, interval=10e-3)
+    assert points.shape == (101, 3)
+    assert points[-1].tolist() == [0.0, 0.0, -8e-3]
+    np.testing.assert_allclose(np.diff(points[:, 2]), -8e-5, rtol=1e-12)
+
+
+@pytest.mark.parametrize("along", [(0, 0, -1), SLANTED])
+def test_three_axes_make_the_ramp_and_drift_sideways_by_less_than_50_um(along):
+    # R1: overshoot < 1 %, steady error < 1 count, lateral drift < 0.05 mm
+    robot, stop = Robot(), 8e-3 * unit(along)
+    line = setpoints((0, 0, 0), tuple(stop), duration=1.0, interval=1e-3)
+    reference = np.vstack([line, np.tile(stop, (3000, 1))])
+    true = robot.follow(reference)
+    depth = depth_along(true, along)
+    assert 8e-3 < depth.max() < 1.01 * 8e-3
+    assert abs(depth[-1] - 8e-3) < robot.encoder
+    sideways = true - np.multiply.outer(depth, unit(along))
+    assert np.abs(sideways).max() < 0.05e-3
+    read = robot.read(true)
+    assert np.abs(read - true).max() <= robot.encoder / 2 * (1 + 1e-9)
+    # half a count of each axis, as far as it lies along the normal
+    error = np.abs(depth_along(read, along) - depth).max()
+    assert error <= robot.encoder / 2 * np.abs(unit(along)).sum() * (1 + 1e-9)
+
+
+def test_an_encoder_without_steps_reads_the_truth():
+    assert Robot(encoder=0.0).read(np.array([[1.23e-6, 0.0, 1.0]]))[0, 0] == 1.23e-6
+
+
+@given(angle=st.floats(0, 1.5), towards=st.floats(-3, 3), force=st.floats(0.01, 70))
+def test_the_lateral_force_tells_the_angle(angle: float, towards: float, force: float):
+    # R4: atan(F_lat / F_z)
+    x, y, z = tilted([force], angle, towards=towards)[:, 0]
+    assert np.hypot(np.hypot(x, y), z) == pytest.approx(force)
+    assert misalignment(x, y, z) == pytest.approx(angle, abs=1e-12)
+
+
+@pytest.mark.parametrize("wrong", [(0, 0, 0), (0, float("nan"), 1), (0, 1)])
+def test_what_is_no_direction_is_refused(wrong):
+    with pytest.raises(DataError, match="expected three numbers, not all zero"):
+        unit(wrong)
