@@ -113,7 +113,7 @@ def tilted(force: npt.ArrayLike, angle: float, *, towards: float = 0.0) -> Float
         :math:`\theta` from the normal and :math:`\varphi` from x, rad.
     """
     arrow = [sin(angle) * cos(towards), sin(angle) * sin(towards), cos(angle)]
-    return np.multiply.outer(np.array(arrow), np.asarray(force, dtype=float))
+    return np.asarray(np.multiply.outer(arrow, np.asarray(force, dtype=float)))
 
 
 def misalignment(x: float, y: float, z: float) -> float:
