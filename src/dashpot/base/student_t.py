@@ -19,6 +19,8 @@ import numpy as np
 _DEGREE = np.arange(1.0, 64.0)
 _NODES, _VECTORS = np.linalg.eigh(np.diag(_DEGREE / np.sqrt(4.0 * _DEGREE**2 - 1.0), -1))
 _WEIGHTS = 2.0 * _VECTORS[0] ** 2
+# Newton squares what a step leaves: after one as short as this, a part of the angle, it is rounding
+_SHORT = 1e-12
 
 
 def central_probability(x: float, dof: float) -> float:
@@ -43,11 +45,13 @@ def t_quantile(level: float, dof: float) -> float:
         error = _central(angle, dof) - level
         low, high = (low, angle) if error > 0 else (angle, high)
         density = exp(_log_constant(dof)) * max(cos(angle), 0.0) ** (dof - 1.0)
-        step = angle - error / density if density > 0 else -1.0
-        new = step if low < step < high else 0.5 * (low + high)
-        if abs(new - angle) <= 1e-15 * angle:
+        step = error / density if density > 0 else inf
+        # rounding may lie on either side of the level
+        if abs(step) > _SHORT * angle and not low < angle - step < high:
+            step = angle - 0.5 * (low + high)
+        angle -= step
+        if abs(step) <= _SHORT * angle:
             break
-        angle = new
     return sqrt(dof) * tan(angle)
 
 
