@@ -33,7 +33,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
+from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.engine.inference.descents import Descents, Solved
 from dashpot.engine.inference.profile_walks import Asked, Coordinate, Walk
 from dashpot.engine.solver.descent import Stack
@@ -147,8 +147,8 @@ class _Together:
         goal = np.array([walk.goal for walk in walks])
         descents = self._descents(left, walks)
         known = descents.known
-        while (on := np.flatnonzero([not walk.ended for walk in walks])).size:
-            for i in self._tried(descents, goal, held, on):
+        while on := [i for i, walk in enumerate(walks) if not walk.ended]:
+            for i in self._tried(descents, goal, held, np.array(on)):
                 walk, at, foretold = walks[i], walks[i].at, np.zeros(self.arms)
                 sse, there = descents.best(i)
                 if walk.arrived(self._deviance(walk, known.beta[i], there, sse)):
@@ -203,7 +203,9 @@ class _Together:
         within: tuple[FloatArray, FloatArray] | None = None,
     ) -> IndexArray:
         """Try each of the descents `on` once, in reach; those that are at their end."""
-        trial = np.clip(descents.here[on] + descents.move[on], *(within or self.reach))
+        low, high = within or self.reach
+        # `numpy.clip` takes as long as all of this
+        trial = np.minimum(np.maximum(descents.here[on] + descents.move[on], low), high)
         trial = held.placed(trial, goal, on)
         return on[descents.take(trial, self._solved(trial, goal[on], held, on), on)]
 
@@ -215,28 +217,32 @@ class _Together:
     def _phi(self, log_tau: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Design matrix (A, p, n), and columns, slopes and curves of arms (A, G, N, 3, n)."""
         place = (log_tau.ravel() - self.reach[0]) / self.apart
-        node = np.clip(place.astype(int), 0, len(self.cubics) - 1)
+        node = np.minimum(np.maximum(place.astype(int), 0), len(self.cubics) - 1)
         weights = (place - node)[:, None] ** _POWERS @ self.turn
         found = weights.reshape(-1, 1, 3, 4) @ self.cubics[node]
         trials, rows = len(log_tau), len(self.target)
         found = found.reshape(trials, self.arms, self.groups, 3, rows).swapaxes(1, 2)
-        still = np.broadcast_to(self.still, (trials, *self.still.shape))
-        arms = found[..., 0, :].reshape(trials, -1, rows)
-        return np.concatenate((still, arms), axis=1), found
+        phi = np.empty((trials, self.fixed + self.groups * self.arms, rows))
+        phi[:, : self.fixed] = self.still
+        phi[:, self.fixed :] = found[..., 0, :].reshape(trials, -1, rows)
+        return phi, found
 
     def _solved(self, log_tau: FloatArray, goal: FloatArray, held: _Held, on: IndexArray) -> Solved:
         phi, found = self._phi(log_tau)
         each, arm, column = np.arange(len(on)), held.arm[on], held.column[on]
         amount, own = held.amount(log_tau, goal, on), phi[each, column]
         target = self.target - amount[:, None] * own
-        normal = _Normal(phi, held.free(phi.shape[1], on))
-        beta = normal.solved(phi @ target[:, :, None])[..., 0]
+        # where a relaxation time is held no coefficient is
+        linear = ~held.log_tau[on]
+        normal = _Normal(phi)
+        normal.leave_out(each[linear], column[linear])
+        aim = phi @ target[:, :, None]
+        beta = normal.solved(aim)[..., 0]
         # what must not be negative rests at zero, the worst first
-        while (beta[:, self.restricted] < 0).any():
-            worst = np.where(self.restricted, beta, 0.0).argmin(axis=1)
-            negative = np.where(self.restricted, beta, 0.0).min(axis=1) < 0
-            normal.free[each[negative], worst[negative]] = False
-            beta = normal.solved(phi @ target[:, :, None])[..., 0]
+        while (signed := np.where(self.restricted, beta, 0.0)).min() < 0:
+            worst, negative = signed.argmin(axis=1), signed.min(axis=1) < 0
+            normal.leave_out(each[negative], worst[negative])
+            beta = normal.solved(aim)[..., 0]
         residual = target - (beta[:, None, :] @ phi)[:, 0]
         beta[each, column] += amount
         stiffness = beta[:, self.fixed :].reshape(len(on), self.groups, self.arms)
@@ -262,7 +268,7 @@ class _Together:
         index = np.arange(self.arms)
         bent[:, index, index] -= second
         moves = np.ones(log_tau.shape)
-        moves[each, arm] = ~held.log_tau[on]
+        moves[each, arm] = linear
         pairs = moves[:, :, None] * moves[:, None, :]
         return Solved(
             np.vecdot(residual, residual),
@@ -276,21 +282,25 @@ class _Together:
 class _Normal:
     """Normal equations of many design matrices (A, p, n), some columns left out of each."""
 
-    def __init__(self, phi: FloatArray, free: BoolArray) -> None:
+    def __init__(self, phi: FloatArray) -> None:
         gram = phi @ phi.swapaxes(1, 2)
         length = np.sqrt(np.diagonal(gram, axis1=1, axis2=2))
-        self.length = np.where(length > 0, length, 1.0)
-        self.gram = gram / (self.length[:, :, None] * self.length[:, None, :])
-        self.free = free.copy()
+        self.length = np.where(length > 0, length, 1.0)[:, :, None]
+        self.gram = gram / (self.length * self.length.swapaxes(1, 2))
+        place = np.arange(gram.shape[1])
+        self.gram[:, place, place] = 1.0 + _RIDGE
+        self.free = np.ones_like(self.length)
+
+    def leave_out(self, each: IndexArray, column: IndexArray) -> None:
+        """Hold a further column of some of the matrices at zero."""
+        self.free[each, column] = 0.0
+        self.gram[each, column, :] = self.gram[each, :, column] = 0.0
+        self.gram[each, column, column] = 1.0 + _RIDGE
 
     def solved(self, moment: FloatArray) -> FloatArray:
         """Coefficients (A, p, r) that answer moments of that shape; zero of what is left out."""
-        free = self.free[:, :, None]
-        gram = np.where(free & self.free[:, None, :], self.gram, 0.0)
-        place = np.arange(gram.shape[1])
-        gram[:, place, place] = 1.0 + _RIDGE
-        scaled = np.where(free, moment / self.length[:, :, None], 0.0)
-        return np.asarray(np.linalg.solve(gram, scaled) / self.length[:, :, None])
+        scaled = self.free * moment / self.length
+        return np.asarray(np.linalg.solve(self.gram, scaled) / self.length)
 
 
 class _Held:
@@ -301,17 +311,11 @@ class _Held:
         index = np.array([one.index for one in asked])
         self.log_tau = np.array([kind is Coordinate.LOG_TAU for kind in kinds])
         self.log_b = np.array([kind is Coordinate.LOG_B for kind in kinds])
-        # where a relaxation time is held no coefficient is, and the column named stays free
+        # where a relaxation time is held the column named stays free
         self.column: IndexArray = np.where(self.log_b | self.log_tau, fixed + index, index)
         self.arm: IndexArray = np.where(self.column >= fixed, (self.column - fixed) % arms, 0)
         #: the arm that each belongs to; -1 of a fixed column
         self.owner: IndexArray = np.where(self.column >= fixed, self.arm, -1)
-
-    def free(self, linear: int, on: IndexArray) -> BoolArray:
-        """Which of the linear parameters each of the sides `on` leaves free."""
-        free = np.ones((len(on), linear), dtype=bool)
-        free[np.arange(len(on)), self.column[on]] = self.log_tau[on]
-        return free
 
     def placed(self, log_tau: FloatArray, goal: FloatArray, on: IndexArray) -> FloatArray:
         """The trials with a held relaxation time at its goal."""
