@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import dashpot as dp
-from dashpot.base.arrays import LEAST, MOST, MOST_SAMPLES, measured, sample_count
+from dashpot.base.arrays import LEAST, MOST, MOST_SAMPLES, measured, sample_count, slow_periodogram
 from dashpot.base.errors import DataError
 
 
@@ -42,3 +42,12 @@ def test_samples_are_counted_and_bounded():
     for duration, rate in ((MOST_SAMPLES, 1.001), (1e300, 1e300), (1.0, np.inf), (1.0, np.nan)):
         with pytest.raises(DataError, match="expected at most 2e\\+07"):
             sample_count(duration, rate)
+
+
+@pytest.mark.parametrize(("n", "most"), [(97, 8), (1000, 3.3), (1000, 0), (11, 240)])
+def test_slow_periodogram_is_the_plain_sum_at_its_cycles(n, most):
+    values = np.random.default_rng(n).standard_normal(n) + 5.0
+    cycles, power = slow_periodogram(values, most)
+    turns = np.exp(-2j * np.pi * cycles[:, None] * np.arange(n) / n)
+    np.testing.assert_allclose(power, abs(turns @ (values - values.mean())) ** 2 / n, atol=1e-10)
+    assert cycles[-1] > min(most, 0.5 * n - 1)

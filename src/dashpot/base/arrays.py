@@ -194,6 +194,14 @@ def fast_length(least: int) -> int:
     return best
 
 
+def slow_periodogram(values: FloatArray, most: float) -> tuple[FloatArray, FloatArray]:
+    """Cycles per record up to `most` or the next, and the periodogram without the mean there."""
+    n = len(values)
+    size = fast_length(n)
+    spectrum = np.fft.rfft(values - values.mean(), size)[: int(most * size / n) + 2]
+    return np.arange(len(spectrum)) * n / size, np.abs(spectrum) ** 2 / n
+
+
 def runs(true: BoolArray) -> IndexArray:
     """Return the first and the last index of every run of True, shape (m, 2).
 

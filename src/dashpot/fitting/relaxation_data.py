@@ -21,7 +21,7 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, FloatArray, fast_length, median
+from dashpot.base.arrays import BoolArray, FloatArray, median, slow_periodogram
 from dashpot.base.errors import DataError
 from dashpot.engine.blocks.block import Block, Evaluation
 from dashpot.engine.blocks.compression import SMALL, uniform_step
@@ -414,10 +414,7 @@ def noise_power(residual: FloatArray) -> float:
     the noise wanders. A standard deviation counts a hum as noise, and so does a sum of
     autocovariances; an arm does not see it.
     """
-    n = len(residual)
-    size = fast_length(n)
-    power = np.abs(np.fft.rfft(residual - residual.mean(), size)) ** 2 / n
-    cycles = np.arange(len(power)) * n / size
+    cycles, power = slow_periodogram(residual, FASTEST_NOISE)
     medium = _without_lines(power[(cycles >= SLOWEST_NOISE) & (cycles <= FASTEST_NOISE)])
     if not len(medium):
         return float(np.mean(residual**2))

@@ -7,7 +7,7 @@ from itertools import combinations
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, fast_length
+from dashpot.base.arrays import FloatArray, slow_periodogram
 from dashpot.base.checks import Finding, criterion
 from dashpot.fitting.checks.solid import ROUNDING, arms_said
 from dashpot.fitting.repeats import SAME_DEPTH, EndStiffness
@@ -398,10 +398,7 @@ def record_window(tests: Sequence[RampHold]) -> tuple[float, float]:
 
 def wander(residual: FloatArray) -> float:
     """Return the mean power at 6 to 24 cycles per record over that at 60 to 240."""
-    n = len(residual)
-    size = fast_length(n)
-    power = np.abs(np.fft.rfft(residual - residual.mean(), size)) ** 2
-    cycles = np.arange(len(power)) * n / size
+    cycles, power = slow_periodogram(residual, 240)
     slow, medium = (
         float(power[(cycles >= low) & (cycles <= high)].mean())
         for low, high in ((6, 24), (60, 240))
