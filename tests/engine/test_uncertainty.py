@@ -9,6 +9,7 @@ from scipy.signal import lfilter
 from dashpot.base.student_t import central_probability, t_quantile
 from dashpot.engine.inference.covariance import (
     Noise,
+    Series,
     autocovariance,
     directions,
     geyer_cut,
@@ -116,9 +117,11 @@ def test_directions_shared_with_the_covariance_take_the_same_from_the_noise() ->
     known = directions([jacobian, np.diag([1e-3, 2.0, 5.0])])
     alone = sandwich([jacobian[:, :2]], [Noise(4000, 0.9 ** np.arange(200), 19.0, 0.2)])
     shared = directions([jacobian[:, :2]])
-    own = noise_of(autoregressive(rng, 4000, 0.98), jacobian)
-    rng = np.random.default_rng(8)
-    found = noise_of(autoregressive(rng, 4000, 0.98), known.columns[0])
+    residual = Series(autoregressive(rng, 4000, 0.98))
+    own = noise_of(residual.values, jacobian)
+    # a residual that was asked already, without columns, answers as a new one
+    assert len(noise_of(residual).autocovariance) < len(own.autocovariance)
+    found = noise_of(residual, known.columns[0])
     np.testing.assert_allclose(found.autocovariance, own.autocovariance, rtol=1e-9)
     assert found.kappa > 20.0
     # transforms once padded for many lags serve few

@@ -11,7 +11,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.engine.blocks.block import Block
-from dashpot.engine.inference.covariance import Noise, noise_of
+from dashpot.engine.inference.covariance import Noise, Series, noise_of
 from dashpot.engine.solver.descent import Stack
 from dashpot.engine.solver.variable_projection import Solution, solve, solve_orders
 from dashpot.fitting.design import solid_of
@@ -89,15 +89,27 @@ class First(NamedTuple):
     data : FitData
     solutions : sequence of Solution
         Every number of arms from none up, or the last alone.
-    residuals : tuple of array
-        What the last of them leaves of each record, N.
+    series : tuple of Series
+        What the last of them leaves of each record, N: as it was before its priors were weighed.
     noises : tuple of Noise
+    showed : Solution
+        The one that left the series.
     """
 
     data: FitData
     solutions: Sequence[Solution]
-    residuals: tuple[FloatArray, ...]
+    series: tuple[Series, ...]
     noises: tuple[Noise, ...]
+    showed: Solution
+
+    @property
+    def residuals(self) -> tuple[FloatArray, ...]:
+        """The values of the series."""
+        return tuple(one.values for one in self.series)
+
+    def left_by(self, solution: Solution) -> tuple[Series, ...]:
+        """What a solution leaves of each record, where that is at hand; else nothing."""
+        return self.series if solution is self.showed else ()
 
 
 def weighed(
@@ -117,13 +129,13 @@ def weighed(
         return solve_orders(data.rows, most, negligible=least, every=not auto, thorough=thorough)
 
     solutions = solved()
-    residuals = tuple(residual_of(solutions[-1], block) for block in data.samples)
-    noises = tuple(noise_of(one, rounding=rounding(data.peak)) for one in residuals)
+    series = tuple(Series(residual_of(solutions[-1], block)) for block in data.samples)
+    noises = tuple(noise_of(one, rounding=rounding(data.peak)) for one in series)
     spreads = [float(np.sqrt(noise.autocovariance[0] * noise.kappa)) for noise in noises]
     if all(_WEIGHED[0] < a / b < _WEIGHED[1] for a, b in zip(spreads, data.units, strict=False)):
-        return First(data, solutions, residuals, noises)
+        return First(data, solutions, series, noises, solutions[-1])
     data = data.bound(spreads)
-    return First(data, solved(), residuals, noises)
+    return First(data, solved(), series, noises, solutions[-1])
 
 
 def one_more(blocks: Sequence[Block]) -> float:

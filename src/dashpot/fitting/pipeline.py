@@ -232,6 +232,7 @@ def chosen_arms(
         priors=data.priors,
         encoders=data.encoders,
         whole=whole(taken),
+        left=first.left_by(scores[taken].solution),
     )
     return Chosen(data, estimate, scores, choice if auto else None, None if auto else most)
 

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -73,6 +74,28 @@ class Noise:
         return float(self.autocovariance[0] * self.kappa)
 
 
+class Series:
+    """What a fit leaves of one record, in order of time, and its correlations, found once.
+
+    Attributes
+    ----------
+    values : array, shape (n,)
+    """
+
+    def __init__(self, values: FloatArray) -> None:
+        self.values = values
+
+    @cached_property
+    def sequence(self) -> tuple[FloatArray, FloatArray | None]:
+        """Its :func:`initial_sequence`."""
+        return initial_sequence(self.values)
+
+    @cached_property
+    def means(self) -> Series:
+        """Its means over a few samples."""
+        return Series(block_means(self.values, len(self.values) // _MEANS))
+
+
 class Columns:
     """What a model can change in one record, column by column, and its Fourier transforms.
 
@@ -85,6 +108,11 @@ class Columns:
         self.matrix = matrix
         self._size, self._spectra = 0, np.zeros((0, 0), dtype=complex)
 
+    @cached_property
+    def gram(self) -> FloatArray:
+        """The inner products, shape (r, r)."""
+        return np.asarray(self.matrix.T @ self.matrix)
+
     def spectra(self, least: int) -> tuple[int, ComplexArray]:
         """The transforms, a row each, padded to `least` samples or more, and to how many."""
         if self._size < least:
@@ -95,7 +123,7 @@ class Columns:
 
 
 def noise_of(
-    residual: FloatArray,
+    residual: FloatArray | Series,
     jacobian: FloatArray | Columns | None = None,
     *,
     rounding: float = 0.0,
@@ -115,13 +143,14 @@ def noise_of(
 
     Residuals of rms below `rounding` are rounding errors, not noise: their pattern says nothing.
     """
+    series = Series(residual) if isinstance(residual, np.ndarray) else residual
     columns = Columns(jacobian) if isinstance(jacobian, np.ndarray) else jacobian
-    fine = _seen(residual, columns, rounding=rounding)
-    few = len(residual) // _MEANS
+    fine = _seen(series, columns, rounding=rounding)
+    few = len(series.values) // _MEANS
     if few < _FEWEST or fine.autocovariance[0] <= rounding**2:
         return fine
     slow = None if columns is None else Columns(block_means(columns.matrix.T, few).T)
-    coarse = _seen(block_means(residual, few), slow)
+    coarse = _seen(series.means, slow)
     # a sum over so many lags of white means scatters by that
     chance = np.sqrt(len(coarse.autocovariance) / _MEANS)
     if few * coarse.power <= (1 + _BY_CHANCE * chance) * fine.power:
@@ -139,10 +168,10 @@ def _joined(fine: Noise, slow: FloatArray, few: int) -> Noise:
     return Noise(fine.samples, kept, _kappa(kept), fine.durbin_watson)
 
 
-def _seen(residual: FloatArray, columns: Columns | None, *, rounding: float = 0.0) -> Noise:
+def _seen(series: Series, columns: Columns | None, *, rounding: float = 0.0) -> Noise:
     """What the correlations of neighbours say, up to the lag at which chance takes over."""
-    n = len(residual)
-    kept, gamma = initial_sequence(residual)
+    residual, n = series.values, len(series.values)
+    kept, gamma = series.sequence
     parameters = 0 if columns is None else columns.matrix.shape[1]
     whitened = n / max(n - parameters, 1.0)
     if kept[0] <= rounding**2:
@@ -179,7 +208,7 @@ def _given_back(gamma: FloatArray, kappa: float, columns: Columns) -> FloatArray
 
 def _taken(columns: Columns, lags: int) -> FloatArray:
     r"""Return :math:`\sum_k \sum_i Q_{ik} Q_{i+l,k}` at l = 0 .. `lags` - 1."""
-    even = _turn(columns.matrix.T @ columns.matrix)[0]
+    even = _turn(columns.gram)[0]
     size, spectra = columns.spectra(len(columns.matrix) + lags)
     rows, power = spectra.view(np.float64), np.empty(size // 2 + 1)
     for first in range(0, len(power), _AT_ONCE):
@@ -216,15 +245,15 @@ def initial_sequence(residual: FloatArray) -> tuple[FloatArray, FloatArray | Non
             return np.array(found[: max(lag - 1, 1)]) / n, None
         found.append(float(residual[lag + 1 :] @ residual[: -lag - 1]))
     gamma = autocovariance(residual, max(int(_MOST_END * n), 1))
-    if geyer_cut(gamma) == len(gamma):
+    if (cut := geyer_cut(gamma)) == len(gamma):
         gamma = autocovariance(residual)
-    return gamma[: geyer_cut(gamma)], gamma
+        cut = geyer_cut(gamma)
+    return gamma[:cut], gamma
 
 
 def geyer_cut(gamma: FloatArray) -> int:
     r"""Return how many lags to keep: up to the first :math:`\gamma_{2m}+\gamma_{2m+1} \le 0`."""
-    pairs = gamma[: len(gamma) // 2 * 2].reshape(-1, 2).sum(axis=1)
-    falls = np.flatnonzero(pairs <= 0.0)
+    falls = np.flatnonzero(gamma[:-1:2] + gamma[1::2] <= 0.0)
     return max(1, 2 * int(falls[0]) if falls.size else len(gamma))
 
 
@@ -286,9 +315,9 @@ def toeplitz_form(columns: Columns, gamma: FloatArray) -> FloatArray:
     jacobian, lags = columns.matrix, len(gamma)
     n, _ = jacobian.shape
     if lags == 1:
-        return np.asarray(gamma[0] * (jacobian.T @ jacobian))
+        return np.asarray(gamma[0] * columns.gram)
     if lags <= min(_FEW_TERMS, n) and _is_power(gamma):
-        form = gamma[0] * (jacobian.T @ jacobian)
+        form = gamma[0] * columns.gram
         for lag in range(1, lags):
             crossed = gamma[lag] * (jacobian[lag:].T @ jacobian[:-lag])
             form += crossed + crossed.T
@@ -304,8 +333,12 @@ def toeplitz_form(columns: Columns, gamma: FloatArray) -> FloatArray:
     if size % 2 == 0:
         twice[-1] = 1.0
     # real and imaginary parts in turn, so that one real product serves both
-    rows = spectra.view(np.float64)
-    return np.asarray((rows * np.repeat(spectrum * twice / size, 2)) @ rows.T)
+    rows, power = spectra.view(np.float64), np.repeat(spectrum * twice / size, 2)
+    form = np.zeros((len(rows), len(rows)))
+    for first in range(0, len(power), 2 * _AT_ONCE):
+        here = slice(first, first + 2 * _AT_ONCE)
+        form += (rows[:, here] * power[here]) @ rows[:, here].T
+    return form
 
 
 def _is_power(gamma: FloatArray) -> bool:
@@ -327,12 +360,15 @@ class Directions(NamedTuple):
         Their inner products, which take the rounding into account.
     lost : bool array, shape (p,)
         Parameters with a part in what the data do not know.
+    information : array, shape (p, p)
+        J'J of all records.
     """
 
     turn: FloatArray
     columns: tuple[Columns, ...]
     gram: FloatArray
     lost: BoolArray
+    information: FloatArray
 
     def gained(self, noises: Sequence[Noise]) -> FloatArray:
         """The noise along the directions, shape (r, r)."""
@@ -356,11 +392,12 @@ def directions(jacobians: Sequence[FloatArray]) -> Directions:
     loses to rounding would outweigh all that is known of the others. They only choose the
     directions; what counts is taken from the turned columns.
     """
-    turn, lost = _turn(np.sum([jacobian.T @ jacobian for jacobian in jacobians], axis=0))
+    information = np.sum([jacobian.T @ jacobian for jacobian in jacobians], axis=0)
+    turn, lost = _turn(information)
     # a row for each direction, as they are transformed
     columns = tuple(Columns((turn.T @ jacobian.T).T) for jacobian in jacobians)
-    gram = np.sum([column.matrix.T @ column.matrix for column in columns], axis=0)
-    return Directions(turn, columns, gram, lost)
+    gram = np.sum([column.gram for column in columns], axis=0)
+    return Directions(turn, columns, gram, lost, information)
 
 
 def _turn(information: FloatArray) -> tuple[FloatArray, BoolArray]:

@@ -13,10 +13,10 @@ from dashpot.engine.blocks.block import Block
 from dashpot.engine.inference.covariance import (
     Columns,
     Noise,
+    Series,
     directions,
     noise_of,
     sandwich,
-    white,
 )
 from dashpot.engine.inference.order import bic, significant
 from dashpot.engine.solver.descent import Stack
@@ -158,6 +158,7 @@ def estimated(
     encoders: Sequence[Encoder] | None = None,
     further: Sequence[Callable[[FloatArray], FloatArray]] = (),
     whole: Jacobian | None = None,
+    left: Sequence[Series] = (),
 ) -> Estimate:
     """Return the solution's uncertainty from one block per record with a row per sample.
 
@@ -176,21 +177,22 @@ def estimated(
         takes errors that are not constant in time.
     whole : Jacobian, optional
         Of every sample and then of the priors, where it is known already.
+    left : sequence of Series, optional
+        The residual of each record, where its correlations are known already.
     """
     whole = whole or full_jacobian([*every_sample, *priors], solution)
     every_residual, every_jacobian = by_record(whole, [*every_sample, *priors])
     count = len(every_sample)
-    residuals, known_by = every_residual[:count], directions(every_jacobian)
-    noises = noises_of(residuals, known_by.columns[:count], peak=peak)
+    left, known_by = left or [*map(Series, every_residual[:count])], directions(every_jacobian)
+    noises = noises_of(left, known_by.columns[:count], peak=peak)
     further = further or [
         partial(encoder_rows, encoder=encoder, kernel=_kernel(solution, block))
         for encoder, block in zip(encoders or (), every_sample, strict=False)
     ]
     known = [Noise(block.samples, np.array([block.variance]), 1.0, 2.0) for block in priors]
     covariance = sandwich(known_by, [*noises, *known], further=further)
-    return Estimate(
-        solution, whole.names, covariance, whole.matrix.T @ whole.matrix, residuals, noises
-    )
+    residuals = tuple(one.values for one in left)
+    return Estimate(solution, whole.names, covariance, known_by.information, residuals, noises)
 
 
 def by_record(
@@ -202,7 +204,10 @@ def by_record(
 
 
 def noises_of(
-    residuals: Sequence[FloatArray], jacobians: Sequence[FloatArray | Columns], *, peak: float
+    residuals: Sequence[FloatArray | Series],
+    jacobians: Sequence[FloatArray | Columns],
+    *,
+    peak: float,
 ) -> tuple[Noise, ...]:
     """Return what the residuals of each record say about its noise."""
     return tuple(
@@ -261,9 +266,11 @@ def scored(
     jacobian = full_jacobian([*blocks, *priors], solution)
     parameters = len(jacobian.names)
 
+    known = directions([jacobian.matrix])
+
     def clear(independent: float) -> bool:
         variance = (solution.sse + floor) / max(independent - parameters, 1.0)
-        return _significant(solution, white(jacobian.matrix, variance))
+        return _significant(solution, known.covariance(variance * known.gram))
 
     # if every sample counted in full and it is not significant, or if only the slowest
     # correlation counted and it is, the sandwich between the two need not be built
