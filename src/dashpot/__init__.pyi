@@ -35,6 +35,7 @@ from .io.readers.cld import read_cld as read_cld
 from .io.readers.creep import read_creep as read_creep
 from .io.readers.door import read_door as read_door
 from .io.readers.dynamic import read_dynamic as read_dynamic
+from .io.readers.free_modes import read_modes as read_modes
 from .io.readers.frf import read_frf as read_frf
 from .io.readers.frf_set import read_frfs as read_frfs
 from .io.readers.impact import read_impact as read_impact
@@ -61,6 +62,7 @@ from .records.door import Door as Door
 from .records.dynamic import DynamicTest as DynamicTest
 from .records.fit import Fit as Fit
 from .records.fit import Status as Status
+from .records.free_modes import FreeModes as FreeModes
 from .records.frf import FRF as FRF
 from .records.frf_set import FRFSet as FRFSet
 from .records.impact import ImpactTest as ImpactTest
@@ -97,14 +99,15 @@ from .vibration.modal.rod import rod_modulus as rod_modulus
 from .vibration.modal.several_masses import several_masses as several_masses
 from .vibration.modal.shapes import mac as mac
 from .vibration.modal.stabilisation import stabilisation as stabilisation
+from .vibration.systems.bodies import Body as Body
+from .vibration.systems.bodies import Mount as Mount
+from .vibration.systems.bodies import planar_body as planar_body
+from .vibration.systems.bodies import point_mass as point_mass
 from .vibration.systems.level import response_at_level as response_at_level
 from .vibration.systems.prediction import isolation_frequency as isolation_frequency
 from .vibration.systems.prediction import predict_frf as predict_frf
 from .vibration.systems.random_base import random_base as random_base
-from .vibration.systems.system import Mount as Mount
 from .vibration.systems.system import System as System
-from .vibration.systems.system import planar_body as planar_body
-from .vibration.systems.system import point_mass as point_mass
 from .workflow.archive import from_json as from_json
 from .workflow.archive import to_json as to_json
 from .workflow.study import Study as Study

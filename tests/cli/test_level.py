@@ -13,7 +13,8 @@ from dashpot.cli import main
 from dashpot.io.write import write_frf
 from dashpot.report.level import beyond, numbers
 from dashpot.solids.networks import spring
-from dashpot.vibration.systems.system import Mount, System, point_mass
+from dashpot.vibration.systems.bodies import Mount, point_mass
+from dashpot.vibration.systems.system import System
 from dashpot.workflow.levels import level_files
 
 pytestmark = pytest.mark.once

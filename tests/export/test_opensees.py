@@ -11,8 +11,9 @@ import pytest
 
 from dashpot import export
 from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.vibration.systems.bodies import Mount, point_mass
 from dashpot.vibration.systems.state_space import respond
-from dashpot.vibration.systems.system import Mount, System, point_mass
+from dashpot.vibration.systems.system import System
 
 RUN = """
 import json, sys

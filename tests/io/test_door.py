@@ -105,7 +105,7 @@ def test_every_table_is_read(tmp_path):
     assert door.line.length == pytest.approx(4.6)
     assert door.line.compression == pytest.approx([6e-3, 6e-3, 5e-3, -1e-3, 6e-3])
     assert door.line.joints == (Joint(1.1, 0.06, 1.4, "corner"),)
-    assert door.modes == ModesChoice(str(tmp_path / "door.unv"), 0.01, 200.0)
+    assert door.modes == ModesChoice(str(tmp_path / "door.unv"), damping=0.01, most=200.0)
     assert door.points == (
         DoorPoint("mirror", (0.2, 1.1, 0.0), (0.0, 0.0, 1.0)),
         DoorPoint("point 2", (0.0, 0.0, 0.0), (0.0, 1.0, 0.0), "body"),
@@ -144,7 +144,11 @@ def test_the_line_may_stand_in_a_file(tmp_path, head, unit):
     [
         ("[closing]", "[closure]", r"\[closure\] is unknown; known are \[door\], \[hinge\]"),
         ("[door]", "[latch.x]\n[d]", "is unknown"),
-        ("damping = 0.01", "loss = 0.01", "'loss' is unknown; known are file, damping"),
+        (
+            "damping = 0.01",
+            "loss = 0.01",
+            "'loss' is unknown; known are file, unit, modal_mass, damping",
+        ),
         ('mass = "25kg"', "mass = 25", r"\[door\]: mass = '25' has no unit"),
         ('mass = "25kg"', 'mass = "25m"', "'m' is a unit of length"),
         ('mass = "25kg"\n', "", None),

@@ -15,8 +15,9 @@ from dashpot.records.relaxation import RelaxationTest
 from dashpot.solids.friction import Jenkins, Kraus
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.networks import spring
+from dashpot.vibration.systems.bodies import Mount, point_mass
 from dashpot.vibration.systems.level import response_at_level
-from dashpot.vibration.systems.system import Mount, System, point_mass
+from dashpot.vibration.systems.system import System
 
 SEAL = GeneralizedMaxwell(393.0, (235.0, 35.6), (0.502, 0.012))
 SLIDER = Jenkins(100.0, 0.05)

@@ -9,6 +9,7 @@ from dashpot.records.frf import FRF
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 from dashpot.vibration.comparison.compare import compare, infer_mass
+from dashpot.vibration.systems.bodies import Mount, point_mass
 from dashpot.vibration.systems.complex_modes import complex_modes, newton_modes
 from dashpot.vibration.systems.prediction import (
     accelerance,
@@ -17,7 +18,7 @@ from dashpot.vibration.systems.prediction import (
     predict_frf,
 )
 from dashpot.vibration.systems.state_space import respond
-from dashpot.vibration.systems.system import Mount, System, point_mass
+from dashpot.vibration.systems.system import System
 
 MASS = 0.2
 LINES = np.linspace(2.0, 60.0, 233)

@@ -13,10 +13,11 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.rate_independent import InParallel
 from dashpot.solids.stiffening import Cubic
 from dashpot.solids.table_1 import PAPER
+from dashpot.vibration.systems.bodies import Mount, point_mass
 from dashpot.vibration.systems.complex_modes import complex_modes, newton_modes
 from dashpot.vibration.systems.level import backbone, can_fold, response_at_level, responses_at
 from dashpot.vibration.systems.state_space import respond
-from dashpot.vibration.systems.system import Mount, System, point_mass
+from dashpot.vibration.systems.system import System
 
 pytestmark = pytest.mark.once
 

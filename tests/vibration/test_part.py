@@ -16,9 +16,10 @@ from dashpot.records.amplitude import AmplitudeSweep
 from dashpot.records.dynamic import DynamicTest
 from dashpot.solids.part import Block, Bush, Disc
 from dashpot.solids.softening import Softening
+from dashpot.vibration.systems.bodies import Mount, point_mass
 from dashpot.vibration.systems.level import response_at_level
 from dashpot.vibration.systems.prediction import geometry_factor, mass_for_peak
-from dashpot.vibration.systems.system import Mount, System, point_mass
+from dashpot.vibration.systems.system import System
 
 TAU = np.geomspace(1e-7, 1e3, 21)
 RUBBER = dp.GeneralizedMaxwell(

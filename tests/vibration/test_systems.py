@@ -14,17 +14,11 @@ from dashpot.solids import networks as net
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import SHIFT
 from dashpot.solids.temperature import at_temperature
+from dashpot.vibration.systems.bodies import Body, Mount, Point, planar_body, point_mass
 from dashpot.vibration.systems.complex_modes import complex_modes, newton_modes
 from dashpot.vibration.systems.prediction import model_modes, predict_frf
 from dashpot.vibration.systems.state_space import respond
-from dashpot.vibration.systems.system import (
-    Body,
-    Mount,
-    Point,
-    System,
-    planar_body,
-    point_mass,
-)
+from dashpot.vibration.systems.system import System
 
 number = st.floats(-1, 1).map(lambda power: 10.0**power)
 solids = st.builds(

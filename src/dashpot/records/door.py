@@ -22,8 +22,9 @@ class RigidPart:
     ----------
     mass : float
         kg.
-    inertia : (float, float, float)
-        Moments about axes through its centre of gravity that are parallel to x, y and z, kg m^2.
+    inertia : (float, float, float) or three rows of three
+        Moments about axes through its centre of gravity that are parallel to x, y and z, or the
+        whole tensor, kg m^2.
     centre : (float, float, float)
         Centre of gravity, m.
     motions : tuple of str
@@ -31,7 +32,7 @@ class RigidPart:
     """
 
     mass: float
-    inertia: Vector
+    inertia: Vector | tuple[Vector, Vector, Vector]
     centre: Vector
     motions: tuple[str, ...] = ("x", "y", "z", "rx", "ry", "rz")
 
@@ -92,8 +93,12 @@ class ModesChoice:
     Attributes
     ----------
     path : str
+    unit : str or None
+        Of the coordinates, where the file does not say.
+    modal_mass : float or None
+        Of every mode, where the file does not say, kg.
     damping : float or None
-        Damping ratio of each, where the file says none.
+        Damping ratio of every mode, instead of what the file says.
     most : float
         Modes above this frequency are left out, Hz.
     held : bool
@@ -101,6 +106,8 @@ class ModesChoice:
     """
 
     path: str
+    unit: str | None = None
+    modal_mass: float | None = None
     damping: float | None = None
     most: float = float("inf")
     held: bool = False

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import ByValue, FloatArray, frozen
 from dashpot.base.errors import DataError
+from dashpot.base.offered import verb
 from dashpot.base.units import Quantity, si
 from dashpot.records.fit import Fit
 from dashpot.solids.elastic import ElasticLaw
@@ -260,6 +261,13 @@ class SealLine(ByValue):
             self._factor(middles, piece),
             None if pressed is None else np.interp(middles, self.along, pressed),
         )
+
+    def mounts(self, body: str, pitch: Quantity, *, ground: str = "ground") -> Any:
+        """Return its :class:`~dashpot.vibration.systems.bodies.Mount` elements, one a station.
+
+        As :func:`dashpot.seals.mounts.line_mounts`.
+        """
+        return verb("seals.mounts", "line_mounts")(self, body, pitch, ground=ground)
 
     def _factor(self, middles: FloatArray, piece: float) -> FloatArray:
         """Mean factor of the joints over each piece."""

@@ -24,9 +24,10 @@ from dashpot.solids.friction import Iwan
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import BROAD
 from dashpot.solids.temperature import WLF
+from dashpot.vibration.systems.bodies import Mount, point_mass
 from dashpot.vibration.systems.contact import collide
 from dashpot.vibration.systems.level import response_at_level
-from dashpot.vibration.systems.system import Mount, System, point_mass
+from dashpot.vibration.systems.system import System
 
 MASS = 0.1148
 """Of the block under the hammer, kg: 114.8 g on two seals."""

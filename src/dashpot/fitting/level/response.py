@@ -10,9 +10,10 @@ from dashpot.records.frf import FRF, Kind
 from dashpot.records.level import LevelFit, Parts
 from dashpot.solids.rate_independent import InParallel
 from dashpot.solids.stiffening import Cubic
+from dashpot.vibration.systems.bodies import Mount, point_mass
 from dashpot.vibration.systems.level import response_at_level
 from dashpot.vibration.systems.prediction import predict_frf
-from dashpot.vibration.systems.system import Mount, System, point_mass
+from dashpot.vibration.systems.system import System
 
 _LINES = 121
 _AMPLITUDES = 80

@@ -1,9 +1,10 @@
-"""Universal file format, dataset 58 (ascii and binary), through pyuff."""
+"""Universal file format through pyuff: dataset 58 (ascii and binary), shapes of dataset 55."""
 
 from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -17,6 +18,10 @@ from dashpot.io.table import Column, Question, Table, in_memory
 TIME, FRF_, COHERENCE = 1, 4, 6
 """Function types of dataset 58."""
 _PSD = 9
+_NORMAL = 2
+"""Analysis type of dataset 55."""
+_NODES = (15, 2411)
+"""Datasets of node coordinates."""
 _QUANTITY = {8: "m", 11: "m/s", 12: "m/s^2", 9: "N", 13: "N", 17: "s", 18: "Hz"}
 """SI unit by the specific data type of an axis."""
 _BLANK = {"", "NONE", "NULL"}
@@ -31,12 +36,13 @@ def read(raw: Raw, options: ReadOptions) -> Table:
 
     Of several FRFs one is chosen by ``--segment``; without it those on the same lines are columns
     side by side, named after their points, for a reader that takes them all. Units are those of the
-    axis labels; where a label is blank, dataset 164 and the specific data type give them.
+    axis labels; where a label is blank, dataset 164 and the specific data type give them. A file
+    without any, but with normal modes at nodes, is a row for each node of each mode.
 
     Raises
     ------
     ReadError
-        If there is no dataset 58 of either type, or several FRFs and no choice.
+        If there is no dataset 58 of either type nor one of shapes, or several FRFs and no choice.
     """
     pyuff = extra("pyuff", "pyuff", "UFF files")
     with warnings.catch_warnings():
@@ -45,10 +51,14 @@ def read(raw: Raw, options: ReadOptions) -> Table:
     sets = found if isinstance(found, list) else [found]
     units = _dataset(sets, 164)
     curves = [entry for entry in sets if entry.get("type") == 58 and np.size(entry.get("data"))]
+    shapes = [e for e in sets if e.get("type") == 55 and e.get("analysis_type") == _NORMAL]
+    if not curves and shapes:
+        return _modes(shapes, sets, units)
     if not curves:
         kinds = ", ".join(map(str, sorted({int(entry.get("type", 0)) for entry in sets})))
         raise ReadError(
-            "no dataset 58 with an FRF or a time record; the datasets are of types "
+            "no dataset 58 with an FRF or a time record, none of normal modes; the datasets are of "
+            "types "
             f"{kinds or 'none'}"
         )
     notes = _notes(sets, units)
@@ -188,6 +198,43 @@ def _table(
         header=comments,
         simulated=any("simulated" in comment.casefold() for comment in comments),
     )
+
+
+def _modes(shapes: Sequence[_Set], sets: Sequence[_Set], units: _Set | None) -> Table:
+    """A row for each node of each mode: places in m, and modal masses in kg, by dataset 164."""
+    places = {
+        int(node): place
+        for entry in sets
+        if entry.get("type") in _NODES
+        for node, *place in zip(*(entry[key] for key in ("node_nums", "x", "y", "z")), strict=True)
+    }
+    length, force = (1.0 if units is None else float(units[key]) for key in ("length", "force"))
+    rows = []
+    for number, entry in enumerate(shapes, start=1):
+        if np.iscomplexobj(entry["r1"]):
+            raise ReadError(f"mode {number} is complex; give the real, undamped modes")
+        zeta = (
+            float(entry.get("modal_damp_vis") or 0) or float(entry.get("modal_damp_his") or 0) / 2
+        )
+        # a mass unit is that of force, times s^2, over that of length
+        mass = float(entry.get("modal_m") or 0) * length / force or np.nan
+        missing = {int(node) for node in entry["node_nums"]} - set(places)
+        if missing:
+            raise ReadError(
+                f"node {min(missing)} of mode {number} has no coordinates; export datasets 15 or "
+                "2411 with the shapes"
+            )
+        moved = zip(*(entry[key] for key in ("node_nums", "r1", "r2", "r3")), strict=True)
+        for node, *shape in moved:
+            at = [value / length for value in places[int(node)]]
+            rows.append([number, float(entry["freq"]), zeta, mass, *at, *shape])
+    known = units is not None
+    words = [None, "Hz", "1", "kg" if known else None, *3 * ["m" if known else None], *3 * [None]]
+    names = ("mode", "frequency", "damping ratio", "modal mass", "x", "y", "z", "ux", "uy", "uz")
+    columns = [Column(name, word) for name, word in zip(names, words, strict=True)]
+    values = list(np.array(rows, dtype=float).T)
+    made = _table(columns, values, shapes[0], _notes(sets, units))
+    return replace(made, format="UFF 55")
 
 
 def _title(entry: _Set) -> str:

@@ -280,12 +280,14 @@ def _joints(here: _Here, rows: Any) -> tuple[Joint, ...]:
 
 
 def _modes(here: _Here, entries: Any) -> dict[str, Any]:
-    section = here.section(entries, "file", "damping", "most", "held")
+    section = here.section(entries, "file", "unit", "modal_mass", "damping", "most", "held")
     section.needs("file")
     most = section.quantity("most", "frequency")
     return {
         "modes": ModesChoice(
             here.path(section.word("file")),
+            section.word("unit"),
+            section.quantity("modal_mass", "mass"),
             section.number("damping"),
             float("inf") if most is None else most,
             section.flag("held"),

@@ -102,7 +102,7 @@ def _starts(system: System) -> list[complex]:
     """Where to look for each mode: the stiffness at its own frequency, not the glassy one."""
     E = system.stretch
     inverse = np.linalg.inv(system.mass_matrix)
-    glass = np.array([mount.felt.k_0 for mount in system.mounts])
+    glass = np.array([spring.felt.k_0 for spring in system.springs])
     squared = np.sort(np.linalg.eigvals(inverse @ (E.T * glass) @ E).real)
     starts = []
     for rank, value in enumerate(squared):
@@ -110,7 +110,7 @@ def _starts(system: System) -> list[complex]:
             continue
         s = 1j * np.sqrt(value)
         for _ in range(20):
-            K = system.mount_stiffness(s)
+            K = system.spring_stiffness(s)
             around = np.linalg.eigvals(inverse @ (E.T * K) @ E)
             s = 1j * np.sqrt(around[np.argsort(np.abs(around))[rank]])
         starts.append(complex(s))
@@ -141,20 +141,23 @@ def _newton(
 
 def _derivative(system: System, s: complex) -> ComplexArray:
     """dD/ds: 2 s M + E^T K'(s) E."""
-    slopes = np.array([complex(mount.felt.slope_at(s)) for mount in system.mounts])
+    slopes = np.array([complex(spring.felt.slope_at(s)) for spring in system.springs])
     E = system.stretch
     return np.asarray(2 * s * system.mass_matrix + (E.T * slopes) @ E)
 
 
 def _scaled(system: System, s: complex, vector: ComplexArray) -> ComplexArray:
-    return np.asarray(vector / np.sqrt(complex(vector @ _derivative(system, s) @ vector)))
+    """The shape; 0 of a relaxation so near that of its arm that nothing moves."""
+    with np.errstate(all="ignore"):
+        shape = np.asarray(vector / np.sqrt(complex(vector @ _derivative(system, s) @ vector)))
+    return shape if np.isfinite(shape).all() else np.zeros_like(vector)
 
 
 def _is_rigid(system: System, s: complex) -> bool:
     """True near 0 if the system has motions that stretch no mount."""
     free = len(system.dofs) > np.linalg.matrix_rank(system.stretch)
     inertia = float(np.trace(system.mass_matrix))
-    glass = float(sum(mount.felt.k_0 for mount in system.mounts))
+    glass = float(sum(spring.felt.k_0 for spring in system.springs))
     return bool(free and abs(s) ** 2 * inertia <= _RIGID * glass)
 
 

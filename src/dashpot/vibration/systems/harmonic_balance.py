@@ -20,7 +20,8 @@ import numpy.typing as npt
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import DataError
 from dashpot.solids.rate_independent import AmplitudeDependent
-from dashpot.vibration.systems.system import Point, System
+from dashpot.vibration.systems.bodies import Point
+from dashpot.vibration.systems.system import System
 
 _SCAN = np.log(10) * np.linspace(-7, 7, 1401)
 """Where answers are looked for: ln of the stretch over that without friction."""
@@ -88,7 +89,7 @@ class Rest:
         if self.push is not None:
             drive, moved = self.push.astype(complex), np.zeros(len(self.E))
         else:
-            K = self.linear.mount_stiffness(1j * omega)
+            K = self.linear.spring_stiffness(1j * omega)
             drive, moved = -(K * self.G) @ self.linear.stretch, self.ground
         without, spread = level * (R @ drive), R @ self.E.T
         stretch = self.E @ without + level * moved

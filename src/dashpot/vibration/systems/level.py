@@ -15,6 +15,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
 from dashpot.records.frf import FRF, Kind
 from dashpot.solids.rate_independent import AmplitudeDependent
+from dashpot.vibration.systems.bodies import Point
 from dashpot.vibration.systems.complex_modes import newton_modes
 from dashpot.vibration.systems.harmonic_balance import (
     Rest,
@@ -22,7 +23,7 @@ from dashpot.vibration.systems.harmonic_balance import (
     with_friction,
     with_slope,
 )
-from dashpot.vibration.systems.system import Point, System
+from dashpot.vibration.systems.system import System
 
 
 @dataclass(frozen=True, eq=False)

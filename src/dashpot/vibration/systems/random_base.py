@@ -1,33 +1,43 @@
-r"""A mass on a solid whose base shakes at random."""
+r"""Bodies whose base shakes at random."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import FloatArray, increasing, same_length, samples
+from dashpot.base.arrays import ComplexArray, FloatArray, increasing, same_length, samples
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
-from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
+from dashpot.records.frf import Mode
+from dashpot.solids.maxwell import Solid
+from dashpot.vibration.systems.bodies import MOTIONS, Mount, Point, Vector, point_mass, unit_vector
+from dashpot.vibration.systems.complex_modes import ComplexMode, complex_modes
 from dashpot.vibration.systems.prediction import model_modes
+from dashpot.vibration.systems.state_space import state_space
+from dashpot.vibration.systems.system import System
 
 _LINES = 4001
+_UNDAMPED = 1e-13
+"""Rate of decay over the largest rate of a system: rounding."""
+_FOLLOWS = 1e-9
+"""Stretch of a spring per motion of a ground that takes all bodies along: rounding."""
 _ABOUT = 60.0
 """Half-power widths to either side of a resonance that are laid out finely."""
 
 
 @dataclass(frozen=True)
 class RandomResponse:
-    """What a random motion of the base does to the mass, as standard deviations.
+    """What a random motion of the base does to a place, as standard deviations.
 
     Attributes
     ----------
     acceleration : float
-        Of the mass, absolute, m/s^2.
+        Of the mass, or of the place, absolute, m/s^2.
     stretch : float
-        Of the solid: mass against base, m.
+        Of the solid, or of the place against the base, m.
     crossings : float
         Upward crossings of zero of the stretch a second, 1/s (Rice).
     """
@@ -72,77 +82,174 @@ def random_base(
     Raises
     ------
     DataError
-        If a density is below 0, or white noise meets a parallel dashpot or a coupled mass, through
-        which it has no finite acceleration.
+        If a density is below 0, or white noise meets a coupled mass, through which it has no
+        finite acceleration.
     """
     kilograms = si(mass, "mass")
     if not (np.isfinite(kilograms) and kilograms > 0):
         raise DataError(f"mass = {mass!r} kg; expected a number > 0")
     if frequency is None:
-        density = float(np.asarray(psd, dtype=float))
-        if not (np.isfinite(density) and density >= 0):
-            raise DataError(f"psd = {psd!r}; expected a density >= 0, in (m/s^2)^2/Hz")
         if coupled > 0:
             raise DataError(
                 "white noise through mounts that weigh something has no finite acceleration; give "
                 "a psd over frequencies"
             )
-        return _white(model.maxwell, kilograms, density)
+        system = System((point_mass("mass", kilograms),), (Mount(model, ("mass", "ground")),))
+        return random_response(system, response="mass.z", psd=psd)
+    f, table = _table(frequency, psd)
+    return _tabled(model, kilograms, f, table, coupled)
+
+
+def random_response(
+    system: System,
+    *,
+    response: str | Point,
+    psd: float | npt.ArrayLike,
+    frequency: npt.ArrayLike | None = None,
+    base: str = "ground",
+    along: Vector = (0.0, 0.0, 1.0),
+) -> RandomResponse:
+    r"""Standard deviations at a place of a system whose ground shakes at random along a direction.
+
+    With the motion relative to the ground, :math:`q = q_r + R u` with R that of bodies that follow,
+
+    .. math:: M \ddot q_r + \ldots = -M R\,\ddot u, \qquad
+        \ddot q = M^{-1} (\text{forces of the springs})
+
+    white noise by the Lyapunov equation of its first-order form, arms included; a table by the
+    poles and shapes of the system, :math:`q_r/\ddot u = -\sum_r \varphi_r \varphi_r^T M R /
+    (s - s_r)`.
+
+    Parameters
+    ----------
+    system : System
+        All of whose bodies are free to follow the ground.
+    response : str or Point
+    psd, frequency
+        As in :func:`random_base`.
+    base : str
+        The ground.
+    along : (float, float, float)
+
+    Raises
+    ------
+    DataError
+        As :func:`random_base`; or if a body is held in a motion in which the ground shakes, or
+        nothing holds it.
+    """
+    follow, place = _following(system, base, along), system.participation(response)
+    if frequency is None:
+        density = float(np.asarray(psd, dtype=float))
+        if not (np.isfinite(density) and density >= 0):
+            raise DataError(f"psd = {psd!r}; expected a density >= 0, in (m/s^2)^2/Hz")
+        return _white(system, follow, place, density)
+    f, table = _table(frequency, psd)
+    modes = complex_modes(system)
+    lines = _lines(f, [m for m in modes if m.oscillates])
+    S = _density(lines, f, table)
+    s, push = 2j * np.pi * lines, system.mass_matrix @ follow
+    moved = np.zeros(len(lines), dtype=complex)
+    for mode in modes:
+        gain = complex((place @ mode.shape) * (mode.shape @ push))
+        moved -= gain / (s - mode.pole)
+        if mode.oscillates:
+            moved -= gain.conjugate() / (s - mode.pole.conjugate())
+    carried = place @ follow + s**2 * moved
+    return _integrated(lines, S, carried, moved)
+
+
+def _following(system: System, base: str, along: Vector) -> FloatArray:
+    """How the degrees of freedom move with a ground that takes the bodies along, shape (n,)."""
+    if base not in system.grounds:
+        raise DataError(f"'{base}' is no ground; known: {', '.join(system.grounds)}")
+    direction = dict(zip(MOTIONS, unit_vector(along), strict=False))
+    R = np.array([direction.get(dof.rpartition(".")[2], 0.0) for dof in system.dofs])
+    G = np.array([direction.get(dof.removeprefix(f"{base}."), 0.0) for dof in system.base_dofs])
+    left = system.stretch @ R + system.base_stretch @ G
+    if np.abs(left).max(initial=0.0) > _FOLLOWS:
+        raise DataError(
+            f"a body is held in a motion in which '{base}' shakes, along {along}, or hangs on "
+            "another ground; let it move there"
+        )
+    return R
+
+
+def _white(system: System, follow: FloatArray, place: FloatArray, density: float) -> RandomResponse:
+    """By the states of the first-order form: of those alone that die away.
+
+    The others, undamped motions, must not be shaken: in an ordered Schur form they then rest.
+    """
+    from scipy.linalg import schur, solve_continuous_lyapunov
+
+    A, n = state_space(system).A, len(system.dofs)
+    pushed = np.zeros(len(A))
+    pushed[n : 2 * n] = -follow
+    tiny = _UNDAMPED * float(np.linalg.norm(A, ord=np.inf))
+    triangle, basis, count = schur(A, sort=lambda re, _: re < -tiny)
+    if np.abs(basis[:, count:].T @ pushed).max(initial=0.0) > _FOLLOWS * np.linalg.norm(pushed):
+        left = np.abs(np.linalg.eigvals(triangle[count:, count:])).min() / (2 * np.pi)
+        raise DataError(
+            "white noise of the base has no finite answer: a solid without k_inf drifts away, or "
+            f"nothing damps a motion that it shakes, at {left:.4g} Hz; give that part a damping, "
+            "or a psd over frequencies"
+        )
+    stable, driven = basis[:, :count], basis[:, :count].T @ pushed
+    inner = triangle[:count, :count]
+    P = (
+        stable
+        @ solve_continuous_lyapunov(inner, -density / 2 * np.outer(driven, driven))
+        @ stable.T
+    )
+    pull = place @ A[n : 2 * n]
+    moved, speed = (place @ P[i : i + n, i : i + n] @ place for i in (0, n))
+    return _response(float(pull @ P @ pull), float(moved), float(speed))
+
+
+def _table(frequency: npt.ArrayLike, psd: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
     f = increasing("frequency", samples("frequency", frequency, minimum=2))
     table = samples("psd", psd, minimum=2)
     same_length(frequency=f, psd=table)
     if f[0] <= 0 or (table < 0).any():
         raise DataError("a table of psd needs frequencies > 0 Hz and densities >= 0")
-    return _tabled(model, kilograms, f, table, coupled)
-
-
-def _white(solid: GeneralizedMaxwell, mass: float, density: float) -> RandomResponse:
-    """By the states e, de/dt and the elongation of each arm's spring."""
-    from scipy.linalg import solve_continuous_lyapunov
-
-    if solid.b > 0:
-        raise DataError(
-            f"b = {solid.b:g} N s/m: white noise through a parallel dashpot has no finite "
-            "acceleration; give a psd over frequencies"
-        )
-    if not solid.k_inf > 0:
-        raise DataError("a solid without k_inf drifts away under white noise of its base")
-    k, tau = np.asarray(solid.k), np.asarray(solid.tau)
-    n = 2 + len(k)
-    A = np.zeros((n, n))
-    A[0, 1] = 1.0
-    A[1, 0], A[1, 2:] = -solid.k_inf / mass, -k / mass
-    A[2:, 1] = 1.0
-    A[2:, 2:] = -np.diag(1 / tau)
-    shaken = np.zeros((n, n))
-    shaken[1, 1] = density / 2
-    P = solve_continuous_lyapunov(A, -shaken)
-    pull = A[1]
-    return _response(float(pull @ P @ pull), float(P[0, 0]), float(P[1, 1]))
+    return f, table
 
 
 def _tabled(
     model: Solid, mass: float, f: FloatArray, table: FloatArray, coupled: float
 ) -> RandomResponse:
-    grids = [np.geomspace(f[0], f[-1], _LINES), f]
-    for mode in model_modes(model, mass):
-        width = mode.frequency * max(mode.damping_ratio, 1e-6)
-        away = width * np.sinh(np.linspace(0, np.arcsinh(_ABOUT), _LINES // 2))
-        grids += [mode.frequency + away, mode.frequency - away]
-    at = np.unique(np.concatenate(grids))
-    at = at[(at >= f[0]) & (at <= f[-1])]
-    with np.errstate(divide="ignore"):
-        S = np.exp(np.interp(np.log(at), np.log(f), np.log(table)))
+    at = _lines(f, model_modes(model, mass))
     w = 2 * np.pi * at
     K = model.complex_stiffness(w)
     felt = 1 / (K - mass * w**2)
     relative = (mass + coupled) * felt  # stretch per acceleration of the base
-    carried = np.abs((K + coupled * w**2) * felt) ** 2
+    return _integrated(at, _density(at, f, table), (K + coupled * w**2) * felt, relative)
+
+
+def _lines(f: FloatArray, modes: Sequence[Mode | ComplexMode]) -> FloatArray:
+    """Frequencies over a table, dense about the resonances."""
+    grids = [np.geomspace(f[0], f[-1], _LINES), f]
+    for mode in modes:
+        width = mode.frequency * max(mode.damping_ratio, 1e-6)
+        away = width * np.sinh(np.linspace(0, np.arcsinh(_ABOUT), _LINES // 2))
+        grids += [mode.frequency + away, mode.frequency - away]
+    at = np.unique(np.concatenate(grids))
+    return np.asarray(at[(at >= f[0]) & (at <= f[-1])])
+
+
+def _density(at: FloatArray, f: FloatArray, table: FloatArray) -> FloatArray:
+    with np.errstate(divide="ignore"):
+        return np.exp(np.interp(np.log(at), np.log(f), np.log(table)))
+
+
+def _integrated(
+    f: FloatArray, S: FloatArray, carried: ComplexArray, relative: ComplexArray
+) -> RandomResponse:
+    """From transmissibility, and relative motion per acceleration of the base."""
     moved = np.abs(relative) ** 2
     return _response(
-        float(np.trapezoid(carried * S, at)),
-        float(np.trapezoid(moved * S, at)),
-        float(np.trapezoid(w**2 * moved * S, at)),
+        float(np.trapezoid(np.abs(carried) ** 2 * S, f)),
+        float(np.trapezoid(moved * S, f)),
+        float(np.trapezoid((2 * np.pi * f) ** 2 * moved * S, f)),
     )
 
 

@@ -18,7 +18,8 @@ from dashpot.base.arrays import (
     samples,
 )
 from dashpot.base.errors import DataError
-from dashpot.vibration.systems.system import Point, System
+from dashpot.vibration.systems.bodies import Point
+from dashpot.vibration.systems.system import System
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +69,7 @@ def state_space(system: System, *, moving: Sequence[int] = ()) -> StateSpace:
     """
     E, G = system.stretch, system.base_stretch[:, list(moving)]
     n = len(system.dofs)
-    solids = [mount.felt.maxwell for mount in system.mounts]
+    solids = [spring.felt.maxwell for spring in system.springs]
     glass = np.array([solid.k_0 for solid in solids])
     viscous = np.array([solid.b for solid in solids])
     arm_mount = np.array([i for i, solid in enumerate(solids) for _ in solid.k], dtype=np.intp)
@@ -221,7 +222,7 @@ def _observe(
     u_dot = np.concatenate((slope[:, :1], slope), axis=1)
     stretch = system.stretch @ z[:n] + system.base_stretch @ u
     speed = system.stretch @ z[n : 2 * n] + system.base_stretch @ u_dot
-    solids = [mount.felt.maxwell for mount in system.mounts]
+    solids = [spring.felt.maxwell for spring in system.springs]
     glass = np.array([solid.k_0 for solid in solids])
     viscous = np.array([solid.b for solid in solids])
     tension = np.asarray(glass[:, None] * stretch + viscous[:, None] * speed)

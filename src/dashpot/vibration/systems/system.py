@@ -1,8 +1,8 @@
-"""Rigid bodies joined by viscoelastic mounts: FRFs and transmissibility, exactly."""
+"""Bodies joined by viscoelastic mounts: FRFs and transmissibility, exactly."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -10,157 +10,18 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import ComplexArray, FloatArray, samples
 from dashpot.base.errors import DataError
-from dashpot.base.units import Quantity, si
+from dashpot.records.free_modes import FreeModes
 from dashpot.records.frf import FRF, Kind
 from dashpot.solids.maxwell import Solid
-from dashpot.solids.rate_independent import AmplitudeDependent, Linearised, amplitudes
-
-MOTIONS = ("x", "y", "z", "rx", "ry", "rz")
-"""Translations, m, and small rotations, rad, about the global axes."""
-
-Vector = tuple[float, float, float]
-
-
-@dataclass(frozen=True)
-class Body:
-    """A rigid body that may move in some of six ways about its centre of mass.
-
-    Attributes
-    ----------
-    name : str
-    mass : float
-        kg.
-    inertia : (float, float, float) or three rows of three
-        Principal moments about the global axes, or the whole inertia tensor, kg m^2.
-    at : (float, float, float)
-        Centre of mass, m.
-    free : tuple of str
-        Names from :data:`MOTIONS`; the others are held. ``("z",)`` is a point mass that bounces.
-    """
-
-    name: str
-    mass: float
-    inertia: Vector | tuple[Vector, Vector, Vector] = (0.0, 0.0, 0.0)
-    at: Vector = (0.0, 0.0, 0.0)
-    free: tuple[str, ...] = ("z",)
-
-    def __post_init__(self) -> None:
-        if not (np.isfinite(self.mass) and self.mass > 0):
-            raise DataError(f"body '{self.name}': mass = {self.mass!r} kg; expected a number > 0")
-        unknown = [motion for motion in self.free if motion not in MOTIONS]
-        if unknown or not self.free or len(set(self.free)) < len(self.free):
-            raise DataError(
-                f"body '{self.name}': free = {self.free!r}; expected different names from "
-                f"{', '.join(MOTIONS)}"
-            )
-        if "." in self.name:
-            raise DataError(f"body '{self.name}': a name must not hold a dot")
-        smallest = float(np.linalg.eigvalsh(self.mass_matrix).min())
-        if not smallest > 0:
-            raise DataError(
-                f"body '{self.name}' is free to rotate ({', '.join(self.free)}) but its inertia "
-                f"{self.inertia!r} kg m^2 is not positive there"
-            )
-
-    @property
-    def mass_matrix(self) -> FloatArray:
-        """Mass and inertia of the free motions, shape (free, free)."""
-        tensor = np.array(self.inertia, dtype=float)
-        full = np.zeros((6, 6))
-        full[:3, :3] = self.mass * np.eye(3)
-        full[3:, 3:] = np.diag(tensor) if tensor.ndim == 1 else tensor
-        rows = [MOTIONS.index(motion) for motion in self.free]
-        return full[np.ix_(rows, rows)]
-
-
-def point_mass(name: str, mass: Quantity) -> Body:
-    """A mass that bounces along z."""
-    mass = si(mass, "mass")
-    return Body(name, mass)
-
-
-def planar_body(
-    name: str, mass: Quantity, inertia: float, *, at: tuple[float, float] = (0.0, 0.0)
-) -> Body:
-    """A rigid body in the x-y plane: x, y and the rotation rz, with its inertia about z."""
-    mass = si(mass, "mass")
-    return Body(name, mass, inertia=(0.0, 0.0, inertia), at=(*at, 0.0), free=("x", "y", "rz"))
-
-
-@dataclass(frozen=True)
-class Mount:
-    """A viscoelastic solid between two bodies, or a body and a ground, acting along one line.
-
-    Attributes
-    ----------
-    solid : Solid
-    between : (str, str)
-        Names of two bodies, or of a body and a ground.
-    at : (float, float, float)
-        Where it is attached, m.
-    along : (float, float, float)
-        The direction in which it acts; need not have length 1.
-    rotary : bool
-        True for a torsional mount about `along`: its solid is then in N m/rad.
-    friction : AmplitudeDependent or None
-        What stands beside the solid and answers to amplitude: friction, stiffening, both.
-    amplitude : float or None
-        Amplitude of the stretch, m (rad), at which every linear answer takes the friction; None
-        leaves it to :func:`~dashpot.vibration.systems.level.response_at_level`.
-    """
-
-    solid: Solid
-    between: tuple[str, str]
-    at: Vector = (0.0, 0.0, 0.0)
-    along: Vector = (0.0, 0.0, 1.0)
-    rotary: bool = False
-    friction: AmplitudeDependent | None = None
-    amplitude: float | None = None
-
-    def __post_init__(self) -> None:
-        if self.between[0] == self.between[1]:
-            raise DataError(f"a mount joins '{self.between[0]}' to itself")
-        _unit_vector(self.along)
-        if self.amplitude is not None:
-            amplitudes(self.amplitude)
-
-    @property
-    def felt(self) -> Solid:
-        """The linear solid that the mount is: its own, or what it is at the amplitude given.
-
-        Raises
-        ------
-        DataError
-            If there is friction and no amplitude.
-        """
-        if self.friction is None:
-            return self.solid
-        if self.amplitude is None:
-            raise DataError(
-                f"the mount between {' and '.join(self.between)} has friction, and what it is "
-                "depends on how far it moves; give it an amplitude, or ask response_at_level"
-            )
-        return Linearised(self.solid, self.friction, self.amplitude)
-
-
-@dataclass(frozen=True)
-class Point:
-    """A place and a direction on a body: where a force acts, or an accelerometer looks.
-
-    Attributes
-    ----------
-    body : str
-    at : (float, float, float)
-        m.
-    along : (float, float, float)
-    rotary : bool
-        True for a moment or a rotation about `along` instead.
-    """
-
-    body: str
-    at: Vector = (0.0, 0.0, 0.0)
-    along: Vector = (0.0, 0.0, 1.0)
-    rotary: bool = False
+from dashpot.vibration.systems.bodies import (
+    MOTIONS,
+    Body,
+    ModalSpring,
+    Mount,
+    Point,
+    bent_by,
+    motion_of,
+)
 
 
 @dataclass(frozen=True)
@@ -169,8 +30,9 @@ class System:
 
     .. math:: \left[s^2 M + E^T K(s) E\right] q = F - E^T K(s) G u
 
-    with the stretch :math:`E q + G u` of each mount, motions q of the bodies, u of the grounds,
-    and K(s) the diagonal of the mounts' stiffnesses.
+    with the stretch :math:`E q + G u` of each spring, motions q of the bodies, u of the grounds,
+    and K(s) the diagonal of the springs' stiffnesses. The springs are the mounts, and what holds
+    the modes of bodies that have any.
 
     Attributes
     ----------
@@ -206,12 +68,29 @@ class System:
     @property
     def dofs(self) -> tuple[str, ...]:
         """Names of the degrees of freedom, in the order of every matrix."""
-        return tuple(f"{body.name}.{motion}" for body in self.bodies for motion in body.free)
+        return tuple(f"{body.name}.{motion}" for body in self.bodies for motion in body.motions)
 
     @property
     def base_dofs(self) -> tuple[str, ...]:
         """Names of the ground motions: six each, rotations about the origin."""
         return tuple(f"{ground}.{motion}" for ground in self.grounds for motion in MOTIONS)
+
+    def with_modes(self, body: str, modes: FreeModes) -> System:
+        """The system with a body that bends, too.
+
+        Parameters
+        ----------
+        body : str
+        modes : FreeModes
+            Its elastic modes, as it moves when nothing holds it; rigid ones are left out, since the
+            body's mass and inertia are there for them.
+        """
+        if body not in [each.name for each in self.bodies]:
+            listed = ", ".join(each.name for each in self.bodies)
+            raise DataError(f"no body '{body}'; the system has {listed}")
+        bent = modes.only(~modes.rigid)
+        bodies = [replace(each, modes=bent) if each.name == body else each for each in self.bodies]
+        return replace(self, bodies=tuple(bodies))
 
     # -- matrices -------------------------------------------------------------------------------
 
@@ -224,24 +103,33 @@ class System:
 
     @cached_property
     def stretch(self) -> FloatArray:
-        """E, shape (mounts, n): how the bodies' motions stretch each mount."""
+        """E, shape (springs, n): how the bodies' motions stretch each spring."""
         return self._stretch()[:, : len(self.dofs)]
 
     @cached_property
     def base_stretch(self) -> FloatArray:
-        """G, shape (mounts, 6 grounds): how the grounds' motions stretch each mount."""
+        """G, shape (springs, 6 grounds): how the grounds' motions stretch each spring."""
         return self._stretch()[:, len(self.dofs) :]
 
-    def mount_stiffness(self, s: npt.ArrayLike) -> ComplexArray:
-        """K of each mount at s, 1/s, shape (..., mounts)."""
+    @cached_property
+    def springs(self) -> tuple[Mount | ModalSpring, ...]:
+        """The mounts, then what holds the modes of the bodies."""
+        return (*self.mounts, *(spring for body in self.bodies for spring in body.springs))
+
+    def spring_stiffness(self, s: npt.ArrayLike) -> ComplexArray:
+        """K of each spring at s, 1/s, shape (..., springs)."""
         s = np.asarray(s, dtype=complex)
-        rows = [mount.felt.stiffness_at(s) for mount in self.mounts]
+        known: dict[Solid, ComplexArray] = {}  # a line of seal is one solid many times
+        for spring in self.springs:
+            if spring.felt not in known:
+                known[spring.felt] = spring.felt.stiffness_at(s)
+        rows = [known[spring.felt] for spring in self.springs]
         return np.stack(rows, axis=-1) if rows else np.zeros((*s.shape, 0), dtype=complex)
 
     def dynamic_stiffness(self, s: npt.ArrayLike) -> ComplexArray:
         r""":math:`s^2 M + E^T K(s) E`, shape (..., n, n)."""
         s = np.asarray(s, dtype=complex)
-        K = self.mount_stiffness(s)
+        K = self.spring_stiffness(s)
         E = self.stretch
         return np.asarray(s[..., None, None] ** 2 * self.mass_matrix + (E.T * K[..., None, :]) @ E)
 
@@ -316,7 +204,7 @@ class System:
         if base not in self.base_dofs:
             raise DataError(f"'{base}' is no ground motion; known: {', '.join(self.base_dofs)}")
         G = self.base_stretch[:, self.base_dofs.index(base)]
-        forces = -(self.mount_stiffness(s) * G) @ self.stretch
+        forces = -(self.spring_stiffness(s) * G) @ self.stretch
         motion = np.linalg.solve(self.dynamic_stiffness(s), forces[..., None])[..., 0]
         return np.asarray(motion @ self.participation(response))
 
@@ -329,6 +217,12 @@ class System:
             - self._row(Point(mount.between[1], mount.at, mount.along, mount.rotary))
             for mount in self.mounts
         ]
+        held = [
+            f"{body.name}.{motion}"
+            for body in self.bodies
+            for motion in body.motions[len(body.free) :]
+        ]
+        rows += [self._row(dof) for dof in held]
         return np.array(rows).reshape(len(rows), columns)
 
     def _row(self, place: str | Point) -> FloatArray:
@@ -344,32 +238,14 @@ class System:
         known |= dict.fromkeys(self.grounds, (0.0, 0.0, 0.0))
         if place.body not in known:
             raise DataError(f"no body '{place.body}'; the system has {', '.join(known)}")
-        motion = _motion_of(place, known[place.body])
-        for name, value in zip(MOTIONS, motion, strict=True):
+        motion = dict(zip(MOTIONS, motion_of(place, known[place.body]), strict=True))
+        flexible = next((b for b in self.bodies if b.name == place.body and b.modes), None)
+        if flexible is not None:
+            motion |= zip(
+                flexible.motions[len(flexible.free) :], bent_by(flexible, place), strict=True
+            )
+        for name, value in motion.items():
             dof = f"{place.body}.{name}"
             if dof in names:  # a motion that is held does not move the point
                 row[names.index(dof)] = value
         return row
-
-
-def _motion_of(point: Point, centre: Vector) -> FloatArray:
-    r"""How the six motions of its body about `centre` move a point along its direction, shape (6,).
-
-    .. math:: d \cdot (u + \theta \times r) = d \cdot u + (r \times d) \cdot \theta
-
-    and :math:`d \cdot \theta` for a rotary one.
-    """
-    d = _unit_vector(point.along)
-    if point.rotary:
-        return np.concatenate((np.zeros(3), d))
-    r = np.array(point.at, dtype=float) - np.array(centre, dtype=float)
-    return np.concatenate((d, np.cross(r, d)))
-
-
-def _unit_vector(along: Vector) -> FloatArray:
-    """The direction with length 1."""
-    d = np.array(along, dtype=float)
-    length = float(np.linalg.norm(d))
-    if not (np.isfinite(length) and length > 0):
-        raise DataError(f"direction {along!r} has no length; expected three numbers, not all 0")
-    return d / length

@@ -1,0 +1,141 @@
+"""From a file to the modes of a structure: shapes at points, with their frequencies."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import ReadError
+from dashpot.base.units import Dimension, Quantity, parse_unit, si
+from dashpot.io.columns.roles import list_columns
+from dashpot.io.columns.vocabulary import plain
+from dashpot.io.readers import channels
+from dashpot.io.readers.channels import Opened
+from dashpot.records.free_modes import FreeModes
+
+_NEEDED = ("mode", "frequency", "x", "y", "z")
+_SHAPE = ("ux", "uy", "uz")
+_MORE = ("damping ratio", "modal mass")
+
+
+def read_modes(
+    path: str | Path,
+    *,
+    unit: str | None = None,
+    modal_mass: Quantity | None = None,
+    damping: float | None = None,
+) -> FreeModes:
+    """Return the modes in a file: dataset 55 of UFF with its nodes, or a table.
+
+    A table has a row for each point of each mode, with columns mode, frequency [Hz], x, y, z [mm],
+    some of ux, uy, uz (0 where they are missing), and perhaps damping ratio and modal mass [t].
+    Shapes are of that modal mass.
+
+    Parameters
+    ----------
+    path : path
+    unit : str, optional
+        Of the coordinates, where the file does not say.
+    modal_mass : str or float, optional
+        Of every mode, where the file does not say: 1 t for shapes that a code in mm, t and s has
+        normalised, kg.
+    damping : float, optional
+        Damping ratio of every mode, instead of what the file says.
+
+    Raises
+    ------
+    ReadError
+        If a column or a unit is missing, or the modes do not share their points.
+    """
+    with channels.opened(path, None) as file:
+        names = [plain(column.name) for column in file.table.columns]
+        missing = [name for name in _NEEDED if name not in names]
+        if missing or not set(_SHAPE) & set(names):
+            raise ReadError(
+                f"no column is named {missing[0] if missing else 'ux, uy or uz'}; the columns are "
+                f"{list_columns(file.table.columns)}; modes are a table of {', '.join(_NEEDED)} "
+                "and ux, uy, uz, or a UFF file with dataset 55"
+            )
+        known = [name for name in (*_NEEDED, *_SHAPE, *_MORE) if name in names]
+        loaded = channels.load(file.table, [names.index(name) for name in known], None)
+        columns = dict(zip(known, loaded.values.T, strict=True))
+        mass = _masses(file, names, columns, si(modal_mass, "mass"))
+        frequency = _in_si(file, names, columns, "frequency", dimension="frequency", unit="Hz")
+        place = np.stack(
+            [
+                _in_si(file, names, columns, axis, dimension="length", unit=unit)
+                for axis in ("x", "y", "z")
+            ],
+            axis=1,
+        )
+        nil = np.zeros(len(place))
+        shape = np.stack([columns.get(axis, nil) for axis in _SHAPE], axis=1)
+        shape = shape / np.sqrt(mass)[:, None]
+        zeta = columns.get("damping ratio", nil) if damping is None else nil + damping
+        number = columns["mode"]
+        whole = np.isfinite(np.column_stack((number, frequency, place, shape, zeta)))
+        if not whole.all():
+            row = int(np.flatnonzero(~whole.all(axis=1))[0])
+            raise ReadError(f"{loaded.where(row)} lacks a number")
+        counts = [int((number == one).sum()) for one in np.unique(number)]
+        if len(set(counts)) > 1:
+            raise ReadError(
+                f"the modes have {min(counts)} to {max(counts)} points; expected the same points "
+                "in every mode"
+            )
+        order = np.argsort(number, kind="stable").reshape(len(counts), -1)
+        if (place[order] != place[order[0]]).any() or np.ptp(frequency[order], axis=1).any():
+            raise ReadError(
+                "the modes differ in their points, or one mode has two frequencies; write the "
+                "same points in the same order for every mode"
+            )
+        of = [f"{name} [{file.table.columns[names.index(name)].unit or '-'}]" for name in known]
+        return FreeModes(
+            frequency[order[:, 0]],
+            place[order[0]],
+            shape[order],
+            zeta[order[:, 0]],
+            channels.source(file, of, file.table.notes),
+        )
+
+
+def _in_si(
+    file: Opened,
+    names: list[str],
+    columns: dict[str, FloatArray],
+    name: str,
+    *,
+    dimension: Dimension,
+    unit: str | None,
+) -> FloatArray:
+    word = file.table.columns[names.index(name)].unit or unit
+    if word is None:
+        raise ReadError(
+            f'column {name} has no unit; write {name} [mm] over it, or say it: unit = "mm" in '
+            "[modes] (Python: unit=)"
+        )
+    return channels.si(columns[name].copy(), parse_unit(word, dimension))
+
+
+def _masses(
+    file: Opened, names: list[str], columns: dict[str, FloatArray], stated: float | None
+) -> FloatArray:
+    """Modal mass of each row, kg: as stated, as in the file, or 1 kg where it says none."""
+    rows = len(columns["mode"])
+    if stated is not None or "modal mass" not in columns:
+        mass = np.full(rows, 1.0 if stated is None else stated)
+    else:
+        given = columns["modal mass"]
+        if np.isnan(given).all():
+            return np.ones(rows)
+        if file.table.columns[names.index("modal mass")].unit is None:
+            raise ReadError(
+                'the modal masses have no unit; say it: modal_mass = "1kg" in [modes] (Python: '
+                "modal_mass=)"
+            )
+        mass = _in_si(file, names, columns, "modal mass", dimension="mass", unit=None)
+    if not (mass > 0).all():
+        raise ReadError(f"a modal mass is {np.min(mass):g} kg; expected numbers > 0")
+    return mass

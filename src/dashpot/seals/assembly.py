@@ -1,0 +1,140 @@
+"""From a door to the system that it is: its bodies, and all that holds them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from dashpot.base.errors import DataError
+from dashpot.records.door import Door, RigidPart, Support
+from dashpot.records.free_modes import FreeModes
+from dashpot.seals.mounts import line_mounts
+from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
+from dashpot.vibration.systems.bodies import Body, Mount
+from dashpot.vibration.systems.system import System
+
+DOOR, BODY = "door", "body"
+PITCH = 0.025
+"""m, where none is stated."""
+_ALIKE = 0.01
+"""Relative difference of the masses that rigid modes imply along x, y and z."""
+_AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+
+
+@dataclass(frozen=True)
+class Assembly:
+    """A door, and what its files say.
+
+    Attributes
+    ----------
+    door : Door
+        Its line with the section, if it has a seal.
+    modes : FreeModes or None
+        Of the door.
+    parts : mapping
+        From the path of a fit to the solid of the part, N/m.
+    """
+
+    door: Door
+    modes: FreeModes | None = None
+    parts: Mapping[str, Solid] | None = None
+
+    @property
+    def pitch(self) -> float:
+        """Distance of the stations, m."""
+        stated = None if self.door.seal is None else self.door.seal.pitch
+        return PITCH if stated is None else stated
+
+    def body(self) -> Body:
+        """The door by itself: mass and inertia as stated, else those that its modes imply.
+
+        Raises
+        ------
+        DataError
+            If neither says them, or the rigid modes contradict themselves.
+        """
+        rigid, modes = self.door.rigid, self.modes
+        choice = self.door.modes
+        held = choice is not None and choice.held
+        if modes is not None and held:
+            return Body(DOOR, 1.0 if rigid is None else rigid.mass, free=(), modes=modes)
+        if rigid is None:
+            if modes is None:
+                raise DataError(
+                    "the door has no mass: give [door] its mass, centre and inertia, or [modes] "
+                    "with its six rigid ones"
+                )
+            rigid = rigid_of(modes)
+        elastic = None if modes is None else modes.only(~modes.rigid)
+        if elastic is not None and not len(elastic):
+            elastic = None
+        return Body(
+            DOOR, rigid.mass, rigid.inertia, at=rigid.centre, free=rigid.motions, modes=elastic
+        )
+
+    def system(self, *, sealed: bool = True, pitch: float | None = None) -> System:
+        """The door on its hinges, latch and bumpers, with its seal or without.
+
+        Parameters
+        ----------
+        sealed : bool
+        pitch : float, optional
+            Of the stations, m; by default the one stated.
+        """
+        door = self.door
+        bodies = [self.body()]
+        grounds: tuple[str, ...] = (BODY,)
+        if door.body is not None:
+            car = door.body
+            bodies.append(Body(BODY, car.mass, car.inertia, at=car.centre, free=car.motions))
+            grounds = ()
+        latches = () if door.latch is None else (door.latch,)
+        mounts = [
+            mount
+            for support in (*door.hinges, *latches, *door.bumpers)
+            for mount in self._held_by(support)
+        ]
+        if sealed and door.line is not None:
+            mounts += line_mounts(door.line, DOOR, pitch or self.pitch, ground=BODY)
+        return System(tuple(bodies), tuple(mounts), grounds)
+
+    def _held_by(self, support: Support) -> list[Mount]:
+        if support.fit:
+            solids = [(self.parts or {})[support.fit]]
+        else:
+            damping = support.damping or (0.0,) * len(support.stiffness)
+            pairs = zip(support.stiffness, damping, strict=True)
+            solids = [GeneralizedMaxwell(k, b=b) for k, b in pairs]
+        ways = _AXES if support.along is None else (support.along,)
+        return [
+            Mount(solid, (DOOR, BODY), support.at, along, name=support.name)
+            for solid, along in zip(solids, ways, strict=True)
+            if solid.k_0 > 0 or solid.maxwell.b > 0
+        ]
+
+
+def rigid_of(modes: FreeModes) -> RigidPart:
+    """Mass, centre and the inertia tensor about it that six rigid modes imply.
+
+    Raises
+    ------
+    DataError
+        If there are not six, or they imply three different masses along x, y and z.
+    """
+    whole = modes.rigid_mass()
+    masses = np.diag(whole)[:3]
+    mass = float(masses.mean())
+    if np.ptp(masses) > _ALIKE * mass:
+        listed = ", ".join(f"{one:.4g}" for one in masses)
+        raise DataError(
+            f"the rigid modes imply masses of {listed} kg along x, y and z; expected one: their "
+            "modal masses, or the unit of their coordinates, are not what was said"
+        )
+    coupled = whole[:3, 3:] / mass
+    c = np.array([coupled[1, 2], coupled[2, 0], coupled[0, 1]])
+    tensor = whole[3:, 3:] - mass * (c @ c * np.eye(3) - np.outer(c, c))
+    xx, xy, xz, yx, yy, yz, zx, zy, zz = ((tensor + tensor.T) / 2).ravel().tolist()
+    x, y, z = c.tolist()
+    return RigidPart(mass, ((xx, xy, xz), (yx, yy, yz), (zx, zy, zz)), (x, y, z))
