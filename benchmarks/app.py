@@ -26,7 +26,8 @@ from playwright.sync_api import Page, sync_playwright
 
 from dashpot.io.write import write_impact, write_relaxation
 from dashpot.simulation.impact import simulate_impact
-from dashpot.simulation.relaxation import Rig, simulate_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig import Rig
 from dashpot.solids.table_1 import BROAD
 
 MOVES = 60

@@ -35,7 +35,8 @@ from dashpot.lots.entries import entries
 from dashpot.lots.parts import tasks
 from dashpot.lots.processes import processors
 from dashpot.lots.row import row
-from dashpot.simulation.relaxation import Rig, simulate_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig import Rig
 from dashpot.solids.table_1 import PAPER
 
 KINDS: dict[str, dict[str, Any]] = {

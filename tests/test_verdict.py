@@ -21,7 +21,8 @@ from dashpot.cli._shell import Outcome, reports
 from dashpot.cli._terminal import Text, shown
 from dashpot.records.fit import Status
 from dashpot.simulation.impact import Hammer, simulate_impact
-from dashpot.simulation.relaxation import Rig, simulate_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig import Rig
 from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER, PAPER_MASS
 from dashpot.vibration.systems.prediction import predict_frf
 

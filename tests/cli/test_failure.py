@@ -20,7 +20,8 @@ from dashpot.cli._options import PICTURES
 from dashpot.cli._shell import Output
 from dashpot.io.write import write_relaxation
 from dashpot.plot.files import FORMATS
-from dashpot.simulation.relaxation import Rig, simulate_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig import Rig
 from dashpot.solids.table_1 import PAPER
 
 HIDDEN = "\x1b[2J\x1b]0;title\x07\x9b31m\u202e"

@@ -17,7 +17,8 @@ from dashpot.fitting.relaxation import fit
 from dashpot.preparation.prepare import prepare
 from dashpot.records.fit import Fit, Status
 from dashpot.records.relaxation import RelaxationTest
-from dashpot.simulation.relaxation import Rig, simulate_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig import Rig
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import PAPER
 

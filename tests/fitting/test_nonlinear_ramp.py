@@ -25,7 +25,8 @@ from dashpot.fitting.nonlinear_ramp.soundness import linear_soundness, soundness
 from dashpot.fitting.nonlinear_ramp.thinning import ramp_obstacle, thinned
 from dashpot.preparation.prepare import prepare
 from dashpot.records.relaxation import RampHold, RelaxationTest
-from dashpot.simulation.relaxation import Rig, simulate_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig import Rig
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import PAPER

@@ -10,7 +10,8 @@ import pytest
 import dashpot as dp
 from dashpot.fitting.nuisance import priors
 from dashpot.records.relaxation import RampHold
-from dashpot.simulation.relaxation import Rig, simulate_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig import Rig
 from dashpot.solids.table_1 import PAPER
 
 

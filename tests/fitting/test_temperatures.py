@@ -12,7 +12,8 @@ from kit import cold
 import dashpot as dp
 from dashpot.fitting.uncertainty.prediction_bounds import parameter_band
 from dashpot.records.bounds import StiffnessBounds
-from dashpot.simulation.relaxation import Climate, Rig, simulate_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig import Climate, Rig
 
 ROOM, FRIDGE = 23.0, 0.0
 PAIR, TRIPLE = (ROOM, FRIDGE), (ROOM, 10.0, FRIDGE)

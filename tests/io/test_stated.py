@@ -16,7 +16,8 @@ from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.records.specimen import Specimen
-from dashpot.simulation.relaxation import Rig, simulate_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig import Rig
 from dashpot.solids.table_1 import PAPER
 
 

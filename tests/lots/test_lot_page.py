@@ -13,7 +13,8 @@ from kit import browser
 import dashpot as dp
 from dashpot.io.write import write_relaxation
 from dashpot.lots.page import html
-from dashpot.simulation.relaxation import Rig, simulate_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig import Rig
 from dashpot.solids.table_1 import PAPER
 
 pytestmark = pytest.mark.once

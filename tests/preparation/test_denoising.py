@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from dashpot.fitting.relaxation import fit
 from dashpot.preparation.denoising import _without_flicker, between_counts, denoised, true_motion
 from dashpot.preparation.prepare import prepare
-from dashpot.simulation.relaxation import Rig, simulate_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig import Rig
 from dashpot.solids.table_1 import BROAD
 
 

@@ -9,7 +9,8 @@ from dashpot.fitting.relaxation import fit
 from dashpot.preparation.hum import hum_lines
 from dashpot.preparation.prepare import prepare
 from dashpot.records.relaxation import Hum, RampHold
-from dashpot.simulation.relaxation import Rig, simulate_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig import Rig
 from dashpot.solids.table_1 import PAPER
 
 TIME = np.arange(20_000) / 1000.0

@@ -19,13 +19,10 @@ from dashpot.preparation.contact import find_contact
 from dashpot.preparation.prepare import prepare
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.records.specimen import Specimen
-from dashpot.simulation.relaxation import (
-    Axis,
-    Rig,
-    SimulatedRelaxation,
-    simulate_path,
-    simulate_relaxation,
-)
+from dashpot.simulation.axis import Axis
+from dashpot.simulation.motion import simulate_path
+from dashpot.simulation.relaxation import SimulatedRelaxation, simulate_relaxation
+from dashpot.simulation.rig import Rig
 from dashpot.solids.table_1 import BROAD, PAPER
 
 QUANTUM = 0.02e-3

@@ -13,7 +13,7 @@ from dashpot.io.readers.bench import read_bench
 from dashpot.io.write import write_relaxation
 from dashpot.simulation.axis import Axis
 from dashpot.simulation.creep import simulate_creep
-from dashpot.simulation.relaxation import Rig
+from dashpot.simulation.rig import Rig
 from dashpot.simulation.truth import stamp, truth_json
 from dashpot.solids.table_1 import PAPER
 

@@ -11,7 +11,9 @@ from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError
 from dashpot.simulation.axis import Axis
-from dashpot.simulation.relaxation import Rig, in_steps, simulate_path, simulate_relaxation
+from dashpot.simulation.motion import simulate_path
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig import Rig, in_steps
 from dashpot.solids.table_1 import (
     BROAD,
     BROAD_MASS,

@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 
 from dashpot.simulation.impact import Hammer, simulate_impact
-from dashpot.simulation.relaxation import Rig, simulate_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig import Rig
 from dashpot.simulation.truth import stamp, truth_json
 from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER
 

@@ -13,7 +13,8 @@ from dashpot.io.options import ReadOptions
 from dashpot.io.write import write_relaxation
 from dashpot.records.machine import Machine
 from dashpot.records.specimen import Specimen
-from dashpot.simulation.relaxation import Rig, simulate_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig import Rig
 from dashpot.solids.table_1 import BROAD
 from dashpot.web import recent, wire
 from dashpot.web.requests import job_of, page_of

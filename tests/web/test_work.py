@@ -11,7 +11,8 @@ import dashpot as dp
 from dashpot import workflow
 from dashpot.cli import main
 from dashpot.io.write import write_relaxation
-from dashpot.simulation.relaxation import Rig, simulate_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig import Rig
 from dashpot.solids.table_1 import BROAD
 from dashpot.web import results, wire
 from dashpot.web.requests import job_of

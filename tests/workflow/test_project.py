@@ -19,7 +19,8 @@ from dashpot.cli import main
 from dashpot.io.formats.ati import AXES
 from dashpot.io.options import ReadOptions, load_profile
 from dashpot.io.write import write_relaxation
-from dashpot.simulation.relaxation import Rig, simulate_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig import Rig
 from dashpot.solids.table_1 import PAPER
 from dashpot.workflow import history, verification
 from dashpot.workflow import project as folder

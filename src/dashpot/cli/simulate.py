@@ -12,7 +12,7 @@ import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.cli import _options as options
 from dashpot.cli._options import Quantity
-from dashpot.cli._shell import Outcome, claim, read_model, reports, typed, write
+from dashpot.cli._shell import File, Outcome, claim, read_model, reports, typed, write
 from dashpot.cli._terminal import Text
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @click.command("simulate")
-@click.argument("what", type=click.Choice(["relaxation", "creep", "impact"]))
+@click.argument("what", type=click.Choice(["relaxation", "creep", "impact", "motion"]))
 @click.option(
     "--model",
     default="paper",
@@ -45,6 +45,15 @@ if TYPE_CHECKING:
 @click.option("--seals", type=float, default=2.0, show_default=True, help="Seals under the block.")
 @click.option("--hits", type=click.IntRange(1), default=5, show_default=True)
 @click.option("--record", type=Quantity("time"), help="Record after each hit.")
+@click.option("--motion", type=File(), help="Recorded or planned: time and displacement.")
+@click.option("--softening", type=float, help="Share that Mullins' softening takes, e.g. 0.12.")
+@click.option(
+    "--warming", type=Quantity("force"), help="What the load cell's zero moves by in 10 min."
+)
+@click.option("--friction", type=float, help="Of the axis, in m/s^2: above 0 it sticks and slips.")
+@click.option("--gauges", is_flag=True, help="Six gauge voltages; the calibration lies beside.")
+@click.option("--misaligned", type=Quantity("angle"), help="Of the transducer, e.g. 2deg.")
+@click.option("--antialias", type=Quantity("frequency"), help="Corner of the card's filter.")
 @options.output("CSV; - is stdout.", ".csv", ".txt", required=True)
 @options.force
 @reports
@@ -56,21 +65,53 @@ def command(*, what: str, output: str, **choices: Any) -> Outcome:
     dashpot simulate creep --load 1N --ramp 1s --hold 60s -o creep.csv
     dashpot simulate impact --model broad --hits 5 -o hammer.csv
     dashpot simulate relaxation --model broad --temperature 0degC -o cold.csv
+    dashpot simulate relaxation --gauges --misaligned 2deg -o gauges.csv
+    dashpot simulate motion --motion ramp.csv --softening 0.12 -o replay.csv
     """
-    tests: dict[str, Any] = {"relaxation": relaxation, "creep": creep, "impact": impact}
+    tests: dict[str, Any] = {
+        "relaxation": relaxation, "creep": creep, "impact": impact, "motion": replayed,
+    }  # fmt: skip
     made = tests[what]
+    _refuse_senseless(what, choices)
     document = {"schema": "dashpot/simulated@1", "what": what, "file": output, "truth": None}
     if output == "-":
-        text, _ = made(**choices)
+        text, *_ = made(**choices)
         write(output, text)
         return Outcome(document | {"text": text}, None)
     beside = str(Path(output).with_suffix(".truth.json"))
-    claim([output, beside])
-    text, truth = made(**choices)
+    known = str(Path(output).with_suffix(".cal"))
+    gauges = [known] if choices["gauges"] else []
+    claim([output, beside, *gauges])
+    text, truth, *more = made(**choices)
     write(output, text)
     write(beside, truth)
-    story = Text([f"{output}: a simulated {what} test; what is true stands in {beside}"])
-    return Outcome(document | {"truth": beside}, story, follow=typed("inspect", output))
+    says = [f"{output}: a simulated {what} test; what is true stands in {beside}"]
+    reading = ["inspect", output]
+    if more:
+        calibration, said = more
+        write(known, calibration)
+        says += [f"! {one}" for one in said]
+        reading = ["fit", output, "--calibration", known]
+    story = Text(says)
+    return Outcome(document | {"truth": beside}, story, follow=typed(*reading))
+
+
+_RIG = ("softening", "warming", "friction", "gauges", "misaligned", "antialias")
+
+
+def _refuse_senseless(what: str, choices: dict[str, Any]) -> None:
+    """Refuse what the test asked for would not heed."""
+    if (what == "motion") != bool(choices["motion"]):
+        raise DataError(
+            "a motion is replayed by 'dashpot simulate motion --motion FILE', with time and "
+            "displacement in FILE"
+        )
+    for name in _RIG:
+        if choices[name] and what not in ("relaxation", "motion"):
+            raise DataError(f"--{name} is for a relaxation test or a motion, not for {what}")
+    for name in ("misaligned", "antialias"):
+        if choices[name] and not choices["gauges"]:
+            raise DataError(f"--{name} is of the transducer and its card: add --gauges")
 
 
 class Seal(NamedTuple):
@@ -92,29 +133,56 @@ def seal(name: str) -> Seal:
 
 
 def relaxation(
-    *,
-    model: str,
-    depth: float = 8e-3,
-    ramp: float = 1.0,
-    hold: float = 40.0,
-    rate: float | None = None,
-    noise_free: bool = False,
-    seed: int = 0,
-    temperature: float | None = None,
-    wlf: TemperatureLaw | None = None,
-    **_: object,
-) -> tuple[str, str]:
-    """Return a simulated relaxation test as CSV, and its truth as JSON."""
-    from dashpot.io.write import write_relaxation
-
-    room = dp.simulation
-    rig = _chosen(room.Rig(), noise_free=noise_free, rate=rate)
-    known = seal(model)
-    made = room.simulate_relaxation(
-        known.solid, depth=depth, ramp_time=ramp, hold_time=hold, rig=rig, seed=seed,
-        climate=_climate(known, temperature, wlf),
+    *, model: str, depth: float = 8e-3, ramp: float = 1.0, hold: float = 40.0, **choices: Any
+) -> tuple[Any, ...]:
+    """Return a simulated relaxation test as CSV, its truth as JSON, and what gauges add to it."""
+    known, rig, climate = _bench(model, choices)
+    made = dp.simulation.simulate_relaxation(
+        known.solid, depth=depth, ramp_time=ramp, hold_time=hold, rig=rig, climate=climate,
+        seed=choices.get("seed", 0),
     )  # fmt: skip
-    return write_relaxation(made.test, comments=room.stamp(made.truth)), room.truth_json(made.truth)
+    return _told(made, choices)
+
+
+def replayed(*, model: str, motion: str, **choices: Any) -> tuple[Any, ...]:
+    """Return the record of a motion as CSV, its truth as JSON, and what gauges add to it."""
+    known, rig, climate = _bench(model, choices)
+    sent = dp.read_motion(motion)
+    made = dp.simulation.simulate_motion(
+        known.solid, sent, rig=rig, climate=climate, seed=choices.get("seed", 0)
+    )
+    return _told(made, choices)
+
+
+def _bench(model: str, choices: dict[str, Any]) -> tuple[Seal, Any, Any]:
+    """Return the seal, the rig and its climate that were asked for."""
+    given = {name: choices.get(name) for name in ("rate", "softening", "warming")}
+    rig = _chosen(dp.simulation.Rig(), noise_free=bool(choices.get("noise_free")), **given)
+    if choices.get("friction"):
+        rig = replace(rig, axis=replace(rig.axis, friction=choices["friction"]))
+    known = seal(model)
+    return known, rig, _climate(known, choices.get("temperature"), choices.get("wlf"))
+
+
+def _told(made: Any, choices: dict[str, Any]) -> tuple[Any, ...]:
+    """Return record and truth as text; of gauges the calibration too, and what limits them."""
+    from dashpot.io.write import write_gauges, write_relaxation
+
+    room, truth = dp.simulation, made.truth
+    if not choices.get("gauges"):
+        text = write_relaxation(made.test, comments=room.stamp(truth))
+        return text, room.truth_json(truth)
+    rig = truth.rig
+    chosen = room.Instrument(
+        daq=room.Daq(rate=rig.rate, filter=choices.get("antialias") or 0.0),
+        misaligned=choices.get("misaligned") or 0.0,
+    )
+    volts = chosen.read(made.test.time, truth.force, rig=rig, seed=truth.seed)
+    text = write_gauges(made.test, volts, comments=room.stamp(truth))
+    says = chosen.says(truth.force, rig)
+    return (
+        text, room.truth_json(truth, instrument=chosen), chosen.transducer.calibration(), says
+    )  # fmt: skip
 
 
 def creep(

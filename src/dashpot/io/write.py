@@ -49,6 +49,25 @@ def write_relaxation(
     return _written(_text([*_stamped(stamp, comments), *comments, *stated], head, columns), path)
 
 
+def write_gauges(
+    test: RelaxationTest,
+    volts: FloatArray,
+    path: str | Path | None = None,
+    *,
+    comments: Sequence[str] = (),
+) -> str:
+    """Return a test with gauge voltages in the place of its force, and write it to `path`.
+
+    The columns are ``time [s], displacement [mm], G0 [V], ..., G5 [V]``, from which
+    `ReadOptions(calibration=)` makes the force.
+    """
+    head = ["time [s]", "displacement [mm]", *(f"G{i} [V]" for i in range(len(volts)))]
+    kelvin = test.specimen.temperature
+    stated = [] if kelvin is None else [temperature_line(kelvin)]
+    columns = [test.time, 1e3 * test.displacement, *volts]
+    return _written(_text([*comments, *stated], head, columns), path)
+
+
 def write_motion(
     motion: Motion, path: str | Path | None = None, *, comments: Sequence[str] = ()
 ) -> str:

@@ -1,8 +1,11 @@
 from .creep import simulate_creep as simulate_creep
+from .daq import Daq as Daq
 from .impact import Hammer as Hammer
 from .impact import simulate_impact as simulate_impact
-from .relaxation import Climate as Climate
-from .relaxation import Rig as Rig
+from .motion import simulate_motion as simulate_motion
 from .relaxation import simulate_relaxation as simulate_relaxation
+from .rig import Climate as Climate
+from .rig import Rig as Rig
+from .transducer import Instrument as Instrument
 from .truth import stamp as stamp
 from .truth import truth_json as truth_json

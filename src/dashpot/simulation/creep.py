@@ -12,7 +12,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
 from dashpot.records.creep import CreepTest
 from dashpot.records.specimen import Specimen
-from dashpot.simulation.relaxation import Climate, Rig, in_steps
+from dashpot.simulation.rig import Climate, Rig, in_steps
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # a loop of more damping does not swing, and follows about as this one

@@ -11,7 +11,7 @@ from dashpot.base.arrays import ComplexArray, FloatArray, sample_count
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
 from dashpot.records.impact import ImpactTest
-from dashpot.simulation.relaxation import Climate, in_steps
+from dashpot.simulation.rig import Climate, in_steps
 from dashpot.solids.maxwell import GeneralizedMaxwell, arm_response
 
 _OVERSAMPLING = 4

@@ -5,19 +5,25 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import fields, is_dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from dashpot.base.version import byline
 from dashpot.simulation.creep import CreepTruth
 from dashpot.simulation.impact import ImpactTruth
+from dashpot.simulation.motion import MotionTruth
 from dashpot.simulation.relaxation import RelaxationTruth
+from dashpot.simulation.transducer import Instrument
 
-_KINDS = {RelaxationTruth: "relaxation", CreepTruth: "creep", ImpactTruth: "impact"}
+Truth: TypeAlias = RelaxationTruth | CreepTruth | ImpactTruth | MotionTruth
+_KINDS = {
+    RelaxationTruth: "relaxation", CreepTruth: "creep", ImpactTruth: "impact",
+    MotionTruth: "motion",
+}  # fmt: skip
 
 
-def stamp(truth: RelaxationTruth | CreepTruth | ImpactTruth) -> tuple[str, ...]:
+def stamp(truth: Truth) -> tuple[str, ...]:
     """Comment lines for the head of a simulated file, without a comment character."""
     rig = "virtual hammer" if isinstance(truth, ImpactTruth) else "virtual indentation rig"
     return (
@@ -26,14 +32,16 @@ def stamp(truth: RelaxationTruth | CreepTruth | ImpactTruth) -> tuple[str, ...]:
     )
 
 
-def truth_json(truth: RelaxationTruth | CreepTruth | ImpactTruth) -> str:
+def truth_json(truth: Truth, *, instrument: Instrument | None = None) -> str:
     """Everything that the record hides, as JSON in SI units; sampled truths are left out.
 
     The same truth, written twice, is the same text. Complex numbers are ``[re, im]``; what
-    is unlimited is null.
+    is unlimited is null. The `instrument` is that of a record in gauge voltages.
     """
     kind = _KINDS[type(truth)]
     body = {"schema": "dashpot/truth@1", "simulated": True, "kind": kind, **_plain(truth)}
+    if instrument is not None:
+        body["instrument"] = _plain(instrument)
     return json.dumps(body, indent=2, allow_nan=False)
 
 

@@ -17,7 +17,8 @@ from dashpot.base.version import byline
 from dashpot.io.write import write_impact, write_relaxation
 from dashpot.records.indentation import GRAVITY
 from dashpot.simulation.impact import Hammer, simulate_impact
-from dashpot.simulation.relaxation import Climate, Rig, simulate_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig import Climate, Rig
 from dashpot.simulation.truth import stamp
 from dashpot.solids.contact import ViscousContact, sphere_stiffness
 from dashpot.solids.friction import Iwan

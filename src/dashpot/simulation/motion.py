@@ -1,0 +1,207 @@
+"""Any motion of the plate on the virtual rig: corners, or set-points recorded or planned."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from dashpot.base.arrays import ByValue, FloatArray, sample_count, samples
+from dashpot.records.motion import Motion
+from dashpot.records.relaxation import RelaxationTest
+from dashpot.records.specimen import Specimen
+from dashpot.simulation.frames import setpoints
+from dashpot.simulation.rig import Climate, Rig, in_steps
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+_CYCLES = 1.5
+"""Cycles in which Mullins' softening falls to a part 1/e."""
+_PRESSED, _RELEASED = 0.5, 0.05
+"""Parts of the most so far between which a cycle goes."""
+
+
+@dataclass(frozen=True, eq=False)
+class MotionTruth(ByValue):
+    """What really happened on the virtual rig under a motion.
+
+    Attributes
+    ----------
+    model : GeneralizedMaxwell
+        The seal at the temperature of the test, before any softening.
+    rig : Rig
+    seed : int
+    displacement, force : array, shape (n,)
+        Plate position, m, and seal force, N, at the samples of the record, before encoder
+        and load cell.
+    climate : Climate or None
+        What made `model` of the seal at the reference; None if no temperature was stated.
+    """
+
+    model: GeneralizedMaxwell
+    rig: Rig
+    seed: int
+    displacement: FloatArray
+    force: FloatArray
+    climate: Climate | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("displacement", "force"):
+            object.__setattr__(self, name, samples(name, getattr(self, name)))
+
+
+@dataclass(frozen=True)
+class SimulatedMotion:
+    """A simulated record of a motion and its truth."""
+
+    test: RelaxationTest
+    truth: MotionTruth
+
+
+def simulate_path(
+    model: GeneralizedMaxwell,
+    *,
+    path: tuple[tuple[float, float], ...],
+    rig: Rig | None = None,
+    seed: int = 0,
+) -> tuple[RelaxationTest, FloatArray, FloatArray]:
+    """Any path of a plate that is glued to the seal: staircases, cycles, unloading.
+
+    Parameters
+    ----------
+    path : tuple of (time, position)
+        Corners that the plate is sent through, s after the baseline and m; it starts at (0, 0).
+
+    Returns
+    -------
+    test : RelaxationTest
+        The record.
+    position, force : array, shape (n,)
+        The truth at its samples.
+    """
+    rig = Rig() if rig is None else rig
+    end = rig.baseline + path[-1][0]
+    sample_count(end, max(rig.axis.rate, rig.rate))
+    clock = np.arange(round(end * rig.axis.rate) + 1) / rig.axis.rate
+    reference = _staircase(clock, path, rig)
+    return _recorded(
+        model, clock, rig.axis.follow(reference), rig=rig, seed=seed, end=end, glued=True
+    )
+
+
+def simulate_motion(
+    model: GeneralizedMaxwell,
+    motion: Motion,
+    *,
+    rig: Rig | None = None,
+    seed: int = 0,
+    climate: Climate | None = None,
+) -> SimulatedMotion:
+    """A recorded or planned motion sent to the robot as its set-points, on a virtual rig.
+
+    The seal is not glued to the plate: it never pulls.
+
+    Parameters
+    ----------
+    model : GeneralizedMaxwell
+        One piece of seal.
+    motion : Motion
+        At the time of a set-point the next one is sent; the plate begins at the first.
+    rig : Rig, optional
+        ``Rig()`` if not given; its own rest before the motion is left out.
+    seed : int
+        Of the noise.
+    climate : Climate, optional
+        Makes the seal that of its temperature, which the record's specimen then states.
+    """
+    rig = Rig() if rig is None else rig
+    if climate is not None:
+        model = climate.felt(model)
+    since = motion.time - motion.time[0]
+    sample_count(since[-1], max(rig.axis.rate, rig.rate))
+    clock = np.arange(round(since[-1] * rig.axis.rate) + 1) / rig.axis.rate
+    sent = np.searchsorted(since, clock + 1e-9, side="right")
+    reference = motion.displacement[np.minimum(sent, len(since) - 1)]
+    test, position, force = _recorded(
+        model,
+        clock,
+        rig.axis.follow(reference),
+        rig=rig,
+        seed=seed,
+        end=float(since[-1]),
+        glued=False,
+    )
+    truth = MotionTruth(model, rig, seed, position, force, climate)
+    if climate is not None:
+        test = replace(test, specimen=replace(test.specimen, temperature=climate.temperature))
+    return SimulatedMotion(test, truth)
+
+
+def _recorded(
+    model: GeneralizedMaxwell,
+    clock: FloatArray,
+    motion: FloatArray,
+    *,
+    rig: Rig,
+    seed: int,
+    end: float,
+    glued: bool,
+) -> tuple[RelaxationTest, FloatArray, FloatArray]:
+    """The record of a true motion at the control instants, and the truth at its samples."""
+    random = np.random.default_rng(seed)
+    # the motion is laid on a grid at least as fine as the record
+    fine = max(1, int(np.ceil(rig.rate / rig.axis.rate)))
+    if fine > 1:
+        dense = np.arange((len(clock) - 1) * fine + 1) / (rig.axis.rate * fine)
+        motion, clock = _between(dense, clock, motion), dense
+    pressed = rig.compression(motion)
+    answer = model.force(clock, pressed)
+    if not glued:
+        answer = np.maximum(answer, 0.0)
+    if rig.softening:
+        answer *= softened(pressed, rig.softening)
+    time = np.arange(int(np.floor(end * rig.rate * (1 + 1e-12))) + 1) / rig.rate
+    position, force = np.interp(time, clock, motion), np.interp(time, clock, answer)
+    measured = position + rig.position_noise * random.standard_normal(len(time))
+    test = RelaxationTest(
+        time=time,
+        displacement=in_steps(measured, rig.encoder),
+        force=rig.read(time, force, random),
+        specimen=Specimen(length=rig.length, notes="simulated"),
+    )
+    return test, position, force
+
+
+def softened(compression: FloatArray, share: float) -> FloatArray:
+    r"""Return what part of its first force a seal carries, that softens with each cycle.
+
+    :math:`1 - s (1 - e^{-(n-1)/1.5})` in cycle n. A cycle ends where a seal that was pressed by
+    half of the most so far is let go to a twentieth of it.
+    """
+    most = np.maximum.accumulate(compression)
+    down = np.flatnonzero(compression < _RELEASED * most)
+    deep = np.flatnonzero(compression > _PRESSED * most)
+    done, at = np.zeros(len(compression)), 0
+    while (begun := deep[deep >= at]).size and (ended := down[down > begun[0]]).size:
+        at = int(ended[0])
+        done[at:] += 1
+    return np.asarray(1 + share * np.expm1(-done / _CYCLES))
+
+
+def _staircase(clock: FloatArray, path: tuple[tuple[float, float], ...], rig: Rig) -> FloatArray:
+    """The set-point in force at every control instant."""
+    points, last, begun = [np.zeros(1)], 0.0, 0.0
+    for at, position in path:
+        leg = setpoints(last, position, duration=at - begun, interval=rig.setpoint_interval)
+        points.append(leg[1:])
+        last, begun = position, at
+    # a set-point is sent at the start of its interval: the staircase leads the straight line
+    sent = np.concatenate(points)
+    count = np.floor((clock - rig.baseline) / rig.setpoint_interval + 1e-9).astype(int) + 1
+    return np.asarray(sent[np.clip(count, 0, len(sent) - 1)])
+
+
+def _between(dense: FloatArray, clock: FloatArray, motion: FloatArray) -> FloatArray:
+    """Smooth motion between control instants."""
+    from scipy.interpolate import CubicSpline
+
+    return np.asarray(CubicSpline(clock, motion)(dense))

@@ -1,0 +1,161 @@
+"""The virtual indentation rig: what stands between a seal and the file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from math import pi, tan
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import DataError
+from dashpot.simulation.axis import Axis
+from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.table_1 import SHIFT
+from dashpot.solids.temperature import TemperatureLaw, at_temperature
+
+
+@dataclass(frozen=True)
+class Rig:
+    r"""What stands between the seal and the file.
+
+    The robot is sent set-points; its axis lags, rounds corners and overshoots; the seal
+    answers to the *true* motion; the encoder writes that motion in counts; the load cell adds
+
+    .. math:: F_{\mathrm{read}} = F + F_b + \dot F_d t + h \sin(2\pi f_h t + \varphi)
+        + v \sin(2\pi f_v t + \psi) + F_w (1 - e^{-t/\tau_w}) + e, \quad e \sim N(0, \sigma^2)
+
+    in steps of its quantum, between its limits.
+
+    Attributes
+    ----------
+    axis : Axis
+    setpoint_interval : float
+        s between set-points.
+    rate : float
+        Sampling rate of the record, Hz. Nothing is filtered: what is faster aliases.
+    baseline : float
+        Recorded before the robot starts, s.
+    encoder : float
+        Position quantum, m; 0 for none.
+    gap : float
+        Air between plate and seal at the start, m.
+    tilt : float
+        Tilt of the plate along the seal, rad: one end touches first.
+    length : float
+        Contact length of the seal under the plate, m.
+    stiffening : float
+        Cubic term of the elastic law, 1/m^2: the solid answers to x + stiffening x^3.
+    softening : float
+        Mullins: what a seal that was pressed often carries less than in its first cycle,
+        :math:`1 - s (1 - e^{-(n-1)/1.5})` in cycle n.
+    bias, drift : float
+        Offset, N, and its growth, N/s, of the load cell.
+    warming, warming_time : float
+        What the load cell's zero moves by while it warms up, N, and in what time, s.
+    noise, position_noise : float
+        Standard deviation of white noise, N and m.
+    hum, hum_frequency, vibration, vibration_frequency : float
+        Amplitude, N, and frequency, Hz, of mains hum and of the robot's shaking.
+    quantum, limit : float
+        Force quantum and largest force that the load cell can read, N.
+    """
+
+    axis: Axis = field(default_factory=Axis)
+    setpoint_interval: float = 10e-3
+    rate: float = 1000.0
+    baseline: float = 1.5
+    encoder: float = 0.02e-3
+    gap: float = 0.0
+    tilt: float = 0.0
+    length: float = 0.05
+    stiffening: float = 0.0
+    softening: float = 0.0
+    bias: float = 0.05
+    drift: float = 0.2e-3
+    warming: float = 0.0
+    warming_time: float = 600.0
+    noise: float = 4e-3
+    position_noise: float = 0.0
+    hum: float = 3e-3
+    hum_frequency: float = 50.0
+    vibration: float = 1e-3
+    vibration_frequency: float = 37.0
+    quantum: float = 1 / 1280
+    limit: float = 70.0
+
+    def __post_init__(self) -> None:
+        for name in ("setpoint_interval", "rate", "length", "limit", "warming_time"):
+            value = getattr(self, name)
+            if not value > 0:
+                raise DataError(f"rig {name} = {value!r}; expected a number > 0")
+        for name in ("baseline", "encoder", "gap", "tilt", "noise", "position_noise", "quantum"):
+            value = getattr(self, name)
+            if not (np.isfinite(value) and value >= 0):
+                raise DataError(f"rig {name} = {value!r}; expected a number >= 0")
+
+    def noise_free(self) -> Rig:
+        """The same robot and plate with a perfect load cell and a perfect encoder."""
+        return replace(
+            self,
+            encoder=0.0, bias=0.0, drift=0.0, warming=0.0, noise=0.0, position_noise=0.0, hum=0.0,
+            vibration=0.0, quantum=0.0, limit=float("inf"),
+        )  # fmt: skip
+
+    def compression(self, position: FloatArray) -> FloatArray:
+        r"""Mean compression of the seal, m, with the plate at `position`.
+
+        Along a tilted plate the gap grows by :math:`w = L\tan\theta`; the mean of
+        :math:`(x - g - s)_+` over :math:`0 \le s \le w` is :math:`d^2/2w` for
+        :math:`d = x - g < w` and :math:`d - w/2` beyond.
+        """
+        d = np.maximum(position - self.gap, 0.0)
+        wedge = self.length * tan(self.tilt)
+        if wedge > 0:
+            d = np.where(d < wedge, d**2 / (2 * wedge), d - wedge / 2)
+        return np.asarray(d + self.stiffening * d**3)
+
+    def read(self, time: FloatArray, force: FloatArray, random: np.random.Generator) -> FloatArray:
+        """What the load cell writes for a true `force`, N."""
+        signal = self.disturbed(time, force, random)
+        signal = signal + self.noise * random.standard_normal(len(time))
+        return in_steps(np.clip(signal, -self.limit, self.limit), self.quantum)
+
+    def disturbed(
+        self, time: FloatArray, force: FloatArray, random: np.random.Generator
+    ) -> FloatArray:
+        """A true `force`, N, with offset, drifts, hum and shaking, before noise and converter."""
+        hum_phase, shake_phase = random.uniform(0, 2 * pi, 2)
+        signal = force + self.bias + self.drift * (time - time[0])
+        signal = signal - self.warming * np.expm1(-(time - time[0]) / self.warming_time)
+        signal = signal + self.hum * np.sin(2 * pi * self.hum_frequency * time + hum_phase)
+        shaking = np.sin(2 * pi * self.vibration_frequency * time + shake_phase)
+        return np.asarray(signal + self.vibration * shaking)
+
+
+@dataclass(frozen=True)
+class Climate:
+    r"""The temperature of a simulated test, and the law by which the seal follows it.
+
+    The seal is thermorheologically simple, with stiffnesses in proportion to T:
+    :func:`~dashpot.solids.temperature.at_temperature`.
+
+    Attributes
+    ----------
+    temperature : float
+        K.
+    law : TemperatureLaw
+        That of the demonstration seals by default.
+    """
+
+    temperature: float
+    law: TemperatureLaw = SHIFT
+
+    def felt(self, seal: GeneralizedMaxwell) -> GeneralizedMaxwell:
+        """The seal of the law's reference as it is in this climate."""
+        return at_temperature(seal, self.temperature, self.law)
+
+
+def in_steps(values: FloatArray, quantum: float) -> FloatArray:
+    """`values` rounded to whole quanta; a quantum of 0 leaves them alone."""
+    return np.asarray(np.round(values / quantum) * quantum) if quantum > 0 else values

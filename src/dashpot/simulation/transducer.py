@@ -1,0 +1,161 @@
+"""The twin of a force/torque transducer: loads to six gauge voltages, and its calibration."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import pi
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, FloatArray
+from dashpot.base.errors import DataError
+from dashpot.base.version import byline
+from dashpot.simulation.daq import Daq
+from dashpot.simulation.frames import tilted
+from dashpot.simulation.rig import Rig
+
+AXES = ("Fx", "Fy", "Fz", "Tx", "Ty", "Tz")
+_ARM = 5e-3
+"""Distance of the three beams from the middle, m."""
+_FINE = 8
+"""Instants between two samples at which the voltages are made before they are filtered."""
+
+
+def nano(gain: float = 2.56, crosstalk: float = 0.02) -> tuple[tuple[float, ...], ...]:
+    r"""Return a matrix C, :math:`[F; T] = C v`, in N/V and N m/V, of three beams at 120 degrees.
+
+    The even gauges feel the axial force of a beam, the odd ones its tangential force, `gain` N for
+    each volt: with a span of 10 V to either side and 16 bits a count of one axial gauge is
+    1/1280 N of :math:`F_z`. `crosstalk` mixes neighbouring gauges.
+    """
+    angle = 2 * pi * np.arange(3) / 3
+    c, s, zero = np.cos(angle), np.sin(angle), np.zeros(3)
+    axial = np.array([zero, zero, zero + 1, _ARM * s, -_ARM * c, zero])
+    across = np.array([-s, c, zero, zero, zero, zero + _ARM])
+    matrix = np.empty((6, 6))
+    matrix[:, ::2], matrix[:, 1::2] = gain * axial, gain * across
+    mixed = matrix @ (np.eye(6) + crosstalk * np.roll(np.eye(6), 1, axis=1))
+    return tuple(tuple(map(float, row)) for row in mixed)
+
+
+@dataclass(frozen=True)
+class Transducer:
+    """Six strain gauges under a tool.
+
+    Attributes
+    ----------
+    matrix : 6 rows of 6
+        C, N/V and N m/V.
+    limit : tuple of 6 float
+        Range of each axis, N and N m.
+    bias : tuple of 6 float
+        Voltages of the unloaded gauges, V.
+    tool : float
+        Weight of the plate that hangs on it along z, N.
+    serial : str
+    """
+
+    matrix: tuple[tuple[float, ...], ...] = field(default_factory=nano)
+    limit: tuple[float, ...] = (50.0, 50.0, 70.0, 0.5, 0.5, 0.5)
+    bias: tuple[float, ...] = (0.12, -0.31, 0.05, 0.22, -0.14, 0.40)
+    tool: float = 0.3
+    serial: str = "SIMULATED"
+
+    def __post_init__(self) -> None:
+        if np.shape(self.matrix) != (6, 6) or np.linalg.cond(self.matrix) > 1e8:
+            raise DataError("matrix: expected six rows of six numbers that can be inverted")
+
+    def volts(self, load: FloatArray) -> FloatArray:
+        """Return the gauge voltages under force and torque, both of shape (6, n)."""
+        hung = np.array([0.0, 0.0, -self.tool, 0.0, 0.0, 0.0])
+        felt = np.linalg.solve(np.array(self.matrix), load + hung[:, None])
+        return np.asarray(felt + np.array(self.bias)[:, None])
+
+    def saturated(self, load: FloatArray) -> BoolArray:
+        """Return which axes pass their range, shape (6, n); both across where their sum does."""
+        size = np.abs(load)
+        over = size > np.array(self.limit)[:, None]
+        across = np.hypot(load[0], load[1]) > min(self.limit[:2])
+        over[:2] |= across
+        return np.asarray(over)
+
+    def calibration(self) -> str:
+        """Return the calibration file, as ATI writes version 1.1."""
+        scale = np.repeat([1.0, 1e3], 3)
+        root = ET.Element(
+            "FTSensor", Serial=self.serial, BodyStyle="virtual", NumGages="6", CalFileVersion="1.1"
+        )
+        root.append(ET.Comment(f" simulated by {byline('a virtual transducer')} "))
+        units = {"ForceUnits": "N", "TorqueUnits": "N-mm", "DistUnits": "mm"}
+        sensor = ET.SubElement(root, "Calibration", units, PartNumber="virtual", CalDate="none")
+        for axis, row, limit, factor in zip(AXES, self.matrix, self.limit, scale, strict=True):
+            values = " ".join(repr(float(factor * v)) for v in row)
+            ET.SubElement(sensor, "UserAxis", Name=axis, values=values, max=f"{factor * limit:g}")
+        ET.indent(root)
+        return ET.tostring(root, encoding="unicode") + "\n"
+
+
+@dataclass(frozen=True)
+class Instrument:
+    """A transducer under a plate that may not be square to it, and the card that reads it.
+
+    Attributes
+    ----------
+    transducer : Transducer
+    daq : Daq
+    misaligned, towards : float
+        Angle between its axis and the plate's normal, and in which direction from x, rad.
+    """
+
+    transducer: Transducer = field(default_factory=Transducer)
+    daq: Daq = field(default_factory=Daq)
+    misaligned: float = 0.0
+    towards: float = 0.0
+
+    def load(self, force: FloatArray) -> FloatArray:
+        """Return force and torque, shape (6, n), under a force along the plate's normal, N."""
+        felt = tilted(force, self.misaligned, towards=self.towards)
+        return np.vstack([felt, np.zeros_like(felt)])
+
+    def read(self, time: FloatArray, force: FloatArray, *, rig: Rig, seed: int = 0) -> FloatArray:
+        """Return the gauge voltages that the card writes, shape (6, n), V.
+
+        Parameters
+        ----------
+        time : array, shape (n,)
+            Samples of the card, s.
+        force : array, shape (n,)
+            What the seal pushes with, along the plate's normal, N.
+        rig : Rig
+            Whose offset, drifts, hum and noise are in F_z.
+        seed : int
+            Of the noise.
+        """
+        from scipy.interpolate import CubicSpline
+
+        random = np.random.default_rng([seed, 6])
+        fine = time[0] + np.arange(_FINE * len(time)) / (_FINE * self.daq.rate)
+        smooth = np.asarray(CubicSpline(time, force)(np.minimum(fine, time[-1])))
+        volts = self.transducer.volts(self.load(rig.disturbed(fine, smooth, random)))
+        seen = self.daq.read(fine, volts, time)
+        gain = float(np.linalg.norm(self.transducer.matrix[2]))
+        return self.daq.counted(seen + rig.noise / gain * random.standard_normal(seen.shape))
+
+    def says(self, force: FloatArray, rig: Rig) -> tuple[str, ...]:
+        """Return what limits the use of such a record: overload, and lines that alias."""
+        found = []
+        over = self.transducer.saturated(self.load(force))
+        axes = ", ".join(axis for axis, beyond in zip(AXES, over, strict=True) if beyond.any())
+        if axes:
+            found.append(f"the transducer is beyond its range in {axes}")
+        for name in ("hum", "vibration"):
+            size, line = getattr(rig, name), getattr(rig, f"{name}_frequency")
+            seen = self.daq.alias(line)
+            left = 1e3 * size * self.daq.passed(line)
+            if seen is not None and size:
+                found.append(
+                    f"{name} of {line:g} Hz shows at {seen:g} Hz, {left:.3g} mN: {self.daq.rate:g} "
+                    "samples a second are too few for it, and the filter lets it through"
+                )
+        return tuple(found)

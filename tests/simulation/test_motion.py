@@ -1,0 +1,99 @@
+"""A recorded or planned motion on the virtual rig, softening, a load cell that warms up."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import dashpot as dp
+from dashpot.cli import main
+from dashpot.io.write import write_motion
+from dashpot.planning.setpoints import planned_motion
+from dashpot.simulation.motion import simulate_motion, softened
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig import Climate, Rig
+from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.table_1 import BROAD, PAPER
+
+
+def triangles(cycles: int, *, depth: float = 8e-3, half: float = 2.0) -> dp.Motion:
+    time = np.arange(round((2 * cycles * half + 1) * 100)) / 100.0
+    up = np.interp(
+        time, 0.5 + half * np.arange(2 * cycles + 1), depth * (np.arange(2 * cycles + 1) % 2)
+    )
+    return dp.Motion(time, up)
+
+
+def test_a_planned_test_replayed_is_the_test_that_was_planned():
+    sent = planned_motion(depth=8e-3, ramp_time=1.0, hold_time=4.0, baseline=1.5)
+    quiet = Rig().noise_free()
+    replayed = simulate_motion(PAPER, sent, rig=quiet).test
+    direct = simulate_relaxation(PAPER, depth=8e-3, ramp_time=1.0, hold_time=4.0, rig=quiet).test
+    np.testing.assert_allclose(replayed.displacement, direct.displacement, atol=1e-12)
+    np.testing.assert_allclose(replayed.force, direct.force, atol=1e-9)
+
+
+def test_a_record_can_be_replayed():
+    # what was recorded is sent again: late by the loop's own lag, 2 zeta / omega, and no more
+    first = simulate_relaxation(PAPER, hold_time=4.0, rig=Rig().noise_free()).test
+    again = simulate_motion(
+        PAPER, dp.Motion(first.time, first.displacement), rig=Rig().noise_free()
+    ).test
+    middle = (first.displacement > 3e-3) & (first.displacement < 5e-3)
+    late = (first.displacement - again.displacement)[middle] / 8e-3
+    np.testing.assert_allclose(late, 2 * 0.6 / (2 * np.pi * 6), atol=1.5e-3)
+    assert again.displacement[-1] == pytest.approx(first.displacement[-1], abs=1e-6)
+
+
+def test_softening_is_12_percent_of_what_cycles_bring_in_the_end():
+    # 1 - 0.12 (1 - e^(-(n - 1)/1.5)) in cycle n
+    x = np.tile(np.concatenate([np.linspace(0, 1, 50), np.linspace(1, 0, 50)]), 4)
+    part = softened(x, 0.12)
+    deep = part[50::100]
+    expected = 1 - 0.12 * (1 - np.exp(-np.arange(4) / 1.5))
+    np.testing.assert_allclose(deep, expected, rtol=1e-12)
+    assert part[0] == 1.0
+    # what is not let go has no second cycle: half a release counts for nothing
+    waves = np.concatenate(
+        [np.linspace(0, 1, 50), np.linspace(1, 0.06, 50), np.linspace(0.06, 1, 50)]
+    )
+    np.testing.assert_array_equal(softened(waves, 0.12), 1.0)
+
+
+def test_a_load_cell_warms_up():
+    rig = replace(Rig().noise_free(), warming=0.1, warming_time=5.0)
+    made = simulate_relaxation(PAPER, hold_time=10.0, rig=rig)
+    moved = made.test.force - made.truth.force
+    np.testing.assert_allclose(moved, 0.1 * (1 - np.exp(-made.test.time / 5.0)), atol=1e-12)
+
+
+def test_the_temperature_of_a_motion_is_stated():
+    made = simulate_motion(BROAD, triangles(1), climate=Climate(273.15))
+    assert made.test.specimen.temperature == 273.15
+    assert made.truth.model == Climate(273.15).felt(BROAD)
+
+
+@pytest.mark.once
+def test_cycles_of_a_seal_that_softens_are_read_as_such(tmp_path):
+    write_motion(triangles(4), tmp_path / "cycles.csv")
+    spring = dp.GeneralizedMaxwell(200.0, (1e-3,), (1e-3,))
+    (tmp_path / "spring.json").write_text(dp.to_json(spring))
+    words = "simulate motion --noise-free --softening 0.12 --model spring.json"
+    with pytest.MonkeyPatch.context() as here:
+        here.chdir(tmp_path)
+        made = CliRunner().invoke(main, [*words.split(), "--motion", "cycles.csv", "-o", "cld.csv"])
+        assert made.exit_code == 0, made.output
+        found = dp.cld(dp.read_cld("cld.csv"))
+    # of a spring nothing else changes: the fourth carries 1 - 0.12 (1 - e^-2) of the first
+    assert found.softening == pytest.approx(0.12 * (1 - np.exp(-2)), abs=1e-4)
+
+
+def test_a_seal_remembers_its_motion_and_never_pulls():
+    seal = GeneralizedMaxwell(100.0, (50.0,), (1.0,))
+    made = simulate_motion(seal, triangles(1), rig=Rig().noise_free())
+    exact = seal.force(made.test.time, made.truth.displacement)
+    assert exact.min() < -0.1  # a solid that was glued to the plate would pull
+    np.testing.assert_allclose(made.truth.force, np.maximum(exact, 0.0), atol=1e-9)
