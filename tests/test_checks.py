@@ -905,6 +905,14 @@ MODAL = [
         4.001,
     ),
     Case("points_share_modes", lambda x: modal.points_share_modes(sharing(x)), 0.2001, 0.1999),
+    Case("rod_usable", whole(lambda n: modal.rod_usable(n, (10.0, 20.0))), 8, 7),
+    Case("waves_plane", lambda x: modal.waves_plane(x, 300.0), 0.0499, 0.0501),
+    Case(
+        "sensors_agree", lambda x: modal.sensors_agree(x / 100, 0.0, known=(0.01, 0.02)), 2.99, 3.01
+    ),
+    Case(
+        "sensors_agree", lambda x: modal.sensors_agree(0.0, -x / 50, known=(0.01, 0.02)), 2.99, 3.01
+    ),
     # of two masses four numbers, whose sum of squares exceeds 13.28 once in a hundred
     Case(
         "one_solid", lambda x: modal.one_solid(x, (0.1, 0.2), (0.1, "1 % of stiffness")), 3.63, 3.66
@@ -1365,6 +1373,7 @@ LIMITS = {
     },
     "vibration/modal": {
         "modes_stable": 5, "modes_explain_lines": 4, "points_share_modes": 0.2,
+        "rod_usable": 8, "waves_plane": 0.05, "sensors_agree": 3,
     },
     "workflow": {
         "result_recomputed": 1e-7, "prediction_informed": 1, "level_covered": 1,

@@ -84,10 +84,14 @@ def test_sensitivities_are_the_slopes(kind, bonded):
         "by_mass": found(value, hz, of, bonded=bonded, mass=5 * OWN * (1 + d)),
         "by_length": found(value, hz, of, bonded=bonded, part=Disc(0.02, 0.02 * (1 + d))),
         "by_area": found(value, hz, of, bonded=bonded, part=wide),
+        "by_density": found(value, hz, of, bonded=bonded, density=RHO * (1 + d)),
     }
     for name, other in moved.items():
         slope = np.log(other.modulus / whole.modulus) / d
         assert getattr(whole, name) == pytest.approx(slope, abs=1e-4), name
+        storage, loss = whole.changes(name.removeprefix("by_"), d)
+        assert storage / d == pytest.approx((other.storage / whole.storage - 1) / d, abs=1e-4)
+        assert loss / d == pytest.approx((other.loss_factor - whole.loss_factor) / d, abs=1e-4)
 
 
 def test_a_bonded_cylinder_is_stiffer_than_its_material():
@@ -106,6 +110,26 @@ def test_the_band_is_where_both_are_known():
     assert not good[hz < low][-1]
     bad = found(base(hz), hz, errors=RodErrors(gain=2.0, phase=2.0))
     assert np.isnan(bad.band).all()
+
+
+def test_the_scatter_of_lines_that_come_without_it_is_counted():
+    hz = np.arange(20.0, 300.0, 1.0)
+    draw = np.random.default_rng(3).standard_normal
+    noisy = base(hz) * (1 + 0.02 * (draw(len(hz)) + 1j * draw(len(hz))))
+    sure = RodErrors(*[0.0] * 6)
+    one, clean = found(noisy, hz, errors=sure), found(base(hz), hz, errors=sure)
+    off = (one.storage - 1e6) / one.storage_sd
+    assert 0.9 < np.sqrt(np.mean(off[one.usable] ** 2)) < 1.1
+    assert clean.band == (20.0, 299.0)
+    assert 20 < one.band[0] < one.band[1] < 299
+
+
+@pytest.mark.parametrize(("gain", "degrees", "holds"), [(1.02, 2, True), (1.05, 0, False),
+                                                         (1.0, 5, False)])  # fmt: skip
+def test_sensors_are_held_against_each_other_at_rest(gain, degrees, holds):
+    hz = np.arange(5.0, 300.0, 1.0)
+    one = found(gain * base(hz) * np.exp(1j * np.radians(degrees)), hz)
+    assert {check.name: check.passed for check in one.checks}["sensors_agree"] is holds
 
 
 def test_refusals():

@@ -32,6 +32,7 @@ COMMANDS = {
     "level": "What stiffness and damping do with amplitude.",
     "cld": "Compression load deflection: force at nominal, hysteresis, scatter.",
     "indent": "Stiffness, damping and modulus from an indenter's hit.",
+    "rod": "Modulus and loss factor of a rod that shakes under a mass.",
     "compare": "The predicted FRF against a measured one.",
     "identify": "Maxwell parameters from vibration, alone or jointly.",
     "app": "The same in a browser: drop a file, drag a handle.",

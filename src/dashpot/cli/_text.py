@@ -161,8 +161,9 @@ def _parameters(found: Fit) -> list[str]:
     row("k_inf", model.k_inf, error["k_inf"], ends=interval["k_inf"], unit=stiffness)
     if not found.parameters:  # a dense spectrum, whose single arms mean nothing
         row("k_0", model.k_0, math.inf, unit=stiffness)
-        for name, tau in (("tau from", model.tau[0]), ("tau to", model.tau[-1])):
-            row(name, tau, math.inf, unit="s", scale=1)
+        if model.arms:  # a spectrum may find none
+            row("tau from", model.tau[0], math.inf, unit="s", scale=1)
+            row("tau to", model.tau[-1], math.inf, unit="s", scale=1)
         return table(rows)
     for j in range(model.arms):
         row(f"k_{j + 1}", model.k[j], error["k"][j], ends=interval["k"][j], unit=stiffness)

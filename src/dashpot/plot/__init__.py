@@ -20,6 +20,7 @@ from dashpot.plot.modulus import modulus
 from dashpot.plot.overview import hero
 from dashpot.plot.picture import Picture
 from dashpot.plot.relaxation import fit, segments
+from dashpot.plot.rod import rod
 from dashpot.plot.solid import elastic_law, spectrum, stiffness
 from dashpot.plot.stamps import stamp
 from dashpot.plot.superposition import superposition
@@ -49,6 +50,7 @@ __all__ = [
     "nyquist",
     "rendered",
     "resonance",
+    "rod",
     "save",
     "segments",
     "spectrum",

@@ -33,5 +33,8 @@ from .project import open_project as open_project
 from .project import record as record
 from .resting import AtRest as AtRest
 from .resting import at_rest as at_rest
+from .rods import Rod as Rod
+from .rods import RodChoices as RodChoices
+from .rods import rod_files as rod_files
 from .study import run as run
 from .verification import verify as verify

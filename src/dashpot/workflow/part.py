@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import get_args
+from typing import Literal, get_args, overload
 
 from dashpot.base.errors import DataError
 from dashpot.base.options import option
@@ -59,7 +59,9 @@ class PartChoices:
         if self.resonance is None:
             if self.resonance_mass is not None:
                 raise DataError("--resonance-mass belongs to a --resonance; add that, or leave it")
-            return fit.as_part(self._shape(given[0]), _mode(self.mode), bonded=not self.lubricated)
+            return fit.as_part(
+                pad(given[0], getattr(self, given[0])), _mode(self.mode), bonded=not self.lubricated
+            )
         if self.resonance_mass is None:
             raise DataError(
                 "--resonance needs the mass that it was measured with: --resonance-mass"
@@ -75,19 +77,33 @@ class PartChoices:
         )
         return fit.as_part(factor / seals)
 
-    def _shape(self, flag: str) -> Geometry:
-        kinds: dict[str, type[Disc | Block | Bush]] = {
-            "disc": Disc, "block": Block, "bush": Bush,
-        }  # fmt: skip
-        kind = kinds[flag]
-        names = [one.name for one in fields(kind)]
-        words = str(getattr(self, flag)).split(",")
-        if len(words) != len(names):
-            raise DataError(
-                f"--{flag} {getattr(self, flag)}: {len(words)} lengths; expected {len(names)}, "
-                f"{', '.join(names)}, with their units and commas between them"
-            )
-        return kind(*(si(word.strip(), "length") for word in words))
+
+_SHAPES: dict[str, type[Disc | Block | Bush]] = {"disc": Disc, "block": Block, "bush": Bush}
+
+
+@overload
+def pad(flag: Literal["disc"], lengths: str | None) -> Disc: ...
+@overload
+def pad(flag: Literal["block"], lengths: str | None) -> Block: ...
+@overload
+def pad(flag: str, lengths: str | None) -> Geometry: ...
+def pad(flag: str, lengths: str | None) -> Geometry:
+    """Return the shape that an option names, of its lengths with commas between them.
+
+    Raises
+    ------
+    DataError
+        If there are too few or too many, or one is no length > 0.
+    """
+    kind = _SHAPES[flag]
+    names = [one.name for one in fields(kind)]
+    words = str(lengths).split(",")
+    if len(words) != len(names):
+        raise DataError(
+            f"--{flag} {lengths}: {len(words)} lengths; expected {len(names)}, "
+            f"{', '.join(names)}, with their units and commas between them"
+        )
+    return kind(*(si(word.strip(), "length") for word in words))
 
 
 def _mode(word: str | None) -> Mode | None:

@@ -16,18 +16,26 @@ Source: V. M. Kulik et al., Exp. Mech. (2009) (base excitation, two acceleromete
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, ComplexArray, FloatArray
+from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray, IndexArray
+from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, Range, si, si_range
 from dashpot.records.frf import FRF, Kind
 from dashpot.solids.part import Block, Disc
+from dashpot.vibration.modal.checks import rod_usable, sensors_agree, waves_plane
 
 _ROUNDS = 50
 _CLOSE = 1e-13
+_NEIGHBOURS = 11
+"""Lines over which the scatter is averaged where the FRF comes without."""
+_FEW = 3
+"""Lines that make a median."""
+_EXACT = 1e-3
+"""No two sensors are known to agree better, as a part, or in rad."""
 _GOOD = 0.1
 """Error of storage and of loss factor in the band that is called usable."""
 
@@ -42,7 +50,7 @@ class RodErrors:
         Of one sensor over the other, relative.
     phase : float
         Between them, rad.
-    mass, length, area : float
+    mass, length, area, density : float
         Of the mass on top, and of the rod, relative.
     """
 
@@ -51,11 +59,12 @@ class RodErrors:
     mass: float = 0.002
     length: float = 0.005
     area: float = 0.005
+    density: float = 0.005
 
 
 @dataclass(frozen=True, eq=False)
 class RodModulus(ByValue):
-    """Modulus of a rod's material against frequency, and what spoils it.
+    r"""Modulus of a rod's material against frequency, and what spoils it.
 
     Attributes
     ----------
@@ -63,13 +72,14 @@ class RodModulus(ByValue):
         Hz.
     modulus : complex array, shape (n,)
         E*, Pa.
-    by_gain, by_phase, by_mass, by_length, by_area : complex array, shape (n,)
-        Relative change of E* for each relative change of these, for each rad of phase: the real
-        part is that of the storage, the imaginary one that of the loss factor.
+    by_gain, by_phase, by_mass, by_length, by_area, by_density : complex array, shape (n,)
+        :math:`d\ln E^*` for each relative change of these, for each rad of phase; what that does to
+        storage and loss factor is :meth:`changes`.
     storage_sd, loss_factor_sd : array, shape (n,)
         All errors together, random ones too: Pa, and absolute.
     band : (float, float)
         About the resonance, where both are known to 10 %, Hz; (nan, nan) if nowhere.
+    checks : tuple of Check
     """
 
     frequency: FloatArray
@@ -79,9 +89,11 @@ class RodModulus(ByValue):
     by_mass: ComplexArray
     by_length: ComplexArray
     by_area: ComplexArray
+    by_density: ComplexArray
     storage_sd: FloatArray
     loss_factor_sd: FloatArray
     band: tuple[float, float]
+    checks: tuple[Check, ...] = ()
 
     @property
     def storage(self) -> FloatArray:
@@ -92,6 +104,22 @@ class RodModulus(ByValue):
     def loss_factor(self) -> FloatArray:
         """E''/E'."""
         return np.asarray(self.modulus.imag / self.modulus.real)
+
+    def changes(self, of: str, by: float) -> tuple[FloatArray, FloatArray]:
+        """Relative change of the storage, and change of the loss factor, by an error of `of`."""
+        slope = by * np.asarray(getattr(self, f"by_{of}"))
+        loss = self.loss_factor
+        return np.asarray(slope.real - loss * slope.imag), np.asarray(slope.imag * (1 + loss**2))
+
+    def only(self, lines: BoolArray | IndexArray) -> RodModulus:
+        """The same at some of its lines."""
+        per_line = [one.name for one in fields(self) if one.name not in ("band", "checks")]
+        return replace(self, **{name: getattr(self, name)[lines] for name in per_line})
+
+    @property
+    def usable(self) -> BoolArray:
+        """The lines in the band."""
+        return np.asarray((self.frequency >= self.band[0]) & (self.frequency <= self.band[1]))
 
 
 def rod_transmissibility(
@@ -167,23 +195,82 @@ def rod_modulus(
         "by_mass": heavy,
         "by_length": 2 + steep - heavy + rod,
         "by_area": -steep / 2 - heavy + rod,
+        "by_density": 1 - heavy + rod,
     }
     errors = errors or RodErrors()
     spread = [getattr(errors, name.removeprefix("by_")) * d for name, d in sensitivity.items()]
     random = measured.random_sd
-    if random is not None:
+    if random is None:
+        part_of: ComplexArray = _scatter(np.log(E)).astype(complex)
+    else:
         part_of = random / np.abs(measured.value) * relative
-        spread += [part_of, 1j * part_of]
-    storage, loss = E.real, E.imag / E.real
+    spread += [part_of, 1j * part_of]
+    none = np.zeros(len(E))
+    found = RodModulus(
+        measured.frequency, E, **sensitivity,
+        storage_sd=none, loss_factor_sd=none, band=(np.nan, np.nan), checks=(),
+    )  # fmt: skip
+    response = np.abs(measured.value if over_base else 1 / measured.value)
+    found = _judged(found, spread, response, np.abs(w) / part.height**2 * _across(part))
+    gain, phase = _at_rest(found, measured, w, ratio) if over_base else (None, 0.0)
+    known = max(errors.gain, _EXACT), max(errors.phase, _EXACT)
+    return replace(
+        found, checks=(*found.checks, *[sensors_agree(gain, phase, known=known)] * over_base)
+    )
+
+
+def _judged(
+    found: RodModulus, spread: list[ComplexArray], response: FloatArray, bulging: FloatArray
+) -> RodModulus:
+    """With its errors, the band in which they are small, and what else limits it."""
+    E, storage, loss = found.modulus, found.storage, found.loss_factor
     changes = [E * one for one in spread]
     storage_sd = np.sqrt(sum(one.real**2 for one in changes))
     loss_sd = np.sqrt(sum(((one.imag - loss * one.real) / storage) ** 2 for one in changes))
-    good = (storage_sd < _GOOD * np.abs(storage)) & (loss_sd < _GOOD * np.abs(loss))
-    peak = int(np.abs(measured.value if over_base else 1 / measured.value).argmax())
-    return RodModulus(
-        measured.frequency, E, **sensitivity, storage_sd=storage_sd, loss_factor_sd=loss_sd,
-        band=_about(measured.frequency, good, peak),
-    )  # fmt: skip
+    good = (storage_sd < _GOOD * np.abs(storage)) & (loss_sd < _GOOD * np.abs(loss)) & (storage > 0)
+    band = _about(found.frequency, good, int(response.argmax()))
+    found = replace(found, storage_sd=storage_sd, loss_factor_sd=loss_sd, band=band)
+    widest = float(bulging[found.usable].max()) if found.usable.any() else None
+    return replace(
+        found, checks=(rod_usable(int(found.usable.sum()), band), waves_plane(widest, band[1]))
+    )
+
+
+def _at_rest(
+    found: RodModulus, measured: FRF, w: ComplexArray, ratio: float
+) -> tuple[float | None, float]:
+    """How far T below the band is from what the modulus where it begins makes of it, 1 and rad."""
+    f, usable = measured.frequency, np.flatnonzero(found.usable)
+    low = f < 0.5 * found.band[0]
+    if not usable.size or np.count_nonzero(low) < _FEW:
+        return None, 0.0
+    first = int(usable[0])
+    expected, _, _ = _base(w[first] * (f[low] / f[first]) ** 2, ratio)
+    off = np.log(measured.value[low] * expected)
+    return float(np.median(off.real)), float(np.median(off.imag))
+
+
+def _scatter(lines: ComplexArray) -> FloatArray:
+    """Standard deviation of either part of lines by their second differences, which no curve has.
+
+    The mean over a few neighbours; of fewer lines than that it is not known, 0.
+    """
+    if len(lines) < 2 * _NEIGHBOURS:
+        return np.zeros(len(lines))
+    rough = np.abs(np.diff(lines, 2)) ** 2 / 12  # 1 + 4 + 1, in two parts
+    near = np.ones(_NEIGHBOURS)
+    mean = np.convolve(rough, near, "same") / np.convolve(np.ones_like(rough), near, "same")
+    return np.sqrt(np.pad(mean, 1, mode="edge"))
+
+
+def _across(part: Disc | Block) -> float:
+    r"""What the inertia of the bulging takes off a modulus, over k^2 (Rayleigh).
+
+    .. math:: \nu^2 I_p / A, \qquad \nu = 1/2
+    """
+    if isinstance(part, Disc):
+        return part.diameter**2 / 32
+    return (part.length**2 + part.width**2) / 48
 
 
 _Equation = Callable[[ComplexArray, float], tuple[ComplexArray, ComplexArray, ComplexArray]]

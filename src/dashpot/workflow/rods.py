@@ -1,0 +1,208 @@
+"""From files of a mass on a rod to the modulus of the rod's material."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any, Literal
+
+from dashpot.base.arrays import ComplexArray
+from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.errors import DataError, FitError
+from dashpot.base.options import option
+from dashpot.base.provenance import Step
+from dashpot.base.units import si_fields
+from dashpot.fitting.rod import fit_rod
+from dashpot.io.options import ReadOptions
+from dashpot.records.fit import Fit
+from dashpot.records.frf import FRF
+from dashpot.records.specimen import Specimen
+from dashpot.solids.part import Block, Disc
+from dashpot.vibration.modal.rod import RodErrors, RodModulus, rod_modulus
+from dashpot.workflow.job import HammerChoices
+from dashpot.workflow.measured import read_measured
+from dashpot.workflow.part import pad
+
+_LIGHTEST, _HEAVIEST = 5.0, 2e4
+"""Of a foam and of a metal, kg/m^3."""
+_ERRORS = ("gain", "phase", "mass", "length", "area", "density")
+
+
+@dataclass(frozen=True)
+class RodChoices:
+    """A rod under a mass as a user says it, and how well its test is known."""
+
+    disc: str | None = option(None, "Diameter and length of a round rod, e.g. 20mm,20mm.")
+    block: str | None = option(None, "Both widths and length of another, e.g. 30mm,20mm,10mm.")
+    lubricated: bool = option(False, "Its ends slide: no shape factor is taken off.", is_flag=True)
+    gain_error: float = option(0.01, "Of one sensor over the other, e.g. 1%.", unit="strain")
+    phase_error: float = option(
+        RodErrors.phase, "Between the sensors, e.g. 1deg [default: 1deg].", unit="angle"
+    )
+
+    def __post_init__(self) -> None:
+        si_fields(self)
+        for name in ("gain_error", "phase_error"):
+            value = getattr(self, name)
+            if not 0 <= value < 1:
+                raise DataError(
+                    f"--{name.replace('_', '-')} {value:g}; expected an error from 0 to below 1"
+                )
+
+    @property
+    def part(self) -> Disc | Block:
+        """Its shape; the last length is the one along it."""
+        if (self.disc is None) == (self.block is None):
+            raise DataError(
+                "a rod's shape turns motion into a modulus: give either --disc DIAMETER,LENGTH or "
+                "--block WIDTH,WIDTH,LENGTH"
+            )
+        return pad("disc", self.disc) if self.block is None else pad("block", self.block)
+
+    @property
+    def errors(self) -> RodErrors:
+        """As standard deviations."""
+        return RodErrors(gain=self.gain_error, phase=self.phase_error)
+
+
+@dataclass(frozen=True)
+class Rod:
+    """What ``dashpot rod`` found.
+
+    Attributes
+    ----------
+    frf : FRF
+        Of the mass, judged.
+    modulus : RodModulus
+        Line by line.
+    part : Disc or Block
+    bonded : bool
+    mass, own_mass : float
+        On the rod, and of the rod, kg.
+    errors : RodErrors
+    fit : Fit or None
+        A solid, Pa, to the usable band.
+    reason : str
+        Why there is none.
+    """
+
+    frf: FRF
+    modulus: RodModulus
+    part: Disc | Block
+    bonded: bool
+    mass: float
+    own_mass: float
+    errors: RodErrors
+    fit: Fit | None
+    reason: str = ""
+
+    @property
+    def checks(self) -> tuple[Check, ...]:
+        """Of the FRF, of the inversion, and of the fit."""
+        own = (*self.frf.checks, *self.modulus.checks)
+        return own if self.fit is None else self.fit.checks
+
+    @property
+    def verdict(self) -> Verdict:
+        """What to make of it."""
+        low, high = self.modulus.band
+        return verdict(
+            self.checks, sound=f"the modulus is known to 10 % from {low:.3g} to {high:.3g} Hz"
+        )
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """``dashpot/rod@1``: SI units; each sensitivity as [real, imaginary] of d ln E*."""
+        of, judged = self.modulus, self.verdict
+        return {
+            "schema": "dashpot/rod@1",
+            "shape": {"kind": type(self.part).__name__.lower(), **asdict(self.part)},
+            "shape_factor": self.part.shape_factor,
+            "bonded": self.bonded,
+            "mass": self.mass,
+            "own_mass": self.own_mass,
+            "errors": asdict(self.errors),
+            "frequency": of.frequency.tolist(),
+            "storage": of.storage.tolist(),
+            "loss_factor": of.loss_factor.tolist(),
+            "storage_sd": of.storage_sd.tolist(),
+            "loss_factor_sd": of.loss_factor_sd.tolist(),
+            "sensitivity": {name: _pairs(getattr(of, f"by_{name}")) for name in _ERRORS},
+            "band": list(of.band) if of.usable.any() else None,
+            "verdict": {
+                "use": judged.use,
+                "says": judged.says,
+                "because": [check.name for check in judged.because],
+            },
+            "checks": [asdict(check) for check in self.checks],
+        }
+
+
+def _pairs(values: ComplexArray) -> list[list[float]]:
+    return [[float(one.real), float(one.imag)] for one in values]
+
+
+def rod_files(
+    files: Sequence[str | Path],
+    *,
+    mass: float,
+    density: float,
+    rod: RodChoices,
+    arms: int | Literal["auto"] = "auto",
+    family: Literal["maxwell", "fractional", "auto"] = "maxwell",
+    band: tuple[float, float] | None = None,
+    hammer: HammerChoices | None = None,
+    specimen: Specimen | None = None,
+    options: ReadOptions | None = None,
+) -> Rod:
+    """Find the modulus of a rod's material from the motion of the mass on it.
+
+    Parameters
+    ----------
+    files : sequence of path
+        A transmissibility, or another FRF of the mass; or records of base and mass in time, or hits
+        on the mass.
+    mass : float
+        On the rod, kg.
+    density : float
+        Of the rod, kg/m^3.
+    rod : RodChoices
+    arms, family
+        Of the solid that is fitted to the usable band.
+    band : (float, float), optional
+        Lines to use, Hz.
+    hammer, options, specimen
+        How the files are read.
+    """
+    part, bonded = rod.part, not rod.lubricated
+    if not _LIGHTEST <= density <= _HEAVIEST:
+        raise DataError(
+            f"--density {density:g}: expected {_LIGHTEST:g} to {_HEAVIEST:g} kg/m^3, such as 1100 "
+            "of rubber"
+        )
+    _, frf = read_measured(
+        files, choices=hammer or HammerChoices(), options=options or ReadOptions(), mass=mass,
+        band=band,
+    )  # fmt: skip
+    modulus = rod_modulus(
+        frf, part, mass=mass, density=density, bonded=bonded, errors=rod.errors, band=band
+    )
+    own = density * part.area * part.height
+    found = Rod(frf, modulus, part, bonded, mass, own, rod.errors, None)
+    try:
+        fit = fit_rod(modulus, errors=rod.errors, arms=arms, family=family, specimen=specimen)
+    except FitError as error:
+        return replace(found, reason=str(error))
+    step = Step(
+        "rod_modulus",
+        (("mass", f"{mass:.6g} kg"), ("density", f"{density:.6g} kg/m^3"), ("shape", str(part)),
+         ("bonded", str(bonded).lower())),
+        f"inverted the wave equation of a rod of {1e3 * own:.4g} g under {1e3 * mass:.4g} g",
+    )  # fmt: skip
+    provenance = replace(
+        fit.provenance, source=frf.source, steps=(*frf.steps, step, *fit.provenance.steps)
+    )
+    checks = (*found.checks, *fit.checks)
+    evidence = replace(fit.evidence, checks=checks)
+    return replace(found, fit=replace(fit, provenance=provenance, evidence=evidence))
