@@ -91,6 +91,12 @@ class Series:
         return initial_sequence(self.values)
 
     @cached_property
+    def durbin_watson(self) -> float:
+        """Of neighbours, as a :class:`Noise` has it."""
+        steps = np.diff(self.values)
+        return float(steps @ steps / (self.values @ self.values))
+
+    @cached_property
     def means(self) -> Series:
         """Its means over a few samples."""
         return Series(block_means(self.values, len(self.values) // _MEANS))
@@ -170,7 +176,7 @@ def _joined(fine: Noise, slow: FloatArray, few: int) -> Noise:
 
 def _seen(series: Series, columns: Columns | None, *, rounding: float = 0.0) -> Noise:
     """What the correlations of neighbours say, up to the lag at which chance takes over."""
-    residual, n = series.values, len(series.values)
+    n = len(series.values)
     kept, gamma = series.sequence
     parameters = 0 if columns is None else columns.matrix.shape[1]
     whitened = n / max(n - parameters, 1.0)
@@ -178,15 +184,15 @@ def _seen(series: Series, columns: Columns | None, *, rounding: float = 0.0) -> 
         return Noise(n, kept[:1] * whitened, 1.0, 2.0)
     kappa = _kappa(kept)
     if columns is not None and parameters * kappa > _WORTH_GIVING_BACK * n:
-        gamma = autocovariance(residual, max(int(_MOST_END * n), 1)) if gamma is None else gamma
+        if gamma is None:
+            gamma = autocovariance(series.values, max(int(_MOST_END * n), 1))
         kept = _given_back(gamma, kappa, columns)
         if len(kept) == len(gamma) < n:
-            kept = _given_back(autocovariance(residual), kappa, columns)
+            kept = _given_back(autocovariance(series.values), kappa, columns)
         kappa = _kappa(kept)
     else:
         kept = kept * whitened
-    steps = np.diff(residual)
-    return Noise(n, kept, kappa, float(steps @ steps / (residual @ residual)))
+    return Noise(n, kept, kappa, series.durbin_watson)
 
 
 def _kappa(gamma: FloatArray) -> float:

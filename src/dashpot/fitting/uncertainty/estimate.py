@@ -263,10 +263,11 @@ def scored(
         What was known before the data.
     """
     floor = max(solution.samples * rounding(peak) ** 2, Stack(blocks).rounding_floor)
-    jacobian = full_jacobian([*blocks, *priors], solution)
-    parameters = len(jacobian.names)
-
-    known = directions([jacobian.matrix])
+    parameters = len(solution.fixed) + solution.arms.size + solution.order
+    criterion = bic(solution.sse, effective=effective, parameters=parameters, floor=floor)
+    if not solution.order:
+        return Score(solution, criterion, True)
+    known = directions([full_jacobian([*blocks, *priors], solution).matrix])
 
     def clear(independent: float) -> bool:
         variance = (solution.sse + floor) / max(independent - parameters, 1.0)
@@ -280,11 +281,7 @@ def scored(
             solution, estimated(solution, every_sample, peak=peak, priors=priors).covariance
         )
     )
-    return Score(
-        solution,
-        bic(solution.sse, effective=effective, parameters=parameters, floor=floor),
-        is_clear,
-    )
+    return Score(solution, criterion, is_clear)
 
 
 def _significant(solution: Solution, covariance: FloatArray) -> bool:
