@@ -29,6 +29,7 @@ ELSEWHERE = {
     "demo": ".ci/run",
     "app": "tests/web/test_journeys.py",
     "watch": "tests/lots/test_watching.py",
+    "record": "tests/recording/test_recording.py",
 }
 """Commands that another place runs: they take long, or have no end."""
 

@@ -22,7 +22,7 @@ for name in dashpot.__all__:
         try:
             thing = getattr(dashpot, name)
             told = bool(isinstance(thing, str) or thing.__doc__)
-            if name in ("networks", "simulation"):
+            if name in ("networks", "recording", "simulation"):
                 told &= bool([getattr(thing, inner) for inner in dir(thing)])
         except BaseException as error:
             print(name, repr(error), flush=True)

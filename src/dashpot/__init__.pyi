@@ -1,5 +1,6 @@
 from . import export as export
 from . import plot as plot
+from . import recording as recording
 from . import report as report
 from . import simulation as simulation
 from .base.checks import Check as Check

@@ -90,6 +90,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "workflow/command_lines.py:level_command": ("level",),
     "workflow/outputs.py": ("fit", "report", "identify", "export", "predict", "inspect"),
     "lots/": ("batch", "watch"),
+    "recording/": ("record",),
     "web/server.py": ("app",),
     "web/": ("report",),
     "cli/": (),

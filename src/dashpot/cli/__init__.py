@@ -38,6 +38,7 @@ COMMANDS = {
     "app": "The same in a browser: drop a file, drag a handle.",
     "batch": "Many tests at once: a folder in, one table out.",
     "watch": "The same, while a rig writes the tests.",
+    "record": "Force and displacement as an instrument sends them; reads, never moves.",
     "report": "The main job: both tests in, one report out.",
     "export": "The solid as a deck that a solver reads.",
     "simulate": "The virtual rig and hammer, stamped 'simulated'.",

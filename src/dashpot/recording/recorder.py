@@ -1,0 +1,49 @@
+"""What an acquisition card is to dashpot: three methods, all of which only read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Protocol, TypeAlias
+
+from dashpot.base.arrays import FloatArray
+
+Block: TypeAlias = tuple[FloatArray, FloatArray]
+"""Times, shape (n,), s; values, shape (n, channels), in the units of their channels."""
+COLUMNS = ("time [s]", "displacement [mm]", "force [N]")
+"""What a bench sends unless it is said otherwise."""
+
+
+@dataclass(frozen=True)
+class Description:
+    """What is read, and what went wrong with it so far.
+
+    Attributes
+    ----------
+    device : str
+        What it is, for the head of the file.
+    channels : tuple of str
+        Names with their units, without the time: ``("displacement [mm]", "force [N]")``.
+    notes : tuple of str
+        What was lost or found wrong up to now; nothing if all is well.
+    """
+
+    device: str
+    channels: tuple[str, ...]
+    notes: tuple[str, ...] = ()
+
+
+class Recorder(Protocol):
+    """A device that is read, until it ends or is stopped. A card is one class with these three."""
+
+    def describe(self) -> Description:
+        """Return what is read, and what went wrong with it so far."""
+
+    def blocks(self) -> Iterator[Block]:
+        """Yield what came since the block before, at least every few tenths of a second.
+
+        A block may be empty. After `stop` what was read already still comes, then the end.
+        """
+
+    def stop(self) -> None:
+        """End the reading soon; may be called from another thread, or twice."""
