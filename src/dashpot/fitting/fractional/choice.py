@@ -118,7 +118,7 @@ class ChosenElement(Chosen):
             scale[self.estimate.names.index(name)] = value
         scale *= float(np.sqrt(np.mean(np.square(doubts)) / len(doubts)))
         covariance = self.estimate.covariance + np.outer(scale, scale)
-        return replace(self, estimate=self.estimate._replace(covariance=covariance))
+        return replace(self, estimate=replace(self.estimate, covariance=covariance))
 
 
 def checked_family(family: str, arms: int | str = "auto") -> None:

@@ -13,60 +13,35 @@ from dashpot.engine.inference.covariance import Noise, noise_of, sandwich
 from dashpot.fitting.temperature.joint import Joint, Part, Point
 from dashpot.fitting.temperature.reduced import Own
 from dashpot.fitting.uncertainty.encoder import Encoder, Kernel, encoder_rows
-from dashpot.fitting.uncertainty.estimate import rounding
+from dashpot.fitting.uncertainty.estimate import Known, rounding
 from dashpot.records.estimate import Nuisance, Residual, parameter_names
 
 _UNITS = {"offset": "N", "drift": "N/s", "delay": "s", "warming": "K"}
 
 
 @dataclass(frozen=True, eq=False)
-class Knowledge:
-    """The covariance of all that was fitted together.
+class Knowledge(Known):
+    """All that was fitted together, the noises in units of the spread that each test weighs by.
 
     Attributes
     ----------
     joint : Joint
     point : Point
         Relaxation times ascending.
-    names : tuple of str
-        What is shared, stiffnesses in N/m, then the columns of each test, ``"offset@0"``.
-    covariance : array, shape (p, p)
     own : array
-        Coefficients of those columns.
-    residuals : tuple of array
-        Of every test, N.
-    noises : tuple of Noise
-        In units of the spread that each test was weighed by.
+        Coefficients of the columns of each test, ``"offset@0"``; in `names` they stand behind what
+        is shared, stiffnesses in N/m.
     """
 
     joint: Joint
     point: Point
-    names: tuple[str, ...]
-    covariance: FloatArray
     own: FloatArray
-    residuals: tuple[FloatArray, ...]
-    noises: tuple[Noise, ...]
-
-    @property
-    def effective(self) -> float:
-        """Independent residuals."""
-        return sum(noise.effective for noise in self.noises)
-
-    @property
-    def dof(self) -> float:
-        """Degrees of freedom."""
-        return self.effective - len(self.names)
 
     @property
     def of_solid(self) -> FloatArray:
         """Covariance of the solid's parameters."""
         rows = [self.names.index(name) for name in parameter_names(self.point.order)]
         return np.asarray(self.covariance[np.ix_(rows, rows)])
-
-    def error(self, name: str) -> float:
-        """Standard error of one parameter."""
-        row = self.names.index(name)
-        return float(np.sqrt(self.covariance[row, row]))
 
     @property
     def shift_covariance(self) -> FloatArray:
@@ -88,20 +63,18 @@ class Knowledge:
     def nuisances(self) -> tuple[Nuisance, ...]:
         """The columns of each test, and how arms shift apart."""
         own = self.names[len(self.names) - len(self.own) :]
-        return nuisances(own, self.own, self.point, self.error)
+        return nuisances(own, self.own, self.point, self.standard_error)
 
     @property
     def residual(self) -> Residual:
         """Of every sample."""
-        every = np.concatenate(self.residuals)
         watson = [noise.durbin_watson for noise in self.noises]
         weights = [noise.samples for noise in self.noises]
-        sse = float(every @ every)
         return Residual(
-            n=len(every),
-            sse=sse,
-            rms=float(np.sqrt(sse / len(every))),
-            kappa=len(every) / self.effective,
+            n=self.samples,
+            sse=self.sse,
+            rms=self.rms,
+            kappa=self.kappa,
             durbin_watson=float(np.average(watson, weights=weights)),
         )
 
@@ -198,13 +171,13 @@ def known(joint: Joint, tests: Sequence[Own], point: Point) -> Knowledge:
         further=[part.further for part in parts],
     )
     return Knowledge(
-        joint,
-        point,
         names,
         covariance,
-        np.concatenate([part.own for part in parts]),
         tuple(part.left for part in parts),
         tuple(part.noise for part in parts),
+        joint,
+        point,
+        np.concatenate([part.own for part in parts]),
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import NamedTuple
 
@@ -28,26 +29,22 @@ from dashpot.records.fit import AtDepth
 _ROUNDING = 1e-10
 
 
-class Estimate(NamedTuple):
-    """A solution with its uncertainty.
+@dataclass(frozen=True, eq=False)
+class Known:
+    """Parameters with their covariance, and the residuals that it comes from.
 
     Attributes
     ----------
-    solution : Solution
     names : tuple of str
-        Rows of `covariance`: fixed columns, stiffnesses group by group, then ln tau.
+        Rows of `covariance`.
     covariance : array, shape (p, p)
-    information : array, shape (p, p)
-        J'J of all samples.
     residuals : tuple of arrays
         One per record, N.
     noises : tuple of Noise
     """
 
-    solution: Solution
     names: tuple[str, ...]
     covariance: FloatArray
-    information: FloatArray
     residuals: tuple[FloatArray, ...]
     noises: tuple[Noise, ...]
 
@@ -81,10 +78,26 @@ class Estimate(NamedTuple):
         """Samples per independent residual, over all records."""
         return self.samples / self.effective
 
-    @property
-    def spreads(self) -> tuple[float, ...]:
-        """Standard deviation of one independent residual of each record, N."""
-        return tuple(float(np.sqrt(noise.autocovariance[0] * noise.kappa)) for noise in self.noises)
+    def standard_error(self, name: str) -> float:
+        """Standard error of a row."""
+        row = self.names.index(name)
+        return float(np.sqrt(self.covariance[row, row]))
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate(Known):
+    """A solution with its uncertainty.
+
+    Attributes
+    ----------
+    solution : Solution
+        The rows of `covariance` are its fixed columns, stiffnesses group by group, then ln tau.
+    information : array, shape (p, p)
+        J'J of all samples.
+    """
+
+    solution: Solution
+    information: FloatArray
 
     @property
     def spread(self) -> float:
@@ -103,7 +116,7 @@ class Estimate(NamedTuple):
         for suffix, doubt in zip(tests, each, strict=True):
             scale = doubt * self._stiffnesses(suffix)
             covariance += np.outer(scale, scale)
-        return self._replace(covariance=covariance)
+        return replace(self, covariance=covariance)
 
     def _stiffnesses(self, suffix: str) -> FloatArray:
         """Return the stiffnesses of one group in their rows, zero elsewhere."""
@@ -134,11 +147,6 @@ class Estimate(NamedTuple):
             for i, (depth, s) in enumerate(zip(depths, scale or [1.0] * len(depths), strict=True))
         ]
         return tuple(sorted(found, key=lambda at: at.depth))
-
-    def standard_error(self, name: str) -> float:
-        """Standard error of a row."""
-        row = self.names.index(name)
-        return float(np.sqrt(self.covariance[row, row]))
 
 
 class Score(NamedTuple):
@@ -192,7 +200,7 @@ def estimated(
     known = [Noise(block.samples, np.array([block.variance]), 1.0, 2.0) for block in priors]
     covariance = sandwich(known_by, [*noises, *known], further=further)
     residuals = tuple(one.values for one in left)
-    return Estimate(solution, whole.names, covariance, known_by.information, residuals, noises)
+    return Estimate(whole.names, covariance, residuals, noises, solution, known_by.information)
 
 
 def by_record(
