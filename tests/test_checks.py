@@ -1097,6 +1097,7 @@ CLD = [
     Case("load_cell_steady", cld.load_cell_steady, 0.0199, 0.0201),
     Case("load_cell_steady", lambda x: cld.load_cell_steady(-x), 0.0199, 0.0201),
     Case("speed_even", cld.speed_even, 0.0199, 0.0201),
+    Case("released_freely", cld.released_freely, 0.0099, 0.0101),
     Case("energy_lost", cld.energy_lost, -0.0199, -0.0201),
     Case("unloading_recorded", lambda x: cld.unloading_recorded(recorded=bool(x)), 1, 0),
     Case("length_given", lambda x: cld.length_given(given=bool(x)), 1, 0),
@@ -1122,6 +1123,8 @@ RELAXED = [
     Case("speeds_followed", lambda x: relaxed.speeds_followed(x * 5e-3, 5e-3, 2.0), 1.99, 2.01),
     Case("slowest_relaxed", lambda x: relaxed.slowest_relaxed(x * 80.0, 80.0), 0.999, 1.001),
     Case("memory_told", relaxed.memory_told, 0.499, 0.501),
+    Case("memory_suffices", relaxed.memory_suffices, 9.9, 10.1),
+    Case("memories_agree", relaxed.memories_agree, 0.0499, 0.0501),
     Case("relaxed_agrees", lambda x: relaxed.relaxed_agrees(-x, 8e-3, 200.0), 0.0499, 0.0501),
 ]
 
@@ -1303,7 +1306,7 @@ LIMITS = {
     "preparation/cld": {
         "zero_recorded": 0.05, "conditioned": 0.02, "depth_conditioned": 1.02,
         "compressions_reached": 1, "load_cell_steady": 0.02, "speed_even": 0.02,
-        "energy_lost": -0.02,
+        "energy_lost": -0.02, "released_freely": 0.01,
     },
     "fitting": {
         "same_specimen": 3,
@@ -1349,6 +1352,7 @@ LIMITS = {
     },
     "fitting/cld": {
         "memory_explains": 0.03, "stroke_within_memory": 1, "relaxed_agrees": 0.05,
+        "memories_agree": 0.05, "memory_suffices": 10,
         "speeds_spread": 10, "speeds_followed": 2, "slowest_relaxed": 1, "memory_told": 0.5,
     },
     "lots": {"files_fitted": 0, "fits_usable": 0, "hammers_compared": 0,

@@ -12,6 +12,7 @@ from .base.errors import ReadError as ReadError
 from .base.provenance import Source as Source
 from .base.version import __version__ as __version__
 from .engine.sums import fit_exponential_sum as fit_exponential_sum
+from .fitting.cld.rate import fit_rate as fit_rate
 from .fitting.cld.relaxed import relaxed_law as relaxed_law
 from .fitting.cld.speeds import fit_speeds as fit_speeds
 from .fitting.compliance import measured_compliance as measured_compliance
@@ -56,6 +57,7 @@ from .records.amplitude import AmplitudeFit as AmplitudeFit
 from .records.amplitude import AmplitudeSweep as AmplitudeSweep
 from .records.cld import CLD as CLD
 from .records.cld import CompressionTest as CompressionTest
+from .records.cld import RateLaw as RateLaw
 from .records.cld import RelaxedLaw as RelaxedLaw
 from .records.creep import CreepCompliance as CreepCompliance
 from .records.creep import CreepTest as CreepTest

@@ -137,6 +137,10 @@ def test_with_a_fit_the_law_is_told_and_written(folder, tmp_path):
     written = dp.from_json(law.read_text())
     assert list(written.elastic_law.knots) == found["relaxed"]["elastic_law"]["knots"]
     assert "tangent, N/mm" in ran(folder, *words).stdout
+    twice = told(folder, *words, "--with", str(folder / "fit.json"))
+    names = [check["name"] for check in twice["checks"]]
+    assert names.count("relaxed_agrees") == 2
+    assert "memories_agree" in names
     assert "--with" in ran(folder, "p1.csv", "-o", str(tmp_path / "no.json"), code=2).stderr
 
 
@@ -148,5 +152,10 @@ def test_records_at_several_speeds_are_one_seal(folder, tmp_path):
     assert found["scatter"] == []
     assert found["fit"]["method"] == "cld"
     names = {check["name"] for check in found["checks"]}
-    assert {"speeds_spread", "slowest_relaxed"} <= names
-    assert "elastic law" in ran(folder, *words).stdout
+    assert {"speeds_spread", "slowest_relaxed", "memory_suffices"} <= names
+    assert len(found["rate"]["damping"]) == len(found["rate"]["knots"])
+    said = ran(folder, *words).stdout
+    assert "elastic law" in said
+    assert "explain the speeds worse than one memory does" in " ".join(said.split())
+    assert "c, N s/m" not in said
+    assert "c, N s/m" in ran(folder, *words, "-v").stdout

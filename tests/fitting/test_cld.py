@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from kit.cld import ARMS, bulb, fit_of, pressed, stiffening
+from kit.cld import ARMS, bulb, dashpot_and_arms, fit_of, pressed, stiffening
 
 import dashpot as dp
 from dashpot.base.errors import DataError, FitError
@@ -151,3 +151,72 @@ def test_one_speed_is_refused():
     bare = dp.cld(dp.CompressionTest(truth.displacement, truth.force))
     with pytest.raises(FitError, match="no clock"):
         dp.fit_speeds([one, bare])
+
+
+def known(fit, part=0.05):
+    """A fit whose stiffnesses and times are known to a part."""
+    own = fit.model
+    names = ("k_inf", "k_1", "k_2", "ln_tau_1", "ln_tau_2")
+    sizes = np.array([own.k_inf, *own.k, 1.0, 1.0])
+    estimate = replace(
+        fit.estimate, parameters=names, covariance=np.diag((part * sizes) ** 2), profiles=()
+    )
+    return replace(fit, estimate=estimate)
+
+
+def test_what_is_not_known_of_the_memory_is_not_known_of_the_law():
+    one, sure = found(pressed(softening=0.0), at=6e-3), fit_of(stiffening)
+    fit, at = known(sure), 6e-3
+    relaxed = dp.relaxed_law(one, fit)
+    assert len(relaxed.others) == 5
+    exact = dp.relaxed_law(one, known(sure, 1e-9))
+    assert exact.force_se(at) == pytest.approx(0.0, abs=1e-6)
+    assert relaxed.law.factor_se(at) > exact.law.factor_se(at)
+    # one arm larger by a standard error, and nothing else
+    k = (1.05 * sure.model.k[0], sure.model.k[1])
+    more = replace(sure, solid=dp.GeneralizedMaxwell(sure.model.k_inf, k, sure.model.tau))
+    off = abs(dp.relaxed_law(one, more).law.force(at) - relaxed.law.force(at))
+    assert 0 < off < relaxed.force_se(at) < 5 * off
+
+
+def test_several_relaxation_tests_are_held_against_the_law_and_each_other():
+    one = found(pressed(softening=0.0), at=4e-3)
+    shallow, deep = fit_of(stiffening, depth=4e-3), fit_of(stiffening, depth=8e-3)
+    both = dp.relaxed_law(one, [deep, shallow])
+    agreed = [check for check in both.checks if check.name == "relaxed_agrees"]
+    assert [check.passed for check in agreed] == [True, True]
+    assert both.memory == dp.relaxed_law(one, shallow).memory
+    assert "memories_agree" not in {check.name for check in both.checks if check.failed}
+    slower = fit_of(stiffening, arms=((0.35, 1.5), (0.15, 16.0)))
+    apart = dp.relaxed_law(one, [shallow, slower])
+    assert "memories_agree" in {check.name for check in apart.checks if check.failed}
+    with pytest.raises(FitError, match="no fit"):
+        dp.relaxed_law(one, [])
+
+
+def test_a_dashpot_that_depends_on_compression_comes_back_from_four_speeds():
+    arms = ((40.0, 0.1), (25.0, 1.5))
+    tests = [
+        found(dashpot_and_arms(v, c=lambda x: 2 + 400 * x, arms=arms, seed=i))
+        for i, v in enumerate((1e-4, 1e-3, 1e-2, 1e-1))
+    ]
+    fit = dp.fit_speeds(tests, arms=1)
+    rate = dp.fit_rate(tests, fit)
+    assert rate.law.force(AT) == pytest.approx(stiffening(AT), rel=0.02)
+    assert rate.law.tangent(AT) == pytest.approx(150 + 3 * 7.2656e5 * AT**2, rel=0.02)
+    for x in AT.tolist():
+        c, error = rate.c(x)
+        assert c == pytest.approx(2 + 400 * x, rel=0.02)
+        assert abs(c - 2 - 400 * x) < 4 * error
+    assert rate.k == pytest.approx([40.0, 25.0], rel=0.02)
+    assert rate.tau == pytest.approx([0.1, 1.5], rel=0.02)
+    assert rate.bic < -10
+    assert rate.at(4e-3).b == rate.c(4e-3)[0]
+    assert {check.name for check in rate.checks if check.failed} == {"memory_suffices"}
+
+
+def test_one_memory_is_not_taken_for_a_dashpot():
+    tests = at_speeds((0.2e-3, 2e-3, 20e-3), softening=0.0)
+    rate = dp.fit_rate(tests, dp.fit_speeds(tests))
+    assert rate.bic > 10
+    assert "memory_suffices" not in {check.name for check in rate.checks if check.failed}

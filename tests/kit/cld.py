@@ -140,3 +140,36 @@ def fit_of(law, *, arms=ARMS, scale=1.0, depth=8e-3):
     found = handmade.study().fit
     evidence = replace(found.evidence, band=(1e-3, 10.0), by_depth=(), checks=())
     return replace(found, solid=model, elastic_law=ElasticLaw.linear(k, depth), evidence=evidence)
+
+
+def dashpot_and_arms(
+    speed: float,
+    *,
+    c: Callable[[Array], Array],
+    arms: tuple[tuple[float, float], ...],
+    depth: float = 8e-3,
+    gap: float = 1e-3,
+    rest: float = 8.0,
+    per_stroke: int = 400,
+    noise: float = 2e-3,
+    seed: int = 1,
+) -> Truth:
+    """A stiffening spring, a dashpot c(x) and arms, k and tau, beside each other: no one memory.
+
+    Each arm by steps eight times as fine as the record; the seal does not pull.
+    """
+    step, stroke = (depth + gap) / speed / per_stroke / 8, (depth + gap) / speed
+    knots = rest + stroke * np.arange(5)
+    time = np.arange(0.0, knots[-1] + rest, step)
+    x = np.interp(time, knots, [-gap, depth, -gap, depth, -gap])
+    pressed_by = np.maximum(x, 0.0)
+    force = stiffening(pressed_by) + c(pressed_by) * np.gradient(x, time) * (x > 0)
+    moved = np.diff(pressed_by, prepend=0.0)
+    for k, tau in arms:
+        decay, arm = float(np.exp(-step / tau)), 0.0
+        for i, by in enumerate((moved * (1 - decay) * tau / step).tolist()):
+            arm = decay * arm + by
+            force[i] += k * arm
+    clean = np.maximum(force, 0.0)[::8]
+    draw = np.random.default_rng(seed).standard_normal(len(clean))
+    return Truth(time[::8], x[::8], clean + 0.03 + noise * draw, x[::8], clean)

@@ -223,3 +223,11 @@ def test_its_numbers_are_a_table_and_its_picture_is_there():
     assert table.attrs["units"]["force"] == "N"
     assert np.array_equal(table["force"], one.force)
     assert one.plot().panels[0].y.label == "force, N per 100 mm"
+
+
+@pytest.mark.parametrize(("pull", "holds"), [(0.0, True), (0.015, True), (0.05, False)])
+def test_a_seal_that_sticks_is_told_from_noise(pull, holds):
+    truth = pressed(softening=0.0)
+    back = (np.gradient(truth.compression) < 0) & (np.abs(truth.compression - 2e-4) < 4e-4)
+    one = found(replace(truth, force=truth.force - pull * back))
+    assert {check.name: check.passed for check in one.checks}["released_freely"] is holds

@@ -34,7 +34,9 @@ from dashpot.cli._text import rounded, table, with_error
     "memory",
     type=File(),
     metavar="FIT",
-    help="Of a relaxation test: its memory is taken off, which leaves the elastic law.",
+    multiple=True,
+    help="Of a relaxation test: its memory is taken off, which leaves the elastic law. Once for "
+    "each depth that was held: the nearest tells the memory, all are held against the law.",
 )
 @options.output("Write that fit with the elastic law, or that of several speeds, as JSON.", ".json")
 @options.picture
@@ -45,7 +47,7 @@ from dashpot.cli._text import rounded, table, with_error
 def command(
     *,
     files: tuple[str, ...],
-    memory: str | None,
+    memory: tuple[str, ...],
     output: str | None,
     picture: str | None,
     **choices: Any,
@@ -62,8 +64,7 @@ def command(
     dashpot cld slow.csv fast.csv --at 6mm -o law.json
     dashpot cld piece.csv --at 6mm --with fit.json -o fit_with_law.json
     """
-    known = None if memory is None else read_fit(memory)
-    found = workflow.cld_files(files, memory=known, **choices)
+    found = workflow.cld_files(files, memory=[read_fit(one) for one in memory], **choices)
     if output and found.fit is None:
         raise ReadError(
             "-o writes a fit: that of a relaxation test (--with), with the elastic law of the load "
@@ -113,9 +114,42 @@ def _said(found: workflow.Pieces) -> Text:
         fitted = _text.fit(found.fit)
         lines = [*_overview(found), *fitted.lines]
         details += fitted.details
+    if found.rate is not None:
+        lines += [_choice(found.rate)]
+        # of a law that explains the speeds worse the numbers are for who asks
+        (details if found.rate.bic > 0 else lines).extend(_rate(found.rate))
     if found.relaxed is not None:
         lines += _relaxed(found.relaxed, found.pieces[0])
     return Text(lines, details)
+
+
+def _choice(rate: dp.RateLaw) -> str:
+    better = "better" if rate.bic < 0 else "worse"
+    return (
+        f"  a spring and a dashpot that depend on compression explain the speeds {better} than one "
+        f"memory does, BIC {rate.bic:+.3g}"
+    )
+
+
+def _rate(rate: dp.RateLaw) -> list[str]:
+    rows = [["F_e + c(x) v, mm", "force, N", "tangent, N/mm", "c, N s/m"]]
+    for knot in rate.knots[1:]:
+        c, error = rate.c(knot)
+        stiff, off = (float(each(knot)) for each in (rate.law.factor, rate.law.factor_se))
+        scale = 1e-3 * rate.law.stiffness
+        rows.append(
+            [
+                rounded(1e3 * knot),
+                rounded(float(rate.law.force(knot))),
+                with_error(scale * stiff, scale * off),
+                with_error(c, error) if c > 2 * error else f"below {c + 2 * error:.2g}",
+            ]
+        )
+    arms = ", ".join(
+        f"{with_error(1e-3 * k, 1e-3 * se)} N/mm over {with_error(tau, tau * wide)} s"
+        for k, tau, se, wide in zip(rate.k, rate.tau, rate.k_se, rate.ln_tau_se, strict=True)
+    )
+    return [*table(rows), f"  arms beside it: {arms or 'none'}"]
 
 
 def _relaxed(found: dp.RelaxedLaw, one: dp.CLD) -> list[str]:
@@ -126,7 +160,7 @@ def _relaxed(found: dp.RelaxedLaw, one: dp.CLD) -> list[str]:
         rows.append(
             [
                 rounded(1e3 * mark),
-                rounded(float(law.force(mark))),
+                with_error(float(law.force(mark)), found.force_se(mark)),
                 rounded(1e-3 * float(law.secant(mark))),
                 with_error(1e-3 * tangent, 1e-3 * error),
             ]

@@ -20,10 +20,10 @@ from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import FitError
 from dashpot.base.provenance import Source
 from dashpot.fitting.dynamic import fit_dynamic
+from dashpot.fitting.parameters import values
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import Fit
 from dashpot.records.specimen import Specimen
-from dashpot.solids.fractional import FractionalZener
 from dashpot.vibration.modal.checks import ROD_LINES
 from dashpot.vibration.modal.rod import RodErrors, RodModulus
 
@@ -67,12 +67,14 @@ def fit_rod(
         frequency, modulus.real, modulus.imag, specimen=specimen or Specimen(), source=source
     )
     fit = fit_dynamic(test, arms=arms, family=family)
-    if len(_values(fit)) != len(fit.parameters):  # a dense spectrum has no errors of its own
+    here = values(fit)
+    if here is None:  # a dense spectrum has no errors of its own
         return fit
     added = np.zeros_like(fit.covariance)
     for shifted in _shifted(lines, errors or RodErrors()):
         _, moved = _averaged(lines, shifted)
-        by = _moved(fit, replace(test, storage=moved.real, loss=moved.imag))
+        there = _refitted(fit, replace(test, storage=moved.real, loss=moved.imag))
+        by = np.zeros(len(here)) if there is None else there - here
         added += np.outer(by, by)
     scatter = np.diag(fit.covariance)
     # a profile knows the scatter alone
@@ -93,27 +95,17 @@ def _shifted(lines: RodModulus, errors: RodErrors) -> Iterator[ComplexArray]:
             yield lines.modulus * (1 + size * getattr(lines, f"by_{name}"))
 
 
-def _moved(fit: Fit, test: DynamicTest) -> FloatArray:
-    """How far the same solid's parameters lie from those of the fit; 0 where it is not found."""
+def _refitted(fit: Fit, test: DynamicTest) -> FloatArray | None:
+    """The parameters of the same solid under another test; None where it is not found."""
     try:
         other = fit_dynamic(test, arms=_order(fit), family=fit.family)
     except FitError:
-        return np.zeros(len(fit.parameters))
-    if other.parameters != fit.parameters:
-        return np.zeros(len(fit.parameters))
-    return _values(other) - _values(fit)
+        return None
+    return values(other) if other.parameters == fit.parameters else None
 
 
 def _order(fit: Fit) -> int | Literal["auto"]:
     return "auto" if fit.family == "fractional" else fit.model.arms
-
-
-def _values(fit: Fit) -> FloatArray:
-    """The parameters of a fit in the order of its covariance."""
-    solid = fit.solid if isinstance(fit.solid, FractionalZener) else fit.model
-    if isinstance(solid, FractionalZener):
-        return np.array([solid.k_inf, solid.k_0, np.log(solid.tau), solid.alpha])
-    return np.array([solid.k_inf, *solid.k, *np.log(solid.tau)])
 
 
 def _averaged(lines: RodModulus, modulus: ComplexArray) -> tuple[FloatArray, ComplexArray]:

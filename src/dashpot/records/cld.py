@@ -315,6 +315,8 @@ class RelaxedLaw:
     softening : float
         Part of the first cycle's relaxed force that is missing in the last, at ``CLD.common``.
     checks : tuple of Check
+    others : tuple of ElasticLaw
+        The law by the same memory one standard error off, along each axis of its covariance.
     """
 
     law: ElasticLaw
@@ -324,3 +326,59 @@ class RelaxedLaw:
     left: float | None
     softening: float
     checks: tuple[Check, ...] = ()
+    others: tuple[ElasticLaw, ...] = ()
+
+    def force_se(self, x: float) -> float:
+        """Standard error of the relaxed force at a compression, m, by that of the memory, N."""
+        off = [float(one.force(x)) - float(self.law.force(x)) for one in self.others]
+        return float(np.linalg.norm(off)) if off else 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class RateLaw(ByValue):
+    r"""A spring and a dashpot that depend on compression, and Maxwell arms beside them.
+
+    .. math:: F = F_e(x) + c(x)\,\dot x + \sum_j k_j \int_0^t e^{-(t-u)/\tau_j}\,dx(u)
+
+    Made by :func:`dashpot.fitting.cld.rate.fit_rate`.
+
+    Attributes
+    ----------
+    law : ElasticLaw
+        :math:`F_e`.
+    knots : tuple of float
+        Compressions, m, between which c is a straight line.
+    damping, damping_se : tuple of float
+        c at the knots and its standard error, N s/m.
+    k, tau, k_se, ln_tau_se : tuple of float
+        Of the arms, N/m and s.
+    residual : float
+        Rms of what it leaves, N.
+    bic : float
+        Over that of one elastic law with one memory, by the same records: below 0 this explains
+        them better.
+    checks : tuple of Check
+    """
+
+    law: ElasticLaw
+    knots: tuple[float, ...]
+    damping: tuple[float, ...]
+    damping_se: tuple[float, ...]
+    k: tuple[float, ...]
+    tau: tuple[float, ...]
+    k_se: tuple[float, ...]
+    ln_tau_se: tuple[float, ...]
+    residual: float
+    bic: float
+    checks: tuple[Check, ...] = ()
+
+    def c(self, x: float) -> tuple[float, float]:
+        """Damping at a compression, m, and its standard error, N s/m."""
+        both = (np.interp(x, self.knots, one) for one in (self.damping, self.damping_se))
+        value, error = map(float, both)
+        return value, error
+
+    def at(self, compression: float) -> GeneralizedMaxwell:
+        """The solid that small vibration about a compression, m, feels."""
+        tangent = float(self.law.tangent(compression))
+        return GeneralizedMaxwell(tangent, self.k, self.tau, self.c(compression)[0])

@@ -14,12 +14,14 @@ from dashpot.base.capability import Capability, capability
 from dashpot.base.checks import Check, Verdict, verdict, worst
 from dashpot.base.errors import ReadError
 from dashpot.base.units import Quantity, Range
+from dashpot.fitting.cld.relaxed import nearest
 from dashpot.fitting.cld.speeds import SAME_SPEED
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import about
-from dashpot.records.cld import CLD, AtCompression, CompressionTest, Cycle, RelaxedLaw
+from dashpot.records.cld import CLD, AtCompression, CompressionTest, Cycle, RateLaw, RelaxedLaw
 from dashpot.records.fit import Fit
 from dashpot.records.specimen import Specimen
+from dashpot.solids.elastic import ElasticLaw
 from dashpot.workflow.checks import pieces_capable, pieces_tested_alike
 
 _ALIKE = 0.05
@@ -65,6 +67,8 @@ class Pieces:
         The elastic law under the first piece, where a relaxation test told its memory.
     fit : Fit or None
         That of the relaxation test with this law; or, of records at several speeds, theirs.
+    rate : RateLaw or None
+        Of records at several speeds: a spring and a dashpot that depend on compression.
     """
 
     pieces: tuple[CLD, ...]
@@ -73,6 +77,7 @@ class Pieces:
     checks: tuple[Check, ...]
     relaxed: RelaxedLaw | None = None
     fit: Fit | None = None
+    rate: RateLaw | None = None
 
     @property
     def unit(self) -> str:
@@ -95,6 +100,7 @@ class Pieces:
             "scatter": [asdict(one) for one in self.scatter],
             "capability": None if self.capability is None else asdict(self.capability),
             **({} if self.relaxed is None else {"relaxed": _law(self.relaxed)}),
+            **({} if self.rate is None else {"rate": _rate(self.rate)}),
             "verdict": {
                 "use": judged.use,
                 "says": judged.says,
@@ -110,7 +116,7 @@ def cld_files(
     at: Quantity | None = None,
     between: Range | None = None,
     limits: tuple[float, float] | None = None,
-    memory: Fit | None = None,
+    memory: Sequence[Fit] = (),
     specimen: Specimen | None = None,
     options: ReadOptions | None = None,
 ) -> Pieces:
@@ -127,8 +133,9 @@ def cld_files(
         As in :func:`~dashpot.preparation.cld.cycles.cld`; without `at` the least depth of all.
     limits : (float, float), optional
         Of the force at the nominal compression, N, of 100 mm where the length is known.
-    memory : Fit, optional
-        Of a relaxation test: its memory is taken off the first piece, which leaves the elastic law.
+    memory : sequence of Fit
+        Of relaxation tests: the memory of the one held nearest to the nominal compression is taken
+        off the first piece, which leaves the elastic law; all are held against it.
     specimen : Specimen, optional
         What is the same of every piece, such as its length.
     options : ReadOptions, optional
@@ -152,9 +159,12 @@ def cld_files(
         least = min(one.cycle.depth for one in pieces)
         pieces = [dp.cld(test, at=least, between=between, cycle=options.cycle) for test in tests]
     every = [worst(each) for each in zip(*(one.checks for one in pieces), strict=True)]
-    if memory is None and limits is None and _several_speeds(pieces):
+    if not memory and limits is None and _several_speeds(pieces):
         fit = dp.fit_speeds(pieces)
-        return Pieces(tuple(pieces), (), None, (*every, *fit.checks), fit=fit)
+        rate = dp.fit_rate(pieces, fit)
+        told = next(check for check in rate.checks if check.name == "memory_suffices")
+        fit = replace(fit, evidence=replace(fit.evidence, checks=(*fit.checks, told)))
+        return Pieces(tuple(pieces), (), None, (*every, *fit.checks), fit=fit, rate=rate)
     forces = np.array([one.per * one.nominal.loading for one in pieces])
     within = None if limits is None else capability(forces, *limits)
     if len(pieces) > 1:
@@ -162,10 +172,10 @@ def cld_files(
     if within is not None:
         every.append(pieces_capable(within, pieces[0].unit))
     found = Pieces(tuple(pieces), tuple(_scatter(pieces)), within, tuple(every))
-    if memory is None:
+    if not memory:
         return found
     relaxed = dp.relaxed_law(pieces[0], memory)
-    fed = memory.with_elastic_law(relaxed.law, checks=relaxed.checks)
+    fed = nearest(pieces[0], memory).with_elastic_law(relaxed.law, checks=relaxed.checks)
     return replace(found, checks=(*every, *relaxed.checks), relaxed=relaxed, fit=fed)
 
 
@@ -283,15 +293,35 @@ def _cycle(cycle: Cycle) -> dict[str, Any]:
 
 
 def _law(found: RelaxedLaw) -> dict[str, Any]:
-    law = found.law
     return {
-        "elastic_law": {
-            "kind": law.kind,
-            "knots": list(law.knots),
-            "tangent": law.tangent(law.knots).tolist(),
-        },
+        "elastic_law": _elastic(found.law),
+        "force_se": [found.force_se(knot) for knot in found.law.knots],
         "residual": found.residual,
         "hysteresis": found.hysteresis,
         "left": found.left,
         "softening": found.softening,
+    }
+
+
+def _elastic(law: ElasticLaw) -> dict[str, Any]:
+    return {
+        "kind": law.kind,
+        "knots": list(law.knots),
+        "tangent": law.tangent(law.knots).tolist(),
+    }
+
+
+def _rate(found: RateLaw) -> dict[str, Any]:
+    arms = zip(found.k, found.tau, found.k_se, found.ln_tau_se, strict=True)
+    return {
+        "elastic_law": _elastic(found.law),
+        "knots": list(found.knots),
+        "damping": list(found.damping),
+        "damping_se": list(found.damping_se),
+        "arms": [
+            {"k": k, "tau": tau, "k_se": k_se, "ln_tau_se": tau_se} for k, tau, k_se, tau_se in arms
+        ],
+        "residual": found.residual,
+        "bic_over_memory": found.bic,
+        "checks": [asdict(check) for check in found.checks],
     }

@@ -9,6 +9,7 @@ from dashpot.base.checks import Finding, criterion
 UNEXPLAINED = 0.03
 AGREES = 0.05
 TOLD = 0.5
+BETTER = 10.0
 
 
 @criterion("part of the energy", "|x| <=", UNEXPLAINED, "our choice: a tenth of a usual hysteresis")
@@ -51,6 +52,35 @@ def relaxed_agrees(difference: float | None, depth: float, k_inf: float) -> Find
         difference,
         ": another piece, another conditioning, or another zero of the compression; say both "
         "lengths, and press both alike",
+    )
+
+
+@criterion("largest difference of F(t) / F at rest", "<=", AGREES, "as pieces scatter")
+def memories_agree(apart: float | None) -> Finding:
+    """The relaxation tests have one memory, whatever depth they were held at."""
+    if apart is None:
+        return Finding("no speed is known, so over what times memories should agree is not told")
+    return Finding(
+        f"over the time of a stroke the memories of the relaxation tests differ by "
+        f"{100 * apart:.2g} %",
+        apart,
+        ": force and time do not separate, and a law with one memory holds near the compression "
+        "alone whose test it was taken from; or the tests are of different seals",
+    )
+
+
+@criterion("BIC over that of a dashpot", "<=", BETTER, "Kass and Raftery 1995: very strong beyond")
+def memory_suffices(over: float) -> Finding:
+    """One memory explains the speeds as well as a dashpot that depends on compression does."""
+    if over >= -BETTER:
+        says = "the speeds do not tell one memory from a dashpot that depends on compression"
+    else:
+        says = "one memory explains the speeds better than a dashpot that depends on compression"
+    return Finding(
+        f"{says} (BIC {over:+.3g})",
+        over,
+        instead=f"a dashpot that depends on compression explains the speeds better than one memory "
+        f"does (BIC {over:+.3g}): take c(x) at the compression of use, not the arms of this fit",
     )
 
 

@@ -44,10 +44,12 @@ _SMALLEST, _LARGEST = 1e-3, 20.0
 """Of g."""
 
 
-class _Record(NamedTuple):
+class Thinned(NamedTuple):
     """A record thinned, to the end of the chosen cycle; hats of the samples where it is felt."""
 
     time: FloatArray
+    compression: FloatArray
+    velocity: FloatArray
     force: FloatArray
     felt: BoolArray
     first: int
@@ -88,8 +90,7 @@ def fit_speeds(pieces: Sequence[CLD], *, arms: int | Literal["auto"] = "auto") -
             "one speed alone tells no memory from an elastic law; expected tests at two or more, "
             "a decade apart or farther"
         )
-    depth = min(one.cycle.depth for one in pieces)
-    records = [_record(one, depth) for one in pieces]
+    depth, records = thinned_alike(pieces)
     strokes = [one.cycle.depth / speed for one, speed in zip(pieces, speeds, strict=True)]
     window = min(strokes) / 20, 3 * max(strokes)
     tried: list[tuple[FloatArray, _Solved]] = []
@@ -99,7 +100,7 @@ def fit_speeds(pieces: Sequence[CLD], *, arms: int | Literal["auto"] = "auto") -
         if len(tried) > 1 and _rms(tried[-1][1]) > _FALLS * _rms(tried[-2][1]):
             break
     # what is left of too few arms is no noise: all are weighed by that of the most
-    kappa = _kappa(tried[-1][1].residual)
+    kappa = correlation(tried[-1][1].residual)
     scores = [_bic(left, len(theta) + KNOTS, kappa) for theta, left in tried]
     best = len(tried) - 1
     while best and not (
@@ -115,16 +116,22 @@ def fit_speeds(pieces: Sequence[CLD], *, arms: int | Literal["auto"] = "auto") -
     return _assembled(pieces, records, theta, solved, depth=depth, strokes=strokes, orders=orders)
 
 
-def _told(records: Sequence[_Record], theta: FloatArray, solved: _Solved) -> bool:
+def thinned_alike(pieces: Sequence[CLD]) -> tuple[float, list[Thinned]]:
+    """Return the least depth of tests, m, and their records to it."""
+    depth = min(one.cycle.depth for one in pieces)
+    return depth, [thinned(one, depth) for one in pieces]
+
+
+def _told(records: Sequence[Thinned], theta: FloatArray, solved: _Solved) -> bool:
     """Whether every arm is worth three of its errors, and its time is known to a half."""
     arms = len(theta) // 2
     covariance, _ = _covariance(records, theta, solved)
     error = np.sqrt(np.diag(covariance))[1:]
-    k = np.exp(theta[:arms]) * _stiffness(solved.slope)
+    k = np.exp(theta[:arms]) * mean_slope(solved.slope)
     return bool((k > 3 * error[:arms]).all() and (error[arms:] < checks.TOLD).all())
 
 
-def _record(one: CLD, depth: float, *, off: float = 0.0) -> _Record:
+def thinned(one: CLD, depth: float, *, off: float = 0.0) -> Thinned:
     """Means of neighbours, so that a stroke of the chosen cycle has some hundred rows."""
     last = one.unloading or one.loading
     stop = last.samples.stop
@@ -132,14 +139,15 @@ def _record(one: CLD, depth: float, *, off: float = 0.0) -> _Record:
     rows[felt(one)] = True
     rows &= one.compression <= 1.005 * depth
     block = max(1, len(one.loading.force) // _PER_STROKE)
-    time, x, force, share = (
+    clock = clock_of(one)
+    time, x, velocity, force, share = (
         block_means(np.asarray(each[:stop], dtype=float), block)
-        for each in (clock_of(one), one.compression, one.force, rows)
+        for each in (clock, one.compression, np.gradient(one.compression, clock), one.force, rows)
     )
     pressed = share == 1.0  # a block that holds a turning point is not taken
     first = min(int(np.flatnonzero(pressed)[0]), one.loading.samples.start // block)
     hats = np.where(pressed[:, None], hat_integrals(x + off, np.linspace(0.0, depth, KNOTS)), 0.0)
-    return _Record(time, force, pressed, first, hats[first:])
+    return Thinned(time, x, velocity, force, pressed, first, hats[first:])
 
 
 def _memory(theta: FloatArray) -> GeneralizedMaxwell:
@@ -147,7 +155,7 @@ def _memory(theta: FloatArray) -> GeneralizedMaxwell:
     return GeneralizedMaxwell(1.0, tuple(g.tolist()), tuple(tau.tolist()))
 
 
-def _solve(records: Sequence[_Record], theta: FloatArray) -> _Solved:
+def _solve(records: Sequence[Thinned], theta: FloatArray) -> _Solved:
     """Return the law for a memory: g, then tau, by their logarithms."""
     memory = _memory(theta)
     columns, targets = [], []
@@ -175,7 +183,7 @@ def _solve(records: Sequence[_Record], theta: FloatArray) -> _Solved:
 
 
 def _descended(
-    records: Sequence[_Record],
+    records: Sequence[Thinned],
     arms: int,
     window: tuple[float, float],
     before: FloatArray | None,
@@ -218,7 +226,8 @@ def _rms(solved: _Solved) -> float:
     return float(np.sqrt(np.mean(solved.residual**2)))
 
 
-def _kappa(residual: FloatArray) -> float:
+def correlation(residual: FloatArray) -> float:
+    """Return how many neighbours of a residual say the same."""
     power = float(residual @ residual)
     rho = float(residual[1:] @ residual[:-1]) / power if power > 0 else 0.0
     rho = min(max(rho, 0.0), 0.98)
@@ -230,18 +239,18 @@ def _bic(solved: _Solved, parameters: int, kappa: float) -> float:
     return n * float(np.log(np.mean(solved.residual**2))) + parameters * float(np.log(n))
 
 
-def _stiffness(slope: FloatArray) -> float:
-    """Mean slope of a law on even knots, N/m."""
+def mean_slope(slope: FloatArray) -> float:
+    """Return the mean slope of a law on even knots, N/m."""
     return float(np.trapezoid(slope) / (len(slope) - 1))
 
 
 def _model(theta: FloatArray, solved: _Solved) -> GeneralizedMaxwell:
-    return _memory(theta) * _stiffness(solved.slope)
+    return _memory(theta) * mean_slope(solved.slope)
 
 
 def _assembled(
     pieces: Sequence[CLD],
-    records: Sequence[_Record],
+    records: Sequence[Thinned],
     theta: FloatArray,
     solved: _Solved,
     *,
@@ -249,10 +258,10 @@ def _assembled(
     strokes: Sequence[float],
     orders: tuple[OrderScore, ...],
 ) -> Fit:
-    model, k_inf = _model(theta, solved), _stiffness(solved.slope)
-    kappa, n = _kappa(solved.residual), len(solved.residual)
+    model, k_inf = _model(theta, solved), mean_slope(solved.slope)
+    kappa, n = correlation(solved.residual), len(solved.residual)
     shifted = [
-        [*records[:i], _record(one, depth, off=one.contact_se), *records[i + 1 :]]
+        [*records[:i], thinned(one, depth, off=one.contact_se), *records[i + 1 :]]
         for i, one in enumerate(pieces)
     ]
     covariance, shape_se = _covariance(records, theta, solved, shifted)
@@ -297,10 +306,10 @@ def _assembled(
 
 
 def _covariance(
-    records: Sequence[_Record],
+    records: Sequence[Thinned],
     theta: FloatArray,
     solved: _Solved,
-    shifted: Sequence[Sequence[_Record]] = (),
+    shifted: Sequence[Sequence[Thinned]] = (),
 ) -> tuple[FloatArray, FloatArray]:
     r"""Covariance of k_inf, k and ln tau, and standard errors of the law's tangents, N/m.
 
@@ -308,7 +317,7 @@ def _covariance(
     given memory by its columns; :math:`k_j = g_j k_\infty`. Beside the noise, what each first
     contact leaves unknown: `shifted` are the records with one of them a standard error off.
     """
-    kappa = _kappa(solved.residual)
+    kappa = correlation(solved.residual)
     noise = kappa * float(np.mean(solved.residual**2))
     used = solved.slope > 0
     inner = np.zeros((KNOTS, KNOTS))
@@ -334,7 +343,7 @@ def _covariance(
         tangents += np.outer(bent, bent)
         change = np.concatenate(([weight @ bent], by))
         whole += np.outer(change, change)
-    g, arms, k_inf = np.exp(theta[: count // 2]), count // 2, _stiffness(solved.slope)
+    g, arms, k_inf = np.exp(theta[: count // 2]), count // 2, mean_slope(solved.slope)
     turn = np.eye(1 + count)
     turn[1 : 1 + arms, 0] = g
     turn[np.arange(1, 1 + arms), np.arange(1, 1 + arms)] = g * k_inf

@@ -9,6 +9,7 @@ SETTLED = 0.02
 DEEPER = 1.02
 MOST_DRIFT = 0.02
 EVEN = 0.02
+PULLS = 0.01
 
 
 @criterion(
@@ -126,6 +127,19 @@ def energy_lost(hysteresis: float | None) -> Finding:
         hysteresis,
         ": a seal does not make energy; are force and displacement swapped (--force, "
         "--displacement)?",
+    )
+
+
+@criterion("pull / greatest force", "<=", PULLS, "our choice: a load cell's zero is known to less")
+def released_freely(pull: float | None) -> Finding:
+    """The seal leaves the plate as it is released, and does not pull on it."""
+    if pull is None:
+        return Finding("without air beside the release no pull on the plate is told from a zero")
+    return Finding(
+        f"as it is released the seal pulls on the plate with {100 * pull:.2g} % of the force",
+        pull,
+        ": it sticks, so that hysteresis and set are its adhesion's too; clean or powder the "
+        "plate, or leave the release out of what the material is said to lose",
     )
 
 

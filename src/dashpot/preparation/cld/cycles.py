@@ -17,6 +17,8 @@ from dashpot.preparation.cld.zero import Zero, met_again, zero_of
 from dashpot.preparation.segments import resolution_of
 from dashpot.records.cld import CLD, AtCompression, Branch, CompressionTest, Cycle
 
+_SMOOTHED, _RARE = 5, 4.0
+"""Samples of a mean in which a pull is sought, and standard deviations that chance may make."""
 _COMMON = 0.95
 """Part of the least depth at which cycles are compared."""
 _BEYOND = 5e-3
@@ -196,6 +198,16 @@ def _chosen(found: _Found, asked: int | None, at: float | None) -> int:
     return (whole or reach or [len(cycles) - 1])[-1]
 
 
+def _pull(cycle: Cycle, zero: Zero) -> float | None:
+    """The greatest pull of a release, over the greatest force; less than noise makes is none."""
+    back = cycle.unloading
+    if back is None or not zero.air or len(back.force) < _SMOOTHED:
+        return None
+    means = np.convolve(back.force, np.full(_SMOOTHED, 1 / _SMOOTHED), "valid")
+    chance = _RARE * zero.noise / _SMOOTHED**0.5 + 2 * zero.force_se
+    return float(max(-means.min() - chance, 0.0) / cycle.peak)
+
+
 def _checks(found: _Found, index: int, most: float, test: CompressionTest) -> tuple[Check, ...]:
     cycles, zero = found.cycles, found.zero
     used, before = cycles[index], cycles[:index]
@@ -214,6 +226,7 @@ def _checks(found: _Found, index: int, most: float, test: CompressionTest) -> tu
         checks.load_cell_steady(drift),
         checks.speed_even(found.uneven[index]),
         checks.energy_lost(used.hysteresis),
+        checks.released_freely(_pull(used, zero)),
         checks.unloading_recorded(recorded=used.unloading is not None),
         checks.length_given(given=test.specimen.length is not None),
     )
