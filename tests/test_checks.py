@@ -53,6 +53,7 @@ from dashpot.records.relaxation import RampHold
 from dashpot.records.shaken import ShakenTest
 from dashpot.records.specimen import Specimen
 from dashpot.records.temperature import Shift, TemperatureShifts
+from dashpot.seals import checks as seals
 from dashpot.solids.contact import ViscousContact
 from dashpot.solids.interconversion import CreepSpectrum
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -785,6 +786,41 @@ VIBRATION = [
     Case("causal", lambda x: vibration.causal(x, 0.1, error=0.05, peak=12.0), 0.1999, 0.2001),
 ]
 
+SEALS = [
+    *(
+        Case(
+            "door_modes_informed",
+            lambda x, edge=edge, way=way: seals.door_modes_informed(
+                [(1.0, 0.5), (edge * x**way, 0.0101)], (0.1, 2.0)
+            ),
+            0.999,
+            1.001,
+        )
+        for edge, way in ((2.0, 1), (0.1, -1))
+    ),
+    Case(
+        "door_modes_informed",
+        lambda x: seals.door_modes_informed([(1.0, 0.5), (9.0, x)], (0.1, 2.0)),
+        0.0099,
+        0.0101,
+    ),
+    Case(
+        "seal_touches",
+        lambda x: seals.seal_touches(x, length=4.0, least=-1e-3, where=1.0),
+        0.0,
+        0.01,
+    ),
+    Case("line_closed", lambda x: seals.line_closed(4.0, x), 0.0, 0.001),
+    Case("stations_suffice", lambda x: seals.stations_suffice(x, 0.025), 0.99e-3, 1.01e-3),
+    Case("modes_suffice", lambda x: seals.modes_suffice(x, 12, 300.0), 4.99e-3, 5.01e-3),
+    Case("shapes_known_there", lambda x: seals.shapes_known_there(x, "latch"), 0.0299, 0.0301),
+    *(
+        Case("masses_agree", lambda x, way=way: seals.masses_agree(25.0, 25 * x**way), 1.049, 1.051)
+        for way in (1, -1)
+    ),
+    Case("door_held", whole(seals.door_held), 0, 1),
+]
+
 COMPARISON = [
     *(
         Case(
@@ -1277,6 +1313,7 @@ STAGES = {
     "lots": LOTS,
     "planning": PLANNING,
     "vibration": VIBRATION,
+    "seals": SEALS,
     "vibration/comparison": COMPARISON,
     "vibration/impact": IMPACT,
     "vibration/modal": MODAL,
@@ -1360,6 +1397,10 @@ LIMITS = {
              "stands_out_of_lot": 0, "asked_in_band": 0, "lots_tested_alike": 0,
              "seals_named": 0},
     "planning": {"tip_excites": -10},
+    "seals": {
+        "door_modes_informed": 1, "seal_touches": 0, "stations_suffice": 1e-3,
+        "modes_suffice": 5e-3, "shapes_known_there": 0.03, "masses_agree": 1.05, "door_held": 0,
+    },
     "vibration": {
         "seal_mass_negligible": 0.02, "mass_of_a_block": 1e-3, "compression_tested": 1,
     },
@@ -1390,6 +1431,7 @@ LIMITS = {
 #: what a failure means; of every other check, that the result is to be used with care
 GRADES = {
     "note": {
+        "seals": {"line_closed"},
         "lots": {"stands_out_of_lot"},
         "preparation/cld": {"unloading_recorded", "length_given"},
         "preparation": {

@@ -106,10 +106,12 @@ from .vibration.systems.bodies import Body as Body
 from .vibration.systems.bodies import Mount as Mount
 from .vibration.systems.bodies import planar_body as planar_body
 from .vibration.systems.bodies import point_mass as point_mass
+from .vibration.systems.energy import energy_shares as energy_shares
 from .vibration.systems.level import response_at_level as response_at_level
 from .vibration.systems.prediction import isolation_frequency as isolation_frequency
 from .vibration.systems.prediction import predict_frf as predict_frf
 from .vibration.systems.random_base import random_base as random_base
+from .vibration.systems.random_base import random_response as random_response
 from .vibration.systems.system import System as System
 from .workflow.archive import from_json as from_json
 from .workflow.archive import to_json as to_json

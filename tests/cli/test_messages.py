@@ -75,6 +75,8 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "vibration/modal/checks.py:sensors_agree": ("rod",),
     "workflow/part.py:pad": ("predict", "rod"),
     "workflow/indentations.py": ("indent",),
+    "workflow/doors.py": ("door",),
+    "io/readers/door.py": ("door",),
     "io/readers/indentation.py": ("indent",),
     "fitting/indentation/fit.py": ("indent",),
     "fitting/indentation/checks.py": ("indent",),

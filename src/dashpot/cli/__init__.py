@@ -33,6 +33,7 @@ COMMANDS = {
     "cld": "Compression load deflection: force at nominal, hysteresis, scatter.",
     "indent": "Stiffness, damping and modulus from an indenter's hit.",
     "rod": "Modulus and loss factor of a rod that shakes under a mass.",
+    "door": "A door on its seal line: modes, damping, who holds the energy.",
     "compare": "The predicted FRF against a measured one.",
     "identify": "Maxwell parameters from vibration, alone or jointly.",
     "app": "The same in a browser: drop a file, drag a handle.",

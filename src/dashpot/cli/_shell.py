@@ -14,11 +14,12 @@ import click
 from click.shell_completion import CompletionItem
 
 import dashpot as dp
+from dashpot import workflow
 from dashpot.base.errors import ReadError
 from dashpot.base.escapes import escaped_json
 from dashpot.cli._echo import to_stderr, to_stdout
 from dashpot.cli._terminal import Text, progress, shown
-from dashpot.io.source import open_raw
+from dashpot.io.source import like_json
 from dashpot.workflow.outputs import Outputs
 
 if TYPE_CHECKING:
@@ -31,8 +32,6 @@ _WRITTEN, _OPENS = "dashpot.written", "dashpot.opens"
 _MAKERS = ("simulate", "example", "demo")
 """Commands that write records; to all others a record is somebody's measurement."""
 _SEEN = (".html", ".png", ".svg", ".pdf")
-
-A_FIT = "a fit, as 'dashpot fit FILE -o fit.json' writes it"
 
 
 class Outcome(NamedTuple):
@@ -248,20 +247,12 @@ def grams(mass: float) -> str:
     return f"{1e3 * mass:g}g"
 
 
-def read_fit(path: str) -> dp.Fit:
-    """Return the fit in a JSON file, as written by ``dashpot fit -o``; ``-`` is stdin."""
-    found = _read(path, hint=f"; expected {A_FIT}")
-    if not isinstance(found, dp.Fit):
-        raise ReadError(f"{path} holds a {type(found).__name__}; expected {A_FIT}")
-    return found
-
-
 def read_model(path: str) -> tuple[dp.GeneralizedMaxwell, TemperatureLaw | None]:
     """Return the solid in a JSON file that holds a fit or a model, and how it follows temperature.
 
     ``-`` is stdin.
     """
-    found = _read(path)
+    found = workflow.stored(path)
     if isinstance(found, dp.Fit):
         return found.model, found.temperature_law
     if isinstance(found, dp.GeneralizedMaxwell | dp.FractionalZener | dp.Parallel):
@@ -269,25 +260,9 @@ def read_model(path: str) -> tuple[dp.GeneralizedMaxwell, TemperatureLaw | None]
     raise ReadError(f"{path} holds a {type(found).__name__}; expected a fit or a model")
 
 
-def _read(path: str, *, hint: str = "") -> object:
-    raw = open_raw(path)
-    if not _like_json(raw.head(64)):
-        raise ReadError(f"{path}: this is not a JSON document{hint}")
-    try:
-        return dp.from_json(raw.head(raw.size).decode())
-    except UnicodeDecodeError:
-        raise ReadError(f"{path} is not a JSON document: it is not UTF-8 text") from None
-    except ReadError as error:
-        raise ReadError(f"{path}: {error}{hint}") from None
-
-
 def is_json(path: str) -> bool:
     """Tell whether a file opens like a JSON object, so that it may be a fit."""
     if not Path(path).is_file():  # a look into a pipe would take its first bytes away
         return False
     with Path(path).open("rb") as file:
-        return _like_json(file.read(64))
-
-
-def _like_json(head: bytes) -> bool:
-    return head.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{")
+        return like_json(file.read(64))

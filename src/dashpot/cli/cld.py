@@ -13,7 +13,7 @@ from dashpot.base.errors import ReadError
 from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._options import Quantity, Range
-from dashpot.cli._shell import File, Outcome, printed, read_fit, reports, write, write_figure
+from dashpot.cli._shell import File, Outcome, printed, reports, write, write_figure
 from dashpot.cli._terminal import Text
 from dashpot.cli._text import rounded, table, with_error
 
@@ -64,7 +64,7 @@ def command(
     dashpot cld slow.csv fast.csv --at 6mm -o law.json
     dashpot cld piece.csv --at 6mm --with fit.json -o fit_with_law.json
     """
-    found = workflow.cld_files(files, memory=[read_fit(one) for one in memory], **choices)
+    found = workflow.cld_files(files, memory=[workflow.read_fit(one) for one in memory], **choices)
     if output and found.fit is None:
         raise ReadError(
             "-o writes a fit: that of a relaxation test (--with), with the elastic law of the load "

@@ -11,7 +11,7 @@ from dashpot import workflow
 from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._options import given
-from dashpot.cli._shell import File, Outcome, grams, read_fit, reports, typed, write_figure
+from dashpot.cli._shell import File, Outcome, grams, reports, typed, write_figure
 from dashpot.cli._terminal import Text
 from dashpot.io.options import OF_BENCH, ReadOptions
 
@@ -56,7 +56,7 @@ def command(
     dashpot compare fit.json frf.uff --mass 104g --seals 2 --json
     dashpot compare fit.json hammer.csv --mass 104g --seals 2 --with seal_8mm.csv --plot frf.png
     """
-    fitted = read_fit(fit)
+    fitted = workflow.read_fit(fit)
     found = workflow.compare_files(
         fitted,
         measured,

@@ -8,11 +8,12 @@ from typing import Any
 import click
 
 import dashpot as dp
+from dashpot import workflow
 from dashpot.base.errors import ExportError
 from dashpot.cli import _options as options
 from dashpot.cli._echo import to_stderr
 from dashpot.cli._options import Quantity, Range
-from dashpot.cli._shell import File, Outcome, read_fit, reports, write
+from dashpot.cli._shell import File, Outcome, reports, write
 from dashpot.cli._terminal import Text
 from dashpot.records.seal_line import Stations
 from dashpot.records.specimen import Specimen
@@ -91,7 +92,7 @@ def command(
     dashpot export fit.json --to nastran --units mm-t-s --temperature 23degC --length 100mm
     dashpot export fit.json --to calculix --units mm-t-s --mass 104g --seals 2 --force -o seal.inp
     """
-    found = _described(read_fit(fit), specimen)
+    found = _described(workflow.read_fit(fit), specimen)
     choices["line"] = None if line is None else _seal_line(line, pitch, normal, units)
     deck = dp.export.deck_for(
         target,

@@ -18,7 +18,6 @@ from dashpot.cli._shell import (
     Output,
     is_json,
     printed,
-    read_fit,
     reports,
     typed,
     write,
@@ -91,7 +90,7 @@ def command(
     fits = [path for path in together if is_json(path)]
     found, straight, noted = workflow.identify_files(
         measured,
-        fits=[read_fit(path) for path in fits],
+        fits=[workflow.read_fit(path) for path in fits],
         tests=[path for path in together if path not in fits],
         options=options.without(OF_BENCH),
         options_with=over_profile(options.only(("units", *OF_BENCH)), with_profile),

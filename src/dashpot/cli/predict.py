@@ -12,7 +12,7 @@ from dashpot.base.checks import verdict
 from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._options import Range
-from dashpot.cli._shell import File, Outcome, grams, read_fit, reports, typed, write, write_figure
+from dashpot.cli._shell import File, Outcome, grams, reports, typed, write, write_figure
 
 
 @click.command("predict")
@@ -77,7 +77,7 @@ def command(
     dashpot predict moving.json --mass 104g --seals 2 --temperature -10degC
     dashpot predict dma.json --disc 20mm,20mm --mass 400g --seals 2 --base
     """
-    fitted = read_fit(fit)
+    fitted = workflow.read_fit(fit)
     base = base or choices["base_psd"] is not None
     if base:
         _no_other_kind()

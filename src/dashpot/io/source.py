@@ -85,6 +85,11 @@ def about(name: str) -> Iterator[None]:
         raise ReadError(f"{name}{mark}{text}") from None
 
 
+def like_json(head: bytes) -> bool:
+    """Whether the first bytes of a file open a JSON object."""
+    return head.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{")
+
+
 def open_raw(path: str | Path) -> Raw:
     """Return the file at `path`, or stdin for ``-``.
 

@@ -11,6 +11,7 @@ from dashpot.plot.cld import cld
 from dashpot.plot.columns import columns
 from dashpot.plot.creep import creep
 from dashpot.plot.direct import dynamic_stiffness
+from dashpot.plot.door import door
 from dashpot.plot.files import rendered, save
 from dashpot.plot.impact import hits
 from dashpot.plot.indentation import indentation
@@ -36,6 +37,7 @@ __all__ = [
     "columns",
     "comparison",
     "creep",
+    "door",
     "dynamic_stiffness",
     "elastic_law",
     "fit",

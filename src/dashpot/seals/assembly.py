@@ -20,7 +20,7 @@ PITCH = 0.025
 """m, where none is stated."""
 _ALIKE = 0.01
 """Relative difference of the masses that rigid modes imply along x, y and z."""
-_AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,7 @@ class Assembly:
             damping = support.damping or (0.0,) * len(support.stiffness)
             pairs = zip(support.stiffness, damping, strict=True)
             solids = [GeneralizedMaxwell(k, b=b) for k, b in pairs]
-        ways = _AXES if support.along is None else (support.along,)
+        ways = AXES if support.along is None else (support.along,)
         return [
             Mount(solid, (DOOR, BODY), support.at, along, name=support.name)
             for solid, along in zip(solids, ways, strict=True)

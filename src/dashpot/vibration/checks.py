@@ -44,7 +44,7 @@ def compression_tested(compression: float, depth: float | None) -> Finding:
         f"{says}, within the {1e3 * depth:.3g} mm tested",
         part,
         instead=f"{says}, {part:.3g} times the {1e3 * depth:.3g} mm tested: test as deep, or check "
-        "the mass and its unit",
+        "what presses them, and its unit",
         grade="stop" if part > MOST_BEYOND else "limit",
     )
 

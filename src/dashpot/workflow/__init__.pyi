@@ -1,6 +1,9 @@
 from .archive import document as document
 from .cld import Pieces as Pieces
 from .cld import cld_files as cld_files
+from .doors import DoorResult as DoorResult
+from .doors import door_file as door_file
+from .doors import open_door as open_door
 from .examples import CAPTIONS as CAPTIONS
 from .examples import EXAMPLES as EXAMPLES
 from .examples import FIRST as FIRST
@@ -36,5 +39,7 @@ from .resting import at_rest as at_rest
 from .rods import Rod as Rod
 from .rods import RodChoices as RodChoices
 from .rods import rod_files as rod_files
+from .stored import read_fit as read_fit
+from .stored import stored as stored
 from .study import run as run
 from .verification import verify as verify

@@ -17,6 +17,7 @@ from dashpot.base.version import byline
 from dashpot.io.write import write_impact, write_relaxation
 from dashpot.records.indentation import GRAVITY
 from dashpot.simulation.impact import Hammer, simulate_impact
+from dashpot.simulation.plate import free_plate
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Climate, Rig
 from dashpot.simulation.truth import stamp
@@ -235,6 +236,100 @@ def _line() -> str:
     return "\n".join([f"# {byline('simulated seal line')}", "x,y,z", *rows, ""])
 
 
+_HINGES, _LATCH, _MIRROR = ((0.0, 0.3, 0.0), (0.0, 0.9, 0.0)), (1.1, 0.6, 0.0), (0.15, 1.05, 0.0)
+
+
+def _around() -> tuple[FloatArray, FloatArray]:
+    """A seal line 20 mm within a door, its corners round, m; and its gap, 12.5 to 15 mm."""
+    radius, low, high = 0.1, np.array([0.02, 0.02]), np.array([1.08, 1.18])
+    points: list[FloatArray] = []
+    for corner, start in ((0, -180), (1, -90), (2, 0), (3, 90)):
+        middle = np.where([corner in {1, 2}, corner in {2, 3}], high - radius, low + radius)
+        angle = np.radians(start + np.linspace(0, 90, 7))
+        arc = middle + radius * np.stack((np.cos(angle), np.sin(angle)), axis=1)
+        straight = np.linspace(points[-1], arc[0], 8)[1:-1] if points else np.empty((0, 2))
+        points += [*straight, *arc]
+    points += [*np.linspace(points[-1], points[0], 8)[1:]]
+    place = np.column_stack((points, np.zeros(len(points))))
+    gap = 13.75e-3 + 1.25e-3 * np.sin(2 * np.pi * np.arange(len(place)) / (len(place) - 1))
+    return place, gap
+
+
+def _door_line() -> str:
+    place, gap = _around()
+    rows = (",".join(f"{1e3 * v:.3f}" for v in (*p, g)) for p, g in zip(place, gap, strict=True))
+    head = [f"# {byline('simulated seal line')}", "# simulated", "x [mm],y [mm],z [mm],gap [mm]"]
+    return "\n".join([*head, *rows, ""])
+
+
+def _door_modes() -> str:
+    """Of a plate of 25 kg whose first elastic mode lies at 64 Hz, as a row a point and mode."""
+    place = np.concatenate((_around()[0][:-1], (*_HINGES, _LATCH, _MIRROR)))
+    modes = free_plate(place, width=1.1, height=1.2, mass=25.0, rigidity=3e4, elastic=24)
+    rows = (
+        ",".join(f"{v:.7g}" for v in (r + 1, f, *(1e3 * place[p]), modes.shape[r, p, 2]))
+        for r, f in enumerate(modes.frequency)
+        for p in range(len(place))
+    )
+    head = [f"# {byline('simulated modes')}", "# simulated, shapes of a modal mass of 1 kg"]
+    return "\n".join([*head, "mode,frequency [Hz],x [mm],y [mm],z [mm],uz", *rows, ""])
+
+
+def _door() -> str:
+    return f"""\
+# {byline("simulated door")}
+# dashpot fit seal_8mm.csv -o fit.json writes the fit of its seal
+
+[door]
+mass = "25kg"
+width = "1.1m"              # along x, and
+height = "1.2m"             # along y: inertia of an even plate; or inertia = "3, 2.5, 5.5 kg*m^2"
+centre = "550, 600, 0 mm"   # of gravity
+
+[[hinge]]
+name = "lower hinge"
+at = "0, 300, 0 mm"
+stiffness = "5kN/mm"        # along x, y and z alike; or "5, 8, 5 kN/mm"
+damping = "300N*s/m"
+
+[[hinge]]
+name = "upper hinge"
+at = "0, 900, 0 mm"
+stiffness = "5kN/mm"
+damping = "300N*s/m"
+
+[latch]
+at = "1100, 600, 0 mm"
+stiffness = "1kN/mm"
+damping = "100N*s/m"
+
+[seal]
+fit = "fit.json"
+length = "100mm"            # of the piece that was tested
+points = "door_line.csv"    # x, y, z and the gap there
+height = "20mm"             # of the free seal
+normal = [0, 0, -1]         # the way in which the door presses it
+pitch = "25mm"
+
+[[seal.joint]]
+name = "splice"
+at = "2.1m"
+length = "40mm"
+factor = 1.6
+
+[modes]
+file = "door_modes.csv"
+damping = 0.005
+
+[[point]]
+name = "mirror"
+at = "150, 1050, 0 mm"
+
+[base]
+psd = "0.001g^2/Hz"
+"""
+
+
 CAPTIONS: Mapping[str, str] = MappingProxyType(
     {
         "seal_8mm.csv": "a seal pressed 8 mm in 1 s and held 40 s",
@@ -261,6 +356,9 @@ CAPTIONS: Mapping[str, str] = MappingProxyType(
         "shaker_20mN.csv": "the block on two such seals, on a shaker of 0.02 N",
         "shaker_500mN.csv": "the same at 0.5 N: dashpot level takes the two",
         "line.csv": "x, y, z of a seal along a quarter of a door, for dashpot export --line",
+        "door.toml": "a door with hinges, latch, seal and modes, for dashpot door",
+        "door_line.csv": "its seal line: x, y, z and the gap that the seal fills",
+        "door_modes.csv": "its modes, as it moves when nothing holds it",
     }
 )
 """What every example file is."""
@@ -294,6 +392,9 @@ EXAMPLES: Mapping[str, Callable[[], str]] = MappingProxyType(
         "shaker_20mN.csv": _at_level(0.02, 1),
         "shaker_500mN.csv": _at_level(0.5, 2),
         "line.csv": _line,
+        "door.toml": _door,
+        "door_line.csv": _door_line,
+        "door_modes.csv": _door_modes,
     }
 )
 """Every example file and what writes it."""

@@ -30,6 +30,8 @@ from dashpot.records.seal_line import Joint, SealLine
 
 LARGEST = 30.0
 """m; no door lies further from the origin of its car's axes, and no seal line is longer."""
+LIGHTEST, HEAVIEST = 0.05, 500.0
+"""kg, of a door: from that of a glove box to a gate's."""
 _Z = (0.0, 0.0, 1.0)
 
 
@@ -110,7 +112,13 @@ def _rigid(section: Section, *, besides: bool = False) -> RigidPart | None:
 def _door(here: _Here, entries: Any) -> dict[str, Any]:
     section = here.section(entries, *_RIGID)
     sizes = {name: _size(section, name) for name in ("width", "height")}
-    return {"rigid": _rigid(section, besides=True), **sizes}
+    rigid = _rigid(section, besides=True)
+    if rigid is not None and not LIGHTEST <= rigid.mass <= HEAVIEST:
+        raise ReadError(
+            f"{section.where}: mass {rigid.mass:g} kg; expected that of a door, {LIGHTEST:g} to "
+            f"{HEAVIEST:g} kg: is its unit kg?"
+        )
+    return {"rigid": rigid, **sizes}
 
 
 def _body(here: _Here, entries: Any) -> dict[str, Any]:

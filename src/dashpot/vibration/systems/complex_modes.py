@@ -69,10 +69,13 @@ def complex_modes(system: System) -> tuple[ComplexMode, ...]:
     # rounding may leave a hair of an imaginary part on a real pole
     hair = 1e-9 * np.abs(poles) + 1e-13 * np.abs(poles).max()
     poles = np.where(np.abs(poles.imag) <= hair, poles.real, poles)
+    rigid = _rigid_below(system)
+    kept = np.flatnonzero((poles.imag >= 0) & (np.abs(poles) > rigid))
+    with np.errstate(all="ignore"):  # the slope of an arm at its own rate
+        slopes = system.spring_slope(poles[kept])
     modes = [
-        ComplexMode(complex(s), _scaled(system, complex(s), vectors[:n, i]))
-        for i, s in enumerate(poles)
-        if s.imag >= 0 and not _is_rigid(system, complex(s))
+        ComplexMode(complex(poles[i]), _scaled(system, complex(poles[i]), vectors[:n, i], slope))
+        for i, slope in zip(kept.tolist(), slopes, strict=True)
     ]
     return tuple(sorted(modes, key=lambda m: (not m.oscillates, abs(m.pole) * _sign(m))))
 
@@ -94,7 +97,8 @@ def newton_modes(system: System, *, iterations: int = 100) -> tuple[ComplexMode,
         s = s if s.imag >= 0 else s.conjugate()
         found.append(s)
         vector = np.linalg.svd(system.dynamic_stiffness(s))[2][-1].conj()
-        modes.append(ComplexMode(s, _scaled(system, s, vector), converged=near and there))
+        shape = _scaled(system, s, vector, system.spring_slope(s))
+        modes.append(ComplexMode(s, shape, converged=near and there))
     return tuple(sorted(modes, key=lambda mode: mode.frequency))
 
 
@@ -123,7 +127,8 @@ def _newton(
     best = np.inf
     for _ in range(iterations):
         try:
-            change = np.linalg.solve(system.dynamic_stiffness(s), _derivative(system, s))
+            derivative = _derivative(system, s, system.spring_slope(s))
+            change = np.linalg.solve(system.dynamic_stiffness(s), derivative)
         except np.linalg.LinAlgError:  # singular to the last digit: this is the pole
             return s, True
         slope = np.trace(change) - sum(1 / (s - p) + 1 / (s - p.conjugate()) for p in found)
@@ -139,26 +144,30 @@ def _newton(
     return s, False
 
 
-def _derivative(system: System, s: complex) -> ComplexArray:
+def _derivative(system: System, s: complex, slopes: ComplexArray) -> ComplexArray:
     """dD/ds: 2 s M + E^T K'(s) E."""
-    slopes = np.array([complex(spring.felt.slope_at(s)) for spring in system.springs])
     E = system.stretch
     return np.asarray(2 * s * system.mass_matrix + (E.T * slopes) @ E)
 
 
-def _scaled(system: System, s: complex, vector: ComplexArray) -> ComplexArray:
+def _scaled(system: System, s: complex, vector: ComplexArray, slopes: ComplexArray) -> ComplexArray:
     """The shape; 0 of a relaxation so near that of its arm that nothing moves."""
     with np.errstate(all="ignore"):
-        shape = np.asarray(vector / np.sqrt(complex(vector @ _derivative(system, s) @ vector)))
+        size = complex(vector @ _derivative(system, s, slopes) @ vector)
+        shape = np.asarray(vector / np.sqrt(size))
     return shape if np.isfinite(shape).all() else np.zeros_like(vector)
 
 
-def _is_rigid(system: System, s: complex) -> bool:
-    """True near 0 if the system has motions that stretch no mount."""
-    free = len(system.dofs) > np.linalg.matrix_rank(system.stretch)
+def _rigid_below(system: System) -> float:
+    """Size of a pole, 1/s, below which it is 0, if the system has motions that stretch no spring.
+
+    Otherwise less than any.
+    """
+    if len(system.dofs) <= np.linalg.matrix_rank(system.stretch):
+        return -1.0
     inertia = float(np.trace(system.mass_matrix))
     glass = float(sum(spring.felt.k_0 for spring in system.springs))
-    return bool(free and abs(s) ** 2 * inertia <= _RIGID * glass)
+    return float(np.sqrt(_RIGID * glass / inertia))
 
 
 def _sign(mode: ComplexMode) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -92,6 +93,11 @@ class System:
         bodies = [replace(each, modes=bent) if each.name == body else each for each in self.bodies]
         return replace(self, bodies=tuple(bodies))
 
+    @cached_property
+    def _columns(self) -> dict[str, int]:
+        """Where each motion of the bodies, then of the grounds, stands in a row."""
+        return {name: i for i, name in enumerate(self.dofs + self.base_dofs)}
+
     # -- matrices -------------------------------------------------------------------------------
 
     @cached_property
@@ -118,13 +124,11 @@ class System:
 
     def spring_stiffness(self, s: npt.ArrayLike) -> ComplexArray:
         """K of each spring at s, 1/s, shape (..., springs)."""
-        s = np.asarray(s, dtype=complex)
-        known: dict[Solid, ComplexArray] = {}  # a line of seal is one solid many times
-        for spring in self.springs:
-            if spring.felt not in known:
-                known[spring.felt] = spring.felt.stiffness_at(s)
-        rows = [known[spring.felt] for spring in self.springs]
-        return np.stack(rows, axis=-1) if rows else np.zeros((*s.shape, 0), dtype=complex)
+        return self._of_springs(s, lambda solid, at: solid.stiffness_at(at))
+
+    def spring_slope(self, s: npt.ArrayLike) -> ComplexArray:
+        """dK/ds of each spring at s, shape (..., springs)."""
+        return self._of_springs(s, lambda solid, at: solid.slope_at(at))
 
     def dynamic_stiffness(self, s: npt.ArrayLike) -> ComplexArray:
         r""":math:`s^2 M + E^T K(s) E`, shape (..., n, n)."""
@@ -210,6 +214,18 @@ class System:
 
     # -- private --------------------------------------------------------------------------------
 
+    def _of_springs(
+        self, s: npt.ArrayLike, asked: Callable[[Solid, ComplexArray], ComplexArray]
+    ) -> ComplexArray:
+        s = np.asarray(s, dtype=complex)
+        known: dict[Solid, ComplexArray] = {}  # a line of seal is one solid many times
+        felt = [spring.felt for spring in self.springs]
+        for solid in felt:
+            if solid not in known:
+                known[solid] = asked(solid, s)
+        rows = [known[solid] for solid in felt]
+        return np.stack(rows, axis=-1) if rows else np.zeros((*s.shape, 0), dtype=complex)
+
     def _stretch(self) -> FloatArray:
         columns = len(self.dofs) + len(self.base_dofs)
         rows = [
@@ -227,12 +243,12 @@ class System:
 
     def _row(self, place: str | Point) -> FloatArray:
         """How body motions, then ground motions, move a place, shape (n + 6 grounds,)."""
-        names = self.dofs + self.base_dofs
+        names = self._columns
         row = np.zeros(len(names))
         if isinstance(place, str):
             if place not in names:
                 raise DataError(f"'{place}' is no degree of freedom; known: {', '.join(names)}")
-            row[names.index(place)] = 1.0
+            row[names[place]] = 1.0
             return row
         known = {body.name: body.at for body in self.bodies}
         known |= dict.fromkeys(self.grounds, (0.0, 0.0, 0.0))
@@ -247,5 +263,5 @@ class System:
         for name, value in motion.items():
             dof = f"{place.body}.{name}"
             if dof in names:  # a motion that is held does not move the point
-                row[names.index(dof)] = value
+                row[names[dof]] = value
         return row

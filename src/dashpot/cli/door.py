@@ -1,0 +1,134 @@
+"""dashpot door: a door on its seal line."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+import dashpot as dp
+from dashpot import workflow
+from dashpot.cli import _options as options
+from dashpot.cli._options import Range
+from dashpot.cli._shell import File, Outcome, printed, reports, write, write_figure
+from dashpot.cli._terminal import Text
+from dashpot.cli._text import hertz, rounded, table
+
+
+@click.command("door")
+@click.argument("door", type=File(), metavar="DOOR.toml")
+@click.option("--modes", "every", is_flag=True, help="The share of every part in every mode.")
+@click.option(
+    "--band", type=Range("frequency"), default="1:200Hz", show_default=True,
+    help="Of modes and FRFs.",
+)  # fmt: skip
+@options.temperature
+@options.picture
+@options.output("Write everything, FRFs too, as JSON.", ".json")
+@options.overwrite
+@reports
+def command(
+    *, door: str, every: bool, picture: str | None, output: str | None, **choices: Any
+) -> Outcome:
+    """Find how a door vibrates on its seal: modes, damping, who holds and who loses the energy.
+
+    DOOR.toml names mass, hinges, latch and bumpers of the door, its seal line with the fit of a
+    piece of that seal, and perhaps its free modes: dashpot example --all writes one.
+
+    \b
+    dashpot door door.toml
+    dashpot door door.toml --modes --plot door.png
+    dashpot door door.toml --temperature -20degC -o door.json
+    """
+    found = workflow.door_file(door, **choices)
+    if picture:
+        write_figure(picture, dp.plot.door(found))
+    if output:
+        write(output, printed(found.document) + "\n")
+    return Outcome(found.document, _said(found, every=every), found.checks, verdict=found.verdict)
+
+
+def _said(found: workflow.DoorResult, *, every: bool) -> Text:
+    lines = _line(found)
+    parts = list(dict.fromkeys(one.name for mode in found.modes for one in mode.shares))
+    rows = [
+        ["mode", "Hz", "without seal", "damping, %", "loss factor", "seal, % of energy", "of loss",
+         "beyond its test"]
+    ]  # fmt: skip
+    for number, one in enumerate(found.modes, start=1):
+        rows.append(
+            [
+                str(number),
+                rounded(one.mode.frequency, digits=5),
+                "" if one.without_seal is None else rounded(one.without_seal, digits=5),
+                rounded(100 * one.mode.damping_ratio, digits=3),
+                rounded(one.loss_factor, digits=3),
+                f"{100 * one.share('seal'):.3f}",
+                f"{100 * one.loss_share('seal'):.1f}",
+                _beyond(found, one.mode.frequency),
+            ]
+        )
+    bare = ", ".join(rounded(f) for f in found.bare) or "none"
+    lines += table(rows) if found.modes else [f"  no mode in {hertz(found.band)}"]
+    lines.append(f"  without the seal: {bare} Hz")
+    shares = [["% of the energy", *parts], *_shares(found, parts, loss=False)]
+    losses = [["% of the loss", *parts], *_shares(found, parts, loss=True)]
+    tables = [*table(shares), *table(losses)] if found.modes else []
+    lines += _shaken(found)
+    return Text([*lines, *tables] if every else lines, [] if every else tables)
+
+
+def _beyond(found: workflow.DoorResult, frequency: float) -> str:
+    """By what factor a frequency lies outside what the test of the seal informs."""
+    if found.fit is None:
+        return ""
+    low, high = found.fit.band
+    factor = max(frequency / high, low / frequency) if high > 0 else float("inf")
+    return "inside" if factor <= 1 else f"x{factor:.3g}"
+
+
+def _shares(found: workflow.DoorResult, parts: list[str], *, loss: bool) -> list[list[str]]:
+    rows = []
+    for number, mode in enumerate(found.modes, start=1):
+        known = {one.name: one.loss if loss else one.energy for one in mode.shares}
+        whole = sum(known.values()) or 1.0
+        rows.append([str(number), *(f"{100 * known.get(name, 0.0) / whole:.2f}" for name in parts)])
+    return rows
+
+
+def _line(found: workflow.DoorResult) -> list[str]:
+    seal = found.document["seal"]
+    if seal is None:
+        return ["  no seal"]
+    closed = "closed" if seal["closed"] else "open"
+    count, stiffness = seal["stations"], rounded(1e-3 * seal["stiffness"])
+    length = rounded(seal["length"])
+    said = [f"  seal line {length} m, {closed}, {count} stations, k_inf {stiffness} N/mm in all"]
+    pressed = seal["compression"]
+    if pressed is not None:
+        least, mean, most = (rounded(1e3 * pressed[name], digits=3) for name in pressed)
+        said.append(
+            f"  pressed {least} to {most} mm (mean {mean}), relaxed {rounded(seal['force'])} N in "
+            "all"
+        )
+    if seal["band_hz"] is not None:
+        said.append(f"  its test informs {hertz(tuple(seal['band_hz']))}")
+    return said
+
+
+def _shaken(found: workflow.DoorResult) -> list[str]:
+    if not found.shaken:
+        return []
+    rows = [["base shakes: rms", "m/s^2", "mm to the body", "without seal, m/s^2", "mm"]]
+    for one in found.shaken:
+        bare = one.bare
+        rows.append(
+            [
+                one.name,
+                rounded(one.sealed.acceleration),
+                rounded(1e3 * one.sealed.stretch),
+                "not damped" if bare is None else rounded(bare.acceleration),
+                "" if bare is None else rounded(1e3 * bare.stretch),
+            ]
+        )
+    return table(rows)

@@ -1,0 +1,45 @@
+"""What a JSON file of dashpot's own holds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from dashpot.base.errors import ReadError
+from dashpot.io.source import like_json, open_raw
+from dashpot.records.fit import Fit
+from dashpot.workflow.archive import from_json
+
+A_FIT = "a fit, as 'dashpot fit FILE -o fit.json' writes it"
+
+
+def stored(path: str | Path, *, hint: str = "") -> object:
+    """Return the noun in a JSON file; ``-`` is stdin.
+
+    Raises
+    ------
+    ReadError
+        If it is none; the sentence ends with the hint.
+    """
+    raw = open_raw(path)
+    if not like_json(raw.head(64)):
+        raise ReadError(f"{path}: this is not a JSON document{hint}")
+    try:
+        return from_json(raw.head(raw.size).decode())
+    except UnicodeDecodeError:
+        raise ReadError(f"{path} is not a JSON document: it is not UTF-8 text") from None
+    except ReadError as error:
+        raise ReadError(f"{path}: {error}{hint}") from None
+
+
+def read_fit(path: str | Path) -> Fit:
+    """Return the fit in a JSON file, as written by ``dashpot fit -o``; ``-`` is stdin.
+
+    Raises
+    ------
+    ReadError
+        If it holds something else.
+    """
+    found = stored(path, hint=f"; expected {A_FIT}")
+    if not isinstance(found, Fit):
+        raise ReadError(f"{path} holds a {type(found).__name__}; expected {A_FIT}")
+    return found
