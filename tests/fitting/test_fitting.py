@@ -12,7 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError, FitError
-from dashpot.fitting.relaxation import _Holds, fit
+from dashpot.fitting.linear_gate import Holds
+from dashpot.fitting.relaxation import fit
 from dashpot.fitting.uncertainty.bootstrap import bootstrap
 from dashpot.preparation.prepare import prepare
 from dashpot.records.estimate import Profile, profile_interval
@@ -473,7 +474,7 @@ def test_the_fit_path_loads_no_scipy() -> None:
 import sys
 import numpy as np
 from dashpot.records.relaxation import RampHold
-from dashpot.fitting.relaxation import _Holds, fit
+from dashpot.fitting.relaxation import fit
 from dashpot.solids.maxwell import GeneralizedMaxwell
 t = np.arange(0, 1001) / 50.0
 x = 8e-3 * np.clip(t, 0, 1)
@@ -494,7 +495,7 @@ def test_a_record_whose_slow_arms_outlast_the_hold_is_fitted() -> None:
             GeneralizedMaxwell(196.5, (117.5, 17.8), (0.5021, 16.416)), seed=3, hold_time=4.0
         ).test
     )
-    holds = _Holds([record])
+    holds = Holds([record])
     high = np.log(holds.blocks[0].window[1])
     alone = holds.left(0, np.array([high + 0.5, high + 1.0]))
     assert float(np.std(alone)) == pytest.approx(

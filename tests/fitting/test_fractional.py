@@ -23,7 +23,8 @@ import dashpot as dp
 from dashpot.base.errors import FitError
 from dashpot.engine.blocks.block import frequency_block
 from dashpot.engine.blocks.recorded import recorded_block
-from dashpot.fitting.fit_data import FitData
+from dashpot.fitting.design import Design
+from dashpot.fitting.fit_data import FitData, data_of
 from dashpot.fitting.fractional.choice import element, parts_from
 from dashpot.fitting.fractional.projection import Columns
 from dashpot.fitting.identification.frf_data import frf_data_of
@@ -35,7 +36,6 @@ from dashpot.fitting.identification.likelihood import (
     Problem,
 )
 from dashpot.fitting.identification.parametrisation import Element
-from dashpot.fitting.relaxation import Design, _data
 from dashpot.fitting.relaxation_data import relaxation_data
 from dashpot.fitting.uncertainty.prediction_bounds import parameter_band, unseen_arm_band
 from dashpot.plot.picture import Tag
@@ -169,7 +169,7 @@ def test_noise_free_numbers_are_found_whatever_the_test() -> None:
 
 
 def test_a_trial_is_differentiated() -> None:
-    columns = Columns(_data([pressed(Seal.fractional(*TRUTHS[0]))], Design("full")).bound().rows)
+    columns = Columns(data_of([pressed(Seal.fractional(*TRUTHS[0]))], Design("full")).bound().rows)
     at = np.array([np.log(0.07), 0.55])
     for i, step in enumerate(np.eye(2) * 1e-5):
         slope = (columns.point(at + step).sse - columns.point(at - step).sse) / 4e-5
@@ -510,7 +510,7 @@ def coverage(seeds: int) -> dict[str, float]:
     inside = dict.fromkeys(truth, 0)
     for seed in range(seeds):
         test = pressed(Seal.fractional(200.0, 300.0, 0.05, 0.5), bench=bench, seed=seed)
-        found = element(_data([test], Design("full")).bound())
+        found = element(data_of([test], Design("full")).bound())
         known = ParameterEstimate(
             found.parameters, found.covariance, found.estimate.dof, Residual(1, 1.0, 1.0)
         )

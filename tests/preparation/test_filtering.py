@@ -7,7 +7,7 @@ import pytest
 from scipy import signal
 
 from dashpot.base.errors import DataError
-from dashpot.fitting.relaxation import filter_bias
+from dashpot.fitting.filter_bias import filter_bias
 from dashpot.preparation.filters import Filter, filtered, parse_filter
 from dashpot.preparation.prepare import prepare
 from dashpot.records.relaxation import RampHold, RelaxationTest

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -14,9 +14,10 @@ from dashpot.engine.blocks.block import Block
 from dashpot.engine.inference.covariance import Noise, Series, noise_of
 from dashpot.engine.solver.descent import Stack
 from dashpot.engine.solver.variable_projection import Solution, solve, solve_orders
-from dashpot.fitting.design import solid_of
+from dashpot.fitting.design import Design, bound, nuisanced, solid_of
 from dashpot.fitting.uncertainty.encoder import Encoder
 from dashpot.fitting.uncertainty.estimate import estimated, residual_of, rounding
+from dashpot.records.relaxation import RampHold
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # a prior whose assumed noise is within this factor of what the fit shows weighs what it should
@@ -79,6 +80,20 @@ class FitData:
     def peak(self) -> float:
         """Largest target: it sets what rounding alone leaves."""
         return max(_largest(block) for block in self.samples)
+
+
+def data_of(records: Sequence[RampHold], design: Design) -> FitData:
+    """Return the tests as data, with what is known of load cell and clocks."""
+    deepest = max(range(len(records)), key=lambda i: records[i].depth)
+    blocks = nuisanced(records, design)
+    return FitData(
+        blocks,
+        [block.exact for block in blocks],
+        in_time=True,
+        encoders=None if design.method == "hold" else [*map(Encoder.of, records)],
+        suffix=f"@{deepest}" if design.depth_law else "",
+        bind=partial(bound, records, blocks, design),
+    )
 
 
 class First(NamedTuple):

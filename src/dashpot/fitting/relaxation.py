@@ -3,54 +3,39 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
-from functools import cached_property, partial
+from functools import partial
 from typing import Literal
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
-from dashpot.base.errors import DashpotError, FitError
+from dashpot.base.errors import FitError
 from dashpot.base.provenance import Step
 from dashpot.base.units import Quantity, si
-from dashpot.engine.blocks.block import Block
-from dashpot.engine.solver.variable_projection import solve
+from dashpot.fitting.asked import Asked, checked_design, refuse_shifts
 from dashpot.fitting.checks import relaxation as checks
 from dashpot.fitting.checks.solid import (
     frequencies_informed,
     order_agreed,
     uncertainty_estimated,
 )
-from dashpot.fitting.design import (
-    NUISANCE,
-    Design,
-    Method,
-    after_ramp,
-    bound,
-    compressed,
-    eq5_obstacle,
-    moves_on,
-    nuisanced,
-    solid_of,
-)
-from dashpot.fitting.fit_data import First, FitData, determinable_arms, one_more, weighed
+from dashpot.fitting.design import NUISANCE, Design, Method, bound
+from dashpot.fitting.filter_bias import filter_bias
+from dashpot.fitting.fit_data import First, FitData, data_of, weighed
 from dashpot.fitting.fractional.choice import Choice as FamilyChoice
 from dashpot.fitting.fractional.choice import (
     ChosenElement,
     beside_bent,
-    checked_family,
     chosen_family,
     element,
     family_checks,
     named,
 )
+from dashpot.fitting.linear_gate import Holds, gated
 from dashpot.fitting.nonlinear_ramp import checks as ramp_checks
 from dashpot.fitting.nonlinear_ramp.assembly import ramp_fit
 from dashpot.fitting.nonlinear_ramp.ladder import LawName, ramp_law
 from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw
-from dashpot.fitting.nonlinear_ramp.soundness import linear_soundness
-from dashpot.fitting.nonlinear_ramp.thinning import ramp_obstacle
 from dashpot.fitting.nuisance import material, priors
 from dashpot.fitting.pipeline import Chosen, asked_arms, assembled, chosen_arms, point_estimate
 from dashpot.fitting.questions import Residuals, solid_checks
@@ -61,26 +46,16 @@ from dashpot.fitting.temperature.joint import Vertical
 from dashpot.fitting.temperature.optimum import checked_temperatures, reference_of
 from dashpot.fitting.temperature.reduced import Own, bent_block
 from dashpot.fitting.temperature.thermal_fit import fit_thermal
-from dashpot.fitting.uncertainty.encoder import Encoder
-from dashpot.fitting.uncertainty.estimate import Estimate, residual_of
+from dashpot.fitting.uncertainty.estimate import Estimate
 from dashpot.fitting.uncertainty.informed_band import informed_band
 from dashpot.fitting.uncertainty.left_open import end_of_hold
-from dashpot.preparation.filters import Filter, filter_of, filtered
 from dashpot.preparation.ramp_holds import Tests, ramp_holds
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.creep import Creep
 from dashpot.records.fit import Fit, Provenance
-from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold
 from dashpot.solids.elastic import ElasticLaw
-from dashpot.solids.maxwell import GeneralizedMaxwell
 
-# arms that a hold alone is given at least: what it leaves is noise
-_FEW = 2
-# an arm that lowers the sum of squares by less than this is none that the hold alone needs
-_AS_GOOD = 1.01
-# arms nearer than this in ln tau are one
-_SAME_ARM = 1e-6
 # arms that a test may have by itself, where it is one of several temperatures
 _OWN_ARMS = 6
 
@@ -174,7 +149,7 @@ def fit(
         recorded history.
     """
     if isinstance(tests, Creep):
-        _refuse_shifts("a creep test is", vertical, shift_law, reference)
+        refuse_shifts("a creep test is", vertical, shift_law, reference)
         if method != "full" or depth_law or law != "auto" or family != "maxwell":
             raise FitError(
                 "a creep test is fitted to its recorded force and to a linear solid with arms: it "
@@ -189,11 +164,8 @@ def fit(
         raise FitError("there is no test to fit; expected at least one prepared test")
     refuse_copies(records)
     most = asked_arms(arms, max_arms)
-    _checked_method(records, method)
-    _checked_law(law, method, depth_law=depth_law, thorough=thorough)
-    _checked_family(family, law, arms, depth_law=depth_law)
-    design = Design(method, depth_law, _checked_nuisance(nuisance))
-    count = None if arms == "auto" else most
+    asked = Asked("auto" if arms == "auto" else most, max_arms, law, family, intervals, thorough)
+    design = checked_design(records, asked, method=method, depth_law=depth_law, nuisance=nuisance)
     temperatures = checked_temperatures(records, shared=method == "full" and not depth_law)
     if len(temperatures) > 1:
         if family != "maxwell":
@@ -201,10 +173,9 @@ def fit(
                 "tests at several temperatures share arms that move together: leave the family to "
                 "be maxwell, or fit the tests of one temperature"
             )
-        own = [_own(record, law, thorough=thorough) for record in records]
         return fit_thermal(
-            own,
-            arms=count,
+            [_own(record, law, thorough=thorough) for record in records],
+            arms=asked.count,
             max_arms=max_arms,
             vertical=vertical,
             shift_law=shift_law,
@@ -213,60 +184,47 @@ def fit(
             thorough=thorough,
         )
     here = len(temperatures) == 1 and si(reference, "temperature") in {None, *temperatures.tolist()}
-    _refuse_shifts("the tests are", vertical, shift_law, None if here else reference)
+    refuse_shifts("the tests are", vertical, shift_law, None if here else reference)
     if law == "nonlinear":
-        return _by_ramp(records, ramp_law(records, law=law, arms=count), count)
-    data, first, holds = _data(records, design), None, _Holds(records)
-    point = not intervals and count is not None and family == "maxwell"
-    one = None
-    if method == "full" and not depth_law and design.nuisance == NUISANCE:
-        first, sound = _gated(holds, data, count, max_arms=max_arms, thorough=thorough, only=point)
-        if not sound and family != "maxwell":
-            one = element(first.data)
-            sound = family == "fractional" or _sound_element(holds, one, first)
-        if not sound:
-            bent = ramp_law(records, law=law, arms=count)
-            if not bent.sound:
-                found = _by_ramp(records, bent, count)
-                return found if one is None else beside_bent(found, bent.residuals, one)
-    if point and count is not None:
-        return _point(records, first or weighed(data, count, only=True), design, count)
-    chosen = chosen_arms(data, arms, max_arms=max_arms, thorough=thorough, first=first)
+        return _by_ramp(records, ramp_law(records, law=law, arms=asked.count), asked.count)
+    return _of_one_temperature(records, design, asked)
+
+
+def _of_one_temperature(records: Sequence[RampHold], design: Design, asked: Asked) -> Fit:
+    """Return the fit of a linear solid, or of a bent ramp where no linear solid is sound."""
+    data, holds, first, one = data_of(records, design), Holds(records), None, None
+    if design.method == "full" and not design.depth_law and design.nuisance == NUISANCE:
+        first, one, sound = gated(holds, data, asked)
+        bent = None if sound else ramp_law(records, law=asked.law, arms=asked.count)
+        if bent is not None and not bent.sound:
+            found = _by_ramp(records, bent, asked.count)
+            return found if one is None else beside_bent(found, bent.residuals, one)
+    if asked.point is not None:
+        first = first or weighed(data, asked.point, only=True)
+        return _point(records, first, design, asked.point)
+    chosen = chosen_arms(
+        data,
+        asked.arms,
+        max_arms=asked.max_arms,
+        thorough=asked.thorough,
+        first=first,
+    )
     both = None
-    if family != "maxwell":
-        both = chosen_family(chosen, one or element(chosen.data), family)
+    if asked.family != "maxwell":
+        both = chosen_family(chosen, one or element(chosen.data), asked.family)
         chosen = both.best
-    if method == "hold":
+    if design.method == "hold":
         doubts = [record.depth_doubt for record in records]
-        chosen = chosen.with_depth_doubt(doubts, shared=not depth_law)
-    return _assembled(holds, chosen, design, both, thorough=thorough)
-
-
-def _refuse_shifts(
-    what: str, vertical: Vertical, shift_law: ShiftLaw, reference: Quantity | None
-) -> None:
-    """Refuse what is asked of shifts where one temperature, or none, leaves nothing to shift."""
-    asked = {
-        "--reference": reference is not None,
-        "--shift": shift_law != "auto",
-        "--vertical": vertical != "free",
-    }
-    named = [flag for flag, given in asked.items() if given]
-    if named:
-        raise FitError(
-            f"{what} of one temperature as far as is known, and shifted to no other: leave out "
-            f"{' and '.join(named)}, or fit ramps and holds at several and say which "
-            "(--temperature 23degC --temperature 0degC)"
-        )
+        chosen = chosen.with_depth_doubt(doubts, shared=not design.depth_law)
+    return _assembled(holds, chosen, design, both, thorough=asked.thorough)
 
 
 def _own(record: RampHold, law: LawName, *, thorough: bool) -> Own:
     """Return one test of several temperatures with its own free fit; a bent ramp with its law."""
     kelvin = record.specimen.temperature or 0.0
-    data = _data([record], Design("full"))
-    first, sound = _gated(
-        _Holds([record]), data, None, max_arms=_OWN_ARMS, thorough=thorough, only=False
-    )
+    data = data_of([record], Design("full"))
+    asked = Asked("auto", _OWN_ARMS, thorough=thorough)
+    first, _, sound = gated(Holds([record]), data, asked)
     if sound or law == "linear":
         return Own.of(record, kelvin, first, None)
     bent = ramp_law([record], law=law)
@@ -301,7 +259,7 @@ def _point(records: Sequence[RampHold], first: First, design: Design, arms: int)
 
 
 def _assembled(
-    holds: _Holds, found: Chosen, design: Design, both: FamilyChoice | None, *, thorough: bool
+    holds: Holds, found: Chosen, design: Design, both: FamilyChoice | None, *, thorough: bool
 ) -> Fit:
     """Return the fit of a linear solid, with everything needed to judge it."""
     records, depth_law = holds.records, design.depth_law
@@ -339,91 +297,6 @@ def _assembled(
         elastic_law=ElasticLaw.linear(found.model.k_inf, deepest.depth),
         end_of_hold=end,
         alternative=other,
-    )
-
-
-class _Holds:
-    """The holds of some records alone, compressed once for all that asks them."""
-
-    def __init__(self, records: Sequence[RampHold]) -> None:
-        self.records = records
-
-    @cached_property
-    def blocks(self) -> tuple[Block, ...]:
-        """By eq. 5, or, where the plate creeps, as the answer to the recorded motion."""
-        return tuple(
-            compressed([record], Design("hold"))[0]
-            if eq5_obstacle(record) is None
-            else after_ramp(record)
-            for record in self.records
-        )
-
-    def left(self, i: int, start: FloatArray) -> FloatArray:
-        """What as many arms as `start` has, or as many as it bears, leave of one hold alone."""
-        block = self.blocks[i]
-        arms = min(max(len(start), _FEW), determinable_arms([block]))
-        # a start with two arms in one place, as at the edge of its shorter window, leads nowhere
-        near = start if len(start) == arms and _apart(start, block.window) else None
-        return residual_of(solve([block], arms, log_tau_start=near), block.exact)
-
-    def by_eq5(self, arms: int) -> GeneralizedMaxwell | None:
-        """What eq. 5 on all holds says with as many arms, where it applies."""
-        held = sum(len(record.time[record.hold]) for record in self.records)
-        if held <= 1 + 2 * arms or any(eq5_obstacle(record) for record in self.records):
-            return None
-        return solid_of(solve(self.blocks, arms, negligible=one_more(self.blocks)))
-
-
-def _apart(log_tau: FloatArray, window: tuple[float, float]) -> bool:
-    inside = np.clip(np.sort(log_tau), *np.log(window))
-    return bool(np.all(np.diff(inside) > _SAME_ARM))
-
-
-def _gated(
-    holds: _Holds,
-    data: FitData,
-    count: int | None,
-    *,
-    max_arms: int,
-    thorough: bool,
-    only: bool,
-) -> tuple[First, bool]:
-    """Return the linear solid of the number of arms asked for, and whether any is sound."""
-    enough = min(max_arms, determinable_arms(data.blocks))
-    most = enough if count is None else count
-    first = weighed(data, most, auto=count is None, thorough=thorough, only=only)
-    sound = _sound(holds, first)
-    if not sound and most < enough:
-        # too few arms are no reason to bend the law
-        first = weighed(data, enough, thorough=thorough)
-        sound = _sound(holds, first)
-    return first, sound
-
-
-def _sound(holds: _Holds, first: First) -> bool:
-    """True if a linear solid explains every record to its noise, ramp and hold alike.
-
-    A record without one ramp and one hold to speak of shows no elastic law.
-    """
-    least = _AS_GOOD * first.solutions[-1].sse
-    near = next(one for one in first.solutions if one.sse <= least)
-    for i, (record, residual) in enumerate(zip(holds.records, first.residuals, strict=True)):
-        if moves_on(record) or ramp_obstacle(record) is not None:
-            continue
-        alone = holds.left(i, near.log_tau)
-        if not linear_soundness(record, residual, alone).sound:
-            return False
-    return True
-
-
-def _sound_element(holds: _Holds, one: ChosenElement, first: First) -> bool:
-    """True if a linear fractional solid explains every record to its noise."""
-    start = first.solutions[-1].log_tau
-    pairs = zip(holds.records, one.estimate.residuals, strict=True)
-    return all(
-        linear_soundness(record, residual, holds.left(i, start)).sound
-        for i, (record, residual) in enumerate(pairs)
-        if not moves_on(record) and ramp_obstacle(record) is None
     )
 
 
@@ -466,82 +339,8 @@ def _end_of_hold(records: Sequence[RampHold], found: Chosen, design: Design) -> 
     )
 
 
-def _data(records: Sequence[RampHold], design: Design) -> FitData:
-    """Return the tests as data, with what is known of load cell and clocks."""
-    deepest = max(range(len(records)), key=lambda i: records[i].depth)
-    blocks = nuisanced(records, design)
-    return FitData(
-        blocks,
-        [block.exact for block in blocks],
-        in_time=True,
-        encoders=_encoders(records, design),
-        suffix=f"@{deepest}" if design.depth_law else "",
-        bind=partial(bound, records, blocks, design),
-    )
-
-
-def _checked_method(records: Sequence[RampHold], method: str) -> None:
-    if method not in ("full", "hold"):
-        raise FitError(
-            f'method = {method!r}; expected "full" (the recorded motion) or "hold" (eq. 5)'
-        )
-    if method == "full":
-        return
-    for number, record in enumerate(records, start=1):
-        obstacle = eq5_obstacle(record)
-        if obstacle is not None:
-            which = f"test {number} of {len(records)}: " if len(records) > 1 else ""
-            raise FitError(which + obstacle)
-
-
-def _encoders(records: Sequence[RampHold], design: Design) -> tuple[Encoder, ...] | None:
-    if design.method == "hold":
-        return None
-    return tuple(map(Encoder.of, records))
-
-
-def _checked_law(law: str, method: str, *, depth_law: bool, thorough: bool) -> None:
-    if law not in ("auto", "linear", "nonlinear"):
-        raise FitError(f'law = {law!r}; expected "auto", "linear" or "nonlinear"')
-    if law == "nonlinear" and (method == "hold" or depth_law):
-        raise FitError(
-            "a nonlinear law bends the ramp of the recorded motion: it goes neither with the hold "
-            "alone nor with a law of the depth; leave one of them out"
-        )
-    if law == "nonlinear" and thorough:
-        raise FitError(
-            "a nonlinear law is fitted from the hold on, with starts of its own: leave out "
-            "--thorough, or leave the law to be linear"
-        )
-
-
-def _checked_family(family: str, law: str, arms: int | str, *, depth_law: bool) -> None:
-    checked_family(family, arms)
-    if family == "maxwell":
-        return
-    if depth_law:
-        raise FitError(
-            "tests of several depths share relaxation times, and a fractional solid has none of "
-            "its own to share: fit arms (family maxwell), or leave out the law of the depth"
-        )
-    if family == "fractional" and law == "nonlinear":
-        raise FitError(
-            "a nonlinear law bends the ramp of a solid with arms: fit arms (family maxwell), or "
-            "leave the law to be linear"
-        )
-
-
-def _checked_nuisance(nuisance: Sequence[str]) -> tuple[str, ...]:
-    unknown = [name for name in nuisance if name not in NUISANCE]
-    if isinstance(nuisance, str) or unknown:
-        raise FitError(
-            f"nuisance = {nuisance!r}; expected a tuple of names out of {', '.join(NUISANCE)}"
-        )
-    return tuple(name for name in NUISANCE if name in nuisance)
-
-
 def _checks(
-    holds: _Holds, found: Chosen, design: Design, end: EndOfHold | None
+    holds: Holds, found: Chosen, design: Design, end: EndOfHold | None
 ) -> tuple[Check, ...]:
     """Return every check of the records and of the fit."""
     records, model, estimate = holds.records, found.model, found.estimate
@@ -600,65 +399,6 @@ def _load_cells(records: Sequence[RampHold], found: Chosen) -> list[Check]:
         if name in solution.fixed_names
     ]
     return [*answers, ramp_checks.clocks_agree(late)]
-
-
-def filter_bias(test: RampHold) -> Check:
-    """What its filter did to each parameter, predicted on the noise-free answer of the seal.
-
-    The solid is fitted to the unfiltered record; its exact answer to the recorded motion is
-    fitted again, before and behind the filter, by eq. 5 and by the full history.
-
-    Parameters
-    ----------
-    test : RampHold
-        Filtered, with the record before the filter in ``unfiltered``.
-    """
-    raw, by = test.unfiltered, filter_of(test)
-    if raw is None or by is None:
-        return checks.filter_bias(None)
-    try:
-        model = _supported(raw)
-        clean = replace(
-            raw, force=model.force(raw.time, raw.displacement), machine=Machine(), checks=()
-        )
-        changes = {
-            "hold": _changes(clean, by, model.arms, "hold"),
-            "full": _changes(clean, by, model.arms, "full"),
-        }
-    except DashpotError as error:
-        return checks.filter_bias(by, str(error))
-    return checks.filter_bias(by, changes, min(model.tau, default=np.inf))
-
-
-def _supported(record: RampHold) -> GeneralizedMaxwell:
-    """Return the solid with as many arms as the record supports."""
-    return chosen_arms(_data([record], Design("full")), "auto").model
-
-
-def _changes(clean: RampHold, by: Filter, arms: int, method: Method) -> dict[str, float]:
-    """Relative change of each parameter that the filter makes; -1 where an arm is lost."""
-    behind = filtered(clean, by)
-    if method == "hold":
-        # eq. 5 takes the ramp from its corners, which were found before the filter
-        behind = replace(behind, displacement=clean.displacement)
-    before, after = (_solved(one, arms, method) for one in (clean, behind))
-    return {
-        name: after[name] / value - 1 if name in after else -1.0
-        for name, value in before.items()
-        if value > 0
-    }
-
-
-def _solved(record: RampHold, arms: int, method: Method) -> dict[str, float]:
-    """Return every parameter of the solid with so many arms by its name."""
-    obstacle = eq5_obstacle(record) if method == "hold" else None
-    if obstacle is not None:
-        raise FitError(obstacle)
-    model = solid_of(solve(compressed([record], Design(method)), arms))
-    named = {"k_inf": model.k_inf}
-    for j, (k, tau) in enumerate(zip(model.k, model.tau, strict=True), start=1):
-        named |= {f"k_{j}": k, f"tau_{j}": tau}
-    return named
 
 
 def _drift_correlation(estimate: Estimate) -> float | None:

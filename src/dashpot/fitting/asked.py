@@ -1,0 +1,138 @@
+"""What may be asked of a fit to relaxation tests, and what contradicts it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from dashpot.base.errors import FitError
+from dashpot.base.units import Quantity
+from dashpot.fitting.design import NUISANCE, Design, Method, eq5_obstacle
+from dashpot.fitting.fractional.choice import checked_family
+from dashpot.fitting.nonlinear_ramp.ladder import LawName
+from dashpot.fitting.shift_law import ShiftLaw
+from dashpot.fitting.temperature.joint import Vertical
+from dashpot.records.relaxation import RampHold
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a fit is asked for, its design apart.
+
+    Attributes
+    ----------
+    arms : int or "auto"
+    max_arms : int
+        The most that ``"auto"`` tries.
+    law : "auto", "linear" or "nonlinear"
+    family : "maxwell", "fractional" or "auto"
+    intervals, thorough : bool
+    """
+
+    arms: int | Literal["auto"]
+    max_arms: int
+    law: LawName = "auto"
+    family: Literal["maxwell", "fractional", "auto"] = "maxwell"
+    intervals: bool = True
+    thorough: bool = False
+
+    @property
+    def count(self) -> int | None:
+        """The number of arms asked for; None if it is left to the data."""
+        return None if self.arms == "auto" else self.arms
+
+    @property
+    def point(self) -> int | None:
+        """The arms of an optimum that is wanted alone; None where more is."""
+        return None if self.intervals or self.family != "maxwell" else self.count
+
+
+def checked_design(
+    records: Sequence[RampHold],
+    asked: Asked,
+    *,
+    method: Method,
+    depth_law: bool,
+    nuisance: Sequence[str],
+) -> Design:
+    """Return how the tests are set out, if that and all else that is asked go together.
+
+    Raises
+    ------
+    FitError
+        If an option is none, contradicts another, or does not apply to the records.
+    """
+    _refuse_method(records, method)
+    _refuse_law(asked, method, depth_law=depth_law)
+    _refuse_family(asked, depth_law=depth_law)
+    unknown = [name for name in nuisance if name not in NUISANCE]
+    if isinstance(nuisance, str) or unknown:
+        raise FitError(
+            f"nuisance = {nuisance!r}; expected a tuple of names out of {', '.join(NUISANCE)}"
+        )
+    return Design(method, depth_law, tuple(name for name in NUISANCE if name in nuisance))
+
+
+def refuse_shifts(
+    what: str, vertical: Vertical, shift_law: ShiftLaw, reference: Quantity | None
+) -> None:
+    """Refuse what is asked of shifts where one temperature, or none, leaves nothing to shift."""
+    asked = {
+        "--reference": reference is not None,
+        "--shift": shift_law != "auto",
+        "--vertical": vertical != "free",
+    }
+    named = [flag for flag, given in asked.items() if given]
+    if named:
+        raise FitError(
+            f"{what} of one temperature as far as is known, and shifted to no other: leave out "
+            f"{' and '.join(named)}, or fit ramps and holds at several and say which "
+            "(--temperature 23degC --temperature 0degC)"
+        )
+
+
+def _refuse_method(records: Sequence[RampHold], method: str) -> None:
+    if method not in ("full", "hold"):
+        raise FitError(
+            f'method = {method!r}; expected "full" (the recorded motion) or "hold" (eq. 5)'
+        )
+    if method == "full":
+        return
+    for number, record in enumerate(records, start=1):
+        obstacle = eq5_obstacle(record)
+        if obstacle is not None:
+            which = f"test {number} of {len(records)}: " if len(records) > 1 else ""
+            raise FitError(which + obstacle)
+
+
+def _refuse_law(asked: Asked, method: str, *, depth_law: bool) -> None:
+    law = asked.law
+    if law not in ("auto", "linear", "nonlinear"):
+        raise FitError(f'law = {law!r}; expected "auto", "linear" or "nonlinear"')
+    if law == "nonlinear" and (method == "hold" or depth_law):
+        raise FitError(
+            "a nonlinear law bends the ramp of the recorded motion: it goes neither with the hold "
+            "alone nor with a law of the depth; leave one of them out"
+        )
+    if law == "nonlinear" and asked.thorough:
+        raise FitError(
+            "a nonlinear law is fitted from the hold on, with starts of its own: leave out "
+            "--thorough, or leave the law to be linear"
+        )
+
+
+def _refuse_family(asked: Asked, *, depth_law: bool) -> None:
+    checked_family(asked.family, asked.arms)
+    if asked.family == "maxwell":
+        return
+    if depth_law:
+        raise FitError(
+            "tests of several depths share relaxation times, and a fractional solid has none of "
+            "its own to share: fit arms (family maxwell), or leave out the law of the depth"
+        )
+    if asked.family == "fractional" and asked.law == "nonlinear":
+        raise FitError(
+            "a nonlinear law bends the ramp of a solid with arms: fit arms (family maxwell), or "
+            "leave the law to be linear"
+        )

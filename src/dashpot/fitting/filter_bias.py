@@ -1,0 +1,78 @@
+"""What a filter did to the parameters of a relaxation test."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from dashpot.base.checks import Check
+from dashpot.base.errors import DashpotError, FitError
+from dashpot.engine.solver.variable_projection import solve
+from dashpot.fitting.checks import relaxation as checks
+from dashpot.fitting.design import Design, Method, compressed, eq5_obstacle, solid_of
+from dashpot.fitting.fit_data import data_of
+from dashpot.fitting.pipeline import chosen_arms
+from dashpot.preparation.filters import Filter, filter_of, filtered
+from dashpot.records.machine import Machine
+from dashpot.records.relaxation import RampHold
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+
+def filter_bias(test: RampHold) -> Check:
+    """What its filter did to each parameter, predicted on the noise-free answer of the seal.
+
+    The solid is fitted to the unfiltered record; its exact answer to the recorded motion is
+    fitted again, before and behind the filter, by eq. 5 and by the full history.
+
+    Parameters
+    ----------
+    test : RampHold
+        Filtered, with the record before the filter in ``unfiltered``.
+    """
+    raw, by = test.unfiltered, filter_of(test)
+    if raw is None or by is None:
+        return checks.filter_bias(None)
+    try:
+        model = _supported(raw)
+        clean = replace(
+            raw, force=model.force(raw.time, raw.displacement), machine=Machine(), checks=()
+        )
+        changes = {
+            "hold": _changes(clean, by, model.arms, "hold"),
+            "full": _changes(clean, by, model.arms, "full"),
+        }
+    except DashpotError as error:
+        return checks.filter_bias(by, str(error))
+    return checks.filter_bias(by, changes, min(model.tau, default=np.inf))
+
+
+def _supported(record: RampHold) -> GeneralizedMaxwell:
+    """Return the solid with as many arms as the record supports."""
+    return chosen_arms(data_of([record], Design("full")), "auto").model
+
+
+def _changes(clean: RampHold, by: Filter, arms: int, method: Method) -> dict[str, float]:
+    """Relative change of each parameter that the filter makes; -1 where an arm is lost."""
+    behind = filtered(clean, by)
+    if method == "hold":
+        # eq. 5 takes the ramp from its corners, which were found before the filter
+        behind = replace(behind, displacement=clean.displacement)
+    before, after = (_solved(one, arms, method) for one in (clean, behind))
+    return {
+        name: after[name] / value - 1 if name in after else -1.0
+        for name, value in before.items()
+        if value > 0
+    }
+
+
+def _solved(record: RampHold, arms: int, method: Method) -> dict[str, float]:
+    """Return every parameter of the solid with so many arms by its name."""
+    obstacle = eq5_obstacle(record) if method == "hold" else None
+    if obstacle is not None:
+        raise FitError(obstacle)
+    model = solid_of(solve(compressed([record], Design(method)), arms))
+    named = {"k_inf": model.k_inf}
+    for j, (k, tau) in enumerate(zip(model.k, model.tau, strict=True), start=1):
+        named |= {f"k_{j}": k, f"tau_{j}": tau}
+    return named

@@ -1,0 +1,134 @@
+"""Whether any linear solid explains relaxation tests to their noise, ramp and hold alike."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.engine.blocks.block import Block
+from dashpot.engine.solver.variable_projection import solve
+from dashpot.fitting.asked import Asked
+from dashpot.fitting.design import (
+    Design,
+    after_ramp,
+    compressed,
+    eq5_obstacle,
+    moves_on,
+    solid_of,
+)
+from dashpot.fitting.fit_data import First, FitData, determinable_arms, one_more, weighed
+from dashpot.fitting.fractional.choice import ChosenElement, element
+from dashpot.fitting.nonlinear_ramp.soundness import linear_soundness
+from dashpot.fitting.nonlinear_ramp.thinning import ramp_obstacle
+from dashpot.fitting.uncertainty.estimate import residual_of
+from dashpot.records.relaxation import RampHold
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+# arms that a hold alone is given at least: what it leaves is noise
+_FEW = 2
+# an arm that lowers the sum of squares by less than this is none that the hold alone needs
+_AS_GOOD = 1.01
+# arms nearer than this in ln tau are one
+_SAME_ARM = 1e-6
+
+
+class Gate(NamedTuple):
+    """The linear solids that tests were offered, and whether one is sound.
+
+    Attributes
+    ----------
+    first : First
+        Arms, up to the number asked for.
+    element : ChosenElement or None
+        A fractional solid, where arms are not sound and another family may be.
+    sound : bool
+    """
+
+    first: First
+    element: ChosenElement | None
+    sound: bool
+
+
+class Holds:
+    """The holds of some records alone, compressed once for all that asks them."""
+
+    def __init__(self, records: Sequence[RampHold]) -> None:
+        self.records = records
+
+    @cached_property
+    def blocks(self) -> tuple[Block, ...]:
+        """By eq. 5, or, where the plate creeps, as the answer to the recorded motion."""
+        return tuple(
+            compressed([record], Design("hold"))[0]
+            if eq5_obstacle(record) is None
+            else after_ramp(record)
+            for record in self.records
+        )
+
+    def left(self, i: int, start: FloatArray) -> FloatArray:
+        """What as many arms as `start` has, or as many as it bears, leave of one hold alone."""
+        block = self.blocks[i]
+        arms = min(max(len(start), _FEW), determinable_arms([block]))
+        # a start with two arms in one place, as at the edge of its shorter window, leads nowhere
+        near = start if len(start) == arms and _apart(start, block.window) else None
+        return residual_of(solve([block], arms, log_tau_start=near), block.exact)
+
+    def by_eq5(self, arms: int) -> GeneralizedMaxwell | None:
+        """What eq. 5 on all holds says with as many arms, where it applies."""
+        held = sum(len(record.time[record.hold]) for record in self.records)
+        if held <= 1 + 2 * arms or any(eq5_obstacle(record) for record in self.records):
+            return None
+        return solid_of(solve(self.blocks, arms, negligible=one_more(self.blocks)))
+
+
+def _apart(log_tau: FloatArray, window: tuple[float, float]) -> bool:
+    inside = np.clip(np.sort(log_tau), *np.log(window))
+    return bool(np.all(np.diff(inside) > _SAME_ARM))
+
+
+def gated(holds: Holds, data: FitData, asked: Asked) -> Gate:
+    """Return the linear solid that is asked for, and whether any is sound."""
+    enough = min(asked.max_arms, determinable_arms(data.blocks))
+    most = enough if asked.count is None else asked.count
+    auto, point = asked.count is None, asked.point is not None
+    first = weighed(data, most, auto=auto, thorough=asked.thorough, only=point)
+    sound = _sound(holds, first)
+    if not sound and most < enough:
+        # too few arms are no reason to bend the law
+        first = weighed(data, enough, thorough=asked.thorough)
+        sound = _sound(holds, first)
+    if sound or asked.family == "maxwell":
+        return Gate(first, None, sound)
+    one = element(first.data)
+    return Gate(first, one, asked.family == "fractional" or _sound_element(holds, one, first))
+
+
+def _sound(holds: Holds, first: First) -> bool:
+    """True if a linear solid explains every record to its noise, ramp and hold alike.
+
+    A record without one ramp and one hold to speak of shows no elastic law.
+    """
+    least = _AS_GOOD * first.solutions[-1].sse
+    near = next(one for one in first.solutions if one.sse <= least)
+    for i, (record, residual) in enumerate(zip(holds.records, first.residuals, strict=True)):
+        if moves_on(record) or ramp_obstacle(record) is not None:
+            continue
+        alone = holds.left(i, near.log_tau)
+        if not linear_soundness(record, residual, alone).sound:
+            return False
+    return True
+
+
+def _sound_element(holds: Holds, one: ChosenElement, first: First) -> bool:
+    """True if a linear fractional solid explains every record to its noise."""
+    start = first.solutions[-1].log_tau
+    pairs = zip(holds.records, one.estimate.residuals, strict=True)
+    return all(
+        linear_soundness(record, residual, holds.left(i, start)).sound
+        for i, (record, residual) in enumerate(pairs)
+        if not moves_on(record) and ramp_obstacle(record) is None
+    )
