@@ -49,6 +49,8 @@ def test_the_command_writes_what_the_plan_is_of(tmp_path):
     assert lines[2] == "time [s],displacement [mm],x [mm],y [mm],z [mm]"
     assert len(lines) == 3 + 40 + 101 + 600
     assert lines[-1] == "3.7,6.0,0.0,3.6,4.8"
+    again = CliRunner().invoke(main, [*words.split(), "--setpoints", file])
+    assert again.exit_code == 0  # it is dashpot's own, and may be written anew
     bad = CliRunner().invoke(main, [*words.split(), "--along", "0,1", "--setpoints", file])
     assert bad.exit_code == 2
     assert "expected x,y,z, such as 0,0,-1" in bad.output

@@ -69,6 +69,13 @@ def test_a_rebound_name_another_page_and_a_missing_cookie_get_nothing(server, as
     assert ask("POST", "/api/example", Origin="https://evil.example")[0] == 403
     assert ask("GET", "/api/state", Cookie="")[0] == 403
     assert ask("GET", f"/api/state?token={token}", Cookie="")[0] == 403
+    for method in ("GET", "POST", "DELETE"):
+        assert ask(method, "/api/record", Cookie="")[0] == 403
+        assert ask(method, "/api/record", Origin="https://evil.example")[0] == 403
+    assert ask("GET", "/record", Cookie="")[0] == 403
+    assert ask("POST", "/api/record", "{}")[0] == 422
+    assert ask("POST", "/api/record/fit")[0] == 422
+    assert ask("GET", "/api/record?width=-1&height=1e999")[0] == 200
     assert ask("GET", "/static/../server.py")[0] == 404
     assert ask("GET", "/plot/../web/server.py")[0] == 404
 

@@ -345,6 +345,39 @@ def test_a_lot_is_opened_a_test_of_it_and_a_project(browser, tmp_path):
         page.close()
 
 
+def test_an_instrument_is_read_and_what_it_sent_is_fitted(visit, tmp_path):
+    page = visit()
+    page.at.get_by_role("link", name="Record from an instrument").click()
+    page.at.locator("body.recording[data-ready=true]").wait_for()
+    assert page.at.get_by_role("button", name="Fit this").is_disabled()
+    page.at.get_by_role("combobox", name="Instrument").select_option("a serial line")
+    page.at.get_by_role("button", name="Start").click()
+    page.at.get_by_role("alert").filter(has_text="say in which folder").wait_for()
+    page.at.get_by_role("combobox", name="Instrument").select_option("the virtual rig")
+    page.at.get_by_label("Times as fast").fill("400")
+    page.at.get_by_label("Keep it in the folder").fill(str(tmp_path))
+    page.at.get_by_role("button", name="Start").click()
+    page.at.get_by_role("status").filter(has_text=re.compile("^recorded$")).wait_for()
+    assert page.at.get_by_text("SIMULATED", exact=True).is_visible()
+    assert page.at.locator("#panels svg.figure").count() == 2
+    for scheme, width in (("light", 1366), ("dark", 390)):
+        page.at.emulate_media(color_scheme=scheme)
+        page.at.set_viewport_size({"width": width, "height": 768})
+        page.still()
+        assert page.at.evaluate(CONTRAST) == []
+        assert page.at.evaluate("document.documentElement.scrollWidth") <= width
+    (kept,) = tmp_path.glob("record-*.csv")
+    assert kept.read_text().endswith("# 42501 rows recorded\n")
+    page.at.get_by_role("button", name="Fit this").click()
+    page.at.locator("#files .file").filter(has_text=kept.name).wait_for()
+    page.done()
+    assert "8.00 mm" in page.at.locator(".files").inner_text()
+    # it is one of the page's files now, and comes once
+    page.at.reload()
+    page.done()
+    assert page.at.locator("#files .file").count() == 1
+
+
 def test_a_page_that_is_loaded_again_has_lost_nothing(visit, files):
     page = visit(files / "seal_8mm.csv")
     page.done()

@@ -124,7 +124,7 @@ def command(
             interval=interval,
             along=along,
         )
-        count = byline(f"{len(motion.time)} set-points of a planned test")
+        count = byline(f"planned test, {len(motion.time)} set-points")
         timed = f"rest {choices['baseline']:g} s, ramp {ramp:g} s, hold {hold:g} s"
         says = (count, f"{timed}; one each {interval:g} s, the first where the plate touches")
         write(setpoints, write_motion(motion, comments=says))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import gzip
 import json
@@ -19,6 +20,7 @@ from dashpot.base.errors import DashpotError, DataError
 from dashpot.plot import tokens
 from dashpot.web.guard import Guard
 from dashpot.web.lanes import FaultError, Lane, StoppedError
+from dashpot.web.live import Live
 from dashpot.web.store import Store, TooLargeError
 
 if TYPE_CHECKING:
@@ -53,6 +55,7 @@ class Desk:
     def __init__(self, files: Sequence[str | Path] = ()) -> None:
         self.store = Store()
         self.lanes = {name: Lane(self.store.folder) for name in dict.fromkeys(LANES.values())}
+        self.live = Live(self.store)
         self.answers: OrderedDict[str, bytes] = OrderedDict()
         places = [Path(path) for path in files]
         self.state: dict[str, Any] = {
@@ -79,6 +82,7 @@ class Desk:
 
     async def close(self) -> None:
         """End every worker, and leave nothing of the files."""
+        await asyncio.to_thread(self.live.stop)
         for lane in self.lanes.values():
             await lane.close()
         self.store.remove()
@@ -109,6 +113,9 @@ def application(desk: Desk) -> Starlette:
 
     async def page(_: Request) -> Response:
         return _sent(_static("index.html"), "text/html")
+
+    async def record_page(_: Request) -> Response:
+        return _sent(_static("record.html"), "text/html")
 
     async def static(request: Request) -> Response:
         name = request.path_params["name"]
@@ -155,6 +162,21 @@ def application(desk: Desk) -> Starlette:
             desk.state = json_of(await _body(request))
         return JSONResponse(desk.state)
 
+    async def recording(request: Request) -> Response:
+        if request.method == "POST":
+            await asyncio.to_thread(desk.live.start, json_of(await _body(request)))
+        elif request.method == "DELETE":
+            await asyncio.to_thread(desk.live.stop)
+        size = [_pixels(request, name) for name in ("width", "height")]
+        return JSONResponse(await asyncio.to_thread(desk.live.look, *size))
+
+    async def fit_recorded(_: Request) -> Response:
+        made = desk.live.look(0, 0)["kept"]
+        if made is None:
+            raise DataError("no record is there to fit: start one, and stop it")
+        desk.state["open"] = [*desk.state.get("open", []), made]
+        return JSONResponse(made)
+
     async def sentence(_: Request, error: Exception) -> Response:
         codes: dict[type, int] = {TooLargeError: 413, StoppedError: 409, FaultError: 500}
         return JSONResponse({"error": str(error)}, status_code=codes.get(type(error), 422))
@@ -175,6 +197,7 @@ def application(desk: Desk) -> Starlette:
     return Starlette(
         routes=[
             Route("/", page),
+            Route("/record", record_page),
             Route("/static/{name}", static),
             # the page's modules name it by its place in the house
             Route("/plot/charts.js", charts),
@@ -183,11 +206,19 @@ def application(desk: Desk) -> Starlette:
             Route("/api/cancel", cancel, methods=["POST"]),
             Route("/api/working", working),
             Route("/api/state", state, methods=["GET", "PUT"]),
+            Route("/api/record", recording, methods=["GET", "POST", "DELETE"]),
+            Route("/api/record/fit", fit_recorded, methods=["POST"]),
             Route("/api/{verb}", ask, methods=["POST"]),
         ],
         exception_handlers={DashpotError: sentence, Exception: fault},
         lifespan=lifespan,
     )
+
+
+def _pixels(request: Request, name: str) -> float:
+    """A size that a page asks for; 0 if it asks for none."""
+    given = request.query_params.get(name, "")
+    return float(given) if given.isdecimal() else 0.0
 
 
 async def _body(request: Request) -> bytes:

@@ -334,11 +334,10 @@ if (kept.files) {
   fields();
   views();
   if (state.lot) await lot.showLot();
-  if (state.files.length) settle();
-} else {
-  if (kept.open?.length) await files.opened(kept.open);
-  else fileList();
-  for (const folder of kept.folders || []) await folders.openFolder(folder);
-}
+  if (state.files.length && !kept.open?.length) settle();
+} else if (!kept.open?.length) fileList();
+// of the command line, or recorded meanwhile
+if (kept.open?.length) await files.opened(kept.open);
+for (const folder of kept.folders || []) await folders.openFolder(folder);
 await folders.list();
 document.body.dataset.ready = "true";
