@@ -132,14 +132,23 @@ def test_lines_are_the_same_however_they_arrive(cut: int):
     assert lines.notes() == ()
 
 
+def test_an_end_of_line_is_any_of_the_three_and_what_a_terminal_obeys_is_escaped():
+    lines = Lines()
+    times, _ = lines.feed(b"\r0.1,2,3\r0.2,2,3\r\n0.3,2,3\n\x1b[2J\r")
+    assert times.tolist() == [0.1, 0.2, 0.3]
+    assert lines.notes() == (r"one garbled line left out, first '\x1b[2J'",)
+
+
 def test_a_checksum_finds_what_still_looks_like_a_number():
     lines = Lines()
     body = b"0.1,2.0,3.0"
     good = body + b"*" + f"{np.bitwise_xor.reduce(np.frombuffer(body, np.uint8)):02X}".encode()
-    times, values = lines.feed(b"\n" + good + b"\r\n" + good.replace(b"2.0", b"7.0") + b"\r\n")
-    assert times.tolist() == [0.1]
-    assert values.tolist() == [[2.0, 3.0]]
-    assert lines.notes() == ("one garbled line left out, first '0.1,7.0,3.0*2E'",)
+    later = b"0.2,2.0,3.0*2D"
+    bad = [good.replace(b"2.0", b"7.0"), good.replace(b"*", b""), good[:-1]]
+    times, values = lines.feed(b"\r\n".join([b"", good, *bad, later, b""]))
+    assert times.tolist() == [0.1, 0.2]
+    assert values.tolist() == [[2.0, 3.0], [2.0, 3.0]]
+    assert lines.notes() == ("three garbled lines left out, first '0.1,7.0,3.0*2E'",)
 
 
 def test_without_a_time_the_clock_is_this_computers():
@@ -164,6 +173,21 @@ def test_times_have_units_and_a_clock_that_begins_again_ends_the_record():
     lines.feed(b"1 9\n")
     assert lines.begun_again
     assert "the device's clock began again: the record ends there" in lines.notes()
+
+
+def test_a_time_that_was_garbled_is_no_gap_and_ends_no_record():
+    sent = [f"{0.01 * i:.2f},1,2\n".encode() for i in range(100)]
+    sent[0] = b"\n5,1,2\n"  # 0.05 without its beginning
+    sent[50] = b"850,1,2\n"
+    sent[60:65] = []  # a gap, and true
+    lines = Lines()
+    times, _ = lines.feed(b"".join(sent))
+    np.testing.assert_allclose(times, np.delete(0.01 * np.arange(100), [0, 50, *range(60, 65)]))
+    assert lines.notes() == (
+        "two garbled lines left out, first 'time 5 s'",
+        "two gaps in the clock, 6 samples missing, the longest gap 0.06 s",
+    )
+    assert not lines.begun_again
 
 
 def test_a_line_without_an_end_is_no_memory_without_an_end():

@@ -91,6 +91,13 @@ def test_the_motion_is_exact_under_a_held_drive():
     np.testing.assert_allclose(x, expected, atol=1e-15)
 
 
+@pytest.mark.parametrize("name", ["friction", "integral", "integral_zone", "standstill"])
+def test_what_an_axis_cannot_have_less_than_none_of_is_refused(name: str):
+    assert getattr(Axis(**{name: 0.0}), name) == 0.0
+    with pytest.raises(DataError, match=f"axis {name} = -0.1; expected a number >= 0"):
+        Axis(**{name: -0.1})
+
+
 @pytest.mark.parametrize(("name", "value"), [("frequency", 0.0), ("rate", -1.0), ("limit", 0.0)])
 def test_an_impossible_axis_is_refused(name: str, value: float):
     with pytest.raises(DataError, match=f"axis {name} = .*expected a number > 0"):

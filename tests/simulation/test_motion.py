@@ -9,6 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 import dashpot as dp
+from dashpot.base.errors import DataError
 from dashpot.cli import main
 from dashpot.io.write import write_motion
 from dashpot.planning.setpoints import planned_motion
@@ -61,6 +62,13 @@ def test_softening_is_12_percent_of_what_cycles_bring_in_the_end():
         [np.linspace(0, 1, 50), np.linspace(1, 0.06, 50), np.linspace(0.06, 1, 50)]
     )
     np.testing.assert_array_equal(softened(waves, 0.12), 1.0)
+
+
+@pytest.mark.parametrize("share", [-0.01, 1.0])
+def test_a_softening_that_leaves_nothing_is_refused(share: float):
+    assert Rig(softening=0.99).softening == 0.99
+    with pytest.raises(DataError, match="expected a share from 0 to below 1"):
+        Rig(softening=share)
 
 
 def test_a_load_cell_warms_up():

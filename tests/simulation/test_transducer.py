@@ -123,8 +123,10 @@ def test_the_command_writes_voltages_calibration_and_truth(tmp_path):
         ("impact --gauges", "--gauges is for a relaxation test or a motion, not for impact"),
         ("relaxation --misaligned 2deg", "--misaligned is of the transducer and its card"),
         ("relaxation --motion a.csv", "replayed by 'dashpot simulate motion --motion FILE'"),
+        ("relaxation --gauges", "the calibration of the gauges lies beside the file"),
         ("motion", "replayed by 'dashpot simulate motion --motion FILE'"),
     ]:
-        bad = CliRunner().invoke(main, ["simulate", *words.split(), "-o", str(tmp_path / "b.csv")])
+        out = "-" if "--gauges" in words and "impact" not in words else str(tmp_path / "b.csv")
+        bad = CliRunner().invoke(main, ["simulate", *words.split(), "-o", out])
         assert bad.exit_code == 2
         assert says in " ".join(bad.output.split())

@@ -72,7 +72,7 @@ def command(*, what: str, output: str, **choices: Any) -> Outcome:
         "relaxation": relaxation, "creep": creep, "impact": impact, "motion": replayed,
     }  # fmt: skip
     made = tests[what]
-    _refuse_senseless(what, choices)
+    _refuse_senseless(what, output, choices)
     document = {"schema": "dashpot/simulated@1", "what": what, "file": output, "truth": None}
     if output == "-":
         text, *_ = made(**choices)
@@ -99,7 +99,7 @@ def command(*, what: str, output: str, **choices: Any) -> Outcome:
 _RIG = ("softening", "warming", "friction", "gauges", "misaligned", "antialias")
 
 
-def _refuse_senseless(what: str, choices: dict[str, Any]) -> None:
+def _refuse_senseless(what: str, output: str, choices: dict[str, Any]) -> None:
     """Refuse what the test asked for would not heed."""
     if (what == "motion") != bool(choices["motion"]):
         raise DataError(
@@ -109,6 +109,8 @@ def _refuse_senseless(what: str, choices: dict[str, Any]) -> None:
     for name in _RIG:
         if choices[name] and what not in ("relaxation", "motion"):
             raise DataError(f"--{name} is for a relaxation test or a motion, not for {what}")
+    if choices["gauges"] and output == "-":
+        raise DataError("the calibration of the gauges lies beside the file; give one with -o")
     for name in ("misaligned", "antialias"):
         if choices[name] and not choices["gauges"]:
             raise DataError(f"--{name} is of the transducer and its card: add --gauges")
@@ -256,5 +258,5 @@ def _climate(known: Seal, temperature: float | None, law: TemperatureLaw | None)
 def _chosen(instrument: Any, *, noise_free: bool, **given: float | None) -> Any:
     """Return an instrument with what the user said of it."""
     stated = {name: value for name, value in given.items() if value is not None}
-    chosen = replace(instrument, **stated)
-    return chosen.noise_free() if noise_free else chosen
+    # what was asked for by name is there in any case
+    return replace(instrument.noise_free() if noise_free else instrument, **stated)

@@ -21,6 +21,8 @@ FALLS = 10
 """Lines in a row, earlier than the one before, after which the device has begun again."""
 _GAP = 1.5
 """Steps of the usual size that a missing sample makes at least."""
+_KNOWN, _KEPT = 3, 101
+"""Steps of which the usual one is the median: at least, and at most."""
 _SEPARATOR = re.compile(rb"[,;\s]")
 _NAMED = re.compile(r"([^\[\]]+)\[([^\[\]]+)\]")
 
@@ -29,8 +31,9 @@ class Lines:
     """Bytes to blocks, and an account of what was lost.
 
     A line holds a number for each column, separated by commas, semicolons or blanks; ``*HH`` at
-    its end is the exclusive or of the bytes before it, and is then held to it. The first line is
-    left out: nobody knows how much of it was sent before the listening began.
+    its end is the exclusive or of the bytes before it; a device that has sent one is held to it
+    in every line. The first line is left out: nobody knows how much of it was sent before the
+    listening began.
 
     Parameters
     ----------
@@ -49,7 +52,7 @@ class Lines:
     def __init__(
         self, columns: Sequence[str] = COLUMNS, *, clock: Callable[[], float] = time.monotonic
     ) -> None:
-        named = [_NAMED.fullmatch(one.strip()) for one in columns]
+        named = [_NAMED.fullmatch(" ".join(one.split())) for one in columns]
         if not columns or None in named:
             raise DataError(
                 "each column needs a name and a unit, such as 'time [s], displacement [mm], "
@@ -66,15 +69,19 @@ class Lines:
             raise DataError(f"'{words[self._at][1]}' is no unit of time that dashpot knows")
         self._factor = 1.0 if unit is None else unit.factor
         self._width, self._clock = len(words), clock
+        self._checked = False
         self._rest, self._first, self._last = b"", True, -math.inf
-        self._steps: deque[float] = deque(maxlen=201)
+        self._held: tuple[float, list[float]] | None = None
+        self._steps: deque[float] = deque(maxlen=_KEPT)
+        self._median, self._counted = math.inf, 0
         self._garbled, self._example, self._fell, self._falls = 0, "", 0, 0
         self._gaps, self._missing, self._longest = 0, 0, 0.0
         self.begun_again = False
 
     def feed(self, data: bytes) -> Block:
         """Return the samples of the lines that `data` completes."""
-        *lines, self._rest = (self._rest + data).split(b"\n")
+        # an end of \r\n is one of \r, and an empty line
+        *lines, self._rest = (self._rest + data).replace(b"\r", b"\n").split(b"\n")
         if len(self._rest) > LONGEST:
             lines, self._rest = [*lines, self._rest[:LONGEST]], b""
         if lines and self._first:
@@ -92,7 +99,7 @@ class Lines:
             found.append("the device sends no time: it is that of this computer, as lines arrived")
         if self._garbled:
             lines = counted(self._garbled, "garbled line")
-            found.append(f"{lines} left out, first '{self._example}'")
+            found.append(f"{lines} left out, first {self._example}")
         if self._fell:
             lines = counted(self._fell, "line")
             found.append(f"{lines} left out that came no later than the line before")
@@ -111,15 +118,15 @@ class Lines:
             return None
         body, star, sent = line.partition(b"*")
         try:
-            if star and int(sent, 16) != _checksum(body):
+            if (star or self._checked) and int(sent, 16) != _checksum(body):
                 raise ValueError
+            self._checked |= bool(star)
             row = [float(cell) for cell in _SEPARATOR.split(body) if cell]
         except ValueError:
             row = []
         if len(row) == self._width and all(map(math.isfinite, row)):
             return row
-        self._example = self._example or line[:40].decode("ascii", "backslashreplace")
-        self._garbled += 1
+        self._spoiled(line[:40].decode("latin-1"))
         return None
 
     def _arrived(self, rows: list[list[float]]) -> list[tuple[float, list[float]]]:
@@ -134,27 +141,52 @@ class Lines:
         return [(last + i * part, row) for i, row in enumerate(rows, start=1)]
 
     def _sent(self, rows: list[list[float]], at: int) -> list[tuple[float, list[float]]]:
-        """Rows with the device's own times, as far as those rise."""
-        timed = [(row.pop(at) * self._factor, row) for row in rows]
-        return [(clock, row) for clock, row in timed if self._rises(clock)]
+        """Rows with the device's own times, as far as those rise.
 
-    def _rises(self, clock: float) -> bool:
-        """Whether a sample is later than the one before; its step is put in the account."""
-        if clock <= self._last:
-            self._fell, self._falls = self._fell + 1, self._falls + 1
-            self.begun_again |= self._falls >= FALLS
-            return False
-        step, self._falls = clock - self._last, 0
-        self._last = clock
-        if math.isfinite(step):
-            usual = float(np.median(self._steps)) if len(self._steps) > FALLS else math.inf
-            if step > _GAP * usual:
-                self._gaps += 1
-                self._missing += round(step / usual) - 1
-                self._longest = max(self._longest, step)
+        A time far ahead of the one before is a gap if the next one follows it; if the next one
+        falls back behind it, it was garbled. Until then it is held.
+        """
+        kept = []
+        for row in rows:
+            sample = row.pop(at) * self._factor, row
+            if self._held is not None and sample[0] <= self._held[0]:
+                self._spoiled(f"time {self._held[0]:g} s")
+            elif self._held is not None:
+                kept.append(self._taken(self._held))
+            self._held = None
+            if sample[0] <= self._last:
+                self._fell, self._falls = self._fell + 1, self._falls + 1
+                self.begun_again |= self._falls >= FALLS
+            elif sample[0] - self._last > _GAP * self._usual():
+                self._held = sample
             else:
-                self._steps.append(step)
-        return True
+                kept.append(self._taken(sample))
+        return kept
+
+    def _taken(self, sample: tuple[float, list[float]]) -> tuple[float, list[float]]:
+        """A sample that is kept; its step is put in the account."""
+        step, usual = sample[0] - self._last, self._usual()
+        self._last, self._falls = sample[0], 0
+        if math.isinf(step):
+            return sample
+        if step > _GAP * usual:
+            self._gaps += 1
+            self._missing += round(step / usual) - 1
+            self._longest = max(self._longest, step)
+        else:
+            self._steps.append(step)
+            self._counted += 1
+            if self._counted >= _KNOWN and (self._counted < _KEPT or self._counted % _KEPT == 0):
+                self._median = float(np.median(self._steps))
+        return sample
+
+    def _usual(self) -> float:
+        """The usual step, s; infinite before it is known, but for the first sample of all."""
+        return 0.0 if math.isinf(self._last) else self._median
+
+    def _spoiled(self, example: str) -> None:
+        self._example = self._example or ascii(example)
+        self._garbled += 1
 
 
 def _checksum(body: bytes) -> int:

@@ -65,6 +65,10 @@ class Axis:
             value = getattr(self, name)
             if not (np.isfinite(value) and value > 0):
                 raise DataError(f"axis {name} = {value!r}; expected a number > 0")
+        for name in ("friction", "integral", "integral_zone", "standstill"):
+            value = getattr(self, name)
+            if not (np.isfinite(value) and value >= 0):
+                raise DataError(f"axis {name} = {value!r}; expected a number >= 0")
         if self.frequency > self.rate / 20:
             raise DataError(
                 f"a loop of {self.frequency:g} Hz needs a control rate of at least "

@@ -94,6 +94,11 @@ class Rig:
             if not (np.isfinite(value) and value >= 0):
                 raise DataError(f"rig {name} = {value!r}; expected a number >= 0")
 
+        if not 0 <= self.softening < 1:
+            raise DataError(
+                f"rig softening = {self.softening!r}; expected a share from 0 to below 1"
+            )
+
     def noise_free(self) -> Rig:
         """The same robot and plate with a perfect load cell and a perfect encoder."""
         return replace(
