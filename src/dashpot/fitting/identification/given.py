@@ -56,22 +56,14 @@ def before_hammer(
         If the family asked for is not that of an earlier fit, or knows of one temperature alone.
     """
     if not records:
-        if fit is not None and fit.family != family:
-            raise FitError(
-                f"the earlier fit is of family {fit.family}, and without its relaxation tests no "
-                f"other can be fitted: ask for its own (--family {fit.family}), or give the tests "
-                "in its place"
-            )
-        if fit is not None and temperature is not None:
-            fit = fit.at_temperature(temperature)
-        return Before(None, fit, ()) if family == "fractional" else Before(fit, None, ())
+        return _without_tests(fit, temperature, family)
     if family != "maxwell" and len(temperatures_of(records)) > 1:
         raise FitError(
             "tests at several temperatures share arms that move together: leave the family to be "
             "maxwell, or give the tests of one temperature"
         )
     # arms are matched to arms: of a fractional solid, those of the same tests
-    before = fit if fit is not None and fit.family == "maxwell" else fit_tests(list(records))
+    before = _of_family("maxwell", fit) or fit_tests(list(records))
     if temperature is not None:
         before = before.at_temperature(temperature)
     same = len(records) == 1 and before.method in {"full", "hold"}
@@ -83,8 +75,26 @@ def before_hammer(
     bent = before.elastic_law is not None and before.elastic_law.kind != "linear"
     if family == "maxwell" or bent:
         return Before(before, None, found)
-    element = fit if fit is not None and fit.family == "fractional" else None
-    return Before(before, element or fit_tests(list(records), family="fractional"), found)
+    element = _of_family("fractional", fit) or fit_tests(list(records), family="fractional")
+    return Before(before, element, found)
+
+
+def _of_family(family: str, fit: Fit | None) -> Fit | None:
+    return fit if fit is not None and fit.family == family else None
+
+
+def _without_tests(fit: Fit | None, temperature: float | None, family: str) -> Before:
+    if fit is None:
+        return Before(None, None, ())
+    if fit.family != family:
+        raise FitError(
+            f"the earlier fit is of family {fit.family}, and without its relaxation tests no "
+            f"other can be fitted: ask for its own (--family {fit.family}), or give the tests "
+            "in its place"
+        )
+    if temperature is not None:
+        fit = fit.at_temperature(temperature)
+    return Before(None, fit, ()) if family == "fractional" else Before(fit, None, ())
 
 
 def point_of(
