@@ -11,7 +11,6 @@ from kit.fits import altered
 
 from dashpot.base.errors import DataError
 from dashpot.fitting.relaxation import fit
-from dashpot.fitting.relaxation_data import relaxation_data
 from dashpot.fitting.uncertainty import admissible_spectra
 from dashpot.fitting.uncertainty.admissible_spectra import Spectra
 from dashpot.fitting.uncertainty.prediction_bounds import (
@@ -20,6 +19,7 @@ from dashpot.fitting.uncertainty.prediction_bounds import (
     unseen_arm_band,
 )
 from dashpot.fitting.uncertainty.stiffness_set import distances, ratios
+from dashpot.fitting.weighed_relaxation import relaxation_data
 from dashpot.preparation.prepare import prepare
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF

@@ -36,8 +36,8 @@ from dashpot.fitting.identification.likelihood import (
     Problem,
 )
 from dashpot.fitting.identification.parametrisation import Element
-from dashpot.fitting.relaxation_data import relaxation_data
 from dashpot.fitting.uncertainty.prediction_bounds import parameter_band, unseen_arm_band
+from dashpot.fitting.weighed_relaxation import relaxation_data
 from dashpot.plot.picture import Tag
 from dashpot.records.estimate import ParameterEstimate, Residual
 from dashpot.report.figures import lead

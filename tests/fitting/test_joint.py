@@ -19,7 +19,7 @@ from dashpot.fitting.identification.likelihood import (
 )
 from dashpot.fitting.identification.parametrisation import Arms
 from dashpot.fitting.relaxation import fit
-from dashpot.fitting.relaxation_data import relaxation_data
+from dashpot.fitting.weighed_relaxation import relaxation_data
 from dashpot.preparation.prepare import prepare
 from dashpot.records.fit import Fit, Status
 from dashpot.records.frf import FRF

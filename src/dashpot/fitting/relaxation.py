@@ -39,7 +39,6 @@ from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw
 from dashpot.fitting.nuisance import material, priors
 from dashpot.fitting.pipeline import Chosen, asked_arms, assembled, chosen_arms, point_estimate
 from dashpot.fitting.questions import Residuals, solid_checks
-from dashpot.fitting.relaxation_data import fitted_data, held_data
 from dashpot.fitting.repeats import refuse_copies
 from dashpot.fitting.shift_law import ShiftLaw
 from dashpot.fitting.temperature.joint import Vertical
@@ -49,6 +48,7 @@ from dashpot.fitting.temperature.thermal_fit import fit_thermal
 from dashpot.fitting.uncertainty.estimate import Estimate
 from dashpot.fitting.uncertainty.informed_band import informed_band
 from dashpot.fitting.uncertainty.left_open import end_of_hold
+from dashpot.fitting.weighed_relaxation import fitted_data, held_data
 from dashpot.preparation.ramp_holds import Tests, ramp_holds
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.creep import Creep

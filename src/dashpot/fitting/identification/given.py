@@ -11,8 +11,9 @@ from dashpot.base.errors import DataError, FitError
 from dashpot.base.units import Dimension, Quantity, si_range
 from dashpot.fitting.identification.likelihood import Prior
 from dashpot.fitting.relaxation import fit as fit_tests
-from dashpot.fitting.relaxation_data import RelaxationData, relaxation_data
+from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.fitting.temperature.optimum import temperatures_of
+from dashpot.fitting.weighed_relaxation import relaxation_data
 from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RampHold
 from dashpot.vibration.systems.operating_point import OperatingPoint, operating_point

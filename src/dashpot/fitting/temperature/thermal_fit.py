@@ -31,7 +31,6 @@ from dashpot.fitting.checks.temperature import (
     shifts_determined,
 )
 from dashpot.fitting.pipeline import certified, ended
-from dashpot.fitting.relaxation_data import relaxation_data
 from dashpot.fitting.repeats import end_stiffnesses
 from dashpot.fitting.shift_law import LawThroughShifts, ShiftLaw
 from dashpot.fitting.temperature import checks
@@ -48,6 +47,7 @@ from dashpot.fitting.temperature.outcome import (
 from dashpot.fitting.temperature.reduced import Own, moved
 from dashpot.fitting.uncertainty.informed_band import informed_alone, informed_band
 from dashpot.fitting.uncertainty.left_open import end_of_hold
+from dashpot.fitting.weighed_relaxation import relaxation_data
 from dashpot.preparation.checks import of_records
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.estimate import ParameterEstimate, parameter_names

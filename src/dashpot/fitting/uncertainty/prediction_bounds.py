@@ -12,9 +12,9 @@ import numpy.typing as npt
 from dashpot.base.arrays import ComplexArray, FloatArray, samples
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
-from dashpot.fitting.relaxation_data import relaxation_data
 from dashpot.fitting.uncertainty.admissible_spectra import Spectra, deviance_limit
 from dashpot.fitting.uncertainty.stiffness_set import distances, ratios
+from dashpot.fitting.weighed_relaxation import relaxation_data
 from dashpot.preparation.ramp_holds import Tests, ramp_holds
 from dashpot.records.bounds import FRFBounds, StiffnessBounds
 from dashpot.records.estimate import ELEMENT, parameter_names

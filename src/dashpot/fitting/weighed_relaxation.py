@@ -1,0 +1,339 @@
+"""From a relaxation test to the data that a likelihood weighs: its rows, its noise, its rig."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from types import MappingProxyType
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, FloatArray, median, slow_periodogram
+from dashpot.base.errors import DataError
+from dashpot.engine.blocks.block import Block, Evaluation
+from dashpot.engine.blocks.compression import SMALL, uniform_step
+from dashpot.engine.blocks.correlation import correlation_block
+from dashpot.engine.blocks.hold import hold_block
+from dashpot.engine.blocks.kernels import reduced_block
+from dashpot.engine.blocks.recorded import recursion_block
+from dashpot.fitting.design import evened
+from dashpot.fitting.nuisance import Prior, priors, warmed, warming
+from dashpot.fitting.relaxation_data import DASHPOT, LN_10, Moved, RelaxationData
+from dashpot.preparation.denoising import rests, true_motion
+from dashpot.records.fit import Fit
+from dashpot.records.relaxation import RampHold
+from dashpot.records.temperature import SAME_TEMPERATURE, celsius
+from dashpot.solids.elastic import ElasticLaw
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+# relaxation times of a record on an uneven clock: from this, s, to this many of its windows
+SHORTEST, LONGEST = 1e-6, 10.0
+# readings that stand for a while on the way, at most
+RESTS = 8
+# the rate of a force is that of the arms slower than so many samples
+SLOW_ARM = 5.0
+# cycles per record between which noise is what an arm is told from
+SLOWEST_NOISE, FASTEST_NOISE = 8, 160
+# a line of the periodogram so far above its middle is a hum, and no noise
+LINE = 20.0
+# slower noise counts where its power is so much larger: by chance it never is
+WANDERS = 2.0
+# standard errors of a shift within which other spectra may move it, and never less than this, ln
+_FREE, _LEAST_SHIFT = 5.0, 0.007
+# standard errors of a slope from which on arms do shift apart
+_SURE = 3.0
+# another temperature may change every stiffness by so much more than b_T
+_GAIN = 0.02
+
+
+def relaxation_data(
+    test: RampHold,
+    fit: Fit,
+    *,
+    alone: Fit | None = None,
+    moved: Moved | None = None,
+    warms: tuple[float, float] = (0.0, 0.0),
+) -> RelaxationData:
+    r"""Weigh a test by its own residual, and doubt all that its rig adds to the force.
+
+    What is before first contact only tells offset and drift, and is spent on their priors. A
+    reading that stands, such as the first and that of the hold, is uniform within a count q of the
+    encoder, a standard deviation of :math:`q/\sqrt{12}`; while it moves, what is left of counts
+    and noise makes the samples worth less. Either looks like an arm faster than the ramp.
+
+    Parameters
+    ----------
+    test : RampHold
+    fit : Fit
+        The solid whose response to a small motion stands for the doubt; its method is kept.
+    alone : Fit, optional
+        Of this test alone, where `fit` is of more than this test: its solid leaves the noise.
+    moved : Moved, optional
+        How the solid that is asked about lies at the temperature of the test and of `fit`: the
+        seal may then have warmed while it was recorded.
+    warms : (float, float)
+        Slopes of ln a_T and ln b_T there, 1/K.
+
+    Raises
+    ------
+    DataError
+        If the fit is of several temperatures, and the test of none of them.
+    """
+    if fit.temperatures is not None:
+        return _at_its_temperature(test, fit, alone)
+    model, own = fit.few_arms, (alone or fit).few_arms
+    if fit.method == "hold":
+        return held_data(test, model, _left_by(own, held(test, test.depth)))
+    x, left = true_motion(test)
+    x, left = _bent(fit, x - x[0], left)
+    time = evened(test.time[: len(x)] - test.time[0])
+    motions = _doubts(test, time)
+    columns = {name: model.force(time, 1.0 * moved) for name, (moved, _) in motions.items()}
+    if moved is not None:
+        columns["warming"] = warming(time, x - x[0], model, by_a=warms[0], by_b=warms[1])
+    certain = _recorded(test, time, x - x[0], {})
+    residual = _left_by(own, certain)
+    power = max(noise_power(residual), certain.rounding_floor)
+    trusted = 1 / np.sqrt(1 + (model.k_0 * left) ** 2 / power)
+    found = _weighed(
+        test,
+        _recorded(test, time, x - x[0], columns, trusted=trusted, a_t=moved.a_t if moved else 1.0),
+        certain,
+        model,
+        residual,
+        doubts={name.partition("@")[0]: sd for name, (_, sd) in motions.items()},
+    )
+    if moved is None:
+        return found
+    found = replace(found, known={**found.known, "warming": warmed(test.specimen)})
+    gain = _GAIN if moved.shift_sd > 0 else 0.0
+    return replace(found, moved=moved, size=float(np.hypot(found.size, gain)))
+
+
+def _at_its_temperature(test: RampHold, fit: Fit, alone: Fit | None) -> RelaxationData:
+    """A test of several temperatures: what it says of the solid at their reference.
+
+    Its shifts are as free as other spectra may want them, within what the line through the fit
+    bears; its stiffnesses may differ by a gain.
+    """
+    moved, kelvin = fit.temperatures, test.specimen.temperature
+    if moved is None or kelvin is None:
+        raise DataError(
+            "the fit is of tests at several temperatures, and a record has none: give the records "
+            "that were fitted, each with its temperature"
+        )
+    shift = moved.nearest(kelvin)
+    if abs(shift.temperature - kelvin) > SAME_TEMPERATURE:
+        raise DataError(
+            f"a record is of {celsius(kelvin)}, and no test of the fit is: give those that were "
+            "fitted"
+        )
+    here = replace(fit.at_temperature(shift.temperature), temperatures=None)
+    rates, at_reference = moved.rates(shift.temperature), shift.temperature == moved.reference
+    slope_sd = float(np.sqrt(moved.cross[-1, -1])) if len(moved.cross) else 0.0
+    where = Moved(
+        shift.log10_a_t * LN_10,
+        float(np.log(shift.b_t)),
+        # arms that shift apart by no more than chance are laid out together, and doubted
+        moved.slope if abs(moved.slope) > _SURE * slope_sd else 0.0,
+        0.0 if at_reference else max(_FREE * shift.se * LN_10, _LEAST_SHIFT),
+        0.0 if at_reference else _FREE * slope_sd,
+    )
+    return relaxation_data(test, here, alone=alone, moved=where, warms=rates)
+
+
+def _bent(fit: Fit, x: FloatArray, left: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The motion, and what is left of its errors, as a linear solid answers it."""
+    law = fit.elastic_law
+    if law is None or law.kind == "linear":
+        return x, left
+    return law.path(x), left * law.factor(x)
+
+
+def held_data(
+    test: RampHold,
+    answer: GeneralizedMaxwell,
+    residual: FloatArray,
+    *,
+    law: ElasticLaw | None = None,
+) -> RelaxationData:
+    """The hold after an ideal ramp, whose depth scales the force, by way of its elastic law."""
+    felt = test.depth if law is None else float(law.path(test.depth))
+    block, since = held(test, felt), float(test.ramp_end - test.time[0])
+    return _weighed(test, block, block, answer, residual, size=test.depth_doubt, since=since)
+
+
+def fitted_data(
+    test: RampHold, block: Block, answer: GeneralizedMaxwell, residual: FloatArray
+) -> RelaxationData:
+    """As :func:`relaxation_data`, from the block of a recorded motion that a fit has at hand.
+
+    What the encoder leaves unknown of the depth scales the force; what it leaves unknown of the
+    ramp's corners is not in it, so it serves no question about fast arms.
+    """
+    size = float(np.hypot(test.depth_doubt, test.contact_error / test.depth))
+    found = _weighed(test, block, block, answer, residual, size=size)
+    if not any(name.startswith("delay") for name in block.fixed_names):
+        return found
+    known = {**found.known, "delay": Prior(0.0, found.delay)}
+    return replace(found, known=known, delay=0.0)
+
+
+def held(test: RampHold, depth: float) -> Block:
+    """The block of the hold at a `depth`, with an offset and a drift of its load cell."""
+    return hold_block(
+        np.maximum(test.time[test.settled] - test.ramp_end, 0.0),
+        test.force[test.settled],
+        depth=depth,
+        ramp_time=test.ramp_time,
+        offset="offset",
+        drift="drift",
+    )
+
+
+def noise_power(residual: FloatArray) -> float:
+    r"""Return the power S of noise where arms are told from it: its variance, if it is white.
+
+    The mean periodogram between 8 and 160 cycles per record, lines of hum left out; below, where
+    the noise wanders. A standard deviation counts a hum as noise, and so does a sum of
+    autocovariances; an arm does not see it.
+    """
+    cycles, power = slow_periodogram(residual, FASTEST_NOISE)
+    medium = _without_lines(power[(cycles >= SLOWEST_NOISE) & (cycles <= FASTEST_NOISE)])
+    if not len(medium):
+        return float(np.mean(residual**2))
+    slow = power[(cycles >= SLOWEST_NOISE / 3) & (cycles <= 2 * SLOWEST_NOISE)]
+    level = float(medium.mean())
+    return max(level, float(slow.mean())) if slow.mean() > WANDERS * level else level
+
+
+def _without_lines(power: FloatArray) -> FloatArray:
+    return power[power <= LINE * median(power)] if len(power) else power
+
+
+def _weighed(
+    test: RampHold,
+    block: Block,
+    certain: Block,
+    answer: GeneralizedMaxwell,
+    residual: FloatArray,
+    *,
+    doubts: Mapping[str, float] = MappingProxyType({}),
+    size: float = 0.0,
+    since: float = 0.0,
+) -> RelaxationData:
+    before, step = priors(test), median(np.diff(test.time))
+    power = max(noise_power(residual), certain.rounding_floor)
+    slow = [j for j, tau in enumerate(answer.tau) if tau >= SLOW_ARM * step]
+    return RelaxationData(
+        block=block,
+        weight=1 / float(np.sqrt(power)),
+        kappa=power / max(float(np.mean(residual**2)), certain.rounding_floor / len(residual)),
+        known={
+            "offset": before.offset,
+            "drift": before.drift,
+            **{name: Prior(0.0, sd) for name, sd in doubts.items()},
+        },
+        since=since - before.at,
+        answer=GeneralizedMaxwell(
+            answer.k_inf, tuple(answer.k[j] for j in slow), tuple(answer.tau[j] for j in slow)
+        ),
+        delay=before.delay.sd,
+        size=size,
+        certain=certain,
+    )
+
+
+def _left_by(model: GeneralizedMaxwell, block: Block) -> FloatArray:
+    """What the arms of a solid leave of a record, their stiffnesses free."""
+    rows = block.exact.evaluate(np.log(model.tau), derivative=False)
+    columns = np.concatenate((rows.fixed, rows.arms), axis=1)
+    return np.asarray(rows.target - columns @ np.linalg.lstsq(columns, rows.target, rcond=None)[0])
+
+
+def _recorded(
+    test: RampHold,
+    time: FloatArray,
+    x: FloatArray,
+    columns: Mapping[str, FloatArray],
+    *,
+    trusted: FloatArray | None = None,
+    a_t: float = 1.0,
+) -> Block:
+    """The block of a recorded motion from first contact on, with further private columns.
+
+    `trusted` weighs each sample by what is known of the motion, up to the last doubtful one; `a_t`
+    is how many times slower the solid is there than the one asked about.
+    """
+    first, step = priors(test).first, uniform_step(time)
+    fixed = {"k_inf": x, "offset": np.ones(len(x)), "drift": time, **columns}
+    force = test.force[: len(x)]
+
+    def exact(used: slice, weights: FloatArray | None = None) -> Block:
+        past = slice(0, used.stop)
+        return recursion_block(
+            time[past], x[past], force[past], window=used, step=step,
+            fixed={name: column[used] for name, column in fixed.items()},
+            weights=None if weights is None else weights[past],
+        )  # fmt: skip
+
+    whole = exact(slice(first, len(x)))
+    low, high = whole.window
+    reach = min(DASHPOT * low, SHORTEST) * min(a_t, 1.0), LONGEST * high * max(a_t, 1.0)
+    moving = 0 if trusted is None else int(np.flatnonzero(trusted < 1)[-1:].sum()) + 1
+    # correlations cannot tell arms apart that are slower than a record by far
+    if step is None or len(x) <= SMALL or moving > len(x) // 2 or a_t != 1.0:
+        return reduced_block(
+            whole if not moving else exact(slice(first, len(x)), trusted), reach=reach
+        )
+    if moving <= first + 1:
+        return correlation_block(whole, time, x, start=first, stop=len(x))
+    on = replace(exact(slice(first, moving), trusted), window=whole.window)
+    after = slice(moving, len(x))
+    return _stacked(
+        reduced_block(on, reach=reach),
+        correlation_block(exact(after), time, x, start=moving, stop=len(x)),
+    )
+
+
+def _stacked(one: Block, two: Block) -> Block:
+    """Two stretches of one record as one block."""
+
+    def rows(log_tau: FloatArray, derivative: bool) -> Evaluation:
+        parts = one.evaluate(log_tau, derivative), two.evaluate(log_tau, derivative)
+        return Evaluation(*(np.concatenate(pair) for pair in zip(*parts, strict=True)))
+
+    return replace(
+        two,
+        rows=rows,
+        window=one.window,
+        samples=one.samples + two.samples,
+        floor=one.floor + two.floor,
+        full=None,
+    )
+
+
+def _doubts(test: RampHold, time: FloatArray) -> dict[str, tuple[BoolArray, float]]:
+    """Motions that may have been, and the standard deviation of their size, m."""
+    found: dict[str, tuple[BoolArray, float]] = {}
+    clock, count = time + test.time[0], test.encoder_step / np.sqrt(12)
+    if test.contact_error > 0:
+        found["contact"] = clock >= test.onset, test.contact_error
+    if count > 0:
+        (_, leaves), *between, (reaches, _) = _few_rests(test, clock)
+        # motion counts from the first reading: an error of it begins where it is left
+        found["rest@first"] = clock >= leaves, float(count)
+        found["rest@last"] = clock >= reaches, float(count)
+        for i, (start, stop) in enumerate(between):
+            found[f"rest@{i}"] = (clock >= start) & (clock < stop), float(count)
+    return found
+
+
+def _few_rests(test: RampHold, clock: FloatArray) -> list[tuple[float, float]]:
+    """The first and the last reading that stand, and the longest of those between them."""
+    found = rests(clock, test.displacement[: len(clock)])
+    first, last = (-np.inf, test.onset), (test.ramp_end, np.inf)
+    if len(found) > 1:
+        first, last = found[0], found[-1]
+    longest = sorted(found[1:-1], key=lambda rest: rest[0] - rest[1])[:RESTS]
+    return [first, *longest, last]
