@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from kit.cld import pressed
 from kit.kinds import ARMS, MASS, STIFFNESS, files
 
 import dashpot as dp
@@ -15,8 +16,11 @@ from dashpot.io.write import write_frf
 from dashpot.lots.choices import BatchChoices
 from dashpot.lots.columns import AGAIN
 from dashpot.lots.entries import Entry
+from dashpot.lots.limits import read_limits
 from dashpot.lots.row import row
+from dashpot.lots.summary import summary
 from dashpot.workflow import compare_files
+from dashpot.workflow.examples import EXAMPLES
 from dashpot.workflow.job import HammerChoices
 
 pytestmark = pytest.mark.once
@@ -42,8 +46,12 @@ def test_every_kind_is_a_row_by_its_fit_or_with_the_sentence_why_not(folder, nam
     kind = files()[name][1]
     found = row_of(Entry(str(folder / name)))
     assert found["kind"] == kind
-    assert found["outcome"] == ("fitted" if kind in FITTED else "other")
-    if kind in FITTED:
+    assert found["outcome"] == ("fitted" if kind in {*FITTED, "cld"} else "other")
+    if kind == "cld":
+        assert found["cld_force_N"] > 0
+        assert found["cld_hysteresis"] > 0
+        assert found["k_inf_N_per_m"] is None
+    elif kind in FITTED:
         material = found["k_inf_N_per_m"] is None
         assert material == (kind not in {"relaxation", "creep"} or name == "compliance.csv")
         assert found["E_inf_Pa" if material else "k_inf_N_per_m"] >= 0
@@ -64,6 +72,52 @@ def test_a_quick_row_judges_nothing_that_it_does_not_write(folder, monkeypatch):
     name = "seal.csv"
     assert row_of(Entry(str(folder / name)), replace(ONE_ARM, quick=True))["outcome"] == "fitted"
     assert row_of(Entry(str(folder / name)))["reason"] == "judged"
+
+
+def test_a_load_deflection_is_a_row_as_its_command_has_it(tmp_path):
+    path = pressed(softening=0.05).write(tmp_path / "p1.csv")
+    choices = BatchChoices(compression=(6e-3,), length=0.05)
+    found = row_of(Entry(str(path)), choices)
+    alone = dp.cld(dp.read_cld(path, specimen=dp.Specimen(length="50mm")), at="6mm")
+    assert found["cld_force_N"] == alone.nominal.loading
+    assert found["cld_per_100mm_N"] == 2 * alone.nominal.loading
+    assert (found["cld_at_m"], found["cld_set_m"]) == (6e-3, alone.set)
+    assert found["cld_hysteresis"] == alone.cycle.hysteresis
+    assert found["verdict"] == alone.verdict.use
+    short = row_of(Entry(str(path)), BatchChoices(compression=(12e-3,)))
+    assert short["outcome"] == "refused"
+    assert "12 mm was asked for" in short["reason"]
+    assert short["kind"] == "cld"
+
+
+def test_a_lot_of_pieces_is_judged_by_their_force(tmp_path):
+    for number, scale in enumerate((1.0, 1.04, 0.97), start=1):
+        truth = pressed(scale=scale, seed=number, softening=0.05, cycles=2)
+        truth.write(tmp_path / f"p{number}.csv")
+    lot = dp.batch(tmp_path, length="50mm", compression="6mm", jobs=1)
+    assert lot.main == "cld_per_100mm"
+    forces = [float(one.mean) for one in lot.seals(lot.main)]
+    assert forces[1] / forces[0] == pytest.approx(1.04, abs=0.01)
+    (limits,) = read_limits(stated(tmp_path), lot.table.columns)
+    found = summary(lot, quantity=lot.main, limits=[limits])
+    assert found.main.lowest[1].cpk > 0
+
+
+def stated(folder):
+    path = folder / "limits.toml"
+    path.write_text('[cld_per_100mm]\nlower = "2N"\nupper = "3N"\n')
+    return path
+
+
+def test_a_hit_is_a_row_once_the_indenter_has_a_mass(tmp_path):
+    path = tmp_path / "hit.csv"
+    path.write_text(EXAMPLES["hit.csv"]())
+    found = row_of(Entry(str(path), mass=5e-3), BatchChoices(radius=5e-3))
+    assert found["outcome"] == "fitted"
+    assert found["indent_modulus_Pa"] == pytest.approx(4e6, rel=0.02)
+    assert found["indent_modulus_low_Pa"] < found["indent_modulus_Pa"]
+    assert found["restitution"] == pytest.approx(0.7935, abs=0.003)
+    assert "indenter's mass" in row_of(Entry(str(path)))["reason"]
 
 
 def test_a_modulus_whose_column_nobody_named_says_which_option_names_it(folder):

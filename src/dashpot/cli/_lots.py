@@ -45,6 +45,16 @@ _DECLARED: tuple[Callable[..., Any], ...] = (
         help="Of the seals, for these [default: as tested]; repeat it for more.",
     ),
     click.option(
+        "--length",
+        type=options.Quantity("length"),
+        help="Contact length of each piece: load deflection per 100 mm.",
+    ),
+    click.option(
+        "--radius",
+        type=options.Quantity("length"),
+        help="Of an indenter's tip; its mass is --mass.",
+    ),
+    click.option(
         "--by",
         metavar="REGEX",
         help=r"Lot, seal, repeat from the path: 'lot(\w+)_seal(\d+)_rep(\d+)'.",
@@ -69,7 +79,7 @@ _DECLARED: tuple[Callable[..., Any], ...] = (
         "quantities",
         metavar="NAME",
         multiple=True,
-        help="What the page is of [default: k_end]: k_0, loss_factor_at_12.7Hz, ...",
+        help="What the page is of [default: k_end; of load deflection cld_per_100mm]: k_0, ...",
     ),
     click.option("--limits", type=File(), metavar="FILE", help="TOML of acceptance limits."),
     click.option("--jobs", type=click.IntRange(1), help="Processes [default: one per processor]."),
@@ -116,7 +126,7 @@ def of_many(function: Callable[..., T]) -> Callable[..., T]:
             bench = options.without(OF_HAMMER_ALONE)
             choices = BatchChoices(reading=bench, reading_impact=of_impact, **own)
             columns = number_columns(choices)
-            main = quantity(quantities[-1] if quantities else "k_end", columns).name
+            main = quantity(quantities[-1], columns).name if quantities else ""
             asked = () if limits is None else read_limits(limits, columns)
             return BatchJob(
                 paths, Path(output), choices, by, manifest, pair, jobs, scheduler, main, asked
@@ -129,7 +139,9 @@ def of_many(function: Callable[..., T]) -> Callable[..., T]:
     return command
 
 
-_CHOSEN = ("arms", "method", "quick", "mass", "seals", "at", "compression", "joint")
+_CHOSEN = (
+    "arms", "method", "quick", "mass", "seals", "at", "compression", "joint", "length", "radius",
+)  # fmt: skip
 
 
 def write_lot(job: BatchJob, lot: dp.Lot) -> None:
@@ -138,7 +150,7 @@ def write_lot(job: BatchJob, lot: dp.Lot) -> None:
     from dashpot.lots.summary import summary
     from dashpot.lots.workbook import workbook
 
-    found = summary(lot, quantity=job.quantity, limits=job.limits)
+    found = summary(lot, quantity=job.quantity or lot.main, limits=job.limits)
     write(f"{job.output}/lot.csv", lot.csv())
     write(f"{job.output}/lot.xlsx", workbook(found))
     write(f"{job.output}/lot.html", html(lot, title=job.output.resolve().name, found=found))
@@ -148,7 +160,7 @@ def outcome(job: BatchJob, lot: dp.Lot) -> Outcome:
     """Return what is printed of a lot."""
     from dashpot.lots.summary import summary
 
-    found = summary(lot, quantity=job.quantity, limits=job.limits)
+    found = summary(lot, quantity=job.quantity or lot.main, limits=job.limits)
     scatter = _scatter(lot)
     document = {
         "schema": "dashpot/batch@1",
@@ -161,12 +173,17 @@ def outcome(job: BatchJob, lot: dp.Lot) -> Outcome:
         "components": [asdict(one) for one in scatter],
         "outliers": [
             {"file": file, "robust_deviations": away if isfinite(away) else None}
-            for file, away in lot.outliers(job.quantity)
+            for file, away in lot.outliers(job.quantity or lot.main)
         ],
         "short_holds": list(lot.short_holds),
         **found.document,
     }
-    lines = [*_told(document), *found.lines, *_shares(scatter), *_out(lot, job.quantity)]
+    lines = [
+        *_told(document),
+        *found.lines,
+        *_shares(scatter),
+        *_out(lot, job.quantity or lot.main),
+    ]
     return Outcome(document, Text(lines, _others(lot)), found.checks)
 
 

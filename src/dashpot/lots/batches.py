@@ -50,7 +50,7 @@ class BatchJob:
     """Which tests a batch takes, who makes their rows, and what is asked of the lot.
 
     The fields are the arguments of :func:`batch`, but for the last two: the quantity that its page
-    is of, and the limits of acceptance.
+    is of, if one was asked for, and the limits of acceptance.
     """
 
     paths: tuple[str | Path, ...]
@@ -61,7 +61,7 @@ class BatchJob:
     pair: str | None = None
     jobs: int | None = None
     scheduler: str | None = None
-    quantity: str = "k_end"
+    quantity: str = ""
     limits: tuple[Limits, ...] = ()
 
     def entries(self, *, growing: bool = False) -> tuple[Entry, ...]:
@@ -113,6 +113,8 @@ def batch(
     seals: float = 1.0,
     at: Quantity | Sequence[Quantity] = (),
     compression: Quantity | Sequence[Quantity] = (),
+    length: Quantity | None = None,
+    radius: Quantity | None = None,
     by: str | None = None,
     manifest: str | Path | None = None,
     pair: str | None = None,
@@ -147,7 +149,11 @@ def batch(
         Frequencies, Hz: the table then has storage and loss stiffness and loss factor there.
     compression : float or sequence of float
         Of the seals, m, for these and for the stiffness at the end of the hold: of small vibration
-        about it. By default each test's own depth.
+        about it. By default each test's own depth. The first is the nominal one of load deflection.
+    length : float, optional
+        Contact length of each piece, m: load deflection is then per 100 mm.
+    radius : float, optional
+        Of an indenter's tip, m; `mass` is then the indenter's.
     by : str, optional
         A regular expression for the path, whose groups are lot, seal, repeat and operator:
         ``r"lot(\w+)_seal(\d+)_rep(\d+)"``; named groups may stand in any order.
@@ -178,7 +184,7 @@ def batch(
     choices = BatchChoices(
         arms, method, quick, si(mass, "mass"), seals, options or ReadOptions(),
         impact_options or ReadOptions(), joint, several(at, "frequency"),
-        several(compression, "length"),
+        several(compression, "length"), si(length, "length"), si(radius, "length"),
     )  # fmt: skip
     every = (paths,) if isinstance(paths, str | Path) else tuple(paths)
     with _folder(output) as folder:

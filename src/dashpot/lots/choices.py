@@ -46,7 +46,11 @@ class BatchChoices:
         Frequencies, Hz, at which each row has storage and loss stiffness and loss factor.
     compression : tuple of float
         Of the seals, m, for these and for the stiffness at the end of the hold; without any, the
-        depth of each test.
+        depth of each test. The first is the nominal one of a load deflection record.
+    length : float or None
+        Contact length of each piece, m: load deflection is then per 100 mm.
+    radius : float or None
+        Of an indenter's tip, m: a hit then has a modulus.
     """
 
     arms: int | Literal["auto"] = "auto"
@@ -59,6 +63,8 @@ class BatchChoices:
     joint: bool = False
     at: tuple[float, ...] = ()
     compression: tuple[float, ...] = ()
+    length: float | None = field(default=None, metadata={"unit": "length"})
+    radius: float | None = field(default=None, metadata={"unit": "length"})
 
     def __post_init__(self) -> None:
         si_fields(self)
@@ -67,8 +73,10 @@ class BatchChoices:
                 "--quick needs the number of arms (such as --arms 2): choosing it takes the "
                 "errors that it leaves out"
             )
-        if self.mass is not None and not (math.isfinite(self.mass) and self.mass > 0):
-            raise DataError(f"mass = {self.mass!r} kg; expected a number > 0")
+        for name, unit in (("mass", "kg"), ("length", "m"), ("radius", "m")):
+            value = getattr(self, name)
+            if value is not None and not (math.isfinite(value) and value > 0):
+                raise DataError(f"{name} = {value!r} {unit}; expected a number > 0")
         if not (math.isfinite(self.seals) and self.seals > 0):
             raise DataError(f"seals = {self.seals!r}; expected a number > 0")
         for name in ("at", "compression"):

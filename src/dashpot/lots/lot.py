@@ -37,6 +37,9 @@ if TYPE_CHECKING:
 
     from dashpot.plot.picture import Picture
 
+_MAIN = ("k_end_", "E_end_")
+_INSTEAD = ("cld_per_100mm", "cld_force", "indent_modulus", "restitution")
+"""Of pieces that were pressed and released, and of surfaces that were hit."""
 ALIKE = 0.05
 """Of the median of its lot: by how much hold and depth of a test may differ from it."""
 DEGREES = 3.0
@@ -150,12 +153,23 @@ class Lot:
     @property
     def quantities(self) -> tuple[Quantity, ...]:
         """Those that say what the tests found, and of which there are values."""
-        pattern = r"[kE]_(end|0|inf)_|(storage|loss|loss_factor|k_end)_at_|frequency_|damping_ratio"
+        pattern = (
+            r"[kE]_(end|0|inf)_|(storage|loss|loss_factor|k_end)_at_|frequency_|damping_ratio|"
+            r"cld_(per_100mm|force|slope|hysteresis|softening|set)|indent_modulus|restitution"
+        )
         names = self.table.select(polars().col(f"^({pattern}).*$")).columns
         wanted = [
             one for one in names if not any(end in one for end in ("_se_", "_low_", "_high_"))
         ]
         return tuple(self.quantity(one) for one in wanted if self.table[one].count())
+
+    @property
+    def main(self) -> str:
+        """What a page is of where nothing was asked for: k_end, or what the tests have instead."""
+        if any(self.table[one].count() for one in self.table.columns if one.startswith(_MAIN)):
+            return "k_end"
+        known = {one.name for one in self.quantities}
+        return next((one for one in _INSTEAD if one in known), "k_end")
 
     def seals(self, name: str = "k_end") -> tuple[Seal, ...]:
         """Return the seals with their values of a quantity, in the order of lot and seal."""

@@ -20,6 +20,10 @@ _WORDS = {
     "k_inf": "equilibrium stiffness", "frequency": "frequency of the mass",
     "damping_ratio": "damping ratio of the mass", "E_end": "modulus at the end",
     "E_0": "modulus at once", "E_inf": "equilibrium modulus",
+    "cld_at": "nominal compression", "cld_force": "force at nominal",
+    "cld_per_100mm": "force at nominal per 100 mm", "cld_slope": "slope at nominal",
+    "cld_hysteresis": "hysteresis", "cld_softening": "softening", "cld_set": "set",
+    "indent_modulus": "modulus under the indenter", "restitution": "restitution",
 }  # fmt: skip
 _KINDS = {"storage": "storage stiffness", "loss": "loss stiffness", "loss_factor": "loss factor"}
 

@@ -11,13 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from dashpot.base.checks import Check
 from dashpot.base.errors import DashpotError
 from dashpot.io.columns.kinds import MASTER, WANTED_BY
 from dashpot.lots.choices import BatchChoices
 from dashpot.lots.columns import asked_columns, empty, of_solid
 from dashpot.lots.entries import Entry, hashed
 from dashpot.lots.hammer import held_against_hammer, of_hammer_alone
+from dashpot.lots.pressed import failed_names, pressed
 from dashpot.records.compression import refuse_far
 from dashpot.records.creep import CreepCompliance, LoadHold
 from dashpot.records.dynamic import DynamicTest
@@ -33,7 +33,10 @@ _FITTED = ("relaxation", "dma", "master-curve", "creep")
 """Kinds that have a fit: what is wrong with such a file is its own sentence."""
 _PAIR = "say of which test (--pair, or the column 'hammer' of --manifest), or use dashpot identify"
 _RESONANCES = ("impact", "frf")
-_USES = {"impact": _PAIR, "frf": _PAIR, "modulus": "name its column (--modulus)"}
+_USES = {
+    "impact": _PAIR, "frf": _PAIR, "modulus": "name its column (--modulus)",
+    "indentation": "give the indenter's mass (--mass, or the column 'mass' of --manifest)",
+}  # fmt: skip
 """What a batch makes of kinds that wait for a word."""
 
 
@@ -92,6 +95,9 @@ def _answered(entry: Entry, choices: BatchChoices, found: Mapping[str, Any]) -> 
         fit, records = fit_files((entry.file,), options=bench, **how)
     except DashpotError as error:
         kind = inspect_files((entry.file,), options=bench).files[0].kind
+        own = pressed(kind, entry, choices, found["mass_kg"])
+        if own is not None:
+            return own
         if kind == "modulus" and choices.reading.modulus is not None:
             fit, records = fit_files((entry.file,), options=choices.reading, **how)
         elif kind in WANTED_BY and kind not in _FITTED:
@@ -191,7 +197,7 @@ def _judged(fit: Fit, room: int) -> dict[str, Any]:
     found: dict[str, Any] = {
         "verdict": verdict.use,
         "reason": "" if verdict.use == "use" else verdict.says,
-        "failed_checks": " ".join(_failed(fit.checks)),
+        "failed_checks": " ".join(failed_names(fit.checks)),
         of_solid("inf_se", unit): error["k_inf"],
         of_solid("inf_low", unit): low,
         of_solid("inf_high", unit): high,
@@ -209,10 +215,6 @@ def _arms(
 ) -> Iterator[tuple[int, tuple[float, float]]]:
     """The arms from 1; a curve may have more than a row has room for."""
     return enumerate(islice(zip(k, tau, strict=True), room), start=1)
-
-
-def _failed(checks: tuple[Check, ...]) -> list[str]:
-    return list(dict.fromkeys(one.name for one in checks if one.failed and one.grade != "note"))
 
 
 def _asked(fit: Fit, choices: BatchChoices, hold: float | None) -> dict[str, Any]:
