@@ -59,6 +59,7 @@ from .records.cld import CLD as CLD
 from .records.cld import CompressionTest as CompressionTest
 from .records.cld import RateLaw as RateLaw
 from .records.cld import RelaxedLaw as RelaxedLaw
+from .records.closing import ClosingSetup as ClosingSetup
 from .records.creep import CreepCompliance as CreepCompliance
 from .records.creep import CreepTest as CreepTest
 from .records.door import Door as Door
@@ -83,6 +84,9 @@ from .records.seal_line import SealLine as SealLine
 from .records.seal_line import SealSection as SealSection
 from .records.specimen import Specimen as Specimen
 from .records.superposition import Superposition as Superposition
+from .seals.closing import ClosingDoor as ClosingDoor
+from .seals.slam import Closing as Closing
+from .seals.slam import close_door as close_door
 from .solids import friction as friction
 from .solids import networks as networks
 from .solids import stiffening as stiffening

@@ -22,7 +22,7 @@ SI = {
     "velocity": "m/s", "frequency": "Hz", "stiffness": "N/m", "damping": "N*s/m", "strain": "",
     "stress": "Pa", "voltage": "V", "torque": "N*m", "angle": "rad", "temperature": "K",
     "compliance": "m/N", "force rate": "N/s", "material compliance": "1/Pa",
-    "moment of inertia": "kg*m^2",
+    "moment of inertia": "kg*m^2", "area": "m^2", "volume": "m^3",
 }  # fmt: skip
 
 

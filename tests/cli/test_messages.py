@@ -76,6 +76,8 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "workflow/indentations.py": ("indent",),
     "workflow/doors.py": ("door",),
     "io/readers/door.py": ("door",),
+    "io/readers/door_closing.py": ("door",),
+    "seals/slam.py": ("door",),
     "io/readers/indentation.py": ("indent",),
     "fitting/indentation/fit.py": ("indent",),
     "fitting/indentation/checks.py": ("indent",),

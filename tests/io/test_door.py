@@ -8,6 +8,7 @@ import pytest
 
 from dashpot.base.errors import ReadError
 from dashpot.io.readers.door import read_door
+from dashpot.records.closing import ClosingSetup
 from dashpot.records.door import DoorPoint, ModesChoice, RigidPart, SealChoice, Support
 from dashpot.records.seal_line import Joint
 
@@ -79,7 +80,8 @@ centre = "1, 0, 0 m"
 psd = "0.01g^2/Hz"
 
 [closing]
-speed = "1m/s"
+edge = "1m"
+friction = "1.5N*m"
 """
 
 
@@ -112,7 +114,7 @@ def test_every_table_is_read(tmp_path):
     )
     assert door.body.inertia == (500.0, 2000.0, 2000.0)
     assert door.base == "0.01g^2/Hz"
-    assert door.closing == {"speed": "1m/s"}
+    assert door.closing == ClosingSetup(edge=1.0, friction=1.5)
     assert door.source.file == "door.toml"
 
 

@@ -21,6 +21,7 @@ Dimension: TypeAlias = Literal[
     "time", "length", "force", "mass", "acceleration", "velocity", "frequency",
     "stiffness", "damping", "temperature", "strain", "stress", "voltage", "torque", "angle",
     "compliance", "force rate", "material compliance", "moment of inertia",
+    "area", "volume",
 ]  # fmt: skip
 
 
@@ -67,6 +68,8 @@ def _table() -> dict[str, Unit]:
         "voltage": {"V": 1.0, "mV": 1e-3, "uV": 1e-6},
         "torque": {"N*m": 1.0, "N*mm": 1e-3, "mN*m": 1e-3, "uN*m": 1e-6},
         "angle": {"rad": 1.0, "deg": 0.017453292519943295},
+        "area": {"m^2": 1.0, "cm^2": 1e-4, "mm^2": 1e-6},
+        "volume": {"m^3": 1.0, "dm^3": 1e-3, "cm^3": 1e-6, "mm^3": 1e-9},
         "moment of inertia": {"kg*m^2": 1.0, "kg*mm^2": 1e-6, "t*mm^2": 1e-3, "g*mm^2": 1e-9},
     }  # fmt: skip
     units: dict[str, Unit] = {}

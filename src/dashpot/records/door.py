@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 from dashpot.base.arrays import ByValue
 from dashpot.base.provenance import Source
+from dashpot.records.closing import ClosingSetup
 from dashpot.records.seal_line import SealLine
 
 Vector: TypeAlias = tuple[float, float, float]
@@ -154,8 +153,8 @@ class Door(ByValue):
     base : str
         How the body shakes: a file, or words such as ``"0.01g^2/Hz"``; "" if it does not.
     base_along : (float, float, float)
-    closing : mapping
-        The table [closing], as it stands there.
+    closing : ClosingSetup
+        What else meets it as it closes.
     source : Source or None
     """
 
@@ -172,5 +171,5 @@ class Door(ByValue):
     body: RigidPart | None = None
     base: str = ""
     base_along: Vector = (0.0, 0.0, 1.0)
-    closing: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+    closing: ClosingSetup = field(default_factory=ClosingSetup)
     source: Source | None = None

@@ -17,6 +17,7 @@ from dashpot.base.units import parse_unit
 from dashpot.io.columns.roles import list_columns
 from dashpot.io.columns.vocabulary import plain
 from dashpot.io.readers import channels
+from dashpot.io.readers.door_closing import closing_of
 from dashpot.io.toml import Section, Vector, tables_of
 from dashpot.records.door import (
     Door,
@@ -48,8 +49,8 @@ def read_door(path: str | Path) -> Door:
     """
     raw, tables = tables_of(path)
     for name in tables:
-        if name not in _TABLES:
-            known = ", ".join(f"[{one}]" for one in _TABLES)
+        if name not in {*_TABLES, "closing"}:
+            known = ", ".join(f"[{one}]" for one in (*_TABLES, "closing"))
             raise ReadError(f"{raw.name}: [{name}] is unknown; known are {known}")
     if "door" not in tables:
         raise ReadError(f"{raw.name}: no [door] is in it; expected its mass and its hinges")
@@ -58,7 +59,12 @@ def read_door(path: str | Path) -> Door:
     for name, entries in tables.items():
         here = _Here(f"{raw.name}, [{name}]", folder)
         try:
-            found |= _TABLES[name](here, entries)
+            if name == "closing":
+                size = Section(here.where, tables["door"], tuple(tables["door"]))
+                sizes = (size.quantity(one, "length") for one in ("width", "height"))
+                found["closing"] = closing_of(here.where, entries, *sizes)
+            else:
+                found |= _TABLES[name](here, entries)
         except DataError as error:
             raise ReadError(f"{here.where}: {error}") from None
     return Door(**found)
@@ -328,11 +334,6 @@ def _base(here: _Here, entries: Any) -> dict[str, Any]:
     return {"base": str(beside) if beside.is_file() else word, "base_along": along}
 
 
-def _closing(_: _Here, entries: Any) -> dict[str, Any]:
-    """As it stands there."""
-    return {"closing": MappingProxyType(dict(entries))}
-
-
 def _place(section: Section, name: str) -> Vector:
     found = section.vector(name, "length") or (0.0, 0.0, 0.0)
     return _believable(section, name, found)
@@ -369,7 +370,6 @@ _TABLES: Mapping[str, Callable[[_Here, Any], dict[str, Any]]] = MappingProxyType
         "point": _watched,
         "body": _body,
         "base": _base,
-        "closing": _closing,
     }
 )
 """What reads each table; arrays of tables, such as [[hinge]], bear the same name."""
