@@ -44,13 +44,13 @@ from .io.readers.impact import read_impact as read_impact
 from .io.readers.indentation import read_indentation as read_indentation
 from .io.readers.inspect import inspect_file as inspect_file
 from .io.readers.modulus import read_modulus as read_modulus
-from .io.readers.motion import read_motion as read_motion
 from .io.readers.relaxation import read_relaxation as read_relaxation
 from .io.readers.shifts import read_shifts as read_shifts
+from .io.readers.trajectory import read_trajectory as read_trajectory
 from .lots.batches import batch as batch
 from .lots.lot import Lot as Lot
 from .planning.plan import plan as plan
-from .planning.setpoints import planned_motion as planned_motion
+from .planning.setpoints import planned_trajectory as planned_trajectory
 from .preparation.cld.cycles import cld as cld
 from .preparation.prepare import prepare as prepare
 from .records.amplitude import AmplitudeFit as AmplitudeFit
@@ -76,7 +76,6 @@ from .records.indentation import Indenter as Indenter
 from .records.level import LevelFit as LevelFit
 from .records.machine import Machine as Machine
 from .records.modulus import RelaxationModulus as RelaxationModulus
-from .records.motion import Motion as Motion
 from .records.relaxation import RampHold as RampHold
 from .records.relaxation import RelaxationTest as RelaxationTest
 from .records.seal_line import Joint as Joint
@@ -84,6 +83,7 @@ from .records.seal_line import SealLine as SealLine
 from .records.seal_line import SealSection as SealSection
 from .records.specimen import Specimen as Specimen
 from .records.superposition import Superposition as Superposition
+from .records.trajectory import Trajectory as Trajectory
 from .seals.closing import ClosingDoor as ClosingDoor
 from .seals.slam import Closing as Closing
 from .seals.slam import close_door as close_door

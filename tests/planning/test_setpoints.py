@@ -9,14 +9,14 @@ from click.testing import CliRunner
 import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.cli import main
-from dashpot.io.write import write_motion
-from dashpot.planning.setpoints import planned_motion
+from dashpot.io.write import write_trajectory
+from dashpot.planning.setpoints import planned_trajectory
 
 USUAL = {"depth": "8mm", "ramp_time": "1s", "hold_time": "40s", "baseline": "1s"}
 
 
 def test_the_ramp_has_101_set_points_and_its_ends_are_exact():
-    motion = planned_motion(**USUAL)
+    motion = planned_trajectory(**USUAL)
     assert len(motion.time) == 100 + 101 + 4000
     # R1: (0,0,0) -> (0,0,-8), dt = 10 ms: 101 points, last exact
     ramp = (motion.time >= 1.0) & (motion.time <= 2.0)
@@ -30,9 +30,9 @@ def test_the_ramp_has_101_set_points_and_its_ends_are_exact():
 
 @pytest.mark.parametrize("depth", [8e-3, 8.3e-3, 1 / 300])
 def test_a_file_of_them_reads_back(tmp_path, depth: float):
-    motion = planned_motion(**USUAL | {"depth": depth, "along": (0, 3, 4)})
-    write_motion(motion, tmp_path / "a.csv", comments=["a plan"])
-    back = dp.read_motion(tmp_path / "a.csv")
+    motion = planned_trajectory(**USUAL | {"depth": depth, "along": (0, 3, 4)})
+    write_trajectory(motion, tmp_path / "a.csv", comments=["a plan"])
+    back = dp.read_trajectory(tmp_path / "a.csv")
     np.testing.assert_array_equal(back.time, motion.time)
     np.testing.assert_allclose(back.displacement, motion.displacement, atol=1e-15)
     assert back.position is None
@@ -69,15 +69,15 @@ def test_the_command_writes_what_the_plan_is_of(tmp_path):
 )  # fmt: skip
 def test_what_is_no_plan_for_a_controller_is_refused(wrong, says: str):
     with pytest.raises(DataError, match=says):
-        planned_motion(**USUAL | {"baseline": 0.0} | wrong)
+        planned_trajectory(**USUAL | {"baseline": 0.0} | wrong)
 
 
 def test_rows_without_a_number_are_left_out_and_a_rate_is_a_clock(tmp_path):
     file = tmp_path / "a.csv"
     rows = "".join(f"{i / 10},{i if i != 3 else ''}\n" for i in range(10))
     file.write_text("time [s],displacement [mm]\n" + rows)
-    motion = dp.read_motion(file)
+    motion = dp.read_trajectory(file)
     assert len(motion.time) == 9
     assert any("1 rows lack a number" in note for note in motion.source.notes)
     with pytest.raises(DataError, match="expected 10 rows of x, y, z"):
-        dp.Motion(np.arange(10.0), np.arange(10.0), np.zeros((9, 3)))
+        dp.Trajectory(np.arange(10.0), np.arange(10.0), np.zeros((9, 3)))

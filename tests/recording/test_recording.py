@@ -101,7 +101,7 @@ def test_what_the_line_loses_is_counted_and_said(tmp_path):
     assert notes[1] == "one line left out that came no later than the line before"
     # 5, then 2, then 1 sample: steps of 6, 3 and 2 times 5 ms
     assert notes[2] == "three gaps in the clock, 8 samples missing, the longest gap 0.03 s"
-    back = dp.read_motion(tmp_path / "a.csv")
+    back = dp.read_trajectory(tmp_path / "a.csv")
     assert len(back.time) == rows
 
 
@@ -266,6 +266,27 @@ def test_what_was_read_before_a_fault_is_in_the_file(tmp_path):
     with pytest.raises(OSError, match="the card is gone"):
         record(Broken(TEST, "a card", speed=np.inf), tmp_path / "a.csv")
     assert len(dp.read_relaxation(tmp_path / "a.csv").time) == 50
+
+
+def test_a_full_disk_leaves_whole_rows(tmp_path, monkeypatch):
+    room = [3000]
+    write = os.write
+
+    def filling(handle: int, data: bytes) -> int:
+        if not room[0]:
+            raise OSError(28, "No space left on device")
+        room[0] -= (fits := min(len(data), room[0]))
+        return write(handle, data[:fits])
+
+    monkeypatch.setattr("dashpot.recording.keep.os.write", filling)
+    blocks = Paced(TEST, "a card", speed=5.0)
+    with pytest.raises(ReadError, match=r"a.csv cannot be written any further: No space left on"):
+        record(blocks, tmp_path / "a.csv")
+    text = (tmp_path / "a.csv").read_text()
+    assert text.endswith("\n")
+    assert len(text) < 3000
+    rows = text.splitlines()[2:]
+    assert [float(row.split(",")[0]) for row in rows] == TEST.time[: len(rows)].tolist()
 
 
 @pytest.mark.once

@@ -11,8 +11,8 @@ from click.testing import CliRunner
 import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.cli import main
-from dashpot.io.write import write_motion
-from dashpot.planning.setpoints import planned_motion
+from dashpot.io.write import write_trajectory
+from dashpot.planning.setpoints import planned_trajectory
 from dashpot.simulation.motion import simulate_motion, softened
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Climate, Rig
@@ -20,16 +20,16 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import BROAD, PAPER
 
 
-def triangles(cycles: int, *, depth: float = 8e-3, half: float = 2.0) -> dp.Motion:
+def triangles(cycles: int, *, depth: float = 8e-3, half: float = 2.0) -> dp.Trajectory:
     time = np.arange(round((2 * cycles * half + 1) * 100)) / 100.0
     up = np.interp(
         time, 0.5 + half * np.arange(2 * cycles + 1), depth * (np.arange(2 * cycles + 1) % 2)
     )
-    return dp.Motion(time, up)
+    return dp.Trajectory(time, up)
 
 
 def test_a_planned_test_replayed_is_the_test_that_was_planned():
-    sent = planned_motion(depth=8e-3, ramp_time=1.0, hold_time=4.0, baseline=1.5)
+    sent = planned_trajectory(depth=8e-3, ramp_time=1.0, hold_time=4.0, baseline=1.5)
     quiet = Rig().noise_free()
     replayed = simulate_motion(PAPER, sent, rig=quiet).test
     direct = simulate_relaxation(PAPER, depth=8e-3, ramp_time=1.0, hold_time=4.0, rig=quiet).test
@@ -41,7 +41,7 @@ def test_a_record_can_be_replayed():
     # what was recorded is sent again: late by the loop's own lag, 2 zeta / omega, and no more
     first = simulate_relaxation(PAPER, hold_time=4.0, rig=Rig().noise_free()).test
     again = simulate_motion(
-        PAPER, dp.Motion(first.time, first.displacement), rig=Rig().noise_free()
+        PAPER, dp.Trajectory(first.time, first.displacement), rig=Rig().noise_free()
     ).test
     middle = (first.displacement > 3e-3) & (first.displacement < 5e-3)
     late = (first.displacement - again.displacement)[middle] / 8e-3
@@ -86,7 +86,7 @@ def test_the_temperature_of_a_motion_is_stated():
 
 @pytest.mark.once
 def test_cycles_of_a_seal_that_softens_are_read_as_such(tmp_path):
-    write_motion(triangles(4), tmp_path / "cycles.csv")
+    write_trajectory(triangles(4), tmp_path / "cycles.csv")
     spring = dp.GeneralizedMaxwell(200.0, (1e-3,), (1e-3,))
     (tmp_path / "spring.json").write_text(dp.to_json(spring))
     words = "simulate motion --noise-free --softening 0.12 --model spring.json"

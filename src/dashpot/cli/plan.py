@@ -16,7 +16,7 @@ from dashpot.cli._options import Direction, Quantity, given
 from dashpot.cli._shell import Outcome, Output, reports, typed, write
 from dashpot.cli._terminal import Text
 from dashpot.cli.simulate import seal
-from dashpot.io.write import write_motion
+from dashpot.io.write import write_trajectory
 
 if TYPE_CHECKING:
     from dashpot.solids.temperature import TemperatureLaw
@@ -116,7 +116,7 @@ def command(
         **choices,
     )
     if setpoints is not None:
-        motion = dp.planned_motion(
+        motion = dp.planned_trajectory(
             depth=choices["depth"],
             ramp_time=ramp,
             hold_time=hold,
@@ -127,7 +127,7 @@ def command(
         count = byline(f"planned test, {len(motion.time)} set-points")
         timed = f"rest {choices['baseline']:g} s, ramp {ramp:g} s, hold {hold:g} s"
         says = (count, f"{timed}; one each {interval:g} s, the first where the plate touches")
-        write(setpoints, write_motion(motion, comments=says))
+        write(setpoints, write_trajectory(motion, comments=says))
     rehearsed = typed(
         "simulate", "relaxation", *given("ramp", "hold"), "-o", "rehearsal.csv", why="rehearses it"
     )

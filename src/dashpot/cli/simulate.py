@@ -149,7 +149,7 @@ def relaxation(
 def replayed(*, model: str, motion: str, **choices: Any) -> tuple[Any, ...]:
     """Return the record of a motion as CSV, its truth as JSON, and what gauges add to it."""
     known, rig, climate = _bench(model, choices)
-    sent = dp.read_motion(motion)
+    sent = dp.read_trajectory(motion)
     made = dp.simulation.simulate_motion(
         known.solid, sent, rig=rig, climate=climate, seed=choices.get("seed", 0)
     )

@@ -17,9 +17,9 @@ from dashpot.io.source import extra
 from dashpot.records.creep import CreepTest
 from dashpot.records.frf import FRF, Kind
 from dashpot.records.impact import ImpactTest
-from dashpot.records.motion import Motion
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.records.temperature import TemperatureShifts
+from dashpot.records.trajectory import Trajectory
 
 _NUMERATOR = {
     Kind.RECEPTANCE: (8, "m"),
@@ -68,10 +68,10 @@ def write_gauges(
     return _written(_text([*comments, *stated], head, columns), path)
 
 
-def write_motion(
-    motion: Motion, path: str | Path | None = None, *, comments: Sequence[str] = ()
+def write_trajectory(
+    motion: Trajectory, path: str | Path | None = None, *, comments: Sequence[str] = ()
 ) -> str:
-    """Return a motion as text that `read_motion` takes back, and write it to `path` if given.
+    """Return a motion as text that `read_trajectory` takes back, and write it to `path` if given.
 
     The columns are ``time [s], displacement [mm]`` and, where it is known in space,
     ``x [mm], y [mm], z [mm]``, to the picometre.

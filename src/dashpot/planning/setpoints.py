@@ -7,11 +7,11 @@ import numpy as np
 from dashpot.base.arrays import sample_count
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
-from dashpot.records.motion import Motion
+from dashpot.records.trajectory import Trajectory
 from dashpot.simulation.frames import Point, setpoints, unit
 
 
-def planned_motion(
+def planned_trajectory(
     *,
     depth: Quantity,
     ramp_time: Quantity,
@@ -19,7 +19,7 @@ def planned_motion(
     baseline: Quantity = 1.0,
     interval: Quantity = 10e-3,
     along: Point = (0.0, 0.0, -1.0),
-) -> Motion:
+) -> Trajectory:
     """Return the set-points of a rest, a ramp and a hold, one each `interval`.
 
     The plate begins at the origin and is sent along a straight line; the ends of the ramp are
@@ -56,7 +56,7 @@ def planned_motion(
     points = np.vstack([rest, line, held])
     # a count times a decimal interval is not that decimal
     time = np.round(np.arange(len(points)) * step, 12)
-    return Motion(time, pressed, points)
+    return Trajectory(time, pressed, points)
 
 
 def _steps(name: str, duration: float, step: float) -> int:

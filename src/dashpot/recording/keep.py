@@ -53,9 +53,10 @@ def record(
     Raises
     ------
     ReadError
-        If the file exists, or nothing came.
+        If the file exists, nothing came, or it cannot be written any further; what was written
+        before stands there.
     OSError
-        If it cannot be written; what was written before stands there.
+        If it cannot be made.
     """
     begun, first, rows = time.monotonic(), math.nan, 0
     try:
@@ -94,7 +95,7 @@ class _Log:
             self._handle = os.open(path, flags, 0o666)
         except FileExistsError:
             raise ReadError(f"{path} is there already; a record is written to a new file") from None
-        self._synced = time.monotonic()
+        self._path, self._synced = path, time.monotonic()
         when = datetime.now().astimezone().isoformat(timespec="seconds")
         self._say(f"{device.device}; recorded {when} with dashpot {__version__}")
         self._write(",".join(("time [s]", *device.channels)) + "\n")
@@ -123,6 +124,14 @@ class _Log:
         self._write(f"# {' '.join(what.split())}\n")
 
     def _write(self, text: str) -> None:
-        rest = text.encode()
-        while rest:
-            rest = rest[os.write(self._handle, rest) :]
+        rest, size = text.encode(), os.fstat(self._handle).st_size
+        try:
+            while rest:
+                rest = rest[os.write(self._handle, rest) :]
+        except OSError as error:
+            # half a number reads as another
+            os.ftruncate(self._handle, size)
+            raise ReadError(
+                f"{self._path} cannot be written any further: {error.strerror}; what came before "
+                "stands in it"
+            ) from None

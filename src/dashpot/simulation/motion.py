@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dashpot.base.arrays import ByValue, FloatArray, sample_count, samples
-from dashpot.records.motion import Motion
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.records.specimen import Specimen
+from dashpot.records.trajectory import Trajectory
 from dashpot.simulation.frames import setpoints
 from dashpot.simulation.rig import Climate, Rig, in_steps
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -90,7 +90,7 @@ def simulate_path(
 
 def simulate_motion(
     model: GeneralizedMaxwell,
-    motion: Motion,
+    motion: Trajectory,
     *,
     rig: Rig | None = None,
     seed: int = 0,
@@ -104,7 +104,7 @@ def simulate_motion(
     ----------
     model : GeneralizedMaxwell
         One piece of seal.
-    motion : Motion
+    motion : Trajectory
         At the time of a set-point the next one is sent; the plate begins at the first.
     rig : Rig, optional
         ``Rig()`` if not given; its own rest before the motion is left out.

@@ -8,10 +8,10 @@ import numpy as np
 
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels
-from dashpot.records.motion import Motion
+from dashpot.records.trajectory import Trajectory
 
 
-def read_motion(path: str | Path, *, options: ReadOptions | None = None) -> Motion:
+def read_trajectory(path: str | Path, *, options: ReadOptions | None = None) -> Trajectory:
     """Return the motion in a record or in a list of set-points; ``-`` is stdin.
 
     Rows without a number are left out, and said in the notes of its source.
@@ -31,4 +31,4 @@ def read_motion(path: str | Path, *, options: ReadOptions | None = None) -> Moti
         time = np.arange(len(values)) / rate if rate else columns[0]
         notes = [*file.table.notes, *said]
         source = channels.source(file, [c.says for c in chosen], notes)
-        return Motion(time, columns[-1], source=source)
+        return Trajectory(time, columns[-1], source=source)

@@ -10,7 +10,7 @@ from dashpot.base.provenance import Source
 
 
 @dataclass(frozen=True, eq=False)
-class Motion(ByValue):
+class Trajectory(ByValue):
     """Where the plate is sent, or was.
 
     Attributes
