@@ -1537,6 +1537,10 @@ def test_the_grades_are_those_typed_here() -> None:
     [
         pytest.param(known, 0.99, 1.01, id="k_inf_known"),
         pytest.param(
+            lambda x: seals.shapes_known_there(x, "latch"), 0.299, 0.301, id="shapes_known_there"
+        ),
+        pytest.param(lambda x: seals.masses_agree(25.0, 25 * x), 1.99, 2.01, id="masses_agree"),
+        pytest.param(
             lambda x: relaxation.force_followed(NOISY, missed(x)), 9.9, 10.1, id="force_followed"
         ),
         pytest.param(slipped, 9.9, 10.1, id="displacement_followed"),

@@ -200,6 +200,42 @@ def test_what_a_door_cannot_be(folder, old, new, sentence):
     assert "Traceback" not in said
 
 
+@pytest.mark.parametrize(
+    ("change", "word", "sentence"),
+    [
+        (("mode,frequency", "mode,frequency"), 'modal_mass = "1t"', "weigh 25000 kg"),
+        (("uz", "ux"), "", "no rigid motions of their points"),
+        (("x [mm],y [mm],z [mm]", "x [m],y [m],z [m]"), "", "mm from the seal at"),
+        (("mode,", "number,"), "", "no column is named mode"),
+        (("mode,frequency", "mode,frequency"), 'most = "0.5Hz"', "too few to tell"),
+    ],
+)
+def test_modes_that_are_not_what_was_said(tmp_path, change, word, sentence):
+    """A slip of unit or axes is caught, or told in the first lines."""
+    for name in ("door.toml", "door_line.csv", "door_modes.csv"):
+        (tmp_path / name).write_text(EXAMPLES[name]().replace("[modes]", "[modes]\n" + word))
+    path = tmp_path / "door_modes.csv"
+    path.write_text(path.read_text().replace(*change))
+    fit = a_fit(BROAD, specimen=Specimen(length=0.1), band=(1e-3, 1e3))
+    (tmp_path / "fit.json").write_text(dp.to_json(fit))
+    told = CliRunner().invoke(main, ["door", str(tmp_path / "door.toml"), "--json", "--strict"])
+    assert sentence in told.output.replace("\n  ", " ")
+
+
+def test_the_line_of_a_door_is_a_deck_of_its_own_stiffness(folder):
+    gaps = 'height = "20mm"\ngap = "14, 14, 26, 26 mm"\npitch'
+    (folder / "door.toml").write_text(PLATE.replace("pitch", gaps))
+    words = ["export", folder / "fit.json", "--to", "nastran", "--units", "mm-t-s", "--line",
+             folder / "door.toml", "-o", folder / "line.bdf"]  # fmt: skip
+    told = CliRunner().invoke(main, [*map(str, words)])
+    assert told.exit_code == 0, told.output
+    text = (folder / "line.bdf").read_text()
+    assert text.count("CBUSH") == 115
+    assert "115 more do not touch and are left out" in text
+    told = CliRunner().invoke(main, [*map(str, words), "--normal", "0,0,1", "--overwrite"])
+    assert told.exit_code == 2
+
+
 def test_a_bumper_of_a_fit_stands_beside_the_latch(folder):
     bumper = '[[bumper]]\nat = "1.1, 0.6, 0 m"\nalong = [0, 0, 1]\nfit = "fit.json"\n[seal]'
     document = found(folder, "[seal]", bumper)

@@ -34,17 +34,17 @@ def test_a_table_of_modes(tmp_path):
     modes = modes_of(tmp_path, rows())
     assert modes.frequency.tolist() == FREQUENCY
     assert modes.place == pytest.approx(PLACE / 1e3)
-    assert modes.shape == pytest.approx(SHAPE, rel=1e-8)
+    assert modes.shapes == pytest.approx(SHAPE, rel=1e-8)
     assert modes.damping_ratio.tolist() == [0, 0, 0]
     in_tonnes = modes_of(tmp_path, rows(), modal_mass="1t", damping=0.02)
-    assert in_tonnes.shape == pytest.approx(SHAPE / np.sqrt(1000), rel=1e-8)
+    assert in_tonnes.shapes == pytest.approx(SHAPE / np.sqrt(1000), rel=1e-8)
     assert in_tonnes.damping_ratio.tolist() == [0.02] * 3
     weighed = modes_of(tmp_path, [f"{row},4" for row in rows()], HEAD + ",modal mass [kg]")
-    assert weighed.shape == pytest.approx(SHAPE / 2, rel=1e-8)
+    assert weighed.shapes == pytest.approx(SHAPE / 2, rel=1e-8)
     plain = HEAD.replace(" [mm]", "")
     assert modes_of(tmp_path, rows(), plain, unit="mm").place == pytest.approx(PLACE / 1e3)
     only_z = modes_of(tmp_path, [r.replace(",", ",", 1) for r in rows()], HEAD.replace("ux", "a"))
-    assert only_z.shape[:, :, 0].tolist() == [[0] * 4] * 3
+    assert only_z.shapes[:, :, 0].tolist() == [[0] * 4] * 3
 
 
 @pytest.mark.parametrize(
@@ -97,14 +97,14 @@ def test_dataset_55_in_mm_t_s_is_the_same(tmp_path, nodes):
     modes = read_modes(path)
     assert modes.frequency.tolist() == FREQUENCY
     assert modes.place == pytest.approx(PLACE / 1e3)
-    assert modes.shape == pytest.approx(SHAPE / 2, rel=1e-5)
+    assert modes.shapes == pytest.approx(SHAPE / 2, rel=1e-5)
     assert modes.damping_ratio == pytest.approx(0.015)
     bare = tmp_path / "bare.unv"
     pyuff.UFF(str(bare)).write_sets(sets[1:], "add")
     with pytest.raises(ReadError, match="modal masses have no unit"):
         read_modes(bare)
     told = read_modes(bare, unit="mm", modal_mass="4kg")
-    assert (told.shape == modes.shape).all()
+    assert (told.shapes == modes.shapes).all()
     pyuff.UFF(str(tmp_path / "shapes.unv")).write_sets(sets[2:], "add")
     with pytest.raises(ReadError, match="node 1 of mode 1 has no coordinates"):
         read_modes(tmp_path / "shapes.unv")

@@ -108,7 +108,7 @@ def test_six_rigid_modes_give_mass_centre_and_tensor():
     assert np.array(found.inertia) == pytest.approx(tensor)
     body = Assembly(Door(modes=ModesChoice("door.unv")), modes).body()
     assert (body.mass, len(body.motions)) == (pytest.approx(MASS), 7)
-    skewed = replace(modes, shape=modes.shape * np.array([1.5] + [1] * 6)[:, None, None])
+    skewed = replace(modes, shapes=modes.shapes * np.array([1.5] + [1] * 6)[:, None, None])
     with pytest.raises(DataError, match=r"imply masses of .* kg along x, y and z"):
         rigid_of(skewed)
     held = Assembly(Door(modes=ModesChoice("door.unv", held=True)), modes).body()

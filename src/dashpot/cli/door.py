@@ -14,6 +14,9 @@ from dashpot.cli._shell import File, Outcome, printed, reports, write, write_fig
 from dashpot.cli._terminal import Text
 from dashpot.cli._text import hertz, rounded, table
 
+_ROUNDING = 1e-9
+"""Of a damping, %."""
+
 
 @click.command("door")
 @click.argument("door", type=File(), metavar="DOOR.toml")
@@ -61,8 +64,8 @@ def _said(found: workflow.DoorResult, *, every: bool) -> Text:
                 str(number),
                 rounded(one.mode.frequency, digits=5),
                 "" if one.without_seal is None else rounded(one.without_seal, digits=5),
-                rounded(100 * one.mode.damping_ratio, digits=3),
-                rounded(one.loss_factor, digits=3),
+                _damped(100 * one.mode.damping_ratio),
+                _damped(one.loss_factor),
                 f"{100 * one.share('seal'):.3f}",
                 f"{100 * one.loss_share('seal'):.1f}",
                 _beyond(found, one.mode.frequency),
@@ -76,6 +79,11 @@ def _said(found: workflow.DoorResult, *, every: bool) -> Text:
     tables = [*table(shares), *table(losses)] if found.modes else []
     lines += _shaken(found)
     return Text([*lines, *tables] if every else lines, [] if every else tables)
+
+
+def _damped(value: float) -> str:
+    """A damping; what is rounding is none."""
+    return rounded(value, digits=3) if value > _ROUNDING else "0"
 
 
 def _beyond(found: workflow.DoorResult, frequency: float) -> str:

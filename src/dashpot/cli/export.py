@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import fields, replace
+from pathlib import Path
 from typing import Any
 
 import click
@@ -41,7 +42,7 @@ LONGEST_LINE = 100.0
     "--line",
     type=File(),
     metavar="FILE",
-    help="Nastran: seal line, CSV with x, y, z columns in units.",
+    help="Nastran: seal line, CSV with x, y, z columns in units; or DOOR.toml with [seal].",
 )
 @click.option("--pitch", type=Quantity("length"), help="Distance of elements along the line.")
 @click.option(
@@ -131,11 +132,28 @@ _ASKED = "temperature"
 """Of the specimen: what a deck is asked for, not what is added to the fit."""
 
 
+def _line_of_door(path: str, pitch: float | None, normal: str | None) -> Stations:
+    """Return the stations of a door's seal, with its own compression, joints and normals."""
+    door = dp.read_door(path)
+    if door.line is None or door.seal is None or normal is not None:
+        raise ExportError(
+            f"{path}: --normal is for a file of points; the [seal] of a door says its own"
+            if normal is not None
+            else f"{path}: no [seal] is in it"
+        )
+    wanted = pitch or door.seal.pitch
+    if wanted is None:
+        raise ExportError(f"{path}: [seal] says no pitch; add --pitch, e.g. 25mm")
+    return door.line.stations(wanted)
+
+
 def _seal_line(path: str, pitch: float | None, normal: str | None, units: str | None) -> Stations:
     """Return the polyline in a CSV file of x, y, z in the deck's unit of length."""
     import numpy as np
 
     systems = dp.export.UNIT_SYSTEMS
+    if Path(path).suffix.lower() == ".toml":
+        return _line_of_door(path, pitch, normal)
     if pitch is None or units is None or units not in systems:
         raise ExportError("--line needs --pitch, e.g. 25mm, and --units")
     try:

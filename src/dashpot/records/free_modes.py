@@ -27,7 +27,7 @@ class FreeModes(ByValue):
         Hz; 0, or nearly, of a rigid motion.
     place : array, shape (p, 3)
         Where the shapes are known, m.
-    shape : array, shape (r, p, 3)
+    shapes : array, shape (r, p, 3)
         :math:`\phi`, along x, y and z, 1/sqrt(kg).
     damping_ratio : float or array, shape (r,)
         Of the structure by itself.
@@ -36,14 +36,14 @@ class FreeModes(ByValue):
 
     frequency: FloatArray
     place: FloatArray
-    shape: FloatArray
+    shapes: FloatArray
     damping_ratio: FloatArray = 0.0  # type: ignore[assignment]
     source: Source | None = None
 
     def __post_init__(self) -> None:
         f = samples("frequency", self.frequency)
         place = np.array(self.place, dtype=float)
-        shape = np.array(self.shape, dtype=float)
+        shape = np.array(self.shapes, dtype=float)
         if place.ndim != 2 or place.shape[1] != 3 or shape.shape != (len(f), len(place), 3):
             raise DataError(
                 f"modes need places of shape (p, 3) and shapes of (modes, p, 3); found "
@@ -63,7 +63,7 @@ class FreeModes(ByValue):
                 f"mode {int(still[0]) + 1} of {len(f)}, at {f[still[0]]:.5g} Hz, does not move any "
                 "of its points"
             )
-        for name, value in (("frequency", f), ("place", place), ("shape", shape)):
+        for name, value in (("frequency", f), ("place", place), ("shapes", shape)):
             object.__setattr__(self, name, frozen(value))
         object.__setattr__(self, "damping_ratio", frozen(zeta))
 
@@ -76,7 +76,7 @@ class FreeModes(ByValue):
         return replace(
             self,
             frequency=self.frequency[which],
-            shape=self.shape[which],
+            shapes=self.shapes[which],
             damping_ratio=self.damping_ratio[which],
         )
 
@@ -94,25 +94,30 @@ class FreeModes(ByValue):
         square = np.einsum("ij,ij->i", legs, legs)
         apart = square > 0
         if away[first] == 0 or not apart.any():
-            return self.shape[:, first], float(away[first])
+            return self.shapes[:, first], float(away[first])
         others, legs, square = near[1:][apart], legs[apart], square[apart]
         share = np.clip(legs @ (p - self.place[first]) / square, 0.0, 1.0)
         left = np.linalg.norm(self.place[first] + share[:, None] * legs - p, axis=1)
         # of connections as near, the shortest
         best = int(np.lexsort((square, np.round(left, 12)))[0])
         t, other = float(share[best]), int(others[best])
-        return (1 - t) * self.shape[:, first] + t * self.shape[:, other], float(left[best])
+        return (1 - t) * self.shapes[:, first] + t * self.shapes[:, other], float(left[best])
 
     @property
     def rigid(self) -> BoolArray:
         """Which of the modes are rigid motions of their points, shape (r,)."""
         motions, _ = self._as_rigid()
-        shapes = self.shape.reshape(len(self), -1)
+        shapes = self.shapes.reshape(len(self), -1)
         left = shapes - motions
         size = np.linalg.norm(shapes, axis=1)
         elastic = float(self.frequency.max())
         moved = np.linalg.norm(left, axis=1) <= RIGID * size
         return np.asarray(moved & (self.frequency <= 0.5 * elastic))
+
+    @property
+    def rigid_motion(self) -> FloatArray:
+        """Translation of the origin and rotation about it of each rigid mode, shape (rigid, 6)."""
+        return self._as_rigid()[1][self.rigid]
 
     def rigid_mass(self) -> FloatArray:
         r"""Mass and inertia about the origin that six rigid modes imply, shape (6, 6), kg, kg m^2.
@@ -124,13 +129,11 @@ class FreeModes(ByValue):
         DataError
             If there are not six of them.
         """
-        chosen = self.rigid
-        _, motion = self._as_rigid()
-        T = motion[chosen].T
+        T = self.rigid_motion.T
         if T.shape != (6, 6) or np.linalg.matrix_rank(T) < 6:
             raise DataError(
-                f"{int(chosen.sum())} of the {len(self)} modes are rigid motions; those of a door "
-                "that nothing holds are six"
+                f"{T.shape[1]} of the {len(self)} modes are rigid motions, and only six say what "
+                "the door weighs; give its mass, centre and inertia"
             )
         inverse = np.linalg.inv(T)
         return np.asarray(inverse.T @ inverse)
@@ -147,5 +150,5 @@ class FreeModes(ByValue):
             ],
             axis=1,
         ).reshape(-1, 6)
-        motion = np.linalg.lstsq(R, self.shape.reshape(len(self), -1).T, rcond=None)[0].T
+        motion = np.linalg.lstsq(R, self.shapes.reshape(len(self), -1).T, rcond=None)[0].T
         return motion @ R.T, motion

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
 from dashpot.records.door import Door, RigidPart, Support
 from dashpot.records.free_modes import FreeModes
@@ -20,6 +21,8 @@ PITCH = 0.025
 """m, where none is stated."""
 _ALIKE = 0.01
 """Relative difference of the masses that rigid modes imply along x, y and z."""
+_STILL = 1.0
+"""Hz, below which no door bends."""
 AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
@@ -67,9 +70,7 @@ class Assembly:
                     "with its six rigid ones"
                 )
             rigid = rigid_of(modes)
-        elastic = None if modes is None else modes.only(~modes.rigid)
-        if elastic is not None and not len(elastic):
-            elastic = None
+        elastic = None if modes is None else _elastic(modes)
         return Body(
             DOOR, rigid.mass, rigid.inertia, at=rigid.centre, free=rigid.motions, modes=elastic
         )
@@ -113,6 +114,45 @@ class Assembly:
             for solid, along in zip(solids, ways, strict=True)
             if solid.k_0 > 0 or solid.maxwell.b > 0
         ]
+
+
+def _elastic(modes: FreeModes) -> FreeModes | None:
+    """The modes by which a door bends; those at rest must be rigid motions."""
+    bends = ~modes.rigid
+    still = int((modes.frequency[bends] < _STILL).sum())
+    if still:
+        raise DataError(
+            f"{still} of {len(modes)} modes lie below {_STILL:g} Hz and are no rigid motions of "
+            "their points: the axes of shapes and points differ, or the points are not those of "
+            "the shapes; modes of a door that hangs need held = true"
+        )
+    return modes.only(bends) if bends.any() else None
+
+
+def about_origin(part: RigidPart) -> FloatArray:
+    """Mass and inertia of a rigid part about the origin, shape (6, 6), kg, kg m, kg m^2."""
+    x, y, z = part.centre
+    tensor = np.array(part.inertia, dtype=float)
+    offset = np.array([(0.0, z, -y), (-z, 0.0, x), (y, -x, 0.0)])  # u = d + offset @ rotation
+    whole = np.zeros((6, 6))
+    whole[:3, :3] = part.mass * np.eye(3)
+    whole[:3, 3:] = part.mass * offset
+    whole[3:, :3] = whole[:3, 3:].T
+    turning = np.diag(tensor) if tensor.ndim == 1 else tensor
+    whole[3:, 3:] = turning + part.mass * offset.T @ offset
+    return whole
+
+
+def implied_mass(modes: FreeModes, part: RigidPart) -> float | None:
+    r"""Mass, kg, of a door like `part` whose rigid modes those are, :math:`m\,t^T M t = m'`.
+
+    None if no mode is rigid.
+    """
+    motion = modes.rigid_motion
+    if not len(motion):
+        return None
+    modal = np.einsum("ri,ij,rj->r", motion, about_origin(part), motion)
+    return float(part.mass / np.median(modal))
 
 
 def rigid_of(modes: FreeModes) -> RigidPart:

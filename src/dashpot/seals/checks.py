@@ -7,6 +7,10 @@ from collections.abc import Sequence
 
 from dashpot.base.checks import Finding, criterion
 
+NOT_THERE = 0.3
+"""m, beyond which shapes are not those of this door."""
+ANOTHER = 2.0
+"""Ratio of masses, so too."""
 HELD_BY_SEAL = 0.01
 """Share of a mode's energy, or of its loss, in the seal above which its test has a say."""
 
@@ -72,8 +76,10 @@ def stations_suffice(change: float, pitch: float) -> Finding:
 
 
 @criterion("change of frequency", "<=", 5e-3, "our choice: half a percent")
-def modes_suffice(change: float, kept: int, highest: float) -> Finding:
+def modes_suffice(change: float | None, kept: int, highest: float) -> Finding:
     """The elastic modes of the door are enough: without the upper third of them little changes."""
+    if change is None:
+        return Finding(f"{kept} elastic modes are too few to tell whether they are enough")
     return Finding(
         f"without the upper third of {kept} elastic modes, to {highest:.4g} Hz, those below move "
         f"by {100 * change:.2g} %",
@@ -82,7 +88,10 @@ def modes_suffice(change: float, kept: int, highest: float) -> Finding:
     )
 
 
-@criterion("distance, m", "<=", 0.03, "our choice: a tenth of a short panel wave")
+@criterion(
+    "distance, m", "<=", 0.03, "our choice: a tenth of a short panel wave",
+    otherwise="stop beyond 0.3",
+)  # fmt: skip
 def shapes_known_there(away: float, place: str) -> Finding:
     """Shapes are known near the seal, the supports and the points."""
     return Finding(
@@ -90,10 +99,11 @@ def shapes_known_there(away: float, place: str) -> Finding:
         away,
         instead=f"the shapes are known only {1e3 * away:.3g} mm from {place}: export points there, "
         "or check the axes and the unit of the modes",
+        grade="stop" if away > NOT_THERE else "limit",
     )
 
 
-@criterion("ratio of masses", "x/", 1.05, "5 %: trim is often left out")
+@criterion("ratio of masses", "x/", 1.05, "5 %: trim is often left out", otherwise="stop beyond 2")
 def masses_agree(stated: float, implied: float) -> Finding:
     """The rigid modes weigh what [door] says."""
     return Finding(
@@ -101,6 +111,7 @@ def masses_agree(stated: float, implied: float) -> Finding:
         implied / stated,
         ": the modal masses or the units of the modes are not what was said, or the modes are of "
         "another door",
+        grade="limit" if 1 / ANOTHER <= implied / stated <= ANOTHER else "stop",
     )
 
 

@@ -15,6 +15,8 @@ from dashpot.vibration.systems.system import System
 
 _STATES = 1200
 """Of the first-order form, at most; beyond it the nonlinear eigenproblem is quicker."""
+_LOSSLESS = 1e-9
+"""Loss factor of rounding."""
 _SAME = 0.5
 """Least similarity of a mode with seal and one without."""
 
@@ -46,9 +48,9 @@ class DoorMode:
         return sum(one.energy for one in self.shares if one.name == name)
 
     def loss_share(self, name: str) -> float:
-        """Part of the loss that one of its parts makes; 0 where nothing is lost."""
+        """Part of the loss that one of its parts makes; 0 where next to nothing is lost."""
         lost = sum(one.loss for one in self.shares if one.name == name)
-        return lost / self.loss_factor if self.loss_factor > 0 else 0.0
+        return lost / self.loss_factor if self.loss_factor > _LOSSLESS else 0.0
 
 
 def oscillations(system: System, below: float = np.inf) -> tuple[ComplexMode, ...]:

@@ -20,7 +20,7 @@ from dashpot.records.door import Door, DoorPoint
 from dashpot.records.fit import Fit
 from dashpot.records.seal_line import SealSection
 from dashpot.seals import checks as asked
-from dashpot.seals.assembly import BODY, DOOR, Assembly, rigid_of
+from dashpot.seals.assembly import BODY, DOOR, Assembly, implied_mass
 from dashpot.seals.door_modes import (
     DoorMode,
     basis_error,
@@ -229,9 +229,9 @@ def _asked(
             yield temperature_tested(fit.temperatures, fit.specimen.temperature)
     if assembly.modes is not None:
         yield asked.shapes_known_there(*farthest(assembly, assembly.modes))
-        change = basis_error(assembly, below)
-        if change is not None:
-            elastic = assembly.modes.frequency[~assembly.modes.rigid]
-            yield asked.modes_suffice(change, len(elastic), float(elastic.max()))
-        if door.rigid is not None and assembly.modes.rigid.sum() == 6:
-            yield asked.masses_agree(door.rigid.mass, rigid_of(assembly.modes).mass)
+        elastic = assembly.modes.frequency[~assembly.modes.rigid]
+        highest = float(elastic.max(initial=0.0))
+        yield asked.modes_suffice(basis_error(assembly, below), len(elastic), highest)
+        implied = None if door.rigid is None else implied_mass(assembly.modes, door.rigid)
+        if door.rigid is not None and implied is not None:
+            yield asked.masses_agree(door.rigid.mass, implied)

@@ -267,7 +267,7 @@ def _door_modes() -> str:
     place = np.concatenate((_around()[0][:-1], (*_HINGES, _LATCH, _MIRROR)))
     modes = free_plate(place, width=1.1, height=1.2, mass=25.0, rigidity=3e4, elastic=24)
     rows = (
-        ",".join(f"{v:.7g}" for v in (r + 1, f, *(1e3 * place[p]), modes.shape[r, p, 2]))
+        ",".join(f"{v:.7g}" for v in (r + 1, f, *(1e3 * place[p]), modes.shapes[r, p, 2]))
         for r, f in enumerate(modes.frequency)
         for p in range(len(place))
     )

@@ -15,12 +15,12 @@ def mac(one: ComplexArray, other: ComplexArray) -> FloatArray:
 
     Parameters
     ----------
-    one, other : complex array, shape (n, modes)
+    one, other : complex array, shape (n, r)
         Residues or shapes at n points; their lengths and phases do not matter.
 
     Returns
     -------
-    array, shape (modes, modes)
+    array, shape (r, r)
         0 to 1; 0 where a shape is nothing but zeros.
 
     Notes

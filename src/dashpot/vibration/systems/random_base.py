@@ -182,10 +182,13 @@ def _white(system: System, follow: FloatArray, place: FloatArray, density: float
     from scipy.linalg import schur, solve_continuous_lyapunov
 
     A, n = state_space(system).A, len(system.dofs)
+    size = np.ones(len(A))  # velocities in units in which they are as large as displacements
+    size[n : 2 * n] = np.sqrt(np.abs(A[n : 2 * n, :n]).max())
+    even = A * size / size[:, None]
     pushed = np.zeros(len(A))
-    pushed[n : 2 * n] = -follow
-    tiny = _UNDAMPED * float(np.linalg.norm(A, ord=np.inf))
-    triangle, basis, count = schur(A, sort=lambda re, _: re < -tiny)
+    pushed[n : 2 * n] = -follow / size[n : 2 * n]
+    tiny = _UNDAMPED * float(np.linalg.norm(even, ord=np.inf))
+    triangle, basis, count = schur(even, sort=lambda re, _: re < -tiny)
     if np.abs(basis[:, count:].T @ pushed).max(initial=0.0) > _FOLLOWS * np.linalg.norm(pushed):
         left = np.abs(np.linalg.eigvals(triangle[count:, count:])).min() / (2 * np.pi)
         raise DataError(
@@ -195,11 +198,8 @@ def _white(system: System, follow: FloatArray, place: FloatArray, density: float
         )
     stable, driven = basis[:, :count], basis[:, :count].T @ pushed
     inner = triangle[:count, :count]
-    P = (
-        stable
-        @ solve_continuous_lyapunov(inner, -density / 2 * np.outer(driven, driven))
-        @ stable.T
-    )
+    variance = solve_continuous_lyapunov(inner, -density / 2 * np.outer(driven, driven))
+    P = np.outer(size, size) * (stable @ variance @ stable.T)
     pull = place @ A[n : 2 * n]
     moved, speed = (place @ P[i : i + n, i : i + n] @ place for i in (0, n))
     return _response(float(pull @ P @ pull), float(moved), float(speed))
