@@ -298,6 +298,17 @@ def test_mass_that_moves_along_is_found() -> None:
     assert "% at 1000 Hz, which no relaxing solid does: mass moved along" in check.says
 
 
+def test_amplitudes_that_no_solid_explains_are_fitted_and_told() -> None:
+    # three frequencies tell so little of a third arm that nothing but rounding is left of it
+    frequency = np.repeat([1.0, 5.0, 20.0], 12)
+    moved, s = np.tile(np.geomspace(1e-3, 0.3, 12), 3), 2j * np.pi * frequency
+    value = 2e5 + 5e4 * s * 0.01 / (1 + s * 0.01) + 3e4 * s * 0.1 / (1 + s * 0.1)
+    value += (8e4 + 4e4j * moved**0.6) / (1 + moved**1.2)
+    found = fit_dynamic(DynamicTest(frequency, value.real, value.imag, None, "N/m"))
+    assert found.verdict.use == "use with care"
+    assert found.verdict.because[0].name == "kramers_kronig"
+
+
 def test_the_wrong_sign_of_the_loss_is_found() -> None:
     data = sweep(ZENER)
     found = fit_dynamic(replace(data, loss=-data.loss))

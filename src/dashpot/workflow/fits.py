@@ -159,8 +159,10 @@ def fit_files(
                 "a creep test is fitted alone, or with others at other temperatures, without "
                 "--filter"
             )
+        # a load that is not held says itself of which file it is
+        held = [load_hold(one) if isinstance(one, CreepTest) else one for one in crept]
         with about(Path(files[0]).name):
-            return _crept(crept, asked)
+            return _crept(held, asked)
     pressed = [test for test in tests if isinstance(test, RelaxationTest)]
     cuts.refuse_several(len(pressed))
     prepared = tuple(
@@ -188,12 +190,10 @@ def _refuse_a_machine(machine: Machine | None, cuts: Cuts) -> None:
 
 
 def _crept(
-    tests: Sequence[CreepTest | CreepCompliance], asked: _Asked
+    tests: Sequence[LoadHold | CreepCompliance], asked: _Asked
 ) -> tuple[Fit, tuple[Record, ...]]:
     """Fit one creep test, or the master curve of several."""
-    # a load that is not held says itself of which file it is
-    held = [load_hold(one) if isinstance(one, CreepTest) else one for one in tests]
-    record = _creep(held, asked.shifting, asked.specimen)
+    record = _creep(tests, asked.shifting, asked.specimen)
     if isinstance(record, Superposition):
         if not asked.nothing_of("method", "depth_law", "law", "family"):
             raise FitError(

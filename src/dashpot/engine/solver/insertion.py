@@ -93,8 +93,11 @@ class Chain:
         ):
             return None
         noise = (self.stack.floor + point.sse) / spare
-        known = np.diagonal(np.linalg.inv(point.curvature)) * noise < DOUBT**2
-        if not known.all():
+        try:
+            spread = np.diagonal(np.linalg.inv(point.curvature)) * noise
+        except np.linalg.LinAlgError:  # an arm of which nothing is known
+            return None
+        if not (spread < DOUBT**2).all():
             return None
         if arms not in LOOK and point.sse - self.grid.left > FAR * noise:
             return None
