@@ -214,3 +214,31 @@ class TestRefusals:
 def test_what_nothing_shows_is_not_given_a_factor():
     assert "within a factor 99" in parameters_known("c", 99.0).says
     assert parameters_known("c", 5e21).says.startswith("c is not known, not even in its size")
+    assert parameters_known("k", 1.0, "c is below 2 N s/m").says.endswith("; c is below 2 N s/m")
+
+
+def slight(A, seed):
+    rows = contacts.march(contacts.kuwabara(K, A), MASS, 1.0)
+    t, y = contacts.recorded(rows, MASS, 1e5)
+    return fit_indentation(IndentationTest(t, contacts.noisy(y, seed=seed), "acceleration", BALL),
+                           law=HKV)  # fmt: skip
+
+
+def test_a_loss_that_is_not_told_from_none_is_bounded():
+    found = slight(1e-6, 3)
+    bound = found["viscous_time"]
+    assert bound.low == 0
+    assert 1e-6 < bound.high < 2e-5
+    known = next(check for check in found.checks if check.name == "parameters_known")
+    assert known.passed
+    assert f"viscous time is below {bound.high:.3g} s" in known.says
+    assert found["k"].low < K < found["k"].high
+    assert slight(5e-5, 3)["viscous_time"].low > 4e-5
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("A", [0.0, 1e-6, 5e-6, 2e-5])
+def test_bounds_of_a_slight_loss_hold(A):
+    found = [slight(A, seed)["viscous_time"] for seed in range(40)]
+    assert sum(one.low <= A <= one.high for one in found) >= 36
+    assert np.median([one.high for one in found]) < A + 1e-5

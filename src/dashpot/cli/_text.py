@@ -351,6 +351,8 @@ def indentation(found: Indentation) -> Text:
         error = (high - low) / 4
         rows.append(
             [one.name.replace("_", " "), rounded(value, error), f"{low:.4g} to {high:.4g}", unit]
+            if one.low > 0
+            else [one.name.replace("_", " "), "", f"below {high:.3g}", unit]
         )
     least = min(score for _, score in found.fit.orders)
     tried = ", ".join(f"{name} {score - least:.1f}" for name, score in found.fit.orders)

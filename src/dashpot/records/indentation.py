@@ -137,7 +137,7 @@ class IndentationTest(ByValue, Described):
 
 @dataclass(frozen=True)
 class Found:
-    """A number that a contact shows, and its 95 % interval.
+    """A number that a contact shows, and its 95 % interval; from 0 where it is a bound alone.
 
     Attributes
     ----------
@@ -215,6 +215,8 @@ class IndentationFit(ByValue, Described):
         rows = [
             f"{one.name} {rounded(one.value)} {one.unit}".rstrip()
             + f", 95 % {rounded(one.low)} to {rounded(one.high)}"
+            if one.low > 0
+            else f"{one.name} below {rounded(one.high)} {one.unit}".rstrip()
             for one in self.found
         ]
         return (f"{judged.use}: {judged.says}", f"law: {self.law}", *rows)

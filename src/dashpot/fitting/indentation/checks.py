@@ -42,7 +42,13 @@ def judge(
     relative = fit.residual * size / fit.noise if not scarce else None
     stated = test.indenter.stated_velocity
     names = [one for one in fit.found if one.name in {"k", "c", "viscous_time", "g", "tau"}]
-    worst = max(names, key=lambda one: one.high / one.value)
+    known = [one for one in names if one.low > 0] or names
+    worst = max(known, key=lambda one: one.high / one.value)
+    bounded = ", ".join(
+        f"{one.name.replace('_', ' ')} is below {one.high:.3g} {one.unit}".strip()
+        for one in names
+        if one.low == 0
+    )
     return (
         contact_sampled(T / test.step),
         flights_recorded(before, after),
@@ -50,7 +56,7 @@ def judge(
         first_contact(contact.before, contact.after),
         law_followed(relative, fit.residual),
         released_freely(*_undershoot(fit, size)),
-        parameters_known(worst.name, worst.high / worst.value),
+        parameters_known(worst.name, worst.high / worst.value, bounded),
         laws_agree(fit, others),
         velocity_agrees(fit["impact_velocity"].value, stated),
         gravity_known(GRAVITY * T / hit.approach, stated),
@@ -189,12 +195,13 @@ def released_freely(pull: float | None, noise: float) -> Finding:
 
 
 @criterion("worst interval, a factor", "<=", 1.25, "our choice: a quarter")
-def parameters_known(name: str, factor: float) -> Finding:
-    """Each parameter of the law is known to a quarter."""
+def parameters_known(name: str, factor: float, bounded: str = "") -> Finding:
+    """Each parameter of the law is known to a quarter, or a loss is bounded from above."""
     word = name.replace("_", " ")
     within = f"{word} is known within a factor {factor:.4g}"
     return Finding(
-        within if factor < _UNKNOWN else f"{word} is not known, not even in its size",
+        (within if factor < _UNKNOWN else f"{word} is not known, not even in its size")
+        + f"; {bounded}" * bool(bounded),
         factor,
         f": this contact does not show {word} by itself; other numbers may be known better, see "
         "their intervals",

@@ -42,6 +42,11 @@ _CLIPPED = 3
 _ROUNDING = 1e-5
 """Part of the record that integration and interpolation leave."""
 _STEP = 1e-4
+_LOSS = 1
+"""Place of the law's viscous time, or of g, among the parameters."""
+_SLIGHT, _SLIGHT_STEP = 0.02, 2e-3
+"""Of a loss, in the unit of time, or of g: below it a step by its logarithm drowns in digits."""
+_LOSSES = frozenset({"c", "viscous_time", "g"})
 _REACH = 8.0
 """Of the logarithm of a parameter, from where it begins."""
 _FIRST_TRIES, _TRIES = 5, 30
@@ -265,6 +270,19 @@ def _slopes(
     )
 
 
+def _slight(law: Law, theta: FloatArray) -> bool:
+    """Whether the law's loss is so small that its logarithm says nothing."""
+    return bool(law.starts[0]) and float(np.exp(theta[_LOSS])) < _SLIGHT
+
+
+def _from_zero(of: Callable[[FloatArray], FloatArray], theta: FloatArray) -> FloatArray:
+    """The derivative by the logarithm of a slight loss, from a step that a motion shows."""
+    loss = float(np.exp(theta[_LOSS]))
+    more = theta.copy()
+    more[_LOSS] = np.log(loss + _SLIGHT_STEP)
+    return loss * (of(more) - of(theta)) / _SLIGHT_STEP
+
+
 def _steps(theta: FloatArray, duration: float) -> FloatArray:
     """How far each parameter is moved: the touch, in s, as far as the motion is sampled densely."""
     return np.array([*np.full(len(theta) - 1, _STEP), 10 * _STEP * duration])
@@ -284,6 +302,8 @@ def _assembled(window: _Window, name: str, theta: FloatArray) -> _Solved | None:
 
     try:
         slopes = _slopes(followed, theta, window.contact.duration)
+        if _slight(law, theta):
+            slopes[:, _LOSS] = _from_zero(followed, theta)
     except DataError:
         return None
     J = np.concatenate((slopes, window.fixed), axis=1)
@@ -333,15 +353,31 @@ def _found(window: _Window, one: _Solved) -> tuple[Found, ...]:
         step[i] = 1e-3
         up, down = (_follows(window, one.law, one.theta + sign * step) for sign in (1, -1))
         slopes.append([(np.log(up[name][0]) - np.log(down[name][0])) / 2e-3 for name in values])
+    if _slight(one.law, one.theta):
+
+        def logarithms(theta: FloatArray) -> FloatArray:
+            return np.log([value for value, _ in _follows(window, one.law, theta).values()])
+
+        # the loss is as its logarithm has it; what follows from it moves too little to be seen so
+        for i, slope in enumerate(_from_zero(logarithms, one.theta).tolist()):
+            if list(values)[i] not in _LOSSES:
+                slopes[_LOSS][i] = slope
     G = np.array([*slopes, [0.0] * len(values)])
     variance = np.einsum("in,ij,jn->n", G, one.covariance[:count, :count], G)
     dof = max(one.noise.effective - one.jacobian.shape[1], 1.0)
-    wide = t_quantile(0.95, dof) * np.sqrt(np.maximum(variance, 0.0))
-    spread = np.exp(np.minimum(wide, 50.0))
-    return tuple(
-        Found(name, value, value / by, value * by, unit)
-        for (name, (value, unit)), by in zip(values.items(), spread.tolist(), strict=True)
-    )
+    error = np.sqrt(np.maximum(variance, 0.0))
+    wide, once = t_quantile(0.95, dof) * error, t_quantile(0.90, dof) * error
+    found = []
+    for (name, (value, unit)), by, beyond in zip(
+        values.items(), wide.tolist(), once.tolist(), strict=True
+    ):
+        if name in _LOSSES:  # which has a normal error itself, where its logarithm has none
+            low, high = (0.0, 1 + beyond) if by >= 1 else (1 - by, 1 + by)
+            found.append(Found(name, value, value * low, value * high, unit))
+            continue
+        spread = float(np.exp(min(by, 50.0)))
+        found.append(Found(name, value, value / spread, value * spread, unit))
+    return tuple(found)
 
 
 def _follows(window: _Window, law: Law, theta: FloatArray) -> dict[str, tuple[float, str]]:
