@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from starlette.applications import Starlette
     from starlette.requests import Request
     from starlette.responses import Response
+    from starlette.routing import Route
 
 LANES = {
     "inspect": "settle", "live": "live", "predict": "live", "settle": "settle", "study": "slow",
@@ -114,9 +115,6 @@ def application(desk: Desk) -> Starlette:
     async def page(_: Request) -> Response:
         return _sent(_static("index.html"), "text/html")
 
-    async def record_page(_: Request) -> Response:
-        return _sent(_static("record.html"), "text/html")
-
     async def static(request: Request) -> Response:
         name = request.path_params["name"]
         kind = _KINDS.get(name.rpartition(".")[2])
@@ -162,21 +160,6 @@ def application(desk: Desk) -> Starlette:
             desk.state = json_of(await _body(request))
         return JSONResponse(desk.state)
 
-    async def recording(request: Request) -> Response:
-        if request.method == "POST":
-            await asyncio.to_thread(desk.live.start, json_of(await _body(request)))
-        elif request.method == "DELETE":
-            await asyncio.to_thread(desk.live.stop)
-        size = [_pixels(request, name) for name in ("width", "height")]
-        return JSONResponse(await asyncio.to_thread(desk.live.look, *size))
-
-    async def fit_recorded(_: Request) -> Response:
-        made = desk.live.look(0, 0)["kept"]
-        if made is None:
-            raise DataError("no record is there to fit: start one, and stop it")
-        desk.state["open"] = [*desk.state.get("open", []), made]
-        return JSONResponse(made)
-
     async def sentence(_: Request, error: Exception) -> Response:
         codes: dict[type, int] = {TooLargeError: 413, StoppedError: 409, FaultError: 500}
         return JSONResponse({"error": str(error)}, status_code=codes.get(type(error), 422))
@@ -197,7 +180,6 @@ def application(desk: Desk) -> Starlette:
     return Starlette(
         routes=[
             Route("/", page),
-            Route("/record", record_page),
             Route("/static/{name}", static),
             # the page's modules name it by its place in the house
             Route("/plot/charts.js", charts),
@@ -206,13 +188,42 @@ def application(desk: Desk) -> Starlette:
             Route("/api/cancel", cancel, methods=["POST"]),
             Route("/api/working", working),
             Route("/api/state", state, methods=["GET", "PUT"]),
-            Route("/api/record", recording, methods=["GET", "POST", "DELETE"]),
-            Route("/api/record/fit", fit_recorded, methods=["POST"]),
+            *_recording(desk),
             Route("/api/{verb}", ask, methods=["POST"]),
         ],
         exception_handlers={DashpotError: sentence, Exception: fault},
         lifespan=lifespan,
     )
+
+
+def _recording(desk: Desk) -> list[Route]:
+    """The page that shows an instrument as it is read, and what it asks."""
+    from starlette.responses import JSONResponse
+    from starlette.routing import Route
+
+    async def record_page(_: Request) -> Response:
+        return _sent(_static("record.html"), "text/html")
+
+    async def recording(request: Request) -> Response:
+        if request.method == "POST":
+            await asyncio.to_thread(desk.live.start, json_of(await _body(request)))
+        elif request.method == "DELETE":
+            await asyncio.to_thread(desk.live.stop)
+        size = [_pixels(request, name) for name in ("width", "height")]
+        return JSONResponse(await asyncio.to_thread(desk.live.look, *size))
+
+    async def fit_recorded(_: Request) -> Response:
+        made = desk.live.look(0, 0)["kept"]
+        if made is None:
+            raise DataError("no record is there to fit: start one, and stop it")
+        desk.state["open"] = [*desk.state.get("open", []), made]
+        return JSONResponse(made)
+
+    return [
+        Route("/record", record_page),
+        Route("/api/record", recording, methods=["GET", "POST", "DELETE"]),
+        Route("/api/record/fit", fit_recorded, methods=["POST"]),
+    ]
 
 
 def _pixels(request: Request, name: str) -> float:
