@@ -13,8 +13,9 @@ from kit.fits import a_fit
 import dashpot as dp
 from dashpot.cli import main
 from dashpot.records.specimen import Specimen
+from dashpot.records.temperature import Shift, TemperatureShifts
 from dashpot.solids.elastic import ElasticLaw
-from dashpot.solids.table_1 import BROAD
+from dashpot.solids.table_1 import BROAD, SHIFT
 from dashpot.workflow.examples import EXAMPLES
 
 pytestmark = pytest.mark.once
@@ -71,11 +72,11 @@ def of(document: dict, name: str) -> dict:
 
 def test_the_rigid_door_of_the_reference(folder):
     """58.26584, 91.13105 and 205.63511 Hz, computed apart: there the integral is exact."""
-    document = found(folder, '"20mm"', '"5mm"', "--band", "1:250Hz")
+    document = found(folder, '"20mm"', '"10mm"', "--band", "1:250Hz")
     modes = document["modes"]
     exact = [(58.26584, 0.0024313), (91.13105, 0.0012544), (205.63511, 0.000119)]
     for mode, (frequency, ratio) in zip(modes, exact, strict=True):
-        assert mode["frequency_hz"] == pytest.approx(frequency, rel=2e-6)
+        assert mode["frequency_hz"] == pytest.approx(frequency, rel=5e-6)
         assert mode["damping_ratio"] == pytest.approx(ratio, rel=1e-3)
         assert mode["loss_factor"] == pytest.approx(2 * ratio, rel=0.01)
     bare = [mode["without_seal_hz"] for mode in modes]
@@ -91,6 +92,30 @@ def test_the_rigid_door_of_the_reference(folder):
     }
     assert top["sealed"] == pytest.approx(205.6, abs=0.15)
     assert min(abs(top["bare"] - one) for one in bare) < 0.1
+
+
+@pytest.mark.parametrize(
+    ("celsius", "frequencies", "ratios"),
+    [
+        (-20, [57.79719, 90.60847, 205.40435], [1.1e-6]),
+        (80, [57.94382, 91.00565, 205.67290], [0.0125267, 0.0069561, 0.0008755]),
+    ],
+)
+def test_the_same_door_in_the_cold_and_in_the_heat(folder, celsius, frequencies, ratios):
+    """WLF, stiffness as T: numbers computed apart, where the seal is integrated exactly."""
+    kelvin = [253.15, 296.15, 353.15]
+    shifts = tuple(Shift(T, float(np.log10(SHIFT.a_t(T))), 0.0, T / 296.15) for T in kelvin)
+    moved = TemperatureShifts(
+        SHIFT, shifts, np.zeros((6, 6)), ("c1", "c2"), np.zeros((2, 2)), vertical="T/T_r"
+    )
+    specimen = Specimen(length=0.05, temperature=296.15)
+    fit = a_fit(10 * BROAD, specimen=specimen, temperatures=moved)
+    (folder / "fit.json").write_text(dp.to_json(fit))
+    words = ("--band", "1:250Hz", "--temperature", f"{celsius}degC")
+    modes = found(folder, '"20mm"', '"10mm"', *words)["modes"]
+    assert [one["frequency_hz"] for one in modes] == pytest.approx(frequencies, rel=5e-6)
+    damped = [one["damping_ratio"] for one in modes[: len(ratios)]]
+    assert damped == pytest.approx(ratios, rel=1e-3, abs=6e-8)
 
 
 def test_the_example_end_to_end(tmp_path):
@@ -213,7 +238,8 @@ def test_what_a_door_cannot_be(folder, old, new, sentence):
 def test_modes_that_are_not_what_was_said(tmp_path, change, word, sentence):
     """A slip of unit or axes is caught, or told in the first lines."""
     for name in ("door.toml", "door_line.csv", "door_modes.csv"):
-        (tmp_path / name).write_text(EXAMPLES[name]().replace("[modes]", "[modes]\n" + word))
+        text = EXAMPLES[name]().replace("[modes]", "[modes]\n" + word)
+        (tmp_path / name).write_text(text.replace('"25mm"', '"200mm"'))
     path = tmp_path / "door_modes.csv"
     path.write_text(path.read_text().replace(*change))
     fit = a_fit(BROAD, specimen=Specimen(length=0.1), band=(1e-3, 1e3))

@@ -55,7 +55,7 @@ def relaxed_law(found: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
     fit : Fit or sequence of Fit
         Of a relaxation test of such a seal: the shape of its memory is taken, k_j / k_inf, not its
         stiffness, with which the law is compared at the depth that it was held at. Of several, the
-        memory of the one held nearest to the nominal compression, as :func:`nearest` has it.
+        memory of the one held nearest to the nominal compression, as `nearest` has it.
 
     Raises
     ------
