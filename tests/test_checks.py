@@ -24,6 +24,7 @@ from dashpot.export import checks as export
 from dashpot.fitting.checks import creep, curves, relaxation, solid, temperature
 from dashpot.fitting.cld import checks as relaxed
 from dashpot.fitting.fractional import checks as fractional
+from dashpot.fitting.hyperelastic import checks as hyper
 from dashpot.fitting.identification import checks as identification
 from dashpot.fitting.indentation import checks as indentation
 from dashpot.fitting.level import checks as level
@@ -1103,6 +1104,31 @@ INDENTATION = [
     Case("sensor_fast_enough", indentation.sensor_fast_enough, 0.0299, 0.0301),
 ]
 
+
+def bears(size: float, unit: str) -> Check:
+    return reading.stress_of_a_rubber(1e6 * size, unit)
+
+
+HYPERELASTIC = [
+    Case("law_followed", lambda x: hyper.law_followed(x, "planar"), 0.0499, 0.0501),
+    Case("no_law_closer", lambda x: hyper.no_law_closer(0.01 * x, 0.01), 1.99, 2.01),
+    Case("no_law_closer", lambda x: hyper.no_law_closer(0.005 * x, 0.0), 1.99, 2.01),
+    Case("stable_in_use", lambda x: hyper.stable_in_use(x, "", ()), 1e-6, 0.0),
+    Case("modes_told", lambda x: hyper.modes_told(x, "planar", "it is"), 0.0999, 0.1001),
+    Case("use_measured", hyper.use_measured, 1.0, 1.001),
+    Case("constants_known", lambda x: hyper.constants_known("C01", x), 0.249, 0.251),
+    Case("rows_enough", lambda x: hyper.rows_enough(int(2 * x), 2), 4.0, 3.5),
+    Case("files_agree", hyper.files_agree, 0.0499, 0.0501),
+    Case("loading_returned", lambda x: hyper.loading_returned(x, removed=True), 0.0999, 0.1001),
+    Case("loading_returned", lambda x: hyper.loading_returned(x, removed=False), 0.0999, 0.1001),
+    Case("conditioned", hyper.conditioned, 0.0499, 0.0501),
+    Case("conditioned", hyper.conditioned, -0.0499, -0.0501),
+    Case("zero_known", lambda x: hyper.zero_known(x, "planar"), 0.0049, 0.0051),
+    Case("labels_agree", lambda x: hyper.labels_agree(x, "planar", 0.03), 2.99, 3.01),
+    Case("measures_stated", hyper.measures_stated, 0.0999, 0.1001),
+    Case("volume_known", lambda x: hyper.volume_known(known=bool(x)), 1, 0),
+]
+
 LEVEL = [
     Case(
         "level_matters",
@@ -1283,6 +1309,9 @@ READING = [
     Case("hammer_felt", lambda x: reading.hammer_felt(x, "mN"), 0.0501, 0.0499),
     Case("shock_not_large", lambda x: reading.shock_not_large(x, "g"), 9.99e5, 1.01e6),
     Case("indenter_not_fast", lambda x: reading.indenter_not_fast(x, "m/s"), 99.9, 100.1),
+    Case("strain_of_a_rubber", lambda x: reading.strain_of_a_rubber(x, "%"), 0.0101, 0.0099),
+    Case("stress_of_a_rubber", lambda x: bears(x, "Pa"), 1.01e-4, 0.99e-4),
+    Case("stress_of_a_rubber", lambda x: bears(x, "GPa"), 9999, 10001),
     Case("contact_rate", lambda x: reading.contact_rate(x, "s"), 501, 499),
     Case(
         "acceleration_not_large", lambda x: reading.acceleration_not_large(x, "g"), 9.99e3, 1.01e4
@@ -1307,6 +1336,7 @@ STAGES = {
     "fitting/nonlinear_ramp": RAMP,
     "fitting/fractional": FRACTIONAL,
     "fitting/temperature": TEMPERATURE,
+    "fitting/hyperelastic": HYPERELASTIC,
     "fitting/indentation": INDENTATION,
     "fitting/level": LEVEL,
     "fitting/cld": RELAXED,
@@ -1327,6 +1357,8 @@ LIMITS = {
         "travel_of_a_bench": 2e-5, "force_of_a_bench": 0.01, "ramp_not_slow": 200,
         "ramp_not_fast": 0.3, "hammer_not_heavy": 1000, "hammer_felt": 0.05,
         "shock_not_large": 1e6, "indenter_not_fast": 100, "contact_rate": 500,
+        "strain_of_a_rubber": 0.01,
+        "stress_of_a_rubber": 1e4,
         "acceleration_not_large": 1e4, "hammer_sampled": 50, "hammer_not_oversampled": 2.5e5,
     },
     "preparation": {
@@ -1376,6 +1408,12 @@ LIMITS = {
         "lines_explained": 2, "relaxation_still_explained": 1.3, "mass_believable": 2.5,
         "gain_believable": 2.5, "delay_believable": 2.5, "stiffness_believable": 2.5,
         "earlier_fit_kept": 2.5, "dashpot_not_missed": 50, "arms_identified": 0.5,
+    },
+    "fitting/hyperelastic": {
+        "law_followed": 0.05, "no_law_closer": 2, "stable_in_use": 0, "modes_told": 0.1,
+        "use_measured": 1, "constants_known": 0.25, "rows_enough": 4, "files_agree": 0.05,
+        "loading_returned": 0.1, "conditioned": 0.05, "zero_known": 0.005, "labels_agree": 3,
+        "measures_stated": 0.1,
     },
     "fitting/indentation": {
         "contact_sampled": 20, "flights_recorded": 0.1, "sensor_in_range": 0, "first_contact": 0,
@@ -1445,6 +1483,7 @@ GRADES = {
         "fitting/identification": {"dashpot_not_missed"},
         "fitting/temperature": {"shifts_told_apart"},
         "fitting/level": {"level_matters"},
+        "fitting/hyperelastic": {"volume_known"},
         "fitting/nonlinear_ramp": {"clocks_agree", "offset_believable", "drift_believable"},
         "workflow": {
             "hold_fit_possible", "history_complete", "files_listed", "base_band_informed",
@@ -1460,6 +1499,7 @@ GRADES = {
             "travel_of_a_seal", "force_of_a_seal", "time_of_a_test", "travel_of_a_bench",
             "force_of_a_bench", "ramp_not_slow", "ramp_not_fast", "hammer_not_heavy",
             "shock_not_large", "indenter_not_fast", "contact_rate",
+            "strain_of_a_rubber", "stress_of_a_rubber",
             "hammer_felt", "acceleration_not_large", "hammer_sampled", "hammer_not_oversampled",
         },
         "fitting": {
@@ -1467,6 +1507,7 @@ GRADES = {
             "frequencies_informed",
             "same_specimen",
         },
+        "fitting/hyperelastic": {"stable_in_use"},
         "fitting/identification": {"tests_agree"},
         "vibration/comparison": {"no_unit_slip"},
         "vibration/impact": {
@@ -1585,6 +1626,7 @@ def test_the_grades_are_those_typed_here() -> None:
         pytest.param(lambda x: impact.mass_line((-x, 0.01), 1.0), None, 1.0, id="sign"),
         pytest.param(lambda x: simple(0.0, x), 0.99e-3, 1.01e-3, id="simple"),
         pytest.param(lambda x: level.levels_followed(x, 0.01), 0.099, 0.101, id="levels"),
+        pytest.param(lambda x: hyper.law_followed(x, "planar"), 0.199, 0.201, id="hyperelastic"),
         pytest.param(lambda x: indentation.law_followed(2.0, x), 0.019, 0.021, id="contact"),
         pytest.param(
             lambda x: indentation.flights_recorded(-x, 1.0), 0.33, 0.34, id="part of a contact"

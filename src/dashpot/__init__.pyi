@@ -20,6 +20,7 @@ from .fitting.creep import fit_creep as fit_creep
 from .fitting.depth import fit_depths as fit_depths
 from .fitting.dynamic import fit_dynamic as fit_dynamic
 from .fitting.fit_many import fit_many as fit_many
+from .fitting.hyperelastic.fit import fit_hyperelastic as fit_hyperelastic
 from .fitting.identification.identify import identify as identify
 from .fitting.indentation.fit import fit_indentation as fit_indentation
 from .fitting.level.frfs import fit_levels as fit_levels
@@ -40,6 +41,7 @@ from .io.readers.dynamic import read_dynamic as read_dynamic
 from .io.readers.free_modes import read_modes as read_modes
 from .io.readers.frf import read_frf as read_frf
 from .io.readers.frf_set import read_frfs as read_frfs
+from .io.readers.hyperelastic import read_stress_strain as read_stress_strain
 from .io.readers.impact import read_impact as read_impact
 from .io.readers.indentation import read_indentation as read_indentation
 from .io.readers.inspect import inspect_file as inspect_file
@@ -69,6 +71,8 @@ from .records.fit import Status as Status
 from .records.free_modes import FreeModes as FreeModes
 from .records.frf import FRF as FRF
 from .records.frf_set import FRFSet as FRFSet
+from .records.hyperelastic import HyperelasticFit as HyperelasticFit
+from .records.hyperelastic import StressStrainTest as StressStrainTest
 from .records.impact import ImpactTest as ImpactTest
 from .records.indentation import IndentationFit as IndentationFit
 from .records.indentation import IndentationTest as IndentationTest
@@ -92,6 +96,7 @@ from .solids import networks as networks
 from .solids import stiffening as stiffening
 from .solids.elastic import compare_with_curve as compare_with_curve
 from .solids.fractional import FractionalZener as FractionalZener
+from .solids.hyperelastic import Hyperelastic as Hyperelastic
 from .solids.maxwell import GeneralizedMaxwell as GeneralizedMaxwell
 from .solids.parallel import Parallel as Parallel
 from .solids.temperature import WLF as WLF

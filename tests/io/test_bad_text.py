@@ -302,7 +302,7 @@ def test_cycle_summaries_are_refused(tmp_path: Path, head: str) -> None:
             "Time (s);Relaxation Modulus (Pa);Temperature (°C)\n",
             "this is a relaxation modulus over time",
         ),
-        ("Time (s);Strain (%);Stress (MPa)\n", "is not a test: it has stress and strain"),
+        ("Time (s);Strain (%);Stress (MPa)\n", "this is stress over strain of a material"),
     ],
 )
 def test_other_records_are_refused_with_the_reason(tmp_path: Path, head: str, reason: str) -> None:

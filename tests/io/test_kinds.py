@@ -14,16 +14,24 @@ from dashpot.io.readers.cld import read_cld
 from dashpot.io.readers.creep import read_creep
 from dashpot.io.readers.dynamic import read_dynamic
 from dashpot.io.readers.frf import read_frf
+from dashpot.io.readers.hyperelastic import read_stress_strain
 from dashpot.io.readers.impact import read_impact
 from dashpot.io.readers.indentation import read_indentation
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.io.table import Column, Table, in_memory
 from dashpot.records.frf import Kind
+from dashpot.records.hyperelastic import StressStrainTest
 from dashpot.workflow.inspections import inspect_files
 from tests.kit.kinds import bench, csv, files, hammer, late, ramp_and_hold, response
 
 FILES = files()
+
+
+def read_tension(path: Path) -> StressStrainTest:
+    return read_stress_strain(path, "uniaxial")
+
+
 READERS = {
     read_relaxation: {"relaxation", "cld", "cyclic"},
     read_cld: {"relaxation", "cld", "cyclic"},
@@ -32,6 +40,7 @@ READERS = {
     read_dynamic: {"dma", "master-curve"},
     read_creep: {"creep", "relaxation", "cld", "cyclic"},
     read_indentation: {"indentation"},
+    read_tension: {"stress-strain"},
 }
 
 

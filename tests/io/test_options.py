@@ -19,7 +19,7 @@ OPTIONS = st.builds(
     time=maybe, displacement=maybe, force=maybe, velocity=maybe, base_acceleration=maybe,
     acceleration=st.lists(text, max_size=3).map(tuple),
     frequency=maybe, storage=maybe, loss=maybe, loss_factor=maybe, modulus=maybe, stress=maybe,
-    strain=maybe, creep_compliance=maybe,
+    strain=maybe, stretch=maybe, creep_compliance=maybe,
     temperature=maybe, real=maybe, imaginary=maybe, magnitude=maybe, phase=maybe, coherence=maybe,
     hammer=maybe, cycle=st.none() | st.integers(1, 9),
     units=st.dictionaries(text, text, max_size=3),

@@ -125,6 +125,9 @@ def files() -> dict[str, tuple[str, str]]:
             csv("time [ms],velocity [m/s]", flown, np.cos(np.clip(flown - 3, 0, np.pi))),
             "indentation",
         ),
+        "tension.csv": (
+            csv("strain [%],stress [MPa]", 2 * spread, 0.02 * spread), "stress-strain",
+        ),
         "frf.csv": (
             csv(frf.format("(m/s^2)/N"), lines, value.real, value.imag, 1 + 0 * lines), "frf",
         ),

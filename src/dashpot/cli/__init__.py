@@ -31,6 +31,7 @@ COMMANDS = {
     "modes": "Natural frequencies, damping and residues of a measured FRF.",
     "level": "What stiffness and damping do with amplitude.",
     "cld": "Compression load deflection: force at nominal, hysteresis, scatter.",
+    "hyperelastic": "The law of a rubber or foam under large strain.",
     "indent": "Stiffness, damping and modulus from an indenter's hit.",
     "rod": "Modulus and loss factor of a rod that shakes under a mass.",
     "door": "A door on its seal line: modes, damping, who holds the energy.",

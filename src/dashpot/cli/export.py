@@ -83,7 +83,7 @@ def command(
     specimen: Specimen,
     **choices: Any,
 ) -> Outcome:
-    """Write the solid of FIT (a fit's JSON file) as a deck.
+    """Write the solid of FIT (a fit's JSON file) as a deck, or a hyperelastic law as a card.
 
     A deck is refused if temperature, contact length or units are not stated, or if the data do
     not determine a parameter; --force writes it all the same and says so in its header. Of tests
@@ -93,7 +93,9 @@ def command(
     dashpot export fit.json --to nastran --units mm-t-s --temperature 23degC --length 100mm
     dashpot export fit.json --to calculix --units mm-t-s --mass 104g --seals 2 --force -o seal.inp
     """
-    found = _described(workflow.read_fit(fit), specimen)
+    found = workflow.read_exported(fit)
+    if isinstance(found, dp.Fit):
+        found = _described(found, specimen)
     choices["line"] = None if line is None else _seal_line(line, pitch, normal, units)
     deck = dp.export.deck_for(
         target,

@@ -24,8 +24,10 @@ from dashpot.export import opensees as _opensees
 from dashpot.export import radioss as _radioss
 from dashpot.export import statespace as _statespace
 from dashpot.export.deck import PROBLEMS, DeckText
+from dashpot.export.hyperelastic import hyperelastic_card
 from dashpot.export.notation import UNIT_SYSTEMS
 from dashpot.records.fit import Fit
+from dashpot.records.hyperelastic import HyperelasticFit
 
 _MODULES = {
     module.__name__.rpartition(".")[2]: module
@@ -58,7 +60,7 @@ TARGETS: Mapping[str, Callable[..., DeckText]] = MappingProxyType(
 
 def deck_for(
     target: str,
-    found: Fit,
+    found: Fit | HyperelasticFit,
     *,
     seals: float = 1.0,
     compression: float | None = None,
@@ -70,8 +72,8 @@ def deck_for(
     Parameters
     ----------
     target : str
-    found : Fit
-        Of one seal.
+    found : Fit or HyperelasticFit
+        Of one seal; of a material, whose card is written.
     seals : float
     compression : float, optional
         Of the seals, m: the deck is of small vibration about it.
@@ -87,13 +89,18 @@ def deck_for(
     """
     if target not in TARGETS:
         raise ExportError(f"'{target}' is no solver; expected one of {', '.join(TARGETS)}")
-    known = signature(TARGETS[target]).parameters
+    material = isinstance(found, HyperelasticFit)
+    known = signature(hyperelastic_card if material else TARGETS[target]).parameters
     made = {name: value for name, value in choices.items() if value is not None}
     for name in made:
         if name not in known:
             raise ExportError(
                 f"{target} decks take no --{name.removeprefix('frequency_').replace('_', '-')}"
             )
+    if isinstance(found, HyperelasticFit):
+        if seals != 1 or compression is not None:
+            raise ExportError("a material card takes no --seals and no --compression")
+        return hyperelastic_card(target, found, temperature=temperature, **made)  # type: ignore[arg-type]
     if compression is not None:
         found = found.at_compression(compression)
     if seals != 1:
@@ -115,6 +122,7 @@ __all__ = [
     "calculix",
     "csv",
     "deck_for",
+    "hyperelastic_card",
     "lsdyna",
     "nastran",
     "opensees",

@@ -61,7 +61,9 @@ class ReadOptions:
     time, displacement, force : str or None
         The column that plays this role: its name in the file, or its number counted from 1.
     stress, strain, creep_compliance : str or None
-        So too, in a creep test of a material, or its curve.
+        So too, in a test of a material, or a creep curve.
+    stretch : str or None
+        Length over length at rest, in place of a strain; of a volumetric test, volume over volume.
     frequency, storage, loss, loss_factor, modulus, temperature : str or None
         So too, in a dynamic test or a relaxation modulus.
     real, imaginary, magnitude, phase, coherence : str or None
@@ -97,8 +99,9 @@ class ReadOptions:
     time: str | None = _column("Column of time, by name or number.")
     displacement: str | None = _column("Column of displacement.")
     force: str | None = _column("Column of force.")
-    stress: str | None = _column("Column of stress, in a creep test of a material.")
+    stress: str | None = _column("Column of stress, in a test of a material.")
     strain: str | None = _column("Column of strain.")
+    stretch: str | None = _column("Column of stretch, length over length at rest.")
     creep_compliance: str | None = _column("Column of a creep compliance over time.")
     acceleration: tuple[str, ...] = _column(
         "Column of acceleration; repeat for more.", multiple=True

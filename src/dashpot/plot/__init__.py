@@ -13,6 +13,7 @@ from dashpot.plot.creep import creep
 from dashpot.plot.direct import dynamic_stiffness
 from dashpot.plot.door import door
 from dashpot.plot.files import rendered, save
+from dashpot.plot.hyperelastic import hyperelastic
 from dashpot.plot.impact import hits
 from dashpot.plot.indentation import indentation
 from dashpot.plot.level import amplitude_sweep, frfs_at_levels, level, loops
@@ -45,6 +46,7 @@ __all__ = [
     "frfs_at_levels",
     "hero",
     "hits",
+    "hyperelastic",
     "indentation",
     "level",
     "loops",

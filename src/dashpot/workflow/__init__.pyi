@@ -9,6 +9,7 @@ from .examples import EXAMPLES as EXAMPLES
 from .examples import FIRST as FIRST
 from .examples import MASS as MASS
 from .fits import fit_files as fit_files
+from .hyperelastic import hyperelastic_files as hyperelastic_files
 from .impacts import Agreement as Agreement
 from .impacts import ImpactResult as ImpactResult
 from .impacts import compare_files as compare_files
@@ -39,6 +40,7 @@ from .resting import at_rest as at_rest
 from .rods import Rod as Rod
 from .rods import RodChoices as RodChoices
 from .rods import rod_files as rod_files
+from .stored import read_exported as read_exported
 from .stored import read_fit as read_fit
 from .stored import stored as stored
 from .study import run as run

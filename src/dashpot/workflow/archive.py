@@ -18,6 +18,7 @@ from dashpot.records.dynamic import DynamicTest
 from dashpot.records.estimate import ParameterEstimate
 from dashpot.records.fit import Evidence, Fit, Provenance, Status
 from dashpot.records.frf import FRF
+from dashpot.records.hyperelastic import HyperelasticFit
 from dashpot.records.impact import ImpactTest
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.solids.elastic import ElasticLaw
@@ -44,6 +45,7 @@ SCHEMAS: dict[str, type] = {
     "dashpot/load-hold@1": LoadHold,
     "dashpot/creep-compliance@1": CreepCompliance,
     "dashpot/fit@1": Fit,
+    "dashpot/hyperelastic@1": HyperelasticFit,
     "dashpot/impact-test@1": ImpactTest,
     "dashpot/frf@1": FRF,
     "dashpot/impact@1": ImpactResult,
@@ -260,6 +262,10 @@ def _standard_error(fit: Fit) -> dict[str, Any]:
     return whole
 
 
+def _judged_contract(found: HyperelasticFit, plain: dict[str, Any]) -> dict[str, Any]:
+    return {"verdict": _verdict(found.verdict), **plain}
+
+
 def _comparison_contract(comparison: Comparison, plain: dict[str, Any]) -> dict[str, Any]:
     decibels = 20 * np.log10(comparison.predicted_peak / comparison.measured_peak)
     predicted, measured = comparison.predicted_damping, comparison.measured_damping
@@ -317,6 +323,7 @@ _CONTRACTS: dict[type, Callable[[Any, dict[str, Any]], dict[str, Any]]] = {
     Comparison: _comparison_contract,
     Study: _study_contract,
     ImpactResult: _impact_contract,
+    HyperelasticFit: _judged_contract,
     MeasuredModes: _modes_contract,
     InspectedFile: _inspected_contract,
 }

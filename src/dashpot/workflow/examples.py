@@ -23,6 +23,7 @@ from dashpot.simulation.rig import Climate, Rig
 from dashpot.simulation.truth import stamp
 from dashpot.solids.contact import ViscousContact, sphere_stiffness
 from dashpot.solids.friction import Iwan
+from dashpot.solids.hyperelastic import Hyperelastic, Mode
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.part import Disc
 from dashpot.solids.table_1 import BROAD
@@ -192,6 +193,23 @@ def _rod() -> str:
     return "\n".join([*lines, *(",".join(f"{one:.6g}" for one in row) for row in rows), ""])
 
 
+_RUBBER = Hyperelastic("mooney-rivlin", (0.15e6, 0.05e6))
+
+
+def _stretched(mode: Mode, most: float, seed: int) -> Callable[[], str]:
+    """Stress over strain of a rubber that follows Mooney and Rivlin, 0.5 % noisy."""
+
+    def made() -> str:
+        x = np.linspace(1.0, most, 80)
+        stress = 1e-6 * _RUBBER.nominal(mode, x)
+        stress += 0.005 * stress.max() * np.random.default_rng(seed).standard_normal(len(x))
+        rows = (f"{100 * (a - 1):.5g},{b:.5g}" for a, b in zip(x, stress, strict=True))
+        head = [f"# {byline(f'simulated {mode} test')}", "# simulated"]
+        return "\n".join([*head, "strain [%],nominal stress [MPa]", *rows, ""])
+
+    return made
+
+
 _RUBBING = Iwan(120.0, 0.06)
 """Friction beside a seal, N/m and N: it softens with amplitude."""
 
@@ -352,6 +370,8 @@ CAPTIONS: Mapping[str, str] = MappingProxyType(
         "cld_fast.csv": "and at 500 mm/min: dashpot cld takes the three speeds",
         "hit.csv": "a ball of 5 g, radius 5 mm, dropped 51 mm on rubber, for dashpot indent",
         "rod.csv": "the transmissibility of a rubber cylinder to a mass on it, for dashpot rod",
+        "tension.csv": "a rubber pulled to twice its length, for dashpot hyperelastic",
+        "biaxial.csv": "the same pulled both ways: dashpot hyperelastic takes the two",
         "loops.csv": "a seal that rubs, moved to and fro at nine amplitudes, for dashpot level",
         "shaker_20mN.csv": "the block on two such seals, on a shaker of 0.02 N",
         "shaker_500mN.csv": "the same at 0.5 N: dashpot level takes the two",
@@ -388,6 +408,8 @@ EXAMPLES: Mapping[str, Callable[[], str]] = MappingProxyType(
         "cld_fast.csv": _pressed(1.0, 5, speed=500e-3 / 60),
         "hit.csv": _hit,
         "rod.csv": _rod,
+        "tension.csv": _stretched("uniaxial", 2.0, 1),
+        "biaxial.csv": _stretched("equibiaxial", 1.6, 2),
         "loops.csv": _loops,
         "shaker_20mN.csv": _at_level(0.02, 1),
         "shaker_500mN.csv": _at_level(0.5, 2),

@@ -7,6 +7,7 @@ from pathlib import Path
 from dashpot.base.errors import ReadError
 from dashpot.io.source import like_json, open_raw
 from dashpot.records.fit import Fit
+from dashpot.records.hyperelastic import HyperelasticFit
 from dashpot.workflow.archive import from_json
 
 A_FIT = "a fit, as 'dashpot fit FILE -o fit.json' writes it"
@@ -39,7 +40,22 @@ def read_fit(path: str | Path) -> Fit:
     ReadError
         If it holds something else.
     """
+    return _a_fit(path, stored(path, hint=f"; expected {A_FIT}"))
+
+
+def read_exported(path: str | Path) -> Fit | HyperelasticFit:
+    """Return the fit or the hyperelastic law in a JSON file; ``-`` is stdin.
+
+    Raises
+    ------
+    ReadError
+        If it holds something else.
+    """
     found = stored(path, hint=f"; expected {A_FIT}")
+    return found if isinstance(found, HyperelasticFit) else _a_fit(path, found)
+
+
+def _a_fit(path: str | Path, found: object) -> Fit:
     if not isinstance(found, Fit):
         raise ReadError(f"{path} holds a {type(found).__name__}; expected {A_FIT}")
     return found

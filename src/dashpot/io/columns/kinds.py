@@ -21,7 +21,7 @@ from dashpot.io.table import Table
 FileKind: TypeAlias = Literal[
     "relaxation", "impact", "frf", "transmissibility", "dma", "master-curve", "strain-sweep",
     "temperature-sweep", "one-frequency", "modulus", "creep", "indentation", "cld", "cyclic",
-    "not-a-test", "unclear",
+    "stress-strain", "not-a-test", "unclear",
 ]  # fmt: skip
 
 _NO_TIMES = "it tells no relaxation times; sweep the frequency"
@@ -41,6 +41,10 @@ WANTED_BY: MappingProxyType[str, tuple[str, str]] = MappingProxyType({
     "creep": ("a creep test", "use dashpot fit"),
     "cld": ("a compression load deflection (CLD), pressed and released", "use dashpot cld"),
     "indentation": ("a contact of an indenter", "use dashpot indent with its mass"),
+    "stress-strain": (
+        "stress over strain of a material",
+        "use dashpot hyperelastic; of a relaxation test multiply by area and height first",
+    ),
     "cyclic": (
         "a cyclic run without a hold",
         "use dashpot cld for cycles at one speed, dashpot level for loops of several amplitudes",
@@ -160,12 +164,9 @@ _RULES: tuple[tuple[FileKind, str, Callable[[_NamedColumns], bool]], ...] = (
         lambda s: s.has("viscosity") or (s.has("shear_rate") and not s.timed()),
     ),
     (
-        "not-a-test",
-        (
-            "it has stress and strain, not force and displacement; multiply by the area and the "
-            "height of the specimen first"
-        ),
-        lambda s: s.has("stress", "strain") and s.timed(),
+        "stress-strain",
+        "it has stress and strain, not force and displacement",
+        lambda s: s.has("stress", "strain") or s.has("stress", "stretch"),
     ),
     (
         "cld",

@@ -20,6 +20,7 @@ EXAMPLE = {
     "time": "s", "displacement": "mm", "force": "N", "acceleration": "m/s^2", "frequency": "Hz",
     "storage": "MPa", "loss": "MPa", "temperature": "degC", "modulus": "MPa", "hammer": "N",
     "phase": "deg", "velocity": "m/s", "creep_compliance": "1/MPa", "stress": "MPa", "strain": "%",
+    "stretch": "1",
 }  # fmt: skip
 """What a role is measured in most often."""
 _OF_A_PART: dict[Role, Dimension] = {
@@ -350,6 +351,8 @@ def unit_for(column: Column, number: int, role: Role, options: ReadOptions) -> U
     advice = f'add --units "{role}={example}"'
     if column.content == "clock" and role == "time":
         return _clock_unit(label, stated)
+    if word is None and role == "stretch":
+        word = "1"  # a ratio of lengths
     if word is None:
         header = f"{column.name or role} [{example}]"
         raise ReadError(

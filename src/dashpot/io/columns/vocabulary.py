@@ -15,7 +15,7 @@ Role: TypeAlias = Literal[
     "time", "displacement", "force", "acceleration", "frequency", "storage", "loss",
     "temperature", "real", "imaginary", "magnitude", "phase", "coherence", "stress", "strain",
     "modulus", "viscosity", "shear_rate", "voltage", "cycle", "velocity", "torque", "loss_factor",
-    "hammer", "creep_compliance",
+    "hammer", "creep_compliance", "stretch",
 ]  # fmt: skip
 
 DIMENSION: MappingProxyType[str, Dimension] = MappingProxyType({
@@ -23,7 +23,7 @@ DIMENSION: MappingProxyType[str, Dimension] = MappingProxyType({
     "frequency": "frequency", "storage": "stress", "loss": "stress", "temperature": "temperature",
     "stress": "stress", "strain": "strain", "modulus": "stress", "voltage": "voltage",
     "velocity": "velocity", "torque": "torque", "hammer": "force", "phase": "angle",
-    "creep_compliance": "material compliance",
+    "creep_compliance": "material compliance", "stretch": "strain",
 })  # fmt: skip
 """The dimension of the unit that a role has."""
 
@@ -64,6 +64,8 @@ _FIRST: dict[Role, str] = {
         schubspannung""",
     "strain": """strain dehnung odkształcenie déformation deformación deformazione gerinim 应变
         應變 歪み ひずみ 변형률 scherung deformation""",
+    "stretch": """stretch stretch_ratio extension_ratio lambda λ streckung streckgrad volume_ratio
+        volumenverhältnis""",
     "modulus": "modulus modul e_relax g_relax relaxationsmodul",
     "creep_compliance": """compliance nachgiebigkeit kriechnachgiebigkeit podatność complaisance
         cedevolezza податливость 柔量 コンプライアンス j(t) d(t)""",
@@ -90,7 +92,7 @@ _SECOND: dict[Role, str] = {
     "storage": "gp ep",
     "loss": "gpp epp loss",
     "temperature": "t kammer",
-    "stress": "sigma σ tau τ",
+    "stress": "sigma σ tau τ pressure",
     "strain": "epsilon ε gamma γ",
     "modulus": "g(t) e(t) g e",
 }  # fmt: skip
@@ -117,6 +119,12 @@ PARTIAL_TIME = (
     "phase", "abschnitt", "schrittzeit", "cyklu", "kroku", "remaining", "rest", "stage",
 )  # fmt: skip
 """Clocks that start again within a test."""
+OF_ACTUAL = ("true", "cauchy", "wahre", "wahrer", "hencky")
+"""Words for a stress on the area as it is, or a strain that is a logarithm."""
+OF_REST = (
+    "nominal", "engineering", "eng", "technical", "technische", "nenn", "nennspannung", "piola",
+)  # fmt: skip
+"""Words for a stress on the area at rest, or a strain over the length at rest."""
 WHOLE_TIME = ("run",)
 """Clocks of all that an instrument did, before this record too."""
 _ORDERS = ("dmy", "mdy", "ymd", "hms", "hm", "ms")

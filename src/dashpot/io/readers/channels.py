@@ -191,7 +191,11 @@ def with_units(file: Opened, chosen: Sequence[Assigned]) -> list[Channel]:
 
 def _lacks_unit(file: Opened, one: Assigned) -> bool:
     column = file.table.columns[one.index]
-    return column.unit is None and file.options.unit_of(one.role, column.name) is None
+    return (
+        one.role != "stretch"
+        and column.unit is None
+        and file.options.unit_of(one.role, column.name) is None
+    )
 
 
 def refuse_sizes(file: Opened, answers: Sequence[tuple[Channel, Sequence[Check]]]) -> None:

@@ -14,6 +14,8 @@ FASTEST_RAMP = 0.3
 MOST_ACCELERATION = 1e4
 LEAST_BLOW = 5e-2
 MOST_SHOCK = 1e6
+LEAST_STRAIN = 0.01
+MOST_STRESS_FACTOR = 1e4
 MOST_SPEED = 100.0
 LEAST_CONTACT_RATE = 500.0
 LEAST_RATE = 50.0
@@ -212,6 +214,30 @@ def contact_rate(rate: float, unit: str) -> Finding:
     """The record is sampled as fast as a contact needs."""
     says = f"the record is sampled at {_short(rate, 'Hz')}"
     return Finding(says, rate, instead=_doubted(says, "time", unit, _SMALLER))
+
+
+@criterion(
+    "greatest strain", ">=", LEAST_STRAIN, "our choice: a law is no line there", grade="stop"
+)
+def strain_of_a_rubber(strain: float, unit: str) -> Finding:
+    """The strain is one that shows a law."""
+    says = f"the strain reaches {strain:.3g} of the length"
+    return Finding(says, strain, instead=_doubted(says, "strain", unit, {"%": "1"}))
+
+
+@criterion(
+    "greatest stress, Pa",
+    "x/",
+    MOST_STRESS_FACTOR,
+    "our choice: about 1 MPa, soft foam to hard rubber at break",
+    grade="stop",
+)
+def stress_of_a_rubber(stress: float, unit: str) -> Finding:
+    """The stress is one that rubber or foam bears."""
+    says = f"the stress reaches {_short(stress, 'Pa')}"
+    likely = {"Pa": "MPa", "kPa": "MPa"} if stress < 1e6 else {"GPa": "MPa", "MPa": "Pa"}
+    doubted = _doubted(says, "stress", unit, likely)
+    return Finding(says, stress / 1e6, instead=doubted)
 
 
 def _doubted(says: str, role: str, unit: str, likely: dict[str, str]) -> str:

@@ -31,13 +31,17 @@ _ROLES: dict[str, tuple[Role, ...]] = {
     "frf": _RESPONSE,
     "transmissibility": _RESPONSE,
     "modulus": ("time", "modulus"),
+    "stress-strain": ("stretch", "strain", "stress"),
     **dict.fromkeys(SWEEPS, ("frequency", "storage", "loss", "temperature")),
 }
 COURSE_ROWS = 400
 """Rows that an inspection keeps for a picture."""
 
 _COURSE = "_course"
-_WELCOME = {"velocity", "temperature", "real", "imaginary", "magnitude", "phase", "coherence"}
+_WELCOME = {
+    "velocity", "temperature", "real", "imaginary", "magnitude", "phase", "coherence", "stretch",
+    "strain",
+}  # fmt: skip
 """Roles that are shown where they are found, and not asked for."""
 
 

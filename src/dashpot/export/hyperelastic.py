@@ -1,0 +1,355 @@
+"""Material cards of a hyperelastic law: Abaqus, CalculiX, Ansys and LS-DYNA."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from types import MappingProxyType
+from typing import NamedTuple
+
+from dashpot.base.errors import ExportError
+from dashpot.base.units import Quantity, si
+from dashpot.base.version import byline
+from dashpot.export.deck import NOT_VERIFIED, DeckText
+from dashpot.export.notation import UNIT_SYSTEMS, UnitSystem, one_line, packed, text
+from dashpot.records.hyperelastic import HyperelasticFit
+from dashpot.solids.hyperelastic import POWERS
+
+VERIFIED = (
+    "verified: CalculiX (ccx) runs such a card in dashpot's tests; one element has the stress of "
+    "the law within 1e-3"
+)
+_MOST_TERMS = 6
+"""Of viscoelasticity in *MAT_077."""
+_NO_SWELLING = 1e-6
+"""In place of beta = 0, by which *MAT_HILL_FOAM divides."""
+
+
+class _Card(NamedTuple):
+    """A law in the units of a deck.
+
+    Attributes
+    ----------
+    fit : HyperelasticFit
+    units : UnitSystem
+    constants : tuple of float
+    bulk : float
+        0 of a foam, whose Poisson's ratio says it.
+    density : float or None
+        SI.
+    """
+
+    fit: HyperelasticFit
+    units: UnitSystem
+    constants: tuple[float, ...]
+    bulk: float
+    density: float | None
+
+    @property
+    def pairs(self) -> list[tuple[float, float]]:
+        """Each mu with its alpha."""
+        return list(zip(self.constants, self.fit.law.exponents, strict=True))
+
+    @property
+    def prony(self) -> list[tuple[float, float]]:
+        """Each g_j over the instantaneous modulus, and tau_j."""
+        memory = self.fit.memory
+        if memory is None:
+            return []
+        terms = zip(memory.k, memory.tau, strict=True)
+        return [(k / memory.k_0, tau / self.units.time) for k, tau in terms]
+
+    @property
+    def ratio(self) -> float:
+        """Instantaneous over relaxed modulus."""
+        return 1.0 if self.fit.memory is None else self.fit.memory.k_0
+
+
+def hyperelastic_card(
+    target: str,
+    fit: HyperelasticFit,
+    *,
+    units: str | None = None,
+    bulk_modulus: Quantity | None = None,
+    density: float | None = None,
+    temperature: float | None = None,
+    allow: Collection[str] = (),
+) -> DeckText:
+    r"""Return the material card of a hyperelastic law, with its memory where the solver takes one.
+
+    Parameters
+    ----------
+    target : str
+        ``"abaqus"``, ``"calculix"``, ``"ansys"`` or ``"lsdyna"``.
+    fit : HyperelasticFit
+    units : str
+    bulk_modulus : float, optional
+        Of a rubber whose volume was not tested, Pa.
+    density : float, optional
+        kg/m^3; LS-DYNA wants it.
+    temperature : float, optional
+        Of the tests, K, where the fit does not know it.
+    allow : collection of str
+        ``"temperature"``, ``"not_identified"`` (a check that says not to use the law), ``"all"``.
+
+    Raises
+    ------
+    ExportError
+        If something is not stated, or a check says not to use the law.
+    """
+    if target not in TARGETS:
+        raise ExportError(
+            f"{target} takes no hyperelastic law here; expected one of {', '.join(TARGETS)}"
+        )
+    if units is None or units not in UNIT_SYSTEMS:
+        raise ExportError(
+            f"no unit system '{units}'; add --units, one of {', '.join(UNIT_SYSTEMS)}"
+        )
+    system, law = UNIT_SYSTEMS[units], fit.law
+    kelvin = fit.temperature if temperature is None else temperature
+    overrides = _overlooked(fit, kelvin, allow)
+    bulk = si(bulk_modulus, "stress")
+    measured = "measured"
+    if law.kind == "hyperfoam":
+        if bulk is not None:
+            raise ExportError("a foam's Poisson's ratio says its bulk modulus; no --bulk-modulus")
+        bulk, measured = 0.0, f"by Poisson's ratio {text(law.poisson)}"
+    elif bulk is None:
+        bulk = law.bulk
+    else:
+        measured = "stated, not measured"
+    if bulk is None:
+        raise ExportError(
+            "the change of volume was not tested, and no solver takes a rubber without; add "
+            "--bulk-modulus, 2000MPa is usual for solid rubber"
+        )
+    if target == "lsdyna" and not (density and density > 0):
+        raise ExportError("an LS-DYNA material needs --density, such as 1200 (kg/m^3)")
+    card = _Card(
+        fit, system, tuple(system.stress(c) for c in law.constants), system.stress(bulk), density
+    )
+    body, remarks = TARGETS[target](card)
+    comment = {"ansys": "!", "lsdyna": "$"}.get(target, "**")
+    header = [
+        byline(f"{law.kind} material for {_NAMES[target]}"),
+        f"{fit.verdict.use.upper()}: {fit.verdict.says}",
+        *_described(card, kelvin, measured),
+        *(f"OVERRIDE: {sentence}" for sentence in overrides),
+        *(f"CHECK FAILED: {check.says}" for check in fit.checks if check.failed),
+        VERIFIED if target == "calculix" else NOT_VERIFIED,
+        *remarks,
+    ]
+    made = DeckText("\n".join([*(f"{comment} {one_line(line)}" for line in header), *body, ""]))
+    made.verdict, made.checks, made.overrides = fit.verdict, fit.checks, overrides
+    return made
+
+
+def _overlooked(
+    fit: HyperelasticFit, kelvin: float | None, allow: Collection[str]
+) -> tuple[str, ...]:
+    problems = {}
+    if kelvin is None:
+        problems["temperature"] = (
+            "the test temperature is not stated", "give --temperature 23degC"
+        )  # fmt: skip
+    if fit.verdict.use == "do not use":
+        problems["not_identified"] = fit.verdict.says, "see dashpot hyperelastic"
+    refused = [name for name in problems if not {name, "all"} & set(allow)]
+    if refused:
+        found = "; ".join(f"{problems[name][0]} ({problems[name][1]})" for name in refused)
+        raise ExportError(
+            f"{found}. To write the card all the same, with a mark in its header: "
+            f"{' '.join(f'--allow {name}' for name in refused)}, or --force for all"
+        )
+    return tuple(says for says, _ in problems.values())
+
+
+def _described(card: _Card, kelvin: float | None, measured: str) -> list[str]:
+    law, units, fit = card.fit.law, card.units, card.fit
+    stress = units.words[4]
+    stated = "not stated" if kelvin is None else f"{kelvin:.6g} K ({kelvin - 273.15:.4g} degC)"
+    spans = ", ".join(f"{mode} {low:.4g} to {high:.4g}" for mode, (low, high) in _measured(fit))
+    ends = [
+        f"{mode} {at:.4g}" for mode, both in fit.stable for at in both if at is not None
+    ] or ["nowhere from 0.1 to 10"]  # fmt: skip
+    bulk = "" if law.kind == "hyperfoam" else f"{text(card.bulk)} {stress}, "
+    lines = [
+        f"UNITS: {units.name}: {', '.join(units.words)}",
+        f"shear modulus at rest {text(units.stress(law.shear_modulus))} {stress}",
+        f"bulk modulus {bulk}{measured}",
+        f"temperature: {stated}",
+        f"stretches measured: {spans}",
+        f"not stable (Drucker) from stretch: {', '.join(ends)}",
+        *(f"source: {one.file} sha256 {one.sha256}" for one in fit.sources),
+    ]
+    if any(one.simulated for one in fit.sources):
+        lines.append("SIMULATED: a test behind this card was made by a program")
+    if fit.memory is None:
+        return [*lines, "memory: none was taken off; the curves as tested are taken as elastic"]
+    return [*lines, "memory: taken off the true stress of the tests; the law is that at rest"]
+
+
+def _measured(fit: HyperelasticFit) -> list[tuple[str, tuple[float, float]]]:
+    return [
+        (one.mode, (float(one.stretch.min()), float(one.stretch.max()))) for one in fit.curves
+    ]  # fmt: skip
+
+
+_NAMES = {
+    "abaqus": "Abaqus", "calculix": "CalculiX", "ansys": "Ansys Mechanical APDL",
+    "lsdyna": "LS-DYNA",
+}  # fmt: skip
+Body = tuple[list[str], Sequence[str]]
+
+
+def _keyword(card: _Card, *, moduli: str) -> list[str]:
+    """*HYPERELASTIC or *HYPERFOAM, which Abaqus and CalculiX read alike."""
+    law = card.fit.law
+    if law.kind in POWERS:
+        name = {"neo-hooke": "NEO HOOKE", "mooney-rivlin": "MOONEY-RIVLIN", "yeoh": "YEOH"}[
+            law.kind
+        ]
+        values = [*card.constants, 2 / card.bulk, *[0.0] * (2 * (law.kind == "yeoh"))]
+        return [f"*HYPERELASTIC, {name}{moduli}", *_rows(values)]
+    count = len(law.exponents)
+    flat = [value for pair in card.pairs for value in pair]
+    if law.kind == "ogden":
+        return [
+            f"*HYPERELASTIC, OGDEN, N={count}{moduli}",
+            *_rows([*flat, 2 / card.bulk, *[0.0] * (count - 1)]),
+        ]
+    return [f"*HYPERFOAM, N={count}{moduli}", *_rows([*flat, *[law.poisson] * count])]
+
+
+def _rows(values: Sequence[float]) -> list[str]:
+    return [", ".join(map(text, values[i : i + 8])) for i in range(0, len(values), 8)]
+
+
+def _abaqus(card: _Card) -> Body:
+    foam = card.fit.law.kind == "hyperfoam"
+    prony = card.prony
+    body = ["*MATERIAL, NAME=RUBBER", *_keyword(card, moduli=", MODULI=LONG TERM" * bool(prony))]
+    if prony:
+        bulk = [g if foam else 0.0 for g, _ in prony]
+        body += ["*VISCOELASTIC, TIME=PRONY"]
+        body += [
+            f"{text(g)}, {text(k)}, {text(tau)}" for (g, tau), k in zip(prony, bulk, strict=True)
+        ]
+    return body, [
+        "D1 = 2 / K; a rubber wants hybrid elements (C3D8H)",
+        "the bulk ratios are those of shear for a foam, and 0 for a rubber"
+        if prony
+        else "no memory",
+    ]
+
+
+def _calculix(card: _Card) -> Body:
+    says = ["D1 = 2 / K"]
+    if card.prony:
+        says.append("CalculiX has no memory beside these: the law is that at rest")
+    return ["*MATERIAL, NAME=RUBBER", *_keyword(card, moduli="")], says
+
+
+def _ansys(card: _Card) -> Body:
+    law, ratio = card.fit.law, card.ratio
+    says = ["d = 2 / K"]
+    if law.kind in POWERS:
+        name, count = {
+            "neo-hooke": ("NEO", ""), "mooney-rivlin": ("MOONEY", "2"), "yeoh": ("YEOH", "3"),
+        }[law.kind]  # fmt: skip
+        values = [ratio * c for c in card.constants] + [2 / (ratio * card.bulk)]
+        if law.kind == "neo-hooke":
+            values[0] *= 2
+            says.append("the first constant is the shear modulus, 2 C10")
+        values += [0.0] * (2 * (law.kind == "yeoh"))
+    else:
+        count = str(len(law.exponents))
+        name = "OGDEN" if law.kind == "ogden" else "FOAM"
+        values = [v for mu, a in card.pairs for v in (2 * ratio * mu / a, a)]
+        says.append("mu here is 2 mu / alpha of Abaqus: W = mu / alpha (...), G = sum mu alpha / 2")
+        if law.kind == "ogden":
+            values += [2 / (ratio * card.bulk), *[0.0] * (len(law.exponents) - 1)]
+        else:
+            values += [law.poisson / (1 - 2 * law.poisson)] * len(law.exponents)
+    body = [f"TB,HYPER,1,1,{count},{name}", *_table(values)]
+    if card.prony:
+        body += [
+            f"TB,PRONY,1,1,{len(card.prony)},SHEAR",
+            *_table([v for p in card.prony for v in p]),
+        ]
+        says.append(f"the constants are the instantaneous ones, {ratio:.6g} times those at rest")
+        if law.kind == "hyperfoam":
+            says.append("repeat TB,PRONY with BULK: a foam keeps its Poisson's ratio as it relaxes")
+    return body, says
+
+
+def _table(values: Sequence[float]) -> list[str]:
+    return [
+        f"TBDATA,{start + 1}," + ",".join(map(text, values[start : start + 6]))
+        for start in range(0, len(values), 6)
+    ]
+
+
+def _lsdyna(card: _Card) -> Body:
+    law, units = card.fit.law, card.units
+    density = units.density(card.density or 0.0)
+    G = units.stress(law.shear_modulus)
+    shear = [(card.ratio * g * G, 1 / tau) for g, tau in card.prony]
+    if len(shear) > _MOST_TERMS:
+        raise ExportError(f"*MAT_077 holds {_MOST_TERMS} terms of memory, found {len(shear)}")
+    if law.kind == "hyperfoam":
+        return _hill_foam(card, density)
+    K = card.bulk
+    poisson = (3 * K - 2 * G) / (6 * K + 2 * G)
+    head = _fields(1, density, poisson, 0, 0, 0.0, 0.0, 0.0)
+    says = [f"PR is that of K and G: (3 K - 2 G) / (6 K + 2 G) = {poisson:.6g}"]
+    if law.kind in POWERS:
+        known = dict(zip(law.names, card.constants, strict=True))
+        order = ("C10", "C01", "C11", "C20", "C02", "C30")
+        constants = (known.get(name, 0.0) for name in order)
+        body = ["*MAT_HYPERELASTIC_RUBBER", head, _fields(*constants, 0.0)]
+    else:
+        filled = card.pairs + [(0.0, 0.0)] * (8 - len(card.pairs))
+        body = [
+            "*MAT_OGDEN_RUBBER",
+            head,
+            _fields(*(2 * mu / a if a else 0.0 for mu, a in filled)),
+            _fields(*(a for _, a in filled)),
+        ]
+        says.append("mu here is 2 mu / alpha of Abaqus: W = mu / alpha (...), G = sum mu alpha / 2")
+    if shear:
+        says.append(
+            "G_j is that of small strain: LS-DYNA adds the memory linearly to the law at rest"
+        )
+    return ["*KEYWORD", *body, *(_fields(*pair) for pair in shear), "*END"], says
+
+
+def _hill_foam(card: _Card, density: float) -> Body:
+    law = card.fit.law
+    beta = law.poisson / (1 - 2 * law.poisson)
+    bulk = card.units.stress(law.bulk_modulus or 0.0)
+    filled = card.pairs + [(0.0, 0.0)] * (8 - len(card.pairs))
+    says = [
+        "C = 2 mu / alpha, b = alpha, n = nu / (1 - 2 nu); K serves contact",
+        *([f"n = {_NO_SWELLING:g} stands for 0, by which it would divide"] * (beta == 0)),
+        *(["no memory: *MAT_177 takes none"] * bool(card.prony)),
+    ]
+    return [
+        "*KEYWORD",
+        "*MAT_HILL_FOAM",
+        _fields(1, density, bulk, beta or _NO_SWELLING, 0.0, 0, 0, 0),
+        _fields(*(2 * mu / a if a else 0.0 for mu, a in filled)),
+        _fields(*(a for _, a in filled)),
+        _fields(0.0, 0.0),
+        "*END",
+    ], says
+
+
+def _fields(*values: object) -> str:
+    words = (packed(value, 9) if isinstance(value, float) else str(value) for value in values)
+    return "".join(f"{word:>10}" for word in words)
+
+
+TARGETS: Mapping[str, Callable[[_Card], Body]] = MappingProxyType(
+    {"abaqus": _abaqus, "calculix": _calculix, "ansys": _ansys, "lsdyna": _lsdyna}
+)
+"""The solvers that take a hyperelastic law."""
