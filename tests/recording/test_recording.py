@@ -314,6 +314,8 @@ def test_the_command_refuses_what_it_cannot_record(tmp_path):
     for words, says in [
         ("serial -o a.csv", "add --port"),
         ("replay -o a.csv", "add --from FILE"),
+        (f"replay --from {tmp_path / 'mine.csv'} -o a.csv", "give it a header such as"),
+        ("replay --from nowhere.csv -o a.csv", "nowhere.csv"),
         ("simulated -o -", "a record is kept in a file"),
         (f"simulated -o {tmp_path / 'mine.csv'}", "was not written by dashpot"),
         ("serial --port nowhere -o a.csv", "nowhere cannot be read"),

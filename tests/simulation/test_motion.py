@@ -99,6 +99,23 @@ def test_cycles_of_a_seal_that_softens_are_read_as_such(tmp_path):
     assert found.softening == pytest.approx(0.12 * (1 - np.exp(-2)), abs=1e-4)
 
 
+def test_a_file_that_leaves_a_question_open_is_sent_to_inspect(tmp_path):
+    # the options that answer it are those of other commands
+    (tmp_path / "f.csv").write_text("time [s],force [N]\n0,1\n1,2\n2,3\n")
+    words = [
+        "simulate",
+        "motion",
+        "--motion",
+        str(tmp_path / "f.csv"),
+        "-o",
+        str(tmp_path / "o.csv"),
+    ]
+    done = CliRunner().invoke(main, words)
+    assert done.exit_code == 2
+    assert "give it a header such as 'time [s], displacement [mm]" in done.output
+    assert "--displacement" not in done.output
+
+
 def test_a_seal_remembers_its_motion_and_never_pulls():
     seal = GeneralizedMaxwell(100.0, (50.0,), (1.0,))
     made = simulate_motion(seal, triangles(1), rig=Rig().noise_free())

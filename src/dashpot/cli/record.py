@@ -18,7 +18,7 @@ from dashpot.cli import _options as options
 from dashpot.cli._options import Quantity
 from dashpot.cli._shell import File, Outcome, note_written, reports, typed
 from dashpot.cli._terminal import Text
-from dashpot.cli.simulate import seal
+from dashpot.cli.simulate import as_it_stands, seal
 
 
 @click.command("record")
@@ -104,4 +104,5 @@ def _device(
         return dp.recording.simulated(seal(model).solid, speed=speed)
     if played is None:
         raise DataError("--driver replay needs the record: add --from FILE")
-    return dp.recording.replay(played, speed=speed)
+    with as_it_stands(played):
+        return dp.recording.replay(played, speed=speed)

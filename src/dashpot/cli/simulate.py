@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -9,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import click
 
 import dashpot as dp
-from dashpot.base.errors import DataError
+from dashpot.base.errors import DataError, ReadError
 from dashpot.cli import _options as options
 from dashpot.cli._options import Quantity
 from dashpot.cli._shell import File, Outcome, claim, read_model, reports, typed, write
@@ -149,11 +151,27 @@ def relaxation(
 def replayed(*, model: str, motion: str, **choices: Any) -> tuple[Any, ...]:
     """Return the record of a motion as CSV, its truth as JSON, and what gauges add to it."""
     known, rig, climate = _bench(model, choices)
-    sent = dp.read_trajectory(motion)
+    with as_it_stands(motion):
+        sent = dp.read_trajectory(motion)
     made = dp.simulation.simulate_motion(
         known.solid, sent, rig=rig, climate=climate, seed=choices.get("seed", 0)
     )
     return _told(made, choices)
+
+
+@contextmanager
+def as_it_stands(path: str) -> Iterator[None]:
+    """Say of a file that leaves a question open what answers it, where no option here does."""
+    try:
+        yield
+    except ReadError as error:
+        if not Path(path).is_file():
+            raise
+        raise ReadError(
+            f"{path} does not say by itself which column is what, and in which unit: give it a "
+            f"header such as 'time [s], displacement [mm], force [N]'; 'dashpot inspect {path}' "
+            "says more"
+        ) from error
 
 
 def _bench(model: str, choices: dict[str, Any]) -> tuple[Seal, Any, Any]:
