@@ -1140,6 +1140,7 @@ LEVEL = [
     Case("amplitudes_spread", lambda x: level.amplitudes_spread(x, "m"), 3.01, 2.99),
     Case("softening_seen", level.softening_seen, 2.01, 1.99),
     Case("law_followed", level.law_followed, 0.0299, 0.0301),
+    Case("ways_agree", lambda x: level.ways_agree(-x), 0.0299, 0.0301),
     Case("loss_followed", level.loss_followed, 0.149, 0.151),
     Case("levels_followed", lambda x: level.levels_followed(x * 0.01, 0.01), 1.39, 1.41),
 ]
@@ -1423,7 +1424,7 @@ LIMITS = {
     },
     "fitting/level": {
         "level_matters": 20, "amplitudes_spread": 3, "softening_seen": 2, "law_followed": 0.03,
-        "levels_followed": 1.4, "loss_followed": 0.15, "spring_cubic": 20,
+        "levels_followed": 1.4, "loss_followed": 0.15, "spring_cubic": 20, "ways_agree": 0.03,
     },
     "fitting/cld": {
         "memory_explains": 0.03, "stroke_within_memory": 1, "relaxed_agrees": 0.05,

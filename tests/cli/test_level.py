@@ -59,6 +59,81 @@ def test_a_sweep_is_read_as_a_sweep_of_amplitude(tmp_path, header, scale):
     assert "dashpot level" in CliRunner().invoke(main, ["fit", str(path)]).stderr
 
 
+GRID = np.geomspace(1e-4, 0.05, 12)
+
+
+def crossed(
+    path, header, *, order=slice(None), jitter=0.0, warm=lambda n, X: 20 + 0 * X, scale=100
+):
+    """Three frequencies by twelve strains: frequency, amplitude, MPa, degC."""
+    hz, X = (each.ravel() for each in np.meshgrid([1.0, 10.0, 100.0], GRID, indexing="ij"))
+    K = 1e3 * hz**0.06 * payne(X)
+    T = warm(np.repeat([0, 1, 2], len(GRID)), X)
+    hz = hz * (1 + jitter * np.random.default_rng(2).normal(size=len(X)))
+    return table(path, header, *(c[order] for c in (hz, scale * X, K.real / 1e3, K.imag / 1e3, T)))
+
+
+MODULI = "E' [MPa],E'' [MPa],Temperature [degC]"
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "words"),
+    [
+        ("Strain [%]", {}),
+        ("Strain [%]", {"order": np.random.default_rng(1).permutation(36)}),
+        ("Strain [%]", {"jitter": 0.003}),
+        ("Strain [%]", {"warm": lambda n, X: 20 + 200 * X}),
+        ("Amplitude [um]", {"scale": 1e4}),
+    ],
+)
+def test_strains_at_several_frequencies_are_no_sweep_of_frequency(tmp_path, amplitude, words):
+    path = crossed(tmp_path / "grid.csv", f"Frequency [Hz],{amplitude},{MODULI}", **words)
+    assert dp.inspect_file(path).kind == "strain-sweep"
+    found = ran(path)
+    assert [one["frequency_hz"] for one in found["linear"]] == pytest.approx([1, 10, 100], rel=0.01)
+    assert found["half_way"] == pytest.approx(0.004 if "Strain" in amplitude else 4e-5, rel=0.02)
+    assert "each frequency recurs" in CliRunner().invoke(main, ["fit", str(path)]).stderr
+
+
+def test_a_sweep_of_frequency_stays_one_whose_amplitude_follows_the_temperature(tmp_path):
+    """A drive at its limit moves a cold rubber less; that is no sweep of amplitude."""
+    hz, T = (each.ravel() for each in np.meshgrid(np.geomspace(1, 50, 8), [-40.0, 0.0, 40.0]))
+    path = tmp_path / "warming.csv"
+    header = f"Frequency [Hz],Strain [%],{MODULI}"
+    K = 1e6 * np.exp(-T / 20)
+    table(path, header, hz, 0.1 * np.exp(T / 20) * hz**0.01, K, 0.1 * K, T)
+    assert dp.inspect_file(path).kind == "dma"
+    assert "use dashpot fit" in CliRunner().invoke(main, ["level", str(path)]).stderr
+
+
+def test_the_same_strains_at_several_temperatures_are_refused(tmp_path):
+    path = crossed(
+        tmp_path / "warm.csv",
+        f"Frequency [Hz],Strain [%],{MODULI}",
+        warm=lambda n, X: 20 + 15 * (np.arange(len(X)) % 12 % 2),
+    )
+    assert ran(path)["law"] == "factor"  # each strain at one temperature: as warm as it got
+    rows = path.read_text().splitlines()
+    again = [",".join((*row.split(",")[:4], "60")) for row in rows[1:]]
+    path.write_text("\n".join(rows + again) + "\n")
+    stderr = CliRunner().invoke(main, ["level", str(path)]).stderr
+    assert "the same amplitudes at temperatures from 20 to 60 degC" in " ".join(stderr.split())
+
+
+@pytest.mark.parametrize("command", ["level", "fit"])
+def test_one_column_is_not_storage_and_loss(tmp_path, command):
+    header = "Frequency [Hz],Strain [%],Dynamic stiffness [N/mm],Loss angle [deg]"
+    hz = np.geomspace(1, 100, 12) if command == "fit" else np.full(12, 10.0)
+    size = 100 + 0 * GRID
+    path = table(tmp_path / "polar.csv", header, hz, 100 * GRID, size, 8 + 0 * GRID)
+    result = CliRunner().invoke(main, [command, str(path)])
+    assert result.exit_code == 2
+    if command == "level":
+        assert "only 'Dynamic stiffness' could be storage or loss" in " ".join(
+            result.stderr.split()
+        )
+
+
 @pytest.mark.parametrize(("noise", "drift"), [(0.0, 0.0), (2e-6, 0.0), (2e-6, 4e-4)])
 def test_recorded_loops_tell_the_same(tmp_path, noise, drift):
     """Harmonic cycles at nine amplitudes, marched through a slider and arms; m, and m/s."""

@@ -64,6 +64,26 @@ class TestSweep:
         assert found.law == law
         assert found.half_way == pytest.approx(2e-3, rel=0.05)
 
+    def test_as_many_frequencies_as_amplitudes_tell_neither(self):
+        with pytest.raises(FitError, match="13 samples at 13 frequencies; expected two amplitudes"):
+            fit_amplitude(sweep(5e6 * (1 + 0.1j) * payne(X), hz=np.geomspace(1, 100, len(X))))
+
+    @pytest.mark.parametrize("change", [0.02, -0.04, 0.06])
+    def test_the_way_down_that_differs_is_named(self, change):
+        up_down = np.concatenate((X, X[-2::-1]))
+        K = 5e6 * (1 + 0.1j) * payne(up_down)
+        K[len(X) :] *= 1 + change
+        found = {check.name: check for check in fit_amplitude(sweep(K, up_down)).checks}
+        assert found["ways_agree"].value == pytest.approx(abs(change), abs=1e-9)
+        assert found["ways_agree"].failed == (abs(change) > 0.03)
+        assert ("softer" if change < 0 else "stiffer") in found["ways_agree"].says
+
+    def test_no_way_back_is_judged_where_there_is_none(self):
+        shuffled = np.random.default_rng(1).permutation(X)
+        for one in (X, X[::-1], shuffled):
+            found = fit_amplitude(sweep(5e6 * (1 + 0.1j) * payne(one), one))
+            assert "ways_agree" not in {check.name for check in found.checks}
+
     def test_its_errors_hold_the_truth(self):
         held = 0
         for seed in range(60):

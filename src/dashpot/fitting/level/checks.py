@@ -78,6 +78,18 @@ def law_followed(residual: float) -> Finding:
     )
 
 
+@criterion("change of modulus, way down", "<=", 0.03, "as what a law may leave")
+def ways_agree(change: float) -> Finding:
+    """The way down through the amplitudes tells what the way up told."""
+    way = "softer" if change < 0 else "stiffer"
+    return Finding(
+        f"at the same amplitude the way down is {100 * abs(change):.2g} % {way} than the way up",
+        abs(change),
+        ": the rubber remembers what was done to it (Mullins, no time to recover) or warmed, and "
+        "the law is a mean of both; write the way that counts to a file of its own",
+    )
+
+
 @criterion("loss left / loss", "<=", 0.15, "our choice: a sixth of the damping")
 def loss_followed(left: float) -> Finding:
     """The law follows the loss by itself, which is small beside the storage."""

@@ -16,6 +16,7 @@ from dashpot.fitting.level.checks import (
     loss_followed,
     softening_seen,
     spring_cubic,
+    ways_agree,
 )
 from dashpot.fitting.level.laws import LAWS, SET, Fitted, fitted
 from dashpot.records.amplitude import AmplitudeFit, AmplitudeSweep
@@ -59,12 +60,19 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
     Raises
     ------
     FitError
-        If there are too few samples.
+        If there are too few samples, or not two for each frequency.
     """
     if len(sweep.amplitude) < _LEAST:
         raise FitError(
             f"{len(sweep.amplitude)} amplitudes; a law of amplitude needs {_LEAST} or more"
         )
+    tones = len(np.unique(sweep.frequency))
+    if 2 * tones > len(sweep.amplitude):
+        raise FitError(
+            f"{len(sweep.amplitude)} samples at {tones} frequencies; expected two amplitudes or "
+            "more at each: what frequency does and what amplitude does are not told apart"
+        )
+    back = _way_back(sweep)
     tried = _ranked(sweep, law)
     stray = _strays(sweep, tried[0].left)
     if stray.any() and np.count_nonzero(~stray) >= _LEAST:
@@ -87,6 +95,8 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
     ]
     if "lost" in best.numbers:
         checks.insert(2, softening_seen(reach))
+    if back is not None:
+        checks.append(ways_agree(back))
     if "k3" in best.numbers:
         checks.append(spring_cubic(best.bends))
     return AmplitudeFit(
@@ -136,6 +146,23 @@ def _ranked(sweep: AmplitudeSweep, law: str) -> list[Fitted]:
             cost(one),
         ),
     )
+
+
+def _way_back(sweep: AmplitudeSweep) -> float | None:
+    """Change of the modulus at the same amplitude on the way down; None if there is no such way."""
+    found = []
+    for tone in np.unique(sweep.frequency):
+        rows = np.flatnonzero(sweep.frequency == tone)
+        X, size = np.log(sweep.amplitude[rows]), np.abs(sweep.value[rows])
+        top = int(np.argmax(X))
+        up, down = slice(0, top + 1), slice(top + 1, None)
+        if np.any(np.diff(X[up]) <= 0) or np.any(np.diff(X[top:]) > 0):
+            continue
+        met = (X[down] >= X[0]) & (X[down] < X[top])
+        if top >= 2 and np.count_nonzero(met) >= 3:
+            before = np.interp(X[down][met], X[up], size[up])
+            found.append(float(median(size[down][met] / before)) - 1)
+    return max(found, key=abs) if found else None
 
 
 def _strays(sweep: AmplitudeSweep, left: ComplexArray) -> BoolArray:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Literal, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
+from dashpot.base import units
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.io.columns import vocabulary
@@ -34,7 +36,7 @@ WANTED_BY: MappingProxyType[str, tuple[str, str]] = MappingProxyType({
     ),
     "dma": ("a dynamic (DMA) sweep", "use dashpot fit"),
     "master-curve": ("a master curve of storage and loss", "use dashpot fit"),
-    "strain-sweep": ("an amplitude sweep at one frequency", "use dashpot level"),
+    "strain-sweep": ("an amplitude sweep at one frequency or a few", "use dashpot level"),
     "temperature-sweep": ("a temperature sweep at one frequency", _NO_TIMES),
     "one-frequency": ("a dynamic test at one frequency", _NO_TIMES),
     "modulus": ("a relaxation modulus over time", "use dashpot fit FILE --modulus COLUMN"),
@@ -217,15 +219,19 @@ def _same_over_same(unit: str) -> bool:
 
 def _numbers(table: Table, role: Role, options: ReadOptions) -> FloatArray:
     """The numbers of the column likeliest in a role; none if there is no such column."""
-    named = getattr(options, role, None)
-    scores = [score(column, role, options) for column in table.columns]
-    if named is None and not max(scores, default=0.0) >= 1.0:
-        return np.empty(0)
-    index = scores.index(max(scores))
-    if named is not None:
-        index = find_column(table.columns, named, flag(role))
-    values = table.load([index]).values[:, 0]
+    index = _best(table, role, options)
+    values = table.load([index]).values[:, 0] if index >= 0 else np.empty(0)
     return values[np.isfinite(values)]
+
+
+def _best(table: Table, role: Role, options: ReadOptions) -> int:
+    """The index of the column likeliest in a role; -1 if there is no such column."""
+    named = getattr(options, role, None)
+    if named is not None:
+        return find_column(table.columns, named, flag(role))
+    scores = [score(column, role, options) for column in table.columns]
+    best = max(scores, default=0.0)
+    return scores.index(best) if best >= 1.0 else -1
 
 
 def _decades(table: Table, role: Role, options: ReadOptions) -> float:
@@ -246,15 +252,77 @@ def _swept(table: Table, options: ReadOptions, reason: str) -> tuple[FileKind, s
     if decades >= MASTER:
         return "master-curve", f"{reason}, over {decades:.0f} decades"
     if not decades <= ONE_FREQUENCY:
+        if _crossed(table, amplitude_named(table, options)):
+            return "strain-sweep", reason + ", and each frequency recurs at several amplitudes"
         return "dma", reason
     reason += ", and the frequency never changes"
-    if any(_varies(table, role, options) for role in _AMPLITUDES):
+    named = amplitude_named(table, options)
+    if any(_varies(table, role, named) for role in _AMPLITUDES):
         return "strain-sweep", reason
     warmed = _varies(table, "temperature", options)
     return "temperature-sweep" if warmed else "one-frequency", reason
 
 
 _AMPLITUDES: tuple[Role, ...] = ("strain", "stress", "displacement", "force")
+_APART = 1.5
+"""Ratio of amplitudes that no drive drifts by at one frequency and temperature."""
+_SAME_WARMTH = 3.0
+"""K within which rows are of one temperature."""
+
+
+def amplitude_named(table: Table, options: ReadOptions) -> ReadOptions:
+    """The options, with a length that is called an amplitude and nothing else as displacement."""
+    if any(
+        getattr(options, role) or any(score(c, role, options) >= 1.0 for c in table.columns)
+        for role in ("strain", "displacement")
+    ):
+        return options
+    for number, column in enumerate(table.columns, 1):
+        long = column.unit and units.find(column.unit, "length")
+        if long and "amplitude" in vocabulary.tokens(column.name):
+            return replace(options, displacement=str(number))
+    return options
+
+
+def groups(values: FloatArray, width: float) -> npt.NDArray[np.intp]:
+    """The group of each value: those that lie within a width of the smallest of their group."""
+    order = np.argsort(values)
+    found, first, group = np.zeros(len(values), dtype=np.intp), -math.inf, -1
+    for i in order.tolist():
+        if not values[i] - first <= width:
+            first, group = float(values[i]), group + 1
+        found[i] = group
+    return found
+
+
+def _crossed(table: Table, options: ReadOptions) -> bool:
+    """Whether most frequencies were met at several amplitudes at one temperature."""
+    found = {role: _best(table, role, options) for role in ("frequency", "temperature")}
+    amplitude = next(
+        (i for i in (_best(table, role, options) for role in ("strain", "displacement")) if i >= 0),
+        -1,
+    )
+    if amplitude < 0:
+        return False
+    wanted = [
+        found["frequency"],
+        amplitude,
+        *([found["temperature"]] * (found["temperature"] >= 0)),
+    ]
+    loaded = table.load(wanted)
+    block = np.repeat(np.arange(len(loaded.starts)), np.diff((*loaded.starts, len(loaded.values))))
+    told = np.all(np.isfinite(loaded.values), axis=1) & np.all(loaded.values[:, :2] > 0, axis=1)
+    rows, block = loaded.values[told], block[told]
+    warmth = np.zeros(len(rows), dtype=np.intp)
+    if rows.shape[1] > 2:
+        warmth = groups(rows[:, 2], _SAME_WARMTH)
+    elif any("temp" in line.casefold() for lines in loaded.above for line in lines):
+        warmth = block
+    cells = np.stack((groups(np.log10(rows[:, 0]), ONE_FREQUENCY), warmth))
+    _, cell = np.unique(cells, axis=1, return_inverse=True)
+    alike = [rows[cell.ravel() == one, 1] for one in range(int(cell.max(initial=-1)) + 1)]
+    apart = [float(X.max()) >= _APART * float(X.min()) for X in alike]
+    return 2 * sum(apart) >= max(len(apart), 1)
 
 
 def refuse_kind(

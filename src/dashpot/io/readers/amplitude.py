@@ -6,7 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
+from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
+from dashpot.io.columns.kinds import ONE_FREQUENCY, amplitude_named, groups
 from dashpot.io.columns.roles import Assigned, assign, list_columns
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
@@ -16,6 +18,8 @@ from dashpot.io.readers.stated import stated_specimen
 from dashpot.records.amplitude import AmplitudeSweep
 from dashpot.records.specimen import Specimen
 
+_WARMER = 10.0
+"""K that a rubber does not warm by itself from one visit of an amplitude to the next."""
 _OF: tuple[tuple[Role, str], ...] = (("strain", "strain"), ("displacement", "m"))
 
 
@@ -25,22 +29,25 @@ def read_amplitude(
     """Return the amplitude sweep in a file, in SI units: strain as a ratio, displacement in m.
 
     Storage and loss (or storage and loss factor) against a column of strain or displacement
-    amplitude, at one frequency or a few. Rows that lack a number are left out with a note.
+    amplitude, at one frequency or a few, in any order; frequencies that differ by less than an
+    instrument holds them are one. Rows that lack a number are left out with a note.
 
     Raises
     ------
     ReadError
-        If a column is not found or has no unit, or the amplitude never changes.
+        If a column is not found or has no unit, the amplitude never changes, or the same amplitudes
+        were met at several temperatures.
     """
     with channels.opened(path, options) as file:
         channels.expect(
             file,
-            ["strain-sweep", "one-frequency", "dma"],
+            ["strain-sweep", "one-frequency"],
             "an amplitude sweep is",
             named=["storage"],
         )
         wanted, ratio = sweep_columns(file)
-        found = [(assign(file.table, role, file.options), of) for role, of in _OF]
+        named = amplitude_named(file.table, file.options)
+        found = [(assign(file.table, role, named), of) for role, of in _OF]
         held = [(one, of) for one, of in found if isinstance(one, Assigned)]
         if not held:
             raise ReadError(
@@ -61,10 +68,12 @@ def read_amplitude(
             raise ReadError(
                 f"'{file.table.columns[column.index].name}' never changes: it is no amplitude sweep"
             )
+        frequency = _tones(values["frequency"])
+        _expect_one_temperature(frequency, amplitude, values.get("temperature"))
         kinds = {c.role: c.unit.dimension for c in chosen}
         specimen, said = stated_specimen(file, specimen or Specimen())
         return AmplitudeSweep(
-            values["frequency"],
+            frequency,
             amplitude,
             values["storage"],
             values["loss"],
@@ -72,4 +81,29 @@ def read_amplitude(
             of,
             specimen,
             channels.source(file, [c.says for c in chosen], (*file.table.notes, *gaps, *said)),
+        )
+
+
+def _tones(frequency: FloatArray) -> FloatArray:
+    """The frequencies, each the median of those that an instrument meant to be the same."""
+    if not np.all(frequency > 0):
+        return frequency
+    tone = groups(np.log10(frequency), ONE_FREQUENCY)
+    return np.array([np.median(frequency[tone == one]) for one in range(tone.max() + 1)])[tone]
+
+
+def _expect_one_temperature(
+    frequency: FloatArray, amplitude: FloatArray, kelvin: FloatArray | None
+) -> None:
+    """Refuse amplitudes that were swept again at another temperature; warming with them is none."""
+    if kelvin is None:
+        return
+    order = np.lexsort((amplitude, frequency))
+    f, X, T = frequency[order], amplitude[order], kelvin[order]
+    same = (f[1:] == f[:-1]) & (X[1:] <= 1.02 * X[:-1])
+    if np.count_nonzero(np.abs(np.diff(T)[same]) > _WARMER) > 2:
+        low, high = T.min() - 273.15, T.max() - 273.15
+        raise ReadError(
+            f"the same amplitudes at temperatures from {low:.3g} to {high:.3g} degC; expected one "
+            "temperature: write each to a file of its own"
         )

@@ -92,5 +92,14 @@ def sweep_columns(file: Opened) -> tuple[list[Assigned], int | None]:
         kind, reason = kind_of(table, options)
         hint = "" if kind in {"dma", "unclear"} else f" (it is not a DMA test: {reason})"
     columns = channels.answered(file, list(found.values()), hint)
+    both = [one.index for one in columns if one.role in {"storage", "loss"}]
+    if len(both) != len(set(both)):
+        name = table.columns[both[0]].name
+        raise ReadError(
+            f"only '{name}' could be storage or loss, and it is not both; expected a column of "
+            "each, or of storage and loss factor: of a magnitude and an angle write magnitude * "
+            "cos(angle) and magnitude * sin(angle) to the file, or name the columns (--storage, "
+            "--loss, --loss-factor)"
+        )
     temperature = assign(table, "temperature", options)
     return columns + ([temperature] if isinstance(temperature, Assigned) else []), ratio
