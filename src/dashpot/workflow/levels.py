@@ -217,14 +217,14 @@ def level_files(
         return _of_hits(files, band=band, at=at, options=options)
     if len(files) > 1:
         raise ReadError("one amplitude sweep at a time; only FRFs of several levels go together")
+    record: AmplitudeSweep | RelaxationTest
+    if kinds[0] in _LOOPS:
+        record = dp.read_relaxation(files[0], options=options)
+    else:
+        record = read_amplitude(files[0], options=options)
     with about(Path(files[0]).name):
-        record: AmplitudeSweep | RelaxationTest
-        if kinds[0] in _LOOPS:
-            record = dp.read_relaxation(files[0], options=options)
-            found = fit_amplitude(sweep_of_loops(record), law=law)
-        else:
-            record = read_amplitude(files[0], options=options)
-            found = fit_amplitude(record, law=law)
+        swept = sweep_of_loops(record) if isinstance(record, RelaxationTest) else record
+        found = fit_amplitude(swept, law=law)
     return Levels(found, (), found.checks, (record,))
 
 
