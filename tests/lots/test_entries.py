@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import re
+import sys
 from pathlib import Path
 
 import pytest
@@ -78,6 +80,7 @@ def test_a_manifest_adds_its_files_and_its_labels_win(here, monkeypatch, name, t
         ("file,lot\n", "lists no test"),
         ("file,lott\nb.csv,A\n", "test 1: 'lott' is unknown; known are file, lot"),
         ("file,lot\n,A\n", "test 1: it names no file"),
+        ("file,lot\nb.csv,A,2,3\n", "test 1: more cells than the first line has names: 2, 3"),
         ("file,lot\nb.csv,A\nb.csv,B\n", "test 2: b.csv is listed twice"),
         ("file,mass\nb.csv,104\n", "test 1: mass:"),
         ("file,mass\nb.csv,104mm\n", "test 1: mass:"),
@@ -172,3 +175,20 @@ def test_a_manifest_names_the_hammers_and_wins_over_a_pattern(pairs, name, text)
     assert hammers(manifest=name) == listed
     paired = hammers(manifest=name, pair="{stem}_hammer*.csv")
     assert paired == listed | {"A_2": ["A_2_hammer.csv"]}
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="names of files are text elsewhere")
+def test_a_name_that_is_no_text_is_said(tmp_path):
+    (tmp_path / os.fsdecode(b"a\xff.csv")).write_text("")
+    with pytest.raises(ReadError, match=r"a\\udcff\.csv: the name is not UTF-8"):
+        entries([tmp_path], without=Path("lot"))
+
+
+def test_a_folder_that_cannot_be_read_is_said_and_none_is_left_out(here, monkeypatch):
+    def walk(folder, onerror):
+        onerror(FileNotFoundError(2, "gone", "a/gone"))
+        onerror(PermissionError(13, "Permission denied", "a/deep"))
+
+    monkeypatch.setattr(os, "walk", walk)
+    with pytest.raises(ReadError, match="a/deep: the folder cannot be read: Permission denied"):
+        entries(["a"], without=Path("lot"))

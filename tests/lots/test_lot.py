@@ -325,6 +325,25 @@ def test_no_process_waits_for_the_last_chunk_of_another(count, jobs):
     assert max(sizes[-jobs:]) <= batches._LAST
 
 
+@pytest.mark.once
+def test_the_first_chunk_counts_the_others_of_its_round_and_later_ones_no_start():
+    """Two workers that start in 1 s, then take 1 s for a chunk of 5 tests."""
+    first = (5, 2.0)
+    assert batches.rate(first, first, 1, 2) == 5.0
+    assert batches.rate(first, (10, 2.0), 2, 2) == 5.0
+    assert batches.rate(first, (15, 3.0), 3, 2) == 10.0
+
+
+@pytest.mark.once
+def test_a_full_disk_says_what_is_kept(folder, tmp_path, monkeypatch):
+    def full(*_of):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(batches, "write_part", full)
+    with pytest.raises(ExportError, match=r"lot: No space left on device: 0 of \d+ rows are made"):
+        dp.batch(folder, output=tmp_path / "lot", jobs=1, **QUICK)
+
+
 def test_interrupted_it_says_what_is_kept_and_goes_on_from_there(folder, whole, tmp_path):
     """As a terminal does it: all its processes are told."""
     code = (

@@ -7,6 +7,7 @@ from dataclasses import replace
 from html import unescape
 from itertools import product
 
+import polars as pl
 import pytest
 from kit import browser
 
@@ -60,6 +61,13 @@ def test_what_comes_from_a_file_is_escaped_and_nothing_is_loaded(lot):
     (style,) = re.findall(r"<style>(.*?)</style>", page, re.DOTALL)
     digest = base64.b64encode(hashlib.sha256(style.encode()).digest()).decode()
     assert f"style-src 'sha256-{digest}'" in unescape(page)
+
+
+def test_simulated_tests_are_stamped(lot):
+    assert "SIMULATED" not in html(lot)
+    origin = ["", "simulated"] + [""] * 11
+    some = replace(lot, table=lot.table.with_columns(pl.Series("origin", origin)))
+    assert "SIMULATED: one file<" in html(some)
 
 
 def test_without_labels_every_test_is_a_point(lot):

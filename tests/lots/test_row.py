@@ -74,6 +74,15 @@ def test_a_quick_row_judges_nothing_that_it_does_not_write(folder, monkeypatch):
     assert row_of(Entry(str(folder / name)))["reason"] == "judged"
 
 
+@pytest.mark.parametrize("name", ["seal.csv", "frf.csv", "triangle.csv"])
+def test_a_row_says_whether_its_file_is_simulated(folder, tmp_path, name):
+    text = (folder / name).read_text()
+    lines = [line for line in text.splitlines(keepends=True) if "simulated" not in line]
+    for head, origin in (("", ""), ("# simulated\n", "simulated")):
+        (tmp_path / name).write_text(head + "".join(lines))
+        assert row_of(Entry(str(tmp_path / name)))["origin"] == origin
+
+
 def test_a_load_deflection_is_a_row_as_its_command_has_it(tmp_path):
     path = pressed(softening=0.05).write(tmp_path / "p1.csv")
     choices = BatchChoices(compression=(6e-3,), length=0.05)
@@ -165,6 +174,18 @@ def test_a_hammer_that_cannot_be_held_against_it_leaves_the_fit(folder, monkeypa
     found = row_of(entry)
     assert (found["outcome"], found["agreement"]) == ("fitted", "")
     assert says in found["reason"]
+
+
+@pytest.mark.parametrize(("apart", "compared"), [(0.0, True), (30.0, False)])
+def test_a_hammer_at_another_temperature_says_its_resonance_and_no_agreement(
+    folder, apart, compared
+):
+    entry = Entry(str(folder / "seal.csv"), hammer=(str(folder / "frf.csv"),), mass=MASS)
+    same = row_of(replace(entry, temperature=296.15))
+    found = row_of(replace(entry, temperature=296.15, hammer_temperature=296.15 + apart))
+    assert found["measured_Hz"] == same["measured_Hz"]
+    assert (found["predicted_Hz"] is not None, found["agreement"] != "") == (compared, compared)
+    assert ("nothing says how the solid moves to 53" in found["reason"]) != compared
 
 
 @pytest.mark.once

@@ -36,6 +36,8 @@ def write_whole(path: str | Path, content: bytes) -> None:
         if mode is not None:
             beside.chmod(stat.S_IMODE(mode))
         beside.replace(place)
-    except BaseException:
+    except BaseException as error:
         beside.unlink(missing_ok=True)
+        if isinstance(error, OSError) and error.filename is None:
+            error.filename = str(path)  # a full disk names no file
         raise

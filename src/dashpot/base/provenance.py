@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+SIMULATED = "simulated"
+"""What a table says of a file that the virtual rig or hammer made."""
+
 
 @dataclass(frozen=True)
 class Source:

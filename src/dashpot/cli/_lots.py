@@ -13,6 +13,8 @@ import click
 
 import dashpot as dp
 from dashpot.base.errors import DataError
+from dashpot.base.numbers import counted as counted_of
+from dashpot.base.progress import doing
 from dashpot.cli import _options as options
 from dashpot.cli._options import over_profile
 from dashpot.cli._shell import File, Folder, Outcome, write
@@ -63,7 +65,8 @@ _DECLARED: tuple[Callable[..., Any], ...] = (
         "--manifest",
         type=File(),
         metavar="FILE",
-        help="CSV or TOML: file, lot, seal, repeat, operator, temperature, mass, hammer.",
+        help="CSV or TOML: file, lot, seal, repeat, operator, temperature, mass, hammer, "
+        "hammer_temperature.",
     ),
     click.option(
         "--pair",
@@ -151,6 +154,7 @@ def write_lot(job: BatchJob, lot: dp.Lot) -> None:
     from dashpot.lots.workbook import workbook
 
     found = summary(lot, quantity=job.quantity or lot.main, limits=job.limits)
+    doing("writing table, workbook and page")
     write(f"{job.output}/lot.csv", lot.csv())
     write(f"{job.output}/lot.xlsx", workbook(found))
     write(f"{job.output}/lot.html", html(lot, title=job.output.resolve().name, found=found))
@@ -167,6 +171,7 @@ def outcome(job: BatchJob, lot: dp.Lot) -> Outcome:
         "folder": str(job.output),
         "files": lot.table.height,
         "computed": lot.computed,
+        "simulated": lot.simulated,
         "outcomes": lot.outcomes,
         "verdicts": lot.verdicts,
         "agreements": lot.agreements,
@@ -197,6 +202,8 @@ def _told(document: dict[str, Any]) -> list[str]:
         f"computed    {document['computed']} now, {there} were there",
     ]
     judged = {"verdicts": document["verdicts"], "hammers": document["agreements"]}
+    if document["simulated"]:
+        lines.append(f"SIMULATED   {counted_of(document['simulated'], 'file')}, by the virtual rig")
     return [*lines, *(f"{name:<12}{counted(found)}" for name, found in judged.items() if found)]
 
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+from dashpot.base.errors import ExportError
 from dashpot.base.lock import alone
 from dashpot.base.progress import doing
 from dashpot.base.units import Quantity, si
@@ -159,7 +160,7 @@ def batch(
         ``r"lot(\w+)_seal(\d+)_rep(\d+)"``; named groups may stand in any order.
     manifest : path, optional
         CSV or TOML with the columns file, lot, seal, repeat, operator, temperature, mass,
-        hammer.
+        hammer, hammer_temperature.
     pair : str, optional
         The pattern of the hammer's files of a test, seen from its folder:
         ``"{stem}_hammer*.csv"``, with {lot}, {seal} and {repeat} too. They are no rows of their
@@ -215,12 +216,15 @@ def completed(job: BatchJob, asked: Sequence[Task]) -> Lot:
         try:
             with engine(job.jobs, job.scheduler) as made:
                 _compute(missing, job.choices, job.output, made)
-        except KeyboardInterrupt:
-            left = len(_missing(missing, job.output))
-            raise KeyboardInterrupt(
-                f"interrupted: {len(missing) - left} of {len(missing)} rows are made and kept in "
-                f"{job.output}, and the same command goes on from there"
-            ) from None
+        except (KeyboardInterrupt, OSError) as error:
+            made_now = len(missing) - len(_missing(missing, job.output))
+            kept = (
+                f"{made_now} of {len(missing)} rows are made and kept in {job.output}, and the "
+                "same command goes on from there"
+            )
+            if isinstance(error, OSError):
+                raise ExportError(f"{job.output}: {error.strerror or error}: {kept}") from None
+            raise KeyboardInterrupt(f"interrupted: {kept}") from None
     return Lot(table(job.output, [one.key for one in asked]), len(missing))
 
 
@@ -281,14 +285,29 @@ def _chunks(missing: Sequence[Task], jobs: int) -> list[tuple[Task, ...]]:
 def _compute(missing: Sequence[Task], choices: BatchChoices, folder: Path, by: Engine) -> None:
     chunks, done, began = _chunks(missing, by.side), 0, time.monotonic()
     doing(f"{len(missing)} tests in {len(chunks)} chunks")
-    for chunk, rows in by.computed(chunks, choices):
+    first = (0, 0.0)
+    for number, (chunk, rows) in enumerate(by.computed(chunks, choices), start=1):
         path = write_part(folder, framed(rows, choices))
         done += len(chunk)
-        rate = done / (time.monotonic() - began)
-        left = (len(missing) - done) / rate
-        told = f"{done} of {len(missing)} tests, {rate:.1f} tests/s, {left:.0f} s left"
+        now = done, max(time.monotonic() - began, 1e-6)
+        first = now if number == 1 else first
+        pace = rate(first, now, number, min(by.side, len(chunks)))
+        told = f"{done} of {len(missing)} tests, {pace:.1f} tests/s"
+        if done < len(missing):
+            told += f", {(len(missing) - done) / pace:.0f} s left"
         doing(told)
         noted(folder, f"{path.name} {_counted(rows)}; {told}")
+
+
+def rate(first: tuple[int, float], now: tuple[int, float], chunks: int, side: int) -> float:
+    """Return tests in a second, by how many were done, and after how many s, at two chunks.
+
+    Of the first round of chunks, `side` by side, those that are not there yet are as good as done;
+    after it, the start of the workers counts no more.
+    """
+    if chunks <= side:
+        return now[0] * side / chunks / now[1]
+    return (now[0] - first[0]) / max(now[1] - first[1], 1e-6)
 
 
 def noted(folder: Path, what: str) -> None:

@@ -12,9 +12,12 @@ Where: TypeAlias = tuple[float | None, float | None]
 """A frequency and a compression."""
 TEXTS = (
     "file", "sha256", "hammer", *LABELS, "kind", "outcome", "verdict", "agreement",
-    "reason", "failed_checks", "status", "method", "version",
+    "reason", "failed_checks", "status", "method", "version", "origin",
 )  # fmt: skip
-"""The columns of words; `outcome` is ``fitted``, ``refused``, ``other``, or one of `AGAIN`."""
+"""The columns of words; `outcome` is ``fitted``, ``refused``, ``other``, or one of `AGAIN`.
+
+`origin` is ``simulated`` where a file of the row says so.
+"""
 AGAIN = ("died", "changed")
 """Outcomes that another run may mend: such a file is tried again."""
 COUNTS = ("bytes", "samples", "arms")
@@ -27,7 +30,8 @@ def of_solid(what: str, unit: str) -> str:
 
 
 NUMBERS = (
-    "temperature_K", "mass_kg", "depth_m", "ramp_s", "hold_s", "force_noise_N",
+    "temperature_K", "hammer_temperature_K", "mass_kg", "depth_m", "ramp_s", "hold_s",
+    "force_noise_N",
     *(of_solid(what, "N/m") for what in _OF_THE_SOLID), "rms_N", "band_low_Hz",
     "band_high_Hz", "frequency_Hz", "damping_ratio",
     "predicted_Hz", "predicted_damping_ratio", "measured_Hz", "measured_se_Hz",
@@ -97,6 +101,7 @@ def empty(entry: Entry, sha256: str, choices: BatchChoices) -> dict[str, Any]:
             "sha256": sha256,
             "hammer": "; ".join(entry.hammer),
             "temperature_K": entry.temperature,
+            "hammer_temperature_K": entry.hammer_temperature,
             "mass_kg": entry.mass,
             "version": dp.__version__,
         }

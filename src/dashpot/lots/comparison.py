@@ -155,7 +155,7 @@ def compared(
     )
     if not wanted:
         raise DataError(f"{one_name} and {other_name} have no quantity in common")
-    quantities = [one.quantity(name) for name in wanted]
+    quantities = [_of(first, second, name) for name in wanted]
     found = [one.compare(other, quantity.name) for quantity in quantities]
     p_values = holm([each.p_value for each in found])
     unnamed = sum(int((lot.used["seal"] == "").sum()) for lot in (one, other))
@@ -173,6 +173,16 @@ def compared(
             *other.checks,
         ),
     )
+
+
+def _of(first: tuple[str, Lot], second: tuple[str, Lot], name: str) -> Quantity:
+    """A quantity that both lots have."""
+    for called, lot in (second, first):
+        try:
+            found = lot.quantity(name)
+        except DataError as error:
+            raise DataError(f"{called}: {error}") from None
+    return found
 
 
 def _otherwise(one: Lot, other: Lot) -> Iterator[str]:

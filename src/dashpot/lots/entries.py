@@ -14,13 +14,15 @@ from string import Formatter
 from typing import Any
 
 from dashpot.base.errors import DashpotError, DataError, ReadError
-from dashpot.base.units import parse_quantity
+from dashpot.base.units import Dimension, parse_quantity
 from dashpot.base.version import is_ours, is_record
 from dashpot.io.source import open_raw
 
 LABELS = ("lot", "seal", "repeat", "operator")
-_QUANTITIES = ("temperature", "mass")
-_KNOWN = ("file", *LABELS, *_QUANTITIES, "hammer")
+_QUANTITIES: dict[str, Dimension] = {
+    "temperature": "temperature", "mass": "mass", "hammer_temperature": "temperature",
+}  # fmt: skip
+_KNOWN = ("file", *LABELS, "temperature", "mass", "hammer", "hammer_temperature")
 _MANIFEST = 1 << 26
 """Bytes of the largest manifest."""
 _HEAD = 1 << 12
@@ -42,6 +44,8 @@ class Entry:
         The hammer's files, or an FRF, of the block on such seals.
     operator : str
         Who, or which rig, tested; empty where nobody said.
+    hammer_temperature : float or None
+        Of the seals under the hammer, K; None where it is the test's.
     """
 
     file: str
@@ -52,6 +56,7 @@ class Entry:
     mass: float | None = None
     hammer: tuple[str, ...] = ()
     operator: str = ""
+    hammer_temperature: float | None = None
 
     @staticmethod
     def from_plain(plain: dict[str, Any]) -> Entry:
@@ -116,7 +121,7 @@ def entries(
     for path in (*(one for given in paths for one in _expanded(str(given), without)), *listed):
         place = os.path.realpath(path)
         if place not in leave:
-            found.setdefault(place, Entry(path))
+            found.setdefault(place, Entry(_named(path)))
     if not found and not growing:
         raise ReadError(
             f"{', '.join(map(str, paths)) or manifest}: no file is there; give files, folders, "
@@ -130,6 +135,16 @@ def entries(
         found[place] = replace(found[place], **said)
     every = sorted(found.values(), key=lambda one: one.file)
     return _tests(every if pair is None else _paired(every, pair, growing=growing))
+
+
+def _named(path: str) -> str:
+    """The path, which a table holds as text."""
+    try:
+        path.encode()
+    except UnicodeEncodeError:
+        shown = path.encode(errors="backslashreplace").decode()
+        raise ReadError(f"{shown}: the name is not UTF-8, as in a table; rename the file") from None
+    return path
 
 
 def refuse_senseless(by: str | None, pair: str | None) -> None:
@@ -214,7 +229,7 @@ def _expanded(path: str, without: Path) -> Iterator[str]:
 
 def _in_folder(folder: Path, without: Path) -> Iterator[str]:
     results = without.resolve()
-    for above, folders, files in os.walk(folder):
+    for above, folders, files in os.walk(folder, onerror=_unreadable):
         folders[:] = sorted(
             one
             for one in folders
@@ -226,6 +241,15 @@ def _in_folder(folder: Path, without: Path) -> Iterator[str]:
             path = Path(above) / one
             if not one.startswith(".") and path.is_file() and not _result(path):
                 yield str(path)
+
+
+def _unreadable(error: OSError) -> None:
+    """Refuse a folder whose tests would be left out unsaid; one that went has none."""
+    if not isinstance(error, FileNotFoundError):
+        raise ReadError(
+            f"{error.filename}: the folder cannot be read: {error.strerror}; allow it, or give the "
+            "other folders and files"
+        )
 
 
 def _result(path: Path) -> bool:
@@ -301,6 +325,10 @@ def _manifest(path: Path) -> dict[str, dict[str, Any]]:
 def _stated(where: str, row: object) -> tuple[str, dict[str, Any]]:
     if not isinstance(row, Mapping):
         raise ReadError(f"{where}: expected a table with file = ...")
+    if None in row:
+        raise ReadError(
+            f"{where}: more cells than the first line has names: {', '.join(row[None])}"
+        )
     unknown = [str(name) for name in row if name not in _KNOWN]
     if unknown:
         raise ReadError(f"{where}: '{unknown[0]}' is unknown; known are {', '.join(_KNOWN)}")
@@ -317,7 +345,7 @@ def _stated(where: str, row: object) -> tuple[str, dict[str, Any]]:
     said: dict[str, Any] = {"hammer": [str(one).strip() for one in listed if str(one).strip()]}
     for name, value in given.items():
         try:
-            said[name] = parse_quantity(value, name) if name in _QUANTITIES else value
+            said[name] = parse_quantity(value, _QUANTITIES[name]) if name in _QUANTITIES else value
         except DashpotError as error:
             raise ReadError(f"{where}: {name}: {error}") from None
     return file, said

@@ -7,9 +7,11 @@ from typing import Any
 import dashpot as dp
 from dashpot.base.checks import verdict
 from dashpot.base.errors import DataError
+from dashpot.base.provenance import SIMULATED, Source
 from dashpot.lots.choices import BatchChoices
 from dashpot.lots.entries import Entry
 from dashpot.records.fit import Fit
+from dashpot.records.frf import FRF
 from dashpot.records.relaxation import RampHold
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.modal.peaks import find_peak
@@ -25,6 +27,8 @@ def held_against_hammer(
 ) -> tuple[Fit, dict[str, Any]]:
     """Return the fit, or the joint one if that is asked for, and what the hammer says of it.
 
+    Of seals at another temperature the resonance alone: one test does not say how they move.
+
     Raises
     ------
     ReadError, DataError, FitError
@@ -37,8 +41,14 @@ def held_against_hammer(
     _, frf = read_measured(
         entry.hammer, choices=HammerChoices(), options=choices.reading_impact, mass=mass
     )
+    origin = of_origin(*fit.source, *frf.source)
+    if entry.hammer_temperature is not None:
+        try:
+            fit.at(entry.hammer_temperature)
+        except DataError as error:
+            return fit, _resonance(frf) | origin | {"reason": f"hammer: {error}"}
     _, held = held_against(fit, frf, mass=mass, seals=choices.seals)
-    numbers = _peaks(held)
+    numbers = _peaks(held) | origin
     if choices.joint and isinstance(record, RampHold):
         at = at_rest(fit, mass=mass, seals=choices.seals).point.compression
         fit = dp.identify(
@@ -60,6 +70,15 @@ def of_hammer_alone(entry: Entry, choices: BatchChoices, mass: float | None) -> 
     _, frf = read_measured(
         (entry.file,), choices=HammerChoices(), options=choices.reading_impact, mass=mass
     )
+    return _resonance(frf) | of_origin(*frf.source)
+
+
+def of_origin(*files: Source) -> dict[str, Any]:
+    """Return what a row says of files of which one was made by the virtual rig or hammer."""
+    return {"origin": SIMULATED} if any(one.simulated for one in files) else {}
+
+
+def _resonance(frf: FRF) -> dict[str, Any]:
     peak = find_peak(frf)
     return {
         "measured_Hz": peak.frequency,

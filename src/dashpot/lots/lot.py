@@ -14,6 +14,7 @@ import numpy as np
 from dashpot.base.capability import Capability, capability
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, ReadError
+from dashpot.base.provenance import SIMULATED
 from dashpot.base.version import byline
 from dashpot.io.write import neutral
 from dashpot.lots.checks import (
@@ -93,6 +94,12 @@ class Lot:
     def agreements(self) -> dict[str, int]:
         """What their hammers make of the predictions: for use, with care, or not for use."""
         return dict(Counter(one for one in self.table["agreement"] if one).most_common())
+
+    @property
+    def simulated(self) -> int:
+        """How many rows are of files that the virtual rig or hammer made."""
+        known = "origin" in self.table.columns
+        return int((self.table["origin"] == SIMULATED).sum()) if known else 0
 
     @cached_property
     def fitted(self) -> pl.DataFrame:

@@ -67,8 +67,12 @@ def _computed(
     done: queue.SimpleQueue[tuple[Chunk, Rows] | BaseException] = queue.SimpleQueue()
     workers = [Worker(choices) for _ in range(min(jobs, len(chunks)))]
     over = threading.Event()
-    for worker in workers:
-        threading.Thread(target=_serve, args=(worker, waiting, done, over), daemon=True).start()
+    threads = [
+        threading.Thread(target=_serve, args=(worker, waiting, done, over), daemon=True)
+        for worker in workers
+    ]
+    for thread in threads:
+        thread.start()
     try:
         for _ in chunks:
             found = done.get()
@@ -77,8 +81,10 @@ def _computed(
             yield found
     finally:
         over.set()
-        for worker in workers:
+        for worker, thread in zip(workers, threads, strict=True):
             worker.end()
+            thread.join()
+            worker.end()  # what the thread had just begun to start
 
 
 def _serve(
@@ -107,13 +113,13 @@ class Worker:
     def row(self, task: Task, over: threading.Event) -> dict[str, Any]:
         """Return the row of one file."""
         for _ in range(LIVES):
+            if over.is_set():
+                break
             answer = self._answer(task)
             if answer.endswith(b"\n"):
                 found: dict[str, Any] = json.loads(answer)
                 return found | {KEY: task.key}
             self.end()
-            if over.is_set():
-                break
         return empty(task.entry, task.hashes[0], self._choices) | {
             "outcome": "died",
             "reason": f"the process that read it died {LIVES} times: it may need more memory than "

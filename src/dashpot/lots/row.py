@@ -12,11 +12,12 @@ from typing import Any
 import numpy as np
 
 from dashpot.base.errors import DashpotError
+from dashpot.base.provenance import SIMULATED
 from dashpot.io.columns.kinds import MASTER, WANTED_BY
 from dashpot.lots.choices import BatchChoices
 from dashpot.lots.columns import asked_columns, empty, of_solid
 from dashpot.lots.entries import Entry, hashed
-from dashpot.lots.hammer import held_against_hammer, of_hammer_alone
+from dashpot.lots.hammer import held_against_hammer, of_hammer_alone, of_origin
 from dashpot.lots.pressed import failed_names, pressed
 from dashpot.records.compression import refuse_far
 from dashpot.records.creep import CreepCompliance, LoadHold
@@ -94,20 +95,21 @@ def _answered(entry: Entry, choices: BatchChoices, found: Mapping[str, Any]) -> 
     try:
         fit, records = fit_files((entry.file,), options=bench, **how)
     except DashpotError as error:
-        kind = inspect_files((entry.file,), options=bench).files[0].kind
+        seen = inspect_files((entry.file,), options=bench).files[0]
+        kind, origin = seen.kind, {"origin": SIMULATED if seen.simulated else ""}
         own = pressed(kind, entry, choices, found["mass_kg"])
         if own is not None:
-            return own
+            return own | origin
         if kind == "modulus" and choices.reading.modulus is not None:
             fit, records = fit_files((entry.file,), options=choices.reading, **how)
         elif kind in WANTED_BY and kind not in _FITTED:
             what, use = WANTED_BY[kind][0], _USES.get(kind, WANTED_BY[kind][1])
-            told = {"kind": kind, "outcome": "other", "reason": f"it is {what}: {use}"}
+            told = {"kind": kind, "outcome": "other", "reason": f"it is {what}: {use}"} | origin
             return told | (
                 of_hammer_alone(entry, choices, found["mass_kg"]) if kind in _RESONANCES else {}
             )
         else:
-            return {"kind": kind, "outcome": "refused", "reason": str(error)}
+            return {"kind": kind, "outcome": "refused", "reason": str(error)} | origin
     return _of_test(fit, records[0], entry, choices, found)
 
 
@@ -118,7 +120,7 @@ def _of_test(
     choices: BatchChoices,
     found: Mapping[str, Any],
 ) -> dict[str, Any]:
-    numbers, mass = _of_record(record), found["mass_kg"]
+    numbers, mass = _of_record(record) | of_origin(*fit.source), found["mass_kg"]
     said: list[str] = []
     if entry.hammer:
         try:
