@@ -5,11 +5,11 @@ rest has the Kirchhoff stresses :math:`\partial W/\partial e_i`, so one law serv
 test. On the path of a mode the stretches are powers of one, :math:`e = \varepsilon\,d`, free faces
 being free:
 
-========== ================================ =====================
-uniaxial   :math:`d = (1, -\nu, -\nu)`
+=========== ==================================
+uniaxial    :math:`d = (1, -\nu, -\nu)`
 equibiaxial :math:`d = (1, 1, -2\nu/(1-\nu))`
-planar     :math:`d = (1, 0, -\nu/(1-\nu))`
-========== ================================ =====================
+planar      :math:`d = (1, 0, -\nu/(1-\nu))`
+=========== ==================================
 
 where :math:`\nu = 1/2` for a rubber that keeps its volume. Energies, in the convention of Abaqus:
 

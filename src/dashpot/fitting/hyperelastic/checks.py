@@ -20,7 +20,7 @@ ALIKE = 0.05
 TOLD = 0.1
 SMALL = 0.005
 """Rms over the rms of the stress, below which a residual is no matter: a load cell's."""
-_AS_GOOD = 6.0
+_AS_GOOD = 10.0
 """Of BIC: what is no farther is not refuted (R. E. Kass, A. E. Raftery, 1995)."""
 _SHIFTS = (0.01, 0.02, 0.04, 0.08, 0.16)
 """Parts of the largest strain by which a zero is tried to be off."""
