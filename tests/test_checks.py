@@ -820,6 +820,13 @@ SEALS = [
         for way in (1, -1)
     ),
     Case("door_held", whole(seals.door_held), 0, 1),
+    Case(
+        "closing_informed",
+        lambda x: seals.closing_informed(1 / (4 * x), (0.1, 1.0), glassy=1.7, known=(0.4, 0.5)),
+        0.99,
+        1.01,
+    ),
+    Case("faster_doors_close", lambda x: seals.faster_doors_close(x == 0), 0, 1),
 ]
 
 COMPARISON = [
@@ -1439,6 +1446,7 @@ LIMITS = {
     "seals": {
         "door_modes_informed": 1, "seal_touches": 0, "stations_suffice": 1e-3,
         "modes_suffice": 5e-3, "shapes_known_there": 0.03, "masses_agree": 1.05, "door_held": 0,
+        "closing_informed": 1.0,
     },
     "vibration": {
         "seal_mass_negligible": 0.02, "mass_of_a_block": 1e-3, "compression_tested": 1,
@@ -1470,7 +1478,7 @@ LIMITS = {
 #: what a failure means; of every other check, that the result is to be used with care
 GRADES = {
     "note": {
-        "seals": {"line_closed"},
+        "seals": {"line_closed", "faster_doors_close"},
         "lots": {"stands_out_of_lot"},
         "preparation/cld": {"unloading_recorded", "length_given"},
         "preparation": {

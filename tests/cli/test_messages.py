@@ -75,6 +75,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "workflow/part.py:pad": ("predict", "rod"),
     "workflow/indentations.py": ("indent",),
     "workflow/doors.py": ("door",),
+    "workflow/closings.py": ("door",),
     "io/readers/door.py": ("door",),
     "io/readers/door_closing.py": ("door",),
     "seals/slam.py": ("door",),

@@ -14,10 +14,10 @@ from dashpot.base.errors import DataError
 from dashpot.records.closing import (
     Between,
     Cabin,
-    Check,
+    CheckStrap,
     ClosingSetup,
     Latch,
-    Variation,
+    Tolerances,
     Vents,
 )
 from dashpot.records.door import Door, RigidPart, Support
@@ -227,7 +227,7 @@ def test_more_leaks_take_less():
 
 def test_friction_check_latch_and_weight():
     door = a_door(
-        friction=1.5, start=0.5, check=Check((0.0, 0.5), (0.0, 4.0)),
+        friction=1.5, start=0.5, check=CheckStrap((0.0, 0.5), (0.0, 4.0)),
         latch=Latch((0.0, 0.01), (200.0, 0.0), 1.0),
     )  # fmt: skip
     done = march(replace(door, weight=(2.0, -3.0)), np.array([2.0]), steps=400)
@@ -244,7 +244,7 @@ def test_friction_check_latch_and_weight():
 # -- laws -----------------------------------------------------------------------------------------
 
 EVERYTHING = {
-    "start": 0.2, "friction": 1.0, "vents": VENTS, "check": Check((0.0, 0.3), (1.0, 2.0)),
+    "start": 0.2, "friction": 1.0, "vents": VENTS, "check": CheckStrap((0.0, 0.3), (1.0, 2.0)),
     "between": Between(width=0.01, depth=0.01, opening=1e-3),
     "cabin": Cabin(volume=2.5, area=1.2, lever=0.55, opening=0.05),
     "latch": Latch((0.0, 0.005), (100.0, 0.0), 1.05),
@@ -323,7 +323,7 @@ def test_a_slow_door_comes_back():
 
 def test_a_hump_on_the_way_counts():
     # 3 J at .3 rad, given back after: what is needed is not what is left at the end
-    check = Check((0.2, 0.3, 0.4), (-30.0, 0.0, 30.0))
+    check = CheckStrap((0.2, 0.3, 0.4), (-30.0, 0.0, 30.0))
     door = a_door(check=check, start=0.5)
     need = np.sqrt(2 * 1.5 / INERTIA) * WIDTH
     assert least_speed(door)[0] == pytest.approx(need, rel=1e-2)
@@ -337,21 +337,21 @@ def test_a_door_that_closes_by_itself_and_one_that_never_does():
 
 def test_the_scatter_of_a_spring_is_the_closed_one():
     door = a_door()
-    none = scattered(door, Variation(count=5), 0.33)
+    none = scattered(door, Tolerances(count=5), 0.33)
     assert none.speed == pytest.approx(np.full(5, 0.33), rel=1e-3)
     # E = k L x^2/2: v ~ |x| sqrt(load)
-    drawn = scattered(door, Variation(gap=1.5e-3, load=0.15, count=60, seed=3), 0.328634)
+    drawn = scattered(door, Tolerances(gap=1.5e-3, load=0.15, count=60, seed=3), 0.328634)
     exact = 0.328634 * drawn.least / 6e-3
     load = drawn.contact / (K * drawn.least)
     assert drawn.speed == pytest.approx(exact * np.sqrt(load), rel=3e-3)
     assert np.ptp(load) > 0.1
     assert drawn.leaking == 0
-    again = scattered(door, Variation(gap=1.5e-3, load=0.15, count=60, seed=3), 0.328634)
+    again = scattered(door, Tolerances(gap=1.5e-3, load=0.15, count=60, seed=3), 0.328634)
     assert np.array_equal(drawn.speed, again.speed)
     # along the line a gap that forgets itself evens out
-    along = Variation(gap=1.5e-3, correlation=0.05, count=60, seed=3)
+    along = Tolerances(gap=1.5e-3, correlation=0.05, count=60, seed=3)
     assert scattered(door, along, 0.328634).speed.std() < 0.5 * drawn.speed.std()
-    leaky = scattered(door, Variation(gap=12e-3, count=60, limit=0.4), 0.328634)
+    leaky = scattered(door, Tolerances(gap=12e-3, count=60, limit=0.4), 0.328634)
     assert 0 < leaky.leaking < 1
     assert leaky.above == (leaky.speed > 0.4).mean()
 
@@ -417,8 +417,8 @@ def test_what_cannot_be_is_refused():
         lambda: Vents(width=0.012, section=1e-4, exponent=1.2),
         lambda: Cabin(volume=2.5, area=1.0, lever=0.5, opening=0.1, discharge=1.1),
         lambda: Latch((0.001, 0.01), (1.0, 0.0), 1.0),
-        lambda: Check((0.1, 0.1), (1.0, 0.0)),
-        lambda: Variation(load=1.0),
+        lambda: CheckStrap((0.1, 0.1), (1.0, 0.0)),
+        lambda: Tolerances(load=1.0),
         lambda: ClosingSetup(friction=-1.0),
         lambda: march(a_door(vents=replace(VENTS, section=7e-5)), np.array([1.0])),
         lambda: replace(a_door(), inertia=0.0),

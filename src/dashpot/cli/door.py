@@ -9,7 +9,8 @@ import click
 import dashpot as dp
 from dashpot import workflow
 from dashpot.cli import _options as options
-from dashpot.cli._options import Range
+from dashpot.cli._closing import closing_text
+from dashpot.cli._options import Quantity, Range
 from dashpot.cli._shell import File, Outcome, printed, reports, write, write_figure
 from dashpot.cli._terminal import Text
 from dashpot.cli._text import hertz, rounded, table
@@ -25,13 +26,23 @@ _ROUNDING = 1e-9
     "--band", type=Range("frequency"), default="1:200Hz", show_default=True,
     help="Of modes and FRFs.",
 )  # fmt: skip
+@click.option(
+    "--close", "speed", type=Quantity("velocity"), metavar="SPEED",
+    help="Close it at this speed of its edge: energy by terms, the least speed, its scatter.",
+)  # fmt: skip
 @options.temperature
 @options.picture
 @options.output("Write everything, FRFs too, as JSON.", ".json")
 @options.overwrite
 @reports
 def command(
-    *, door: str, every: bool, picture: str | None, output: str | None, **choices: Any
+    *,
+    door: str,
+    every: bool,
+    speed: float | None,
+    picture: str | None,
+    output: str | None,
+    **choices: Any,
 ) -> Outcome:
     """Find how a door vibrates on its seal: modes, damping, who holds and who loses the energy.
 
@@ -42,7 +53,18 @@ def command(
     dashpot door door.toml
     dashpot door door.toml --modes --plot door.png
     dashpot door door.toml --temperature -20degC -o door.json
+    dashpot door door.toml --close 1.2m/s --plot closing.png
     """
+    if speed is not None:
+        if every:
+            raise click.UsageError("--modes and --close are two questions: ask one at a time")
+        closed = workflow.close_file(door, speed, temperature=choices["temperature"])
+        if picture:
+            write_figure(picture, dp.plot.closing(closed))
+        if output:
+            write(output, printed(closed.document) + "\n")
+        text = closing_text(closed.closing)
+        return Outcome(closed.document, text, closed.checks, verdict=closed.verdict)
     found = workflow.door_file(door, **choices)
     if picture:
         write_figure(picture, dp.plot.door(found))

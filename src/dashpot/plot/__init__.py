@@ -8,6 +8,7 @@ A :class:`~dashpot.plot.picture.Picture` is a frozen value, what is drawn before
 from dashpot.plot.bench import bench
 from dashpot.plot.bitmap import to_figure
 from dashpot.plot.cld import cld
+from dashpot.plot.closing import closing
 from dashpot.plot.columns import columns
 from dashpot.plot.creep import creep
 from dashpot.plot.direct import dynamic_stiffness
@@ -35,6 +36,7 @@ __all__ = [
     "amplitude_sweep",
     "bench",
     "cld",
+    "closing",
     "columns",
     "comparison",
     "creep",

@@ -196,7 +196,7 @@ class Latch:
 
 
 @dataclass(frozen=True)
-class Check:
+class CheckStrap:
     """The check strap: moment over angle.
 
     Attributes
@@ -217,7 +217,7 @@ class Check:
 
 
 @dataclass(frozen=True)
-class Variation:
+class Tolerances:
     """What differs from door to door.
 
     Attributes
@@ -270,7 +270,7 @@ class ClosingSetup:
     gravity : (float, float, float) or None
         Direction in which weight pulls.
     check, latch, vents, between, cabin : the terms
-    variation : Variation or None
+    variation : Tolerances or None
     """
 
     edge: float | None = None
@@ -279,12 +279,12 @@ class ClosingSetup:
     start: float | None = None
     friction: float = 0.0
     gravity: Vector | None = None
-    check: Check | None = None
+    check: CheckStrap | None = None
     latch: Latch | None = None
     vents: Vents | None = None
     between: Between | None = None
     cabin: Cabin | None = None
-    variation: Variation | None = None
+    variation: Tolerances | None = None
     airs: tuple[tuple[str, Air], ...] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:

@@ -124,3 +124,45 @@ def door_held(loose: int) -> Finding:
         instead=f"{loose} motions of the door are held by nothing, and have no natural frequency: "
         "is a hinge or the latch missing, or does one act along one direction alone?",
     )
+
+
+@criterion("distance from the band, a factor", "<=", 1.0, "the band of the fit")
+def closing_informed(
+    seconds: float,
+    band: tuple[float, float] | None,
+    *,
+    glassy: float,
+    known: tuple[float, float] | None,
+) -> Finding:
+    """A door that closes presses its seal as slowly as the test of it informs.
+
+    An even press over a time T is taken as a quarter of a period, 1/(4 T); `glassy` is
+    k_0/k_inf of the fit, `known` the least speeds that its doubt leaves, m/s.
+    """
+    if band is None or not band[1] > 0 or not seconds > 0:
+        return Finding("the band that the test of the seal informs is not known")
+    factor = 1 / (4 * seconds) / band[1]
+    speeds = ""
+    if known is not None:
+        speeds = (
+            f"; with what its clocks leave open for faster arms, the least speed is "
+            f"{known[0]:.3g} to {known[1]:.3g} m/s"
+        )
+    return Finding(
+        f"the door presses its seal in {1e3 * seconds:.3g} ms, as slowly as its test informs",
+        factor,
+        instead=f"the door presses its seal in {1e3 * seconds:.3g} ms, x{factor:.3g} faster than "
+        f"its test informs: there it answers with all but all its arms, {glassy:.3g} times its "
+        f"relaxed force by the fit{speeds}; test it faster, in the cold or with a hammer",
+    )
+
+
+@criterion(source="by definition", grade="note")
+def faster_doors_close(closes: bool) -> Finding:
+    """Every door that is faster than the least speed closes."""
+    return Finding(
+        "every faster door that was tried closes too",
+        instead="some faster doors do not close: the least speed is not the only limit; look at "
+        "the air, which takes more the faster the door",
+        faulted=not closes,
+    )

@@ -9,10 +9,12 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
-from dashpot.records.closing import ClosingSetup, Variation
+from dashpot.records.closing import ClosingSetup, Tolerances
 from dashpot.records.door import Door
+from dashpot.records.fit import Fit
 from dashpot.records.seal_line import SealLine, SealSection
 from dashpot.seals.closing import (
+    ELASTIC,
     STEPS,
     ClosingDoor,
     March,
@@ -31,6 +33,7 @@ _COARSE, _FEW, _ROUGH = 60, 24, 1e-3
 _NOTHING = 1e-9
 """Of the energy at 1 m/s: a door that closes with so little closes by itself."""
 _TRIES = 60
+_95 = 1.96
 _FASTER = (1.02, 1.1, 1.25, 1.5, 2.0, 3.0)
 
 
@@ -66,7 +69,7 @@ class Scatter:
 
     Attributes
     ----------
-    variation : Variation
+    variation : Tolerances
     speed : array, shape (doors,)
         The least that closes each, m/s; inf where none does.
     least : array, shape (doors,)
@@ -75,7 +78,7 @@ class Scatter:
         Least relaxed force of contact along the line, N/m.
     """
 
-    variation: Variation
+    variation: Tolerances
     speed: FloatArray
     least: FloatArray
     contact: FloatArray
@@ -111,6 +114,19 @@ class SealDoubt:
 
     relative: float = 0.0
     delay: float = 0.0
+
+    @classmethod
+    def of(cls, fit: Fit) -> SealDoubt:
+        """What a fit leaves open: its covariance, and the delay between its clocks."""
+        names = fit.estimate.parameters
+        stiff = np.array([name.startswith("k_") for name in names], dtype=float)
+        variance = float(stiff @ fit.covariance @ stiff)
+        k_0 = fit.model.k_0
+        late = [one.standard_error for one in fit.nuisance if one.name == "delay"]
+        return cls(
+            _95 * float(np.sqrt(max(variance, 0.0))) / k_0 if k_0 > 0 else 0.0,
+            _95 * max((one for one in late if np.isfinite(one)), default=0.0),
+        )
 
     def sections(self, section: SealSection) -> tuple[SealSection, SealSection]:
         """The softest and the hardest seal that is left open."""
@@ -191,8 +207,9 @@ class Closing:
 
     @property
     def sealing(self) -> float:
-        """Seconds from the first touch on."""
-        begun = int(np.flatnonzero(self.march.angle <= self.door.touching + 1e-12)[0])
+        """Seconds in which the last nine tenths of the relaxed force's work are done."""
+        work = np.cumsum(self.march.work[ELASTIC][:, 0])
+        begun = int(np.searchsorted(work, 0.1 * work[-1]))
         return self.seconds - float(self.march.time[begun, 0])
 
     def share(self, name: str) -> Share:
@@ -347,7 +364,7 @@ def _thinned(door: ClosingDoor) -> tuple[ClosingDoor, IndexArray]:
     return few, group
 
 
-def scattered(door: ClosingDoor, variation: Variation, minimum: float) -> Scatter:
+def scattered(door: ClosingDoor, variation: Tolerances, minimum: float) -> Scatter:
     """Draw doors within their tolerances, and find the least speed that closes each.
 
     The gap moves as one, or by a normal process along the line whose correlation falls to 1/e over

@@ -345,6 +345,39 @@ at = "150, 1050, 0 mm"
 
 [base]
 psd = "0.001g^2/Hz"
+
+[closing]                   # what meets the door as it closes
+start = "20deg"             # where the door has its speed, at its edge
+friction = "1N*m"           # of the hinges
+gravity = [0, -1, -0.01]    # the hinge axis leans by .6 degrees, and helps
+
+[closing.check]
+angle = "4, 10, 15, 25 deg"
+moment = "0, 2, 0, 0 N*m"
+
+[closing.latch]
+travel = "0, 6, 12 mm"      # left to fully latched
+force = "120, 40, 0 N"
+
+[closing.vents]             # holes in the bulb
+width = "8mm"               # over which it is pressed
+hollow = "14mm"             # its height
+hole = "5mm"
+spacing = "50mm"
+
+[closing.between]           # the air between this seal and a second one
+width = "15mm"
+depth = "12mm"
+leak = "2mm"
+
+[closing.cabin]
+volume = "2.8m^3"
+opening = "600cm^2"         # exhaust vents and leaks
+
+[closing.variation]
+gap = "1.5mm"               # three standard deviations, all along alike
+force = "15%"
+limit = "0.75m/s"
 """
 
 

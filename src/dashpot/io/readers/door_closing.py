@@ -14,10 +14,10 @@ from dashpot.records.closing import (
     ISOTHERMAL,
     Between,
     Cabin,
-    Check,
+    CheckStrap,
     ClosingSetup,
     Latch,
-    Variation,
+    Tolerances,
     Vents,
 )
 
@@ -69,11 +69,11 @@ def closing_of(
     )
 
 
-def _check(table: Section | None) -> Check | None:
+def _check(table: Section | None) -> CheckStrap | None:
     if table is None:
         return None
     table.needs("angle", "moment")
-    return Check(
+    return CheckStrap(
         table.quantities("angle", "angle") or (), table.quantities("moment", "torque") or ()
     )
 
@@ -126,18 +126,18 @@ def _cabin(table: Section | None, width: float | None, height: float | None) -> 
     )
 
 
-def _variation(table: Section | None) -> Variation | None:
+def _variation(table: Section | None) -> Tolerances | None:
     if table is None:
         return None
     doors, seed = table.number("doors"), table.number("seed") or 0.0
     for name, value in (("doors", doors or 0.0), ("seed", seed)):
         if value != int(value) or value < 0:
             raise ReadError(f"{table.where}: {name} = {value:g}; expected a whole number >= 0")
-    return Variation(
+    return Tolerances(
         table.quantity("gap", "length") or 0.0,
         table.quantity("force", "strain") or 0.0,
         table.quantity("correlation", "length"),
-        Variation.count if doors is None else int(doors),
+        Tolerances.count if doors is None else int(doors),
         int(seed),
         table.quantity("limit", "velocity"),
     )
