@@ -307,6 +307,18 @@ class TestLevels:
         assert bool(worst(found) < 0.002) is said
         assert found.verdict.use == use
 
+    def test_lines_of_another_noise_beside_the_resonance_are_no_misfit(self):
+        """Ten times the noise below 12 Hz, as of a transmissibility near 1, and none of it said."""
+        part = np.where(F < 12, 0.03, 0.003)
+        rng = np.random.default_rng(4)
+        noisy = []
+        for one in three(noise=0.0):
+            off = part * (rng.normal(size=len(F)) + 1j * rng.normal(size=len(F)))
+            noisy.append(FRF(F, one.value * (1 + off), one.kind))
+        found = fit_levels(noisy, LEVELS, mass=MASS)
+        ratio = next(c.value for c in found.checks if c.name == "levels_followed")
+        assert 0.8 < ratio < 1.2
+
     def test_transmissibility_says_the_same(self):
         w0 = 2 * np.pi * 13
         base = [

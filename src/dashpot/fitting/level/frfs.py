@@ -12,6 +12,7 @@ from dashpot.base.arrays import ComplexArray, FloatArray, IndexArray
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, Range, si, si_range
 from dashpot.fitting.level.checks import (
+    LOST,
     MATTERS,
     amplitudes_spread,
     level_matters,
@@ -30,6 +31,8 @@ _FINER = 8
 _NOTHING = 1e-9
 _THIRD = float(np.sqrt(20 * np.log(2)))
 """Median size of a third difference over the rms size of complex noise (Rayleigh)."""
+_NEAR = 20
+"""Neighbouring lines that are taken to be known alike."""
 _FLOOR = 1e-3
 """No line is trusted beyond this part of its value."""
 _DRAWS = 60
@@ -309,7 +312,8 @@ def _noise(problem: _Problem, K: ComplexArray, parts: IndexArray) -> float | Non
     """Relative scatter of F/X from line to line: what no smooth stiffness follows.
 
     By third differences within a level (which begin at `parts`), sqrt(20) times the scatter: an
-    FRF need not state its error. None with too few lines.
+    FRF need not state its error; of neighbours, as lines beside a resonance are often worse known
+    than those on it, and at most what leaves nothing explained. None with too few lines.
     """
     left = [
         np.diff(k, 3) * (weight[1:-2] + weight[2:-1]) / 2
@@ -318,4 +322,9 @@ def _noise(problem: _Problem, K: ComplexArray, parts: IndexArray) -> float | Non
     ]
     if not left:
         return None
-    return max(float(np.median(np.abs(np.concatenate(left)))) / _THIRD, _FLOOR)
+    near = [
+        one for each in left for one in np.array_split(np.abs(each), max(len(each) // _NEAR, 1))
+    ]
+    size = [min(float(np.median(one)) / _THIRD, LOST) for one in near]
+    rms = np.sqrt(np.average(np.square(size), weights=[len(one) for one in near]))
+    return max(float(rms), _FLOOR)
