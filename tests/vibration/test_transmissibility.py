@@ -396,9 +396,11 @@ class TestRandomBase:
         assert found.acceleration == pytest.approx(np.sqrt(exact), rel=1e-9)
         assert found.crossings == pytest.approx(f, rel=1e-9)
 
-    def test_a_table_that_is_wide_and_flat_is_white(self):
-        white = random_base(2 * BROAD, mass=BROAD_MASS, psd=0.3)
-        wide = random_base(2 * BROAD, mass=BROAD_MASS, psd=[0.3, 0.3], frequency=[1e-3, 1e5])
+    @pytest.mark.parametrize("solid", [2 * BROAD, dp.FractionalZener(200.0, 800.0, 0.05, 0.5)])
+    def test_a_table_that_is_wide_and_flat_is_white(self, solid):
+        """Arms of a fractional element reach from nanoseconds to years."""
+        white = random_base(solid, mass=BROAD_MASS, psd=0.3)
+        wide = random_base(solid, mass=BROAD_MASS, psd=[0.3, 0.3], frequency=[1e-3, 1e5])
         assert wide.acceleration == pytest.approx(white.acceleration, rel=1e-4)
         assert wide.stretch == pytest.approx(white.stretch, rel=1e-4)
 

@@ -2,7 +2,7 @@ r"""Bodies whose base shakes at random."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,8 +20,12 @@ from dashpot.vibration.systems.state_space import state_space
 from dashpot.vibration.systems.system import System
 
 _LINES = 4001
-_UNDAMPED = 1e-13
-"""Rate of decay over the largest rate of a system: rounding."""
+_UNDAMPED, _STILL = 1e-10, 1e-15
+"""Rate of decay over that of turning, and any rate over the largest of a system: rounding."""
+_DECADES = 1e10
+"""Longest over shortest relaxation time, beyond which the first-order form is rounding."""
+_WIDE = (1e-6, 1e4)
+"""Times the natural frequency: a table as wide as white noise."""
 _FOLLOWS = 1e-9
 """Stretch of a spring per motion of a ground that takes all bodies along: rounding."""
 _ABOUT = 60.0
@@ -94,6 +98,10 @@ def random_base(
                 "white noise through mounts that weigh something has no finite acceleration; give "
                 "a psd over frequencies"
             )
+        if _spread((model,)):
+            peak = model_modes(model, kilograms)[0].frequency
+            wide, flat = np.array(_WIDE) * peak, np.array([psd, psd], dtype=float)
+            return _tabled(model, kilograms, *_table(wide, flat), 0.0)
         system = System((point_mass("mass", kilograms),), (Mount(model, ("mass", "ground")),))
         return random_response(system, response="mass.z", psd=psd)
     f, table = _table(frequency, psd)
@@ -142,6 +150,11 @@ def random_response(
         density = float(np.asarray(psd, dtype=float))
         if not (np.isfinite(density) and density >= 0):
             raise DataError(f"psd = {psd!r}; expected a density >= 0, in (m/s^2)^2/Hz")
+        if _spread(model.felt for model in system.springs):
+            raise DataError(
+                "the arms of a part reach over more than ten decades of time, too many for white "
+                "noise of the base; give a psd over frequencies"
+            )
         return _white(system, follow, place, density)
     f, table = _table(frequency, psd)
     modes = complex_modes(system)
@@ -156,6 +169,12 @@ def random_response(
             moved -= gain.conjugate() / (s - mode.pole.conjugate())
     carried = place @ follow + s**2 * moved
     return _integrated(lines, S, carried, moved)
+
+
+def _spread(solids: Iterable[Solid]) -> bool:
+    """Whether arms reach over more decades than a first-order form can hold."""
+    times = [tau for solid in solids for tau in solid.maxwell.tau]
+    return bool(times) and max(times) > _DECADES * min(times)
 
 
 def _following(system: System, base: str, along: Vector) -> FloatArray:
@@ -187,8 +206,13 @@ def _white(system: System, follow: FloatArray, place: FloatArray, density: float
     even = A * size / size[:, None]
     pushed = np.zeros(len(A))
     pushed[n : 2 * n] = -follow / size[n : 2 * n]
-    tiny = _UNDAMPED * float(np.linalg.norm(even, ord=np.inf))
-    triangle, basis, count = schur(even, sort=lambda re, _: re < -tiny)
+    still = _STILL * float(np.linalg.norm(even, ord=np.inf))
+
+    def dies_away(re: float, im: float) -> bool:
+        size = float(np.hypot(re, im))
+        return re < -_UNDAMPED * size and size > still  # a slow arm dies away slowly
+
+    triangle, basis, count = schur(even, sort=dies_away)
     if np.abs(basis[:, count:].T @ pushed).max(initial=0.0) > _FOLLOWS * np.linalg.norm(pushed):
         left = np.abs(np.linalg.eigvals(triangle[count:, count:])).min() / (2 * np.pi)
         raise DataError(
