@@ -72,7 +72,7 @@ def read_back(target, name, deck):
         fields = [[float(row[i : i + 10]) for i in range(0, len(row), 10)] for row in rows]
         if not count:
             C = dict(zip(("C10", "C01", "C11", "C20", "C02", "C30"), fields[1], strict=False))
-            return Hyperelastic(law.kind, tuple(C[each] for each in law.names)), None
+            return Hyperelastic(law.kind, tuple(C[each] for each in law.constant_names)), None
         mu = tuple(m * a / 2 for m, a in zip(fields[1], fields[2], strict=True))[:count]
         alpha = tuple(fields[2][:count])
         v = fields[0][3] / (1 + 2 * fields[0][3]) if law.kind == "hyperfoam" else 0.5

@@ -303,7 +303,7 @@ def _lsdyna(card: _Card) -> Body:
     head = _fields(1, density, poisson, 0, 0, 0.0, 0.0, 0.0)
     says = [f"PR is that of K and G: (3 K - 2 G) / (6 K + 2 G) = {poisson:.6g}"]
     if law.kind in POWERS:
-        known = dict(zip(law.names, card.constants, strict=True))
+        known = dict(zip(law.constant_names, card.constants, strict=True))
         order = ("C10", "C01", "C11", "C20", "C02", "C30")
         constants = (known.get(name, 0.0) for name in order)
         body = ["*MAT_HYPERELASTIC_RUBBER", head, _fields(*constants, 0.0)]

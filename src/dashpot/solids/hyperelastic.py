@@ -165,7 +165,7 @@ class Hyperelastic:
     # -- at rest ------------------------------------------------------------------------------
 
     @property
-    def names(self) -> tuple[str, ...]:
+    def constant_names(self) -> tuple[str, ...]:
         """What the constants are called."""
         if self.kind in POWERS:
             return tuple(f"C{i}{j}" for i, j in POWERS[self.kind])

@@ -54,7 +54,7 @@ def judge(
         stable_in_use(least, where, fit.stable),
         modes_told(*_untold(fit, chosen, tried, covariance, times)),
         use_measured(_beyond(shaped, fit.law.poisson, asked)),
-        constants_known(fit.law.names[wide], float(half[wide]) / largest),
+        constants_known(fit.law.constant_names[wide], float(half[wide]) / largest),
         rows_enough(len(chosen.residual), chosen.jacobian.shape[1]),
         files_agree(_apart(fit.curves)),
         loading_returned(max(lost, default=None), removed=fit.memory is not None),

@@ -208,7 +208,7 @@ def _found(
 ) -> tuple[list[Found], float | None]:
     """Constants and moduli with their intervals; and the bulk modulus of a rubber."""
     law, half = one.law, known.times * np.sqrt(np.diag(known.covariance))
-    numbers = [*zip(law.names, law.constants, strict=True)]
+    numbers = [*zip(law.constant_names, law.constants, strict=True)]
     units = ["Pa"] * len(numbers) + ["1"] * (len(half) - len(numbers))
     numbers += [(f"alpha{k}", a) for k, a in enumerate(law.exponents, start=1)]
     numbers += [("poisson", law.poisson)] * (len(half) > len(numbers))
