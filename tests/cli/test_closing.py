@@ -147,3 +147,18 @@ def test_what_is_missing_is_named(folder):
     with pytest.raises(dp.ReadError, match="lever is missing"):
         closing_of("[closing]", {"latch": {"travel": "0, 1 mm", "force": "1, 0 N"}})
     ran(folder / "door.toml", "--close", "1m/s", "--modes", code=2)
+
+
+def test_modes_and_closing_go_together(folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    closing = json.loads(ran("door.toml", "--close", "1m/s", "--json"))
+    both = json.loads(ran("door.toml", "--modes", "--close", "1m/s", "--json"))
+    assert both["closing"] == closing
+    assert {name for name in both if name != "closing"} == set(
+        json.loads(ran("door.toml", "--json"))
+    )
+    said = ran("door.toml", "--modes", "--close", "1m/s", "-v")
+    assert "% of the energy" in said
+    assert "least speed that closes it" in said
+    refused = ran("door.toml", "--modes", "--close", "1m/s", "--plot", "both.png", code=2)
+    assert "leave out --modes or --close" in refused

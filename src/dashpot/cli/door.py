@@ -8,6 +8,7 @@ import click
 
 import dashpot as dp
 from dashpot import workflow
+from dashpot.base.checks import verdict
 from dashpot.cli import _options as options
 from dashpot.cli._closing import closing_text
 from dashpot.cli._options import Quantity, Range
@@ -54,23 +55,44 @@ def command(
     dashpot door door.toml --modes --plot door.png
     dashpot door door.toml --temperature -20degC -o door.json
     dashpot door door.toml --close 1.2m/s --plot closing.png
+    dashpot door door.toml --modes --close 1.2m/s
     """
-    if speed is not None:
-        if every:
-            raise click.UsageError("--modes and --close are two questions: ask one at a time")
-        closed = workflow.close_file(door, speed, temperature=choices["temperature"])
-        if picture:
-            write_figure(picture, dp.plot.closing(closed))
-        if output:
-            write(output, printed(closed.document) + "\n")
-        text = closing_text(closed.closing)
-        return Outcome(closed.document, text, closed.checks, verdict=closed.verdict)
-    found = workflow.door_file(door, **choices)
-    if picture:
+    if picture and every and speed is not None:
+        raise click.UsageError(
+            "--plot draws the modes or the closing: leave out --modes or --close"
+        )
+    found = None if speed is not None and not every else workflow.door_file(door, **choices)
+    closed = (
+        None
+        if speed is None
+        else workflow.close_file(door, speed, temperature=choices["temperature"])
+    )
+    if picture and closed is not None:
+        write_figure(picture, dp.plot.closing(closed))
+    elif picture and found is not None:
         write_figure(picture, dp.plot.door(found))
+    outcome = _outcome(found, closed, every=every)
     if output:
-        write(output, printed(found.document) + "\n")
-    return Outcome(found.document, _said(found, every=every), found.checks, verdict=found.verdict)
+        write(output, printed(outcome.found) + "\n")
+    return outcome
+
+
+def _outcome(
+    found: workflow.DoorResult | None, closed: workflow.ClosingResult | None, *, every: bool
+) -> Outcome:
+    """How it vibrates, how it closes, or both."""
+    if closed is None:
+        assert found is not None  # noqa: S101
+        text = _said(found, every=every)
+        return Outcome(found.document, text, found.checks, verdict=found.verdict)
+    shuts = closing_text(closed.closing)
+    if found is None:
+        return Outcome(closed.document, shuts, closed.checks, verdict=closed.verdict)
+    said = _said(found, every=every)
+    checks = tuple(dict.fromkeys((*found.checks, *closed.checks)))
+    document = found.document | {"closing": closed.document}
+    text = Text([*said.lines, *shuts.lines], [*said.details, *shuts.details])
+    return Outcome(document, text, checks, verdict=verdict(checks))
 
 
 def _said(found: workflow.DoorResult, *, every: bool) -> Text:

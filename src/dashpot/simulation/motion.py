@@ -68,7 +68,7 @@ def simulate_path(
 
     Parameters
     ----------
-    path : tuple of (time, position)
+    path : pair of array
         Corners that the plate is sent through, s after the baseline and m; it starts at (0, 0).
 
     Returns

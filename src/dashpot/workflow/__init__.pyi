@@ -1,6 +1,7 @@
 from .archive import document as document
 from .cld import Pieces as Pieces
 from .cld import cld_files as cld_files
+from .closings import ClosingResult as ClosingResult
 from .closings import close_file as close_file
 from .doors import DoorResult as DoorResult
 from .doors import door_file as door_file
