@@ -16,6 +16,8 @@ from dashpot.seals.slam import Closing, SealDoubt, close_door
 from dashpot.vibration.checks import compression_tested
 from dashpot.workflow.doors import open_door
 
+__all__ = ["ClosingResult", "close_file"]
+
 
 def close_file(
     path: str | Path, speed: float, *, temperature: float | None = None
