@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError
-from dashpot.simulation.frames import Robot, depth_along, misalignment, setpoints, tilted, unit
+from dashpot.simulation.frames import Arm, Robot, depth_along, misalignment, setpoints, tilted, unit
 
 SLANTED = (0.0, 0.6, 0.8)
 
@@ -64,3 +64,37 @@ def test_the_lateral_force_tells_the_angle(angle: float, towards: float, force: 
 def test_what_is_no_direction_is_refused(wrong):
     with pytest.raises(DataError, match="expected three numbers, not all zero"):
         unit(wrong)
+
+
+@given(
+    first=st.floats(-3, 3), second=st.floats(0.01, 3.1), z=st.floats(-0.1, 0.1),
+    links=st.tuples(st.floats(0.05, 1), st.floats(0.05, 1)),
+)  # fmt: skip
+def test_an_arm_goes_back_to_its_joints(first, second, z, links):
+    arm = Arm(links)
+    place = arm.place([(first, second, z)])
+    np.testing.assert_allclose(arm.place(arm.joints(place)), place, atol=1e-9)
+
+
+def test_an_arm_reads_depth_to_half_a_count_and_sideways_to_its_lever():
+    # R2: error of the depth <= q / 2
+    arm = Arm(count=1e-4)
+    line = setpoints((0.3, 0.1, 0.0), (0.3, 0.1, -8e-3), duration=1.0, interval=1e-3)
+    wandered = line + 1e-3 * np.column_stack(
+        (np.sin(np.arange(len(line))), np.cos(np.arange(len(line))), np.zeros(len(line)))
+    )
+    read = arm.read(wandered)
+    depth = depth_along(read, (0, 0, -1)) - depth_along(wandered, (0, 0, -1))
+    assert 0 < np.abs(depth).max() <= arm.encoder / 2 * (1 + 1e-9)
+    sideways = np.hypot(*(read - wandered)[:, :2].T)
+    # half a count of the shoulder turns the whole reach, one of the elbow the second link
+    reach = np.hypot(*wandered[:, :2].T).max()
+    most = arm.count / 2 * (reach + arm.links[1])
+    assert 0.3 * most < sideways.max() <= most * (1 + 1e-3)
+    exact = Arm(count=0.0, encoder=0.0).read(wandered)
+    np.testing.assert_allclose(exact, wandered, atol=1e-15)
+
+
+def test_an_arm_does_not_reach_everywhere():
+    with pytest.raises(DataError, match=r"reaches from 0\.05 to 0\.55 m"):
+        Arm().joints([(0.6, 0.0, 0.0)])

@@ -52,6 +52,12 @@ def test_small_strains_are_linear_to_the_last_digits(law):
     assert law.nominal("volumetric", 1 + e) == pytest.approx(law.bulk_modulus * e, rel=1e-5)
 
 
+def test_a_published_law_has_its_published_modulus():
+    # R. W. Ogden's constants for L. R. G. Treloar's rubber: 4.225 kg/cm^2, 0.4225 MPa as G. A.
+    # Holzapfel, Nonlinear Solid Mechanics (2000), writes it, 1 kg/cm^2 for 0.1 MPa
+    assert LAWS["ogden"].shear_modulus / 0.0980665e6 == pytest.approx(4.225)
+
+
 def test_uniaxial_compression_is_equibiaxial_tension():
     """A rubber under pressure from two sides and pull from one differ by a pressure alone."""
     b = np.array([1.1, 1.5, 2.5])

@@ -14,7 +14,7 @@ from dashpot.base.errors import DataError
 from dashpot.cli import main
 from dashpot.records.amplitude import AmplitudeSweep
 from dashpot.records.dynamic import DynamicTest
-from dashpot.solids.part import Block, Bush, Disc
+from dashpot.solids.part import Block, Bulb, Bush, Disc
 from dashpot.solids.softening import Softening
 from dashpot.vibration.systems.bodies import Mount, point_mass
 from dashpot.vibration.systems.level import response_at_level
@@ -52,6 +52,17 @@ class TestFactors:
         bush = Bush(0.012, 0.03, 0.04)
         assert bush.factor("radial-long") > bush.factor("radial-short") > bush.factor("axial")
 
+    def test_a_bulb_is_a_thin_ring(self):
+        # t = 2, R = 10 mm, E = 2 MPa, nu = .45: 1.12375 N/mm per 100 mm
+        bulb = Bulb("22mm", "2mm", "100mm", poisson=0.45)
+        assert 2e6 * bulb.factor() == pytest.approx(1123.75, rel=1e-5)
+        thin = Bulb(20.2e-3, 0.2e-3, 0.1)
+        assert thin.factor() == pytest.approx(ring_of_beams(thin), rel=2e-3)
+        # what stretch and shear of the wall take
+        for wall, softer in ((1e-3, 0.025), (2e-3, 0.09)):
+            bulb = Bulb(20e-3 + wall, wall, 0.1)
+            assert 1 - ring_of_beams(bulb) / bulb.factor() == pytest.approx(softer, abs=0.005)
+
     @pytest.mark.parametrize(
         "ask",
         [
@@ -62,11 +73,48 @@ class TestFactors:
             lambda: Bush(0.012, 0.03, 0.04).factor(bonded=False),
             lambda: Disc(0.02, 0.02).factor("shear", bonded=False),
             lambda: Disc(0.02, 0.02).factor("torsion"),
+            lambda: Bulb(0.023, 0.00301, 0.1),
+            lambda: Bulb(0.02, 0.002, 0.1, poisson=0.51),
         ],
     )
     def test_shapes_that_are_none(self, ask):
         with pytest.raises(DataError):
             ask()
+
+
+def ring_of_beams(bulb, count=160):
+    """Stiffness of a pressed ring over Young's modulus, m: a quarter of it in straight beams."""
+    radius, plain = bulb.radius, 1 / (1 - bulb.poisson**2)
+    area, inertia = (plain * bulb.length * bulb.wall**n / {1: 1, 3: 12}[n] for n in (1, 3))
+    sheared = bulb.length * bulb.wall / 1.2 / (2 * (1 + bulb.poisson))
+    angle = np.linspace(0, np.pi / 2, count + 1)
+    place = radius * np.column_stack((np.cos(angle), np.sin(angle)))
+    whole = np.zeros((3 * count + 3,) * 2)
+    for i in range(count):
+        along = place[i + 1] - place[i]
+        L = np.hypot(*along)
+        c, s = along / L
+        f = 12 * inertia / (sheared * L**2)  # Timoshenko's beam
+        a, b = area / L, inertia / L**3 / (1 + f)
+        local = np.zeros((6, 6))
+        local[np.ix_([0, 3], [0, 3])] = a * np.array([[1, -1], [-1, 1]])
+        local[np.ix_([1, 2, 4, 5], [1, 2, 4, 5])] = b * np.array(
+            [
+                [12, 6 * L, -12, 6 * L],
+                [6 * L, (4 + f) * L**2, -6 * L, (2 - f) * L**2],
+                [-12, -6 * L, 12, -6 * L],
+                [6 * L, (2 - f) * L**2, -6 * L, (4 + f) * L**2],
+            ]
+        )
+        turn = np.kron(np.eye(2), [[c, s, 0], [-s, c, 0], [0, 0, 1]])
+        at = slice(3 * i, 3 * i + 6)
+        whole[at, at] += turn.T @ local @ turn
+    # symmetry: at the side no rise and no turn, at the top no drift and no turn
+    free = np.setdiff1d(np.arange(len(whole)), [1, 2, len(whole) - 3, len(whole) - 1])
+    load = np.zeros(len(whole))
+    load[-2] = 0.5  # half the load on each side of the top
+    moved = np.linalg.solve(whole[np.ix_(free, free)], load[free])[-1]
+    return 1 / (2 * moved)
 
 
 def peak_of(K, mass, near=60.0):

@@ -702,8 +702,9 @@ class Fit(ByValue, Pictured):
         Parameters
         ----------
         shape : Geometry or float
-            A :class:`~dashpot.solids.part.Disc`, ``Block`` or ``Bush``, or the factor itself, m:
-            as ``geometry_factor`` of :mod:`dashpot.vibration.systems.prediction` finds it.
+            A :class:`~dashpot.solids.part.Disc`, ``Block``, ``Bush`` or ``Bulb``, or the factor
+            itself, m: as ``geometry_factor`` of :mod:`dashpot.vibration.systems.prediction` finds
+            it.
         mode : str, optional
             How the shape is loaded.
         bonded : bool

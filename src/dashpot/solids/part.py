@@ -9,12 +9,15 @@ them and nearly incompressible, :math:`G = E/3`:
 - shear: :math:`A / 3h`;
 - a bonded bush of radii a < b and length L: axially :math:`2\pi L / 3 \ln(b/a)`, in torsion
   :math:`4\pi L / 3 (a^{-2} - b^{-2})`, radially as the short or the long bush of J. E. Adkins and
-  A. N. Gent, Brit. J. Appl. Phys. 5 (1954) 354, between which a real one lies.
+  A. N. Gent, Brit. J. Appl. Phys. 5 (1954) 354, between which a real one lies;
+- a thin hollow bulb of wall t and mean radius R, pressed across between plates, is a ring under two
+  opposite loads (S. Timoshenko, Strength of Materials):
+  :math:`L t^3 / 12(1 - \nu^2)(\pi/4 - 2/\pi) R^3`.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -161,6 +164,50 @@ class Bush(Geometry):
         if mode == "radial-long":
             return float(4 * np.pi * L * square / (square * log - (b**2 - a**2)) / 3)
         return float(80 * np.pi * L * square / (25 * square * log - 9 * (b**2 - a**2)) / 3)
+
+
+@dataclass(frozen=True)
+class Bulb(Geometry):
+    """A hollow round seal that is pressed across, a little: outer diameter, wall and length, m.
+
+    A thin wall that bends. Its stretch and shear, left out, make it softer: by 2.5 % at a wall of a
+    tenth of the mean radius, 9 % at a fifth. `poisson` is that of the wall; a sponge has less
+    than solid rubber.
+
+    >>> bulb = Bulb(0.022, 0.002, 0.1, poisson=0.45)
+    >>> round(2e6 * bulb.factor())  # N/m of 100 mm, of 2 MPa
+    1124
+    """
+
+    outer: float
+    wall: float
+    length: float
+    poisson: float = field(default=0.5, kw_only=True)
+
+    modes = ("compression",)
+
+    def __post_init__(self) -> None:
+        _lengths(self, "outer", "wall", "length")
+        if not self.wall <= _THIN * self.radius:
+            raise DataError(
+                f"a bulb of {self.outer:g} m with a wall of {self.wall:g} m is no thin ring; "
+                f"expected a wall of at most {_THIN:g} of its mean radius"
+            )
+        if not 0 <= self.poisson <= 0.5:
+            raise DataError(f"poisson = {self.poisson!r}; expected 0 to 0.5")
+
+    @property
+    def radius(self) -> float:
+        """Of the middle of the wall, m."""
+        return (self.outer - self.wall) / 2
+
+    # one way to be loaded, whatever its plates
+    def _factor(self, mode: Mode, bonded: bool) -> float:  # noqa: ARG002
+        bending = self.length * self.wall**3 / (12 * (1 - self.poisson**2))
+        return float(bending / ((np.pi / 4 - 2 / np.pi) * self.radius**3))
+
+
+_THIN = 0.3
 
 
 def _lengths(shape: Geometry, *names: str) -> None:

@@ -9,7 +9,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.options import option
 from dashpot.base.units import si
 from dashpot.records.fit import Fit
-from dashpot.solids.part import Block, Bush, Disc, Geometry, Mode
+from dashpot.solids.part import Block, Bulb, Bush, Disc, Geometry, Mode
 from dashpot.vibration.systems.prediction import geometry_factor
 
 
@@ -23,6 +23,9 @@ class PartChoices:
     disc: str | None = option(None, "Diameter and height of a pad, e.g. 20mm,20mm.")
     block: str | None = option(None, "Length, width and height of a pad, e.g. 30mm,20mm,10mm.")
     bush: str | None = option(None, "Inner and outer diameter and length, e.g. 12mm,30mm,40mm.")
+    bulb: str | None = option(
+        None, "Outer diameter, wall and length of a hollow seal, e.g. 22mm,2mm,100mm."
+    )
     mode: str | None = option(None, "How the shape is loaded.", choices=get_args(Mode))
     lubricated: bool = option(False, "The plates are lubricated, not bonded.", is_flag=True)
     resonance: float | None = option(
@@ -42,14 +45,14 @@ class PartChoices:
         """
         given = [
             flag
-            for flag in ("disc", "block", "bush", "resonance")
+            for flag in ("disc", "block", "bush", "bulb", "resonance")
             if getattr(self, flag) is not None
         ]
         if not given:
             if self != PartChoices():
                 raise DataError(
                     "--mode, --lubricated and --resonance-mass belong to a shape (--disc, --block, "
-                    "--bush) or to a --resonance; add one, or leave them out"
+                    "--bush, --bulb) or to a --resonance; add one, or leave them out"
                 )
             return fit
         if len(given) > 1:
@@ -78,7 +81,9 @@ class PartChoices:
         return fit.as_part(factor / seals)
 
 
-_SHAPES: dict[str, type[Disc | Block | Bush]] = {"disc": Disc, "block": Block, "bush": Bush}
+_SHAPES: dict[str, type[Disc | Block | Bush | Bulb]] = {
+    "disc": Disc, "block": Block, "bush": Bush, "bulb": Bulb,
+}  # fmt: skip
 
 
 @overload
@@ -96,7 +101,7 @@ def pad(flag: str, lengths: str | None) -> Geometry:
         If there are too few or too many, or one is no length > 0.
     """
     kind = _SHAPES[flag]
-    names = [one.name for one in fields(kind)]
+    names = [one.name for one in fields(kind) if not one.kw_only]
     words = str(lengths).split(",")
     if len(words) != len(names):
         raise DataError(
