@@ -63,6 +63,21 @@ def test_overload_is_noted(tmp_path: Path) -> None:
     ]
 
 
+def test_little_of_the_range_is_noted(tmp_path: Path) -> None:
+    cal(tmp_path / "a.cal", version="1.1")
+    found = read_calibration(tmp_path / "a.cal")
+    # the paper's seal: 2.117728 N are 3 % of the range
+    assert found.small(np.full((6, 3), 2.117728), "Fz") == [
+        (
+            "Fz reaches 3 % of its range 70 N: what its maker states as a part of the range is 33 "
+            "times that part of this load"
+        )
+    ]
+    assert found.small(np.full((6, 3), 3.49), "Fz")
+    assert not found.small(np.full((6, 3), 3.51), "Fz")
+    assert not found.small(np.zeros((6, 3)), "Fz")
+
+
 def test_bad_calibrations(tmp_path: Path) -> None:
     path = tmp_path / "a.cal"
     for content, words in [

@@ -19,6 +19,8 @@ from dashpot.io.table import Column, Loaded, Table
 
 AXES = ("Fx", "Fy", "Fz", "Tx", "Ty", "Tz")
 _NEAR = 0.9
+_LITTLE = 0.05
+"""Part of a range of which its maker's error, a hundredth of the range, is a fifth and more."""
 _LARGEST = 1 << 20
 _GAUGE = re.compile(r"(?:\b|_)(?:sg|g|gauge|gage|ch|ai|v|volt|voltage)[\s_]{0,9}(\d)\b", re.I)
 _REST = 0.02
@@ -60,6 +62,20 @@ class Calibration(ByValue):
             f"{'N' if axis[0] == 'F' else 'N m'}: a transducer may saturate before its limit"
             for axis, part, limit in zip(AXES, share, self.limit, strict=True)
             if part > _NEAR
+        ]
+
+    def small(self, load: FloatArray, axis: str) -> list[str]:
+        """Say if an axis uses little of its range."""
+        at = AXES.index(axis)
+        limit, most = float(self.limit[at]), float(np.abs(load[at]).max())
+        if not 0 < most < _LITTLE * limit:
+            return []
+        return [
+            (
+                f"{axis} reaches {100 * most / limit:.2g} % of its range {limit:g} "
+                f"{'N' if axis[0] == 'F' else 'N m'}: what its maker states as a part of the range is "
+                f"{limit / most:.0f} times that part of this load"
+            )
         ]
 
 
@@ -200,7 +216,10 @@ def _loads(calibration: Calibration, volts: FloatArray, axis: str) -> tuple[Floa
         f"({calibration.part}, {calibration.date}); the median of the first {rest} rows is "
         "taken as unloaded and subtracted in volts"
     )
-    return loads, [says, *(calibration.overload(loads[:, known]) if known.any() else [])]
+    if not known.any():
+        return loads, [says]
+    whole = loads[:, known]
+    return loads, [says, *calibration.overload(whole), *calibration.small(whole, axis)]
 
 
 def _gauges(table: Table) -> tuple[list[int], float]:
