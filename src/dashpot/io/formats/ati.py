@@ -70,13 +70,10 @@ class Calibration(ByValue):
         limit, most = float(self.limit[at]), float(np.abs(load[at]).max())
         if not 0 < most < _LITTLE * limit:
             return []
-        return [
-            (
-                f"{axis} reaches {100 * most / limit:.2g} % of its range {limit:g} "
-                f"{'N' if axis[0] == 'F' else 'N m'}: what its maker states as a part of the range is "
-                f"{limit / most:.0f} times that part of this load"
-            )
-        ]
+        unit = "N" if axis[0] == "F" else "N m"
+        used = f"{axis} reaches {100 * most / limit:.2g} % of its range {limit:g} {unit}"
+        times = f"{limit / most:.0f} times that part of this load"
+        return [f"{used}: what its maker states as a part of the range is {times}"]
 
 
 def read_calibration(path: str | Path) -> Calibration:
