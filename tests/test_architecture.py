@@ -48,6 +48,14 @@ def test_import_loads_nothing_heavy():
     assert not modules_after("import dashpot; dashpot.GeneralizedMaxwell") & HEAVY
 
 
+def test_no_lazy_name_is_that_of_its_module():
+    """Where it is, whoever imports the module first puts it in the name's place."""
+    for stub in (ROOT / "src").rglob("__init__.pyi"):
+        offered = re.findall(r"^from \.(\S*) import (\w+)", stub.read_text("utf-8"), re.MULTILINE)
+        rooms = {path.stem for path in stub.parent.iterdir()} - {"__init__"}
+        assert not {name for module, name in offered if module and name in rooms}, stub
+
+
 def test_what_a_noun_offers_is_found_by_its_name_and_in_one_way():
     """A room that names one above it does so through `verb`; such names are no imports."""
     offered = {}

@@ -55,7 +55,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "vibration/impact/checks.py:mass_over_base": ("impact", *MEASURED),
     "vibration/impact/shaken.py": ("impact", *MEASURED),
     "workflow/measured_modes.py": ("modes",),
-    "workflow/modes_by_mass.py": ("modes",),
+    "workflow/under_masses.py": ("modes",),
     "export/": ("export",),
     "report/answer.py": ("export",),
     "workflow/fits.py": ("fit",),

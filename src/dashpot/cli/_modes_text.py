@@ -11,7 +11,7 @@ from dashpot.cli._text import hertz, table, with_error
 
 if TYPE_CHECKING:
     from dashpot.workflow.measured_modes import MeasuredModes
-    from dashpot.workflow.modes_by_mass import ModesByMass
+    from dashpot.workflow.under_masses import ModesByMass
 
 
 def modes(found: MeasuredModes) -> Text:

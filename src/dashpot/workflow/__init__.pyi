@@ -26,12 +26,13 @@ from .inspections import Inspections as Inspections
 from .inspections import inspect_files as inspect_files
 from .job import HammerChoices as HammerChoices
 from .job import Job as Job
+from .json_files import read_exported as read_exported
+from .json_files import read_fit as read_fit
+from .json_files import stored as stored
 from .levels import Levels as Levels
 from .levels import level_files as level_files
 from .measured_modes import MeasuredModes as MeasuredModes
 from .measured_modes import modes_files as modes_files
-from .modes_by_mass import ModesByMass as ModesByMass
-from .modes_by_mass import modes_by_mass as modes_by_mass
 from .predictions import Prediction as Prediction
 from .predictions import predict_files as predict_files
 from .project import create as create
@@ -42,8 +43,7 @@ from .resting import at_rest as at_rest
 from .rods import Rod as Rod
 from .rods import RodChoices as RodChoices
 from .rods import rod_files as rod_files
-from .stored import read_exported as read_exported
-from .stored import read_fit as read_fit
-from .stored import stored as stored
 from .study import run as run
+from .under_masses import ModesByMass as ModesByMass
+from .under_masses import modes_by_mass as modes_by_mass
 from .verification import verify as verify

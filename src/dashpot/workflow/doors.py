@@ -36,7 +36,7 @@ from dashpot.solids.maxwell import Solid
 from dashpot.vibration.checks import compression_tested
 from dashpot.vibration.systems.bodies import Point
 from dashpot.vibration.systems.random_base import RandomResponse, random_response
-from dashpot.workflow.stored import read_fit, stored
+from dashpot.workflow.json_files import read_fit, stored
 
 __all__ = ["DoorResult", "door_file", "open_door"]
 
