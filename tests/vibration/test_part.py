@@ -271,6 +271,18 @@ class TestCommand:
         told = self.peak(dma, "--resonance", f"{light}Hz", "--resonance-mass", "150g", *mass)
         assert told == pytest.approx(expected, rel=0.01)
 
+    def test_a_peak_beyond_the_sweep_is_said_first(self, dma):
+        words = ["predict", dma, "--mass", "10g", "--resonance-mass", "10g", "--base"]
+        for hz, first in (("900Hz", "use"), ("1100Hz", "use with care")):
+            asked = [*words, "--resonance", hz, "--band", "100:2000Hz"]
+            told = CliRunner().invoke(main, [*asked, "--json"])
+            said = json.loads(told.stdout)["verdict"]
+            assert said["use"] == first
+            assert (
+                CliRunner().invoke(main, asked).stdout.startswith(f"{first}: {said['says'][:50]}")
+            )
+        assert said["because"][0] == "prediction_informed"
+
     @pytest.mark.parametrize(
         ("words", "says"),
         [

@@ -78,6 +78,48 @@ def test_the_stiffness_comes_back_and_its_errors_are_those_of_the_ratio():
     assert found.storage_mass == pytest.approx(0.01 * K.real, rel=1e-10)
 
 
+@pytest.mark.parametrize("kind", ["transmissibility", "accelerance"])
+def test_what_errors_do_to_storage_and_loss_factor(kind):
+    seal, mass, _ = SEALS["broad"]
+    f, d = np.array([5.0, 9.0, 11.0, 13.0, 16.0, 25.0]), 1e-6
+    known = dp.predict_frf(2 * seal, mass=mass, frequency=f, kind=kind)
+    whole = dp.dynamic_stiffness(known, mass, seals=2)
+    turned = replace(known, value=known.value * np.exp(1j * d))
+    moved = {
+        "phase": dp.dynamic_stiffness(turned, mass, seals=2),
+        "mass": dp.dynamic_stiffness(known, mass * (1 + d), seals=2),
+    }
+    for name, other in moved.items():
+        storage, loss = whole.changes(name, d)
+        assert storage / d == pytest.approx((other.storage / whole.storage - 1) / d, abs=1e-3)
+        assert loss / d == pytest.approx((other.loss_factor - whole.loss_factor) / d, abs=1e-3)
+
+
+def test_the_first_lines_say_what_a_degree_and_a_percent_do(tmp_path):
+    path, f = tmp_path / "base.csv", np.arange(5.0, 40.0, 0.1)
+    frf = noisy(2 * PAPER, PAPER_MASS, f)
+    write_frf(frf, path)
+    words = ["identify", str(path), "--seals", "2", "--arms", "1", "--mass"]
+
+    def direct(mass):
+        told = CliRunner().invoke(main, [*words, f"{1e3 * mass:.9g}g", "--json"])
+        return json.loads(told.stdout)["direct"]
+
+    one = direct(PAPER_MASS)
+    effect = {name: one["sensitivity"][name] for name in ("mass_1_percent", "phase_1_degree")}
+    heavier = np.array(direct(1.01 * PAPER_MASS)["stiffness"]) / one["stiffness"] - 1
+    assert effect["mass_1_percent"]["stiffness_relative"] == pytest.approx(heavier, abs=1e-7)
+    write_frf(replace(frf, value=frf.value * np.exp(1j * np.pi / 180)), path)
+    gained = np.array(direct(PAPER_MASS)["loss_factor"]) - one["loss_factor"]
+    near = (f > 11) & (f < 16)  # to first order, where a degree is little
+    got = np.array(effect["phase_1_degree"]["loss_factor"])
+    assert got[near] == pytest.approx(gained[near], rel=0.1, abs=2e-3)
+    head = CliRunner().invoke(main, [*words, "104g"]).stdout.splitlines()[:12]
+    said = "  1 degree of phase, 1 % of mass: change of the storage, %, and of the loss factor"
+    assert said in head
+    assert any("1 deg: %" in line for line in head)
+
+
 def test_one_degree_hides_the_loss_away_from_the_peak():
     mass = PAPER_MASS
     known = over_base("paper", np.array([5.0, 12.71, 30.0]))

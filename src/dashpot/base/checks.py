@@ -6,7 +6,7 @@ import operator
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from types import EllipsisType
-from typing import Generic, Literal, NamedTuple, ParamSpec, get_args
+from typing import Any, Generic, Literal, NamedTuple, ParamSpec, get_args
 
 from dashpot.base.numbers import spelled
 
@@ -79,6 +79,12 @@ class Verdict:
     use: Use
     says: str
     because: tuple[Check, ...] = ()
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """As every document of a result says it, the checks by their names."""
+        names = [check.name for check in self.because]
+        return {"use": self.use, "says": self.says, "because": names}
 
 
 def _others(count: int) -> str:

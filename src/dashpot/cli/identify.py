@@ -11,6 +11,7 @@ from dashpot import workflow
 from dashpot.base.checks import verdict
 from dashpot.cli import _options as options
 from dashpot.cli import _text
+from dashpot.cli._lines_text import sensitive
 from dashpot.cli._options import Quantity, Range, over_profile
 from dashpot.cli._shell import (
     File,
@@ -25,6 +26,8 @@ from dashpot.cli._shell import (
 from dashpot.cli._terminal import Text
 from dashpot.io.options import OF_BENCH, ReadOptions
 
+_ROWS = 3
+"""Lines of a transmissibility that are shown: both ends of its band, and between."""
 _A_DECK = ("--to", "nastran", "--units", "mm-t-s", "-o", "seal.bdf")
 
 
@@ -106,8 +109,12 @@ def command(
         seals=choices["seals"],
         compression=choices["compression"],
     )
-    lines, details = _text.fit(found)
-    text = Text([*lines, *([str(rests)] if str(rests) else [])], details)
+    (named, *lines), details = _text.fit(found)
+    first = [named]
+    if straight.over_base:
+        errors = ("phase", "mass")
+        first += sensitive(straight, errors=errors, unit="N/mm", scale=1e-3, shown=_ROWS)
+    text = Text([*first, *lines, *([str(rests)] if str(rests) else [])], details)
     checks = (*found.checks, *noted)
     return Outcome(
         found,

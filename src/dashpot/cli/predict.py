@@ -8,7 +8,6 @@ import click
 
 import dashpot as dp
 from dashpot import workflow
-from dashpot.base.checks import verdict
 from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._options import Range
@@ -104,7 +103,7 @@ def command(
         found.document,
         None if output == "-" else text,
         found.checks,
-        verdict=verdict(found.checks, sound=fitted.verdict.says),
+        verdict=found.verdict,
         follow=""
         if found.of_part
         else typed(

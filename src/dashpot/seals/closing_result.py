@@ -80,11 +80,7 @@ class ClosingResult:
                 "angle": done.angle.tolist(),
                 "kinetic": [_known(one) for one in done.kinetic[:, 0].tolist()],
             },
-            "verdict": {
-                "use": self.verdict.use,
-                "says": self.verdict.says,
-                "because": [check.name for check in self.verdict.because],
-            },
+            "verdict": self.verdict.document,
             "checks": [asdict(check) for check in self.checks],
             "source": [asdict(one) for one in self.sources],
         }  # fmt: skip

@@ -126,11 +126,7 @@ class DoorResult:
                 }
                 for one in self.shaken
             ],
-            "verdict": {
-                "use": self.verdict.use,
-                "says": self.verdict.says,
-                "because": [check.name for check in self.verdict.because],
-            },
+            "verdict": self.verdict.document,
             "checks": [asdict(check) for check in self.checks],
             "source": [asdict(one) for one in self.sources],
         }

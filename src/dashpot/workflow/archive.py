@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from dashpot.base.checks import Verdict
 from dashpot.base.errors import DataError, ReadError
 from dashpot.planning.plan import Plan
 from dashpot.records.alternative import Alternative
@@ -192,7 +191,7 @@ def _fit_contract(fit: Fit, plain: dict[str, Any]) -> dict[str, Any]:
         "status": plain["status"],
         "ok": fit.ok,
         "says": fit.status.value,
-        "verdict": _verdict(fit.verdict),
+        "verdict": fit.verdict.document,
         "model": _plain(fit.model),
         "solid": _solid(fit),
         "standard_error": _standard_error(fit),
@@ -218,14 +217,6 @@ def _solid(fit: Fit) -> dict[str, Any]:
         **{one.name: getattr(fit.solid, one.name) for one in fields(type(fit.solid))},  # type: ignore[arg-type]
         "standard_error": _numbers_or_null(error),
         "interval_95": _numbers_or_null(ends),
-    }
-
-
-def _verdict(found: Verdict) -> dict[str, Any]:
-    return {
-        "use": found.use,
-        "says": found.says,
-        "because": [check.name for check in found.because],
     }
 
 
@@ -263,7 +254,7 @@ def _standard_error(fit: Fit) -> dict[str, Any]:
 
 
 def _judged_contract(found: HyperelasticFit, plain: dict[str, Any]) -> dict[str, Any]:
-    return {"verdict": _verdict(found.verdict), **plain}
+    return {"verdict": found.verdict.document, **plain}
 
 
 def _comparison_contract(comparison: Comparison, plain: dict[str, Any]) -> dict[str, Any]:
@@ -285,11 +276,11 @@ def _comparison_contract(comparison: Comparison, plain: dict[str, Any]) -> dict[
             "ratio": predicted / measured if predicted and measured else None,
         },
     }
-    return {**_plain(found), "verdict": _verdict(comparison.verdict), **plain}
+    return {**_plain(found), "verdict": comparison.verdict.document, **plain}
 
 
 def _study_contract(study: Study, plain: dict[str, Any]) -> dict[str, Any]:
-    return {"verdict": _verdict(study.verdict), **plain}
+    return {"verdict": study.verdict.document, **plain}
 
 
 def _impact_contract(result: ImpactResult, plain: dict[str, Any]) -> dict[str, Any]:

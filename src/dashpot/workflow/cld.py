@@ -92,7 +92,6 @@ class Pieces:
     @property
     def document(self) -> dict[str, Any]:
         """``dashpot/cld@1``: SI units; a force also per 100 mm, where the length is known."""
-        judged = self.verdict
         return {
             "schema": "dashpot/cld@1",
             "unit": self.unit,
@@ -101,11 +100,7 @@ class Pieces:
             "capability": None if self.capability is None else asdict(self.capability),
             **({} if self.relaxed is None else {"relaxed": _law(self.relaxed)}),
             **({} if self.rate is None else {"rate": _rate(self.rate)}),
-            "verdict": {
-                "use": judged.use,
-                "says": judged.says,
-                "because": [check.name for check in judged.because],
-            },
+            "verdict": self.verdict.document,
             "checks": [asdict(check) for check in self.checks],
         }
 

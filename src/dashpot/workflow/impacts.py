@@ -22,7 +22,7 @@ from dashpot.records.frf import FRF, Mode
 from dashpot.records.machine import Machine
 from dashpot.records.specimen import Specimen
 from dashpot.vibration.comparison.comparison import Comparison
-from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness
+from dashpot.vibration.modal.dynamic_stiffness import DEGREE, DynamicStiffness
 from dashpot.vibration.systems.operating_point import operating_point
 from dashpot.vibration.systems.prediction import predict_frf
 from dashpot.workflow.job import HammerChoices, known_of_a_test
@@ -394,7 +394,16 @@ def direct_document(straight: DynamicStiffness) -> dict[str, Any]:
         "loss_factor_sd": straight.loss_factor_sd.tolist(),
         "stiffness_band_hz": [finite(end) for end in straight.storage_band],
         "loss_band_hz": [finite(end) for end in straight.loss_band],
+        "sensitivity": {
+            "phase_1_degree": _changes(straight, "phase", DEGREE),
+            "mass_1_percent": _changes(straight, "mass", 0.01),
+        },
     }
+
+
+def _changes(straight: DynamicStiffness, of: str, by: float) -> dict[str, list[float]]:
+    stiffness, loss_factor = straight.changes(of, by)
+    return {"stiffness_relative": stiffness.tolist(), "loss_factor": loss_factor.tolist()}
 
 
 def direct_table(straight: DynamicStiffness) -> str:

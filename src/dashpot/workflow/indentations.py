@@ -52,11 +52,7 @@ class Indentation:
             "touch": fit.touch,
             "noise": fit.noise,
             "residual": fit.residual,
-            "verdict": {
-                "use": self.verdict.use,
-                "says": self.verdict.says,
-                "because": [check.name for check in self.verdict.because],
-            },
+            "verdict": self.verdict.document,
             "checks": [asdict(check) for check in fit.checks],
             "source": None if fit.source is None else asdict(fit.source),
         }

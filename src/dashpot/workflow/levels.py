@@ -105,11 +105,7 @@ class Levels:
         known: dict[str, Any] = {
             "schema": "dashpot/levels@1",
             "amplitudes": list(fit.amplitudes),
-            "verdict": {
-                "use": self.verdict.use,
-                "says": self.verdict.says,
-                "because": [check.name for check in self.verdict.because],
-            },
+            "verdict": self.verdict.document,
             "checks": [asdict(check) for check in self.checks],
         }
         if isinstance(fit, HitLevels):

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.checks import Check
+from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import DataError
 from dashpot.fitting.temperature.checks import temperature_tested
 from dashpot.io.options import ReadOptions
@@ -60,7 +60,9 @@ class Prediction:
     limits : FRFBounds or None
         By both kinds of ignorance, if the relaxation record is at hand.
     checks : tuple of Check
-        Those of the fit, what the mass of the seals does, and whether the peak is informed.
+        Whether the peak is informed, those of the fit, and what the mass of the seals does.
+    verdict : Verdict
+        What to make of it.
     at_rest : AtRest
         Where the mass rests, and what secant and tangent make of it.
     document : dict
@@ -75,6 +77,7 @@ class Prediction:
     at_edge: bool
     limits: FRFBounds | None
     checks: tuple[Check, ...]
+    verdict: Verdict
     at_rest: AtRest
     document: dict[str, Any]
     of_part: bool = False
@@ -220,8 +223,11 @@ def predict_files(
     informed = [prediction_informed(felt, here.band)]
     if frf.kind is Kind.TRANSMISSIBILITY:
         informed.append(base_band_informed(band, felt, here.band))
-    checks = (*found.checks, *asked, noted, *rested, *informed, *told)
-    return Prediction(frf, modes, peak, at_edge, limits, checks, rests, document, of_part)
+    # a solid that is not known at the peak comes before what else its fit lacks
+    checks = (*informed, *found.checks, *asked, noted, *rested, *told)
+    judged = verdict(checks, sound=found.verdict.says)
+    document["verdict"] = judged.document
+    return Prediction(frf, modes, peak, at_edge, limits, checks, judged, rests, document, of_part)
 
 
 def _shaken(solid: Solid, base: BasePSD, *, mass: float, coupled: float) -> dict[str, Any]:

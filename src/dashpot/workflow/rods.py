@@ -114,7 +114,7 @@ class Rod:
     @property
     def document(self) -> dict[str, Any]:
         """``dashpot/rod@1``: SI units; each sensitivity as [real, imaginary] of d ln E*."""
-        of, judged = self.modulus, self.verdict
+        of = self.modulus
         return {
             "schema": "dashpot/rod@1",
             "shape": {"kind": type(self.part).__name__.lower(), **asdict(self.part)},
@@ -130,11 +130,7 @@ class Rod:
             "loss_factor_sd": of.loss_factor_sd.tolist(),
             "sensitivity": {name: _pairs(getattr(of, f"by_{name}")) for name in _ERRORS},
             "band": list(of.band) if of.usable.any() else None,
-            "verdict": {
-                "use": judged.use,
-                "says": judged.says,
-                "because": [check.name for check in judged.because],
-            },
+            "verdict": self.verdict.document,
             "checks": [asdict(check) for check in self.checks],
         }
 

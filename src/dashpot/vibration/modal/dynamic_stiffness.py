@@ -6,13 +6,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, ByValue, FloatArray, frozen
+from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray, frozen
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, Range, si, si_range
 from dashpot.records.frf import FRF, Kind
 from dashpot.vibration.checks import causal
 from dashpot.vibration.modal.peaks import find_peak, run_about
+from dashpot.vibration.modal.sensitivity import changed
 
 DEGREE = float(np.pi / 180)
 STORAGE_LIMIT, LOSS_LIMIT = 0.1, 0.3
@@ -35,10 +36,12 @@ class DynamicStiffness(ByValue):
     loss_factor : array, shape (n,)
     storage_random, loss_random : array, shape (n,)
         Standard deviation from the scatter of the FRF, N/m; 0 where that is unknown.
-    storage_mass : array, shape (n,)
-        What the error of the mass does to the storage stiffness, N/m.
-    storage_phase, loss_phase : array, shape (n,)
-        What a phase error between the channels does, N/m.
+    by_mass, by_phase : complex array, shape (n,)
+        What :math:`K^*` gains for a relative change of the mass, and for each rad by which the
+        motion leads the force, or the mass the base, N/m; what that does to storage and loss factor
+        is :meth:`changes`.
+    over_base : bool
+        It was a transmissibility.
     mass, mass_sd : float
         kg.
     phase_sd : float
@@ -57,15 +60,42 @@ class DynamicStiffness(ByValue):
     loss_factor: FloatArray
     storage_random: FloatArray
     loss_random: FloatArray
-    storage_mass: FloatArray
-    storage_phase: FloatArray
-    loss_phase: FloatArray
+    by_mass: ComplexArray
+    by_phase: ComplexArray
+    over_base: bool
     mass: float
     mass_sd: float
     phase_sd: float
     storage_band: tuple[float, float]
     loss_band: tuple[float, float]
     checks: tuple[Check, ...]
+
+    @property
+    def storage_mass(self) -> FloatArray:
+        """What the error of the mass does to the storage stiffness, N/m."""
+        return np.asarray(self.mass_sd / self.mass * np.abs(self.by_mass.real))
+
+    @property
+    def storage_phase(self) -> FloatArray:
+        """What a phase error between the channels does to it, N/m."""
+        return np.asarray(self.phase_sd * np.abs(self.by_phase.real))
+
+    @property
+    def loss_phase(self) -> FloatArray:
+        """What that does to the loss stiffness, N/m."""
+        return np.asarray(self.phase_sd * np.abs(self.by_phase.imag))
+
+    def changes(self, of: str, by: float) -> tuple[FloatArray, FloatArray]:
+        """Relative change of the storage, and change of the loss factor, by an error of `of`."""
+        whole = self.storage + 1j * self.loss
+        slope: ComplexArray = getattr(self, f"by_{of}") / whole
+        return changed(by * slope, self.loss_factor)
+
+    @property
+    def usable(self) -> BoolArray:
+        """The lines in both bands."""
+        f, (low, high), (least, most) = self.frequency, self.storage_band, self.loss_band
+        return np.asarray((f >= low) & (f >= least) & (f <= high) & (f <= most))
 
     @property
     def storage_sd(self) -> FloatArray:
@@ -146,9 +176,9 @@ def dynamic_stiffness(
     s, value, scatter = measured.s, measured.value, measured.random_sd
     raw = s**2 / value
     K = (raw - mass * s**2) / seals
-    phase, of_mass = raw / seals, mass_sd * s.imag**2 / seals
+    by_phase, by_mass = -1j * raw / seals, -mass * s**2 / seals
     if over_base:  # the phase is that of T = 1 - m A, and the stiffness proportional to the mass
-        phase, of_mass = phase * (1 / (mass * value) - 1), mass_sd / mass * np.abs(K.real)
+        by_phase, by_mass = by_phase * (1 - 1 / (mass * value)), K
     random = np.zeros(len(s)) if scatter is None else scatter * np.abs(raw / value) / seals
     arrays = {
         "frequency": measured.frequency,
@@ -158,12 +188,12 @@ def dynamic_stiffness(
         "loss_factor": K.imag / K.real,
         "storage_random": random,
         "loss_random": random,
-        "storage_mass": of_mass,
-        "storage_phase": phase_sd * np.abs(phase.imag),
-        "loss_phase": phase_sd * np.abs(phase.real),
+        "by_mass": by_mass,
+        "by_phase": by_phase,
     }
     found = DynamicStiffness(
         **{name: frozen(values) for name, values in arrays.items()},
+        over_base=over_base,
         mass=float(mass),
         mass_sd=float(mass_sd),
         phase_sd=float(phase_sd),

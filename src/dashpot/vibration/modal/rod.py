@@ -27,6 +27,7 @@ from dashpot.base.units import Quantity, Range, si, si_range
 from dashpot.records.frf import FRF, Kind
 from dashpot.solids.part import Block, Disc
 from dashpot.vibration.modal.checks import rod_usable, sensors_agree, waves_plane
+from dashpot.vibration.modal.sensitivity import changed
 
 _ROUNDS = 50
 _CLOSE = 1e-13
@@ -107,9 +108,8 @@ class RodModulus(ByValue):
 
     def changes(self, of: str, by: float) -> tuple[FloatArray, FloatArray]:
         """Relative change of the storage, and change of the loss factor, by an error of `of`."""
-        slope = by * np.asarray(getattr(self, f"by_{of}"))
-        loss = self.loss_factor
-        return np.asarray(slope.real - loss * slope.imag), np.asarray(slope.imag * (1 + loss**2))
+        slope: ComplexArray = getattr(self, f"by_{of}")
+        return changed(by * slope, self.loss_factor)
 
     def only(self, lines: BoolArray | IndexArray) -> RodModulus:
         """The same at some of its lines."""

@@ -1,0 +1,77 @@
+"""Storage and loss factor line by line as text, with what small errors of the test make of them."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
+from dashpot.cli._text import rounded, table, with_error
+
+ERRORS = {
+    "phase": ("1 deg", "1 degree of phase", float(np.pi / 180)),
+    "gain": ("1 %", "1 % of gain", 0.01),
+    "mass": ("1 %", "1 % of mass", 0.01),
+}
+"""Heading, words and size of each."""
+
+
+class Measured(Protocol):
+    """Storage and loss factor against frequency, such as a rod's modulus or a seal's stiffness."""
+
+    @property
+    def frequency(self) -> FloatArray: ...
+    @property
+    def storage(self) -> FloatArray: ...
+    @property
+    def loss_factor(self) -> FloatArray: ...
+    @property
+    def storage_sd(self) -> FloatArray: ...
+    @property
+    def loss_factor_sd(self) -> FloatArray: ...
+    @property
+    def usable(self) -> BoolArray: ...
+    def changes(self, of: str, by: float) -> tuple[FloatArray, FloatArray]: ...
+
+
+def sensitive(
+    of: Measured, *, errors: tuple[str, ...], unit: str, scale: float, shown: int
+) -> list[str]:
+    """Return `shown` lines of the usable band, or of all where none is usable, and the errors.
+
+    Parameters
+    ----------
+    of : Measured
+    errors : tuple of str
+        Which of :data:`ERRORS` are told.
+    unit, scale
+        Of the storage as it is shown.
+    shown : int
+    """
+    told = [(ERRORS[name], of.changes(name, ERRORS[name][2])) for name in errors]
+    rows = [["Hz", f"storage, {unit}", "loss factor"]]
+    for (heading, _, _), _ in told:
+        rows[0] += [f"{heading}: %", "loss factor"]
+    for i in _spread(of, shown):
+        row = [
+            rounded(float(of.frequency[i])),
+            with_error(scale * float(of.storage[i]), scale * float(of.storage_sd[i])),
+            with_error(float(of.loss_factor[i]), float(of.loss_factor_sd[i])),
+        ]
+        for _, (storage, loss) in told:
+            row += [f"{100 * storage[i]:+.2f}", f"{loss[i]:+.4f}"]
+        rows.append(row)
+    words = ", ".join(ERRORS[name][1] for name in errors)
+    return [*table(rows), f"  {words}: change of the storage, %, and of the loss factor"]
+
+
+def _spread(of: Measured, shown: int) -> IndexArray:
+    """Lines at even ratios over the usable band."""
+    lines = np.flatnonzero(of.usable if of.usable.any() else np.isfinite(of.frequency))
+    if shown >= len(lines):
+        return lines
+    f = of.frequency[lines]
+    low, high = float(f[0]), float(f[-1])
+    asked = np.geomspace(low, high, shown)
+    return np.unique(lines[np.abs(f[:, None] - asked).argmin(axis=0)])
