@@ -14,9 +14,10 @@ from dashpot.base.errors import DashpotError, DataError
 from dashpot.cli import main
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.readers.psd import read_psd
-from dashpot.io.write import frf_uff, write_frf
+from dashpot.io.write import frf_uff, write_frf, write_relaxation
+from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER, PAPER_MASS
-from dashpot.vibration.systems.random_base import random_base
+from dashpot.vibration.systems.random_base import random_base, random_limits
 from dashpot.workflow.measured import judged
 
 pytestmark = pytest.mark.once
@@ -543,6 +544,70 @@ class TestRandomBase:
         white = CliRunner().invoke(main, [*words, "--base-psd", f"1{unit}"])
         flat = random_base(2 * PAPER, mass=PAPER_MASS, psd=scale)
         assert f"feels {flat.acceleration:.4g} m/s^2 rms" in " ".join(white.output.split())
+
+    def test_the_limits_hold_what_the_test_cannot_see(self, tmp_path):
+        """An arm of 2 ms, unseen: the shaken mass feels a third at its peak, more above it."""
+        seal = dp.GeneralizedMaxwell(
+            PAPER.k_inf, (*PAPER.k, PAPER.k_inf), (*PAPER.tau, 2e-3), PAPER.b
+        )
+        record, fit, psd = (tmp_path / name for name in ("seal.csv", "fit.json", "psd.csv"))
+        for seed in (1, 2):
+            write_relaxation(simulate_relaxation(seal, seed=seed).test, record)
+            run = CliRunner().invoke
+            assert run(main, ["fit", str(record), "-o", str(fit), "--overwrite"]).exit_code == 0
+            on = ["predict", str(fit), "--mass", f"{1e3 * PAPER_MASS}g", "--seals", "2"]
+            for ends in ((5.0, 60.0), (30.0, 300.0)):
+                psd.write_text("f [Hz],S [m^2/s^3]\n" + "".join(f"{f},1\n" for f in ends))
+                words = [*on, "--base-psd", str(psd), "--json"]
+                alone = json.loads(run(main, words).stdout)["random"]
+                said = json.loads(run(main, [*words, "--with", str(record)]).stdout)["random"]
+                limits = said.pop("limits")
+                assert said == alone
+                assert limits.pop("band_hz") == list(ends)
+                truth = random_base(2 * seal, mass=PAPER_MASS, psd=[1.0, 1.0], frequency=ends)
+                for name, (low, high) in limits.items():
+                    assert low < getattr(truth, name) < high < 10 * low
+                    assert low <= said[name] <= high
+                # the point alone is wrong: too much where it resonates, too little above
+                assert (said["acceleration"] > truth.acceleration) == (ends[0] < 12)
+                assert abs(said["acceleration"] / truth.acceleration - 1) > 0.1
+
+    def test_limits_of_white_noise_say_which_part_they_count(self, bench):
+        seal, fit = bench
+        words = ["predict", str(fit), "--mass", "114.8g", "--seals", "2", "--with", str(seal)]
+        told = CliRunner().invoke(main, [*words, "--base-psd", "1m^2/s^3"]).output
+        said = r"allows [\d.]+ to [\d.]+ m/s\^2 rms and [\d.]+ to [\d.]+ mm rms, to the noise from"
+        assert re.search(said, " ".join(told.split()))
+
+    @pytest.mark.parametrize("coupled", [0.0, 3e-3])
+    def test_limits_without_width_are_the_value(self, coupled):
+        """The lines of limits lie apart; what stands between them is within their straight line."""
+        table = {"psd": [1.0, 0.2], "frequency": [5.0, 60.0]}
+        on = {"mass": BROAD_MASS, "coupled": coupled}
+
+        def known(f, kind):
+            w = 2 * np.pi * f
+            K = 2 * BROAD.complex_stiffness(w)
+            top = K + coupled * w**2 if kind == "transmissibility" else w**2
+            return np.abs(np.array([top, top]) / (K - BROAD_MASS * w**2))
+
+        value = random_base(2 * BROAD, **on, **table)
+        limits = random_limits(2 * BROAD, known, **on, **table)
+        for name in ("acceleration", "stretch"):
+            low, high = getattr(limits, name)
+            assert low <= getattr(value, name) <= high
+            assert high == pytest.approx(low, rel=1e-3)
+
+    def test_a_line_that_nothing_limits_leaves_no_limit_where_the_base_shakes(self):
+        def known(f, kind):
+            return np.array([0 * f, np.where(f > 20, np.inf, 1e3)])
+
+        on = {"mass": BROAD_MASS, "frequency": [5.0, 10.0, 10.001, 60.0]}
+        still = random_limits(2 * BROAD, known, psd=[1.0, 1.0, 0.0, 0.0], **on)
+        assert still.acceleration[1] == pytest.approx(1e3 * np.sqrt(5), rel=1e-2)
+        shaken = random_limits(2 * BROAD, known, psd=[1.0] * 4, **on)
+        assert shaken.acceleration == (0.0, np.inf)
+        assert shaken.stretch == (0.0, np.inf)
 
     @pytest.mark.parametrize(
         ("header", "says"),

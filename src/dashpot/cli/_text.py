@@ -400,7 +400,7 @@ def prediction(found: Prediction, *, mass: float, seals: float) -> Text:
         lines.append(f"  above {isolated:.5g} Hz the mass moves less than its base")
     shaken = found.document.get("random")
     if shaken is not None:
-        lines.append(f"  {_shaken(shaken)}")
+        lines += _shaken(shaken)
     if found.at_edge:
         lines.append(f"  that is the end of the band, and no peak{_wider(found.modes)}")
     for mode in found.modes:
@@ -413,14 +413,29 @@ def prediction(found: Prediction, *, mass: float, seals: float) -> Text:
     return Text(lines)
 
 
-def _shaken(found: Mapping[str, Any]) -> str:
-    """What a base that shakes at random does."""
+def _shaken(found: Mapping[str, Any]) -> list[str]:
+    """What a base that shakes at random does, and at most."""
     band, stretch = found["band_hz"], 1e3 * found["stretch"]
     reach = "" if band is None else f" ({band[0]:.4g} to {band[1]:.4g} Hz)"
-    return (
-        f"shaken by {found['of']}{reach} the mass feels {found['acceleration']:.4g} m/s^2 rms and "
-        f"the seals move {stretch:.4g} mm rms, {found['crossings']:.4g} times a second"
+    does = (
+        f"  shaken by {found['of']}{reach} the mass feels {found['acceleration']:.4g} m/s^2 rms "
+        f"and the seals move {stretch:.4g} mm rms, {found['crossings']:.4g} times a second"
     )
+    lines = [does]
+    if (limits := found.get("limits")) is not None:
+        felt, moved = _reach(limits["acceleration"]), _reach(limits["stretch"], 1e3)
+        low, high = limits["band_hz"]
+        part = "" if band is not None else f", to the noise from {low:.4g} to {high:.4g} Hz"
+        lines.append(f"  the relaxation test allows {felt} m/s^2 rms and {moved} mm rms{part}")
+    return lines
+
+
+def _reach(ends: Sequence[float | None], unit: float = 1.0) -> str:
+    """Between which limits something lies; from the lower one on where nothing else limits it."""
+    low, high = ends
+    if low is None or high is None:
+        return f"{unit * (low or 0.0):.4g} to unlimited"
+    return f"{unit * low:.4g} to {unit * high:.4g}"
 
 
 def _wider(modes: Iterable[Mode]) -> str:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +29,7 @@ from dashpot.vibration.systems.prediction import (
     moving_mass,
     predict_frf,
 )
-from dashpot.vibration.systems.random_base import random_base
+from dashpot.vibration.systems.random_base import random_base, random_limits
 from dashpot.workflow.checks import base_band_informed, prediction_informed
 from dashpot.workflow.job import known_of_a_test
 from dashpot.workflow.part import PartChoices
@@ -163,23 +164,23 @@ def predict_files(
     frf = answer(np.linspace(*band, lines))
     modes = model_modes(solid, moving)
     rival = rival_modes(here, rests.point, mass=moving, seals=seals)
-    limits = None
+    limits = bounded = None
     if records:
         tests = prepared_files(records, machine=machine, options=options)
         refuse_others(tests, found)
         tests = at_their_temperatures(tests, found)
         about = np.linspace(max(frf.frequency[0], 1e-3), frf.frequency[-1], LIMIT_LINES)
-        limits = frf_limits(
+        bounded = partial(
+            frf_limits,
             found,
             tests,
             rests.point,
             mass=moving,
-            frequency=about,
             seals=seals,
             temperature=temperature,
-            kind=_bounded(frf),
             coupled=coupled,
         )
+        limits = bounded(frequency=about, kind=_bounded(frf))
     top = int(np.abs(frf.value).argmax())
     low, high = frf.frequency[max(top - 1, 0)], frf.frequency[min(top + 1, len(frf.value) - 1)]
     fine = answer(np.linspace(low, high, 2001))
@@ -209,7 +210,9 @@ def predict_files(
     }
     if frf.kind is Kind.TRANSMISSIBILITY:
         if base_psd is not None:
-            document["random"] = _shaken(solid, read_psd(base_psd), mass=moving, coupled=coupled)
+            document["random"] = _shaken(
+                solid, read_psd(base_psd), bounded, mass=moving, coupled=coupled
+            )
         document["isolation_hz"] = isolation_frequency(solid, moving - coupled)
     # what the test must inform is the resonance, inside the band or not
     felt = modes[0].frequency if at_edge and modes else peak[0]
@@ -230,17 +233,28 @@ def predict_files(
     return Prediction(frf, modes, peak, at_edge, limits, checks, judged, rests, document, of_part)
 
 
-def _shaken(solid: Solid, base: BasePSD, *, mass: float, coupled: float) -> dict[str, Any]:
-    """Standard deviations over a base that shakes at random, and of what."""
-    found = random_base(
-        solid, mass=mass, psd=base.density, frequency=base.frequency, coupled=coupled
-    )
+def _shaken(
+    solid: Solid,
+    base: BasePSD,
+    bounded: Callable[..., FRFBounds] | None,
+    *,
+    mass: float,
+    coupled: float,
+) -> dict[str, Any]:
+    """Standard deviations over a base that shakes at random, of what, and between which limits."""
     f = base.frequency
-    return {
-        **asdict(found),
+    shaken: dict[str, Any] = {"mass": mass, "psd": base.density, "frequency": f, "coupled": coupled}
+    document = {
+        **asdict(random_base(solid, **shaken)),
         "of": "white noise" if f is None else base.source[0].file,
         "band_hz": None if f is None else [float(f[0]), float(f[-1])],
     }
+    if bounded is not None:
+        limits = random_limits(
+            solid, lambda at, kind: bounded(frequency=at, kind=kind).unseen, **shaken
+        )
+        document["limits"] = {name: _or_null(ends) for name, ends in asdict(limits).items()}
+    return document
 
 
 def _listed(modes: Iterable[Mode]) -> list[dict[str, float]]:

@@ -2,7 +2,7 @@ r"""Bodies whose base shakes at random."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy.typing as npt
 from dashpot.base.arrays import ComplexArray, FloatArray, increasing, same_length, samples
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
-from dashpot.records.frf import Mode
+from dashpot.records.frf import Kind, Mode
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.systems.bodies import MOTIONS, Mount, Point, Vector, point_mass, unit_vector
 from dashpot.vibration.systems.complex_modes import ComplexMode, complex_modes
@@ -30,6 +30,10 @@ _FOLLOWS = 1e-9
 """Stretch of a spring per motion of a ground that takes all bodies along: rounding."""
 _ABOUT = 60.0
 """Half-power widths to either side of a resonance that are laid out finely."""
+_LIMIT_LINES = 201
+"""Lines of limits over a table, and as many about each resonance."""
+_WHITE = (1e-3, 1e3)
+"""Times the relaxed natural frequency: what of white noise has limits."""
 
 
 @dataclass(frozen=True)
@@ -49,6 +53,25 @@ class RandomResponse:
     acceleration: float
     stretch: float
     crossings: float
+
+
+@dataclass(frozen=True)
+class RandomLimits:
+    """Between which limits the standard deviations over a base lie; infinite if nothing limits.
+
+    Attributes
+    ----------
+    acceleration : (float, float)
+        Of the mass, m/s^2.
+    stretch : (float, float)
+        Of the solid, m.
+    band_hz : (float, float)
+        Of the noise that the upper limits count: all of a table, of white noise a part.
+    """
+
+    acceleration: tuple[float, float]
+    stretch: tuple[float, float]
+    band_hz: tuple[float, float]
 
 
 def random_base(
@@ -106,6 +129,58 @@ def random_base(
         return random_response(system, response="mass.z", psd=psd)
     f, table = _table(frequency, psd)
     return _tabled(model, kilograms, f, table, coupled)
+
+
+def random_limits(
+    model: Solid,
+    limits: Callable[[FloatArray, Kind], FloatArray],
+    *,
+    mass: float,
+    psd: float | npt.ArrayLike,
+    frequency: npt.ArrayLike | None = None,
+    coupled: float = 0.0,
+) -> RandomLimits:
+    r"""Limits of :func:`random_base` from those of the response, line by line.
+
+    .. math:: \int |T|_{low}^2 S\,df \le \sigma_a^2 \le \int |T|_{high}^2 S\,df
+
+    and so for the stretch, :math:`(m + m_c) |A| / \omega^2` per acceleration of the base. No one
+    solid need be at the limit of every line: these are wider than those of the integral.
+
+    Parameters
+    ----------
+    model : Solid
+        Of the point value, which lies within.
+    limits : callable
+        Lowest and highest magnitude, shape (2, n), at lines, Hz, of the transmissibility and of
+        the accelerance, 1/kg.
+    mass, psd, frequency, coupled
+        As in :func:`random_base`.
+    """
+    if frequency is None:
+        relaxed = np.sqrt(model.k_inf / mass) / (2 * np.pi)
+        f, table = _table(np.array(_WHITE) * relaxed, np.array([psd, psd], dtype=float))
+    else:
+        f, table = _table(frequency, psd)
+    modes = model_modes(model, mass)
+    at, lines = _lines(f, modes), _lines(f[[0, -1]], modes, _LIMIT_LINES)
+    S = _density(at, f, table)
+    carried, relative = _over_base(model, mass, 2 * np.pi * at, coupled)
+    per_force = limits(lines, Kind.ACCELERANCE) / (2 * np.pi * lines) ** 2
+
+    def reach(ends: FloatArray, own: ComplexArray) -> tuple[float, float]:
+        low, high = (np.interp(at, lines, row) for row in ends)
+        # beside a line that nothing limits, the straight line to it is no number
+        high = np.nan_to_num(np.maximum(high, np.abs(own)), nan=np.inf, posinf=np.inf)
+        powers = [np.minimum(low, np.abs(own)), np.where(S > 0, high, 0.0)]
+        small, large = (float(np.sqrt(np.trapezoid(each**2 * S, at))) for each in powers)
+        return small, large
+
+    return RandomLimits(
+        reach(limits(lines, Kind.TRANSMISSIBILITY), carried),
+        reach((mass + coupled) * per_force, relative),
+        (float(f[0]), float(f[-1])),
+    )
 
 
 def random_response(
@@ -242,19 +317,26 @@ def _tabled(
     model: Solid, mass: float, f: FloatArray, table: FloatArray, coupled: float
 ) -> RandomResponse:
     at = _lines(f, model_modes(model, mass))
-    w = 2 * np.pi * at
+    return _integrated(
+        at, _density(at, f, table), *_over_base(model, mass, 2 * np.pi * at, coupled)
+    )
+
+
+def _over_base(
+    model: Solid, mass: float, w: FloatArray, coupled: float
+) -> tuple[ComplexArray, ComplexArray]:
+    """Transmissibility, and stretch per acceleration of the base, s^2."""
     K = model.complex_stiffness(w)
     felt = 1 / (K - mass * w**2)
-    relative = (mass + coupled) * felt  # stretch per acceleration of the base
-    return _integrated(at, _density(at, f, table), (K + coupled * w**2) * felt, relative)
+    return (K + coupled * w**2) * felt, (mass + coupled) * felt
 
 
-def _lines(f: FloatArray, modes: Sequence[Mode | ComplexMode]) -> FloatArray:
+def _lines(f: FloatArray, modes: Sequence[Mode | ComplexMode], count: int = _LINES) -> FloatArray:
     """Frequencies over a table, dense about the resonances."""
-    grids = [np.geomspace(f[0], f[-1], _LINES), f]
+    grids = [np.geomspace(f[0], f[-1], count), f]
     for mode in modes:
         width = mode.frequency * max(mode.damping_ratio, 1e-6)
-        away = width * np.sinh(np.linspace(0, np.arcsinh(_ABOUT), _LINES // 2))
+        away = width * np.sinh(np.linspace(0, np.arcsinh(_ABOUT), count // 2))
         grids += [mode.frequency + away, mode.frequency - away]
     at = np.unique(np.concatenate(grids))
     return np.asarray(at[(at >= f[0]) & (at <= f[-1])])
