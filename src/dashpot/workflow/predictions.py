@@ -226,8 +226,9 @@ def predict_files(
     informed = [prediction_informed(felt, here.band)]
     if frf.kind is Kind.TRANSMISSIBILITY:
         informed.append(base_band_informed(band, felt, here.band))
-    # a solid that is not known at the peak comes before what else its fit lacks
-    checks = (*informed, *found.checks, *asked, noted, *rested, *told)
+    # a mass in a wrong unit first; then a solid that is not known at the peak, before what else
+    # its fit lacks
+    checks = (*rested, *informed, *found.checks, *asked, noted, *told)
     judged = verdict(checks, sound=found.verdict.says)
     document["verdict"] = judged.document
     return Prediction(frf, modes, peak, at_edge, limits, checks, judged, rests, document, of_part)
