@@ -66,10 +66,12 @@ def _least(found: Closing) -> str:
         return "  it closes by itself"
     known = ""
     if found.interval is not None:
-        low, high = (
-            rounded(one, digits=3) if math.isfinite(one) else "no speed" for one in found.interval
+        low, high = (rounded(one, digits=3) for one in found.interval)
+        known = (
+            f"; {low} to {high} as far as the test knows its seal"
+            if math.isfinite(found.interval[1])
+            else f"; {low} or more: its test does not limit how stiff the seal is so fast"
         )
-        known = f"; {low} to {high} as far as the test knows its seal"
     return f"  least speed that closes it: {rounded(found.minimum)} m/s{known}"
 
 

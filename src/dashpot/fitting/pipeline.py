@@ -251,6 +251,7 @@ def assembled(
     end_of_hold: EndOfHold | None = None,
     creep: CreepEstimate | None = None,
     alternative: Alternative | None = None,
+    delays: Sequence[float] = (),
 ) -> Fit:
     """Return the fit that a chosen number of arms makes.
 
@@ -270,6 +271,8 @@ def assembled(
     end_of_hold : EndOfHold or None
     creep : CreepEstimate or None
     alternative : Alternative or None
+    delays : sequence of float
+        What was known of the delay of each test: its standard deviation, s.
     """
     data, estimate = found.data, found.estimate
     checks = (optimum_found(stationary=_stationary(found.solution)), *checks)
@@ -284,7 +287,7 @@ def assembled(
             residual=_residual(estimate),
             # where another spectrum leaves half as much, what is left is no noise
             profiles=found.profiles(in_order_of_time=data.in_time and best.gap < _MISFIT),
-            nuisance=_nuisance(estimate, tests=tests),
+            nuisance=_nuisance(estimate, tests=tests, delays=delays),
         ),
         evidence=Evidence(
             band=band,
@@ -446,14 +449,16 @@ def _nuisance_name(name: str, tests: int) -> str:
     return f"{kind} of test {int(test) + 1}" if tests > 1 else kind
 
 
-def _nuisance(estimate: Estimate, *, tests: int) -> tuple[Nuisance, ...]:
+def _nuisance(estimate: Estimate, *, tests: int, delays: Sequence[float]) -> tuple[Nuisance, ...]:
     """Return offset, drift and delay of each relaxation test."""
+    known = {f"delay@{i}": sd for i, sd in enumerate(delays)}
     return tuple(
         Nuisance(
             name=_nuisance_name(name, tests),
             value=estimate.solution.coefficient(name),
             standard_error=estimate.standard_error(name),
             unit=unit,
+            prior_sd=known.get(name),
         )
         for name, unit in _nuisances(estimate.solution)
     )

@@ -36,7 +36,7 @@ from dashpot.fitting.nonlinear_ramp import checks as ramp_checks
 from dashpot.fitting.nonlinear_ramp.assembly import ramp_fit
 from dashpot.fitting.nonlinear_ramp.ladder import LawName, ramp_law
 from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw
-from dashpot.fitting.nuisance import material, priors
+from dashpot.fitting.nuisance import delay_prior, material, priors
 from dashpot.fitting.pipeline import Chosen, asked_arms, assembled, chosen_arms, point_estimate
 from dashpot.fitting.questions import Residuals, solid_checks
 from dashpot.fitting.repeats import refuse_copies
@@ -297,6 +297,7 @@ def _assembled(
         elastic_law=ElasticLaw.linear(found.model.k_inf, deepest.depth),
         end_of_hold=end,
         alternative=other,
+        delays=[delay_prior(record).sd for record in records],
     )
 
 

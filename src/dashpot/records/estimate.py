@@ -118,12 +118,16 @@ class Profile(ByValue):
 
 @dataclass(frozen=True)
 class Nuisance:
-    """A parameter the fit needed and the user did not ask for: tare, drift, gain, delay, mass."""
+    """A parameter the fit needed and the user did not ask for: tare, drift, gain, delay, mass.
+
+    `prior_sd` is its standard deviation before the fit, where that is on record.
+    """
 
     name: str
     value: float
     standard_error: float
     unit: str
+    prior_sd: float | None = None
 
 
 @dataclass(frozen=True, eq=False)

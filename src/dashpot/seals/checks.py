@@ -144,10 +144,10 @@ def closing_informed(
     factor = 1 / (4 * seconds) / band[1]
     speeds = ""
     if known is not None:
-        speeds = (
-            f"; with what its clocks leave open for faster arms, the least speed is "
-            f"{known[0]:.3g} to {known[1]:.3g} m/s"
-        )
+        ends = f"{known[0]:.3g} to {known[1]:.3g} m/s"
+        if math.isinf(known[1]):
+            ends = f"{known[0]:.3g} m/s or more"
+        speeds = f"; with what its test leaves open for faster arms, the least speed is {ends}"
     return Finding(
         f"the door presses its seal in {1e3 * seconds:.3g} ms, as slowly as its test informs",
         factor,

@@ -108,36 +108,59 @@ class SealDoubt:
     relative : float
         Half width of the 95 % interval of its instantaneous stiffness, of that stiffness.
     delay : float
-        By how much the clocks of force and displacement are not known to agree in its test, s: so
-        long, times the stiffness, is the dashpot that arms faster than its ramp may hide as.
+        By how much the force may lead the displacement for arms faster than the ramp of its test,
+        s: so long, times the stiffness, is the dashpot that they may hide as. inf where the test
+        does not limit it.
+    highest : float
+        To which frequency it informs, Hz: what is slower hides nothing.
     """
 
     relative: float = 0.0
     delay: float = 0.0
+    highest: float = 0.0
 
     @classmethod
     def of(cls, fit: Fit) -> SealDoubt:
-        """What a fit leaves open: its covariance, and the delay between its clocks."""
+        """What a fit leaves open: its covariance, and arms that look like a lead of the force.
+
+        A fast arm and clocks that differ are one column of the fit: the lead that was found may be
+        all of the arms', and more by as much as the clocks may hide. A hold alone, a bent ramp and
+        a sweep limit neither.
+        """
         names = fit.estimate.parameters
         stiff = np.array([name.startswith("k_") for name in names], dtype=float)
         variance = float(stiff @ fit.covariance @ stiff)
         k_0 = fit.model.k_0
-        late = [one.standard_error for one in fit.nuisance if one.name == "delay"]
+        law = fit.elastic_law
+        straight = law is not None and law.kind == "linear"
+        leads = [
+            max(_95 * float(np.hypot(one.standard_error, one.prior_sd)) - one.value, 0.0)
+            for one in fit.nuisance
+            if straight and one.name.startswith("delay") and one.prior_sd is not None
+        ]
         return cls(
             _95 * float(np.sqrt(max(variance, 0.0))) / k_0 if k_0 > 0 else 0.0,
-            _95 * max((one for one in late if np.isfinite(one)), default=0.0),
+            # every test is of the same arms
+            min((one for one in leads if np.isfinite(one)), default=float("inf")),
+            fit.band[1],
         )
 
-    def sections(self, section: SealSection) -> tuple[SealSection, SealSection]:
-        """The softest and the hardest seal that is left open."""
+    def sections(
+        self, section: SealSection, frequency: float
+    ) -> tuple[SealSection, SealSection | None]:
+        """The softest and the hardest seal that is left open at a frequency, Hz.
+
+        The hardest is None where nothing limits it.
+        """
         solid = section.solid.maxwell
-        hidden = GeneralizedMaxwell(0.0, b=self.delay * solid.k_0) if self.delay else None
-        soft = solid * max(1 - self.relative, 1e-6)
+        soft = replace(section, solid=solid * max(1 - self.relative, 1e-6))
         hard = solid * (1 + self.relative)
-        return (
-            replace(section, solid=soft),
-            replace(section, solid=hard if hidden is None else hard + hidden),
-        )
+        if frequency <= self.highest or self.delay == 0:
+            return soft, replace(section, solid=hard)
+        if not np.isfinite(self.delay):
+            return soft, None
+        hidden = GeneralizedMaxwell(0.0, b=self.delay * solid.k_0)
+        return soft, replace(section, solid=hard + hidden)
 
 
 @dataclass(frozen=True)
@@ -212,6 +235,11 @@ class Closing:
         begun = int(np.searchsorted(work, 0.1 * work[-1]))
         return self.seconds - float(self.march.time[begun, 0])
 
+    @property
+    def frequency(self) -> float:
+        """Of a quarter of a period as long as that, Hz."""
+        return 1 / (4 * self.sealing) if self.sealing > 0 else float("inf")
+
     def share(self, name: str) -> Share:
         """The term of that name, of no work if it is not there."""
         return next((one for one in self.terms if one.name == name), Share(name, 0.0, 0.0, 0.0))
@@ -253,24 +281,23 @@ def close_door(
     moving = door if isinstance(door, ClosingDoor) else closing_door(door, line)
     done = march(moving, np.array([v]), steps=steps)
     minimum = float(least_speed(moving, steps=steps)[0])
+    terms = tuple(_shares(done))
+    found = Closing(moving, v, done, terms, minimum, None, True, None)
     interval = None
     if doubt is not None:
-        soft, hard = (
-            float(least_speed(replace(moving, section=one), steps=steps)[0])
-            for one in doubt.sections(moving.section)
+        low, high = (
+            float("inf")
+            if one is None
+            else float(least_speed(replace(moving, section=one), steps=steps)[0])
+            for one in doubt.sections(moving.section, found.frequency)
         )
-        interval = soft, hard
-    return Closing(
-        moving,
-        v,
-        done,
-        tuple(_shares(done)),
-        minimum,
-        interval,
-        _faster_close(moving, minimum),
-        None
-        if moving.setup.variation is None
-        else scattered(moving, moving.setup.variation, minimum),
+        interval = low, high
+    variation = moving.setup.variation
+    return replace(
+        found,
+        interval=interval,
+        monotone=_faster_close(moving, minimum),
+        scatter=None if variation is None else scattered(moving, variation, minimum),
     )
 
 
