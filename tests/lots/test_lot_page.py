@@ -70,6 +70,16 @@ def test_simulated_tests_are_stamped(lot):
     assert "SIMULATED: one file<" in html(some)
 
 
+def test_a_quantity_that_no_seal_has_is_no_column(lot):
+    stray = lot.table["file"].str.contains("junk")
+    pressed = pl.when(stray).then(2.0)
+    beside = replace(lot, table=lot.table.with_columns(cld_force_N=pressed))
+    assert "cld_force" in {one.name for one in beside.quantities}
+    heads = re.findall(r'<th scope="col" class="n">([^<]*)', html(beside))
+    assert "stiffness at once, N/mm" in heads
+    assert not [one for one in heads if one.startswith("force at nominal")]
+
+
 def test_without_labels_every_test_is_a_point(lot):
     nothing = lot.table["lot"].str.slice(0, 0)
     page = html(replace(lot, table=lot.table.with_columns(lot=nothing, seal=nothing)))

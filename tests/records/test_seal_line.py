@@ -57,7 +57,7 @@ def test_a_section_is_what_was_tested_over_its_length():
     assert SealSection.of(fit, length="50mm").solid.k_inf == pytest.approx(20 * fit.solid.k_inf)
     slope = (section.force(x + 1e-7) - section.force(x - 1e-7))[1:3] / 2e-7
     assert slope == pytest.approx(section.solid.k_inf * section.factor(x[1:3]), rel=1e-6)
-    with pytest.raises(DataError, match="has a length of None m"):
+    with pytest.raises(DataError, match="was tested is not known"):
         SealSection.of(altered(fit, specimen=Specimen()))
 
 

@@ -13,7 +13,7 @@ import click
 
 import dashpot as dp
 from dashpot.base.errors import DataError
-from dashpot.base.numbers import counted as counted_of
+from dashpot.base.numbers import counted
 from dashpot.base.progress import doing
 from dashpot.cli import _options as options
 from dashpot.cli._options import over_profile
@@ -193,18 +193,18 @@ def outcome(job: BatchJob, lot: dp.Lot) -> Outcome:
 
 
 def _told(document: dict[str, Any]) -> list[str]:
-    def counted(counts: dict[str, int]) -> str:
+    def tallied(counts: dict[str, int]) -> str:
         return ", ".join(f"{count} {name}" for name, count in counts.items())
 
     there = document["files"] - document["computed"]
     lines = [
-        f"files       {document['files']}: {counted(document['outcomes'])}",
+        f"files       {document['files']}: {tallied(document['outcomes'])}",
         f"computed    {document['computed']} now, {there} were there",
     ]
     judged = {"verdicts": document["verdicts"], "hammers": document["agreements"]}
     if document["simulated"]:
-        lines.append(f"SIMULATED   {counted_of(document['simulated'], 'file')}, by the virtual rig")
-    return [*lines, *(f"{name:<12}{counted(found)}" for name, found in judged.items() if found)]
+        lines.append(f"SIMULATED   {counted(document['simulated'], 'file')}, by the virtual rig")
+    return [*lines, *(f"{name:<12}{tallied(found)}" for name, found in judged.items() if found)]
 
 
 def _others(lot: dp.Lot) -> list[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from importlib import resources
@@ -55,6 +55,7 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
     style = f"{tokens.css()}\n{_part('lot.css')}"
     said = verdict(found.checks, sound="every file is a test whose fit may be used")
     main = found.main
+    further = _further(lot, main)
     asked = () if main.limits is None else main.limits.ends
     return str(
         environment("dashpot.lots")
@@ -86,8 +87,8 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
             gauge=_gauge(main),
             flags=found.flags,
             signals=list(_signals(main)),
-            heads=_heads(lot, main),
-            seals=_seals(lot, found),
+            heads=[one for one, _ in further],
+            seals=_seals(found, further),
             judged=bool(main.judged),
             tests=_tests(lot, main.quantity),
             marks=_MARKS,
@@ -255,19 +256,25 @@ def _lots(main: OfQuantity) -> list[tuple[str, ...]]:
     return rows
 
 
-def _heads(lot: Lot, main: OfQuantity) -> list[Quantity]:
-    """The further quantities of the table of seals."""
-    told = (main.quantity.name, "k_inf", "E_inf")
-    return [
-        one
+def _further(lot: Lot, main: OfQuantity) -> list[tuple[Quantity, Mapping[tuple[str, str], str]]]:
+    """The further quantities of the table of seals, each with the means that any of them has."""
+    told, there = (
+        (main.quantity.name, "k_inf", "E_inf"),
+        {(one.lot, one.name) for one in main.seals},
+    )
+    found = [
+        (one, {(seal.lot, seal.name): one.shown(seal.mean) for seal in lot.seals(one.name)})
         for one in lot.quantities
         if one.name not in told and not one.name.startswith("loss_at_")
     ]
+    return [(one, means) for one, means in found if not there.isdisjoint(means)]
 
 
-def _seals(lot: Lot, found: Summary) -> list[dict[str, Any]]:
+def _seals(
+    found: Summary, further: Sequence[tuple[Quantity, Mapping[tuple[str, str], str]]]
+) -> list[dict[str, Any]]:
     """Every seal, the gravest first: what fails, what is to be looked at, the others in order."""
-    main, means = found.main, _means(lot, found.main)
+    main = found.main
     decisions: dict[tuple[str, str], Judged] = {(one.lot, one.seal): one for one in main.judged}
     why = defaultdict(list)
     for flag in found.flags:
@@ -295,17 +302,10 @@ def _seals(lot: Lot, found: Summary) -> list[dict[str, Any]]:
             "lot": seal.lot, "name": seal.name, "tests": len(seal.files), "word": word or "ok",
             "value": main.quantity.shown(seal.mean) if tested else "",
             "sd": main.quantity.shown(seal.deviation, digits=2) if tested else "",
-            "more": [one.get(key, "") for one in means],
+            "more": [means.get(key, "") for _, means in further],
             "why": "; ".join(said), "rank": (_GRAVITY.get(word, 3 if said else 4)),
         })  # fmt: skip
     return sorted(rows, key=lambda row: row["rank"])
-
-
-def _means(lot: Lot, main: OfQuantity) -> list[Mapping[tuple[str, str], str]]:
-    return [
-        {(seal.lot, seal.name): one.shown(seal.mean) for seal in lot.seals(one.name)}
-        for one in _heads(lot, main)
-    ]
 
 
 def _tests(lot: Lot, quantity: Quantity) -> list[dict[str, str]]:

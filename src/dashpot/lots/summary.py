@@ -12,7 +12,7 @@ import numpy as np
 from dashpot.base.capability import Capability
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
-from dashpot.base.numbers import ascii_only
+from dashpot.base.numbers import ascii_only, counted
 from dashpot.lots.checks import (
     asked_in_band,
     capability_as_asked,
@@ -282,12 +282,12 @@ def _lines(one: OfQuantity) -> Iterator[str]:
         return ascii_only(one.quantity.read(value))
 
     signals = sum(len(chart.means.signals) for chart in one.charts.values())
-    lots = len({seal.lot for seal in one.seals})
+    lots = counted(len({seal.lot for seal in one.seals}), "lot")
     if len(one.seals) < 2:
         return
     mean = float(np.mean([seal.mean for seal in one.seals]))
     yield (
-        f"{one.quantity.words}: mean {shown(mean)} of {len(one.seals)} seals in {lots} lots, "
+        f"{one.quantity.words}: mean {shown(mean)} of {len(one.seals)} seals in {lots}, "
         f"{signals} signals of control charts"
     )
     if one.gauge is not None:

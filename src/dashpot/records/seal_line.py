@@ -66,9 +66,11 @@ class SealSection:
             raise DataError(f"the fit is of a material, in {here.unit}: a seal line needs a part's")
         metres = here.specimen.length if length is None else si(length, "length")
         if metres is None or not (np.isfinite(metres) and metres > 0):
+            said = "is not known" if metres is None else f"is {metres!r} m"
             raise DataError(
-                f"the piece of seal that was tested has a length of {metres!r} m; expected a "
-                "length > 0, for example 100mm, of which the stiffness of a metre follows"
+                f"the length of the piece of seal that was tested {said}; expected one > 0, of "
+                'which the stiffness of a metre follows: length = "100mm" in [seal] '
+                "(Python: length=)"
             )
         law = here.elastic_law
         own = None if law is None or law.kind == "linear" else law * (1 / metres)
