@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -267,3 +268,11 @@ def test_a_bumper_of_a_fit_stands_beside_the_latch(folder):
     document = found(folder, "[seal]", bumper)
     names = [share["name"] for share in document["modes"][0]["shares"]]
     assert names == ["hinge 1", "hinge 2", "latch", "bumper", "seal"]
+
+
+def test_a_seal_of_whose_test_nothing_informs_a_mode_is_said_in_json_too(folder):
+    fit = dp.from_json((folder / "fit.json").read_text())
+    evidence = replace(fit.evidence, band=(0.0, 0.0))
+    (folder / "fit.json").write_text(dp.to_json(replace(fit, evidence=evidence)))
+    check = of(found(folder), "door_modes_informed")
+    assert (check["passed"], check["value"]) == (False, "Infinity")

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from types import EllipsisType
 from typing import Any, Generic, Literal, NamedTuple, ParamSpec, get_args
 
-from dashpot.base.numbers import spelled
+from dashpot.base.numbers import json_number, spelled
 
 P = ParamSpec("P")
 
@@ -55,6 +55,14 @@ class Check:
     value: float | None = None
     limit: float | None = None
     grade: Grade = "limit"
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """As every document says it."""
+        numbers = {"value": self.value, "limit": self.limit}
+        return asdict(self) | {
+            name: None if one is None else json_number(one) for name, one in numbers.items()
+        }
 
     @property
     def failed(self) -> bool:

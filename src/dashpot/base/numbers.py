@@ -125,6 +125,17 @@ def duration(seconds: float) -> str:
     return f"{rounded(seconds)} s"
 
 
+def json_number(value: float) -> float | str:
+    """A number as JSON may hold it: one that is not finite by its name.
+
+    >>> [json_number(float(word)) for word in ("1.5", "inf", "-inf", "nan")]
+    [1.5, 'Infinity', '-Infinity', 'NaN']
+    """
+    if math.isfinite(value):
+        return value
+    return "NaN" if math.isnan(value) else "Infinity" if value > 0 else "-Infinity"
+
+
 def counted(number: int, what: str) -> str:
     """So many of a thing, as a sentence says it.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import asdict
 
 import click
 
@@ -36,7 +35,7 @@ def command(*, project: str, expect: str | None) -> Outcome:
         "project": project,
         "ok": not bad,
         "head": place.head,
-        "checks": [asdict(check) for check in checks],
+        "checks": [check.document for check in checks],
     }
     every = [
         f"  {'ok' if check.passed else '--'}  {check.says}" for check in checks if not check.failed

@@ -74,7 +74,7 @@ class LotComparison:
                 | asdict(one.difference)
                 for one in self.each
             ],
-            "checks": [asdict(one) for one in self.checks],
+            "checks": [one.document for one in self.checks],
         }  # fmt: skip
 
     def __str__(self) -> str:

@@ -130,7 +130,7 @@ class Summary:
             "statistics": [_plain(one) for one in self.each],
             "flags": [one._asdict() for one in self.flags],
             "unlike": [{"file": file, "says": says} for file, says in self.lot.unlike.items()],
-            "checks": [asdict(one) for one in self.checks],
+            "checks": [one.document for one in self.checks],
         }
 
 

@@ -81,7 +81,7 @@ class ClosingResult:
                 "kinetic": [_known(one) for one in done.kinetic[:, 0].tolist()],
             },
             "verdict": self.verdict.document,
-            "checks": [asdict(check) for check in self.checks],
+            "checks": [check.document for check in self.checks],
             "source": [asdict(one) for one in self.sources],
         }  # fmt: skip
 

@@ -127,7 +127,7 @@ class DoorResult:
                 for one in self.shaken
             ],
             "verdict": self.verdict.document,
-            "checks": [asdict(check) for check in self.checks],
+            "checks": [check.document for check in self.checks],
             "source": [asdict(one) for one in self.sources],
         }
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from dashpot.base.errors import DataError, ReadError
+from dashpot.base.numbers import json_number
 from dashpot.planning.plan import Plan
 from dashpot.records.alternative import Alternative
 from dashpot.records.creep import CreepCompliance, CreepTest, LoadHold
@@ -154,9 +155,7 @@ def _plain(value: Any) -> Any:
         return [_plain(item) for item in value]
     if isinstance(value, dict):
         return {str(key): _plain(item) for key, item in value.items()}
-    if isinstance(value, float) and not np.isfinite(value):
-        return "NaN" if np.isnan(value) else "Infinity" if value > 0 else "-Infinity"
-    return value
+    return json_number(value) if isinstance(value, float) else value
 
 
 def _model_contract(model: GeneralizedMaxwell, _plain_model: dict[str, Any]) -> dict[str, Any]:

@@ -101,7 +101,7 @@ class Pieces:
             **({} if self.relaxed is None else {"relaxed": _law(self.relaxed)}),
             **({} if self.rate is None else {"rate": _rate(self.rate)}),
             "verdict": self.verdict.document,
-            "checks": [asdict(check) for check in self.checks],
+            "checks": [check.document for check in self.checks],
         }
 
 
@@ -255,7 +255,7 @@ def _piece(one: CLD) -> dict[str, Any]:
         "nominal": _at(one, one.nominal),
         "most": _at(one, one.most),
         "cycles": [_cycle(cycle) for cycle in one.cycles],
-        "checks": [asdict(check) for check in one.checks],
+        "checks": [check.document for check in one.checks],
     }
 
 
@@ -318,5 +318,5 @@ def _rate(found: RateLaw) -> dict[str, Any]:
         ],
         "residual": found.residual,
         "bic_over_memory": found.bic,
-        "checks": [asdict(check) for check in found.checks],
+        "checks": [check.document for check in found.checks],
     }

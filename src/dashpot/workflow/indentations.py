@@ -53,7 +53,7 @@ class Indentation:
             "noise": fit.noise,
             "residual": fit.residual,
             "verdict": self.verdict.document,
-            "checks": [asdict(check) for check in fit.checks],
+            "checks": [check.document for check in fit.checks],
             "source": None if fit.source is None else asdict(fit.source),
         }
 

@@ -106,7 +106,7 @@ class Levels:
             "schema": "dashpot/levels@1",
             "amplitudes": list(fit.amplitudes),
             "verdict": self.verdict.document,
-            "checks": [asdict(check) for check in self.checks],
+            "checks": [check.document for check in self.checks],
         }
         if isinstance(fit, HitLevels):
             return known | fit.document | {"at": [asdict(one) for one in self.at]}

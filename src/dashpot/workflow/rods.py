@@ -131,7 +131,7 @@ class Rod:
             "sensitivity": {name: _pairs(getattr(of, f"by_{name}")) for name in _ERRORS},
             "band": list(of.band) if of.usable.any() else None,
             "verdict": self.verdict.document,
-            "checks": [asdict(check) for check in self.checks],
+            "checks": [check.document for check in self.checks],
         }
 
 

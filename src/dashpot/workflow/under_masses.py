@@ -55,7 +55,7 @@ class ModesByMass:
                 "arms": [{"k": float(k), "tau": float(tau)} for k, tau in arms],
             },
             "distance": found.distance,
-            "checks": [asdict(check) for check in self.checks],
+            "checks": [check.document for check in self.checks],
         }  # fmt: skip
 
 
