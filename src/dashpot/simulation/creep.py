@@ -7,12 +7,12 @@ from math import cos, exp, sin, sqrt
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray, sample_count, samples
+from dashpot.base.arrays import FloatArray, sample_count
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
 from dashpot.records.creep import CreepTest
 from dashpot.records.specimen import Specimen
-from dashpot.simulation.rig import Climate, Rig, in_steps
+from dashpot.simulation.rig import AtSamples, Climate, Rig, in_steps
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # a loop of more damping does not swing, and follows about as this one
@@ -20,7 +20,7 @@ _LARGEST_DAMPING = 0.999
 
 
 @dataclass(frozen=True, eq=False)
-class CreepTruth(ByValue):
+class CreepTruth(AtSamples):
     """What really happened on the virtual rig under force control.
 
     Attributes
@@ -50,10 +50,6 @@ class CreepTruth(ByValue):
     displacement: FloatArray
     force: FloatArray
     climate: Climate | None = None
-
-    def __post_init__(self) -> None:
-        for name in ("displacement", "force"):
-            object.__setattr__(self, name, samples(name, getattr(self, name)))
 
 
 @dataclass(frozen=True)

@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray, sample_count, samples
+from dashpot.base.arrays import FloatArray, sample_count
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.records.specimen import Specimen
 from dashpot.records.trajectory import Trajectory
 from dashpot.simulation.frames import setpoints
-from dashpot.simulation.rig import Climate, Rig, in_steps
+from dashpot.simulation.rig import AtSamples, Climate, Rig, in_steps
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 _CYCLES = 1.5
@@ -21,7 +21,7 @@ _PRESSED, _RELEASED = 0.5, 0.05
 
 
 @dataclass(frozen=True, eq=False)
-class MotionTruth(ByValue):
+class MotionTruth(AtSamples):
     """What really happened on the virtual rig under a motion.
 
     Attributes
@@ -43,10 +43,6 @@ class MotionTruth(ByValue):
     displacement: FloatArray
     force: FloatArray
     climate: Climate | None = None
-
-    def __post_init__(self) -> None:
-        for name in ("displacement", "force"):
-            object.__setattr__(self, name, samples(name, getattr(self, name)))
 
 
 @dataclass(frozen=True)

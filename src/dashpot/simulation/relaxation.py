@@ -6,17 +6,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray, samples
+from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.simulation.motion import simulate_path
-from dashpot.simulation.rig import Climate, Rig
+from dashpot.simulation.rig import AtSamples, Climate, Rig
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 
 @dataclass(frozen=True, eq=False)
-class RelaxationTruth(ByValue):
+class RelaxationTruth(AtSamples):
     """What really happened on the virtual rig.
 
     Attributes
@@ -51,10 +51,6 @@ class RelaxationTruth(ByValue):
     displacement: FloatArray
     force: FloatArray
     climate: Climate | None = None
-
-    def __post_init__(self) -> None:
-        for name in ("displacement", "force"):
-            object.__setattr__(self, name, samples(name, getattr(self, name)))
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from math import pi, tan
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
+from dashpot.base.arrays import ByValue, FloatArray, samples
 from dashpot.base.errors import DataError
 from dashpot.simulation.axis import Axis
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -136,6 +136,14 @@ class Rig:
         signal = signal + self.hum * np.sin(2 * pi * self.hum_frequency * time + hum_phase)
         shaking = np.sin(2 * pi * self.vibration_frequency * time + shake_phase)
         return np.asarray(signal + self.vibration * shaking)
+
+
+class AtSamples(ByValue):
+    """A truth that holds plate position and seal force at the samples of its record."""
+
+    def __post_init__(self) -> None:
+        for name in ("displacement", "force"):
+            object.__setattr__(self, name, samples(name, getattr(self, name)))
 
 
 @dataclass(frozen=True)

@@ -61,7 +61,8 @@ class Prediction:
     limits : FRFBounds or None
         By both kinds of ignorance, if the relaxation record is at hand.
     checks : tuple of Check
-        Whether the peak is informed, those of the fit, and what the mass of the seals does.
+        Where the mass rests, whether the peak is informed, those of the fit, and what the mass
+        of the seals does.
     verdict : Verdict
         What to make of it.
     at_rest : AtRest
