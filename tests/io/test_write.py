@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from kit.instruments import frf
 
-from dashpot.base.errors import ReadError
+from dashpot.base.errors import DataError, ReadError
 from dashpot.base.provenance import Source
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.frf import read_frf
@@ -84,6 +84,26 @@ def test_several_impact_files_are_records(tmp_path: Path) -> None:
         read_impact([])
     with pytest.raises(ReadError, match="holds hits, no loadings"):
         read_impact(paths[0], options=ReadOptions(cycle=2))
+
+
+@pytest.mark.parametrize(("rate", "one_set"), [(100.5, True), (102.0, False), (400.0, False)])
+def test_files_of_two_rates_are_no_one_test(tmp_path: Path, rate: float, one_set: bool) -> None:
+    # read at the rate of the first, hits of four times as many samples ring four times as slowly
+    signal = np.random.default_rng(1).normal(size=(2, 50))
+    paths = [tmp_path / "a.csv", tmp_path / "b.csv"]
+    for path, each, sign in zip(paths, (100.0, rate), (1, -1), strict=True):
+        time = np.arange(50) / each
+        write_impact(ImpactTest(time, sign * signal[0], signal[1:]), path)
+    if one_set:  # as 50 samples tell it
+        assert read_impact(paths).rate == pytest.approx(100)
+        return
+    with pytest.raises(ReadError, match=rf"b\.csv is sampled at {rate:g} Hz, but .*at 100 Hz"):
+        read_impact(paths)
+    clock = np.concatenate([np.arange(50) / 100, 10 + np.arange(50) / rate])
+    with pytest.raises(
+        DataError, match=f"begins at sample 50 is sampled at {rate:g} Hz, the first"
+    ):
+        ImpactTest(clock, np.tile(signal[0], 2), np.tile(signal[1:], 2), starts=(0, 50))
 
 
 def test_a_jump_of_the_clock_starts_a_record(tmp_path: Path) -> None:

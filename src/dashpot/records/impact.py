@@ -64,8 +64,16 @@ class ImpactTest(ByValue, Described):
         object.__setattr__(self, "acceleration", frozen(acceleration))
         object.__setattr__(self, "channels", tuple(names))
         object.__setattr__(self, "starts", starts)
-        for record in self.records():
+        first, *others = self.records()
+        _uniform(time[first])
+        for record in others:
             _uniform(time[record])
+            rate, samples = _rate(time[record]), len(time[record])
+            if not same_rate(self.rate, rate, min(samples, len(time[first]))):
+                raise DataError(
+                    f"the record that begins at sample {record.start} is sampled at {rate:.6g} Hz, "
+                    f"the first at {self.rate:.6g} Hz; expected one rate: give their hits apart"
+                )
 
     @property
     def described(self) -> tuple[str, ...]:
@@ -87,9 +95,17 @@ class ImpactTest(ByValue, Described):
 
     @property
     def rate(self) -> float:
-        """Sampling rate, Hz, from the first record."""
-        first = self.time[self.records()[0]]
-        return float((len(first) - 1) / (first[-1] - first[0]))
+        """Sampling rate, Hz, from the first record; the others have the same."""
+        return _rate(self.time[self.records()[0]])
+
+
+def same_rate(first: float, other: float, samples: int) -> bool:
+    """Whether two sampling rates are one, as far as so many samples tell: a thousandth, or more."""
+    return abs(other / first - 1) <= max(1e-3, 0.5 / (samples - 1))
+
+
+def _rate(time: FloatArray) -> float:
+    return float((len(time) - 1) / (time[-1] - time[0]))
 
 
 def _uniform(time: FloatArray) -> None:

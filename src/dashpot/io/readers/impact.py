@@ -16,7 +16,7 @@ from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels, checks, cleaning
 from dashpot.io.readers.channels import Channel, Opened
 from dashpot.io.table import Loaded
-from dashpot.records.impact import ImpactTest
+from dashpot.records.impact import ImpactTest, same_rate
 
 HITS = "hits, a hammer force and an acceleration, are"
 _RINGS_ON = 5.0
@@ -68,6 +68,11 @@ def hits_in(
             raise ReadError(
                 f"{path}: accelerations are {', '.join(test.channels)}, but {listed[0]} has "
                 f"{', '.join(names)}; give files of one set-up"
+            )
+        if not same_rate(tests[0].rate, test.rate, min(len(test.time), len(tests[0].time))):
+            raise ReadError(
+                f"{path} is sampled at {test.rate:.6g} Hz, but {listed[0]} at "
+                f"{tests[0].rate:.6g} Hz; give files of one rate together"
             )
     return _joined(tests)
 
