@@ -950,6 +950,7 @@ MODAL = [
     ),
     Case("points_share_modes", lambda x: modal.points_share_modes(sharing(x)), 0.2001, 0.1999),
     Case("rod_usable", whole(lambda n: modal.rod_usable(n, (10.0, 20.0))), 8, 7),
+    Case("mass_beside_rod", modal.mass_beside_rod, 99.9, 100.1),
     Case("waves_plane", lambda x: modal.waves_plane(x, 300.0), 0.0499, 0.0501),
     Case(
         "sensors_agree", lambda x: modal.sensors_agree(x / 100, 0.0, known=(0.01, 0.02)), 2.99, 3.01
@@ -1466,6 +1467,7 @@ LIMITS = {
     "vibration/modal": {
         "modes_stable": 5, "modes_explain_lines": 4, "points_share_modes": 0.2,
         "rod_usable": 8, "waves_plane": 0.05, "sensors_agree": 3,
+        "mass_beside_rod": 100,
     },
     "workflow": {
         "result_recomputed": 1e-7, "prediction_informed": 1, "level_covered": 1,

@@ -70,6 +70,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "fitting/cld/": ("cld",),
     "workflow/rods.py": ("rod",),
     "vibration/modal/checks.py:rod_usable": ("rod",),
+    "vibration/modal/checks.py:mass_beside_rod": ("rod",),
     "vibration/modal/checks.py:waves_plane": ("rod",),
     "vibration/modal/checks.py:sensors_agree": ("rod",),
     "workflow/part.py:pad": ("predict", "rod"),

@@ -121,6 +121,16 @@ def rod_usable(lines: int, band: tuple[float, float]) -> Finding:
     )
 
 
+@criterion("mass / rod", "<=", 100.0, "our choice: tests of rods have .5 to 50 (Kulik et al. 2009)")
+def mass_beside_rod(ratio: float) -> Finding:
+    """The mass is one that such a rod carries; no line shows modulus and mass too large alike."""
+    return Finding(
+        f"the mass is {ratio:.3g} times that of the rod",
+        ratio,
+        ": more than such tests have; is its unit right? The modulus is proportional to it",
+    )
+
+
 @criterion(
     "departure of T at rest / standard deviation", "<=", 3.0, "our choice: chance, once in 400"
 )

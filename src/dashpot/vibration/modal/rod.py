@@ -26,7 +26,12 @@ from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, Range, si, si_range
 from dashpot.records.frf import FRF, Kind
 from dashpot.solids.part import Block, Disc
-from dashpot.vibration.modal.checks import rod_usable, sensors_agree, waves_plane
+from dashpot.vibration.modal.checks import (
+    mass_beside_rod,
+    rod_usable,
+    sensors_agree,
+    waves_plane,
+)
 from dashpot.vibration.modal.sensitivity import changed
 
 _ROUNDS = 50
@@ -214,9 +219,8 @@ def rod_modulus(
     found = _judged(found, spread, response, np.abs(w) / part.height**2 * _across(part))
     gain, phase = _at_rest(found, measured, w, ratio) if over_base else (None, 0.0)
     known = max(errors.gain, _EXACT), max(errors.phase, _EXACT)
-    return replace(
-        found, checks=(*found.checks, *[sensors_agree(gain, phase, known=known)] * over_base)
-    )
+    beside = [sensors_agree(gain, phase, known=known)] if over_base else []
+    return replace(found, checks=(*found.checks, mass_beside_rod(ratio), *beside))
 
 
 def _judged(
