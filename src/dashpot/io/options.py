@@ -67,7 +67,7 @@ class ReadOptions:
     frequency, storage, loss, loss_factor, modulus, temperature : str or None
         So too, in a dynamic test or a relaxation modulus.
     real, imaginary, magnitude, phase, coherence : str or None
-        So too, in an FRF.
+        So too, in an FRF; in a dynamic test `magnitude` is the size of K*, `phase` its angle.
     hammer : str or None
         The force of an impact test; by default `force`.
     velocity : str or None
@@ -117,8 +117,8 @@ class ReadOptions:
     temperature: str | None = _column("Column of temperature.", flag="temperature-column")
     real: str | None = _column("Column of the real part of an FRF.")
     imaginary: str | None = _column("Column of its imaginary part.")
-    magnitude: str | None = _column("Column of the magnitude of an FRF.")
-    phase: str | None = _column("Column of its phase.")
+    magnitude: str | None = _column("Column of the magnitude of an FRF, or of the size of K*.")
+    phase: str | None = _column("Column of its phase, or of the loss angle.")
     coherence: str | None = _column("Column of its coherence.")
     units: Mapping[str, str] | tuple[tuple[str, str], ...] = option(
         (), 'E.g. "force=N,time=s".', metavar="ROLE=UNIT", section="units", multiple=True,
@@ -160,7 +160,7 @@ class ReadOptions:
     def unit_of(self, role: str, column: str) -> str | None:
         """The unit given for a column, by its name or by its role, or None."""
         given, name = self.by_name(), column.strip().casefold()
-        by_role = given.get(role, given.get("force") if role == "hammer" else None)
+        by_role = given.get(role, given.get(_ALSO.get(role, "")))
         # "force=N" speaks of the force, whichever column is it and whatever another is called
         return by_role if by_role and name in _FLAGS else given.get(name, by_role)
 
@@ -210,6 +210,8 @@ def _sections() -> dict[str, tuple[str, ...]]:
 
 _SECTIONS = _sections()
 _ASKED = {one.name: one.metadata for one in fields(ReadOptions)}
+_ALSO = {"hammer": "force", "complex_modulus": "magnitude", "loss_angle": "phase"}
+"""Roles whose unit may be given by another's name."""
 _FLAGS = {one.name: flag_of(one) for one in fields(ReadOptions)}
 
 

@@ -51,7 +51,7 @@ class ImpactTest(ByValue, Described):
         if len(names) != len(acceleration):
             raise DataError(f"{len(names)} channel names for {len(acceleration)} accelerations")
         for name, row in zip(names, acceleration, strict=True):
-            same_length(time=time, force=force, **{name: measured(name, row)})
+            same_length(time=time, force=force, **{f"channel {name}": measured(name, row)})
         if self.positions is not None and len(self.positions) != len(acceleration):
             raise DataError(
                 f"{len(self.positions)} positions for {len(acceleration)} accelerometers"

@@ -15,7 +15,7 @@ from dashpot.base import units
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.io.columns import vocabulary
-from dashpot.io.columns.roles import accelerations, find_column, score
+from dashpot.io.columns.roles import accelerations, find_column, option_of, score
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions, flag
 from dashpot.io.table import Table
@@ -72,7 +72,7 @@ class _NamedColumns:
     def has(self, *roles: Role, least: float = 1.5) -> bool:
         """Whether each role is named by the user, or suits a column that well."""
         return all(
-            getattr(self.options, role, None)
+            getattr(self.options, option_of(role), None)
             or any(score(column, role, self.options) >= least for column in self.table.columns)
             for role in roles
         )
@@ -84,9 +84,28 @@ class _NamedColumns:
         return bool(accelerations(self.table, (), self.options))
 
     def response(self) -> bool:
-        return self.has("frequency", "real", "imaginary") or self.has(
-            "frequency", "magnitude", "phase"
+        if self.has("frequency", "real", "imaginary"):
+            return True
+        return self.has("frequency", "magnitude", "phase") and not self.moved()
+
+    def moved(self) -> bool:
+        """Whether a dynamic stiffness is named, and what looks like a magnitude is the motion."""
+        columns, named = self.table.columns, self.options.magnitude
+        sizes = [c for c in columns if score(c, "complex_modulus", self.options) >= 2.5]
+        if named is not None:
+            return columns[find_column(columns, named, flag("magnitude"))] in sizes
+        return bool(sizes) and all(
+            c.unit and any(units.find(c.unit, one) for one in ("length", "strain", "force"))
+            for c in columns
+            if score(c, "magnitude", self.options) >= 1.5
         )
+
+    def swept(self) -> bool:
+        """Whether there is frequency, and a complex modulus in parts or by its size and angle."""
+        ratio = self.has("loss_factor") or self.has("loss_angle")
+        parts = self.has("storage") and (ratio or self.has("loss"))
+        polar = ratio and self.has("complex_modulus") and not self.has("coherence")
+        return self.has("frequency") and (parts or polar)
 
     def of_motions(self) -> bool:
         return of_motions(self.table)
@@ -127,7 +146,7 @@ _RULES: tuple[tuple[FileKind, str, Callable[[_NamedColumns], bool]], ...] = (
     (
         "dma",
         "it has frequency, storage and loss",
-        lambda s: s.has("storage", "frequency") and (s.has("loss") or s.has("loss_factor")),
+        _NamedColumns.swept,
     ),
     ("not-a-test", "it is a power spectral density, which has no phase", _NamedColumns.spectral),
     (

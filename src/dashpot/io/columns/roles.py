@@ -20,12 +20,12 @@ EXAMPLE = {
     "time": "s", "displacement": "mm", "force": "N", "acceleration": "m/s^2", "frequency": "Hz",
     "storage": "MPa", "loss": "MPa", "temperature": "degC", "modulus": "MPa", "hammer": "N",
     "phase": "deg", "velocity": "m/s", "creep_compliance": "1/MPa", "stress": "MPa", "strain": "%",
-    "stretch": "1",
+    "stretch": "1", "complex_modulus": "MPa", "loss_angle": "deg",
 }  # fmt: skip
 """What a role is measured in most often."""
 _OF_A_PART: dict[Role, Dimension] = {
     "storage": "stiffness", "loss": "stiffness", "modulus": "stiffness",
-    "creep_compliance": "compliance",
+    "creep_compliance": "compliance", "complex_modulus": "stiffness",
 }  # fmt: skip
 """What a role of a material measures on a part."""
 _LESS = (
@@ -60,6 +60,11 @@ class Assigned:
     rivals: tuple[int, ...] = ()
 
 
+def option_of(role: Role) -> str:
+    """The field of the options that names the column of a role."""
+    return {"complex_modulus": "magnitude", "loss_angle": "phase"}.get(role, role)
+
+
 def assign(table: Table, role: Role, options: ReadOptions) -> Assigned | Question:
     """Return the column that plays a role, or the question to ask.
 
@@ -68,7 +73,7 @@ def assign(table: Table, role: Role, options: ReadOptions) -> Assigned | Questio
     ReadError
         If the options name a column that is not there.
     """
-    asked = "force" if role == "hammer" and not options.hammer else role
+    asked = "force" if role == "hammer" and not options.hammer else option_of(role)
     named = getattr(options, asked, None)
     if named:
         index = find_column(table.columns, str(named), flag(asked))
@@ -84,9 +89,9 @@ def assign(table: Table, role: Role, options: ReadOptions) -> Assigned | Questio
         if not _same_numbers(table, equals, role, options):
             says = (
                 f"{listed} could each be the {_word(role)}; say which, for example "
-                f'{flag(role)} "{handle(table.columns, index)}"'
+                f'{flag(asked)} "{handle(table.columns, index)}"'
             )
-            return Question(says, f"{flag(role)} NAME", choices=len(equals))
+            return Question(says, f"{flag(asked)} NAME", choices=len(equals))
         reason = f"{listed} hold the same numbers"
     rest = tuple(i for _, i in others if i not in equals)
     return Assigned(role, index, reason, rest)
@@ -239,12 +244,13 @@ def _says(column: Column) -> bool:
 
 def _nothing(table: Table, role: Role) -> Question:
     """Ask for the column of a role that none was found for: a wrong label is worth naming."""
-    answer = f"{flag(role)} NAME"
+    option = flag(option_of(role))
+    answer = f"{option} NAME"
     for column in table.columns:
         if _is_mislabelled(column, role):
             return Question(mislabelled(column, role), answer)
     kind = f" (a unit of {DIMENSION[role]} would show it)" if role in DIMENSION else ""
-    example = f'{flag(role)} "{_example(table, role)}"'
+    example = f'{option} "{_example(table, role)}"'
     if role == "time":
         guess = "or --rate 1000Hz if the rows are evenly spaced in time"
         example += "; " + "; ".join(table.hints) if table.hints else f", {guess}"

@@ -15,7 +15,7 @@ Role: TypeAlias = Literal[
     "time", "displacement", "force", "acceleration", "frequency", "storage", "loss",
     "temperature", "real", "imaginary", "magnitude", "phase", "coherence", "stress", "strain",
     "modulus", "viscosity", "shear_rate", "voltage", "cycle", "velocity", "torque", "loss_factor",
-    "hammer", "creep_compliance", "stretch",
+    "hammer", "creep_compliance", "stretch", "complex_modulus", "loss_angle",
 ]  # fmt: skip
 
 DIMENSION: MappingProxyType[str, Dimension] = MappingProxyType({
@@ -23,7 +23,8 @@ DIMENSION: MappingProxyType[str, Dimension] = MappingProxyType({
     "frequency": "frequency", "storage": "stress", "loss": "stress", "temperature": "temperature",
     "stress": "stress", "strain": "strain", "modulus": "stress", "voltage": "voltage",
     "velocity": "velocity", "torque": "torque", "hammer": "force", "phase": "angle",
-    "creep_compliance": "material compliance", "stretch": "strain",
+    "creep_compliance": "material compliance", "stretch": "strain", "complex_modulus": "stress",
+    "loss_angle": "angle",
 })  # fmt: skip
 """The dimension of the unit that a role has."""
 
@@ -51,8 +52,10 @@ _FIRST: dict[Role, str] = {
         zachowawczy conservation 储能模量 貯蔵弾性率 estor gstor""",
     "loss": """verlustmodul e'' g'' e" g" e_loss g_loss k'' k" lossmodulus stratności perte
         损耗模量 損失弾性率 eloss gloss""",
-    "loss_factor": """tan_delta tandelta tanδ tan_d tand verlustfaktor loss_factor lossfactor
-        损耗因子 tan(delta) tan(d)""",
+    "loss_factor": """tan_delta tandelta tanδ tan_d tand tan_δ verlustfaktor loss_factor
+        lossfactor 损耗因子 tan(delta) tan(d)""",
+    "loss_angle": """loss_angle lossangle phase_angle phase_lag phase phasenwinkel verlustwinkel
+        delta δ""",
     "temperature": """temperature temp temperatur temperatura température sıcaklık lämpötila teplota
         hőmérséklet температура 温度 溫度 온도""",
     "real": "real re realteil",
@@ -159,6 +162,14 @@ def _lexicon(words: dict[Role, str]) -> MappingProxyType[str, tuple[Role, ...]]:
 
 FIRST = _lexicon(_FIRST)
 SECOND = _lexicon(_SECOND)
+_SIZE = re.compile(
+    r"(?<!\w)[ekg]\*|\|[ekg]\||(?<![a-z])[kc][ _]?dyn(?![a-z])"
+    r"|(?<![a-z])(?:dyn|complex|komplex|absolute)[^ '\"]{0,7} (?:[a-z]{1,12} )?"
+    r"(?:stiffness|steifigkeit|modulus|modul|federrate|spring rate)"
+)
+_NO_SIZE = re.compile(
+    r"storage|loss|speicher|verlust|real|imag|phase|angle|winkel|viscos|compliance|[ekg]['\"′″]"
+)
 _STEMS = tuple(
     (word, roles)
     for word, roles in FIRST.items()
@@ -190,6 +201,17 @@ def _roles(spelling: str) -> Iterator[tuple[Role, float]]:
             yield from ((role, 2.5) for role in roles)
 
 
+def says_size(name: str) -> bool:
+    """Whether a name says the size of a complex modulus or stiffness, and not a part of it.
+
+    >>> says_size("|K*|"), says_size("Dynamic stiffness"), says_size("Dynamic storage modulus")
+    (True, True, False)
+    """
+    text = unicodedata.normalize("NFKC", name).casefold().replace("_", " ").replace(".", " ")
+    text = re.sub(r" {2,}", " ", text)
+    return bool(_SIZE.search(text)) and not _NO_SIZE.search(text)
+
+
 @lru_cache(maxsize=4096)
 def matches(name: str) -> MappingProxyType[Role, float]:
     """How well a name says each role: 3 exactly, 2.5 as a part of a word, 1.5 perhaps."""
@@ -204,6 +226,12 @@ def matches(name: str) -> MappingProxyType[Role, float]:
                 scores[role] = max(value - less, scores.get(role, 0.0))
     if "force" in scores:
         scores["hammer"] = scores["force"]
+    if says_size(name):
+        scores["complex_modulus"] = 3.0
+    if found[:1] == ["tan"]:
+        scores.pop("loss_angle", None)
+    if {"loss_angle", "loss_factor"} & scores.keys() and scores.get("loss", 0.0) < 2.0:
+        scores.pop("loss", None)
     return MappingProxyType(scores)
 
 

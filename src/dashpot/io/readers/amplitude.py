@@ -13,7 +13,7 @@ from dashpot.io.columns.roles import Assigned, assign, list_columns
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels
-from dashpot.io.readers.dynamic import sweep_columns
+from dashpot.io.readers.dynamic import NAMED, parts_of, sweep_columns
 from dashpot.io.readers.stated import stated_specimen
 from dashpot.records.amplitude import AmplitudeSweep
 from dashpot.records.specimen import Specimen
@@ -43,7 +43,7 @@ def read_amplitude(
             file,
             ["strain-sweep", "one-frequency"],
             "an amplitude sweep is",
-            named=["storage"],
+            named=NAMED,
         )
         wanted, ratio = sweep_columns(file)
         named = amplitude_named(file.table, file.options)
@@ -56,13 +56,7 @@ def read_amplitude(
             )
         column, of = held[0]
         chosen = channels.with_units(file, [*wanted, column])
-        indexes = [c.index for c in chosen] + ([] if ratio is None else [ratio])
-        loaded = channels.load(file.table, indexes, file.options.segment)
-        rows, gaps = channels.whole_rows(loaded)
-        values = {c.role: channels.si(rows[:, j].copy(), c.unit) for j, c in enumerate(chosen)}
-        if ratio is not None:
-            percent = file.table.columns[ratio].unit == "%"
-            values["loss"] = values["storage"] * rows[:, -1] / (100 if percent else 1)
+        _, values, unit, notes = parts_of(file, chosen, ratio)
         amplitude = values[column.role]
         if not np.ptp(amplitude) > 0:
             raise ReadError(
@@ -70,17 +64,16 @@ def read_amplitude(
             )
         frequency = _tones(values["frequency"])
         _expect_one_temperature(frequency, amplitude, values.get("temperature"))
-        kinds = {c.role: c.unit.dimension for c in chosen}
         specimen, said = stated_specimen(file, specimen or Specimen())
         return AmplitudeSweep(
             frequency,
             amplitude,
             values["storage"],
             values["loss"],
-            "N/m" if kinds["storage"] == "stiffness" else "Pa",
+            unit,
             of,
             specimen,
-            channels.source(file, [c.says for c in chosen], (*file.table.notes, *gaps, *said)),
+            channels.source(file, [c.says for c in chosen], (*notes, *said)),
         )
 
 

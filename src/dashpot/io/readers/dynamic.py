@@ -2,23 +2,29 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
+from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
+from dashpot.io.columns import vocabulary
 from dashpot.io.columns.kinds import kind_of
-from dashpot.io.columns.roles import Assigned, assign
+from dashpot.io.columns.roles import Assigned, assign, handle, quoted
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels
-from dashpot.io.readers.channels import Opened
+from dashpot.io.readers.channels import Channel, Opened
 from dashpot.io.readers.stated import stated_specimen, temperatures_of_segments
-from dashpot.io.table import Question
+from dashpot.io.table import Loaded, Question
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.specimen import Specimen
 
 _ROLES: tuple[Role, ...] = ("frequency", "storage", "loss")
+NAMED = ("storage", "magnitude")
+"""Options that say that a file is a sweep."""
 
 
 def read_dynamic(
@@ -40,24 +46,10 @@ def read_dynamic(
 
 def dynamic_in(file: Opened, specimen: Specimen) -> DynamicTest:
     """Return the dynamic test in an opened file."""
-    channels.expect(file, ["dma", "master-curve"], "a sweep of frequency is", named=["storage"])
+    channels.expect(file, ["dma", "master-curve"], "a sweep of frequency is", named=NAMED)
     wanted, ratio = sweep_columns(file)
     chosen = channels.with_units(file, wanted)
-    indexes = [c.index for c in chosen] + ([] if ratio is None else [ratio])
-    loaded = channels.load(file.table, indexes, file.options.segment)
-    rows, gaps = channels.whole_rows(loaded)
-    values = {c.role: channels.si(rows[:, j].copy(), c.unit) for j, c in enumerate(chosen)}
-    kinds = {c.role: c.unit.dimension for c in chosen}
-    notes = [*file.table.notes, *gaps]
-    if ratio is not None:
-        factor = file.table.columns[ratio]
-        values["loss"] = values["storage"] * rows[:, -1] / (100 if factor.unit == "%" else 1)
-        notes.append(f"loss is storage times '{factor.name}'")
-    elif kinds["storage"] != kinds["loss"]:
-        raise ReadError(
-            f"storage is a {kinds['storage']} and loss a {kinds['loss']}; "
-            "expected both in one kind of unit, such as MPa or N/mm"
-        )
+    loaded, values, unit, notes = parts_of(file, chosen, ratio)
     if "temperature" not in values:
         warm = temperatures_of_segments(file, loaded)
         if warm is not None:
@@ -71,22 +63,34 @@ def dynamic_in(file: Opened, specimen: Specimen) -> DynamicTest:
         values["storage"],
         values["loss"],
         values.get("temperature"),
-        "N/m" if kinds["storage"] == "stiffness" else "Pa",
+        unit,
         specimen,
         channels.source(file, [c.says for c in chosen], notes),
     )
 
 
 def sweep_columns(file: Opened) -> tuple[list[Assigned], int | None]:
-    """The columns by role, and that of the loss factor if there is no loss."""
+    """The columns by role, and that of the loss factor if there is no loss and no loss angle.
+
+    Storage stands beside loss, loss factor or loss angle; where no column is storage, the size
+    of the complex modulus stands beside one of the last two.
+
+    Raises
+    ------
+    ReadError
+        If a column is not found, or one could be storage or the size.
+    """
     table, options = file.table, file.options
     found = {role: assign(table, role, options) for role in _ROLES}
-    ratio = None
-    if isinstance(found["loss"], Question):
-        answer = assign(table, "loss_factor", options)
-        if isinstance(answer, Assigned):
-            ratio = answer.index
-            del found["loss"]
+    angle, ratio = _angle(file)
+    size = assign(table, "complex_modulus", options)
+    if (angle or ratio is not None) and not (options.loss or _both(found)):
+        del found["loss"]
+        found |= {"loss_angle": angle} if angle else {}
+        if not options.storage and isinstance(size, Assigned) and _is_size(file, size, found):
+            found["storage"] = size
+    else:
+        ratio = None
     hint = ""
     if any(isinstance(answer, Question) for answer in found.values()):
         kind, reason = kind_of(table, options)
@@ -97,9 +101,122 @@ def sweep_columns(file: Opened) -> tuple[list[Assigned], int | None]:
         name = table.columns[both[0]].name
         raise ReadError(
             f"only '{name}' could be storage or loss, and it is not both; expected a column of "
-            "each, or of storage and loss factor: of a magnitude and an angle write magnitude * "
-            "cos(angle) and magnitude * sin(angle) to the file, or name the columns (--storage, "
-            "--loss, --loss-factor)"
+            "each, or of storage and loss factor, or of |K*| and loss angle: name the columns "
+            "(--storage, --loss, --loss-factor; --magnitude, --phase)"
         )
     temperature = assign(table, "temperature", options)
     return columns + ([temperature] if isinstance(temperature, Assigned) else []), ratio
+
+
+def _both(found: Mapping[Role, Assigned | Question]) -> bool:
+    """Whether storage and loss are columns of their own."""
+    pair = [found["storage"], found["loss"]]
+    at = {one.index for one in pair if isinstance(one, Assigned)}
+    return len(at) == len(pair)
+
+
+def _angle(file: Opened) -> tuple[Assigned | None, int | None]:
+    """The column of the loss angle, or else of the loss factor."""
+    factor = assign(file.table, "loss_factor", file.options)
+    angle = assign(file.table, "loss_angle", file.options)
+    known = isinstance(factor, Assigned) and not (
+        file.options.phase and not file.options.loss_factor
+    )
+    if isinstance(factor, Assigned) and known:
+        return None, factor.index
+    return (angle if isinstance(angle, Assigned) else None), None
+
+
+def _is_size(file: Opened, size: Assigned, found: Mapping[Role, Assigned | Question]) -> bool:
+    """Whether a column is the size of the complex modulus: its name, or the user, says so.
+
+    Raises
+    ------
+    ReadError
+        If the name says neither that nor storage.
+    """
+    columns, storage = file.table.columns, found["storage"]
+    if file.options.magnitude or vocabulary.says_size(columns[size.index].name):
+        named = isinstance(storage, Assigned) and storage.index != size.index
+        return bool(file.options.magnitude) or not named
+    if isinstance(storage, Question) or (
+        vocabulary.matches(columns[storage.index].name).get("storage", 0.0) < 1.5
+    ):
+        name = handle(columns, size.index)
+        raise ReadError(
+            f"{quoted(columns, size.index)} could be the storage part K' or the size |K*|, which "
+            f'is larger by 1 / cos(delta); say which: --storage "{name}" or --magnitude "{name}"'
+        )
+    return False
+
+
+def parts_of(
+    file: Opened, chosen: Sequence[Channel], ratio: int | None
+) -> tuple[Loaded, dict[Role, FloatArray], str, list[str]]:
+    """Return what was loaded, the values in SI by role with storage and loss, their unit and notes.
+
+    K' = |K*| cos delta and K'' = K' tan delta, where the file has these instead.
+
+    Raises
+    ------
+    ReadError
+        If storage and loss are of two kinds, or an angle is not that of a solid.
+    """
+    indexes = [c.index for c in chosen] + ([] if ratio is None else [ratio])
+    loaded = channels.load(file.table, indexes, file.options.segment)
+    rows, gaps = channels.whole_rows(loaded)
+    values = {c.role: channels.si(rows[:, j].copy(), c.unit) for j, c in enumerate(chosen)}
+    of = {c.role: c for c in chosen}
+    base = of["storage" if "storage" in of else "complex_modulus"]
+    notes = [*file.table.notes, *gaps]
+    tangent, says = None, ""
+    if ratio is not None:
+        factor = file.table.columns[ratio]
+        tangent, says = rows[:, -1] / (100 if factor.unit == "%" else 1), f"'{factor.name}'"
+    elif "loss_angle" in of:
+        tangent = np.tan(_solid_angle(file, of["loss_angle"], values["loss_angle"]))
+        says = f"the tangent of '{file.table.columns[of['loss_angle'].index].name}'"
+    elif base.unit.dimension != of["loss"].unit.dimension:
+        raise ReadError(
+            f"storage is a {base.unit.dimension} and loss a {of['loss'].unit.dimension}; "
+            "expected both in one kind of unit, such as MPa or N/mm"
+        )
+    if base.role == "complex_modulus" and tangent is not None:
+        values["storage"] = values["complex_modulus"] / np.sqrt(1 + tangent**2)
+        notes.append(
+            f"storage is '{file.table.columns[base.index].name}', taken as the size |K*|, times "
+            "the cosine of the loss angle; if it is storage itself, name it with --storage"
+        )
+    if tangent is not None:
+        values["loss"] = values["storage"] * tangent
+        notes.append(f"loss is storage times {says}")
+    return loaded, values, "N/m" if base.unit.dimension == "stiffness" else "Pa", notes
+
+
+def _solid_angle(file: Opened, one: Channel, angle: FloatArray) -> FloatArray:
+    """Refuse what is no loss angle of a solid, and ask for a unit that is likely the other one."""
+    name, degree = quoted(file.table.columns, one.index), math.pi / 180
+    low, high = float(angle.min(initial=0.0)), float(angle.max(initial=0.0))
+    raw = high / one.unit.factor
+    if low < 0:
+        raise ReadError(
+            f"{name} falls to {low / degree:.3g} deg; expected the loss angle, by which the force "
+            "leads the motion, of 0 to 90 deg: if it is the angle of the motion to the force, "
+            "write it into the file with its sign turned"
+        )
+    if one.unit.word == "rad" and raw >= math.pi / 2:
+        raise ReadError(
+            f"{name} goes to {raw:.3g} rad, where a loss angle stays below 1.57: is the unit deg? "
+            'Then add --units "phase=deg"'
+        )
+    if one.unit.word != "rad" and 0 < raw < math.pi / 2 and not channels.is_stated(file, one):
+        raise ReadError(
+            f"{name} goes to no more than {raw:.3g} deg: is the unit rad? Then add "
+            '--units "phase=rad"; if it is meant so, say it: --units "phase=deg"'
+        )
+    if high >= math.pi / 2:
+        raise ReadError(
+            f"{name} goes to {high / degree:.3g} deg; expected the loss angle of a solid, of 0 to "
+            "90 deg: leave out the lines beyond, where the machine or a mass resonates"
+        )
+    return angle

@@ -18,6 +18,7 @@ from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels, cleaning, creep
 from dashpot.io.readers.channels import Opened
 from dashpot.io.readers.clocks import own_clocks
+from dashpot.io.readers.dynamic import sweep_columns
 from dashpot.io.readers.frf import settled
 from dashpot.io.table import Loaded, Question, Table
 
@@ -214,7 +215,7 @@ def _proposal(file: Opened, kind: str) -> tuple[dict[int, tuple[Role, str]], lis
     clocks = own_clocks(table, options) if "displacement" in _ROLES.get(kind, ()) else ()
     roles = {clock.index: (clock.role, clock.reason) for clock in clocks}
     questions: list[Question] = []
-    for role in creep.roles(file) if kind == "creep" else _ROLES.get(kind, ()):
+    for role in _roles_of(file, kind):
         if role == "time" and (clocks or options.rate is not None):
             continue
         if role == "hammer" and options.base_acceleration is not None:
@@ -236,6 +237,18 @@ def _proposal(file: Opened, kind: str) -> tuple[dict[int, tuple[Role, str]], lis
             roles[i] = (found.role, found.reason)
             questions += _unit_question(table, found, options)
     return roles, questions
+
+
+def _roles_of(file: Opened, kind: str) -> tuple[Role, ...]:
+    """The roles that a file of a kind should fill."""
+    if kind == "creep":
+        return creep.roles(file)
+    if kind in SWEEPS:
+        try:
+            return tuple(one.role for one in sweep_columns(file)[0])
+        except ReadError:
+            pass  # what is lacking is asked below
+    return _ROLES.get(kind, ())
 
 
 def _frf_questions(file: Opened) -> list[Question]:
