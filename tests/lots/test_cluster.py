@@ -6,7 +6,6 @@ import json
 import os
 import signal
 import socket
-from dataclasses import asdict
 from io import BytesIO
 from pathlib import Path
 
@@ -79,7 +78,7 @@ def test_a_cluster_makes_the_same_table_though_a_worker_is_killed(folder, tmp_pa
 def asked(entries, **changes):
     """What a worker of a cluster answers."""
     how = {"choices": json.dumps(CHOICES.plain()), "folder": ".", "version": __version__}
-    return rows_of(json.dumps([asdict(one) for one in tasks(entries, CHOICES)]), **(how | changes))
+    return rows_of(json.dumps([one.packed for one in tasks(entries, CHOICES)]), **(how | changes))
 
 
 def test_a_worker_refuses_what_would_be_another_row_than_here(folder, tmp_path):

@@ -10,7 +10,9 @@ from pathlib import Path
 import pytest
 
 from dashpot.base.errors import DataError, ReadError
+from dashpot.lots.choices import BatchChoices
 from dashpot.lots.entries import Entry, entries
+from dashpot.lots.parts import Task, tasks
 
 
 @pytest.fixture
@@ -192,3 +194,18 @@ def test_a_folder_that_cannot_be_read_is_said_and_none_is_left_out(here, monkeyp
     monkeypatch.setattr(os, "walk", walk)
     with pytest.raises(ReadError, match="a/deep: the folder cannot be read: Permission denied"):
         entries(["a"], without=Path("lot"))
+
+
+@pytest.mark.parametrize(
+    "entry",
+    [
+        Entry("a.csv"),
+        Entry("ü/ß €.csv", "A", "1", "2", 296.15, 0.1, ("h 1.csv", "h2.csv"), "Kim", 250.0),
+    ],
+)
+def test_a_task_gives_back_what_it_was_made_of(entry):
+    (task,) = tasks([entry], BatchChoices(), hashed=lambda file: f"{len(file):064x}")
+    assert task.entry == entry
+    assert task.hashes == tuple(f"{len(file):064x}" for file in (entry.file, *entry.hammer))
+    assert len(task.key) == 64
+    assert Task.of(task.entry, task.hashes, task.key) == task

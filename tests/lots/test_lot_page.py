@@ -13,6 +13,7 @@ from kit import browser
 
 import dashpot as dp
 from dashpot.io.write import write_relaxation
+from dashpot.lots import page as page_of_lots
 from dashpot.lots.page import html
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Rig
@@ -48,7 +49,26 @@ def test_the_page_says_what_the_lot_is(lot):
             f'<rect class="s-{source}"[^>]*></svg>{source}</th>|</svg>{source}</th>', page
         )
     assert "held for 2.97\xa0s, its lot 5.97\xa0s: left out of the statistics" in page
+    assert page.count('<td class="file">') == 13
+    # what was not fitted leads, then what stands out
+    told = r'<td class="file">[^<]*/([^<]*)</td>.*?<td class="(bad|care|good)">'
+    first, second, *_ = re.findall(told, page)
+    assert first == ("&lt;b&gt;junk &amp; co.csv", "bad")
+    assert second == ("lotB_seal2_rep1.csv", "care")
+    assert set(re.findall(r'href="#([^"]*)', page)) <= set(re.findall(r'id="([^"]*)', page))
+
+
+def test_a_page_has_so_many_rows_and_says_where_the_others_are(lot, monkeypatch):
+    assert "The first" not in html(lot)
+    monkeypatch.setattr(page_of_lots, "ROWS", 12)
+    page = html(lot)
     assert page.count('<td class="file">') == 12
+    assert "The first 12 of 13 files; all are in" in page
+    monkeypatch.setattr(page_of_lots, "ROWS", 5)
+    page = html(lot)
+    assert page.count('<td class="file">') == 5
+    assert page.count('<th scope="row" class="path">') == 5
+    assert "The first 5 of 6 seals; all are in" in page
 
 
 def test_what_comes_from_a_file_is_escaped_and_nothing_is_loaded(lot):

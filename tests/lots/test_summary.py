@@ -14,6 +14,7 @@ from dashpot.base.errors import ReadError
 from dashpot.base.version import is_ours
 from dashpot.cli import main
 from dashpot.io.write import write_relaxation
+from dashpot.lots import workbook as workbooks
 from dashpot.lots.judgement import judged
 from dashpot.lots.limits import read_limits
 from dashpot.lots.page import html
@@ -159,7 +160,8 @@ HOSTILE = {
                      for i, row in enumerate(scattered(1, 6, 2))],
     "nothing fitted": [row | {"outcome": "refused", "verdict": ""} for row in scattered(1, 2, 2)],
     "nothing to use": [row | {"verdict": "do not use"} for row in scattered(1, 2, 2)],
-    "names that are code": [row | {"lot": "=1+1", "seal": "<i>" + row["seal"]}
+    "names that are code": [row | {"lot": "=1+1", "seal": "<i>" + row["seal"],
+                                   "operator": "https://a.b"}
                             for row in scattered(1, 3, 2)],
     "skewed": [row | {"k_end_N_per_m": 100 + np.exp(i % 7)}
                for i, row in enumerate(scattered(1, 14, 1))],
@@ -178,7 +180,7 @@ def test_any_lot_has_a_page_a_document_and_a_workbook(rows, tmp_path):
     book = openpyxl.load_workbook(BytesIO(workbook(found)))
     assert book["tests"].max_row == lot.table.height + 1
     cells = [cell for sheet in book for row in sheet.iter_rows() for cell in row]
-    assert not any(cell.data_type == "f" for cell in cells)
+    assert not any(cell.data_type == "f" or cell.hyperlink for cell in cells)
     for one in found.each:
         for seal in one.judged:
             assert seal.decision in {"pass", "fail", "not proven", "no result"}
@@ -192,6 +194,16 @@ def test_a_workbook_is_known_as_ours_and_is_the_same_bytes_again():
     book = openpyxl.load_workbook(BytesIO(made))
     seals = {row[2]: row[4] for row in book["seals"].iter_rows(min_row=2, values_only=True)}
     assert seals["3"] == pytest.approx(found.main.seals[-1].mean)
+
+
+def test_tests_that_no_sheet_holds_are_said_to_be_in_the_table(monkeypatch):
+    found = summary(lot_of(scattered(1, 3, 2)))
+    for rows, width in ((6, found.lot.table.width), (5, 1)):
+        monkeypatch.setattr(workbooks, "_SHEET_ROWS", rows)
+        book = openpyxl.load_workbook(BytesIO(workbook(found)))
+        assert book["tests"].max_column == width
+        assert book["seals"].max_row == 4
+    assert book["tests"]["A2"].value == "6 are more than a sheet has rows: they are in lot.csv"
 
 
 def test_capability_that_is_asked_for_and_not_there_leads_the_page(tmp_path):

@@ -225,7 +225,7 @@ def completed(job: BatchJob, asked: Sequence[Task]) -> Lot:
             if isinstance(error, OSError):
                 raise ExportError(f"{job.output}: {error.strerror or error}: {kept}") from None
             raise KeyboardInterrupt(f"interrupted: {kept}") from None
-    return Lot(table(job.output, [one.key for one in asked]), len(missing))
+    return Lot(table(job.output, (one.key for one in asked)), len(missing))
 
 
 def plan_batch(job: BatchJob) -> BatchPlan:

@@ -7,7 +7,6 @@ import logging
 import socket
 from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager
-from dataclasses import asdict
 from functools import partial
 from itertools import islice
 from pathlib import Path
@@ -102,7 +101,7 @@ def _computed(
     waiting, asked = iter(chunks), dict[str, Chunk]()
 
     def submitted(chunk: Chunk) -> Any:
-        tasks = json.dumps([asdict(one) for one in chunk])
+        tasks = json.dumps([one.packed for one in chunk])
         future = client.submit(rows_of, tasks, **common, pure=False)
         asked[future.key] = chunk
         return future

@@ -14,7 +14,6 @@ from pathlib import Path
 from dashpot.base.errors import DataError
 from dashpot.base.version import __version__
 from dashpot.lots.choices import BatchChoices
-from dashpot.lots.entries import Entry
 from dashpot.lots.parts import Task
 from dashpot.lots.processes import Worker
 
@@ -38,10 +37,7 @@ def rows_of(tasks: str, *, choices: str, folder: str, version: str) -> str:
             f"a worker of the cluster has dashpot {__version__}, and this is {version}: install "
             "the same on every worker"
         )
-    chunk = [
-        Task(Entry.from_plain(one["entry"]), tuple(one["hashes"]), one["key"])
-        for one in json.loads(tasks)
-    ]
+    chunk = [Task(one) for one in json.loads(tasks)]
     _refuse_unreachable(chunk, Path(folder))
     key = (choices, folder)
     worker = _taken(key) or Worker(BatchChoices.from_plain(json.loads(choices)), folder)
@@ -62,7 +58,8 @@ def let_go() -> None:
 def _refuse_unreachable(chunk: list[Task], folder: Path) -> None:
     """What was hashed and is not there would be a row that says so, and stays."""
     for task in chunk:
-        files = zip((task.entry.file, *task.entry.hammer), task.hashes, strict=True)
+        entry = task.entry
+        files = zip((entry.file, *entry.hammer), task.hashes, strict=True)
         for file, sha256 in files:
             if sha256 and not (folder / file).is_file():
                 raise DataError(

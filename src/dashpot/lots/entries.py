@@ -7,7 +7,8 @@ import glob
 import hashlib
 import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from string import Formatter
@@ -121,7 +122,8 @@ def entries(
     for path in (*(one for given in paths for one in _expanded(str(given), without)), *listed):
         place = os.path.realpath(path)
         if place not in leave:
-            found.setdefault(place, Entry(_named(path)))
+            # one text where both are the same: there may be many files
+            found.setdefault(path if path == place else place, Entry(_named(path)))
     if not found and not growing:
         raise ReadError(
             f"{', '.join(map(str, paths)) or manifest}: no file is there; give files, folders, "
@@ -129,7 +131,7 @@ def entries(
         )
     known = _labels(by, [one.file for one in found.values()], growing=growing)
     for place, one in found.items():
-        found[place] = replace(one, **known.get(one.file, {}))
+        found[place] = replace(one, **known(one.file))
     for path, said in listed.items():
         place = os.path.realpath(path)
         found[place] = replace(found[place], **said)
@@ -262,18 +264,23 @@ def _result(path: Path) -> bool:
     return is_ours(head) and not is_record(head)
 
 
-def _labels(by: str | None, files: Sequence[str], *, growing: bool) -> dict[str, dict[str, Any]]:
+def _labels(
+    by: str | None, files: Sequence[str], *, growing: bool
+) -> Callable[[str], dict[str, Any]]:
+    """What an expression says of a file."""
     if by is None:
-        return {}
+        return lambda _: {}
     pattern, named = _groups(by)
-    matched = {file: pattern.search(Path(file).as_posix()) for file in files}
-    if not any(matched.values()) and not growing:
+
+    def known(file: str) -> dict[str, Any]:
+        one = pattern.search(Path(file).as_posix())
+        return {} if one is None else {
+            name: sys.intern(one[i] or "") for i, name in enumerate(named, start=1)
+        }  # fmt: skip
+
+    if not any(map(known, files)) and not growing:
         raise DataError(f"--by '{by}' fits none of {len(files)} paths, such as {files[0]}")
-    return {
-        file: {name: one[i] or "" for i, name in enumerate(named, start=1)}
-        for file, one in matched.items()
-        if one
-    }
+    return known
 
 
 def _groups(by: str) -> tuple[re.Pattern[str], tuple[str, ...]]:

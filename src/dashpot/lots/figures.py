@@ -25,8 +25,6 @@ from dashpot.plot.picture import (
     around_log,
 )
 
-CURVES = 200
-"""Drawn at most, evenly over the lot; more would be one stain."""
 _SAMPLES = 80
 _BARS = 6
 """Bars at least, of a histogram."""
@@ -142,15 +140,13 @@ def capability_picture(
 
 def curves_picture(rows: Sequence[Mapping[str, Any]], odd: Sequence[str] = ()) -> Picture:
     """Return the relaxation of the solid of every row, from 10 ms to the end of its hold."""
-    kept = np.unique(np.linspace(0, len(rows) - 1, min(len(rows), CURVES)).astype(int))
     longest = max((float(one["hold_s"] or 0.0) for one in rows), default=0.0)
     time = np.geomspace(1e-2, max(longest, 1.0), _SAMPLES)
-    shown = [rows[i] for i in kept] + [one for one in rows if one["file"] in odd]
-    drawn = [_relaxation(one, time) for one in shown]
+    drawn = [_relaxation(one, time) for one in rows]
     marks = tuple(
         Line(time, k, _ODD if one["file"] in odd else _CURVE,
              "stands out" if one["file"] in odd else "solid of each test")
-        for one, k in zip(shown, drawn, strict=True)
+        for one, k in zip(rows, drawn, strict=True)
     )  # fmt: skip
     axes = (
         Axis("time after a step, s", (float(time[0]), float(time[-1])), log=True),

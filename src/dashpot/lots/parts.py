@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, astuple, dataclass
 from io import BytesIO
 from itertools import islice
 from pathlib import Path
@@ -30,22 +30,45 @@ _FORM = 3
 """Of a row; another one is another key."""
 
 
+_KEY_WIDE = 64
+
+
 @dataclass(frozen=True, slots=True)
 class Task:
     """One row to be made.
 
     Attributes
     ----------
-    entry : Entry
-    hashes : tuple of str
-        Of the contents of its file, and of its hammer's.
-    key : str
-        SHA-256 of everything that decides the row.
+    packed : str
+        All of it: a batch holds one for each file, and as objects it takes twice as much.
     """
 
-    entry: Entry
-    hashes: tuple[str, ...]
-    key: str
+    packed: str
+
+    @staticmethod
+    def of(entry: Entry, hashes: Sequence[str], key: str) -> Task:
+        """Return the task of a test, by the key of its row and the hashes of its files."""
+        return Task(key + json.dumps([*astuple(entry), hashes], separators=(",", ":")))
+
+    @property
+    def key(self) -> str:
+        """SHA-256 of everything that decides the row."""
+        return self.packed[:_KEY_WIDE]
+
+    @property
+    def entry(self) -> Entry:
+        """What is known of the test."""
+        return Entry.from_plain(dict(zip(Entry.__slots__, self._words, strict=False)))
+
+    @property
+    def hashes(self) -> tuple[str, ...]:
+        """Of the contents of its file, and of its hammer's."""
+        return tuple(self._words[-1])
+
+    @property
+    def _words(self) -> list[Any]:
+        words: list[Any] = json.loads(self.packed[_KEY_WIDE:])
+        return words
 
 
 def tasks(
@@ -58,7 +81,7 @@ def tasks(
     def task(entry: Entry) -> Task:
         key, hashes = common.copy(), tuple(map(hashed, (entry.file, *entry.hammer)))
         key.update(json.dumps([asdict(entry), hashes], sort_keys=True).encode())
-        return Task(entry, hashes, key.hexdigest())
+        return Task.of(entry, hashes, key.hexdigest())
 
     return tuple(map(task, entries))
 
@@ -129,7 +152,7 @@ def keys_done(folder: Path) -> set[str]:
     }
 
 
-def table(folder: Path, wanted: Sequence[str]) -> pl.DataFrame:
+def table(folder: Path, wanted: Iterable[str]) -> pl.DataFrame:
     """Leave in the folder what is wanted, and return it, sorted by file.
 
     An old row goes, one that is there twice, a half-written file. Rows that stay are written
@@ -148,14 +171,15 @@ def table(folder: Path, wanted: Sequence[str]) -> pl.DataFrame:
         if one.height
     }
     missing = set(wanted)
+    count = len(missing)
     found = joined(_kept(folder, sorted(parts, key=lambda path: parts[path]), missing))
     for path in (*(there - parts.keys()), *folder.glob(f".*{PART}")):
         path.unlink()
     _gather(folder)
     if missing:
         raise DataError(
-            f"{folder} holds {len(set(wanted)) - len(missing)} of {len(set(wanted))} rows: parts "
-            "of it went while the batch ran; run it again"
+            f"{folder} holds {count - len(missing)} of {count} rows: parts of it went while the "
+            "batch ran; run it again"
         )
     return found if found["file"].is_sorted() else found.sort("file")
 

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import datetime as dt
 from collections.abc import Iterator
+from copy import copy
 from io import BytesIO
+from shutil import copyfileobj
 from typing import TYPE_CHECKING, Any
 from zipfile import ZIP_DEFLATED, ZIP_STORED, ZipFile
 
 from dashpot.base.errors import ExportError
 from dashpot.base.version import byline
 from dashpot.io.write import neutral
+from dashpot.lots.lot import Lot
 from dashpot.lots.parts import polars
 from dashpot.lots.summary import OfQuantity, Summary, finite
 
@@ -21,6 +24,7 @@ _MADE = dt.datetime(1980, 1, 1)
 """That a workbook says it was made: the same lot is the same bytes."""
 _SHEET_ROWS = 1_048_575
 """That a sheet has below its header."""
+_FORMATS = {"Float64": "#,##0.000000", "Int64": "#,##0"}
 
 
 def workbook(found: Summary) -> bytes:
@@ -31,7 +35,7 @@ def workbook(found: Summary) -> bytes:
     Raises
     ------
     ExportError
-        If xlsxwriter is not installed, or there are more tests than a sheet has rows.
+        If xlsxwriter is not installed.
     """
     try:
         from xlsxwriter import Workbook
@@ -39,19 +43,35 @@ def workbook(found: Summary) -> bytes:
         raise ExportError(
             'a workbook needs xlsxwriter, which is not installed: pip install "dashpot[batch]"'
         ) from None
-    tests = found.lot.neutral()
-    if tests.height > _SHEET_ROWS:
-        raise ExportError(
-            f"{tests.height} tests are more than the {_SHEET_ROWS} rows of a sheet; use lot.csv or "
-            "the Parquet parts"
-        )
     made = BytesIO()
-    with Workbook(made, {"in_memory": True, "strings_to_formulas": False}) as book:
+    # a row of the largest sheets is on disk when the next one is made
+    how = {"constant_memory": True, "strings_to_formulas": False, "strings_to_urls": False}
+    with Workbook(made, how) as book:
         book.set_properties({"comments": byline("lot"), "created": _MADE})
-        for name, frame in (("tests", tests), *_sheets(found)):
+        for name, frame in (("tests", _tests(found.lot)), *_sheets(found)):
             if frame.height:
-                frame.write_excel(book, name, autofit=False, float_precision=6)
+                _write(book, name, frame)
     return _byline_first(made)
+
+
+def _tests(lot: Lot) -> pl.DataFrame:
+    if lot.table.height <= _SHEET_ROWS:
+        return lot.neutral()
+    says = f"{lot.table.height} are more than a sheet has rows: they are in lot.csv"
+    return _frame(iter([{"tests": says}]))
+
+
+def _write(book: Any, name: str, frame: pl.DataFrame) -> None:
+    sheet = book.add_worksheet(name)
+    sheet.freeze_panes(1, 0)
+    sheet.autofilter(0, 0, frame.height, frame.width - 1)
+    kinds = [_FORMATS.get(str(kind)) for kind in frame.dtypes]
+    formats = [kind and book.add_format({"num_format": kind}) for kind in kinds]
+    sheet.write_row(0, 0, frame.columns, book.add_format({"bold": True}))
+    for i, row in enumerate(frame.iter_rows(), start=1):
+        for j, value in enumerate(row):
+            if value is not None:
+                sheet.write(i, j, value, formats[j])
 
 
 _CORE = "docProps/core.xml"
@@ -60,10 +80,12 @@ _CORE = "docProps/core.xml"
 def _byline_first(made: BytesIO) -> bytes:
     """The archive with its properties first and plain: a file of ours is known by its head."""
     whole = BytesIO()
-    with ZipFile(made) as old, ZipFile(whole, "w", ZIP_DEFLATED) as new:
+    with ZipFile(made) as old, ZipFile(whole, "w") as new:
         for one in sorted(old.infolist(), key=lambda one: one.filename != _CORE):
-            plain = one.filename == _CORE
-            new.writestr(one, old.read(one), ZIP_STORED if plain else ZIP_DEFLATED)
+            again = copy(one)
+            again.compress_type = ZIP_STORED if one.filename == _CORE else ZIP_DEFLATED
+            with old.open(one) as source, new.open(again, "w") as place:
+                copyfileobj(source, place)
     return whole.getvalue()
 
 
