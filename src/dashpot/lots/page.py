@@ -16,6 +16,7 @@ import numpy as np
 from dashpot.base.checks import verdict
 from dashpot.base.numbers import counted, rounded
 from dashpot.base.version import byline
+from dashpot.lots.entries import LABELS
 from dashpot.lots.figures import capability_picture, control_picture, curves_picture
 from dashpot.lots.judgement import Judged
 from dashpot.lots.lot import Lot
@@ -61,6 +62,7 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
     main = found.main
     further = _further(lot, main)
     asked = () if main.limits is None else main.limits.ends
+    labels = [name for name in LABELS if (lot.table[name] != "").any()]
     return str(
         environment("dashpot.lots")
         .get_template("lot.html")
@@ -94,7 +96,8 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
             heads=[one for one, _ in further],
             seals=_seals(found, further),
             judged=bool(main.judged),
-            tests=_tests(found),
+            labels=labels,
+            tests=_tests(found, labels),
             files=lot.table.height,
             most=ROWS,
             marks=_MARKS,
@@ -318,24 +321,26 @@ def _seals(
     return sorted(rows, key=lambda row: row["rank"])
 
 
-def _tests(found: Summary) -> list[dict[str, str]]:
+def _tests(found: Summary, labels: Sequence[str]) -> list[dict[str, Any]]:
     """Every file: those that were not fitted first, then what stands out, then the others."""
     quantity = found.main.quantity
     gravity = {"do not use": 1, "use with care": 2}
     flagged = {one.file for one in found.flags}
-    names = ("file", "lot", "seal", "repeat", "operator", "outcome", "verdict", "reason")
+    names = ("file", "outcome", "verdict", "reason", quantity.column, *labels)
     rows = sorted(
-        found.lot.table.select(*names, quantity.column).iter_rows(),
+        found.lot.table.select(*names).iter_rows(),
         key=lambda row: (
-            row[5] == "fitted", gravity.get(row[6], 3), row[0] not in flagged, row[0],
+            row[1] == "fitted", gravity.get(row[2], 3), row[0] not in flagged, row[0],
         ),
     )  # fmt: skip
     return [
-        dict(zip(names, row, strict=False))
-        | {
-            "value": quantity.shown(row[-1]),
-            "verdict": (row[6] or "point estimate") if row[5] == "fitted" else row[5],
-            "mark": COLOURS.get(row[6], "") if row[5] == "fitted" else "bad",
+        {
+            "file": file,
+            "labels": of,
+            "value": quantity.shown(value),
+            "verdict": (verdict or "point estimate") if outcome == "fitted" else outcome,
+            "mark": COLOURS.get(verdict, "") if outcome == "fitted" else "bad",
+            "reason": reason or "",
         }
-        for row in rows[:ROWS]
+        for file, outcome, verdict, reason, value, *of in rows[:ROWS]
     ]
