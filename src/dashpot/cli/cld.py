@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from typing import Any
 
 import click
 
 import dashpot as dp
 from dashpot import workflow
+from dashpot.base.capability import Capability
 from dashpot.base.errors import ReadError
 from dashpot.cli import _options as options
 from dashpot.cli import _text
@@ -16,6 +18,7 @@ from dashpot.cli._options import Quantity, Range
 from dashpot.cli._shell import File, Outcome, printed, reports, write, write_figure
 from dashpot.cli._terminal import Text
 from dashpot.cli._text import rounded, table, with_error
+from dashpot.workflow.cld import Scatter
 
 
 @click.command("cld")
@@ -86,30 +89,10 @@ def _said(found: workflow.Pieces) -> Text:
         lines += [f"{name}: cycle {one.cycle.number} of {len(one.cycles)}", *_piece(one)]
         details += [f"{name}, every cycle", *_cycles(one)]
     if found.scatter:
-        rows = [["", "mean", "deviation", "cv, %", "unit"]]
-        for each in found.scatter:
-            word, of, length = each.unit.partition(" per ")
-            unit, scale = _SHOWN.get(word, (word, 1.0))
-            cv = rounded(100 * each.deviation / each.mean) if each.mean else ""
-            rows.append(
-                [
-                    each.name,
-                    rounded(scale * each.mean),
-                    rounded(scale * each.deviation),
-                    cv,
-                    unit + of + length,
-                ]
-            )
-        lines += [f"{len(found.pieces)} pieces", *table(rows)]
+        scatter = [f"{len(found.pieces)} pieces", *_scatter(found.scatter)]
         # one piece a row says more than a block each
-        if len(found.pieces) > _BLOCKS:
-            lines = [*_overview(found), *lines[-len(rows) - 1 :]]
-    if found.capability is not None and found.capability.cpk is not None:
-        low, high = found.capability.cpk_interval or (0.0, 0.0)
-        lines.append(
-            f"  Cpk {found.capability.cpk:.2f} ({low:.2f} to {high:.2f}), "
-            f"{found.capability.outside} of {found.capability.count} outside"
-        )
+        lines = [*(_overview(found) if len(found.pieces) > _BLOCKS else lines), *scatter]
+    lines += _capability(found.capability)
     if found.fit is not None and found.relaxed is None:
         fitted = _text.fit(found.fit)
         lines = [*_overview(found), *fitted.lines]
@@ -121,6 +104,25 @@ def _said(found: workflow.Pieces) -> Text:
     if found.relaxed is not None:
         lines += _relaxed(found.relaxed, found.pieces[0])
     return Text(lines, details)
+
+
+def _scatter(found: Sequence[Scatter]) -> list[str]:
+    rows = [["", "mean", "deviation", "cv, %", "unit"]]
+    for each in found:
+        word, of, length = each.unit.partition(" per ")
+        unit, scale = _SHOWN.get(word, (word, 1.0))
+        cv = rounded(100 * each.deviation / each.mean) if each.mean else ""
+        mean, deviation = rounded(scale * each.mean), rounded(scale * each.deviation)
+        rows.append([each.name, mean, deviation, cv, unit + of + length])
+    return table(rows)
+
+
+def _capability(found: Capability | None) -> list[str]:
+    if found is None or found.cpk is None:
+        return []
+    low, high = found.cpk_interval or (0.0, 0.0)
+    outside = f"{found.outside} of {found.count} outside"
+    return [f"  Cpk {found.cpk:.2f} ({low:.2f} to {high:.2f}), {outside}"]
 
 
 def _choice(rate: dp.RateLaw) -> str:

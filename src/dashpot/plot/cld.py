@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.provenance import sources_of
 from dashpot.plot.picture import (
     FIT,
     REF,
@@ -24,7 +25,8 @@ from dashpot.plot.stamps import stamp as stamped
 from dashpot.plot.thinning import extremes
 from dashpot.records.cld import CLD, Branch, Cycle
 
-_EARLIER = Pen("ref", 1.1)
+_FIRST = Pen("ref", 1.4, (2, 3)), "first cycle"
+_EARLIER = Pen("ref", 1.1), "other cycles"
 _BACK = Pen("fit", 1.6, (6, 3))
 
 
@@ -40,27 +42,17 @@ def cld(found: CLD | Sequence[CLD], *, stamp: str = "") -> Picture:
         What the figure says of its origin; by default files, specimen and date.
     """
     pieces = (found,) if isinstance(found, CLD) else tuple(found)
-    marks: list[Mark] = []
+    first, alone = pieces[0], len(pieces) == 1
+    lines = _others(first) if alone else []
     for one in pieces:
-        alone = len(pieces) == 1
-        for cycle in one.cycles if alone else ():
-            if cycle is not one.cycle:
-                label = "first cycle" if cycle.number == 1 else "other cycles"
-                pen = Pen("ref", 1.4, (2, 3)) if cycle.number == 1 else _EARLIER
-                marks += [_line(one, way, pen, label) for way in _ways(cycle)]
-    for one in pieces:
-        marks.append(_line(one, one.loading, FIT, "loading"))
-        if one.unloading is not None:
-            marks.append(_line(one, one.unloading, _BACK, "unloading"))
-    first = pieces[0]
+        lines += _ways(one, one.cycle, (FIT, _BACK), ("loading", "unloading"))
+    marks: list[Mark] = [*lines]
     for at in first.marked:
         marks.append(Rule(1e3 * at.compression, REF))
-        if len(pieces) == 1:
-            words = f"{first.per * at.loading:.3g}"
-            marks.append(
-                Tag(1e3 * at.compression, first.per * at.loading, words, "fit", "filled", bold=True)
-            )
-    lines = [one for one in marks if isinstance(one, Line)]
+        if alone:
+            force = first.per * at.loading
+            words = f"{force:.3g}"
+            marks.append(Tag(1e3 * at.compression, force, words, "fit", "filled", bold=True))
     x, y = (np.concatenate([getattr(one, way) for one in lines]) for way in ("x", "y"))
     across = Axis("compression since first contact, mm", around(x))
     panel = Panel(across, Axis(f"force, {first.unit}", around(y)), tuple(marks), height=320)
@@ -68,12 +60,25 @@ def cld(found: CLD | Sequence[CLD], *, stamp: str = "") -> Picture:
         "Compression load deflection: force on the way in and back, with the nominal compression "
         "and its tolerance."
     )
-    sources = [one.source for one in pieces if one.source is not None]
-    return Picture("cld", caption, ((panel,),), 1, stamp or stamped(sources, first.specimen))
+    return Picture(
+        "cld", caption, ((panel,),), 1, stamp or stamped(sources_of(pieces), first.specimen)
+    )
 
 
-def _ways(cycle: Cycle) -> tuple[Branch, ...]:
-    return (cycle.loading,) if cycle.unloading is None else (cycle.loading, cycle.unloading)
+def _others(one: CLD) -> list[Line]:
+    """The cycles that the figures are not of."""
+    lines = []
+    for cycle in one.cycles:
+        if cycle is not one.cycle:
+            pen, label = _FIRST if cycle.number == 1 else _EARLIER
+            lines += _ways(one, cycle, (pen, pen), (label, label))
+    return lines
+
+
+def _ways(one: CLD, cycle: Cycle, pens: tuple[Pen, Pen], labels: tuple[str, str]) -> list[Line]:
+    """Loading and unloading of a cycle, as far as it was recorded."""
+    ways = zip((cycle.loading, cycle.unloading), pens, labels, strict=True)
+    return [_line(one, way, pen, label) for way, pen, label in ways if way is not None]
 
 
 def _line(one: CLD, way: Branch, pen: Pen, label: str) -> Line:

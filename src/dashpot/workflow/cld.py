@@ -26,6 +26,8 @@ from dashpot.workflow.checks import pieces_capable, pieces_tested_alike
 
 _ALIKE = 0.05
 """Relative difference of depths and speeds that are one."""
+_AS_WARM = 3.0
+"""Difference of temperatures that are one, K."""
 
 
 @dataclass(frozen=True)
@@ -144,34 +146,70 @@ def cld_files(
     options = options or ReadOptions()
     if limits is not None and len(files) < 2:
         raise ReadError("--limits are of several pieces; name a file for each, or leave them out")
+    pieces = _figures(files, options, specimen, at=at, between=between)
+    found = Pieces(pieces, (), None, _worst(pieces))
+    if not memory and limits is None and _several_speeds(pieces):
+        return _of_speeds(found)
+    if len(pieces) > 1:
+        found = _scattered(found, limits)
+    return _with_memory(found, memory) if memory else found
+
+
+def _figures(
+    files: Sequence[str | Path],
+    options: ReadOptions,
+    specimen: Specimen | None,
+    *,
+    at: Quantity | None,
+    between: Range | None,
+) -> tuple[CLD, ...]:
+    """Each piece, all at one nominal compression."""
     tests = [dp.read_cld(path, options=options, specimen=specimen) for path in files]
     _refuse_twice(tests)
+
+    def figures(test: CompressionTest, nominal: Quantity | None) -> CLD:
+        return dp.cld(test, at=nominal, between=between, cycle=options.cycle)
+
     pieces = []
     for path, test in zip(files, tests, strict=True):
         with about(Path(path).name):
-            pieces.append(dp.cld(test, at=at, between=between, cycle=options.cycle))
-    if at is None and len(pieces) > 1:
-        least = min(one.cycle.depth for one in pieces)
-        pieces = [dp.cld(test, at=least, between=between, cycle=options.cycle) for test in tests]
-    every = [worst(each) for each in zip(*(one.checks for one in pieces), strict=True)]
-    if not memory and limits is None and _several_speeds(pieces):
-        fit = dp.fit_speeds(pieces)
-        rate = dp.fit_rate(pieces, fit)
-        told = next(check for check in rate.checks if check.name == "memory_suffices")
-        fit = replace(fit, evidence=replace(fit.evidence, checks=(*fit.checks, told)))
-        return Pieces(tuple(pieces), (), None, (*every, *fit.checks), fit=fit, rate=rate)
-    forces = np.array([one.per * one.nominal.loading for one in pieces])
-    within = None if limits is None else capability(forces, *limits)
-    if len(pieces) > 1:
-        every.append(pieces_tested_alike(_otherwise(pieces)))
-    if within is not None:
-        every.append(pieces_capable(within, pieces[0].unit))
-    found = Pieces(tuple(pieces), tuple(_scatter(pieces)), within, tuple(every))
-    if not memory:
-        return found
-    relaxed = dp.relaxed_law(pieces[0], memory)
-    fed = nearest(pieces[0], memory).with_elastic_law(relaxed.law, checks=relaxed.checks)
-    return replace(found, checks=(*every, *relaxed.checks), relaxed=relaxed, fit=fed)
+            pieces.append(figures(test, at))
+    if at is not None or len(pieces) == 1:
+        return tuple(pieces)
+    least = min(one.cycle.depth for one in pieces)
+    return tuple(figures(test, least) for test in tests)
+
+
+def _worst(pieces: Sequence[CLD]) -> tuple[Check, ...]:
+    """The checks of every piece, each at its worst."""
+    return tuple(worst(each) for each in zip(*(one.checks for one in pieces), strict=True))
+
+
+def _of_speeds(found: Pieces) -> Pieces:
+    """With the elastic law and the memory of one seal at several speeds."""
+    fit = dp.fit_speeds(found.pieces)
+    rate = dp.fit_rate(found.pieces, fit)
+    told = next(check for check in rate.checks if check.name == "memory_suffices")
+    fit = replace(fit, evidence=replace(fit.evidence, checks=(*fit.checks, told)))
+    return replace(found, checks=(*found.checks, *fit.checks), fit=fit, rate=rate)
+
+
+def _scattered(found: Pieces, limits: tuple[float, float] | None) -> Pieces:
+    """With how several pieces scatter, and whether their forces keep within limits."""
+    pieces, within = found.pieces, None
+    asked = [pieces_tested_alike(_otherwise(pieces))]
+    if limits is not None:
+        within = capability(np.array([one.per * one.nominal.loading for one in pieces]), *limits)
+        asked.append(pieces_capable(within, found.unit))
+    scatter = tuple(_scatter(pieces))
+    return replace(found, scatter=scatter, capability=within, checks=(*found.checks, *asked))
+
+
+def _with_memory(found: Pieces, memory: Sequence[Fit]) -> Pieces:
+    """With the elastic law under the first piece."""
+    relaxed = dp.relaxed_law(found.pieces[0], memory)
+    fed = nearest(found.pieces[0], memory).with_elastic_law(relaxed.law, checks=relaxed.checks)
+    return replace(found, checks=(*found.checks, *relaxed.checks), relaxed=relaxed, fit=fed)
 
 
 def _refuse_twice(tests: Sequence[CompressionTest]) -> None:
@@ -190,8 +228,6 @@ def _several_speeds(pieces: Sequence[CLD]) -> bool:
 
 
 def _scatter(pieces: Sequence[CLD]) -> list[Scatter]:
-    if len(pieces) < 2:
-        return []
     unit = pieces[0].unit
     each_mm = "N/m" + unit.removeprefix("N")
     figures: tuple[tuple[str, str, Callable[[CLD], float | None]], ...] = (
@@ -220,22 +256,27 @@ def _force(one: CLD, at: AtCompression | None) -> float | None:
 
 def _otherwise(pieces: Sequence[CLD]) -> list[str]:
     """What differs between the tests of pieces that should scatter by themselves alone."""
-    figures: tuple[tuple[str, list[float | None]], ...] = (
-        ("speed", [one.cycle.speed for one in pieces]),
-        ("depth", [one.cycle.depth for one in pieces]),
-        ("number of the cycle", [float(one.cycle.number) for one in pieces]),
+    speeds, depths, numbers, temperatures = (
+        sorted(value for value in map(figure, pieces) if value is not None) or [0.0]
+        for figure in _CONDITIONS
     )
-    found = []
-    for name, values in figures:
-        known = [value for value in values if value is not None]
-        if known and max(known) > (1 + _ALIKE) * min(known):
-            found.append(name)
-    if len({one.specimen.length is None for one in pieces}) > 1:
-        found.append("length, known of some alone")
-    warm = [one.specimen.temperature for one in pieces if one.specimen.temperature is not None]
-    if warm and max(warm) - min(warm) > 3:
-        found.append("temperature")
-    return found
+    differs = {
+        "speed": speeds[-1] > (1 + _ALIKE) * speeds[0],
+        "depth": depths[-1] > (1 + _ALIKE) * depths[0],
+        "number of the cycle": numbers[-1] > (1 + _ALIKE) * numbers[0],
+        "length, known of some alone": len({one.specimen.length is None for one in pieces}) > 1,
+        "temperature": temperatures[-1] - temperatures[0] > _AS_WARM,
+    }
+    return [name for name, apart in differs.items() if apart]
+
+
+_CONDITIONS: tuple[Callable[[CLD], float | None], ...] = (
+    lambda one: one.cycle.speed,
+    lambda one: one.cycle.depth,
+    lambda one: one.cycle.number,
+    lambda one: one.specimen.temperature,
+)
+"""Speed, depth, number of the cycle and temperature, K, of a test."""
 
 
 def _piece(one: CLD) -> dict[str, Any]:

@@ -16,7 +16,7 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, block_means
 from dashpot.base.errors import FitError
-from dashpot.base.provenance import Step
+from dashpot.base.provenance import Step, sources_of
 from dashpot.engine.blocks.recorded import arm_columns, recursion
 from dashpot.engine.solver.nnls import nonnegative
 from dashpot.fitting.cld import checks
@@ -93,20 +93,11 @@ def fit_speeds(pieces: Sequence[CLD], *, arms: int | Literal["auto"] = "auto") -
     depth, records = thinned_alike(pieces)
     strokes = [one.cycle.depth / speed for one, speed in zip(pieces, speeds, strict=True)]
     window = min(strokes) / 20, 3 * max(strokes)
-    tried: list[tuple[FloatArray, _Solved]] = []
-    for count in range(MOST_ARMS + 1) if arms == "auto" else [arms]:
-        theta = _descended(records, count, window, tried[-1][0] if tried else None)
-        tried.append((theta, _solve(records, theta)))
-        if len(tried) > 1 and _rms(tried[-1][1]) > _FALLS * _rms(tried[-2][1]):
-            break
+    tried = _tried(records, window, range(MOST_ARMS + 1) if arms == "auto" else [arms])
     # what is left of too few arms is no noise: all are weighed by that of the most
     kappa = correlation(tried[-1][1].residual)
     scores = [_bic(left, len(theta) + KNOTS, kappa) for theta, left in tried]
-    best = len(tried) - 1
-    while best and not (
-        scores[best - 1] - scores[best] >= _DECISIVE and _told(records, *tried[best])
-    ):
-        best -= 1
+    best = _supported(records, tried, scores)
     theta, solved = tried[best]
     orders = tuple(
         OrderScore(len(one) // 2, float(left.residual @ left.residual), bic, number <= best,
@@ -114,6 +105,31 @@ def fit_speeds(pieces: Sequence[CLD], *, arms: int | Literal["auto"] = "auto") -
         for number, (bic, (one, left)) in enumerate(zip(scores, tried, strict=True))
     )  # fmt: skip
     return _assembled(pieces, records, theta, solved, depth=depth, strokes=strokes, orders=orders)
+
+
+def _tried(
+    records: Sequence[Thinned], window: tuple[float, float], counts: Sequence[int]
+) -> list[tuple[FloatArray, _Solved]]:
+    """The best memory of each number of arms, up to the first that is not worth trying."""
+    tried: list[tuple[FloatArray, _Solved]] = []
+    for count in counts:
+        theta = _descended(records, count, window, tried[-1][0] if tried else None)
+        tried.append((theta, _solve(records, theta)))
+        if len(tried) > 1 and _rms(tried[-1][1]) > _FALLS * _rms(tried[-2][1]):
+            break
+    return tried
+
+
+def _supported(
+    records: Sequence[Thinned],
+    tried: Sequence[tuple[FloatArray, _Solved]],
+    scores: Sequence[float],
+) -> int:
+    """The last memory that lowers BIC decisively and whose arms are all known; else the first."""
+    for i in range(len(tried) - 1, 0, -1):
+        if scores[i - 1] - scores[i] >= _DECISIVE and _told(records, *tried[i]):
+            return i
+    return 0
 
 
 def thinned_alike(pieces: Sequence[CLD]) -> tuple[float, list[Thinned]]:
@@ -288,7 +304,6 @@ def _assembled(
         f"fitted an elastic law and {model.arms} arms to load deflection at {len(pieces)} speeds",
     )
     dof = max(n / kappa - len(theta) - KNOTS, 1.0)
-    sources = tuple(one.source for one in pieces if one.source is not None)
     return Fit(
         solid=model,
         status=ended(stationary=True, fewer=False, at_bound=False,
@@ -300,7 +315,7 @@ def _assembled(
         evidence=Evidence(
             (1 / (2 * np.pi * max(strokes)), 1 / (np.pi * min(strokes))), orders, checks=asked
         ),
-        provenance=Provenance("cld", sources, (step,), pieces[0].specimen),
+        provenance=Provenance("cld", sources_of(pieces), (step,), pieces[0].specimen),
         elastic_law=law,
     )  # fmt: skip
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -123,30 +124,37 @@ def _cycles(test: CompressionTest) -> _Found:
     clock = np.arange(float(len(x))) if test.time is None else test.time
     resolution = resolution_of(clock, x)
     strokes = strokes_of(x, resolution=resolution)
-    way_in = [i for i, one in enumerate(strokes) if one.inward]
-    if not way_in:
+    pairs = _pairs(strokes)
+    zero = zero_of(clock, x, force, pairs[0][0], resolution=resolution)
+    x, force = x - zero.contact, force - zero.force
+    depths = [float(x[one.last]) for one, _ in pairs]
+    beyond = max(resolution, 3 * zero.contact_se, _BEYOND * max(depths))
+    if len(pairs) > 1 and pairs[-1][1] is None and depths[-1] < _UNFINISHED * max(depths):
+        pairs, depths = pairs[:-1], depths[:-1]
+    common = _COMMON * min(depths)
+    cycles, uneven = [], []
+    for number, (loading, unloading) in enumerate(pairs, start=1):
+        speed = departure = None
+        if test.time is not None:
+            speed, departure = unevenness(clock[loading.samples], x[loading.samples])
+        cycles.append(
+            _cycle(x, force, number, loading, unloading, zero=zero, common=common,
+                   beyond=beyond, speed=speed)
+        )  # fmt: skip
+        uneven.append(departure)
+    return _Found(tuple(cycles), zero, beyond, common, tuple(uneven), x, force)
+
+
+def _pairs(strokes: Sequence[Stroke]) -> list[tuple[Stroke, Stroke | None]]:
+    """Every way in, with the way back after it where it was recorded."""
+    ways = zip(strokes, [*strokes[1:], None], strict=True)
+    pairs = [(one, after) for one, after in ways if one.inward]
+    if not pairs:
         raise DataError(
             "no loading was found: the compression only falls, or never moves by more than its "
             "scatter; expected a seal that is pressed, and then released"
         )
-    first = strokes[way_in[0]]
-    zero = zero_of(clock, x, force, first, resolution=resolution)
-    x, force = x - zero.contact, force - zero.force
-    pairs = [(strokes[i], strokes[i + 1] if i + 1 < len(strokes) else None) for i in way_in]
-    depths = [float(x[one.last]) for one, _ in pairs]
-    if len(pairs) > 1 and pairs[-1][1] is None and depths[-1] < _UNFINISHED * max(depths):
-        pairs.pop()
-    common = _COMMON * min(float(x[one.last]) for one, _ in pairs)
-    beyond = max(resolution, 3 * zero.contact_se, _BEYOND * max(depths))
-    cycles, uneven = [], []
-    for number, (loading, unloading) in enumerate(pairs, start=1):
-        speed, departure = unevenness(clock[loading.samples], x[loading.samples])
-        cycles.append(
-            _cycle(x, force, number, loading, unloading, zero=zero, common=common,
-                   beyond=beyond, speed=None if test.time is None else speed)
-        )  # fmt: skip
-        uneven.append(None if test.time is None else departure)
-    return _Found(tuple(cycles), zero, beyond, common, tuple(uneven), x, force)
+    return pairs
 
 
 def _cycle(
