@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Protocol
 
 SIMULATED = "simulated"
 """What a table says of a file that the virtual rig or hammer made."""
@@ -50,3 +52,31 @@ class Step:
     name: str
     parameters: tuple[tuple[str, str], ...] = ()
     says: str = ""
+
+
+class Read(Protocol):
+    """A record that a file may stand behind."""
+
+    @property
+    def source(self) -> Source | None:
+        """The file; None of arrays in memory."""
+        ...
+
+
+class Prepared(Protocol):
+    """A record to which something may have been done."""
+
+    @property
+    def steps(self) -> tuple[Step, ...]:
+        """All of it, in its order."""
+        ...
+
+
+def sources_of(records: Iterable[Read]) -> tuple[Source, ...]:
+    """Return the files behind records."""
+    return tuple(one.source for one in records if one.source is not None)
+
+
+def steps_of(records: Iterable[Prepared]) -> tuple[Step, ...]:
+    """Return what was done to records, one after the other."""
+    return tuple(step for one in records for step in one.steps)

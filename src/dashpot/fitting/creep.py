@@ -21,7 +21,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, median
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError
-from dashpot.base.provenance import Step
+from dashpot.base.provenance import Step, sources_of
 from dashpot.engine.blocks.block import Block, prior_block, retarding
 from dashpot.engine.blocks.hold import decay_block
 from dashpot.engine.blocks.recorded import recorded_block
@@ -38,7 +38,7 @@ from dashpot.fitting.checks.solid import (
     tau_inside_window,
 )
 from dashpot.fitting.design import evened
-from dashpot.fitting.fit_data import FitData, determinable_arms
+from dashpot.fitting.fit_data import DOUBTED, FitData, determinable_arms
 from dashpot.fitting.nuisance import Prior, at_rest
 from dashpot.fitting.pipeline import Chosen, asked_arms, assembled, chosen_arms, measured_in
 from dashpot.fitting.retardation import FLOW, GLASS, Retarded, spectrum_of
@@ -71,8 +71,6 @@ _RESOLVED = 4.0
 _APART = 0.2
 # standard deviation of a reading in counts
 _OF_A_COUNT = 12**-0.5
-# a fit that expects less than this part of a value does not follow it: no ground for a weight
-_DOUBTED = 0.1
 
 
 def fit_creep(
@@ -299,7 +297,7 @@ def _fit_of_test(record: LoadHold, found: Retarded, arms: int | Literal["auto"])
         noticed=record.checks,
         provenance=Provenance(
             "creep",
-            () if record.source is None else (record.source,),
+            sources_of([record]),
             (*record.steps, _step(found, f"{len(residual)} samples of a creep test", arms)),
             record.specimen,
         ),
@@ -444,7 +442,7 @@ def _of_curve(
     first = solve([_curve_block(t, values, weight, window, flows=True)], min(most, len(t) // 3))
     expected = spectrum_of(first).compliance(t)
     # the size of noisy data is a biased weight: low values would count most
-    weight = 1 / np.maximum(expected, _DOUBTED * values)
+    weight = 1 / np.maximum(expected, DOUBTED * values)
     found = []
     for flows, count in _candidates(arms):
         block = _curve_block(t, values, weight, window, flows=flows)
@@ -465,7 +463,7 @@ def _of_curve(
         checks=answers,
         provenance=Provenance(
             "creep",
-            () if curve.source is None else (curve.source,),
+            sources_of([curve]),
             (_step(best, f"{len(t)} values of a creep compliance", arms),),
             curve.specimen,
         ),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
@@ -11,7 +10,7 @@ import numpy as np
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
-from dashpot.base.provenance import Source, Step
+from dashpot.base.provenance import Step, sources_of, steps_of
 from dashpot.base.units import Quantity, si
 from dashpot.engine.blocks.block import Block, frequency_block
 from dashpot.fitting.checks.curves import (
@@ -30,24 +29,21 @@ from dashpot.fitting.checks.solid import (
     tau_inside_window,
 )
 from dashpot.fitting.design import Design, compressed
-from dashpot.fitting.fit_data import FitData, alone
+from dashpot.fitting.fit_data import DOUBTED, FitData, alone
 from dashpot.fitting.fractional.choice import (
     SWEEPS,
     ChosenElement,
     checked_family,
     chosen_family,
-    element,
-    family_checks,
     named,
 )
 from dashpot.fitting.pipeline import Chosen, asked_arms, assembled, chosen_arms, measured_in
 from dashpot.fitting.repeats import refuse_copies
 from dashpot.fitting.spectrum import (
-    dense_where_few_fail,
     dynamic_master_curve,
     passive_misfit,
     relative_scale,
-    shared_where_few_fall_short,
+    spectrum_where_few_fail,
 )
 from dashpot.fitting.superposition.superpose import superpose
 from dashpot.fitting.uncertainty.informed_band import informed_band
@@ -56,15 +52,15 @@ from dashpot.preparation.ramp_holds import Tests, ramp_holds
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import Fit, Provenance
 from dashpot.records.relaxation import RampHold
-from dashpot.records.superposition import Superposition
+from dashpot.records.superposition import AsMeasured, Superposition
 from dashpot.solids.maxwell import Solid
 
 Weights: TypeAlias = Literal["relative", "modulus"]
 
 # half a decade: an arm farther out than this shows only its tail
 _BEYOND = float(np.sqrt(10.0))
-# a fit that expects less than this part of a value does not follow it: no ground for a weight
-_DOUBTED = 0.1
+# weights of one temperature, and of several
+_USUAL: tuple[Weights, Weights] = ("relative", "modulus")
 
 
 def fit_dynamic(
@@ -132,37 +128,20 @@ def fit_dynamic(
     """
     temperature = si(temperature, "temperature")
     checked_family(family, arms)
-    data, moved = _at_one_temperature(data, temperature)
-    if moved is not None and family != "maxwell":
-        raise FitError(
-            "a master curve is fitted with arms, which move together with temperature: leave the "
-            "family to be maxwell, or choose one temperature with --at (Python: temperature=)"
-        )
-    weights = weights or ("relative" if moved is None else "modulus")
+    data, origin = _at_one_temperature(data, temperature)
     records = _records(tests, data, dashpot=dashpot)
-    if records and moved is not None:
-        raise FitError(
-            "the sweeps are of several temperatures, the relaxation tests of one: choose the "
-            "sweep of theirs with --at (Python: temperature=)"
-        )
+    shifted = isinstance(origin, Superposition)
+    if shifted:
+        _refuse_beside_shifts(family, records)
+    weights = weights or _USUAL[shifted]
     most = asked_arms(arms, max_arms)
-    sets = [_sweep(data, weights, dashpot=dashpot, most=most)]
-    sets += _relaxations(records, most)
-    blocks = [one.block for one in sets]
-    rows = [row for one in sets for row in one.rows]
-    found = chosen_arms(FitData(blocks, rows), arms, max_arms=max_arms, thorough=thorough)
-    both = None if family == "maxwell" else chosen_family(found, element(found.data), family)
-    found = both.best if both else found
-    band, met = _band(data, records, blocks[1:], found.model.k_0)
-    other = both.alternative(band, SWEEPS) if both else None
-    of_data = (
-        kramers_kronig(passive_misfit(data)),
-        loss_positive(data),
-        *([storage_rises(data)] if moved is None else moved.checks),
-    )
-    asked = family_checks(both, other) if both else ()
-    said = of_temperature(data.specimen)
-    answers = (*of_data, *said, *_checks(found, data, records), *asked, *met)
+    sets = (_sweep(data, weights, dashpot=dashpot, most=most), *_relaxations(records, most))
+    found = chosen_arms(_stacked(sets), arms, max_arms=max_arms, thorough=thorough)
+    both = chosen_family(found, family)
+    found = both.best
+    band, met = _band(data, records, sets[1:], found.model.k_0)
+    other = both.alternative(band, SWEEPS)
+    of_data = (kramers_kronig(passive_misfit(data)), loss_positive(data), *origin.checks)
     options = (
         ("arms", str(arms)),
         ("weights", weights),
@@ -173,29 +152,31 @@ def fit_dynamic(
     few = assembled(
         found,
         band=band,
-        checks=answers,
+        checks=(
+            *of_data,
+            *of_temperature(data.specimen),
+            *_checks(found, data, records),
+            *both.checks(other),
+            *met,
+        ),
         provenance=Provenance(
             "dynamic",
-            _sources(data, records) if moved is None else moved.sources,
-            (
-                *(() if moved is None else moved.steps),
-                *(step for record in records for step in record.steps),
-                _step(data, records, found, options),
-            ),
+            (*origin.sources, *sources_of(records)),
+            (*origin.steps, *steps_of(records), _step(data, records, found, options)),
             data.specimen,
         ),
         tests=len(records),
         unit=data.unit,
         alternative=other,
+        temperatures=origin.temperatures,
     )
-    few = replace(few, temperatures=None if moved is None else moved.temperatures)
-    error = _relative_error(few.solid, data, weights if moved else "relative")
-    few = measured_in(few, "sd") if records else measured_in(few, "1", error)
-    if arms != "auto" or records or dashpot or few.family != "maxwell":
+    if records:
+        return measured_in(few, "sd")
+    error = _relative_error(few.solid, data, weights if shifted else "relative")
+    few = measured_in(few, "1", error)
+    if arms != "auto" or dashpot or few.family != "maxwell":
         return few
-    if moved is not None:
-        return shared_where_few_fall_short(few, error, moved, of_data)
-    return dense_where_few_fail(few, error, lambda: dynamic_master_curve(data), of_data)
+    return spectrum_where_few_fail(few, error, origin, lambda: dynamic_master_curve(data), of_data)
 
 
 def _relative_error(solid: Solid, data: DynamicTest, weights: str) -> FloatArray:
@@ -216,8 +197,8 @@ class _Set(NamedTuple):
 
 def _at_one_temperature(
     data: DynamicTest | Superposition, temperature: float | None
-) -> tuple[DynamicTest, Superposition | None]:
-    """Return what is fitted, in order of frequency, and how it was shifted there, if it was."""
+) -> tuple[DynamicTest, Superposition | AsMeasured]:
+    """Return what is fitted, in order of frequency, and where it comes from."""
     if isinstance(data, DynamicTest) and temperature is None and data.several_temperatures:
         data = superpose(data)
     if isinstance(data, Superposition):
@@ -229,7 +210,22 @@ def _at_one_temperature(
         return data.curve, data
     if temperature is not None:
         data = data.at(temperature)
-    return data.only(np.argsort(data.frequency, kind="stable")), None
+    data = data.only(np.argsort(data.frequency, kind="stable"))
+    return data, AsMeasured(sources_of([data]), (storage_rises(data),))
+
+
+def _refuse_beside_shifts(family: str, records: Sequence[RampHold]) -> None:
+    """Refuse what goes with a sweep of one temperature alone."""
+    if family != "maxwell":
+        raise FitError(
+            "a master curve is fitted with arms, which move together with temperature: leave the "
+            "family to be maxwell, or choose one temperature with --at (Python: temperature=)"
+        )
+    if records:
+        raise FitError(
+            "the sweeps are of several temperatures, the relaxation tests of one: choose the "
+            "sweep of theirs with --at (Python: temperature=)"
+        )
 
 
 def _records(tests: Tests, data: DynamicTest, *, dashpot: bool) -> tuple[RampHold, ...]:
@@ -246,6 +242,10 @@ def _records(tests: Tests, data: DynamicTest, *, dashpot: bool) -> tuple[RampHol
             "(an arm much faster than the sweep is such a dashpot)"
         )
     return records
+
+
+def _stacked(sets: Sequence[_Set]) -> FitData:
+    return FitData([one.block for one in sets], [row for one in sets for row in one.rows])
 
 
 def _sweep(data: DynamicTest, weights: str, *, dashpot: bool, most: int) -> _Set:
@@ -287,13 +287,13 @@ def _scale(
     data: DynamicTest, expected: ComplexArray, weights: str
 ) -> tuple[FloatArray, FloatArray]:
     """Return what errors of storage and loss are relative to: the size expected of each."""
-    size = np.maximum(np.abs(expected), _DOUBTED * np.abs(data.value))
+    size = np.maximum(np.abs(expected), DOUBTED * np.abs(data.value))
     if weights == "modulus":
         return size, size
     storage, loss = relative_scale(data)
     return (
-        np.maximum(np.abs(expected.real), _DOUBTED * storage),
-        np.maximum(np.abs(expected.imag), _DOUBTED * loss),
+        np.maximum(np.abs(expected.real), DOUBTED * storage),
+        np.maximum(np.abs(expected.imag), DOUBTED * loss),
     )
 
 
@@ -353,23 +353,19 @@ def _checks(found: Chosen, data: DynamicTest, records: Sequence[RampHold]) -> tu
 
 
 def _band(
-    data: DynamicTest, records: Sequence[RampHold], blocks: Sequence[Block], k_0: float
+    data: DynamicTest, records: Sequence[RampHold], held: Sequence[_Set], k_0: float
 ) -> tuple[tuple[float, float], tuple[Check, ...]]:
     """Return the frequencies that the tests inform, and whether they leave a gap."""
     sweep = (float(data.frequency.min()), float(data.frequency.max()))
     if not records:
         return sweep, ()
     # the blocks are in units of their own scatter
-    held = informed_band(records, blocks, stiffness=max(k_0, 1e-300), noise=1.0)
-    met = bands_meet(sweep, held)
+    blocks = [one.block for one in held]
+    informed = informed_band(records, blocks, stiffness=max(k_0, 1e-300), noise=1.0)
+    met = bands_meet(sweep, informed)
     if met.failed:
         return sweep, (met,)
-    return (min(sweep[0], held[0]), max(sweep[1], held[1])), (met,)
-
-
-def _sources(data: DynamicTest, records: Sequence[RampHold]) -> tuple[Source, ...]:
-    every = (data.source, *(record.source for record in records))
-    return tuple(source for source in every if source is not None)
+    return (min(sweep[0], informed[0]), max(sweep[1], informed[1])), (met,)
 
 
 def _step(

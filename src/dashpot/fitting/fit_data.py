@@ -22,6 +22,8 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # a prior whose assumed noise is within this factor of what the fit shows weighs what it should
 _WEIGHED = (2 / 3, 3 / 2)
+# a fit that expects less than this part of a value does not follow it: no ground for a weight
+DOUBTED = 0.1
 # a scatter below this part of the largest value is rounding
 ROUNDING = 1e-9
 

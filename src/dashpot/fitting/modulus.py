@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError, FitError
-from dashpot.base.provenance import Source, Step
+from dashpot.base.provenance import Source, Step, sources_of
 from dashpot.engine.blocks.block import Block
 from dashpot.engine.blocks.hold import decay_block
 from dashpot.fitting.checks.curves import modulus_falls, plateau_seen
@@ -21,22 +21,19 @@ from dashpot.fitting.checks.solid import (
     residuals_random,
     tau_inside_window,
 )
-from dashpot.fitting.fit_data import FitData, alone
+from dashpot.fitting.fit_data import DOUBTED, FitData, alone
 from dashpot.fitting.pipeline import asked_arms, assembled, chosen_arms, measured_in
 from dashpot.fitting.spectrum import (
-    dense_where_few_fail,
     master_curve,
-    shared_where_few_fall_short,
+    spectrum_where_few_fail,
 )
 from dashpot.fitting.superposition.superpose import superpose
 from dashpot.preparation.checks import of_temperature
 from dashpot.records.fit import Fit, Provenance
 from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.specimen import Specimen
-from dashpot.records.superposition import Superposition
+from dashpot.records.superposition import AsMeasured, Superposition
 
-# a fit that expects less than this part of a value does not follow it: no ground for a weight
-_DOUBTED = 0.1
 # a dense spectrum needs a curve
 _LEAST = 3
 
@@ -100,28 +97,22 @@ def fit_modulus(
     if unit not in {"Pa", "N/m"}:
         raise FitError(f"unit = {unit!r}; expected 'Pa' or 'N/m'")
     if isinstance(time, RelaxationModulus | Superposition):
-        data, moved = _at_one_temperature(time)
+        data, origin = _at_one_temperature(time)
     else:
-        data, moved = RelaxationModulus(time, modulus, unit, specimen or Specimen(), source), None  # type: ignore[arg-type]
+        curve = RelaxationModulus(time, modulus, unit, specimen or Specimen(), source)  # type: ignore[arg-type]
+        data, origin = curve, AsMeasured(sources_of([curve]))
     t, values, unit = data.time, data.modulus, data.unit
     falls = modulus_falls(values)
     if falls.failed:
         raise DataError(f"this is no relaxation modulus: {falls.says}")
     most = asked_arms(arms, max_arms)
     window = _window(t)
-    weight = _weights(values, weights)
-    if weights == "relative":
-        # the size of noisy data is a biased weight: low values would count most
-        first = _block(t, values, weight, window)
-        expected = alone([first], [first], most).model.relaxation(t)
-        weight = 1 / np.maximum(expected, _DOUBTED * values)
-    block = _block(t, values, weight, window)
+    block = _weighed(t, values, weights, window, most)
     found = chosen_arms(FitData([block], [block]), arms, max_arms=max_arms, thorough=thorough)
     model = found.model
     positive = t[t > 0]
-    of_data = () if moved is None else moved.checks
     asked = (
-        *of_data,
+        *origin.checks,
         *of_temperature(data.specimen),
         arms_supported(model, found.error, unit=unit),
         tau_inside_window(model, window, "the curve"),
@@ -140,40 +131,43 @@ def fit_modulus(
         found,
         band=(float(1 / (2 * np.pi * positive[-1])), float(1 / (2 * np.pi * positive[0]))),
         checks=asked,
-        provenance=Provenance("modulus", *_origin(data, moved, step), data.specimen),
+        provenance=Provenance("modulus", origin.sources, (*origin.steps, step), data.specimen),
         unit=unit,
+        temperatures=origin.temperatures,
     )
     few = measured_in(few, "1" if weights == "relative" else unit)
-    if moved is not None:
-        few = replace(few, temperatures=moved.temperatures)
     later = t > 0
     if arms != "auto" or weights != "relative" or later.sum() < _LEAST:
         return few
     error = model.relaxation(t) / values - 1.0
-    if moved is not None:
-        return shared_where_few_fall_short(few, error, moved, of_data)
-    return dense_where_few_fail(few, error, lambda: master_curve(t[later], values[later]))
+    return spectrum_where_few_fail(
+        few, error, origin, lambda: master_curve(t[later], values[later]), origin.checks
+    )
 
 
 def _at_one_temperature(
     data: RelaxationModulus | Superposition,
-) -> tuple[RelaxationModulus, Superposition | None]:
-    """Return what is fitted, and how it was shifted there, if it was."""
+) -> tuple[RelaxationModulus, Superposition | AsMeasured]:
+    """Return what is fitted, and where it comes from."""
     if isinstance(data, RelaxationModulus):
         if data.temperature is None:
-            return data, None
+            return data, AsMeasured(sources_of([data]))
         data = superpose(data)
     if not isinstance(data.curve, RelaxationModulus):
         raise FitError("a master curve of storage and loss is fitted with fit_dynamic")
     return data.curve, data
 
 
-def _origin(
-    data: RelaxationModulus, moved: Superposition | None, step: Step
-) -> tuple[tuple[Source, ...], tuple[Step, ...]]:
-    if moved is not None:
-        return moved.sources, (*moved.steps, step)
-    return () if data.source is None else (data.source,), (step,)
+def _weighed(
+    t: FloatArray, values: FloatArray, weights: str, window: tuple[float, float], most: int
+) -> Block:
+    """The curve as rows, relative to what the best of up to `most` arms expects, or all alike."""
+    first = _block(t, values, _weights(values, weights), window)
+    if weights == "uniform":
+        return first
+    # the size of noisy data is a biased weight: low values would count most
+    expected = alone([first], [first], most).model.relaxation(t)
+    return _block(t, values, 1 / np.maximum(expected, DOUBTED * values), window)
 
 
 def _block(

@@ -51,6 +51,7 @@ from dashpot.records.fit import (
     Provenance,
     Status,
 )
+from dashpot.records.temperature import TemperatureShifts
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
@@ -248,6 +249,7 @@ def assembled(
     tests: int = 0,
     unit: str = "N/m",
     elastic_law: ElasticLaw | None = None,
+    temperatures: TemperatureShifts | None = None,
     end_of_hold: EndOfHold | None = None,
     creep: CreepEstimate | None = None,
     alternative: Alternative | None = None,
@@ -268,6 +270,7 @@ def assembled(
         How many relaxation tests have a tare and a drift of their own.
     unit : str
     elastic_law : ElasticLaw or None
+    temperatures : TemperatureShifts or None
     end_of_hold : EndOfHold or None
     creep : CreepEstimate or None
     alternative : Alternative or None
@@ -302,6 +305,7 @@ def assembled(
         provenance=provenance,
         unit=unit,
         elastic_law=elastic_law,
+        temperatures=temperatures,
     )
 
 

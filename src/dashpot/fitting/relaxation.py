@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Literal
 
@@ -10,9 +11,9 @@ import numpy as np
 
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
-from dashpot.base.provenance import Step
+from dashpot.base.provenance import Step, sources_of, steps_of
 from dashpot.base.units import Quantity, si
-from dashpot.fitting.asked import Asked, checked_design, refuse_shifts
+from dashpot.fitting.asked import Asked, checked_design, refuse_for_creep, refuse_shifts
 from dashpot.fitting.checks import relaxation as checks
 from dashpot.fitting.checks.solid import (
     frequencies_informed,
@@ -27,8 +28,6 @@ from dashpot.fitting.fractional.choice import (
     ChosenElement,
     beside_bent,
     chosen_family,
-    element,
-    family_checks,
     named,
 )
 from dashpot.fitting.linear_gate import Holds, gated
@@ -150,12 +149,7 @@ def fit(
     """
     if isinstance(tests, Creep):
         refuse_shifts("a creep test is", vertical, shift_law, reference)
-        if method != "full" or depth_law or law != "auto" or family != "maxwell":
-            raise FitError(
-                "a creep test is fitted to its recorded force and to a linear solid with arms: it "
-                "has no other method, no depth law, no elastic law and no other family; leave "
-                "them out"
-            )
+        refuse_for_creep(method, law, family, depth_law=depth_law)
         from dashpot.fitting.creep import fit_creep  # few need it
 
         return fit_creep(tests, arms=arms, thorough=thorough, max_arms=max_arms)
@@ -167,33 +161,42 @@ def fit(
     asked = Asked("auto" if arms == "auto" else most, max_arms, law, family, intervals, thorough)
     design = checked_design(records, asked, method=method, depth_law=depth_law, nuisance=nuisance)
     temperatures = checked_temperatures(records, shared=method == "full" and not depth_law)
+    reference = si(reference, "temperature")
     if len(temperatures) > 1:
-        if family != "maxwell":
-            raise FitError(
-                "tests at several temperatures share arms that move together: leave the family to "
-                "be maxwell, or fit the tests of one temperature"
-            )
-        return fit_thermal(
-            [_own(record, law, thorough=thorough) for record in records],
-            arms=asked.count,
-            max_arms=max_arms,
-            vertical=vertical,
-            shift_law=shift_law,
-            reference=reference_of(temperatures, si(reference, "temperature")),
-            intervals=intervals,
-            thorough=thorough,
-        )
-    here = len(temperatures) == 1 and si(reference, "temperature") in {None, *temperatures.tolist()}
+        at = reference_of(temperatures, reference)
+        return _of_temperatures(records, asked, vertical=vertical, shift_law=shift_law, at=at)
+    here = len(temperatures) == 1 and reference in {None, *temperatures.tolist()}
     refuse_shifts("the tests are", vertical, shift_law, None if here else reference)
     if law == "nonlinear":
         return _by_ramp(records, ramp_law(records, law=law, arms=asked.count), asked.count)
     return _of_one_temperature(records, design, asked)
 
 
+def _of_temperatures(
+    records: Sequence[RampHold], asked: Asked, *, vertical: Vertical, shift_law: ShiftLaw, at: int
+) -> Fit:
+    """Return the fit of one solid that moves with temperature, at the `at`-th of them."""
+    if asked.family != "maxwell":
+        raise FitError(
+            "tests at several temperatures share arms that move together: leave the family to "
+            "be maxwell, or fit the tests of one temperature"
+        )
+    return fit_thermal(
+        [_own(record, asked.law, thorough=asked.thorough) for record in records],
+        arms=asked.count,
+        max_arms=asked.max_arms,
+        vertical=vertical,
+        shift_law=shift_law,
+        reference=at,
+        intervals=asked.intervals,
+        thorough=asked.thorough,
+    )
+
+
 def _of_one_temperature(records: Sequence[RampHold], design: Design, asked: Asked) -> Fit:
     """Return the fit of a linear solid, or of a bent ramp where no linear solid is sound."""
     data, holds, first, one = data_of(records, design), Holds(records), None, None
-    if design.method == "full" and not design.depth_law and design.nuisance == NUISANCE:
+    if design == Design("full"):
         first, one, sound = gated(holds, data, asked)
         bent = None if sound else ramp_law(records, law=asked.law, arms=asked.count)
         if bent is not None and not bent.sound:
@@ -209,14 +212,12 @@ def _of_one_temperature(records: Sequence[RampHold], design: Design, asked: Aske
         thorough=asked.thorough,
         first=first,
     )
-    both = None
-    if asked.family != "maxwell":
-        both = chosen_family(chosen, one or element(chosen.data), asked.family)
-        chosen = both.best
+    both = chosen_family(chosen, asked.family, one)
     if design.method == "hold":
         doubts = [record.depth_doubt for record in records]
-        chosen = chosen.with_depth_doubt(doubts, shared=not design.depth_law)
-    return _assembled(holds, chosen, design, both, thorough=asked.thorough)
+        doubtful = both.best.with_depth_doubt(doubts, shared=not design.depth_law)
+        both = replace(both, best=doubtful)
+    return _assembled(holds, both, design, thorough=asked.thorough)
 
 
 def _own(record: RampHold, law: LawName, *, thorough: bool) -> Own:
@@ -243,8 +244,8 @@ def _point(records: Sequence[RampHold], first: First, design: Design, arms: int)
     deepest = max(records, key=lambda record: record.depth)
     provenance = Provenance(
         design.method,
-        tuple(record.source for record in records if record.source is not None),
-        tuple(step for record in records for step in record.steps),
+        sources_of(records),
+        steps_of(records),
         deepest.specimen,
     )
     return point_estimate(
@@ -258,11 +259,9 @@ def _point(records: Sequence[RampHold], first: First, design: Design, arms: int)
     )
 
 
-def _assembled(
-    holds: Holds, found: Chosen, design: Design, both: FamilyChoice | None, *, thorough: bool
-) -> Fit:
+def _assembled(holds: Holds, both: FamilyChoice, design: Design, *, thorough: bool) -> Fit:
     """Return the fit of a linear solid, with everything needed to judge it."""
-    records, depth_law = holds.records, design.depth_law
+    records, found, depth_law = holds.records, both.best, design.depth_law
     deepest = max(records, key=lambda record: record.depth)
     band = informed_band(
         records,
@@ -271,22 +270,22 @@ def _assembled(
         noise=max(found.estimate.spread, 1e-6 * found.data.peak, 1e-300),
     )
     # what it bounds is of any spectrum: few arms weigh the record as well as many
-    end = None if depth_law else _end_of_hold(records, both.arms if both else found, design)
-    other = None if both is None else both.alternative(band)
+    end = None if depth_law else _end_of_hold(records, both.arms, design)
+    other = both.alternative(band)
     return assembled(
         found,
         band=band,
         checks=(
             *_checks(holds, found, design, end),
-            *(family_checks(both, other) if both else ()),
+            *both.checks(other),
             frequencies_informed(band),
         ),
         noticed=[check for record in records for check in record.checks],
         provenance=Provenance(
             design.method,
-            tuple(record.source for record in records if record.source is not None),
+            sources_of(records),
             (
-                *(step for record in records for step in record.steps),
+                *steps_of(records),
                 *_motion_steps(records, design),
                 _step(records, found, design, thorough=thorough),
             ),

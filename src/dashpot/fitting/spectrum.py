@@ -18,6 +18,7 @@ from dashpot.fitting.checks.curves import FOLLOWED, few_arms_suffice
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.estimate import ParameterEstimate, Residual
 from dashpot.records.fit import Fit, Status
+from dashpot.records.superposition import AsMeasured, Superposition
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # arms this far beyond the measured frequencies still shape the loss at their ends
@@ -267,8 +268,12 @@ class Dense(Protocol):
         ...
 
 
-def dense_where_few_fail(
-    few: Fit, error: FloatArray, spectrum: Callable[[], Dense], of_data: Sequence[Check] = ()
+def spectrum_where_few_fail(
+    few: Fit,
+    error: FloatArray,
+    origin: Superposition | AsMeasured,
+    spectrum: Callable[[], Dense],
+    of_data: Sequence[Check] = (),
 ) -> Fit:
     """Return the fit, or the dense spectrum where no small number of arms follows the curves.
 
@@ -277,11 +282,15 @@ def dense_where_few_fail(
     few : Fit
     error : array, shape (n,)
         Its relative errors on every value of the curves.
+    origin : Superposition or AsMeasured
+        Of several temperatures: then :func:`shared_where_few_fall_short`.
     spectrum : callable
-        Fits the dense spectrum.
+        Fits the dense spectrum of one temperature.
     of_data : sequence of Check
         Those of the fit's checks that do not speak of its arms.
     """
+    if isinstance(origin, Superposition):
+        return shared_where_few_fall_short(few, error, origin, of_data)
     missed = float(np.sqrt(np.mean(error * error)))
     if missed < FOLLOWED:
         return few
@@ -296,7 +305,7 @@ def shared_where_few_fall_short(
 ) -> Fit:
     """Return the fit, or the spectrum of several temperatures where few arms follow less closely.
 
-    The parameters are those of :func:`dense_where_few_fail`; `shared` is there already.
+    The parameters are those of :func:`spectrum_where_few_fail`; `shared` is there already.
     """
     missed, limit = float(np.sqrt(np.mean(error * error))), _AS_CLOSE * shared.rms
     return few if missed < limit else _dense(few, (missed, limit), shared, len(error), of_data)

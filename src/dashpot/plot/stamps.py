@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from dashpot.base.numbers import rounded
-from dashpot.base.provenance import Source
+from dashpot.base.provenance import Source, sources_of
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
 from dashpot.records.relaxation import RampHold
@@ -52,8 +52,7 @@ def _simulated(specimen: Specimen | None) -> bool:
 
 def of_test(prepared: RampHold) -> str:
     """Of a relaxation test."""
-    source = prepared.source
-    return stamp(() if source is None else (source,), prepared.specimen)
+    return stamp(sources_of([prepared]), prepared.specimen)
 
 
 def of_fit(fit: Fit) -> str:

@@ -12,7 +12,7 @@ from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import rounded
 from dashpot.base.offered import Described
-from dashpot.base.provenance import Source, of_file
+from dashpot.base.provenance import Source, of_file, sources_of
 from dashpot.records.indentation import Found
 from dashpot.solids.hyperelastic import Hyperelastic, Mode
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -168,7 +168,7 @@ class HyperelasticFit(ByValue, Described):
     @property
     def sources(self) -> tuple[Source, ...]:
         """The files behind it."""
-        return tuple(one.source for one in self.curves if one.source is not None)
+        return sources_of(self.curves)
 
     @property
     def verdict(self) -> Verdict:

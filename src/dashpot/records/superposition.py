@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from dashpot.base.arrays import ByValue, FloatArray, same_length, samples
 from dashpot.base.checks import Check
@@ -13,6 +14,15 @@ from dashpot.records.dynamic import DynamicTest
 from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.temperature import TemperatureShifts, celsius
 from dashpot.solids.maxwell import GeneralizedMaxwell
+
+
+class AsMeasured(NamedTuple):
+    """What there is to say of a curve that nothing has shifted, as of one that was."""
+
+    sources: tuple[Source, ...]
+    checks: tuple[Check, ...] = ()
+    steps: tuple[Step, ...] = ()
+    temperatures: None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -167,6 +167,27 @@ def element(data: FitData) -> ChosenElement:
 # -- beside the arms ------------------------------------------------------------------------------
 
 
+class Other(NamedTuple):
+    """The family that was not taken.
+
+    Attributes
+    ----------
+    solid : Solid
+        Its best; of arms, the fewest that explain the data, if any do.
+    residual : float
+        Standard deviation of what the best of the family taken leaves, over that of this.
+    bic : float
+        Of this, less that of the family taken.
+    explains : bool
+        What this leaves may be chance, or BIC does not tell the two apart.
+    """
+
+    solid: Solid
+    residual: float
+    bic: float
+    explains: bool
+
+
 @dataclass(frozen=True, eq=False)
 class Choice:
     """One family taken, and the other.
@@ -176,41 +197,53 @@ class Choice:
     best : Chosen
     arms : Chosen
         The solid with arms, taken or not.
-    other : Solid
-        The best solid of the other family; of arms, the fewest that explain the data, if any do.
-    residual : float
-        Standard deviation of what the best leaves, over that of the other.
-    bic : float
-        Of the other, less that of the best.
-    explains : bool
-        What the other leaves may be chance, or BIC does not tell the two apart.
+    other : Other or None
+        None where arms alone were asked for.
     """
 
     best: Chosen
     arms: Chosen
-    other: Solid
-    residual: float
-    bic: float
-    explains: bool
+    other: Other | None = None
 
-    def alternative(self, band: tuple[float, float], further: str = RAMPS) -> Alternative:
+    def alternative(self, band: tuple[float, float], further: str = RAMPS) -> Alternative | None:
         """The other family, as a fit keeps it; `band` is what the data inform, Hz."""
-        return beside(
-            self.best.solid, self.other, self.bic, band, explains=self.explains,
-            further=further,
-        )  # fmt: skip
+        if self.other is None:
+            return None
+        solid, _, rise, explains = self.other
+        return beside(self.best.solid, solid, rise, band, explains=explains, further=further)
+
+    def checks(self, alternative: Alternative | None) -> tuple[Check, ...]:
+        """What to ask of a solid that was taken beside another family."""
+        if self.other is None:
+            return ()
+        told = families_told_apart(alternative)
+        if not isinstance(self.best, ChosenElement):
+            return (told,)
+        error = float(self.best.error[ELEMENT.index("alpha")])
+        return (
+            slope_known(error, edge=self.best.at_edge),
+            element_explains(self.other.residual, self.other.solid.maxwell.arms),
+            told,
+        )
 
 
 class _Candidate(NamedTuple):
     """One solid of a family: what it leaves, N^2, and how many parameters it has."""
 
+    family: Chosen
     solid: Solid
     sse: float
     parameters: int
 
 
-def chosen_family(arms: Chosen, one: ChosenElement, family: str) -> Choice:
-    """Return the family asked for, or with ``"auto"`` the one that BIC prefers, and the other."""
+def chosen_family(arms: Chosen, family: str, one: ChosenElement | None = None) -> Choice:
+    """Return the family asked for, or with ``"auto"`` the one that BIC prefers, and the other.
+
+    `one` is the fractional solid of the same data, where it is known already.
+    """
+    if family == "maxwell":
+        return Choice(arms, arms)
+    one = one or element(arms.data)
     fewest = min(arms, one, key=lambda found: found.solution.sse)
     effective = fewest.estimate.effective
     floor = arms.solution.samples * rounding(arms.data.peak) ** 2
@@ -226,28 +259,27 @@ def chosen_family(arms: Chosen, one: ChosenElement, family: str) -> Choice:
         # many arms leave less of few samples by chance alone
         return (found.sse + floor) / max(effective - found.parameters, 1.0)
 
-    element, several = _candidate(one), _of_orders(arms)
+    single, several = _candidate(one), _of_orders(arms)
     taken = several[0]
-    better = criterion(element) + VERY_STRONG < criterion(taken) and not one.at_edge
-    if family == "fractional" or (family == "auto" and better):
-        best, others = element, several
-    else:
-        best, others = taken, [element]
+    better = criterion(single) + VERY_STRONG < criterion(taken) and not one.at_edge
+    best, others = (single, several) if better or family == "fractional" else (taken, [single])
     least = criterion(best) + VERY_STRONG
     explain = [other for other in others if criterion(other) < least or explained(other, best)]
     other = (explain or others)[0]
     return Choice(
-        best=one if best is element else arms,
-        arms=arms,
-        other=other.solid,
-        residual=float(np.sqrt(spread(best) / spread(other))),
-        bic=criterion(other) - criterion(best),
-        explains=bool(explain),
+        best.family,
+        arms,
+        Other(
+            other.solid,
+            residual=float(np.sqrt(spread(best) / spread(other))),
+            bic=criterion(other) - criterion(best),
+            explains=bool(explain),
+        ),
     )
 
 
 def _candidate(found: Chosen) -> _Candidate:
-    return _Candidate(found.solid, found.solution.sse, len(found.estimate.names))
+    return _Candidate(found, found.solid, found.solution.sse, len(found.estimate.names))
 
 
 def _of_orders(arms: Chosen) -> list[_Candidate]:
@@ -259,6 +291,7 @@ def _of_orders(arms: Chosen) -> list[_Candidate]:
         own,
         *(
             _Candidate(
+                arms,
                 solid_of(solution, arms.data.suffix),
                 solution.sse,
                 own.parameters + each * (solution.order - arms.solution.order),
@@ -293,18 +326,6 @@ def beside_bent(bent: Fit, left: Sequence[FloatArray], one: ChosenElement) -> Fi
     other = beside(bent.solid, one.solid, rise, bent.band, explains=explains, further=RAMPS)
     checks = (*bent.checks, families_told_apart(other))
     return replace(bent, evidence=replace(bent.evidence, alternative=other, checks=checks))
-
-
-def family_checks(both: Choice, other: Alternative | None) -> tuple[Check, ...]:
-    """Return what to ask of a solid that was taken beside another family."""
-    answers = []
-    if isinstance(both.best, ChosenElement):
-        error = float(both.best.error[ELEMENT.index("alpha")])
-        answers = [
-            slope_known(error, edge=both.best.at_edge),
-            element_explains(both.residual, both.other.maxwell.arms),
-        ]
-    return (*answers, families_told_apart(other))
 
 
 def named(found: Chosen) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
-from dashpot.base.provenance import Source, Step
+from dashpot.base.provenance import Step, sources_of, steps_of
 from dashpot.fitting.checks.solid import optimum_found
 from dashpot.fitting.identification import checks
 from dashpot.fitting.identification.explanations import Disagreement, agreement
@@ -88,8 +88,8 @@ def assembled(
         ),
         provenance=Provenance(
             "joint" if tests or before is not None else "frf",
-            _sources(frf, tests),
-            (*frf.steps, *(step for test in tests for step in test.steps), _step(best)),
+            (*frf.source, *sources_of(tests)),
+            (*frf.steps, *steps_of(tests), _step(best)),
             _specimen(tests, before),
         ),
         elastic_law=None if law is None else replace(law, stiffness=point.model.k_inf),
@@ -187,10 +187,6 @@ def _nuisance(best: Candidate, covariance: FloatArray) -> tuple[Nuisance, ...]:
             else []
         ),
     )
-
-
-def _sources(frf: FRF, tests: Sequence[RampHold]) -> tuple[Source, ...]:
-    return (*frf.source, *(test.source for test in tests if test.source is not None))
 
 
 def _step(best: Candidate) -> Step:

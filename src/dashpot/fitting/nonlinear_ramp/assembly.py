@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from dashpot.base.checks import Check
-from dashpot.base.provenance import Step
+from dashpot.base.provenance import Step, sources_of, steps_of
 from dashpot.fitting.checks.solid import frequencies_informed
 from dashpot.fitting.design import Design, compressed
 from dashpot.fitting.nonlinear_ramp import checks
@@ -76,8 +76,8 @@ def ramp_fit(
         ),
         provenance=Provenance(
             "full",
-            tuple(test.source for test in tests if test.source is not None),
-            (*(step for test in tests for step in test.steps), _step(tests, found)),
+            sources_of(tests),
+            (*steps_of(tests), _step(tests, found)),
             deepest.specimen,
         ),
         elastic_law=replace(found.law, ratio_se=_shape_error(found)),

@@ -23,7 +23,7 @@ import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray, IndexArray, median
 from dashpot.base.errors import FitError
-from dashpot.base.provenance import Source
+from dashpot.base.provenance import Source, sources_of
 from dashpot.records.creep import CreepCompliance
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.modulus import RelaxationModulus
@@ -126,7 +126,6 @@ def joined(data: Measured | Sequence[Measured]) -> tuple[Measured, tuple[Source,
             "a master curve takes tests of one kind and one unit: sweeps, or relaxation moduli, "
             "or creep compliances, all of a material or all of a part"
         )
-    sources = tuple(test.source for test in tests if test.source is not None)
     warm = [_with_temperature(test, i) for i, test in enumerate(tests, start=1)]
 
     def all_of(name: str) -> FloatArray:
@@ -137,7 +136,7 @@ def joined(data: Measured | Sequence[Measured]) -> tuple[Measured, tuple[Source,
     # a row that stands twice is one measurement
     kept = np.sort(np.unique(np.column_stack(columns), axis=0, return_index=True)[1])
     whole: Any = dict(zip(names, (one[kept] for one in columns), strict=True))
-    return replace(warm[0], **whole), sources
+    return replace(warm[0], **whole), sources_of(tests)
 
 
 def _with_temperature(test: Measured, number: int) -> Measured:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.provenance import Step
+from dashpot.base.provenance import Step, sources_of, steps_of
 from dashpot.fitting.checks.solid import uncertainty_estimated
 from dashpot.fitting.shift_law import LawThroughShifts, ShiftLaw, law_through
 from dashpot.fitting.temperature.joint import Vertical
@@ -83,8 +83,8 @@ def provenance(best: Optimum, shifts: TemperatureShifts) -> Provenance:
     records = [test.record for test in best.tests]
     return Provenance(
         "full",
-        tuple(record.source for record in records if record.source is not None),
-        (*(step for record in records for step in record.steps), _step(best, shifts)),
+        sources_of(records),
+        (*steps_of(records), _step(best, shifts)),
         replace(_deepest(best).record.specimen, temperature=shifts.reference),
     )
 
