@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from dashpot.base import numbers
-from dashpot.base.numbers import ascii_only
+from dashpot.base.numbers import READ_IN, ascii_only
 from dashpot.cli._terminal import Text
 from dashpot.records.temperature import celsius
 
@@ -335,17 +335,11 @@ def levels(found: Levels) -> Text:
     return Text([*lines, *(table(rows) if found.at else ())])
 
 
-_READ_IN = {
-    "N/m": (1e-3, "N/mm"), "m": (1e3, "mm"), "Pa": (1e-6, "MPa"), "s": (1e3, "ms"),
-}  # fmt: skip
-"""What people are shown, by the unit in SI."""
-
-
 def indentation(found: Indentation) -> Text:
     """Return the law of a contact, its numbers with their intervals, and the laws tried."""
     rows = [["", "", "95 %", ""]]
     for one in found.fit.found:
-        scale, unit = _READ_IN.get(one.unit, (1.0, one.unit))
+        scale, unit = READ_IN.get(one.unit, (1.0, one.unit))
         low, high = scale * one.low, scale * one.high
         value = scale * one.value
         error = (high - low) / 4

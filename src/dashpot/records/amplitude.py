@@ -10,6 +10,7 @@ import numpy.typing as npt
 from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray, measured, same_length
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import DataError
+from dashpot.base.numbers import READ_IN, ascii_only, rounded
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, of_file
 from dashpot.records.specimen import Specimen
@@ -174,27 +175,32 @@ class AmplitudeFit(ByValue, Described):
         """The verdict, the law and its numbers."""
         judged = self.verdict
         lines, error = [f"{judged.use}: {judged.says}"], dict(self.se)
-        low, high = self.amplitudes
+        size, unit = READ_IN[self.unit]
+        far, of = READ_IN[self.of]
+        low, high = (far * one for one in self.amplitudes)
         kraus = self.law.partition("+")[0]
         if kraus in {"factor", "additive"}:
-            size = (
-                f"{100 * self.lost:.3g} %" if kraus == "factor" else f"{self.lost:.4g} {self.unit}"
+            lost = (
+                f"{100 * self.lost:.3g} %"
+                if kraus == "factor"
+                else f"{size * self.lost:.4g} {unit}"
             )
+            half_way, doubt = far * self.half_way, far * error["half_way"]
             lines.append(
-                f"{kraus} law: {size} of the stiffness is lost with amplitude, half of it at "
-                f"{self.half_way:.3g} +- {error['half_way']:.2g} {self.of}, exponent "
+                f"{kraus} law: {lost} of the stiffness is lost with amplitude, half of it at "
+                f"{ascii_only(rounded(half_way, doubt))} +- {doubt:.2g} {of}; exponent "
                 f"{self.exponent:.2g}"
             )
         if self.k3:
             per = f"{self.unit}" + ("" if self.of == "strain" else "/m^2")
             way = "stiffens" if self.k3 > 0 else "softens"
-            most = 0.75 * abs(self.k3) * high**2
+            most = size * 0.75 * abs(self.k3) * self.amplitudes[1] ** 2
             lines.append(
                 f"cubic spring: k3 = {self.k3:.4g} +- {error['k3']:.2g} {per}, which {way} by "
-                f"{most:.3g} {self.unit} at the largest amplitude"
+                f"{most:.3g} {unit} at the largest amplitude"
             )
         lines.append(
-            f"leaves {100 * self.residual:.2g} % rms from {low:.3g} to {high:.3g} {self.of}; "
+            f"leaves {100 * self.residual:.2g} % rms from {low:.3g} to {high:.3g} {of}; "
             "beyond it nothing is known"
         )
         if self.left_out:

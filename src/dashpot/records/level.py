@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.numbers import counted
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source
 from dashpot.solids.friction import Jenkins
@@ -128,8 +129,9 @@ class LevelFit(ByValue, Described):
                 f"loss factor {factor[0]:.3g} to {factor[1]:.3g}"
             ),
             (
-                f"{self.solid.arms} arms and {len(self.sliders)} sliders leave "
-                f"{100 * self.residual:.2g} % of F/X; arms alone {100 * self.linear_residual:.2g} %"
+                f"{counted(self.solid.arms, 'arm')} and {counted(len(self.sliders), 'slider')} "
+                f"leave {100 * self.residual:.2g} % of F/X; arms alone "
+                f"{100 * self.linear_residual:.2g} %"
             ),
             *self._stiffening,
             *(check.says for check in self.checks if check.failed),

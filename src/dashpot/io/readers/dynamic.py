@@ -91,6 +91,8 @@ def sweep_columns(file: Opened) -> tuple[list[Assigned], int | None]:
             found["storage"] = size
     else:
         ratio = None
+        if isinstance(size, Assigned) and not (options.storage or _both(found)):
+            _no_size_alone(file, table.columns[size.index].name)
     hint = ""
     if any(isinstance(answer, Question) for answer in found.values()):
         kind, reason = kind_of(table, options)
@@ -125,6 +127,15 @@ def _angle(file: Opened) -> tuple[Assigned | None, int | None]:
     if isinstance(factor, Assigned) and known:
         return None, factor.index
     return (angle if isinstance(angle, Assigned) else None), None
+
+
+def _no_size_alone(file: Opened, name: str) -> None:
+    """Refuse the size of the complex modulus without its angle."""
+    if vocabulary.says_size(name) or file.options.magnitude:
+        raise ReadError(
+            f"'{name}' is the size |K*|, and no column is its loss angle or loss factor; "
+            "expected one of these beside it (--phase, --loss-factor), or storage and loss"
+        )
 
 
 def _is_size(file: Opened, size: Assigned, found: Mapping[Role, Assigned | Question]) -> bool:
