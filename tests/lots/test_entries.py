@@ -107,6 +107,22 @@ def test_a_listed_file_that_is_missing_stays_listed(here):
     assert (one.file, one.hashes()) == ("gone.csv", ("",))
 
 
+def test_results_among_the_tests_are_none(tmp_path, monkeypatch):
+    """Of this batch or of another, beside the tests or below them."""
+    monkeypatch.chdir(tmp_path)
+    ours = ("part-0123456789abcdef.parquet", "batch.log", ".lock")
+    theirs = ("part-1.parquet", "log.log", "seal.csv")
+    for folder in ("t", "t/lot", "t/log"):
+        Path(folder).mkdir()
+        for name in (*ours, *theirs):
+            (Path(folder) / name).write_text("2026-11-23T06:44:35+00:00 part-0 1 fitted\n")
+    Path("t/log/batch.log").write_text("time [s],force [N]\n")
+    everywhere = [f"{folder}{name}" for folder in ("t/", "t/log/", "t/lot/") for name in theirs]
+    (of_a_rig,) = set(files("t")) - set(everywhere)
+    assert of_a_rig == "t/log/batch.log"
+    assert [Path(one.file).as_posix() for one in entries(["t"], without=Path("t"))] == files("t")
+
+
 @pytest.fixture
 def pairs(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

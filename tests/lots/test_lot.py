@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import random
+import shutil
 import signal
 import subprocess
 import sys
@@ -23,7 +24,7 @@ from dashpot.base.errors import DataError, ExportError, ReadError
 from dashpot.base.version import is_ours
 from dashpot.cli import main
 from dashpot.io.write import write_impact, write_relaxation
-from dashpot.lots import batches
+from dashpot.lots import batches, parts
 from dashpot.lots.processes import LIVES
 from dashpot.simulation.impact import simulate_impact
 from dashpot.simulation.relaxation import simulate_relaxation
@@ -376,6 +377,25 @@ def test_killed_fifty_times_the_table_is_the_same(folder, whole, tmp_path, seed,
     killed_and_completed(folder, whole, tmp_path, seed, lasts)
 
 
+def test_the_results_may_lie_among_the_tests(folder, tmp_path):
+    for i in range(3):
+        shutil.copy(folder / f"lotA_seal{i}_rep0.csv", tmp_path)
+    for computed in (3, 0):
+        found = dp.batch(tmp_path, output=tmp_path, jobs=1, **QUICK)
+        assert (found.outcomes, found.computed) == ({"fitted": 3}, computed)
+
+
+def test_a_folder_in_which_nothing_can_be_written_is_said_before_the_work(
+    folder, tmp_path, monkeypatch
+):
+    def read_only(**_how):
+        raise OSError(30, "Read-only file system")
+
+    monkeypatch.setattr(parts, "NamedTemporaryFile", read_only)
+    with pytest.raises(ExportError, match="cannot be written to: Read-only file system; give"):
+        dp.batch(folder, output=tmp_path, **QUICK)
+
+
 @ON_LINUX
 def test_a_file_that_its_workers_die_of_is_a_row_and_is_tried_again(folder, whole, tmp_path):
     """The worker is made to leave at one file, as one would that ran out of memory."""
@@ -460,6 +480,8 @@ def test_a_folder_of_something_else_is_refused_and_two_runs_do_not_share_one(fol
     file.write_text("x")
     with pytest.raises(ExportError, match="is a file; give a folder"):
         dp.batch(folder, output=file, **QUICK)
+    with pytest.raises(ExportError, match=r"lot: cannot be written to: .*; give another place"):
+        dp.batch(folder, output=file / "lot", **QUICK)
     out = tmp_path / "lot"
     with batches.occupied(out), pytest.raises(DataError, match="in use by another"):
         dp.batch(folder, output=out, **QUICK)

@@ -214,3 +214,9 @@ def test_a_file_that_changed_since_it_was_hashed_is_tried_again(folder, which):
     found = row(entry, hashes, ONE_ARM)
     assert found["outcome"] in AGAIN
     assert f"{(entry.file, *entry.hammer)[which]} changed while" in found["reason"]
+
+
+def test_a_file_that_went_since_it_was_hashed_is_tried_again(tmp_path):
+    found = row(Entry(str(tmp_path / "gone.csv")), ("hash",), ONE_ARM)
+    assert found["outcome"] == "changed"
+    assert found["reason"].endswith("gone.csv went while the batch ran; run it again")

@@ -19,7 +19,7 @@ from dashpot.base.units import Quantity, si
 from dashpot.io.options import ReadOptions
 from dashpot.lots.choices import BatchChoices, several
 from dashpot.lots.engines import engine
-from dashpot.lots.entries import Entry, entries
+from dashpot.lots.entries import LOG, Entry, entries
 from dashpot.lots.limits import Limits
 from dashpot.lots.lot import Lot
 from dashpot.lots.parts import (
@@ -40,7 +40,6 @@ CHUNK = SMALL
 """Files of a chunk: what a run that is cut short loses at most, for each process."""
 _LAST = 5
 """Files of the last chunks, where each process can have so many: to write a part takes 3 ms."""
-LOG = "batch.log"
 _LOCK = ".lock"
 _TIMED = 3
 """Tests that a dry run times."""

@@ -27,6 +27,9 @@ _KNOWN = ("file", *LABELS, "temperature", "mass", "hammer", "hammer_temperature"
 _MANIFEST = 1 << 26
 """Bytes of the largest manifest."""
 _HEAD = 1 << 12
+LOG = "batch.log"
+_LOGGED = re.compile(rb"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\+00:00 ")
+_PART = re.compile(r"part-[0-9a-f]{16}\.parquet")
 
 
 @dataclass(frozen=True, slots=True)
@@ -237,8 +240,6 @@ def _in_folder(folder: Path, without: Path) -> Iterator[str]:
             for one in folders
             if not one.startswith(".") and (Path(above) / one).resolve() != results
         )
-        if Path(above).resolve() == results:
-            continue
         for one in sorted(files):
             path = Path(above) / one
             if not one.startswith(".") and path.is_file() and not _result(path):
@@ -255,12 +256,19 @@ def _unreadable(error: OSError) -> None:
 
 
 def _result(path: Path) -> bool:
-    """Whether dashpot wrote it as a result, not as a simulated record."""
+    """Whether dashpot wrote it as a result, not as a simulated record.
+
+    Parts and logs of a batch bear no byline; tests may lie beside them.
+    """
+    if _PART.fullmatch(path.name):
+        return True
     try:
         with path.open("rb") as stream:
             head = stream.read(_HEAD)
     except OSError:
         return False
+    if path.name == LOG:
+        return _LOGGED.match(head) is not None
     return is_ours(head) and not is_record(head)
 
 

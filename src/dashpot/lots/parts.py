@@ -9,6 +9,7 @@ from dataclasses import asdict, astuple, dataclass
 from io import BytesIO
 from itertools import islice
 from pathlib import Path
+from tempfile import NamedTemporaryFile
 from typing import TYPE_CHECKING, Any, Literal, cast
 
 from dashpot.base.atomic import PART, write_whole
@@ -226,7 +227,9 @@ def claim(folder: Path) -> None:
         )
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        with NamedTemporaryFile(dir=folder, prefix="."):
+            pass
     except OSError as error:
         raise ExportError(
-            f"{folder}: cannot be made: {error.strerror or error}; give another place"
+            f"{folder}: cannot be written to: {error.strerror or error}; give another place"
         ) from None

@@ -66,9 +66,10 @@ def row(entry: Entry, hashes: Sequence[str], choices: BatchChoices) -> dict[str,
         }
     changed = _changed(entry, hashes, answer.get("sha256"))
     if changed:
+        did = "changed" if Path(changed).exists() else "went"
         answer = {
             "outcome": "changed",
-            "reason": f"{changed} changed while the batch ran; run it again",
+            "reason": f"{changed} {did} while the batch ran; run it again",
         }
     elif hashes[0]:
         with suppress(OSError):  # gone, by now
