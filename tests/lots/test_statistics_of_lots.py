@@ -11,7 +11,7 @@ from kit.lots import lot_of, scattered
 import dashpot as dp
 from dashpot.base.errors import DataError, ReadError
 from dashpot.cli import main
-from dashpot.lots.comparison import compared, opened
+from dashpot.lots.comparison import compared, opened, opened_both
 from dashpot.lots.quantities import natural, quantity
 from dashpot.lots.summary import summary
 
@@ -65,8 +65,15 @@ def test_a_record_that_is_given_again_is_named_and_a_lot_is_not_held_against_its
     rows = [row | {"sha256": f"{i}"} for i, row in enumerate(scattered(lots=1, seals=3, repeats=2))]
     sound = lot_of(rows)
     assert sound.copies == {}
-    both = compared(("may", sound), ("june", sound), ["k_end"]).checks
-    assert [one.value for one in both if one.name == "records_distinct"] == [6, 0, 0]
+    both = compared(("may", sound), ("june", sound), ["k_end"])
+    assert [one.value for one in both.checks if one.name == "records_distinct"] == [6, 0, 0]
+    assert both.each[0].different is both.document["differences"][0]["different"] is None
+    assert "not judged, the lots have six records in common" in str(both)
+    assert "no difference" not in str(both)
+    others = [row | {"sha256": f"{i}*"} for i, row in enumerate(rows)]
+    assert compared(("may", sound), ("june", lot_of(others)), ["k_end"]).each[0].different is False
+    others[0]["sha256"] = "0"
+    assert compared(("may", sound), ("june", lot_of(others)), ["k_end"]).each[0].shared == 1
     rows[3]["sha256"] = "0"
     lot = lot_of(rows)
     assert lot.copies == {"L1/2_2.csv": "L1/1_1.csv"}
@@ -173,6 +180,8 @@ def test_two_lots_that_differ_and_two_that_do_not(tmp_path):
     said = CliRunner().invoke(main, ["batch", "--compare", *folders, "--quantity", "k_end"]).stdout
     assert "stiffness at the end of the hold: different" in said
     assert "with a power of 80 %; alike within" in said
+    of_one_name = [in_folder(tmp_path / when / "lot", same) for when in ("may", "june")]
+    assert [name for name, _ in opened_both(of_one_name)] == of_one_name
 
 
 def test_lots_tested_otherwise_are_not_called_the_same_test():
@@ -183,6 +192,7 @@ def test_lots_tested_otherwise_are_not_called_the_same_test():
     (check,) = [each for each in found.checks if each.name == "lots_tested_alike"]
     assert check.failed
     assert "depth 0.008 and 0.006 m" in check.says
+    assert [each.says[:3] for each in found.checks if each.name == "files_fitted"] == ["A: ", "B: "]
     assert not compared(("A", lot_of(one)), ("B", lot_of(one))).checks[0].failed
 
 

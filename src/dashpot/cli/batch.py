@@ -62,9 +62,9 @@ def command(
 
 
 def _comparison(named: tuple[str, str], quantities: tuple[str, ...]) -> Outcome:
-    from dashpot.lots.comparison import compared, opened
+    from dashpot.lots.comparison import compared, opened_both
 
-    first, second = map(opened, named)
+    first, second = opened_both(named)
     found = compared(first, second, quantities)
     return Outcome(found.document, Text(str(found).splitlines()), found.checks)
 

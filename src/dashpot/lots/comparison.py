@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
-from dashpot.base.numbers import ascii_only
+from dashpot.base.numbers import ascii_only, counted
 from dashpot.lots.checks import lots_tested_alike, records_distinct, seals_named
 from dashpot.lots.lot import ALIKE, DEGREES, Lot
 from dashpot.lots.quantities import Quantity, natural
@@ -30,16 +30,22 @@ class Compared:
         The second lot less the first, SI.
     p_value : float
         Adjusted for the number of quantities that were asked about at once (Holm).
+    shared : int
+        Records that both lots hold: the test wants lots that know nothing of each other.
     """
 
     quantity: Quantity
     difference: Difference
     p_value: float
+    shared: int
 
     @property
-    def different(self) -> bool:
-        """Whether chance alone gives such a difference in fewer than 5 % of trials."""
-        return self.p_value < SURE
+    def different(self) -> bool | None:
+        """Whether chance alone gives such a difference in fewer than 5 % of trials.
+
+        None of lots that share records.
+        """
+        return None if self.shared else self.p_value < SURE
 
     def share(self, value: float) -> float:
         """A difference, SI, over the mean of the first lot."""
@@ -92,13 +98,17 @@ def _told(one: Compared) -> Iterator[str]:
         return f"{100 * one.share(value):+.2g} %"
 
     low, high = of.interval
-    what = "different" if one.different else "no difference found"
-    yield f"{one.quantity.words}: {what} (p = {one.p_value:.2g})"
+    what = f"{'different' if one.different else 'no difference found'} (p = {one.p_value:.2g})"
+    if one.shared:
+        what = f"not judged, the lots have {counted(one.shared, 'record')} in common"
+    yield f"{one.quantity.words}: {what}"
     means = " and ".join(
         f"{read(mean)} ({count} seals, SD {read(sd, digits=2)})"
         for mean, count, sd in zip(of.means, of.counts, of.deviations, strict=True)
     )
     yield f"  means       {ascii_only(means)}"
+    if one.shared:
+        return
     yield f"  difference  {share(of.value)}, 95 % from {share(low)} to {share(high)}"
     yield (
         f"  detectable  {abs(100 * one.share(of.detectable)):.2g} % with a power of 80 %; "
@@ -127,6 +137,14 @@ def opened(named: str) -> tuple[str, Lot]:
             f"{named}:{lots[0]}"
         )
     return Path(named).resolve().name, lot
+
+
+def opened_both(named: Sequence[str]) -> list[tuple[str, Lot]]:
+    """Return two lots as :func:`~dashpot.lots.comparison.opened` does; those of one name are called as they were named."""
+    lots = [opened(one) for one in named]
+    if len({name for name, _ in lots}) == 1:
+        return [(called, lot) for called, (_, lot) in zip(named, lots, strict=True)]
+    return lots
 
 
 def compared(
@@ -164,13 +182,16 @@ def compared(
     tests = one.used.height + other.used.height
     return LotComparison(
         (one_name, other_name),
-        tuple(map(Compared, quantities, found, p_values)),
+        tuple(Compared(*each, again) for each in zip(quantities, found, p_values, strict=True)),
         (
             lots_tested_alike(tuple(_otherwise(one, other))),
             seals_named(unnamed, tests),
             records_distinct(again, tests),
-            *one.checks,
-            *other.checks,
+            *(
+                replace(check, says=f"{name}: {check.says}")
+                for name, lot in (first, second)
+                for check in lot.checks
+            ),
         ),
     )
 
