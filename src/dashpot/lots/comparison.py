@@ -140,7 +140,7 @@ def opened(named: str) -> tuple[str, Lot]:
 
 
 def opened_both(named: Sequence[str]) -> list[tuple[str, Lot]]:
-    """Return two lots as :func:`~dashpot.lots.comparison.opened` does; those of one name are called as they were named."""
+    """Return two lots, opened each; those of one name are called as they were named."""
     lots = [opened(one) for one in named]
     if len({name for name, _ in lots}) == 1:
         return [(called, lot) for called, (_, lot) in zip(named, lots, strict=True)]
