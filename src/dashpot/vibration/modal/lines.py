@@ -57,21 +57,24 @@ class Lines:
         return replace(self, s=self.s[keep], value=self.value[:, keep], sd=self.sd[:, keep])
 
 
-def kernel(lines: Lines, p: complex) -> ComplexArray:
-    r"""Transform of :math:`e^{pt}` over the record (:mod:`.rational_fraction`), shape (n,)."""
+def kernel(lines: Lines, p: complex | ComplexArray) -> ComplexArray:
+    r"""Transform of :math:`e^{pt}` over the record (:mod:`.rational_fraction`), shape (n,).
+
+    Of poles of shape (k, 1) it is a row for each.
+    """
     s = lines.s
     if lines.record is None:
         return np.asarray(1 / (s - p))
     return np.asarray(-np.expm1(_lost(lines, p)) / (s - p))
 
 
-def _lost(lines: Lines, p: complex) -> ComplexArray:
+def _lost(lines: Lines, p: complex | ComplexArray) -> ComplexArray:
     """Logarithm of the part that the end of the record takes."""
     T = lines.record or 0.0
     return np.asarray((p - lines.s) * T + 0.5 * lines.pulse**2 * (p**2 - lines.s**2))
 
 
-def kernel_slope(lines: Lines, p: complex) -> ComplexArray:
+def kernel_slope(lines: Lines, p: complex | ComplexArray) -> ComplexArray:
     """Derivative of :func:`kernel` by the pole."""
     k = kernel(lines, p)
     if lines.record is None:

@@ -28,6 +28,8 @@ from dashpot.vibration.modal.shapes import mac
 
 HIGHEST = 30
 ARC = 1.5 * np.pi
+NOTHING_NEW = 1e-11
+"""Of the squares of a numerator's columns: below it they follow the noise."""
 SAME_FREQUENCY, SAME_DAMPING, SAME_SHAPE = 0.01, 0.05, 0.98
 """Relative, relative, and by the modal assurance criterion: what stays from order to order."""
 NEW, FREQUENCY, DAMPING, SHAPE = range(4)
@@ -116,25 +118,23 @@ def _fractions(
     omega = lines.s.imag
     tick = ARC / (omega[-1] - omega[0])
     powers = np.exp(1j * tick * np.outer(omega - omega[0], np.arange(highest + 1)))
-    products = []
-    for value, sd in zip(lines.value, lines.sd, strict=True):
-        # the equation's error is the scatter times the denominator, which is small at a peak
-        weight = (height / sd)[:, None]
-        own = powers * weight
-        shown = -own * value[:, None]
-        products.append((own.conj().T @ own, own.conj().T @ shown, shown.conj().T @ shown))
+    # the equation's error is the scatter times the denominator, which is small at a peak
+    own = powers * (height / lines.sd)[..., None]
+    shown = -own * lines.value[..., None]
+    turned = own.conj().swapaxes(1, 2)
+    square = turned @ own
+    size = np.trace(square, axis1=1, axis2=2).real / len(powers.T)
+    square += NOTHING_NEW * size[:, None, None] * np.eye(len(powers.T))
+    # its leading block is the factor of each lower order
+    factor = np.linalg.cholesky(square)
+    cross = np.linalg.solve(factor, turned @ shown)
+    whole = (shown.conj().swapaxes(1, 2) @ shown).sum(axis=0)
     found = []
     for order in range(1, highest + 1):
         k = order + 1
-        numerators = [
-            -np.linalg.lstsq(own[:k, :k], cross[:k, :k], rcond=1e-13)[0]
-            for own, cross, _ in products
-        ]
-        whole = sum(
-            shown[:k, :k] + cross[:k, :k].conj().T @ by
-            for (_, cross, shown), by in zip(products, numerators, strict=True)
-        )
-        c = np.append(1.0, -np.linalg.lstsq(whole[1:, 1:], whole[1:, 0], rcond=1e-14)[0])
+        by = cross[:, :k, :k]
+        left = whole[:k, :k] - (by.conj().swapaxes(1, 2) @ by).sum(axis=0)
+        c = np.append(1.0, -np.linalg.lstsq(left[1:, 1:], left[1:, 0], rcond=1e-14)[0])
         z = np.roots(c[::-1])
         z = z[np.abs(z) > 0]
         angle = np.angle(z)
@@ -147,7 +147,8 @@ def _fractions(
         z, poles = z[order_of], poles[order_of]
         base = z[:, None] ** np.arange(k)
         slope = (base[:, :-1] * np.arange(1, k)) @ c[1:] * z * tick
-        residues = np.array([base @ (by @ c) / slope for by in numerators])
+        numerators = -np.linalg.solve(factor[:, :k, :k].conj().swapaxes(1, 2), (by @ c)[..., None])
+        residues = (base @ numerators)[..., 0] / slope
         found.append((order, np.asarray(poles), residues))
     return found
 
