@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import fields, is_dataclass
 from enum import Enum
+from functools import singledispatch
 from typing import Any
 
 import numpy as np
@@ -93,9 +94,44 @@ def from_json(text: str | bytes) -> Any:
         If the text is not JSON, its schema is unknown, a value has the wrong type, or the
         document holds anything that the noun does not.
     """
-    import json
-
     import msgspec
+
+    name, found = _opened(text)
+    try:
+        with np.errstate(divide="raise", over="raise", invalid="raise"):
+            noun: Any = msgspec.convert(_restored(found), type=SCHEMAS[name], dec_hook=_decoded)
+            unknown = strange(found, document(noun))
+            changed = edited(found)
+    except _WRONG as error:
+        raise ReadError(f"the {name} document is not valid: {_because(error, found)}") from None
+    if unknown:
+        raise ReadError(f"the {name} document is not valid: {unknown}")
+    if changed:
+        raise ReadError(
+            "the fit in this document is not the one that dashpot wrote: something in it was "
+            'changed by hand; fit again, or take "digest" out of it if the change is meant'
+        )
+    return noun
+
+
+_WRONG = (KeyError, TypeError, ValueError, ArithmeticError, AttributeError)
+"""What a value of the wrong kind raises where a noun is made of it; msgspec's is a ValueError."""
+
+
+def _because(error: Exception, found: dict[str, Any]) -> str:
+    """Why a document does not make its noun, in words."""
+    import msgspec
+
+    if isinstance(error, TypeError | msgspec.ValidationError):
+        return mistyped(found) or str(error)
+    if isinstance(error, AttributeError):
+        return "a part has the wrong type"
+    return f"{error} is missing" if isinstance(error, KeyError) else str(error)
+
+
+def _opened(text: str | bytes) -> tuple[str, dict[str, Any]]:
+    """The schema and the values of a JSON document."""
+    import json
 
     try:
         found = json.loads(text, object_pairs_hook=once)
@@ -107,27 +143,7 @@ def from_json(text: str | bytes) -> Any:
             f'the document\'s "schema" is {name!r}; this version of dashpot reads '
             f"{', '.join(sorted(SCHEMAS))}"
         )
-    try:
-        with np.errstate(divide="raise", over="raise", invalid="raise"):
-            noun: Any = msgspec.convert(_restored(found), type=SCHEMAS[name], dec_hook=_decoded)
-            unknown = strange(found, document(noun))
-            changed = edited(found)
-    except KeyError as error:
-        raise ReadError(f"the {name} document is not valid: {error} is missing") from None
-    except (TypeError, msgspec.ValidationError) as error:
-        raise ReadError(f"the {name} document is not valid: {mistyped(found) or error}") from None
-    except (ValueError, ArithmeticError) as error:
-        raise ReadError(f"the {name} document is not valid: {error}") from None
-    except AttributeError:
-        raise ReadError(f"the {name} document is not valid: a part has the wrong type") from None
-    if unknown:
-        raise ReadError(f"the {name} document is not valid: {unknown}")
-    if changed:
-        raise ReadError(
-            "the fit in this document is not the one that dashpot wrote: something in it was "
-            'changed by hand; fit again, or take "digest" out of it if the change is meant'
-        )
-    return noun
+    return name, found
 
 
 # -- nouns to plain values -----------------------------------------------------------------------
@@ -135,27 +151,32 @@ def from_json(text: str | bytes) -> Any:
 
 # msgspec encodes a dataclass without asking: the schema and the layout of an inner noun would be
 # lost, so this walk stays; cattrs would take a hook per noun and a dependency more
+@singledispatch
 def _plain(value: Any) -> Any:
-    if hasattr(value, "__dataclass_fields__"):
-        plain = {one.name: _plain(getattr(value, one.name)) for one in fields(value)}
-        name = _NAMES.get(type(value))
-        if type(value) in _CONTRACTS:
-            plain = _CONTRACTS[type(value)](value, plain)
-        whole = {"schema": name, **plain} if name else plain
-        return {**whole, DIGEST: digest_of(whole)} if isinstance(value, Fit) else whole
-    if isinstance(value, np.ndarray | np.generic):
-        if np.iscomplexobj(value):
-            return {"real": _plain(value.real), "imag": _plain(value.imag)}
-        return _plain(value.tolist())
-    if isinstance(value, Status):
-        return value.name.lower()
-    if isinstance(value, Enum):
-        return value.value
-    if isinstance(value, tuple | list):
-        return [_plain(item) for item in value]
-    if isinstance(value, dict):
-        return {str(key): _plain(item) for key, item in value.items()}
-    return json_number(value) if isinstance(value, float) else value
+    if not is_dataclass(value):
+        return value
+    plain = {one.name: _plain(getattr(value, one.name)) for one in fields(value)}
+    name = _NAMES.get(type(value))
+    if type(value) in _CONTRACTS:
+        plain = _CONTRACTS[type(value)](value, plain)
+    whole = {"schema": name, **plain} if name else plain
+    return {**whole, DIGEST: digest_of(whole)} if isinstance(value, Fit) else whole
+
+
+@_plain.register(np.ndarray)
+@_plain.register(np.generic)
+def _(value: Any) -> Any:
+    if np.iscomplexobj(value):
+        return {"real": _plain(value.real), "imag": _plain(value.imag)}
+    return _plain(value.tolist())
+
+
+_plain.register(float, json_number)
+_plain.register(Enum, lambda value: value.value)
+_plain.register(Status, lambda value: value.name.lower())
+_plain.register(tuple, lambda value: [_plain(item) for item in value])
+_plain.register(list, lambda value: [_plain(item) for item in value])
+_plain.register(dict, lambda value: {str(key): _plain(item) for key, item in value.items()})
 
 
 def _model_contract(model: GeneralizedMaxwell, _plain_model: dict[str, Any]) -> dict[str, Any]:
@@ -337,24 +358,28 @@ def _restored(value: Any) -> Any:
         return [_restored(item) for item in value]
     if isinstance(value, str):
         return _NOT_FINITE.get(value, value)
-    if not isinstance(value, dict):
-        return value
-    for model in (value if value.get("schema") == "dashpot/model@1" else None, value.get("model")):
-        if isinstance(model, dict) and "arms" not in model:
-            raise ValueError('a model has no "arms"; that of a spring alone is []')
+    return _restored_object(value) if isinstance(value, dict) else value
+
+
+def _restored_object(value: dict[str, Any]) -> dict[str, Any]:
+    schema, inner = value.get("schema"), value.get("model")
+    bare = schema == "dashpot/model@1" and "arms" not in value
+    if bare or (isinstance(inner, dict) and "arms" not in inner):
+        raise ValueError('a model has no "arms"; that of a spring alone is []')
     if "arms" in value and "k_inf" in value:
-        return {
-            "k_inf": _restored(value["k_inf"]),
-            "b": value.get("b", 0.0),
-            "k": [arm["k"] for arm in value["arms"]],
-            "tau": [arm["tau"] for arm in value["arms"]],
-        }
+        return _restored_model(value)
     restored = {key: _restored(item) for key, item in value.items()}
-    if value.get("schema") == "dashpot/fit@1":
+    if schema == "dashpot/fit@1":
         return _restored_fit(restored)
     if "preparation" in restored and "error" in restored["preparation"]:
         restored["refusal"] = restored.pop("preparation")["error"]
     return restored
+
+
+def _restored_model(value: dict[str, Any]) -> dict[str, Any]:
+    """The fields of a model, or of its errors, from a list of arms."""
+    k, tau = ([arm[name] for arm in value["arms"]] for name in ("k", "tau"))
+    return {"k_inf": _restored(value["k_inf"]), "b": value.get("b", 0.0), "k": k, "tau": tau}
 
 
 def _restored_fit(found: dict[str, Any]) -> dict[str, Any]:
@@ -375,11 +400,7 @@ def _restored_fit(found: dict[str, Any]) -> dict[str, Any]:
     found["orders"] = [order for order in found.get("orders", []) if "model" in order]
     model, own = found.pop("model"), found.get("solid", {})
     found["solid"] = own if own.get("family") == "fractional" else model
-    law = found.get("elastic_law")
-    if law and "ratio" not in law:
-        tangent = np.asarray(law["tangent"], dtype=float)
-        law["stiffness"] = float(np.trapezoid(tangent, law["knots"]) / law["knots"][-1])
-        law["ratio"] = (tangent / law["stiffness"]).tolist()
+    found["elastic_law"] = _restored_law(found.get("elastic_law"))
     found["temperatures"] = _restored_temperature(found.pop("temperature", None))
     left = found.pop("left_open", None)
     # the bare contract does not say how long the seal was held, nor how the force still falls
@@ -387,6 +408,15 @@ def _restored_fit(found: dict[str, Any]) -> dict[str, Any]:
     for part, kind in _FIT_PARTS.items():
         found[part] = {one.name: found[one.name] for one in fields(kind) if one.name in found}
     return found
+
+
+def _restored_law(found: dict[str, Any] | None) -> dict[str, Any] | None:
+    """An elastic law, with the shape that a bare one leaves to its tangents."""
+    if not found or "ratio" in found:
+        return found
+    tangent = np.asarray(found["tangent"], dtype=float)
+    stiffness = float(np.trapezoid(tangent, found["knots"]) / found["knots"][-1])
+    return found | {"stiffness": stiffness, "ratio": (tangent / stiffness).tolist()}
 
 
 _LAWS: dict[str, type] = {"wlf": WLF, "arrhenius": Arrhenius, "free": FreeShifts}

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import fields
+from functools import partial
 from typing import Any
 
 from dashpot.base.options import flag_of
@@ -48,31 +49,42 @@ def _several(asked: Any, value: Any) -> list[str]:
     return [str(value)]
 
 
+def _range(band: tuple[float, float]) -> str:
+    return f"{band[0]!r}:{typed(band[1], 'frequency')}"
+
+
+def _seals(count: float) -> str:
+    return f"{count!r}".removesuffix(".0")
+
+
+def _flag(name: str) -> str:
+    return f"--{name.replace('_', '-')}"
+
+
+_OF_MASS: dict[str, Callable[[Any], str]] = {
+    "mass": partial(typed, dimension="mass"),
+    "seal_mass": partial(typed, dimension="mass"),
+    "seals": _seals,
+    "compression": partial(typed, dimension="length"),
+}
+"""What a job says of the mass on the seals, as it is typed behind its option."""
+_OF_JOB: dict[str, Callable[[Any], str]] = {
+    **_OF_MASS, "arms": str, "method": str, "law": str, "family": str, "band": _range,
+    "filter": str, "title": str, "logo": str,
+    "impact_temperature": partial(typed, dimension="temperature"),
+}  # fmt: skip
+"""The same of all that has an option of its own."""
+
+
 def report_command(job: Job) -> str:
     """Return ``dashpot report ...`` for a job: run, it gives the job's numbers."""
     words = ["dashpot", "report", job.relaxation, *job.further]
     for file in job.impact:
         words += ["--impact", file]
-    given: tuple[tuple[str, str | None], ...] = (
-        ("--mass", None if job.mass is None else typed(job.mass, "mass")),
-        ("--seal-mass", None if job.seal_mass is None else typed(job.seal_mass, "mass")),
-        ("--seals", f"{job.seals!r}".removesuffix(".0")),
-        ("--compression", None if job.compression is None else typed(job.compression, "length")),
-        ("--arms", str(job.arms)),
-        ("--method", job.method),
-        ("--law", job.law),
-        ("--family", job.family),
-        ("--band", None if job.band is None else _range(job.band)),
-        ("--filter", job.filter),
-        ("--title", job.title or None),
-        ("--logo", job.logo),
-    )
-    usual = {
-        "--seals": "1", "--arms": "auto", "--method": "full", "--law": "auto",
-        "--family": "maxwell",
-    }  # fmt: skip
-    for flag, text in given:
-        words += [] if text is None or usual.get(flag) == text else [flag, text]
+    usual = {one.name: one.default for one in fields(Job)}
+    for name, word in _OF_JOB.items():
+        value = getattr(job, name)
+        words += [] if value == usual[name] else [_flag(name), word(value)]
     for kelvin in job.temperatures:
         words += ["--temperature", typed(kelvin, "temperature")]
     words += [] if job.joint else ["--no-joint"]
@@ -108,7 +120,7 @@ def level_command(
     for one in levels:
         words += ["--level", one]
     words += [] if mass is None else ["--mass", typed(mass, "mass")]
-    words += [] if seals == 1 else ["--seals", f"{seals!r}".removesuffix(".0")]
+    words += [] if seals == 1 else ["--seals", _seals(seals)]
     for force in at:
         words += ["--at", typed(force, "force")]
     words += [] if law == "auto" else ["--law", law]
@@ -122,20 +134,10 @@ def predict_command(job: Job, frf: FRF, fit: str = FIT) -> str:
     """
     words = ["dashpot", "predict", fit]
     band = float(frf.frequency[0]), float(frf.frequency[-1])
-    given: tuple[tuple[str, str | None], ...] = (
-        ("--mass", None if job.mass is None else typed(job.mass, "mass")),
-        ("--seal-mass", None if job.seal_mass is None else typed(job.seal_mass, "mass")),
-        ("--seals", f"{job.seals!r}".removesuffix(".0")),
-        ("--compression", None if job.compression is None else typed(job.compression, "length")),
-        ("--band", _range(band)),
-    )
-    for flag, text in given:
-        words += [] if text is None else [flag, text]
-    return shlex.join([*words, "--base"])
-
-
-def _range(band: tuple[float, float]) -> str:
-    return f"{band[0]!r}:{typed(band[1], 'frequency')}"
+    for name, word in _OF_MASS.items():
+        value = getattr(job, name)
+        words += [] if value is None else [_flag(name), word(value)]
+    return shlex.join([*words, "--band", _range(band), "--base"])
 
 
 def _of_impact(job: Job) -> list[str]:

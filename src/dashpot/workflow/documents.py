@@ -48,36 +48,39 @@ def once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     return found
 
 
+def parts_of(value: Any, where: str) -> dict[str, Any]:
+    """Return what an object or an array holds by its place; nothing of any other value."""
+    if isinstance(value, dict):
+        return {f"{where}.{key}": item for key, item in value.items()}
+    if isinstance(value, list):
+        return {f"{where}[{i}]": item for i, item in enumerate(value)}
+    return {}
+
+
 def mistyped(value: Any, where: str = "$") -> str:
     """Say which number of a document is a text; nothing if none is."""
     if isinstance(value, str) and re.fullmatch(r"[-+]?[\d.,]+(?:[eE][-+]?\d+)?", value):
         numeric = where.rpartition(".")[2].partition("[")[0] in _NUMERIC
         return f'{where} is the text "{value}"; expected a number, with a point' if numeric else ""
-    parts: list[tuple[str, Any]] = []
-    if isinstance(value, dict):
-        parts = [(f"{where}.{key}", item) for key, item in value.items()]
-    elif isinstance(value, list):
-        parts = [(f"{where}[{i}]", item) for i, item in enumerate(value)]
+    parts = parts_of(value, where).items()
     return next(filter(None, (mistyped(item, place) for place, item in parts)), "")
 
 
 def strange(given: Any, known: Any, where: str = "$") -> str:
     """Say what a document holds that its noun, written again, does not; nothing if all is known."""
     if isinstance(given, dict | list) and type(given) is not type(known):
-        words = ("an object", "an array", "one value")
-        found, expected = (
-            words[0 if isinstance(one, dict) else 1 if isinstance(one, list) else 2]
-            for one in (given, known)
-        )
+        found, expected = (_KINDS.get(type(one), "one value") for one in (given, known))
         return f"{where} is {found}; expected {expected}"
     if isinstance(given, dict):
         unknown = sorted(given.keys() - known.keys())
         if unknown:
             return f'{where} has "{unknown[0]}", which this version of dashpot does not know'
-        parts = [(given[key], known[key], f"{where}.{key}") for key in given]
     # the bare contract's orders are left out: then there is nothing to hold the items against
-    elif isinstance(given, list) and len(given) == len(known):
-        parts = [(a, b, f"{where}[{i}]") for i, (a, b) in enumerate(zip(given, known, strict=True))]
-    else:
+    elif isinstance(given, list) and len(given) != len(known):
         return ""
-    return next(filter(None, (strange(*part) for part in parts)), "")
+    there = parts_of(known, where)
+    parts = parts_of(given, where).items()
+    return next(filter(None, (strange(item, there[place], place) for place, item in parts)), "")
+
+
+_KINDS: dict[type, str] = {dict: "an object", list: "an array"}

@@ -18,7 +18,8 @@ from dashpot.io.source import about
 from dashpot.records.compression import refuse_far
 from dashpot.records.door import Door, DoorPoint
 from dashpot.records.fit import Fit
-from dashpot.records.seal_line import SealSection
+from dashpot.records.free_modes import FreeModes
+from dashpot.records.seal_line import SealLine, SealSection
 from dashpot.seals import checks as asked
 from dashpot.seals.assembly import BODY, DOOR, Assembly, implied_mass
 from dashpot.seals.door_modes import (
@@ -159,14 +160,18 @@ def _points(assembly: Assembly) -> tuple[DoorPoint, ...]:
         )
     if any(one.on == DOOR for one in door.points):
         return door.points
+    return (_corner(assembly), *door.points)
+
+
+def _corner(assembly: Assembly) -> DoorPoint:
+    """The point of the door that is farthest from its hinges."""
+    door, modes = assembly.door, assembly.modes
     held = np.array([one.at for one in door.hinges] or [assembly.body().at])
-    modes = assembly.modes
     places = door.line.points if door.line else modes.place if modes else held
     away = np.linalg.norm(places[:, None] - held, axis=2).min(axis=1)
     x, y, z = places[int(away.argmax())].tolist()
     along = door.line.normal[int(away.argmax())].tolist() if door.line else [0.0, 0.0, 1.0]
-    corner = DoorPoint("farthest from the hinges", (x, y, z), tuple(along))
-    return (corner, *door.points)
+    return DoorPoint("farthest from the hinges", (x, y, z), tuple(along))
 
 
 def _place(one: DoorPoint) -> Point:
@@ -210,28 +215,39 @@ def _asked(
     if fit is not None and door.line is not None:
         felt = [(one.mode.frequency, max(one.share(SEAL), one.loss_share(SEAL))) for one in modes]
         yield asked.door_modes_informed(felt, fit.band)
-        apart = float(np.linalg.norm(door.line.points[0] - door.line.points[-1]))
-        yield asked.line_closed(door.line.length, 0.0 if door.line.closed else apart)
-        yield asked.stations_suffice(station_error(assembly, below), assembly.pitch)
-        stations = door.line.stations(assembly.pitch)
-        pressed = stations.compression
-        if pressed is not None:
-            worst = int(pressed.argmin())
-            yield asked.seal_touches(
-                float((pressed < 0).mean()),
-                length=door.line.length,
-                least=float(pressed[worst]),
-                where=float(stations.along[worst]),
-            )
-            law = fit.elastic_law
-            yield compression_tested(float(pressed.max()), None if law is None else law.depth)
+        yield from _asked_of_line(door.line, assembly, fit, below)
         if fit.temperatures is not None and fit.specimen.temperature is not None:
             yield temperature_tested(fit.temperatures, fit.specimen.temperature)
     if assembly.modes is not None:
-        yield asked.shapes_known_there(*farthest(assembly, assembly.modes))
-        elastic = assembly.modes.frequency[~assembly.modes.rigid]
-        highest = float(elastic.max(initial=0.0))
-        yield asked.modes_suffice(basis_error(assembly, below), len(elastic), highest)
-        implied = None if door.rigid is None else implied_mass(assembly.modes, door.rigid)
-        if door.rigid is not None and implied is not None:
-            yield asked.masses_agree(door.rigid.mass, implied)
+        yield from _asked_of_modes(assembly.modes, assembly, below)
+
+
+def _asked_of_line(line: SealLine, assembly: Assembly, fit: Fit, below: float) -> Iterator[Check]:
+    """Whether the seal is all there, finely enough, and pressed as it was tested."""
+    apart = float(np.linalg.norm(line.points[0] - line.points[-1]))
+    yield asked.line_closed(line.length, 0.0 if line.closed else apart)
+    yield asked.stations_suffice(station_error(assembly, below), assembly.pitch)
+    stations = line.stations(assembly.pitch)
+    pressed = stations.compression
+    if pressed is not None:
+        worst = int(pressed.argmin())
+        yield asked.seal_touches(
+            float((pressed < 0).mean()),
+            length=line.length,
+            least=float(pressed[worst]),
+            where=float(stations.along[worst]),
+        )
+        law = fit.elastic_law
+        yield compression_tested(float(pressed.max()), None if law is None else law.depth)
+
+
+def _asked_of_modes(modes: FreeModes, assembly: Assembly, below: float) -> Iterator[Check]:
+    """Whether the shapes are known where they are held, and enough of them."""
+    yield asked.shapes_known_there(*farthest(assembly, modes))
+    elastic = modes.frequency[~modes.rigid]
+    highest = float(elastic.max(initial=0.0))
+    yield asked.modes_suffice(basis_error(assembly, below), len(elastic), highest)
+    rigid = assembly.door.rigid
+    implied = None if rigid is None else implied_mass(modes, rigid)
+    if rigid is not None and implied is not None:
+        yield asked.masses_agree(rigid.mass, implied)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias, TypeVar
 
 import dashpot as dp
 from dashpot.base.errors import FitError
@@ -41,6 +41,9 @@ class _Asked:
     family: Literal["maxwell", "fractional", "auto"]
     intervals: bool
     filter: str | None
+    cuts: Cuts
+    machine: Machine | None
+    cycle: int | None
     shifting: ShiftChoices
     specimen: Specimen | None
 
@@ -58,6 +61,26 @@ class _Asked:
                 "--filter and --family: it is the answer to a step already, of a linear solid with "
                 "arms"
             )
+
+    def refuse_a_machine(self) -> None:
+        """Refuse what is known of a ramp and hold alone."""
+        known_of_a_test(self.machine, tests=0, add="a ramp and hold")
+        self.cuts.refuse_several(0)
+
+    def prepared(self, tests: Sequence[RelaxationTest], *, judged: bool) -> tuple[RampHold, ...]:
+        """Prepare ramps and holds."""
+        self.cuts.refuse_several(len(tests))
+        return tuple(
+            dp.prepare(
+                test,
+                filter=self.filter,
+                machine=self.machine,
+                cycle=self.cycle,
+                judged=judged,
+                **asdict(self.cuts),
+            )
+            for test in tests
+        )
 
     def fit(self, tests: Sequence[RampHold] | Creep, **further: Any) -> Fit:
         """Fit ramps and holds, or one creep test."""
@@ -132,77 +155,69 @@ def fit_files(
     ReadError, DataError, FitError
         If a file cannot be read, prepared or fitted, or the choices exclude each other.
     """
-    options, cuts = options or ReadOptions(), cuts or Cuts()
+    options = options or ReadOptions()
     each = each_specimen(specimen, temperatures, len(files))
     asked = _Asked(
-        arms, method, depth_law, thorough, law, family, intervals, filter, shifting, each[0]
-    )
+        arms, method, depth_law, thorough, law, family, intervals, filter, cuts or Cuts(), machine,
+        options.cycle, shifting, each[0],
+    )  # fmt: skip
     if options.modulus is not None:
         asked.refuse_for_a_modulus()
-        _refuse_a_machine(machine, cuts)
-        curves = [
-            dp.read_modulus(path, options=options, specimen=one)
-            for path, one in zip(files, each, strict=True)
-        ]
+        asked.refuse_a_machine()
+        curves = _read(dp.read_modulus, files, each, options)
         with about(Path(files[0]).name):
             curve = one_temperature(curves, shifting, each[0])
             return dp.fit_modulus(curve, arms=arms, thorough=thorough), (curve,)  # type: ignore[arg-type]
-    tests = [
-        dp.read_bench(path, options=options, specimen=one)
-        for path, one in zip(files, each, strict=True)
-    ]
-    crept = [one for one in map(_as_creep, tests) if one is not None]
+    tests = _read(dp.read_bench, files, each, options)
+    crept = _as_creep(tests)
     if crept:
-        _refuse_a_machine(machine, cuts)
+        asked.refuse_a_machine()
         if len(crept) < len(tests) or filter:
             raise FitError(
                 "a creep test is fitted alone, or with others at other temperatures, without "
                 "--filter"
             )
-        # a load that is not held says itself of which file it is
-        held = [load_hold(one) if isinstance(one, CreepTest) else one for one in crept]
-        with about(Path(files[0]).name):
-            return _crept(held, asked)
+        return _crept(crept, asked, Path(files[0]).name)
     pressed = [test for test in tests if isinstance(test, RelaxationTest)]
-    cuts.refuse_several(len(pressed))
-    prepared = tuple(
-        dp.prepare(
-            test,
-            filter=filter,
-            machine=machine,
-            cycle=options.cycle,
-            judged=intervals or len(pressed) < len(tests),
-            **asdict(cuts),
-        )
-        for test in pressed
-    )
+    prepared = asked.prepared(pressed, judged=intervals or len(pressed) < len(tests))
     known_of_a_test(machine, tests=len(prepared), add="a ramp and hold")
-    sweeps = [test for test in tests if isinstance(test, DynamicTest)]
-    if not sweeps:
+    if len(pressed) == len(tests):
         return _pressed(prepared, asked), prepared
+    sweeps = [test for test in tests if isinstance(test, DynamicTest)]
     return _swept(sweeps, prepared, asked)
 
 
-def _refuse_a_machine(machine: Machine | None, cuts: Cuts) -> None:
-    """Refuse what is known of a ramp and hold alone."""
-    known_of_a_test(machine, tests=0, add="a ramp and hold")
-    cuts.refuse_several(0)
+_Test = TypeVar("_Test")
+
+
+def _read(
+    reader: Callable[..., _Test],
+    files: Sequence[str | Path],
+    each: Sequence[Specimen | None],
+    options: ReadOptions,
+) -> list[_Test]:
+    return [
+        reader(path, options=options, specimen=one) for path, one in zip(files, each, strict=True)
+    ]
 
 
 def _crept(
-    tests: Sequence[LoadHold | CreepCompliance], asked: _Asked
+    tests: Sequence[CreepTest | CreepCompliance], asked: _Asked, name: str
 ) -> tuple[Fit, tuple[Record, ...]]:
-    """Fit one creep test, or the master curve of several."""
-    record = _creep(tests, asked.shifting, asked.specimen)
-    if isinstance(record, Superposition):
-        if not asked.nothing_of("method", "depth_law", "law", "family"):
-            raise FitError(
-                "creep at several temperatures has a linear solid with arms: leave out "
-                "--method, --depth-law, --law and --family"
-            )
-        return dp.fit_creep(record, arms=asked.arms, thorough=asked.thorough), (record,)
-    further = {} if asked.shifting.at is not None else shifted_ramps(asked.shifting)
-    return asked.fit(record, **further), (record,)
+    """Fit one creep test, or the master curve of several; `name` is the first file's."""
+    # a load that is not held says itself of which file it is
+    held = [load_hold(one) if isinstance(one, CreepTest) else one for one in tests]
+    with about(name):
+        record = _creep(held, asked.shifting, asked.specimen)
+        if isinstance(record, Superposition):
+            if not asked.nothing_of("method", "depth_law", "law", "family"):
+                raise FitError(
+                    "creep at several temperatures has a linear solid with arms: leave out "
+                    "--method, --depth-law, --law and --family"
+                )
+            return dp.fit_creep(record, arms=asked.arms, thorough=asked.thorough), (record,)
+        further = {} if asked.shifting.at is not None else shifted_ramps(asked.shifting)
+        return asked.fit(record, **further), (record,)
 
 
 def _pressed(tests: tuple[RampHold, ...], asked: _Asked) -> Fit:
@@ -244,15 +259,17 @@ def _swept(
 
 
 def _as_creep(
-    test: RelaxationTest | DynamicTest | CreepTest | CreepCompliance,
-) -> CreepTest | CreepCompliance | None:
-    """The test if it is one of creep, by its file or by what its force and displacement do."""
-    if isinstance(test, CreepTest | CreepCompliance):
-        return test
-    if isinstance(test, RelaxationTest) and loading_in(test) == "creep":
-        signals = test.time, test.displacement, test.force
-        return CreepTest(*signals, specimen=test.specimen, source=test.source)
-    return None
+    tests: Sequence[RelaxationTest | DynamicTest | CreepTest | CreepCompliance],
+) -> list[CreepTest | CreepCompliance]:
+    """The tests of creep, by their files or by what force and displacement do."""
+    found: list[CreepTest | CreepCompliance] = []
+    for test in tests:
+        if isinstance(test, CreepTest | CreepCompliance):
+            found.append(test)
+        elif isinstance(test, RelaxationTest) and loading_in(test) == "creep":
+            signals = test.time, test.displacement, test.force
+            found.append(CreepTest(*signals, specimen=test.specimen, source=test.source))
+    return found
 
 
 def _creep(

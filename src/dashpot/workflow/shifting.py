@@ -100,22 +100,21 @@ def one_temperature(
     FitError
         If the choices exclude each other, or the tests.
     """
-    first = tests[0]
-    several = len(tests) > 1 or first.several_temperatures
+    first, at = tests[0], choices.at
     if first.several_temperatures and specimen is not None and specimen.temperature is not None:
         raise FitError(
             "the file says the temperature of every sample, so --temperature has nothing to add: "
             "--at takes one of them alone, --reference moves the master curve of them all"
         )
-    asked = choices != ShiftChoices(at=choices.at)
-    if choices.at is not None:
-        if asked or len(tests) > 1:
+    alone = len(tests) == 1 and choices == ShiftChoices(at=at)
+    if at is not None:
+        if not alone:
             raise FitError(
                 "--at takes one temperature out of a file of several; leave out --reference, "
                 "--shift, --vertical and --shifts, which shift them all, and other files"
             )
-        return first.at(choices.at)
-    if not (several or asked):
+        return first.at(at)
+    if alone and not first.several_temperatures:
         return first
     known = () if choices.shifts is None else dp.read_shifts(choices.shifts)
     return dp.superpose(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Literal, TypeAlias
+from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -281,63 +281,99 @@ def characterise(
     given = mass
     if measured is not None:
         mass = weighed(chosen, measured, mass=mass, seals=seals, band=band, compression=compression)
-    prediction = comparison = rests = bounds = None
+    felt, mended = _Felt(), _Mended()
     if mass is not None:
-        prediction, comparison = _predicted(
-            chosen, measured, mass=mass, seals=seals, band=band, compression=compression
-        )
-        rests = at_rest(chosen, mass=mass, seals=seals, compression=compression)
-        bounds = _prediction_bounds(chosen, every, measured, rests.point, mass=mass, seals=seals)
-    both = mended = agreement = None
-    if joint and measured is not None and mass is not None and rests is not None:
-        doing("fitting relaxation and hammer together")
-        at = rests.point.compression
-        both = identify(
-            measured, tests=every, fit=chosen, mass=given, seals=seals, band=band, compression=at,
-            family=family,
-        )  # fmt: skip
-        mended, agreement = _predicted(
-            both,
-            measured,
-            mass=_mass_of(both, mass),
-            seals=seals,
-            band=band,
-            compression=compression,
-        )
+        on = _Carried(mass, seals, band, compression)
+        felt = _felt(chosen, every, measured, on)
+        if joint and measured is not None:
+            doing("fitting relaxation and hammer together")
+            both = identify(
+                measured, tests=every, fit=chosen, mass=given, seals=seals, band=band,
+                compression=felt.compression, family=family,
+            )  # fmt: skip
+            on = on._replace(mass=_mass_of(both, mass))
+            mended = _Mended(both, *_predicted(both, measured, on))
     doing("bounding what the tests leave open")
-    hold_fit, checks = _by_the_paper(prepared, chosen) if len(every) == 1 else (None, ())
+    hold_fit, checks = _by_the_paper(every, chosen)
     return Study(
         test=test,
         prepared=prepared,
         fit=chosen,
-        alternatives=tuple(
-            # they are drawn, not judged
-            chosen
-            if chosen.family == "maxwell" and chosen.model.arms == n
-            else fit(prepared, arms=n, intervals=False)
-            for n in COMPARED_ORDERS
-        ),
+        alternatives=tuple(_of_order(arms, chosen, prepared) for arms in COMPARED_ORDERS),
         hold_fit=hold_fit,
         seals=seals,
         mass=mass,
         mass_inferred=given is None and mass is not None,
-        prediction=prediction,
         impact=impact,
         measured=measured,
-        comparison=comparison,
-        joint=both,
-        joint_prediction=mended,
-        joint_comparison=agreement,
         unseen=unseen_arm_band(chosen, every, STIFFNESS_LINES),
         parameters=parameter_band(chosen, STIFFNESS_LINES),
-        direct=None
-        if measured is None or mass is None
-        else dynamic_stiffness(measured, mass, seals=seals, band=band),
-        frf_band=bounds,
-        at_rest=rests,
-        checks=(*checks, *_untested(prediction, chosen, measured, rests, mass=mass, seals=seals)),
-        further=tuple(one for i, one in enumerate(every) if i != first),
+        checks=(*checks, *felt.untested),
+        further=(*every[:first], *every[first + 1 :]),
+        prediction=felt.prediction,
+        comparison=felt.comparison,
+        at_rest=felt.at_rest,
+        frf_band=felt.frf_band,
+        direct=felt.direct,
+        **mended._asdict(),
     )
+
+
+class _Carried(NamedTuple):
+    """A mass, kg, on so many seals; the lines to compare, Hz, and the compression asked for, m."""
+
+    mass: float
+    seals: float
+    band: tuple[float, float] | None
+    compression: float | None
+
+
+class _Felt(NamedTuple):
+    """What a fit says of the mass on the seals, beside what was measured of it; else nothing."""
+
+    prediction: FRF | None = None
+    comparison: Comparison | None = None
+    at_rest: AtRest | None = None
+    frf_band: FRFBounds | None = None
+    direct: DynamicStiffness | None = None
+    untested: tuple[Check, ...] = ()
+
+    @property
+    def compression(self) -> float | None:
+        """Of the seals under the mass, m."""
+        return None if self.at_rest is None else self.at_rest.point.compression
+
+
+class _Mended(NamedTuple):
+    """Both tests fitted together, and what that fit says of the mass; else nothing."""
+
+    joint: Fit | None = None
+    joint_prediction: FRF | None = None
+    joint_comparison: Comparison | None = None
+
+
+def _felt(chosen: Fit, tests: Sequence[RampHold], measured: FRF | None, on: _Carried) -> _Felt:
+    prediction, comparison = _predicted(chosen, measured, on)
+    rests = at_rest(chosen, mass=on.mass, seals=on.seals, compression=on.compression)
+    return _Felt(
+        prediction,
+        comparison,
+        rests,
+        _prediction_bounds(chosen, tests, measured, rests.point, mass=on.mass, seals=on.seals),
+        None
+        if measured is None
+        else dynamic_stiffness(measured, on.mass, seals=on.seals, band=on.band),
+        ()
+        if measured is not None
+        else _untested(prediction, chosen, rests, mass=on.mass, seals=on.seals),
+    )
+
+
+def _of_order(arms: int, chosen: Fit, prepared: RampHold) -> Fit:
+    """The fit with so many arms, which is drawn, not judged."""
+    if chosen.family == "maxwell" and chosen.model.arms == arms:
+        return chosen
+    return fit(prepared, arms=arms, intervals=False)
 
 
 def of_solid(chosen: Fit, tests: Sequence[RampHold]) -> int:
@@ -405,33 +441,17 @@ def _named(files: Sequence[str]) -> str:
     return ", ".join(Path(file).name for file in files)
 
 
-def _predicted(
-    found: Fit,
-    measured: FRF | None,
-    *,
-    mass: float,
-    seals: float,
-    band: tuple[float, float] | None,
-    compression: float | None,
-) -> tuple[FRF, Comparison | None]:
+def _predicted(found: Fit, measured: FRF | None, on: _Carried) -> tuple[FRF, Comparison | None]:
     """Return the FRF that a fit predicts, on the measured lines if there are any."""
     if measured is None:
-        return predict_frf(found, mass=mass, seals=seals, compression=compression), None
-    return held_against(found, measured, mass=mass, seals=seals, band=band, compression=compression)
+        return predict_frf(found, mass=on.mass, seals=on.seals, compression=on.compression), None
+    return held_against(found, measured, **on._asdict())
 
 
 def _untested(
-    prediction: FRF | None,
-    chosen: Fit,
-    measured: FRF | None,
-    rests: AtRest | None,
-    *,
-    mass: float | None,
-    seals: float,
+    prediction: FRF, chosen: Fit, rests: AtRest, *, mass: float, seals: float
 ) -> tuple[Check, ...]:
     """Ask of a prediction that no hammer has tested whether a test informs it."""
-    if prediction is None or measured is not None or rests is None or mass is None:
-        return ()
     informed = prediction_informed(find_peak(prediction).frequency, chosen.band)
     return (
         *rest_checks(rests.point, mass),
@@ -464,9 +484,11 @@ def _mass_of(joint: Fit, mass: float) -> float:
     return next((item.value for item in joint.nuisance if item.name == "mass"), mass)
 
 
-def _by_the_paper(prepared: RampHold, chosen: Fit) -> tuple[Fit | None, tuple[Check, ...]]:
-    """Return the fit of the paper's eq. (5), or the reason why this record does not allow it."""
+def _by_the_paper(tests: Sequence[RampHold], chosen: Fit) -> tuple[Fit | None, tuple[Check, ...]]:
+    """Return the fit of the paper's eq. (5) to one test, or why the record does not allow it."""
+    if len(tests) > 1:
+        return None, ()
     try:
-        return fit(prepared, arms=chosen.few_arms.arms, method="hold"), ()
+        return fit(tests, arms=chosen.few_arms.arms, method="hold"), ()
     except (DataError, FitError) as error:
         return None, (hold_fit_possible(str(error)),)

@@ -13,7 +13,7 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import ReadError
 from dashpot.workflow import checks
 from dashpot.workflow.archive import from_json
-from dashpot.workflow.documents import DIGEST
+from dashpot.workflow.documents import DIGEST, parts_of
 from dashpot.workflow.history import History, Line, Listed, read_history, sha256, software
 from dashpot.workflow.job import Job
 from dashpot.workflow.project import (
@@ -144,26 +144,30 @@ def _json_difference(kept: bytes, again: bytes, place: str, *, words: bool) -> t
 
 def difference(kept: Any, again: Any, where: str = "") -> tuple[float, str]:
     """Return the largest relative difference between two documents, and its place."""
-    if isinstance(kept, dict) and isinstance(again, dict):
-        if kept.keys() != again.keys():
-            return float("inf"), f"{where or 'the document'} has other keys"
-        pairs = [
-            (kept[key], again[key], f"{where}.{key}".lstrip(".")) for key in kept if key != DIGEST
-        ]
-    elif isinstance(kept, list) and isinstance(again, list):
-        if len(kept) != len(again):
-            return float("inf"), f"{where} has another length"
-        pairs = [(a, b, f"{where}[{i}]") for i, (a, b) in enumerate(zip(kept, again, strict=True))]
-    elif _is_number(kept) and _is_number(again):
+    if not (isinstance(kept, dict | list) and isinstance(again, type(kept))):
+        return _apart(kept, again), f"{where} was {kept!r} and is {again!r}"
+    before, after = parts_of(kept, where), parts_of(again, where)
+    if before.keys() != after.keys():
+        otherwise = "other keys" if isinstance(kept, dict) else "another length"
+        return float("inf"), f"{where or 'the document'} has {otherwise}"
+    pairs = (
+        difference(before[place], after[place], place.lstrip("."))
+        for place in before
+        if place != f"{where}.{DIGEST}"
+    )
+    return max(pairs, default=(0.0, ""), key=lambda item: item[0])
+
+
+def _apart(kept: Any, again: Any) -> float:
+    """Relative difference of two values; of texts that of the numbers in them, if any."""
+    if _is_number(kept) and _is_number(again):
         scale = max(abs(kept), abs(again))
-        relative = abs(kept - again) / scale if scale > 0 else 0.0
-        return relative, f"{where} was {kept!r} and is {again!r}"
-    elif isinstance(kept, str) and isinstance(again, str):
+        return float(abs(kept - again) / scale) if scale > 0 else 0.0
+    if isinstance(kept, str) and isinstance(again, str):
         same = _same_words(kept, again, _PRINTED)
-        return (0.0 if same else float("inf")), f"{where} was {kept!r} and is {again!r}"
     else:
-        return (0.0 if kept == again else float("inf")), f"{where} was {kept!r} and is {again!r}"
-    return max((difference(*pair) for pair in pairs), default=(0.0, ""), key=lambda item: item[0])
+        same = kept == again
+    return 0.0 if same else float("inf")
 
 
 def _is_number(value: Any) -> bool:
