@@ -8,6 +8,7 @@ import pytest
 from click.testing import CliRunner
 
 import dashpot as dp
+from dashpot.base.numbers import rounded
 from dashpot.cli import main
 from dashpot.io.write import frf_uff, write_frf
 from dashpot.records.frf import FRF
@@ -368,10 +369,15 @@ def test_one_solid_carries_every_mass_or_it_is_said(tmp_path):
         true = (400 + sum(k * s * tau / (1 + s * tau) for k, tau in arms)) / 2
         assert k.real == pytest.approx(true.real, rel=1e-3)
         assert k.imag == pytest.approx(true.imag, rel=2e-2)
+    figure = tmp_path / "masses.svg"
+    words = [word for mass in masses for word in ("--mass", f"{1e3 * mass:g}g")]
+    words = ["modes", *map(str, files), *words, "--seals", "2"]
+    assert CliRunner().invoke(main, [*words, "--plot", str(figure)]).exit_code == 0
+    drawn = figure.read_text()
+    assert all(f"{rounded(hz, digits=4)} Hz" in drawn for hz in (m.frequency for m in found.together.modes))
     # one seal 3 % stiffer under the middle mass is no arm's doing
     on_seals(tmp_path, 0.25, stiffer=1.03)
-    words = [word for mass in masses for word in ("--mass", f"{1e3 * mass:g}g")]
-    result = CliRunner().invoke(main, ["modes", *map(str, files), *words, "--seals", "2"])
+    result = CliRunner().invoke(main, words)
     assert result.exit_code == 0, result.output
     assert "no linear solid has the poles under 104, 250, 600 g" in " ".join(result.output.split())
 
@@ -382,3 +388,8 @@ def test_masses_and_files_go_together(tmp_path):
     result = CliRunner().invoke(main, ["modes", file, "--mass", "250g"])
     assert result.exit_code == 2
     assert "1 masses (--mass) for 1 files; expected two or more" in result.output
+    again = tmp_path / "again.csv"
+    again.write_bytes((tmp_path / "0.25.csv").read_bytes())
+    for other, names in ((file, "0.25.csv"), (str(again), "0.25.csv and again.csv")):
+        with pytest.raises(dp.DataError, match=f"^{names}: the same FRF is given under 104 and"):
+            modes_by_mass([file, other], (0.104, 0.25))

@@ -52,7 +52,8 @@ def command(
     Natural frequencies, damping ratios and residues of the receptance, each with its standard
     error; the mode that moves most comes first. Without a band they are sought within two octaves
     of where a block on its mounts moves most. Several points of one structure, in one file or in
-    several, give poles that they share, and shapes; --plot draws the stabilisation chart.
+    several, give poles that they share, and shapes; --plot draws the stabilisation chart, with
+    --mass the modes under each mass and the stiffness at their poles.
 
     \b
     dashpot modes frf.csv
@@ -60,11 +61,13 @@ def command(
     dashpot modes light.csv heavy.csv --mass 104g --mass 250g --seals 2
     """
     if masses:
-        if picture or against:
-            raise ReadError(
-                "--plot and --against are of one structure, --mass of several: leave either out"
-            )
+        if against:
+            raise ReadError("--against is of one structure, --mass of several: leave either out")
         held = workflow.modes_by_mass(frfs, masses, seals=seals, options=options, band=band)
+        if picture:
+            under = [one.frf for one in held.tests]
+            stamp = dp.plot.stamp([source for one in under for source in one.source], seals=seals)
+            write_figure(picture, dp.plot.several_masses(held.together, under, stamp=stamp))
         return Outcome(held.document, text.modes_by_mass(held), held.checks,
                        verdict=verdict(held.checks))  # fmt: skip
     found, chart = workflow.modes_files(frfs, options=options, band=band, against=against)

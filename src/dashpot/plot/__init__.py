@@ -18,7 +18,7 @@ from dashpot.plot.hyperelastic import hyperelastic
 from dashpot.plot.impact import hits
 from dashpot.plot.indentation import indentation
 from dashpot.plot.level import amplitude_sweep, frfs_at_levels, level, loops
-from dashpot.plot.modal import stabilisation
+from dashpot.plot.modal import several_masses, stabilisation
 from dashpot.plot.modulus import modulus
 from dashpot.plot.overview import hero
 from dashpot.plot.picture import Picture
@@ -59,6 +59,7 @@ __all__ = [
     "rod",
     "save",
     "segments",
+    "several_masses",
     "spectrum",
     "stabilisation",
     "stamp",

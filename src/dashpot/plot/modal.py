@@ -1,4 +1,4 @@
-"""The figure of a stabilisation chart: orders over frequency, and the response above them."""
+"""Figures of measured modes: the stabilisation chart, and modes under several masses."""
 
 from __future__ import annotations
 
@@ -18,9 +18,12 @@ from dashpot.plot.picture import (
     Picture,
     Rule,
     Tag,
+    around,
     around_log,
 )
-from dashpot.records.frf import Mode
+from dashpot.plot.tokens import sequential
+from dashpot.records.frf import FRF, Kind, Mode
+from dashpot.vibration.modal.several_masses import SeveralMasses
 from dashpot.vibration.modal.stabilisation import DAMPING, FREQUENCY, NEW, SHAPE, Stabilisation
 
 FOUND = Pen("fit", 1.2, (7, 4))
@@ -32,6 +35,8 @@ LOOKS = {
     NEW: ("new at its order", "ref", 2.5, False),
 }
 """Words, colour, size and whether hollow."""
+ABOUT = 2.0
+"""Times the lowest and the highest mode: what is shown of the FRFs under several masses."""
 NAMED = 4
 """That many modes have their numbers beside them."""
 
@@ -81,3 +86,56 @@ def stabilisation(chart: Stabilisation, modes: Sequence[Mode] = (), *, stamp: st
         Panel(x, Axis("order", (0.0, chart.highest + 1.0)), tuple(lower), height=230),
     )
     return Picture("stabilisation", caption, (strip,), 1, stamp)
+
+
+def several_masses(found: SeveralMasses, frfs: Sequence[FRF], *, stamp: str = "") -> Picture:
+    """The FRF under each mass with its mode, and the stiffness of one seal at the poles.
+
+    Beside what was measured stands the linear solid that comes closest to all of them.
+
+    Parameters
+    ----------
+    found : SeveralMasses
+    frfs : sequence of FRF
+        Under each of the masses.
+    stamp : str
+        What the figure says of its origin.
+    """
+    hertz = np.array([mode.frequency for mode in found.modes])
+    low, high = hertz.min() / ABOUT, hertz.max() * ABOUT
+    curves: list[Mark] = []
+    heights = []
+    colours = sequential(len(frfs))
+    for frf, mass, mode, colour in zip(frfs, found.masses, found.modes, colours, strict=True):
+        one = frf.to(Kind.ACCELERANCE)
+        near = (one.frequency >= low) & (one.frequency <= high)
+        f, height = one.frequency[near], np.abs(one.value[near])
+        heights.append(height)
+        curves.append(Line(f, height, Pen(colour, 1.6), f"{rounded(1e3 * mass, digits=4)} g"))
+        top = float(np.interp(mode.frequency, f, height))
+        text = f"{rounded(mode.frequency, digits=4)} Hz, {rounded(100 * mode.damping_ratio)} %"
+        curves.append(Tag(mode.frequency, top, text, colour, "filled"))
+    x = Axis("frequency, Hz", around_log(np.array([low, high]), margin=1.0), log=True)
+    limits = around_log(*heights, margin=2.0)
+    panels = [Panel(x, Axis("accelerance, 1/kg", limits, log=True), tuple(curves))]
+    order = np.argsort(hertz)
+    for i, name in enumerate(("storage stiffness, N/mm", "loss stiffness, N/mm")):
+        measured, solid = (
+            1e-3 * (each.imag if i else each.real)[order]
+            for each in (found.stiffness, found.at_poles)
+        )
+        error = 1.96e-3 * found.spread[order, i]
+        marks = (
+            Line(hertz[order], solid, FOUND),
+            Dots(hertz[order], solid, "fit", "the linear solid nearest to all", hollow=True,
+                 size=7.0),
+            Dots(hertz[order], measured, "measured", "at each pole, 95 %", error=error),
+        )  # fmt: skip
+        panels.append(
+            Panel(x, Axis(name, around(measured - error, measured + error, solid)), marks)
+        )
+    caption = (
+        "Modes under several masses, and the stiffness and loss of one seal that their poles have, "
+        "beside those of the one linear solid that comes closest."
+    )
+    return Picture("masses", caption, tuple((one,) for one in panels), 3, stamp, width=1100.0)

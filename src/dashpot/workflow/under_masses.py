@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
+from itertools import combinations
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
@@ -83,7 +86,8 @@ def modes_by_mass(
     Raises
     ------
     DataError
-        If there are not two or more masses, one for each file, or nothing rings under one of them.
+        If there are not two or more masses, one for each file, two files hold the same FRF, or
+        nothing rings under one of them.
     """
     if len(files) != len(masses) or len(files) < 2:
         raise DataError(
@@ -91,6 +95,7 @@ def modes_by_mass(
             "the mass of each, in their order"
         )
     tests = tuple(modes_files([file], options=options, band=band)[0] for file in files)
+    _refuse_same(files, masses, tests)
     silent = [mass for mass, one in zip(masses, tests, strict=True) if not one.modes]
     if silent:
         raise DataError(
@@ -108,3 +113,17 @@ def modes_by_mass(
     ]
     across = one_solid(found.distance, masses, (masses[found.worst], by))
     return ModesByMass(tests, found, (across, *own))
+
+
+def _refuse_same(
+    files: Sequence[str | Path], masses: Sequence[float], tests: Sequence[MeasuredModes]
+) -> None:
+    """Refuse an FRF that is given under two masses."""
+    every = list(zip(files, masses, tests, strict=True))
+    for (file, mass, one), (other, its, two) in combinations(every, 2):
+        if np.array_equal(one.frf.value, two.frf.value):
+            names = dict.fromkeys((Path(file).name, Path(other).name))
+            raise DataError(
+                f"{' and '.join(names)}: the same FRF is given under {1e3 * mass:.4g} and under "
+                f"{1e3 * its:.4g} g; expected what was measured under each mass"
+            )
