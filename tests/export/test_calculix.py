@@ -3,30 +3,17 @@
 from __future__ import annotations
 
 import re
-import shutil
-import subprocess
-from pathlib import Path
 
 import numpy as np
 import pytest
+from kit.solvers import needs_ccx, run_ccx
 
 from dashpot import export
 from dashpot.export import UNIT_SYSTEMS
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.systems.prediction import predict_frf
 
-pytestmark = pytest.mark.skipif(
-    shutil.which("ccx") is None, reason="CalculiX is not installed: apt-get install calculix-ccx"
-)
-
-
-def run_ccx(deck: str, folder: Path) -> str:
-    (folder / "deck.inp").write_text(deck)
-    run = subprocess.run(
-        ["ccx", "-i", "deck"], cwd=folder, capture_output=True, text=True, timeout=120, check=False
-    )
-    assert run.returncode == 0, run.stdout[-2000:]
-    return (folder / "deck.dat").read_text()
+pytestmark = needs_ccx
 
 
 def receptance(dat: str, node: int) -> tuple[np.ndarray, np.ndarray]:

@@ -16,6 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from kit.fits import a_fit, altered
 from kit.fractional import SEAL
+from kit.levels import a_level_fit
 
 from dashpot import export
 from dashpot.base.checks import Check
@@ -23,6 +24,7 @@ from dashpot.base.errors import ExportError
 from dashpot.base.provenance import Source
 from dashpot.base.version import __version__
 from dashpot.export import UNIT_SYSTEMS
+from dashpot.export.beside import CARRIERS
 from dashpot.export.notation import packed, text
 from dashpot.fitting.dynamic import fit_dynamic
 from dashpot.records.dynamic import DynamicTest
@@ -294,6 +296,8 @@ def golden_decks(fit: Fit) -> dict[str, str]:
         fit, units="mm-t-s", tolerance=0.01, frequency_range=(1.0, 30.0),
         line=SealLine([(0, 0, 0), (0.5, 0, 0), (0.5, 0.25, 0)]).stations(0.25),
     )  # fmt: skip
+    for target in CARRIERS:
+        decks[f"{target}-levels.{suffix[target]}"] = write(target, a_level_fit())
     return decks
 
 

@@ -6,15 +6,18 @@ from functools import cache
 
 import numpy as np
 
+from dashpot.base.provenance import Source
 from dashpot.fitting.level.loops import sweep_of_loops
 from dashpot.fitting.level.sweep import fit_amplitude
 from dashpot.records.amplitude import AmplitudeSweep
 from dashpot.records.frf import Kind
 from dashpot.records.level import LevelFit
 from dashpot.records.relaxation import RelaxationTest
+from dashpot.records.specimen import Specimen
 from dashpot.solids.friction import Jenkins, Kraus
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.networks import spring
+from dashpot.solids.stiffening import Cubic
 from dashpot.vibration.systems.bodies import Mount, point_mass
 from dashpot.vibration.systems.level import response_at_level
 from dashpot.vibration.systems.system import System
@@ -80,3 +83,18 @@ def followed():
     return LevelFit(
         SEAL, (SLIDER,), (1e-5, 1.8e-2), (8.0, 20.0), 0.01, 0.4, draws, MASS, levels=LEVELS
     )
+
+
+ARMS = GeneralizedMaxwell(393.0, (235.0, 35.6), (0.004, 16.4157303))
+SLIDERS = (Jenkins(100.0, 0.05), Jenkins(60.0, 0.012), Jenkins(30.0, 0.003))
+STIFFENS = Cubic(2e7)
+
+
+def a_level_fit(solid=ARMS, beside=(*SLIDERS, STIFFENS), **others) -> LevelFit:
+    """Arms, sliders and a cubic spring as FRFs at two levels tell them."""
+    known = {
+        "source": (Source("low.csv", "0" * 64), Source("high.csv", "1" * 64)),
+        "specimen": Specimen(length=0.1, temperature=296.15),
+        "levels": (0.02, 0.5),
+    } | others
+    return LevelFit(solid, beside, (1e-4, 2e-3), (8.0, 20.0), 0.01, 0.1, (), MASS, 2.0, **known)

@@ -16,6 +16,7 @@ from dashpot.cli._echo import to_stderr
 from dashpot.cli._options import Quantity, Range
 from dashpot.cli._shell import File, Outcome, reports, write
 from dashpot.cli._terminal import Text
+from dashpot.records.level import LevelFit
 from dashpot.records.seal_line import Stations
 from dashpot.records.specimen import Specimen
 
@@ -85,6 +86,9 @@ def command(
 ) -> Outcome:
     """Write the solid of FIT (a fit's JSON file) as a deck, or a hyperelastic law as a card.
 
+    What FRFs at several levels tell (dashpot level FRF... --json > level.json) is written with its
+    sliders and its cubic spring, for the solvers that hold such.
+
     A deck is refused if temperature, contact length or units are not stated, or if the data do
     not determine a parameter; --force writes it all the same and says so in its header. Of tests
     at several temperatures, --temperature asks for the solid there.
@@ -92,10 +96,14 @@ def command(
     \b
     dashpot export fit.json --to nastran --units mm-t-s --temperature 23degC --length 100mm
     dashpot export fit.json --to calculix --units mm-t-s --mass 104g --seals 2 --force -o seal.inp
+    dashpot export level.json --to opensees --units SI --temperature 23degC --length 100mm
     """
     found = workflow.read_exported(fit)
     if isinstance(found, dp.Fit):
-        found = _described(found, specimen)
+        added = _described(found.specimen, specimen)
+        found = replace(found, provenance=replace(found.provenance, specimen=added))
+    elif isinstance(found, LevelFit):
+        found = replace(found, specimen=_described(found.specimen, specimen))
     choices["line"] = None if line is None else _seal_line(line, pitch, normal, units)
     deck = dp.export.deck_for(
         target,
@@ -123,11 +131,10 @@ def command(
     return Outcome(document, text, deck.checks, verdict=deck.verdict)
 
 
-def _described(found: dp.Fit, given: Specimen) -> dp.Fit:
-    """Return the fit with what the user adds now to what it knows of its specimen."""
+def _described(known: Specimen, given: Specimen) -> Specimen:
+    """Return what a fit knows of its specimen with what the user adds now."""
     news = {one.name: getattr(given, one.name) for one in fields(given) if one.name != _ASKED}
-    specimen = replace(found.specimen, **{name: value for name, value in news.items() if value})
-    return replace(found, provenance=replace(found.provenance, specimen=specimen))
+    return replace(known, **{name: value for name, value in news.items() if value})
 
 
 _ASKED = "temperature"

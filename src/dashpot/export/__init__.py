@@ -23,11 +23,13 @@ from dashpot.export import nastran as _nastran
 from dashpot.export import opensees as _opensees
 from dashpot.export import radioss as _radioss
 from dashpot.export import statespace as _statespace
-from dashpot.export.deck import PROBLEMS, DeckText
+from dashpot.export.deck import DeckText
 from dashpot.export.hyperelastic import hyperelastic_card
 from dashpot.export.notation import UNIT_SYSTEMS
+from dashpot.export.opening import PROBLEMS
 from dashpot.records.fit import Fit
 from dashpot.records.hyperelastic import HyperelasticFit
+from dashpot.records.level import LevelFit
 
 _MODULES = {
     module.__name__.rpartition(".")[2]: module
@@ -60,7 +62,7 @@ TARGETS: Mapping[str, Callable[..., DeckText]] = MappingProxyType(
 
 def deck_for(
     target: str,
-    found: Fit | HyperelasticFit,
+    found: Fit | LevelFit | HyperelasticFit,
     *,
     seals: float = 1.0,
     compression: float | None = None,
@@ -72,7 +74,7 @@ def deck_for(
     Parameters
     ----------
     target : str
-    found : Fit or HyperelasticFit
+    found : Fit or LevelFit or HyperelasticFit
         Of one seal; of a material, whose card is written.
     seals : float
     compression : float, optional
@@ -102,6 +104,8 @@ def deck_for(
             raise ExportError("a material card takes no --seals and no --compression")
         return hyperelastic_card(target, found, temperature=temperature, **made)  # type: ignore[arg-type]
     if compression is not None:
+        if isinstance(found, LevelFit):
+            raise ExportError("FRFs at levels are of one compression; leave out --compression")
         found = found.at_compression(compression)
     if seals != 1:
         found = found.in_parallel(seals)

@@ -4,13 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
+import numpy as np
+
 from dashpot.base.units import Range, si_range
-from dashpot.export.deck import Deck, DeckText, Exportable, open_deck
+from dashpot.export.deck import NOT_VERIFIED, Deck, DeckText, Exportable
 from dashpot.export.notation import text
+from dashpot.export.opening import open_deck
 from dashpot.export.shift import abaqus_shift
 from dashpot.records.specimen import Specimen
 
 FORMS = ("arms", "connector", "prony")
+READ = (
+    "not solver-verified: no Abaqus runs in dashpot's tests; CalculiX reads these cards there, and "
+    "runs its own deck of the same ones"
+)
+_BLOCKS = 7000
+"""Nodes and elements of sliders come after it."""
+_SHAKES = 1e-5
+"""s: a slider's lid on its own spring takes 2 pi of it for a cycle, so small is its mass."""
 
 
 def abaqus(
@@ -25,7 +36,9 @@ def abaqus(
 ) -> DeckText:
     r"""Abaqus keywords of a solid.
 
-    ``"arms"`` writes the exact network of SPRINGA and DASHPOTA elements, for any procedure;
+    ``"arms"`` writes the exact network of SPRINGA and DASHPOTA elements, for any procedure, a
+    cubic spring as one with a curve, and each slider as a block of a perfectly plastic material in
+    simple shear, for *STATIC and *DYNAMIC;
     ``"connector"`` a connector behavior whose stiffness and structural damping depend on
     frequency, for direct and subspace steady-state dynamics; ``"prony"`` a material card
     ``*VISCOELASTIC, TIME=PRONY`` with g_j = k_j/k_0 on the instantaneous modulus, and ``*TRS``
@@ -43,7 +56,7 @@ def abaqus(
 
 
 def spring_dashpot_network(deck: Deck) -> list[str]:
-    """SPRINGA and DASHPOTA elements along x from node 1 to node 2, an inner node in each arm."""
+    """The springs, dashpots and sliders along x from node 1 to node 2; a node in each arm."""
     elements = []  # kind, from, to, name, value
     if deck.k_inf > 0:
         elements.append(("SPRING", 1, 2, "K_INF", deck.k_inf))
@@ -52,8 +65,9 @@ def spring_dashpot_network(deck: Deck) -> list[str]:
     for j, (k, _, b) in enumerate(deck.arms):
         elements.append(("SPRING", 2, 11 + j, f"K_{j + 1}", k))
         elements.append(("DASHPOT", 11 + j, 1, f"B_{j + 1}", b))
-    cards = ["*NODE", "1, 0., 0., 0.", "2, 1., 0., 0."]
-    cards += [f"{11 + j}, 0.5, 0., 0." for j in range(deck.model.arms)]
+    span = deck.beside.span
+    cards = ["*NODE", "1, 0., 0., 0.", f"2, {text(span)}, 0., 0."]
+    cards += [f"{11 + j}, {text(span / 2)}, 0., 0." for j in range(deck.model.arms)]
     for number, (kind, a, b_end, name, value) in enumerate(elements, start=1):
         cards += [
             f"*ELEMENT, TYPE={kind}A, ELSET=SEAL_{name}",
@@ -62,7 +76,58 @@ def spring_dashpot_network(deck: Deck) -> list[str]:
             "",
             text(value),
         ]
+    if deck.beside.k3:
+        cards += [
+            "*ELEMENT, TYPE=SPRINGA, ELSET=SEAL_CUBIC",
+            f"{1 + len(elements)}, 1, 2",
+            "*SPRING, ELSET=SEAL_CUBIC, NONLINEAR",
+            "",
+            *(f"{text(F)}, {text(x)}" for x, F in deck.beside.both_ways()),
+        ]
+    for number, (k, F, _) in enumerate(deck.beside.sliders, start=1):
+        cards += _slider(number, k, F, span, k * (_SHAKES / deck.units.time) ** 2)
     return cards
+
+
+def _slider(number: int, k: float, slip: float, height: float, mass: float) -> list[str]:
+    r"""A block in simple shear, whose lid follows node 2: :math:`k = GA/h`, :math:`F = \tau A`.
+
+    Its section is such that it flows at a Mises stress of 1, for ccx takes a stress of 1e-10 for
+    none. All that is across is held: nothing bends, and nothing is free where it flows.
+    """
+    name, first = f"SEAL_SLIDER_{number}", _BLOCKS + 10 * number
+    area = np.sqrt(3) * slip
+    edge, ids = float(np.sqrt(area)), [first + i for i in range(1, 9)]
+    foot, lid = ids[:4], ids[4:]
+    sides = ((0.0, 0.0), (edge, 0.0), (edge, edge), (0.0, edge))
+    corners = [(x, y, z) for z in (0.0, height) for x, y in sides]
+    cards = [
+        "*NODE",
+        *(f"{n}, {', '.join(map(text, at))}" for n, at in zip(ids, corners, strict=True)),
+        f"*ELEMENT, TYPE=C3D8, ELSET={name}",
+        f"{first}, {', '.join(map(str, ids))}",
+        f"*MATERIAL, NAME={name}",
+        "*ELASTIC",
+        f"{text(2 * k * height / area)}, 0.",
+        "*PLASTIC",
+        "1., 0.",
+        "*DENSITY",
+        text(mass / (area * height)),
+        f"*SOLID SECTION, ELSET={name}, MATERIAL={name}",
+    ]
+    for n in lid:
+        cards += ["*EQUATION", "2", f"{n}, 1, 1., 2, 1, -1."]
+    return [*cards, "*BOUNDARY", *(f"{n}, 1, 3" for n in foot), *(f"{n}, 2, 3" for n in lid)]
+
+
+def slider_remarks(deck: Deck) -> list[str]:
+    """What the header says of the blocks."""
+    if not deck.beside.sliders:
+        return []
+    return [
+        "a slider is a block of perfectly plastic material in simple shear, which turns by less",
+        "than 0.001 rad at the amplitudes tested; a linear step sees its stiffness, no friction",
+    ]
 
 
 def _arms(deck: Deck) -> DeckText:
@@ -71,17 +136,19 @@ def _arms(deck: Deck) -> DeckText:
         "**",
         "network of springs and dashpots for Abaqus",
         [*spring_dashpot_network(deck), *(["*BOUNDARY", *hold] if hold else [])],
+        verified=READ if deck.beside.parts else NOT_VERIFIED,
         remarks=[
             "node 1 is the ground side, node 2 the moving side, one inner node in each arm; all",
             "act along x and only the direction of the axis matters, not its length",
             "inner nodes are massless: for Abaqus/Explicit give each a small *MASS",
+            *slider_remarks(deck),
         ],
     )
 
 
 def _prony(deck: Deck) -> DeckText:
     rows = [f"{text(g)}, {text(g)}, {text(tau)}" for g, tau in deck.prony]
-    shift, says = abaqus_shift(deck.fit.temperatures if deck.fit else None)
+    shift, says = abaqus_shift(deck.temperatures)
     return deck.written(
         "**",
         "material of relative moduli for Abaqus",

@@ -7,8 +7,9 @@ from collections.abc import Collection
 import numpy as np
 
 from dashpot.base.errors import ExportError
-from dashpot.export.deck import DeckText, Exportable, open_deck
+from dashpot.export.deck import DeckText, Exportable
 from dashpot.export.notation import text
+from dashpot.export.opening import open_deck
 from dashpot.records.specimen import Specimen
 from dashpot.solids.networks import creep_of, parallel
 

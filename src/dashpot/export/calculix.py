@@ -8,12 +8,17 @@ import numpy as np
 
 from dashpot.base.errors import ExportError
 from dashpot.base.units import Quantity, Range, si, si_range
-from dashpot.export.abaqus import spring_dashpot_network
-from dashpot.export.deck import Deck, DeckText, Exportable, open_deck
+from dashpot.export.abaqus import slider_remarks, spring_dashpot_network
+from dashpot.export.deck import Deck, DeckText, Exportable
 from dashpot.export.notation import text
+from dashpot.export.opening import open_deck
 from dashpot.records.specimen import Specimen
 
 FORMS = ("arms",)
+CYCLED = (
+    "verified: CalculiX (ccx) runs such a deck in dashpot's tests; loops of several amplitudes "
+    "have the energy and the secant of the model within 1e-3"
+)
 VERIFIED = (
     "verified: CalculiX (ccx) runs such a deck in dashpot's tests; its FRF is within 1e-4 of the "
     "model"
@@ -38,6 +43,10 @@ def calculix(
     With a mass the deck is complete and runs as it stands: the mass on the solid under a unit
     force, its displacement printed as a real and an imaginary block at each frequency, that is,
     the receptance. Without one it is the network alone, to be included.
+
+    Sliders are blocks of a perfectly plastic material in simple shear, for ``*STATIC`` and
+    ``*DYNAMIC`` steps; ccx has no spring that slips. A mass is then refused: the steady-state
+    step is linear.
 
     Three things about ccx shape the deck. Inner nodes need a mass, which is made so small that
     the arm does not feel it. Its eigensolver returns zeros for models of a few degrees of
@@ -64,6 +73,11 @@ def calculix(
         raise ExportError(f"frequency_range = {low:g}:{high:g} Hz; expected 0 < low < high")
     if mass is not None and not mass > 0:
         raise ExportError(f"mass = {mass!r} kg; expected a number > 0")
+    if mass is not None and deck.beside.parts:
+        raise ExportError(
+            "--mass writes a steady-state step, which is linear and knows no friction; leave it "
+            "out, and march the network with *DYNAMIC (Python: mass=)"
+        )
     title = "network of springs and dashpots for CalculiX"
     cards = [
         *spring_dashpot_network(deck),
@@ -83,7 +97,9 @@ def calculix(
             "U1 of node 2 under a unit force: the receptance, real block then",
             "imaginary block at each frequency; the dummies only keep the eigensolver busy",
         ]
-    return deck.written("**", title, cards, verified=VERIFIED, remarks=remarks)
+    verified = CYCLED if deck.beside.parts else VERIFIED
+    remarks += slider_remarks(deck)
+    return deck.written("**", title, cards, verified=verified, remarks=remarks)
 
 
 def _inner_rates(deck: Deck, high: float) -> list[float]:

@@ -7,8 +7,9 @@ from collections.abc import Collection
 import numpy as np
 
 from dashpot.base.units import Range, si_range
-from dashpot.export.deck import Deck, DeckText, Exportable, open_deck
+from dashpot.export.deck import Deck, DeckText, Exportable
 from dashpot.export.notation import text
+from dashpot.export.opening import open_deck
 from dashpot.records.specimen import Specimen
 
 FORMS = ("frequency", "arms")

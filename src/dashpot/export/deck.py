@@ -3,47 +3,30 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import cached_property
-from types import MappingProxyType
 from typing import TypeAlias
 
-from dashpot.base.arrays import LEAST, MOST
 from dashpot.base.checks import Check, Verdict, verdict
-from dashpot.base.errors import DataError, ExportError
+from dashpot.base.errors import ExportError
 from dashpot.base.version import byline
+from dashpot.export.beside import Beside
 from dashpot.export.checks import rows_informed
 from dashpot.export.frequency_tables import Damping, Table, tabulate
-from dashpot.export.notation import UNIT_SYSTEMS, UnitSystem, one_line, text
+from dashpot.export.notation import UnitSystem, one_line, text
 from dashpot.export.shift import law_lines
-from dashpot.fitting.temperature.checks import temperature_tested
-from dashpot.records.fit import Fit, Status
+from dashpot.records.fit import Fit
+from dashpot.records.level import LevelFit
 from dashpot.records.specimen import Specimen
+from dashpot.records.temperature import TemperatureShifts
+from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
-Exportable: TypeAlias = Solid | Fit
+Exportable: TypeAlias = Solid | Fit | LevelFit
 """What can be exported: a bare solid, or a fit that brings its pedigree along."""
 
 NOT_VERIFIED = "not solver-verified: no solver of this kind runs in dashpot's tests"
-
-PROBLEMS = MappingProxyType(
-    {
-        "temperature": "the test temperature is not stated",
-        "length": "the contact length is not stated: nobody can scale the stiffness to another",
-        "not_identified": "the data do not determine every parameter",
-        "prony_sum": "the relative moduli sum to 1: nothing would carry a static load",
-    }
-)
-"""What a deck is refused for; each can be overridden by name and then leaves a mark."""
-
-_REMEDIES = {
-    "temperature": "give --temperature 23degC (Python: Specimen(temperature=...), K)",
-    "length": "give --length 100mm (Python: Specimen(length=...), m)",
-    "not_identified": "fit fewer arms, or test for longer and faster",
-    "prony_sum": "export the arms, or fit with k_inf > 0",
-}
-
 
 _MOVES = ("parallel", "compression", "temperature")
 """Steps that made another solid of the fitted one."""
@@ -77,7 +60,7 @@ class Deck:
         SI.
     units : UnitSystem
     specimen : Specimen
-    fit : Fit or None
+    fit : Fit or LevelFit or None
         Where the solid comes from; None for a bare one.
     overrides : tuple of str
         What was wrong and written all the same, one sentence each.
@@ -86,7 +69,7 @@ class Deck:
     solid: Solid
     units: UnitSystem
     specimen: Specimen
-    fit: Fit | None = None
+    fit: Fit | LevelFit | None = None
     overrides: tuple[str, ...] = ()
 
     # -- the solid in deck units ----------------------------------------------------------------
@@ -113,6 +96,11 @@ class Deck:
             (self.units.stiffness(k), tau / self.units.time, self.units.damping(b))
             for k, tau, b in zip(self.model.k, self.model.tau, self.model.arm_b, strict=True)
         )
+
+    @cached_property
+    def beside(self) -> Beside:
+        """Sliders and a cubic spring beside the arms, deck units; empty of a linear solid."""
+        return Beside.of(self.fit, self.units)
 
     @property
     def prony(self) -> list[tuple[float, float]]:
@@ -160,6 +148,21 @@ class Deck:
         )
 
     # -- what it says of itself -----------------------------------------------------------------
+
+    @property
+    def linear_fit(self) -> Fit | None:
+        """The fit behind the deck, if it is one of a linear solid."""
+        return self.fit if isinstance(self.fit, Fit) else None
+
+    @property
+    def temperatures(self) -> TemperatureShifts | None:
+        """What the fit knows of other temperatures."""
+        return self.linear_fit.temperatures if self.linear_fit else None
+
+    @property
+    def elastic_law(self) -> ElasticLaw | None:
+        """What the fit knows of other compressions."""
+        return self.linear_fit.elastic_law if self.linear_fit else None
 
     @property
     def band(self) -> tuple[float, float] | None:
@@ -238,11 +241,12 @@ class Deck:
             )
         return [
             *described,
+            *self.beside.described,
             "temperature: "
             + ("not stated" if kelvin is None else f"{kelvin:.6g} K ({kelvin - 273.15:.4g} degC)"),
             "contact length: "
             + ("not stated" if metres is None else f"{metres / units.length:.6g} {length}"),
-            *(law_lines(self.fit.temperatures) if self.fit and self.fit.temperatures else ()),
+            *(law_lines(self.temperatures) if self.temperatures else ()),
             *self._elastic_law(),
             *self._pedigree(),
             *(f"OVERRIDE: {sentence}" for sentence in self.overrides),
@@ -255,7 +259,7 @@ class Deck:
 
     def _elastic_law(self) -> list[str]:
         """What the stiffnesses are where the elastic law is not straight."""
-        law = self.fit.elastic_law if self.fit else None
+        law = self.elastic_law
         if law is None or law.kind == "linear":
             return []
         tangents = zip(law.knots, law.tangent(law.knots), strict=True)
@@ -279,7 +283,8 @@ class Deck:
             lines.append("source: a model in memory; no file is known to stand behind it")
             lines += scaled
         else:
-            lines.append(f"fit: {', '.join([self.fit.identity, *scaled])}")
+            found = self.fit.identity if isinstance(self.fit, Fit) else _levels_of(self.fit)
+            lines.append(f"fit: {', '.join([found, *scaled])}")
             lines += [f"source: {each.file} sha256 {each.sha256}" for each in self.fit.source]
             if any(each.simulated for each in self.fit.source):
                 lines.append("SIMULATED: the test behind this deck was made by a virtual rig")
@@ -289,150 +294,9 @@ class Deck:
         return [*lines, f"{band}; whatever lies outside is EXTRAPOLATED from the fitted arms"]
 
 
-def open_deck(
-    solid: Exportable,
-    target: str,
-    form: str,
-    forms: Sequence[str],
-    *,
-    units: str | None,
-    specimen: Specimen | None = None,
-    allow: Collection[str] = (),
-) -> Deck:
-    """Return the deck of a solid or a fit, or refuse it.
-
-    A bare solid is written with "not stated" wherever its pedigree is unknown: it has nothing
-    that could be missing. A fit must know its temperature and contact length, and every
-    parameter must be identified.
-
-    Parameters
-    ----------
-    solid : Solid or Fit
-    target, form : str
-        ``"prony"`` is a material card of relative moduli; every other form is of a part.
-    forms : sequence of str
-        Those that the target knows.
-    units : str
-        ``"SI"``, ``"mm-t-s"`` or ``"mm-kg-ms"``.
-    specimen : Specimen, optional
-        Replaces what the fit knows of its specimen; its temperature, where the fit knows one,
-        is that which the deck is asked for.
-    allow : collection of str
-        Names from :data:`PROBLEMS` to overlook; ``"all"`` overlooks every one. Each one that
-        applies leaves an OVERRIDE line in the header.
-
-    Raises
-    ------
-    ExportError
-        If the form or the unit system is missing or unknown, or a problem is not allowed.
-    """
-    if form not in forms:
-        raise ExportError(f"{target} has no form '{form}'; expected one of {', '.join(forms)}")
-    if units is None or units not in UNIT_SYSTEMS:
-        found = "no unit system is given" if units is None else f"'{units}' is no unit system"
-        raise ExportError(f"{found}; add --units, one of {', '.join(UNIT_SYSTEMS)}")
-    if isinstance(solid, Fit):
-        solid = _at(solid, specimen)
-        deck = Deck(solid.solid, UNIT_SYSTEMS[units], specimen or solid.specimen, solid)
-    else:
-        deck = Deck(solid, UNIT_SYSTEMS[units], specimen or Specimen())
-    return replace(deck, overrides=_overlooked(deck, allow, prony=form == "prony"))
-
-
-def _at(fit: Fit, specimen: Specimen | None) -> Fit:
-    """The fit at the temperature asked for; one that nobody noted is only said now."""
-    asked = None if specimen is None else specimen.temperature
-    if asked is None or (fit.temperatures is None and fit.specimen.temperature is None):
-        return fit
-    try:
-        moved = fit.at_temperature(asked)
-    except DataError as error:
-        raise ExportError(
-            f"{error}; if the temperature of the test was noted wrong, fit it again with "
-            "--temperature (Python: Specimen(temperature=...))"
-        ) from None
-    if fit.temperatures is None:
-        return moved
-    checks = (*moved.checks, temperature_tested(fit.temperatures, asked))
-    return replace(moved, evidence=replace(moved.evidence, checks=checks))
-
-
-def _overlooked(deck: Deck, allow: Collection[str], *, prony: bool) -> tuple[str, ...]:
-    """What is wrong with a deck and allowed; raises where anything is not."""
-    unknown = sorted(set(allow) - set(PROBLEMS) - {"all"})
-    if unknown:
-        raise ExportError(
-            f"'{unknown[0]}' is nothing that could be allowed; known: {', '.join(PROBLEMS)}, all"
-        )
-    _refuse_impossible(deck, prony=prony)
-    problems = _problems(deck, prony=prony)
-    refused = {name: says for name, says in problems.items() if not {name, "all"} & set(allow)}
-    if refused:
-        found = "; ".join(f"{says} ({_REMEDIES[name]})" for name, says in refused.items())
-        names = ", ".join(f"'{name}'" for name in refused)
-        raise ExportError(
-            f"{found}. To write the deck all the same, with a mark in its header, allow {names}: "
-            "--allow NAME for each, or --force for all"
-        )
-    return tuple(problems.values())
-
-
-def _refuse_impossible(deck: Deck, *, prony: bool) -> None:
-    """Raise where nothing can be overlooked: there is no right number to write."""
-    model = deck.model
-    if model.k_0 == 0 and model.b == 0:
-        raise ExportError("the solid has neither stiffness nor damping; there is nothing to write")
-    for name, value in (
-        ("k_inf", model.k_inf),
-        ("b", model.b),
-        *((f"k_{j}", k) for j, k in enumerate(model.k, start=1)),
-        *((f"tau_{j}", tau) for j, tau in enumerate(model.tau, start=1)),
-    ):
-        if value != 0 and not LEAST <= value <= MOST:
-            raise ExportError(
-                f"{name} = {value:.4g} in SI units; a deck holds 0 or numbers from {LEAST:g} to "
-                f"{MOST:g}"
-            )
-    if deck.fit and deck.fit.unit != "N/m" and not prony:
-        raise ExportError(
-            f"the fit is of a material, in {deck.fit.unit}, and springs and dashpots are in N/m; "
-            "write a material card: --form prony (Python: form='prony')"
-        )
-    if prony and model.b > 0:
-        raise ExportError(
-            f"b = {model.b:g} N s/m: a Prony series cannot hold a parallel dashpot; "
-            "export the arms, or fit without b"
-        )
-
-
-def _problems(deck: Deck, *, prony: bool) -> dict[str, str]:
-    found = {}
-    if deck.fit:
-        # a material has no contact length
-        for name in ("temperature", "length") if deck.fit.unit == "N/m" else ("temperature",):
-            if getattr(deck.specimen, name) is None:
-                found[name] = PROBLEMS[name]
-        doubt = _doubt(deck.fit)
-        if doubt:
-            found["not_identified"] = f"{PROBLEMS['not_identified']}: {doubt}"
-    if prony and sum(round(g, 10) for g, _ in deck.prony) >= 1:
-        found["prony_sum"] = f"{PROBLEMS['prony_sum']} (k_inf = {deck.model.k_inf:.4g})"
-    return found
-
-
-def _doubt(fit: Fit) -> str | None:
-    """Why not every parameter of a fit is identified, or None."""
-    if fit.status not in (Status.CONVERGED, Status.FEWER_ARMS):
-        return str(fit.status.value)
-    model, error = fit.model, fit.standard_error
-    if not model.k_inf > 0:
-        return "k_inf = 0, so the relaxation had not ended when the test did"
-    # a stiffness is known to three standard errors, a relaxation time to two
-    known = [("k_inf", model.k_inf, error["k_inf"], 3, fit.unit)]
-    for j, (k, tau) in enumerate(zip(model.k, model.tau, strict=True)):
-        known.append((f"arm {j + 1} has k", k, error["k"][j], 3, fit.unit))
-        known.append((f"arm {j + 1} has tau", tau, error["tau"][j], 2, "s"))
-    for name, value, se, times, unit in known:
-        if not times * se < value:
-            return f"{name} = {value:.4g} +- {se:.2g} {unit}"
-    return None
+def _levels_of(fit: LevelFit) -> str:
+    levels = ", ".join(f"{one:.4g}" for one in fit.levels)
+    return (
+        f"FRFs of a mass of {fit.mass:.6g} kg at the levels {levels} (N, or m/s^2 of a base), "
+        f"which leaves {100 * fit.residual:.2g} % of F/X"
+    )

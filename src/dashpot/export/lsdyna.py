@@ -6,8 +6,9 @@ from collections.abc import Collection
 
 from dashpot.base.errors import ExportError
 from dashpot.base.units import Quantity, si
-from dashpot.export.deck import Deck, DeckText, Exportable, open_deck
+from dashpot.export.deck import Deck, DeckText, Exportable
 from dashpot.export.notation import packed
+from dashpot.export.opening import open_deck
 from dashpot.records.specimen import Specimen
 
 FORMS = ("arms", "prony")
@@ -29,7 +30,9 @@ def lsdyna(
 
     ``"arms"`` writes discrete elements in parallel between two nodes: one ``*MAT_SPRING_ELASTIC``,
     and for each arm one ``*MAT_SPRING_MAXWELL``, whose stiffness decays from k_j to 0 at
-    beta_j = 1/tau_j: the exact network without inner nodes. ``"prony"`` writes
+    beta_j = 1/tau_j: the exact network without inner nodes. Sliders are
+    ``*MAT_SPRING_ELASTOPLASTIC`` without hardening, a cubic spring is
+    ``*MAT_SPRING_NONLINEAR_ELASTIC``. ``"prony"`` writes
     ``*MAT_GENERAL_VISCOELASTIC`` (076) with absolute shear moduli.
 
     Parameters
@@ -56,7 +59,7 @@ def lsdyna(
 
 
 def _arms(deck: Deck) -> DeckText:
-    materials: list[tuple[str, list[float]]] = []
+    materials: list[tuple[str, list[float | int]]] = []
     if deck.k_inf > 0:
         materials.append(("*MAT_SPRING_ELASTIC", [deck.k_inf]))
     if deck.b > 0:
@@ -64,11 +67,18 @@ def _arms(deck: Deck) -> DeckText:
     for k, tau, _ in deck.arms:
         # k0, ki, beta, cut-off time and force, incremental in time
         materials.append(("*MAT_SPRING_MAXWELL", [k, 0.0, 1 / tau, 1e20, 0.0, 0.0]))
+    # k, kt, fy: no hardening
+    materials += [("*MAT_SPRING_ELASTOPLASTIC", [k, 0.0, F]) for k, F, _ in deck.beside.sliders]
+    curve = []
+    if deck.beside.k3:
+        materials.append(("*MAT_SPRING_NONLINEAR_ELASTIC", [1]))
+        rows = (f"{packed(x, 20):>20}{packed(F, 20):>20}" for x, F in deck.beside.both_ways())
+        curve = ["*DEFINE_CURVE", _fields(1), *rows]
     cards = [
         "*KEYWORD",
         "*NODE",
         f"{1:>8}{'0.':>16}{'0.':>16}{'0.':>16}",
-        f"{2:>8}{'1.':>16}{'0.':>16}{'0.':>16}",
+        f"{2:>8}{packed(deck.beside.span, 16):>16}{'0.':>16}{'0.':>16}",
         "*SECTION_DISCRETE",
         "$#   secid       dro        kd        v0        cl        fd",
         _fields(1, 0, 0.0, 0.0, 0.0, 0.0),
@@ -88,7 +98,7 @@ def _arms(deck: Deck) -> DeckText:
     return deck.written(
         "$",
         "discrete springs and dampers for LS-DYNA",
-        [*cards, "*END"],
+        [*cards, *curve, "*END"],
         remarks=[
             "fields of nine columns hold five digits or more; each Maxwell arm is one discrete",
             "element, all between nodes 1 (ground side) and 2 (moving side)",

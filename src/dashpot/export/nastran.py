@@ -10,9 +10,10 @@ import numpy as np
 
 from dashpot.base.errors import ExportError
 from dashpot.base.units import Quantity, Range, si, si_range
-from dashpot.export.deck import Deck, DeckText, Exportable, open_deck
+from dashpot.export.deck import Deck, DeckText, Exportable
 from dashpot.export.frequency_tables import Damping, Table
 from dashpot.export.notation import packed
+from dashpot.export.opening import open_deck
 from dashpot.records.seal_line import SealSection, Stations
 from dashpot.records.specimen import Specimen
 
@@ -49,7 +50,7 @@ def nastran(
     units : str
         ``"SI"``, ``"mm-t-s"`` or ``"mm-kg-ms"``.
     specimen, allow
-        As in :func:`dashpot.export.deck.open_deck`.
+        As in :func:`dashpot.export.opening.open_deck`.
     form : str
     frequency_range : (float, float)
         Of the tables, Hz.
@@ -118,7 +119,7 @@ def _row_of(deck: Deck, line: Stations | None) -> _Row:
         )
     unit, word = deck.units.length, deck.units.words[0]
     shares = line.factor * line.length / deck.specimen.length
-    law = deck.fit.elastic_law if deck.fit else None
+    law = deck.elastic_law
     if line.compression is not None:
         shares = shares * SealSection(deck.solid, law).factor(line.compression)
     carried = shares > 0

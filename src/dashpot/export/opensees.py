@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from dashpot.export.deck import DeckText, Exportable, open_deck
+from dashpot.export.deck import DeckText, Exportable
 from dashpot.export.notation import text
+from dashpot.export.opening import open_deck
 from dashpot.records.specimen import Specimen
 
 FORMS = ("python", "tcl")
 VERIFIED = (
     "verified: OpenSeesPy runs these commands in dashpot's tests; the force of a ramp and hold is "
     "within 1e-5 of the model"
+)
+CYCLED = (
+    "verified: OpenSeesPy runs these commands in dashpot's tests; loops of several amplitudes have "
+    "the energy and the secant of the model within 1e-3"
 )
 
 
@@ -25,6 +30,8 @@ def opensees(
     first_tag: int = 1,
 ) -> DeckText:
     r"""OpenSees uniaxial materials: Elastic, Maxwell and Viscous, joined by Parallel.
+
+    Sliders are ElasticPP, a cubic spring is ElasticMultiLinear.
 
     The Parallel material, which comes last, is the solid: give it to a zeroLength element. (A
     Series of Elastic and Viscous is not a Maxwell arm in OpenSees: its answer is wrong.)
@@ -46,6 +53,12 @@ def opensees(
         materials.append(["Viscous", text(deck.b), "1."])
     # stiffness, viscosity, exponent of the dashpot, length
     materials += [["Maxwell", text(k), text(b), "1.", "1."] for k, _, b in deck.arms]
+    materials += [["ElasticPP", text(k), text(x)] for k, _, x in deck.beside.sliders]
+    if deck.beside.k3:
+        x, F = zip(*deck.beside.both_ways(), strict=True)
+        materials.append(
+            ["ElasticMultiLinear", "0.", "-strain", *map(text, x), "-stress", *map(text, F)]
+        )
     tags = [str(first_tag + i) for i in range(len(materials) + 1)]
     materials.append(["Parallel", *tags[:-1]])
     if form == "tcl":
@@ -55,16 +68,21 @@ def opensees(
         ]
     else:
         commands = ["import openseespy.opensees as ops", ""] + [
-            f"ops.uniaxialMaterial({', '.join([repr(kind), tag, *values])})"
+            f"ops.uniaxialMaterial({', '.join([repr(kind), tag, *map(_argument, values)])})"
             for tag, (kind, *values) in zip(tags, materials, strict=True)
         ]
     return deck.written(
         "#",
         "uniaxial material for OpenSees",
         commands,
-        verified=VERIFIED,
+        verified=CYCLED if deck.beside.parts else VERIFIED,
         remarks=[
             f"material {tags[-1]} is the solid; in a zeroLength element it acts along one",
             "direction, force against displacement",
         ],
     )
+
+
+def _argument(value: str) -> str:
+    """As Python writes it: a flag is a text."""
+    return repr(value) if value in {"-strain", "-stress"} else value

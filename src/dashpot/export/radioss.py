@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection
 
 from dashpot.base.units import Quantity, si
-from dashpot.export.deck import DeckText, Exportable, open_deck
+from dashpot.export.deck import DeckText, Exportable
 from dashpot.export.notation import text
+from dashpot.export.opening import open_deck
 from dashpot.records.specimen import Specimen
 
 FORMS = ("prony",)

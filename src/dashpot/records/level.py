@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
 import numpy as np
@@ -13,7 +13,8 @@ from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.numbers import counted
 from dashpot.base.offered import Described
-from dashpot.base.provenance import Source
+from dashpot.base.provenance import Source, Step
+from dashpot.records.specimen import Specimen
 from dashpot.solids.friction import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.rate_independent import InParallel
@@ -44,7 +45,7 @@ class LevelFit(ByValue, Described):
         As `residual`, of arms alone.
     draws : tuple of (GeneralizedMaxwell, tuple of Jenkins or Cubic)
         The same fit of records that chance might have given: what is known of anything that
-        follows from the solid and what stands beside it.
+        follows from the solid and what stands beside it. None of a fit that was read from a file.
     mass : float
         On all seals, kg.
     seals : float
@@ -54,6 +55,9 @@ class LevelFit(ByValue, Described):
     source : tuple of Source
     orders : tuple of (str, float)
         2 ln L of each explanation that was tried, over arms alone.
+    specimen : Specimen
+    steps : tuple of Step
+        What was made of it since.
     """
 
     solid: GeneralizedMaxwell
@@ -69,6 +73,8 @@ class LevelFit(ByValue, Described):
     checks: tuple[Check, ...] = ()
     source: tuple[Source, ...] = ()
     orders: tuple[tuple[str, float], ...] = ()
+    specimen: Specimen = field(default_factory=Specimen)
+    steps: tuple[Step, ...] = ()
 
     @property
     def verdict(self) -> Verdict:
@@ -101,11 +107,32 @@ class LevelFit(ByValue, Described):
         """95 % interval of what follows from the solid and what is beside it (basic bootstrap).
 
         The fit leans to the side on which its draws lean: they are reflected about it. Shape
-        (2,) of a number, (2, n) of several.
+        (2,) of a number, (2, n) of several; not known, NaN, without draws.
         """
         here = np.asarray(follows(self.solid, self.beside))
+        if not self.draws:
+            return np.full((2, *here.shape), np.nan)
         drawn = np.array([np.asarray(follows(*draw), dtype=float) for draw in self.draws])
         return np.asarray(2 * here - np.quantile(drawn, [0.975, 0.025], axis=0))
+
+    def in_parallel(self, count: float) -> LevelFit:
+        """So many seals side by side, as one; a fraction is a shorter piece."""
+
+        def of(solid: GeneralizedMaxwell, beside: tuple[Jenkins | Cubic, ...]) -> Parts:
+            return solid * count, tuple(one * count for one in beside)
+
+        solid, beside = of(self.solid, self.beside)
+        length = None if self.specimen.length is None else count * self.specimen.length
+        made = Step("parallel", (("count", f"{count:g}"),), f"{count:g} such seals in parallel")
+        return replace(
+            self,
+            solid=solid,
+            beside=beside,
+            draws=tuple(of(*draw) for draw in self.draws),
+            seals=self.seals / count,
+            specimen=replace(self.specimen, length=length),
+            steps=(*self.steps, made),
+        )
 
     def covers(self, amplitude: npt.ArrayLike) -> BoolArray:
         """Whether amplitudes, m, lie in the range that the lines inform."""

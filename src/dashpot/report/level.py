@@ -23,7 +23,8 @@ from dashpot.solids.friction import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.rate_independent import InParallel
 from dashpot.solids.stiffening import Cubic
-from dashpot.workflow.levels import Levels, PeakAtLevel
+from dashpot.workflow.level_document import PeakAtLevel
+from dashpot.workflow.levels import Levels
 
 _95 = 1.96
 """Standard errors to either end of a 95 % interval."""

@@ -32,6 +32,7 @@ from dashpot.workflow.documents import DIGEST, digest_of, edited, mistyped, once
 from dashpot.workflow.impacts import ImpactResult
 from dashpot.workflow.inspections import InspectedFile, Inspections
 from dashpot.workflow.job import Job
+from dashpot.workflow.level_document import LevelDocument
 from dashpot.workflow.measured_modes import MeasuredModes
 from dashpot.workflow.study import Study
 
@@ -47,6 +48,7 @@ SCHEMAS: dict[str, type] = {
     "dashpot/creep-compliance@1": CreepCompliance,
     "dashpot/fit@1": Fit,
     "dashpot/hyperelastic@1": HyperelasticFit,
+    "dashpot/levels@1": LevelDocument,
     "dashpot/impact-test@1": ImpactTest,
     "dashpot/frf@1": FRF,
     "dashpot/impact@1": ImpactResult,
@@ -143,6 +145,12 @@ def _opened(text: str | bytes) -> tuple[str, dict[str, Any]]:
             f'the document\'s "schema" is {name!r}; this version of dashpot reads '
             f"{', '.join(sorted(SCHEMAS))}"
         )
+    if name == "dashpot/levels@1" and "model" not in found:
+        what = "a law of stiffness and loss" if "law" in found else "hits of different height"
+        raise ReadError(
+            f"the {name} document holds {what}, which has no force along a path: arms and sliders "
+            "are what 'dashpot level' finds of FRFs of one mass at several levels"
+        )
     return name, found
 
 
@@ -160,7 +168,8 @@ def _plain(value: Any) -> Any:
     if type(value) in _CONTRACTS:
         plain = _CONTRACTS[type(value)](value, plain)
     whole = {"schema": name, **plain} if name else plain
-    return {**whole, DIGEST: digest_of(whole)} if isinstance(value, Fit) else whole
+    sealed = isinstance(value, Fit | LevelDocument)
+    return {**whole, DIGEST: digest_of(whole)} if sealed else whole
 
 
 @_plain.register(np.ndarray)

@@ -9,6 +9,7 @@ from typing import Any
 
 DIGEST = "digest"
 """The key of a fit's document that shows whether the rest was edited."""
+_SEALED = {"dashpot/fit@1", "dashpot/levels@1"}
 _NUMERIC = {"k_inf", "k", "tau", "b"}
 """Keys of a solid, whose values are numbers."""
 
@@ -34,7 +35,7 @@ def edited(value: Any) -> bool:
         return any(map(edited, value))
     if not isinstance(value, dict):
         return False
-    sealed = value.get("schema") == "dashpot/fit@1" and DIGEST in value
+    sealed = value.get("schema") in _SEALED and DIGEST in value
     return (sealed and value[DIGEST] != digest_of(value)) or any(map(edited, value.values()))
 
 

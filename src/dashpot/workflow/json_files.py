@@ -8,7 +8,9 @@ from dashpot.base.errors import ReadError
 from dashpot.io.source import like_json, open_raw
 from dashpot.records.fit import Fit
 from dashpot.records.hyperelastic import HyperelasticFit
+from dashpot.records.level import LevelFit
 from dashpot.workflow.archive import from_json
+from dashpot.workflow.level_document import LevelDocument
 
 A_FIT = "a fit, as 'dashpot fit FILE -o fit.json' writes it"
 
@@ -43,8 +45,8 @@ def read_fit(path: str | Path) -> Fit:
     return _a_fit(path, stored(path, hint=f"; expected {A_FIT}"))
 
 
-def read_exported(path: str | Path) -> Fit | HyperelasticFit:
-    """Return the fit or the hyperelastic law in a JSON file; ``-`` is stdin.
+def read_exported(path: str | Path) -> Fit | LevelFit | HyperelasticFit:
+    """Return the fit of a solid, of levels or of a hyperelastic law in a JSON file; ``-`` is stdin.
 
     Raises
     ------
@@ -52,6 +54,8 @@ def read_exported(path: str | Path) -> Fit | HyperelasticFit:
         If it holds something else.
     """
     found = stored(path, hint=f"; expected {A_FIT}")
+    if isinstance(found, LevelDocument):
+        return found.fit
     return found if isinstance(found, HyperelasticFit) else _a_fit(path, found)
 
 

@@ -34,36 +34,14 @@ from dashpot.solids.friction import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.stiffening import Cubic
 from dashpot.vibration.impact.frf_estimation import estimate_frf
+from dashpot.workflow.archive import document
 from dashpot.workflow.checks import level_covered
+from dashpot.workflow.level_document import LevelDocument, PeakAtLevel
 
 _RESPONSES = ("frf", "transmissibility")
 _HITS = ("impact",)
 _LOOPS = ("cyclic", "cld", "relaxation", "creep")
 """What a record of time, displacement and force is taken for; here it is one of loops."""
-
-
-@dataclass(frozen=True)
-class PeakAtLevel:
-    """The resonance of a mass at a level that was asked for.
-
-    Attributes
-    ----------
-    level : float
-        Amplitude of the force, N.
-    frequency, receptance : float
-        Of the largest motion, Hz, and that motion over the force, m/N.
-    frequency_interval, receptance_interval : (float, float)
-        95 %.
-    amplitude : float
-        Of the seal's displacement there, m.
-    """
-
-    level: float
-    frequency: float
-    receptance: float
-    frequency_interval: tuple[float, float]
-    receptance_interval: tuple[float, float]
-    amplitude: float
 
 
 @dataclass(frozen=True)
@@ -134,22 +112,7 @@ class Levels:
                 **_numbers(fit),
                 "orders": dict(fit.orders),
             }
-        return known | {
-            "mass": fit.mass,
-            "seals": fit.seals,
-            "band_hz": list(fit.band),
-            "linear_residual": fit.linear_residual,
-            "model": {
-                "k_inf": fit.solid.k_inf,
-                "arms": [
-                    {"k": k, "tau": tau} for k, tau in zip(fit.solid.k, fit.solid.tau, strict=True)
-                ],
-            },
-            "sliders": [{"k": one.k, "slip": one.slip} for one in fit.sliders],
-            "cubic": {"k3": fit.k3, "interval": list(fit.k3_interval)} if fit.k3 else None,
-            "orders": dict(fit.orders),
-            "at": [asdict(one) for one in self.at],
-        }
+        return document(LevelDocument.of(fit, self.checks, self.at))
 
 
 def level_files(

@@ -1,0 +1,190 @@
+"""Whether a solid or a fit may be written as a deck: what must be known, and what is refused."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import replace
+from types import MappingProxyType
+
+from dashpot.base.arrays import LEAST, MOST
+from dashpot.base.errors import DataError, ExportError
+from dashpot.export.deck import Deck, Exportable
+from dashpot.export.notation import UNIT_SYSTEMS
+from dashpot.fitting.temperature.checks import temperature_tested
+from dashpot.records.fit import Fit, Status
+from dashpot.records.level import LevelFit
+from dashpot.records.specimen import Specimen
+
+PROBLEMS = MappingProxyType(
+    {
+        "temperature": "the test temperature is not stated",
+        "length": "the contact length is not stated: nobody can scale the stiffness to another",
+        "not_identified": "the data do not determine every parameter",
+        "prony_sum": "the relative moduli sum to 1: nothing would carry a static load",
+    }
+)
+"""What a deck is refused for; each can be overridden by name and then leaves a mark."""
+
+_REMEDIES = {
+    "temperature": "give --temperature 23degC (Python: Specimen(temperature=...), K)",
+    "length": "give --length 100mm (Python: Specimen(length=...), m)",
+    "not_identified": "fit fewer arms, or test for longer and faster",
+    "prony_sum": "export the arms, or fit with k_inf > 0",
+}
+
+
+def open_deck(
+    solid: Exportable,
+    target: str,
+    form: str,
+    forms: Sequence[str],
+    *,
+    units: str | None,
+    specimen: Specimen | None = None,
+    allow: Collection[str] = (),
+) -> Deck:
+    """Return the deck of a solid or a fit, or refuse it.
+
+    A bare solid is written with "not stated" wherever its pedigree is unknown: it has nothing
+    that could be missing. A fit must know its temperature and contact length, and every
+    parameter must be identified.
+
+    Parameters
+    ----------
+    solid : Solid or Fit or LevelFit
+    target, form : str
+        ``"prony"`` is a material card of relative moduli; every other form is of a part.
+    forms : sequence of str
+        Those that the target knows.
+    units : str
+        ``"SI"``, ``"mm-t-s"`` or ``"mm-kg-ms"``.
+    specimen : Specimen, optional
+        Replaces what the fit knows of its specimen; its temperature, where the fit knows one,
+        is that which the deck is asked for.
+    allow : collection of str
+        Names from :data:`PROBLEMS` to overlook; ``"all"`` overlooks every one. Each one that
+        applies leaves an OVERRIDE line in the header.
+
+    Raises
+    ------
+    ExportError
+        If the form or the unit system is missing or unknown, the form is linear and the fit has
+        friction, or a problem is not allowed.
+    """
+    if form not in forms:
+        raise ExportError(f"{target} has no form '{form}'; expected one of {', '.join(forms)}")
+    if units is None or units not in UNIT_SYSTEMS:
+        found = "no unit system is given" if units is None else f"'{units}' is no unit system"
+        raise ExportError(f"{found}; add --units, one of {', '.join(UNIT_SYSTEMS)}")
+    if isinstance(solid, Fit):
+        solid = _at(solid, specimen)
+    if isinstance(solid, Fit | LevelFit):
+        deck = Deck(solid.solid, UNIT_SYSTEMS[units], specimen or solid.specimen, solid)
+    else:
+        deck = Deck(solid, UNIT_SYSTEMS[units], specimen or Specimen())
+    deck.beside.refuse_unless_held(target, form)
+    return replace(deck, overrides=_overlooked(deck, allow, prony=form == "prony"))
+
+
+def _at(fit: Fit, specimen: Specimen | None) -> Fit:
+    """The fit at the temperature asked for; one that nobody noted is only said now."""
+    asked = None if specimen is None else specimen.temperature
+    if asked is None or (fit.temperatures is None and fit.specimen.temperature is None):
+        return fit
+    try:
+        moved = fit.at_temperature(asked)
+    except DataError as error:
+        raise ExportError(
+            f"{error}; if the temperature of the test was noted wrong, fit it again with "
+            "--temperature (Python: Specimen(temperature=...))"
+        ) from None
+    if fit.temperatures is None:
+        return moved
+    checks = (*moved.checks, temperature_tested(fit.temperatures, asked))
+    return replace(moved, evidence=replace(moved.evidence, checks=checks))
+
+
+def _overlooked(deck: Deck, allow: Collection[str], *, prony: bool) -> tuple[str, ...]:
+    """What is wrong with a deck and allowed; raises where anything is not."""
+    unknown = sorted(set(allow) - set(PROBLEMS) - {"all"})
+    if unknown:
+        raise ExportError(
+            f"'{unknown[0]}' is nothing that could be allowed; known: {', '.join(PROBLEMS)}, all"
+        )
+    _refuse_impossible(deck, prony=prony)
+    problems = _problems(deck, prony=prony)
+    refused = {name: says for name, says in problems.items() if not {name, "all"} & set(allow)}
+    if refused:
+        found = "; ".join(f"{says} ({_REMEDIES[name]})" for name, says in refused.items())
+        names = ", ".join(f"'{name}'" for name in refused)
+        raise ExportError(
+            f"{found}. To write the deck all the same, with a mark in its header, allow {names}: "
+            "--allow NAME for each, or --force for all"
+        )
+    return tuple(problems.values())
+
+
+def _refuse_impossible(deck: Deck, *, prony: bool) -> None:
+    """Raise where nothing can be overlooked: there is no right number to write."""
+    model = deck.model
+    if model.k_0 == 0 and model.b == 0 and not deck.beside.parts:
+        raise ExportError("the solid has neither stiffness nor damping; there is nothing to write")
+    for name, value in (
+        ("k_inf", model.k_inf),
+        ("b", model.b),
+        *((f"k_{j}", k) for j, k in enumerate(model.k, start=1)),
+        *((f"tau_{j}", tau) for j, tau in enumerate(model.tau, start=1)),
+        *((name, abs(each)) for one in deck.beside.parts for name, each in vars(one).items()),
+    ):
+        if value != 0 and not LEAST <= value <= MOST:
+            raise ExportError(
+                f"{name} = {value:.4g} in SI units; a deck holds 0 or numbers from {LEAST:g} to "
+                f"{MOST:g}"
+            )
+    fit = deck.linear_fit
+    if fit and fit.unit != "N/m" and not prony:
+        raise ExportError(
+            f"the fit is of a material, in {fit.unit}, and springs and dashpots are in N/m; "
+            "write a material card: --form prony (Python: form='prony')"
+        )
+    if prony and model.b > 0:
+        raise ExportError(
+            f"b = {model.b:g} N s/m: a Prony series cannot hold a parallel dashpot; "
+            "export the arms, or fit without b"
+        )
+
+
+def _problems(deck: Deck, *, prony: bool) -> dict[str, str]:
+    found = {}
+    if deck.fit:
+        # a material has no contact length
+        part = deck.linear_fit is None or deck.linear_fit.unit == "N/m"
+        for name in ("temperature", "length") if part else ("temperature",):
+            if getattr(deck.specimen, name) is None:
+                found[name] = PROBLEMS[name]
+        doubt = _doubt(deck.fit)
+        if doubt:
+            found["not_identified"] = f"{PROBLEMS['not_identified']}: {doubt}"
+    if prony and sum(round(g, 10) for g, _ in deck.prony) >= 1:
+        found["prony_sum"] = f"{PROBLEMS['prony_sum']} (k_inf = {deck.model.k_inf:.4g})"
+    return found
+
+
+def _doubt(fit: Fit | LevelFit) -> str | None:
+    """Why not every parameter of a fit is identified, or None."""
+    if isinstance(fit, LevelFit):  # its parts are judged together, by what they leave unexplained
+        return fit.verdict.says if fit.verdict.use == "do not use" else None
+    if fit.status not in (Status.CONVERGED, Status.FEWER_ARMS):
+        return str(fit.status.value)
+    model, error = fit.model, fit.standard_error
+    if not model.k_inf > 0:
+        return "k_inf = 0, so the relaxation had not ended when the test did"
+    # a stiffness is known to three standard errors, a relaxation time to two
+    known = [("k_inf", model.k_inf, error["k_inf"], 3, fit.unit)]
+    for j, (k, tau) in enumerate(zip(model.k, model.tau, strict=True)):
+        known.append((f"arm {j + 1} has k", k, error["k"][j], 3, fit.unit))
+        known.append((f"arm {j + 1} has tau", tau, error["tau"][j], 2, "s"))
+    for name, value, se, times, unit in known:
+        if not times * se < value:
+            return f"{name} = {value:.4g} +- {se:.2g} {unit}"
+    return None
